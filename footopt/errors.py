@@ -1,0 +1,37 @@
+"""The errors a user can mend: each names the setting, its value, what is allowed and what to try."""
+
+from __future__ import annotations
+
+
+class FootoptError(Exception):
+    """Base of every error that footopt raises on purpose."""
+
+
+class SettingError(FootoptError, ValueError):
+    """A setting has a value that cannot be used.
+
+    Parameters
+    ----------
+    setting : the setting's name as the user writes it, e.g. ``"sand.zeta"``.
+    value : what was given.
+    allowed : what is allowed, in words.
+    hint : what to try; optional.
+    """
+
+    def __init__(self, setting: str, value: object, allowed: str, hint: str = "") -> None:
+        self.setting, self.value, self.allowed, self.hint = setting, value, allowed, hint
+        message = f"{setting} = {value!r}: must be {allowed}."
+        super().__init__(f"{message} {hint}" if hint else message)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.setting, self.value, self.allowed, self.hint)
+
+
+class FileError(FootoptError, OSError):
+    """A file or folder cannot be read, understood or written."""
+
+
+def check(condition: object, setting: str, value: object, allowed: str, hint: str = "") -> None:
+    """Raise `SettingError` unless `condition` holds (a NaN comparison does not)."""
+    if not condition:
+        raise SettingError(setting, value, allowed, hint)

@@ -1,0 +1,94 @@
+"""From a contour to plates: equal steps along the arc, one chord each."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Plates(NamedTuple):
+    """The plates of a batch of feet, structure of arrays, each of shape (designs, plates).
+
+    Positions are the chords' middles in the foot frame, from the ankle; ``c2`` and ``s2`` are
+    cos and sin of twice the chord's angle, all that the stress law needs of it.
+    """
+
+    x: Array  # m
+    z: Array  # m
+    c2: Array
+    s2: Array
+    area: Array  # m^2, width times chord
+
+    @classmethod
+    def from_points(cls, points: Array, ankle: Array, width: Array) -> Plates:
+        """Plates between neighbours of a contour.
+
+        Parameters
+        ----------
+        points : (designs, plates + 1, 2), m, from heel to toe with the sand below
+        ankle : (designs, 2), m, foot frame
+        width : (designs,), m
+        """
+        middle = 0.5 * (points[:, 1:] + points[:, :-1]) - ankle[:, None, :]
+        chord = points[:, 1:] - points[:, :-1]
+        dx, dz = chord[..., 0], chord[..., 1]
+        square = dx * dx + dz * dz
+        return cls(
+            x=np.ascontiguousarray(middle[..., 0]),
+            z=np.ascontiguousarray(middle[..., 1]),
+            c2=(dx * dx - dz * dz) / square,
+            s2=2.0 * dx * dz / square,
+            area=np.sqrt(square) * width[:, None],
+        )
+
+    def take(self, index: slice | NDArray[np.int64]) -> Plates:
+        """The plates of some of the designs."""
+        return Plates(*(np.ascontiguousarray(column[index]) for column in self))
+
+
+def along_arc(polyline: Array, plates: int) -> Array:
+    """Points at equal arc lengths of a polyline.
+
+    Parameters
+    ----------
+    polyline : (m, 2), m
+
+    Returns
+    -------
+    points : (plates + 1, 2), m
+    """
+    steps = np.hypot(*np.diff(polyline, axis=0).T)
+    arc = np.concatenate([[0.0], np.cumsum(steps)])
+    at = arc[-1] * np.arange(plates + 1) / plates
+    return np.stack([np.interp(at, arc, polyline[:, 0]), np.interp(at, arc, polyline[:, 1])], axis=1)
+
+
+def hollow(contour: Array) -> float:
+    """Largest gap, along z_p, between a sole and its lower convex hull, m.
+
+    0 for a convex sole; the depth of the hollow for one that touches ground at heel and toe only.
+    Points on the contour's vertical sides do not count.
+
+    Parameters
+    ----------
+    contour : (m, 2), m
+    """
+    points = contour[np.lexsort((contour[:, 1], contour[:, 0]))]
+    hull: list[Array] = []
+    for p in points:  # Andrew's monotone chain, lower part
+        while len(hull) >= 2:
+            (ax, az), (bx, bz) = hull[-1] - hull[-2], p - hull[-2]
+            if ax * bz - az * bx > 0.0:
+                break
+            hull.pop()
+        hull.append(p)
+    corners = np.array(hull)
+    keep = corners[np.concatenate([[True], np.diff(corners[:, 0]) > 0.0])]
+    tol = 1e-9 * np.ptp(contour[:, 0])
+    inner = (contour[:, 0] > contour[:, 0].min() + tol) & (contour[:, 0] < contour[:, 0].max() - tol)
+    gap = contour[inner, 1] - np.interp(contour[inner, 0], keep[:, 0], keep[:, 1])
+    return float(max(gap.max(initial=0.0), 0.0))

@@ -1,0 +1,199 @@
+"""The design space: integer heights of waypoints along the sole, joined by a cubic spline.
+
+Everything here works on a whole population at once and only with elementwise operations, so that a
+sole does not depend, to the last bit, on the batch it is computed in.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from footopt.errors import SettingError, check
+from footopt.foot.plates import Plates
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+FINE = 32  # samples of the spline between two waypoints, for its arc length and its box violation
+
+
+@dataclass(frozen=True)
+class Waypoints:
+    """A space of soles: n waypoints, uniform in x over [-L, L], at z_i = -k_i H / K.
+
+    The heights k_i are whole numbers from 1 (high) to K (low); a cubic spline with not-a-knot ends
+    joins the points. The paper's eq. 11 gives x_i = (i-1)(3-n)L/(n-1), which does not span
+    the box; x_i = -L + 2L(i-1)/(n-1) does, and is used here.
+
+    Parameters
+    ----------
+    n : waypoints, >= 4. K : levels, >= 1. L, H : half length and half height of the box, m.
+    width : of the foot, m. ankle : its place in the foot frame, m (the paper gives neither).
+    box_tolerance : how far a spline may leave the box [-H, 0] between waypoints before the design
+        is infeasible, in units of H; infinity is the paper.
+    """
+
+    n: int = 11
+    K: int = 10
+    L: float = 0.13
+    H: float = 0.03
+    width: float = 0.10
+    ankle: tuple[float, float] = (0.0, 0.0)
+    box_tolerance: float = 0.05
+
+    def __post_init__(self) -> None:
+        check(
+            _is_int(self.n) and 4 <= self.n <= 200,
+            "foot.n",
+            self.n,
+            "a whole number from 4 to 200",
+            "A not-a-knot cubic spline needs four points; the paper's feet have 11.",
+        )
+        check(_is_int(self.K) and self.K >= 1, "foot.K", self.K, "a whole number >= 1")
+        for name in ("L", "H", "width"):
+            value = getattr(self, name)
+            check(0 < value < math.inf, f"foot.{name}", value, "a length > 0, in m")
+        check_ankle(self.ankle)
+        check(
+            self.box_tolerance >= 0,
+            "foot.box_tolerance",
+            self.box_tolerance,
+            "a number >= 0, in units of H (.inf: no constraint, as in the paper)",
+        )
+
+    @property
+    def x(self) -> Array:
+        """The waypoints' x_p, (n,), m."""
+        return -self.L + 2.0 * self.L * np.arange(self.n) / (self.n - 1)
+
+    def check(self, k: ArrayLike) -> Ints:
+        """The heights as an integer array (designs, n), or a `SettingError` that says what is wrong."""
+        given = np.atleast_2d(np.asarray(k))
+        if given.ndim != 2 or given.shape[1] != self.n:
+            raise SettingError("foot.k", _short(k), f"{self.n} heights a design (foot.n = {self.n})")
+        try:
+            as_float = given.astype(float)
+        except (TypeError, ValueError):
+            raise SettingError("foot.k", _short(k), f"whole numbers from 1 to {self.K}") from None
+        bad = ~((as_float >= 1) & (as_float <= self.K) & (as_float == np.round(as_float)))
+        if bad.any():
+            row, column = map(int, np.argwhere(bad)[0])
+            raise SettingError(
+                f"foot.k[{column}]",
+                as_float[row, column].item(),
+                f"a whole number from 1 to K = {self.K}",
+                "Raise foot.K for a finer grid.",
+            )
+        return as_float.astype(np.int64)
+
+    def heights(self, k: ArrayLike) -> Array:
+        """z_p of the waypoints, (designs, n), m."""
+        return -self.check(k) * (self.H / self.K)
+
+    def contour(self, k: ArrayLike) -> Array:
+        """The soles as dense polylines from heel to toe, (designs, (n-1) FINE + 1, 2), m."""
+        z = self.heights(k)
+        u = _fine(self.n)
+        x = -self.L + 2.0 * self.L * u / (self.n - 1)
+        return np.stack([np.broadcast_to(x, (len(z), len(u))), _spline(z, _slopes(z), u)[0]], axis=-1)
+
+    def points(self, k: ArrayLike, plates: int) -> Array:
+        """Points on the spline at equal steps along its arc, (designs, plates + 1, 2), m."""
+        z = self.heights(k)
+        slopes, u = _slopes(z), _fine(self.n)
+        per_u = 2.0 * self.L / (self.n - 1)  # dx/du, u counts waypoints
+        speed = np.sqrt(per_u**2 + _spline(z, slopes, u)[1] ** 2)
+        arc = np.zeros_like(speed)
+        np.cumsum(0.5 * (speed[:, 1:] + speed[:, :-1]), axis=1, out=arc[:, 1:])
+        share = np.arange(plates + 1) / plates
+        at = np.stack([np.interp(share * a[-1], a, u) for a in arc])
+        return np.stack([-self.L + per_u * at, _spline(z, slopes, at)[0]], axis=-1)
+
+    def plates(self, k: ArrayLike, plates: int) -> Plates:
+        """The plates of a population, (designs, plates)."""
+        points = self.points(k, plates)
+        designs = len(points)
+        return Plates.from_points(points, np.tile(self.ankle, (designs, 1)), np.full(designs, self.width))
+
+    def box_violation(self, k: ArrayLike) -> Array:
+        """How far each spline leaves the box [-H, 0], (designs,), m; 0 inside."""
+        z = self.contour(k)[..., 1]
+        return np.maximum(np.maximum(z.max(axis=1), -self.H - z.min(axis=1)), 0.0)
+
+    def random(self, designs: int, seed: int, inside: bool = False) -> Ints:
+        """Random designs, (designs, n); with `inside`, only such as respect the box."""
+        rng = np.random.default_rng(seed)
+        if not inside:
+            return rng.integers(1, self.K + 1, (designs, self.n))
+        kept = np.empty((0, self.n), np.int64)
+        for _ in range(1000):
+            k = rng.integers(1, self.K + 1, (max(designs, 64), self.n))
+            kept = np.concatenate([kept, k[self.box_violation(k) <= self.box_tolerance * self.H]])
+            if len(kept) >= designs:
+                return kept[:designs]
+        raise SettingError(
+            "foot.box_tolerance",
+            self.box_tolerance,
+            "large enough that random soles are found inside the box",
+            f"With foot.n={self.n} and foot.K={self.K} hardly any is.",
+        )
+
+
+def check_ankle(ankle: tuple[float, float]) -> None:
+    """Raise unless the ankle is a point."""
+    check(
+        len(ankle) == 2 and all(map(math.isfinite, ankle)),
+        "foot.ankle",
+        ankle,
+        "two finite numbers [x_p, z_p], in m",
+    )
+
+
+def _is_int(value: object) -> bool:
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+
+
+def _short(value: object) -> str:
+    text = str(value)
+    return text if len(text) <= 80 else text[:77] + "..."
+
+
+@lru_cache
+def _fine(n: int) -> Array:
+    return np.arange((n - 1) * FINE + 1) / FINE
+
+
+@lru_cache
+def _slope_matrix(n: int) -> Array:
+    """Slopes of the not-a-knot spline at its knots, from the values: dz/du = matrix @ z."""
+    from scipy.interpolate import CubicSpline
+
+    spline = CubicSpline(np.arange(n), np.eye(n), bc_type="not-a-knot")
+    return np.asarray(spline(np.arange(n), 1), float)
+
+
+def _slopes(z: Array) -> Array:
+    matrix = _slope_matrix(z.shape[1])
+    total = np.zeros_like(z)
+    for j in range(z.shape[1]):  # a matrix product may round differently from batch to batch
+        total += z[:, j : j + 1] * matrix[:, j]
+    return total
+
+
+def _spline(z: Array, slopes: Array, u: Array) -> tuple[Array, Array]:
+    """Value and dz/du of the splines (designs, n) at u: (m,) or (designs, m), waypoints from 0."""
+    i = np.minimum(u.astype(np.int64), z.shape[1] - 2)
+    s = u - i
+    if u.ndim == 1:
+        z0, z1, d0, d1 = z[:, i], z[:, i + 1], slopes[:, i], slopes[:, i + 1]
+    else:
+        row = np.arange(len(z))[:, None]
+        z0, z1, d0, d1 = z[row, i], z[row, i + 1], slopes[row, i], slopes[row, i + 1]
+    rise = z1 - z0
+    quadratic, cubic = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
+    return z0 + s * (d0 + s * (quadratic + s * cubic)), d0 + s * (2.0 * quadratic + 3.0 * s * cubic)

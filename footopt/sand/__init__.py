@@ -1,0 +1,5 @@
+"""The sand: its stress map and its scale zeta."""
+
+from footopt.sand.stress import GENERIC, MEDIA, Sand, StressMap, affine, alpha, fit_table
+
+__all__ = ["GENERIC", "MEDIA", "Sand", "StressMap", "affine", "alpha", "fit_table"]

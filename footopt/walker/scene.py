@@ -1,0 +1,137 @@
+"""What is simulated and how finely: `Walker`, `Scene` and `Accuracy`, plain frozen data."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from footopt.errors import SettingError, check
+from footopt.gait import Gait
+from footopt.sand import Sand
+from footopt.walker.steppers import STEPPERS
+
+
+@dataclass(frozen=True)
+class Walker:
+    """A biped with all its mass at the hip and massless legs (the paper's table 1).
+
+    Parameters
+    ----------
+    mass : M, kg. l1, l2 : thigh and shank, m. g : gravity, m/s^2.
+    """
+
+    mass: float = 60.0
+    l1: float = 0.47
+    l2: float = 0.45
+    g: float = 9.81
+
+    def __post_init__(self) -> None:
+        for name, unit in (("mass", "kg"), ("l1", "m"), ("l2", "m"), ("g", "m/s^2")):
+            value = getattr(self, name)
+            check(0 < value < math.inf, f"walker.{name}", value, f"a number > 0, in {unit}")
+
+    @property
+    def weight(self) -> float:
+        """M g, N."""
+        return self.mass * self.g
+
+
+@dataclass(frozen=True)
+class Scene:
+    """The physics of a walk: which sand, which gait, which walker, how long.
+
+    Parameters
+    ----------
+    t_f : end of the walk, s; by default two strides after the start (2.9 s for the paper's walk).
+    """
+
+    sand: Sand = field(default_factory=lambda: Sand.named("hard"))
+    gait: Gait = field(default_factory=Gait.human)
+    walker: Walker = field(default_factory=Walker)
+    t_f: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.t_f is None:
+            if math.isinf(self.gait.start):
+                raise SettingError(
+                    "scene.t_f", None, "given, in s, for a walker who stands still", "Try scene.t_f=10."
+                )
+        else:
+            check(0 < self.t_f < math.inf, "scene.t_f", self.t_f, "a time > 0, in s")
+
+    @property
+    def duration(self) -> float:
+        """t_f, s."""
+        return self.gait.start + 2.0 * self.gait.period if self.t_f is None else self.t_f
+
+    def need_heel_strike(self) -> None:
+        """Raise unless the walk has a heel strike: without one p_max and dV_x are not defined."""
+        check(
+            self.duration > self.gait.heel_strike,
+            "scene.t_f",
+            self.duration,
+            f"later than the first heel strike at {self.gait.heel_strike:g} s to compare feet",
+            "A standing walker can be simulated (study=simulate), not searched over.",
+        )
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """How finely a scene is simulated.
+
+    Parameters
+    ----------
+    stepper : a name in `footopt.walker.steppers.STEPPERS`.
+    dt : largest time step, s (the walk is divided into equal steps that are not longer).
+    plates : N, plates along the sole.
+    creep : eps, m/s: h = v / sqrt(|v|^2 + eps^2) smooths the law's jump at v = 0.
+    name : of the preset, for tables.
+    """
+
+    stepper: str = "sdirk2"
+    dt: float = 2e-3
+    plates: int = 100
+    creep: float = 1e-4
+    name: str = "custom"
+
+    def __post_init__(self) -> None:
+        if self.stepper not in STEPPERS:
+            raise SettingError("accuracy.stepper", self.stepper, f"one of {', '.join(STEPPERS)}")
+        check(0 < self.dt <= 1.0, "accuracy.dt", self.dt, "a time step > 0 and <= 1, in s")
+        check(
+            isinstance(self.plates, int) and 2 <= self.plates <= 1_000_000,
+            "accuracy.plates",
+            self.plates,
+            "a whole number >= 2",
+            "The paper's is 100.",
+        )
+        check(
+            0 < self.creep <= 1.0,
+            "accuracy.creep",
+            self.creep,
+            "a speed > 0 and <= 1, in m/s",
+            "At zero speed the law is set-valued; 1e-4 changes the distance by .002 %.",
+        )
+
+    @classmethod
+    def named(cls, name: str) -> Accuracy:
+        """A preset of `PRESETS` by its name."""
+        if name not in PRESETS:
+            raise SettingError("accuracy", name, f"one of {', '.join(PRESETS)}")
+        return PRESETS[name]
+
+    def steps(self, t_f: float) -> int:
+        """Number of equal steps from 0 to t_f."""
+        return max(1, math.ceil(t_f / self.dt - 1e-9))
+
+
+#: Accuracies by name.
+PRESETS: dict[str, Accuracy] = {
+    a.name: a
+    for a in (
+        Accuracy("sdirk2", 5e-3, 50, 1e-4, "draft"),
+        Accuracy("sdirk2", 2e-3, 100, 1e-4, "standard"),
+        Accuracy("sdirk2", 5e-4, 100, 3e-5, "fine"),
+        Accuracy("sdirk2", 1e-4, 100, 1e-5, "reference"),
+    )
+}

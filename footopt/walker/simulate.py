@@ -1,0 +1,323 @@
+"""`simulate`, one foot with full traces, and `evaluate`, many feet with objectives only."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from footopt.errors import SettingError, check
+from footopt.foot import Foot, Plates, Waypoints, as_plates
+from footopt.gait import Gait
+from footopt.sand import affine
+from footopt.walker.kernels import LANES, World
+from footopt.walker.loop import BACKWARD, DIVERGED, OK, RAW, SUNK, TRACE, walk_range
+from footopt.walker.objectives import FIVE, OBJECTIVES, Raw, lookup
+from footopt.walker.scene import Accuracy, Scene
+from footopt.walker.steppers import STEPPERS
+
+Array = NDArray[np.float64]
+
+#: Why a walk failed, by the loop's status.
+REASONS = {OK: "", SUNK: "sunk", BACKWARD: "backward", DIVERGED: "diverged"}
+
+CHUNK = 4096  # designs whose plates are in memory at once
+BLOCK = 16  # designs that a thread takes at a time
+
+
+@dataclass(frozen=True)
+class Table:
+    """Objectives of many feet, in natural signs.
+
+    Parameters
+    ----------
+    values : (designs, objectives); a row of NaN for a failed walk.
+    names : of the objectives.
+    feasible : (designs,), whether the walk succeeded.
+    reasons : (designs,), "" or why it failed: sunk, backward, diverged.
+    raw : (designs, ...), the loop's own results. evaluations : (designs,) of the contact.
+    scene : what was walked through.
+    """
+
+    values: Array
+    names: tuple[str, ...]
+    feasible: NDArray[np.bool_]
+    reasons: NDArray[np.str_]
+    raw: Array
+    evaluations: NDArray[np.int64]
+    scene: Scene
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def column(self, name: str) -> Array:
+        """Any objective by name, (designs,), whether it is among `names` or not.
+
+        `maximum_sinkage` must have been asked for in `evaluate`.
+        """
+        return OBJECTIVES[lookup([name])[0].name].value(Raw(self.raw), self.scene)
+
+    @property
+    def efficiency(self) -> Array:
+        """The paper's scalar J_W, (designs,); most negative is best."""
+        return self.column("efficiency")
+
+
+@dataclass(frozen=True, eq=False)
+class Walk:
+    """One simulated walk: traces at the end of every step, T of them, and what they add up to.
+
+    Parameters
+    ----------
+    t : (T,), s; the first is the end of the first step: exactly at rest the smoothed force is 3/8
+        of the one that carries the weight.
+    com, velocity : (T, 2), hip position (m) and velocity (m/s) in x, z.
+    force : (T, 2 feet, 2), N, of the sand on the left and the right foot.
+    power, work : (T, 2 feet), W and J; negative where the sand takes energy.
+    start : (2,), hip at t = 0, m.
+    reason : "" or why the walk failed (then the traces end there).
+    totals : the loop's own results by name (`loop.RAW`), by the stepper's own quadrature.
+    evaluations : of the contact.
+    """
+
+    foot: Foot
+    scene: Scene
+    accuracy: Accuracy
+    t: Array
+    com: Array
+    velocity: Array
+    force: Array
+    power: Array
+    work: Array
+    start: Array
+    reason: str
+    totals: dict[str, float]
+    evaluations: int
+
+    @property
+    def feasible(self) -> bool:
+        """Whether the walk succeeded."""
+        return not self.reason
+
+    @property
+    def objectives(self) -> dict[str, float]:
+        """All objectives by name, in natural signs; NaN for a failed walk."""
+        raw = Raw(np.array([[self.totals[name] for name in RAW]]))
+        return {name: float(o.value(raw, self.scene)[0]) for name, o in OBJECTIVES.items()}
+
+    def plates(self, index: ArrayLike) -> PlateStates:
+        """Every plate's place, motion and force at some samples, by the law in its readable form."""
+        i = np.asarray(index)
+        pose = self.scene.gait.pose(self.t[i], self.scene.walker.l1, self.scene.walker.l2)
+        sole = self.foot.plates(self.accuracy.plates)
+        cos, sin = np.cos(pose.pitch)[..., None], np.sin(pose.pitch)[..., None]
+        rx, rz = cos * sole.x[0] - sin * sole.z[0], sin * sole.x[0] + cos * sole.z[0]
+        position = np.stack(
+            [
+                (self.com[i, 0, None] + pose.x)[..., None] + rx,
+                (self.com[i, 1, None] + pose.z)[..., None] + rz,
+            ],
+            axis=-1,
+        )
+        velocity = np.stack(
+            [
+                (self.velocity[i, 0, None] + pose.vx)[..., None] - pose.rate[..., None] * rz,
+                (self.velocity[i, 1, None] + pose.vz)[..., None] + pose.rate[..., None] * rx,
+            ],
+            axis=-1,
+        )
+        chord = np.diff(self.foot.points(self.accuracy.plates), axis=0)
+        beta = np.arctan2(chord[:, 1], chord[:, 0]) + pose.pitch[..., None]
+        a, m = affine(beta, self.scene.sand.stress_map)
+        speed = np.sqrt(np.sum(velocity**2, axis=-1) + self.accuracy.creep**2)
+        h = velocity / speed[..., None]
+        pull = self.scene.sand.zeta * np.maximum(-position[..., 1], 0.0) * sole.area[0]
+        force = pull[..., None] * (a - np.einsum("...ij,...j->...i", m, h))
+        normal = np.stack([np.sin(beta), -np.cos(beta)], axis=-1)
+        return PlateStates(position, velocity, force, normal, sole.area[0])
+
+
+@dataclass(frozen=True)
+class PlateStates:
+    """Plates of both feet at M samples; vectors are (M, 2 feet, N, 2), in x, z."""
+
+    position: Array  # m
+    velocity: Array  # m/s
+    force: Array  # N
+    normal: Array  # outward, into the sand
+    area: Array  # (N,), m^2
+
+
+def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = "standard") -> Walk:
+    """Walk through a scene with one foot, keeping full traces.
+
+    Parameters
+    ----------
+    foot : the sole. scene : the paper's walk on hard sand by default.
+    accuracy : an `Accuracy` or a preset's name.
+
+    Returns
+    -------
+    Walk : also of a walk that failed; see its `reason`.
+    """
+    scene, accuracy = scene or Scene(), resolve(accuracy)
+    steps = accuracy.steps(scene.duration)
+    trace = np.full((steps + 1, TRACE), np.nan)
+    raw, status, count = _walk(foot.plates(accuracy.plates), scene, accuracy, trace, True, threads=1)
+    rows = trace[1:][np.isfinite(trace[1:]).all(axis=1)]
+    force = np.stack([rows[:, 5:7], rows[:, 9:11]], axis=1)
+    return Walk(
+        foot=foot,
+        scene=scene,
+        accuracy=accuracy,
+        t=rows[:, 0],
+        com=rows[:, 1:3],
+        velocity=rows[:, 3:5],
+        force=force,
+        power=rows[:, [7, 11]],
+        work=rows[:, [8, 12]],
+        start=trace[0, 1:3],
+        reason=REASONS[int(status[0])],
+        totals=dict(zip(RAW, map(float, raw[0]), strict=True)),
+        evaluations=int(count[0]),
+    )
+
+
+def evaluate(
+    feet: Sequence[Foot] | Plates | ArrayLike,
+    scene: Scene | None = None,
+    accuracy: Accuracy | str = "standard",
+    objectives: Sequence[str] = FIVE,
+    space: Waypoints | None = None,
+    threads: int | None = None,
+) -> Table:
+    """Walk through a scene with many feet, keeping objectives only: the fast path.
+
+    A design's result does not depend on the others in the batch or on the number of threads.
+
+    Parameters
+    ----------
+    feet : a sequence of `Foot`; or waypoint heights (designs, n) in `space` (default: the paper's).
+    scene, accuracy : as in `simulate`.
+    objectives : names from `footopt.walker.objectives.OBJECTIVES`.
+    threads : how many to use; by default as many as the process may run on.
+
+    Returns
+    -------
+    Table : with ``values`` (designs, objectives) in natural signs.
+    """
+    scene, accuracy = scene or Scene(), resolve(accuracy)
+    scene.need_heel_strike()
+    chosen = lookup(objectives)
+    sink = "maximum_sinkage" in objectives
+    parts = []
+    for plates in _chunks(feet, accuracy.plates, space):
+        parts.append(_walk(plates, scene, accuracy, None, sink, threads))
+    raw, status, count = (np.concatenate(column) for column in zip(*parts, strict=True))
+    raw[status != OK] = np.nan
+    if not sink:
+        raw[:, RAW.index("maximum_sinkage")] = np.nan
+    values = np.stack([o.value(Raw(raw), scene) for o in chosen], axis=1)
+    reasons = np.array([REASONS[int(s)] for s in status], dtype=np.str_)
+    return Table(values, tuple(objectives), status == OK, reasons, raw, count, scene)
+
+
+def resolve(accuracy: Accuracy | str) -> Accuracy:
+    """An accuracy, given itself or a preset's name."""
+    return Accuracy.named(accuracy) if isinstance(accuracy, str) else accuracy
+
+
+def world(scene: Scene, accuracy: Accuracy) -> World:
+    """What the compiled loops need to know of a scene."""
+    law = [scene.sand.stiffness * c for c in scene.sand.stress_map.law]
+    # Newton's method converges quadratically once a step is small against the creep speed
+    tolerance = min(0.1 * accuracy.creep, 1e-5)
+    return World(*law, scene.walker.mass, scene.walker.g, accuracy.creep, tolerance)
+
+
+@lru_cache(maxsize=16)
+def poses(
+    gait: Gait, l1: float, l2: float, t_f: float, steps: int, nodes: tuple[float, ...]
+) -> tuple[Array, Array]:
+    """Pose tables: at t = 0, (2, 7), and at every step's nodes, (steps, nodes, 2, 7)."""
+    begin = np.arange(steps)[:, None] + np.asarray(nodes)  # times as t_f k / steps: no drift
+    t = t_f * begin / steps
+    table = gait.pose(t.ravel(), l1, l2).table().reshape(steps, len(nodes), 2, 7)
+    return gait.pose(np.zeros(1), l1, l2).table()[0], table
+
+
+def available_threads() -> int:
+    """How many processors this process may run on."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _chunks(feet: Any, plates: int, space: Waypoints | None) -> Iterator[Plates]:
+    """The feet's plates, a bounded number of designs at a time."""
+    if isinstance(feet, Plates):
+        yield from (feet.take(slice(i, i + CHUNK)) for i in range(0, len(feet.x), CHUNK))
+        return
+    if not isinstance(feet, Sequence):
+        feet = np.atleast_2d(np.asarray(feet))
+    if len(feet) == 0:
+        raise SettingError("feet", "[]", "at least one foot")
+    yield from (as_plates(feet[i : i + CHUNK], plates, space) for i in range(0, len(feet), CHUNK))
+
+
+def _walk(
+    plates: Plates,
+    scene: Scene,
+    accuracy: Accuracy,
+    trace: Array | None,
+    sink: bool,
+    threads: int | None,
+) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
+    """Run the compiled loop over a batch: raw results, status, evaluations."""
+    stepper = STEPPERS[accuracy.stepper]
+    t_f, designs = scene.duration, len(plates.x)
+    pose0, table = poses(
+        scene.gait,
+        scene.walker.l1,
+        scene.walker.l2,
+        t_f,
+        accuracy.steps(t_f),
+        type(stepper).nodes,
+    )
+    reach = np.sqrt(np.max(plates.x**2 + plates.z**2, axis=1))
+    padded = _pad(plates)
+    raw = np.empty((designs, len(RAW)))
+    status, count = np.empty(designs, np.int64), np.empty(designs, np.int64)
+    constants = world(scene, accuracy)
+
+    def run(begin: int) -> None:
+        end = min(begin + BLOCK, designs)
+        walk_range(
+            stepper, padded, reach, constants, pose0, table, t_f, scene.gait.heel_strike,
+            begin, end, raw, status, count, trace, 1 if sink else None,
+        )  # fmt: skip
+
+    workers = available_threads() if threads is None else threads
+    check(workers >= 1, "engine.threads", threads, "a whole number >= 1 (null: all)")
+    blocks = range(0, designs, BLOCK)
+    if workers == 1 or len(blocks) == 1:
+        for begin in blocks:
+            run(begin)
+    else:
+        with ThreadPoolExecutor(min(workers, len(blocks))) as pool:
+            list(pool.map(run, blocks))
+    return raw, status, count
+
+
+def _pad(plates: Plates) -> tuple[Array, ...]:
+    """Whole blocks of plates: repeat the last one, without area."""
+    extra = -plates.x.shape[1] % LANES
+    columns = [np.pad(c, ((0, 0), (0, extra)), mode="edge") for c in plates]
+    if extra:
+        columns[-1][:, -extra:] = 0.0
+    return tuple(np.ascontiguousarray(c) for c in columns)
+

@@ -1,0 +1,152 @@
+"""Time steppers: how the hip's position and velocity advance by one step.
+
+A stepper is a small parameter tuple and one function, registered together with `stepper`; nothing
+else has to change for a new one. The function advances the state from t to t + h:
+
+    evaluations = step(stepper, y, now, quad, h, poses, sole, world, work)
+
+- ``y`` (4,): hip x, z (m), v_x, v_z (m/s); advanced in place.
+- ``now`` (2, 9): the contact at (t, y) when called, at the new time and state when it returns.
+- ``quad``: integrals along the walk; the step adds its own quadrature of every stage with `add`.
+- ``poses`` (nodes, 2, 7): the pose of both feet at t + node h, for the class's ``nodes``; the last
+  node is 1.
+- ``work`` (2, 9): scratch.
+- It returns how often the contact was evaluated, negative if the step could not be solved.
+
+The function is chosen at compile time by the type of the tuple, so the loop over steps holds one
+stepper only, inlined, and is cached on disk for each.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from numba import njit
+from numba.extending import overload
+
+from footopt.walker.kernels import FX, FZ, POWER, contact, solve_stage
+
+#: The integrals along a walk: work of the left and the right foot (J), hip height (m s), positive
+#: and net work of the joints of both legs (J), and the impulse of the sand (N s).
+WORK_L, WORK_R, HEIGHT, JOINT, JOINT_NET, IMPULSE_X, IMPULSE_Z = range(7)
+
+STEPPERS: dict[str, Any] = {}  # name -> parameter tuple
+_FUNCTIONS: dict[type, Callable[..., int]] = {}
+
+
+def stepper(name: str, function: Callable[..., int]) -> Callable[[type], type]:
+    """Register a parameter tuple's class, with all defaults, under a name with its step function."""
+
+    def register(cls: type) -> type:
+        STEPPERS[name] = cls()
+        _FUNCTIONS[cls] = function
+        return cls
+
+    return register
+
+
+def advance(stepper, y, now, quad, h, poses, sole, world, work):
+    """The step of whichever stepper the first argument is; resolved when the loop is compiled."""
+    return _FUNCTIONS[type(stepper)](stepper, y, now, quad, h, poses, sole, world, work)
+
+
+@overload(advance)
+def _resolve(stepper, y, now, quad, h, poses, sole, world, work):
+    return _FUNCTIONS[stepper.instance_class]
+
+
+@njit
+def add(quad, weight, z, vx, vz, at):
+    """Add one stage, with its weight in s, to the integrals along the walk."""
+    for foot in range(2):
+        quad[WORK_L + foot] += weight * at[foot, POWER]
+        joint = at[foot, FX] * vx + at[foot, FZ] * vz - at[foot, POWER]
+        quad[JOINT] += weight * max(joint, 0.0)
+        quad[JOINT_NET] += weight * joint
+        quad[IMPULSE_X] += weight * at[foot, FX]
+        quad[IMPULSE_Z] += weight * at[foot, FZ]
+    quad[HEIGHT] += weight * z
+
+
+@njit
+def acceleration(at, world):
+    """Of the hip, from a contact: a_x, a_z in m/s^2 (the paper's eq. 7)."""
+    return (at[0, FX] + at[1, FX]) / world.mass, (at[0, FZ] + at[1, FZ]) / world.mass - world.g
+
+
+def explicit_euler(stepper, y, now, quad, h, poses, sole, world, work):
+    """The paper's stepper (its eq. 8): position and velocity both from the old state. Order 1."""
+    ax, az = acceleration(now, world)
+    add(quad, h, y[1], y[2], y[3], now)
+    y[0] += h * y[2]
+    y[1] += h * y[3]
+    y[2] += h * ax
+    y[3] += h * az
+    contact(now, sole, world, poses[0], y[1], y[2], y[3], None)
+    return 1
+
+
+def semi_implicit_euler(stepper, y, now, quad, h, poses, sole, world, work):
+    """Velocity from the old force, then position from the new velocity. Order 1."""
+    ax, az = acceleration(now, world)
+    add(quad, h, y[1], y[2], y[3], now)
+    y[2] += h * ax
+    y[3] += h * az
+    y[0] += h * y[2]
+    y[1] += h * y[3]
+    contact(now, sole, world, poses[0], y[1], y[2], y[3], None)
+    return 1
+
+
+def sdirk2(stepper, y, now, quad, h, poses, sole, world, work):
+    """Two implicit stages with the same coefficient, L-stable. Order 2.
+
+    Alexander, SIAM J. Numer. Anal. 14 (1977): gamma = 1 - 1/sqrt(2), stages at gamma and 1, the
+    second being the end of the step. The unknown of a stage is the hip's velocity; its height
+    follows from it.
+    """
+    g = stepper.gamma
+    c, r = g * h, (1.0 - g) * h
+    x0, z0, vx0, vz0 = y[0], y[1], y[2], y[3]
+    ax, az = acceleration(now, world)
+    vx, vz, used = solve_stage(work, sole, world, poses[0], z0, vx0, vz0, c, vx0 + c * ax, vz0 + c * az)
+    if used < 0:
+        return used
+    add(quad, r, z0 + c * vz, vx, vz, work)
+    bx, bz = acceleration(work, world)
+    x1, z1 = x0 + r * vx, z0 + r * vz
+    # the guess follows the change of acceleration so far, to the end of the step
+    gx, gz = vx + r * (bx + (bx - ax)), vz + r * (bz + (bz - az))
+    vx, vz, more = solve_stage(
+        now, sole, world, poses[1], z1, vx0 + r * bx, vz0 + r * bz, c, gx, gz
+    )
+    if more < 0:
+        return more
+    y[0], y[1], y[2], y[3] = x1 + c * vx, z1 + c * vz, vx, vz
+    add(quad, c, y[1], vx, vz, now)
+    return used + more
+
+
+@stepper("explicit_euler", explicit_euler)
+class ExplicitEuler(NamedTuple):
+    """See `explicit_euler`."""
+
+    nodes = (1.0,)
+
+
+@stepper("semi_implicit_euler", semi_implicit_euler)
+class SemiImplicitEuler(NamedTuple):
+    """See `semi_implicit_euler`."""
+
+    nodes = (1.0,)
+
+
+@stepper("sdirk2", sdirk2)
+class SDIRK2(NamedTuple):
+    """See `sdirk2`; ``gamma`` is the diagonal coefficient of both stages."""
+
+    gamma: float = 1.0 - 1.0 / math.sqrt(2.0)
+
+    nodes = (1.0 - 1.0 / math.sqrt(2.0), 1.0)
