@@ -1,0 +1,58 @@
+"""footopt: design feet for bipeds that walk on sand.
+
+    import footopt as fo
+
+    scene = fo.Scene(sand=fo.Sand.named("hard"))
+    walk = fo.simulate(fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4]), scene)
+    walk.objectives
+
+Public names are imported when first used, so that importing footopt is cheap.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "Accuracy": "footopt.walker",
+    "Foot": "footopt.foot",
+    "FootProblem": "footopt.design",
+    "FootoptError": "footopt.errors",
+    "Gait": "footopt.gait",
+    "Sand": "footopt.sand",
+    "Scene": "footopt.walker",
+    "StressMap": "footopt.sand",
+    "Table": "footopt.walker",
+    "Walk": "footopt.walker",
+    "Walker": "footopt.walker",
+    "Waypoints": "footopt.foot",
+    "evaluate": "footopt.walker",
+    "search": "footopt.design",
+    "simulate": "footopt.walker",
+    "stress": "footopt.sand",
+}
+
+__all__ = sorted([*_HOME, "__version__"])
+
+if TYPE_CHECKING:
+    from footopt.design import FootProblem, search
+    from footopt.errors import FootoptError
+    from footopt.foot import Foot, Waypoints
+    from footopt.gait import Gait
+    from footopt.sand import Sand, StressMap, stress
+    from footopt.walker import Accuracy, Scene, Table, Walk, Walker, evaluate, simulate
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'footopt' has no attribute {name!r}")
+    value = getattr(import_module(_HOME[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return __all__

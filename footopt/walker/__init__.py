@@ -1,0 +1,21 @@
+"""The walker on sand: scene, compiled loops, steppers, and what a walk is judged by."""
+
+from footopt.walker.objectives import FIVE, OBJECTIVES, gain_shares
+from footopt.walker.scene import PRESETS, Accuracy, Scene, Walker
+from footopt.walker.simulate import Table, Walk, evaluate, simulate
+from footopt.walker.steppers import STEPPERS
+
+__all__ = [
+    "FIVE",
+    "OBJECTIVES",
+    "PRESETS",
+    "STEPPERS",
+    "Accuracy",
+    "Scene",
+    "Table",
+    "Walk",
+    "Walker",
+    "evaluate",
+    "gain_shares",
+    "simulate",
+]

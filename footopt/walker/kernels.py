@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+FAST = {"contract", "reassoc", "arcp", "nsz"}
 LANES = 8  # plates are padded to a multiple of this, and summed in such blocks
 
 # columns of a contact, (2 feet, 9): force, power, dF/dV (x by x, x by z, z by x, z by z), dF/dz
@@ -58,9 +59,19 @@ class World(NamedTuple):
     tolerance: float  # of Newton's method, m/s
 
 
-@njit(fastmath={"contract", "reassoc", "arcp", "nsz"}, error_model="numpy")
+@njit(fastmath=FAST, error_model="numpy")
+def rsqrt(square):
+    """1 / sqrt(x) to 4e-14: a single-precision estimate and one Newton step, 3 times faster.
+
+    Good for 1e-37 < x < 1e37, far beyond any speed squared that a walk can hold.
+    """
+    q = np.float64(np.float32(1.0) / np.sqrt(np.float32(square)))
+    return q * (1.5 - 0.5 * square * q * q)
+
+
+@njit(fastmath=FAST, error_model="numpy")
 def plate_sums(sole, world, first, last, za, vx, vz, cos, sin, rate, jacobian):
-    """Sums over plates first..last of one foot: f_x, f_z, moment about the ankle, the Jacobian of
+    """Sums over plates first..last of one foot: f_x, f_z, power, the Jacobian of
     f in the ankle's velocity, and its derivative in the height of the ankle.
 
     za: height of the ankle, m. vx, vz: its velocity, m/s. cos, sin, rate: of the foot's pitch.
@@ -68,16 +79,18 @@ def plate_sums(sole, world, first, last, za, vx, vz, cos, sin, rate, jacobian):
     """
     c2p, s2p = cos * cos - sin * sin, 2.0 * sin * cos
     eps2 = world.creep * world.creep
-    fx = fz = moment = jxx = jxz = jzx = jzz = dx = dz = 0.0
-    x, z, c2, s2, area = sole.x, sole.z, sole.c2, sole.s2, sole.area
-    for i in range(first, last):
-        rx = cos * x[i] - sin * z[i]
+    rate_cos, rate_sin = rate * cos, rate * sin
+    fx = fz = power = jxx = jxz = jzx = jzz = dx = dz = 0.0
+    # slices from 0: an index that could be negative would keep the loop from being vectorised
+    x, z, area = sole.x[first:last], sole.z[first:last], sole.area[first:last]
+    c2, s2 = sole.c2[first:last], sole.s2[first:last]
+    for i in range(len(x)):
         rz = sin * x[i] + cos * z[i]
         depth = max(-(za + rz), 0.0)
         k = area[i] * depth
         ux = vx - rate * rz
-        uz = vz + rate * rx
-        q = 1.0 / np.sqrt(ux * ux + uz * uz + eps2)
+        uz = vz + rate_cos * x[i] - rate_sin * z[i]
+        q = rsqrt(ux * ux + uz * uz + eps2)
         hx, hz = ux * q, uz * q
         c = c2[i] * c2p - s2[i] * s2p  # cos and sin of twice the plate's angle in the world
         s = s2[i] * c2p + c2[i] * s2p
@@ -89,7 +102,7 @@ def plate_sums(sole, world, first, last, za, vx, vz, cos, sin, rate, jacobian):
         pz = world.A00 + world.A10 * c - mzx * hx - mzz * hz
         fx += k * px
         fz += k * pz
-        moment += k * (rx * pz - rz * px)
+        power += k * (px * ux + pz * uz)
         if jacobian is not None:
             wet = area[i] if depth > 0.0 else 0.0
             dx -= wet * px
@@ -100,7 +113,7 @@ def plate_sums(sole, world, first, last, za, vx, vz, cos, sin, rate, jacobian):
             jxz -= kq * (mxx * txz + mxz * tzz)
             jzx -= kq * (mzx * txx + mzz * txz)
             jzz -= kq * (mzx * txz + mzz * tzz)
-    return fx, fz, moment, jxx, jxz, jzx, jzz, dx, dz
+    return fx, fz, power, jxx, jxz, jzx, jzz, dx, dz
 
 
 @njit
@@ -140,11 +153,11 @@ def contact(out, sole, world, pose, z, vx, vz, jacobian):
                 out[foot, j] = 0.0
             continue
         ax, az = vx + pose[foot, 2], vz + pose[foot, 3]
-        fx, fz, moment, jxx, jxz, jzx, jzz, dx, dz = plate_sums(
+        fx, fz, power, jxx, jxz, jzx, jzz, dx, dz = plate_sums(
             sole, world, first, last, za, ax, az, cos, sin, rate, jacobian
         )
         out[foot, FX], out[foot, FZ] = fx, fz
-        out[foot, POWER] = fx * ax + fz * az + rate * moment
+        out[foot, POWER] = power
         out[foot, JXX], out[foot, JXZ] = jxx, jxz
         out[foot, JZX], out[foot, JZZ] = jzx, jzz
         out[foot, DX], out[foot, DZ] = dx, dz
