@@ -35,7 +35,25 @@ _HOME = {
     "stress": "footopt.sand",
 }
 
-__all__ = sorted([*_HOME, "__version__"])
+__all__ = [
+    "Accuracy",
+    "Foot",
+    "FootProblem",
+    "FootoptError",
+    "Gait",
+    "Sand",
+    "Scene",
+    "StressMap",
+    "Table",
+    "Walk",
+    "Walker",
+    "Waypoints",
+    "__version__",
+    "evaluate",
+    "search",
+    "simulate",
+    "stress",
+]
 
 if TYPE_CHECKING:
     from footopt.design import FootProblem, search

@@ -87,7 +87,8 @@ class Foot:
     def points(self, plates: int) -> Array:
         """plates + 1 points at equal steps along the arc, (plates + 1, 2), m."""
         if self.space is not None and self.k is not None:
-            return self.space.points(self.k, plates)[0]
+            points: Array = self.space.points(self.k, plates)[0]
+            return points
         return along_arc(self.contour, plates)
 
     def plates(self, plates: int) -> Plates:
@@ -118,7 +119,7 @@ def as_plates(feet: Sequence[Foot] | Plates | ArrayLike, plates: int, space: Way
     """Plates of feet, of plates (as they are), or of waypoint heights (designs, n) in `space`."""
     if isinstance(feet, Plates):
         return feet
-    if isinstance(feet, Sequence) and feet and all(isinstance(foot, Foot) for foot in feet):
-        return stack_plates(feet, plates)
+    if isinstance(feet, Sequence) and any(isinstance(foot, Foot) for foot in feet):
+        return stack_plates([foot for foot in feet if isinstance(foot, Foot)], plates)
     heights = np.atleast_2d(np.asarray(feet))
     return (space or Waypoints(n=heights.shape[-1])).plates(heights, plates)

@@ -93,7 +93,7 @@ class Waypoints:
 
     def heights(self, k: ArrayLike) -> Array:
         """z_p of the waypoints, (designs, n), m."""
-        return -self.check(k) * (self.H / self.K)
+        return -self.check(k).astype(np.float64) * (self.H / self.K)
 
     def contour(self, k: ArrayLike) -> Array:
         """The soles as dense polylines from heel to toe, (designs, (n-1) FINE + 1, 2), m."""
@@ -123,7 +123,8 @@ class Waypoints:
     def box_violation(self, k: ArrayLike) -> Array:
         """How far each spline leaves the box [-H, 0], (designs,), m; 0 inside."""
         z = self.contour(k)[..., 1]
-        return np.maximum(np.maximum(z.max(axis=1), -self.H - z.min(axis=1)), 0.0)
+        out: Array = np.maximum(np.maximum(z.max(axis=1), -self.H - z.min(axis=1)), 0.0)
+        return out
 
     def random(self, designs: int, seed: int, inside: bool = False) -> Ints:
         """Random designs, (designs, n); with `inside`, only such as respect the box."""

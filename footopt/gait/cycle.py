@@ -93,17 +93,13 @@ class Gait:
         check(self.start >= 0, "gait.start", self.start, "a time >= 0, in s (.inf: stand still)")
         check(self.pitch in ("shank", "measured"), "gait.pitch", self.pitch, "shank or measured")
         if self.pitch == "measured" and self.foot is None:
-            raise SettingError(
-                "gait.pitch", "measured", "shank: this gait has no measured pitch of the foot"
-            )
+            raise SettingError("gait.pitch", "measured", "shank: this gait has no measured pitch of the foot")
         for joint in (self.thigh, self.knee, self.foot):
             if joint is not None and not np.isfinite([joint.a0, *joint.a, *joint.b]).all():
                 raise SettingError("gait", self.name, "made of finite coefficients")
 
     @classmethod
-    def human(
-        cls, period: float = 1.2, harmonics: int = 6, pitch: str = "shank", start: float = 0.5
-    ) -> Gait:
+    def human(cls, period: float = 1.2, harmonics: int = 6, pitch: str = "shank", start: float = 0.5) -> Gait:
         """Human walking at 1.03 m/s: Fukuchi, Fukuchi & Duarte, PeerJ 6:e4640 (2018), CC BY 4.0."""
         from footopt.gait.files import HUMAN, read_json
 
@@ -119,8 +115,8 @@ class Gait:
         """Times of all heel strikes up to t_f, right foot first, s."""
         if self.heel_strike > t_f:
             return np.empty(0)
-        steps = int(math.floor((t_f - self.heel_strike) / (self.period / 2.0) + 1e-9)) + 1
-        return self.heel_strike + np.arange(steps) * self.period / 2.0
+        steps = math.floor((t_f - self.heel_strike) / (self.period / 2.0) + 1e-9) + 1
+        return self.heel_strike + np.arange(steps, dtype=np.float64) * (self.period / 2.0)
 
     def cycle(self, phase: ArrayLike) -> tuple[tuple[Array, Array], tuple[Array, Array], tuple[Array, Array]]:
         """Thigh, shank and pitch of the steady walk: each an angle (rad) and its rate (rad/stride)."""
@@ -136,9 +132,7 @@ class Gait:
         phase, phase_rate, w, w_rate = start.ramp(np.asarray(t, float), self.start, self.period)
         joints = []
         for stand, (angle, rate) in zip(start.STANDING, self.cycle(phase), strict=True):
-            joints.append(
-                ((1.0 - w) * stand + w * angle, w_rate * (angle - stand) + w * rate * phase_rate)
-            )
+            joints.append(((1.0 - w) * stand + w * angle, w_rate * (angle - stand) + w * rate * phase_rate))
         return joints[0], joints[1], joints[2]
 
     def pose(self, t: ArrayLike, l1: float, l2: float) -> Pose:

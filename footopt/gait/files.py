@@ -56,8 +56,11 @@ def read_json(path: str | Path, harmonics: int = 6) -> Gait:
         f"a whole number from 1 to {available}, the harmonics in {Path(path).name}",
     )
     fitted = data.get("rms_residual_deg_by_harmonics", {}).get(str(harmonics), {})
+    short = {name: joint.truncated(harmonics) for name, joint in joints.items()}
     return Gait(
-        **{name: joint.truncated(harmonics) for name, joint in joints.items()},
+        thigh=short["thigh"],
+        knee=short["knee"],
+        foot=short.get("foot"),
         period=period,
         name=Path(path).stem,
         source=str(data.get("source", "")),
@@ -78,6 +81,7 @@ def read_csv(path: str | Path, harmonics: int = 6) -> Gait:
             f"gait.path = {str(path)!r}: the header lacks {', '.join(missing)}; "
             "the columns must be time (s), thigh, knee and, optionally, foot (deg)."
         )
+    check(harmonics >= 1, "gait.harmonics", harmonics, "a whole number >= 1")
     joints = ["thigh", "knee"] + (["foot"] if "foot" in names else [])
     try:
         table = np.array([[float(row[c]) for c in ["time", *joints]] for row in reader], float)
@@ -102,7 +106,13 @@ def read_csv(path: str | Path, harmonics: int = 6) -> Gait:
         fits[joint] = series
         residual.append((joint, rms))
     return Gait(
-        **fits, period=period, name=Path(path).stem, source=str(path), residual=tuple(residual)
+        thigh=fits["thigh"],
+        knee=fits["knee"],
+        foot=fits.get("foot"),
+        period=period,
+        name=Path(path).stem,
+        source=str(path),
+        residual=tuple(residual),
     )
 
 

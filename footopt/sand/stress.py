@@ -124,12 +124,7 @@ def alpha(beta: ArrayLike, gamma: ArrayLike, stress_map: StressMap = GENERIC) ->
         + m.B01 * np.sin(g)
         + m.Bm11 * np.sin(-2 * b + g)
     )
-    ax = (
-        m.C11 * np.cos(2 * b + g)
-        + m.C01 * np.cos(g)
-        + m.Cm11 * np.cos(-2 * b + g)
-        + m.D10 * np.sin(2 * b)
-    )
+    ax = m.C11 * np.cos(2 * b + g) + m.C01 * np.cos(g) + m.Cm11 * np.cos(-2 * b + g) + m.D10 * np.sin(2 * b)
     return PER_CM3 * ax, PER_CM3 * az
 
 

@@ -93,9 +93,7 @@ def _compile(source: str):
         now, work = np.zeros((2, 9)), np.zeros((2, 9))
         peak = np.zeros((2, 3))  # |P| of each foot at the last three samples
         for d in range(begin, end):
-            sole = Sole(
-                plates[0][d], plates[1][d], plates[2][d], plates[3][d], plates[4][d], reach[d]
-            )
+            sole = Sole(plates[0][d], plates[1][d], plates[2][d], plates[3][d], plates[4][d], reach[d])
             raw[d, :] = np.nan
             count[d] = 0
             status[d] = SUNK

@@ -131,8 +131,13 @@ def efficiency(raw: Raw, scene: Scene) -> Array:
     Factors of the denominator are floored (`FLOORS`), so that a walk that loses nothing is not
     infinitely good. The unit is m^2 / (J W m/s), which the paper does not state.
     """
-    values = {name: raw[name] for name in FACTORS}
-    return -np.exp(sum(log_gain(name, value) for name, value in values.items()))
+    cost = (
+        np.maximum(raw["work"], FLOORS["work"])
+        * np.maximum(raw["peak_power"], FLOORS["peak_power"])
+        * np.maximum(raw["speed_loss"], FLOORS["speed_loss"])
+    )
+    value: Array = -(raw["distance"] * raw["mean_height"]) / cost
+    return value
 
 
 @objective("CoT", "", maximise=False, worst=1e6)
@@ -164,10 +169,11 @@ FIVE = ("distance", "mean_height", "work", "peak_power", "speed_loss")
 FACTORS = FIVE
 
 
-def log_gain(name: str, value: Array) -> Array:
+def log_gain(name: str, value: Array | float) -> Array:
     """ln of a factor of -J_W: positive power for the rewards, negative for the floored costs."""
     with np.errstate(invalid="ignore", divide="ignore"):
-        return np.log(value) if name not in FLOORS else -np.log(np.maximum(value, FLOORS[name]))
+        gain = np.log(value) if name not in FLOORS else -np.log(np.maximum(value, FLOORS[name]))
+    return np.asarray(gain, float)
 
 
 def gain_shares(values: dict[str, float], base: dict[str, float]) -> dict[str, float]:
@@ -176,10 +182,7 @@ def gain_shares(values: dict[str, float], base: dict[str, float]) -> dict[str, f
     ln(J_W / J_W_base) is the sum of the factors' log gains. A negative share is a factor that got
     worse. NaN where there is no gain to share.
     """
-    parts = {
-        name: float(log_gain(name, np.float64(values[name])) - log_gain(name, np.float64(base[name])))
-        for name in FACTORS
-    }
+    parts = {name: float(log_gain(name, values[name]) - log_gain(name, base[name])) for name in FACTORS}
     total = sum(parts.values())
     return {name: part / total if total else float("nan") for name, part in parts.items()}
 

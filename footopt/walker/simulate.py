@@ -216,9 +216,10 @@ def evaluate(
     scene.need_heel_strike()
     chosen = lookup(objectives)
     sink = "maximum_sinkage" in objectives
-    parts = []
-    for plates in _chunks(feet, accuracy.plates, space):
-        parts.append(_walk(plates, scene, accuracy, None, sink, threads))
+    parts = [
+        _walk(plates, scene, accuracy, None, sink, threads)
+        for plates in _chunks(feet, accuracy.plates, space)
+    ]
     raw, status, count = (np.concatenate(column) for column in zip(*parts, strict=True))
     raw[status != OK] = np.nan
     if not sink:
@@ -235,10 +236,10 @@ def resolve(accuracy: Accuracy | str) -> Accuracy:
 
 def world(scene: Scene, accuracy: Accuracy) -> World:
     """What the compiled loops need to know of a scene."""
-    law = [scene.sand.stiffness * c for c in scene.sand.stress_map.law]
+    law = (scene.sand.stiffness * c for c in scene.sand.stress_map.law)
     # Newton's method converges quadratically once a step is small against the creep speed
     tolerance = min(0.1 * accuracy.creep, 1e-5)
-    return World(*law, scene.walker.mass, scene.walker.g, accuracy.creep, tolerance)
+    return World._make((*law, scene.walker.mass, scene.walker.g, accuracy.creep, tolerance))
 
 
 @lru_cache(maxsize=16)
@@ -286,7 +287,7 @@ def _walk(
         scene.walker.l2,
         t_f,
         accuracy.steps(t_f),
-        type(stepper).nodes,
+        stepper.nodes,
     )
     reach = np.sqrt(np.max(plates.x**2 + plates.z**2, axis=1))
     padded = _pad(plates)
@@ -297,7 +298,7 @@ def _walk(
     def run(begin: int) -> None:
         end = min(begin + BLOCK, designs)
         walk_range(
-            stepper, padded, reach, constants, pose0, table, t_f, scene.gait.heel_strike,
+            stepper.parameters, padded, reach, constants, pose0, table, t_f, scene.gait.heel_strike,
             begin, end, raw, status, count, trace, 1 if sink else None,
         )  # fmt: skip
 
@@ -320,4 +321,3 @@ def _pad(plates: Plates) -> tuple[Array, ...]:
     if extra:
         columns[-1][:, -extra:] = 0.0
     return tuple(np.ascontiguousarray(c) for c in columns)
-

@@ -1,14 +1,14 @@
 """Time steppers: how the hip's position and velocity advance by one step.
 
-A stepper is a small parameter tuple and one function, registered together with `stepper`; nothing
-else has to change for a new one. The function advances the state from t to t + h:
+A stepper is a small parameter tuple and one function, joined by `register`; nothing else has to
+change for a new one. The function advances the state from t to t + h:
 
     evaluations = step(stepper, y, now, quad, h, poses, sole, world, work)
 
 - ``y`` (4,): hip x, z (m), v_x, v_z (m/s); advanced in place.
 - ``now`` (2, 9): the contact at (t, y) when called, at the new time and state when it returns.
 - ``quad``: integrals along the walk; the step adds its own quadrature of every stage with `add`.
-- ``poses`` (nodes, 2, 7): the pose of both feet at t + node h, for the class's ``nodes``; the last
+- ``poses`` (nodes, 2, 7): the pose of both feet at t + node h, for the registered nodes; the last
   node is 1.
 - ``work`` (2, 9): scratch.
 - It returns how often the contact was evaluated, negative if the step could not be solved.
@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from numba import njit
@@ -32,29 +33,34 @@ from footopt.walker.kernels import FX, FZ, POWER, contact, solve_stage
 #: and net work of the joints of both legs (J), and the impulse of the sand (N s).
 WORK_L, WORK_R, HEIGHT, JOINT, JOINT_NET, IMPULSE_X, IMPULSE_Z = range(7)
 
-STEPPERS: dict[str, Any] = {}  # name -> parameter tuple
-_FUNCTIONS: dict[type, Callable[..., int]] = {}
+
+@dataclass(frozen=True)
+class Stepper:
+    """A stepper's entry: its parameters, its step function, and where in a step it needs the pose."""
+
+    parameters: Any
+    step: Callable[..., int]
+    nodes: tuple[float, ...]
 
 
-def stepper(name: str, function: Callable[..., int]) -> Callable[[type], type]:
-    """Register a parameter tuple's class, with all defaults, under a name with its step function."""
+STEPPERS: dict[str, Stepper] = {}
+_STEPS: dict[type, Callable[..., int]] = {}
 
-    def register(cls: type) -> type:
-        STEPPERS[name] = cls()
-        _FUNCTIONS[cls] = function
-        return cls
 
-    return register
+def register(name: str, parameters: Any, step: Callable[..., int], nodes: tuple[float, ...]) -> None:
+    """Offer a stepper under a name. `parameters` is an instance of a class of its own."""
+    STEPPERS[name] = Stepper(parameters, step, nodes)
+    _STEPS[type(parameters)] = step
 
 
 def advance(stepper, y, now, quad, h, poses, sole, world, work):
     """The step of whichever stepper the first argument is; resolved when the loop is compiled."""
-    return _FUNCTIONS[type(stepper)](stepper, y, now, quad, h, poses, sole, world, work)
+    return _STEPS[type(stepper)](stepper, y, now, quad, h, poses, sole, world, work)
 
 
 @overload(advance)
 def _resolve(stepper, y, now, quad, h, poses, sole, world, work):
-    return _FUNCTIONS[stepper.instance_class]
+    return _STEPS[stepper.instance_class]
 
 
 @njit
@@ -76,6 +82,10 @@ def acceleration(at, world):
     return (at[0, FX] + at[1, FX]) / world.mass, (at[0, FZ] + at[1, FZ]) / world.mass - world.g
 
 
+class ExplicitEuler(NamedTuple):
+    """See `explicit_euler`; it has no parameters."""
+
+
 def explicit_euler(stepper, y, now, quad, h, poses, sole, world, work):
     """The paper's stepper (its eq. 8): position and velocity both from the old state. Order 1."""
     ax, az = acceleration(now, world)
@@ -88,6 +98,13 @@ def explicit_euler(stepper, y, now, quad, h, poses, sole, world, work):
     return 1
 
 
+register("explicit_euler", ExplicitEuler(), explicit_euler, nodes=(1.0,))
+
+
+class SemiImplicitEuler(NamedTuple):
+    """See `semi_implicit_euler`; it has no parameters."""
+
+
 def semi_implicit_euler(stepper, y, now, quad, h, poses, sole, world, work):
     """Velocity from the old force, then position from the new velocity. Order 1."""
     ax, az = acceleration(now, world)
@@ -98,6 +115,15 @@ def semi_implicit_euler(stepper, y, now, quad, h, poses, sole, world, work):
     y[1] += h * y[3]
     contact(now, sole, world, poses[0], y[1], y[2], y[3], None)
     return 1
+
+
+register("semi_implicit_euler", SemiImplicitEuler(), semi_implicit_euler, nodes=(1.0,))
+
+
+class SDIRK2(NamedTuple):
+    """See `sdirk2`; ``gamma`` is the coefficient of both implicit stages."""
+
+    gamma: float = 1.0 - 1.0 / math.sqrt(2.0)
 
 
 def sdirk2(stepper, y, now, quad, h, poses, sole, world, work):
@@ -119,9 +145,7 @@ def sdirk2(stepper, y, now, quad, h, poses, sole, world, work):
     x1, z1 = x0 + r * vx, z0 + r * vz
     # the guess follows the change of acceleration so far, to the end of the step
     gx, gz = vx + r * (bx + (bx - ax)), vz + r * (bz + (bz - az))
-    vx, vz, more = solve_stage(
-        now, sole, world, poses[1], z1, vx0 + r * bx, vz0 + r * bz, c, gx, gz
-    )
+    vx, vz, more = solve_stage(now, sole, world, poses[1], z1, vx0 + r * bx, vz0 + r * bz, c, gx, gz)
     if more < 0:
         return more
     y[0], y[1], y[2], y[3] = x1 + c * vx, z1 + c * vz, vx, vz
@@ -129,24 +153,4 @@ def sdirk2(stepper, y, now, quad, h, poses, sole, world, work):
     return used + more
 
 
-@stepper("explicit_euler", explicit_euler)
-class ExplicitEuler(NamedTuple):
-    """See `explicit_euler`."""
-
-    nodes = (1.0,)
-
-
-@stepper("semi_implicit_euler", semi_implicit_euler)
-class SemiImplicitEuler(NamedTuple):
-    """See `semi_implicit_euler`."""
-
-    nodes = (1.0,)
-
-
-@stepper("sdirk2", sdirk2)
-class SDIRK2(NamedTuple):
-    """See `sdirk2`; ``gamma`` is the diagonal coefficient of both stages."""
-
-    gamma: float = 1.0 - 1.0 / math.sqrt(2.0)
-
-    nodes = (1.0 - 1.0 / math.sqrt(2.0), 1.0)
+register("sdirk2", SDIRK2(), sdirk2, nodes=(SDIRK2().gamma, 1.0))

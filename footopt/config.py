@@ -1,0 +1,126 @@
+"""The settings as plain dataclasses: the schemas of what the YAML files compose.
+
+`footopt.studies.build` makes the library's own objects of them; this module imports nothing, so
+that `footopt --help` is quick.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Optional  # OmegaConf resolves these annotations itself
+
+
+@dataclass
+class StudyConfig:
+    """Which question is asked."""
+
+    name: str = "optimize"
+
+
+@dataclass
+class SandConfig:
+    """The sand: zeta scales the generic stress map, or nine coefficients, or a table of stresses."""
+
+    name: str = "custom"
+    zeta: float = 1.0
+    coefficients: Optional[dict[str, float]] = None  # noqa: UP045
+    table: Optional[str] = None  # noqa: UP045
+
+
+@dataclass
+class GaitConfig:
+    """The gait: the built-in human walk or a file."""
+
+    name: str = "human"
+    path: Optional[str] = None  # noqa: UP045
+    period: Optional[float] = None  # noqa: UP045
+    harmonics: int = 6
+    pitch: str = "shank"
+    start: float = 0.5
+
+
+@dataclass
+class FootConfig:
+    """The foot: a space of waypoints (and one sole k in it, to simulate), or one of the shapes."""
+
+    shape: str = "waypoints"
+    width: float = 0.10
+    ankle: list[float] = field(default_factory=lambda: [0.0, 0.0])
+    n: int = 11
+    K: int = 10
+    L: float = 0.13
+    H: float = 0.03
+    box_tolerance: float = 0.05
+    k: Optional[list[int]] = None  # noqa: UP045
+    length: float = 0.26
+    apex: str = "middle"
+    upright: str = "toe"
+
+
+@dataclass
+class WalkerConfig:
+    """The walker: see `footopt.Walker`."""
+
+    mass: float = 60.0
+    l1: float = 0.47
+    l2: float = 0.45
+    g: float = 9.81
+
+
+@dataclass
+class SceneConfig:
+    """How long the walk lasts; null is two strides after the start."""
+
+    name: str = "walk"
+    t_f: Optional[float] = None  # noqa: UP045
+
+
+@dataclass
+class AccuracyConfig:
+    """How finely it is simulated: see `footopt.Accuracy`."""
+
+    name: str = "custom"
+    stepper: str = "sdirk2"
+    dt: float = 2e-3
+    plates: int = 100
+    creep: float = 1e-4
+
+
+@dataclass
+class ObjectiveConfig:
+    """What is optimised: names from the objectives."""
+
+    names: list[str] = field(default_factory=lambda: ["efficiency"])
+
+
+@dataclass
+class SolverConfig:
+    """Who searches, and for how long."""
+
+    name: str = "ga"
+    pop_size: int = 100
+    n_gen: int = 100
+    seed: int = 1
+
+
+@dataclass
+class EngineConfig:
+    """Where designs are evaluated; threads null is all processors."""
+
+    threads: Optional[int] = None  # noqa: UP045
+
+
+@dataclass
+class Config:
+    """All settings of a run, one group each."""
+
+    study: StudyConfig = field(default_factory=StudyConfig)
+    sand: SandConfig = field(default_factory=SandConfig)
+    gait: GaitConfig = field(default_factory=GaitConfig)
+    foot: FootConfig = field(default_factory=FootConfig)
+    walker: WalkerConfig = field(default_factory=WalkerConfig)
+    scene: SceneConfig = field(default_factory=SceneConfig)
+    accuracy: AccuracyConfig = field(default_factory=AccuracyConfig)
+    objective: ObjectiveConfig = field(default_factory=ObjectiveConfig)
+    solver: SolverConfig = field(default_factory=SolverConfig)
+    engine: EngineConfig = field(default_factory=EngineConfig)

@@ -1,0 +1,243 @@
+"""The search: an ask/tell loop around any solver that keeps every design it has evaluated."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from pymoo.problems.static import StaticProblem
+
+from footopt.design.problem import FootProblem
+from footopt.design.solvers import Solver
+from footopt.errors import FootoptError
+from footopt.foot import Foot
+from footopt.walker.objectives import OBJECTIVES
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Generation:
+    """One generation as the search's history keeps it.
+
+    best : smallest value of the single objective so far, or of J_W when there are several.
+    median : of that value over the generation's feasible designs. front : designs on the front of
+    all evaluated so far (1 for a single objective). Values are NaN before a design is feasible.
+    """
+
+    generation: int
+    evaluations: int
+    best: float
+    median: float
+    front: int
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class SearchResult:
+    """Every design that a search evaluated, in order, and which are best.
+
+    Parameters
+    ----------
+    k : (designs, n), heights; no design twice. values : (designs, record), natural signs, NaN for a
+        failed walk; columns are ``problem.record``.
+    feasible : (designs,), walked and inside the box. reasons : why a walk failed, or "box", or "".
+    violation : (designs,), of the box, m. generation : (designs,), in which it came up.
+    best : index of the best design: of the objective, or by J_W on the front.
+    front : indices of the non-dominated feasible designs, best first by J_W.
+    evaluations : asked for by the solver; a design that comes up again is not walked again.
+    interrupted : whether it was stopped by the user before its last generation.
+    """
+
+    problem: FootProblem
+    solver: Solver
+    k: NDArray[np.int64]
+    values: Array
+    feasible: NDArray[np.bool_]
+    reasons: NDArray[np.str_]
+    violation: Array
+    generation: NDArray[np.int64]
+    history: list[Generation]
+    best: int
+    front: NDArray[np.int64]
+    evaluations: int
+    seconds: float
+    interrupted: bool
+
+    @property
+    def foot(self) -> Foot:
+        """The best design."""
+        return Foot.from_waypoints(self.k[self.best], self.problem.space)
+
+    def column(self, name: str) -> Array:
+        """A recorded value of every design, (designs,), natural sign."""
+        return np.asarray(self.values[:, self.problem.record.index(name)])
+
+
+def search(
+    problem: FootProblem,
+    solver: Solver | str | None = None,
+    progress: Callable[[Generation], None] | None = None,
+    **budget: int,
+) -> SearchResult:
+    """Search a design space.
+
+    Parameters
+    ----------
+    problem : what is searched.
+    solver : a `Solver`, or a name with the budget (pop_size, n_gen, seed) as keywords. By default
+        the GA for one objective and NSGA-II for several.
+    progress : called after every generation.
+
+    Returns
+    -------
+    SearchResult : also when the user interrupts it (Ctrl-C), of what was found so far.
+
+    Raises
+    ------
+    SettingError : the solver does not fit the number of objectives.
+    FootoptError : no feasible design was found, or it was interrupted before the first one.
+    """
+    if not isinstance(solver, Solver):
+        default = "ga" if problem.n_obj == 1 else "nsga2"
+        solver = Solver(name=solver or default, **budget)
+    algorithm = solver.build(problem.n_obj)
+    algorithm.setup(problem, termination=("n_gen", solver.n_gen), seed=solver.seed, verbose=False)
+    archive = Archive(problem)
+    started = time.perf_counter()
+    interrupted = False
+    try:
+        while algorithm.has_next():
+            infills = algorithm.ask()
+            f, g = archive.evaluate(np.round(infills.get("X").astype(float)).astype(np.int64))
+            algorithm.evaluator.eval(StaticProblem(problem, F=f, G=g), infills)
+            algorithm.tell(infills=infills)
+            archive.close_generation(time.perf_counter() - started)
+            if progress is not None:
+                progress(archive.history[-1])
+    except KeyboardInterrupt:
+        interrupted = True
+    return archive.result(solver, time.perf_counter() - started, interrupted)
+
+
+@dataclass(frozen=True)
+class Design:
+    """One evaluated design, as the archive keeps it; see `SearchResult` for the fields."""
+
+    k: NDArray[np.int64]
+    values: Array
+    f: Array  # what the solver minimises
+    g: Array  # constraints, <= 0 when met
+    reason: str
+    violation: float
+    generation: int
+
+    @property
+    def feasible(self) -> bool:
+        """Walked, and inside the box."""
+        return bool((self.g <= 0.0).all())
+
+
+class Archive:
+    """Every distinct design of a run, each walked once, and the history of its generations."""
+
+    def __init__(self, problem: FootProblem) -> None:
+        self.problem = problem
+        self.history: list[Generation] = []
+        self.designs: list[Design] = []
+        self._place: dict[bytes, int] = {}  # of a design in `designs`, by its heights
+        self._front = np.empty(0, np.int64)
+        self._evaluations = 0
+        self._latest: list[int] = []
+        self._guide = problem.names[0] if problem.n_obj == 1 else "efficiency"
+        self._sign = -1.0 if OBJECTIVES[self._guide].maximise else 1.0
+
+    def evaluate(self, k: NDArray[np.int64]) -> tuple[Array, Array]:
+        """F and G of a generation, (designs, ...); designs seen before are not walked again."""
+        keys = [heights.tobytes() for heights in k]
+        new = list({key: i for i, key in enumerate(keys) if key not in self._place}.values())
+        if new:
+            out = self.problem.evaluate(k[new], return_as_dictionary=True)
+            for row, i in enumerate(new):
+                g = np.asarray(out["G"][row], float)
+                reason = str(out["reasons"][row]) or ("" if (g <= 0.0).all() else "box")
+                self._place[keys[i]] = len(self.designs)
+                self.designs.append(
+                    Design(
+                        k=k[i],
+                        values=np.asarray(out["values"][row], float),
+                        f=np.asarray(out["F"][row], float),
+                        g=g,
+                        reason=reason,
+                        violation=float(out["violation"][row]),
+                        generation=len(self.history) + 1,
+                    )
+                )
+            self._extend_front(len(new))
+        self._evaluations += len(k)
+        self._latest = [self._place[key] for key in keys]
+        chosen = [self.designs[i] for i in self._latest]
+        return np.array([d.f for d in chosen]), np.array([d.g for d in chosen])
+
+    def close_generation(self, seconds: float) -> None:
+        """Write the generation into the history."""
+        column = self.problem.record.index(self._guide)
+        now = [self.designs[i].values[column] for i in self._latest if self.designs[i].feasible]
+        so_far = [self.designs[i].values[column] for i in self._front]
+        nan = float("nan")
+        self.history.append(
+            Generation(
+                generation=len(self.history) + 1,
+                evaluations=self._evaluations,
+                best=float(self._sign * np.min(self._sign * np.array(so_far))) if so_far else nan,
+                median=float(np.median(now)) if now else nan,
+                front=len(self._front),
+                seconds=seconds,
+            )
+        )
+
+    def result(self, solver: Solver, seconds: float, interrupted: bool) -> SearchResult:
+        """Everything that was evaluated, and the best of it."""
+        if not self.designs:
+            raise FootoptError("The search was stopped before its first generation was evaluated.")
+        reasons = np.array([d.reason for d in self.designs])
+        if not len(self._front):
+            causes, counts = np.unique(reasons, return_counts=True)
+            raise FootoptError(
+                f"No feasible design among {len(self.designs)}: "
+                + ", ".join(f"{n} {cause}" for cause, n in zip(causes, counts, strict=True))
+                + ". Try more generations, a larger foot.box_tolerance, or harder sand."
+            )
+        column = self.problem.record.index(self._guide)
+        rank = [self._sign * self.designs[i].values[column] for i in self._front]
+        front = self._front[np.argsort(rank, kind="stable")]
+        return SearchResult(
+            problem=self.problem,
+            solver=solver,
+            k=np.array([d.k for d in self.designs]),
+            values=np.array([d.values for d in self.designs]),
+            feasible=np.array([d.feasible for d in self.designs]),
+            reasons=reasons,
+            violation=np.array([d.violation for d in self.designs]),
+            generation=np.array([d.generation for d in self.designs]),
+            history=self.history,
+            best=int(front[0]),
+            front=front[:1] if self.problem.n_obj == 1 else front,
+            evaluations=self._evaluations,
+            seconds=seconds,
+            interrupted=interrupted,
+        )
+
+    def _extend_front(self, new: int) -> None:
+        """Let the newest designs join the front of all feasible ones."""
+        from moocore import is_nondominated
+
+        total = len(self.designs)
+        fresh = [i for i in range(total - new, total) if self.designs[i].feasible]
+        pool = np.concatenate([self._front, np.array(fresh, np.int64)])
+        if len(pool):
+            f = np.array([self.designs[i].f for i in pool])
+            self._front = pool[is_nondominated(f, keep_weakly=True)]

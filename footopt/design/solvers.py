@@ -1,0 +1,177 @@
+"""Solvers by name: one builder each, with operators that suit whole numbers.
+
+pymoo's SBX truncates children of an integer population before they are repaired; with
+``vtype=float`` and a `RoundingRepair` of the whole algorithm they are rounded instead. A large eta
+on a range of ten heights makes most mutations round back to the parent, hence eta = 3. Operators
+are built afresh for every run: pymoo's defaults are shared objects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.errors import SettingError, check
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Solver:
+    """A solver and its budget.
+
+    Parameters
+    ----------
+    name : in `SOLVERS`. pop_size : designs a generation. n_gen : generations. seed : of everything
+        random; the same seed gives the same result.
+    """
+
+    name: str = "ga"
+    pop_size: int = 100
+    n_gen: int = 100
+    seed: int = 1
+
+    def __post_init__(self) -> None:
+        if self.name not in SOLVERS:
+            raise SettingError("solver.name", self.name, f"one of {', '.join(SOLVERS)}")
+        check(self.pop_size >= 4, "solver.pop_size", self.pop_size, "a whole number >= 4")
+        check(self.n_gen >= 1, "solver.n_gen", self.n_gen, "a whole number >= 1")
+        check(0 <= self.seed < 2**32, "solver.seed", self.seed, "a whole number from 0 to 2^32 - 1")
+
+    def build(self, n_obj: int) -> Any:
+        """A fresh pymoo algorithm for that many objectives."""
+        single = self.name in SINGLE
+        if single and n_obj > 1:
+            many = ", ".join(name for name in SOLVERS if name not in SINGLE)
+            raise SettingError(
+                "solver",
+                self.name,
+                f"a solver of several objectives ({many}) for {n_obj} objectives",
+                "Or minimise the scalar J_W: objective=efficiency.",
+            )
+        if not single and n_obj < 2:
+            raise SettingError(
+                "solver",
+                self.name,
+                f"a solver of one objective ({', '.join(SINGLE)}) for one objective",
+                "Or ask for several: objective=pareto.",
+            )
+        return SOLVERS[self.name](self, n_obj)
+
+
+def _operators() -> dict[str, Any]:
+    from pymoo.operators.crossover.sbx import SBX
+    from pymoo.operators.mutation.pm import PM
+    from pymoo.operators.repair.rounding import RoundingRepair
+    from pymoo.operators.sampling.rnd import IntegerRandomSampling
+
+    return {
+        "sampling": IntegerRandomSampling(),
+        "crossover": SBX(prob=0.9, eta=3, vtype=float),
+        "mutation": PM(eta=3),
+        "repair": RoundingRepair(),
+        "eliminate_duplicates": True,
+    }
+
+
+def ga(solver: Solver, n_obj: int) -> Any:
+    """Genetic algorithm with elitist survival: the paper's solver."""
+    from pymoo.algorithms.soo.nonconvex.ga import GA
+
+    return GA(pop_size=solver.pop_size, **_operators())
+
+
+def de(solver: Solver, n_obj: int) -> Any:
+    """Differential evolution, DE/rand/1/bin, rounded (Storn & Price 1997)."""
+    from pymoo.algorithms.soo.nonconvex.de import DE
+    from pymoo.operators.repair.rounding import RoundingRepair
+    from pymoo.operators.sampling.rnd import IntegerRandomSampling
+
+    return DE(
+        pop_size=solver.pop_size,
+        variant="DE/rand/1/bin",
+        CR=0.5,
+        F=0.5,
+        sampling=IntegerRandomSampling(),
+        repair=RoundingRepair(),
+    )
+
+
+def nsga2(solver: Solver, n_obj: int) -> Any:
+    """NSGA-II: non-dominated sorting and crowding (Deb et al. 2002)."""
+    from pymoo.algorithms.moo.nsga2 import NSGA2
+
+    return NSGA2(pop_size=solver.pop_size, **_operators())
+
+
+def nsga3(solver: Solver, n_obj: int) -> Any:
+    """NSGA-III: survival by reference directions (Deb & Jain 2014)."""
+    from pymoo.algorithms.moo.nsga3 import NSGA3
+    from pymoo.operators.selection.tournament import TournamentSelection
+
+    directions = reference_directions(n_obj, solver.pop_size)
+    selection = TournamentSelection(func_comp=less_violation)
+    return NSGA3(ref_dirs=directions, pop_size=solver.pop_size, selection=selection, **_operators())
+
+
+def agemoea2(solver: Solver, n_obj: int) -> Any:
+    """AGE-MOEA-II: survival by an estimate of the front's geometry (Panichella 2022)."""
+    from pymoo.algorithms.moo.age2 import AGEMOEA2
+
+    return AGEMOEA2(pop_size=solver.pop_size, **_operators())
+
+
+def smsemoa(solver: Solver, n_obj: int) -> Any:
+    """SMS-EMOA: survival by contribution to the hypervolume (Beume, Naujoks & Emmerich 2007)."""
+    from pymoo.algorithms.moo.sms import SMSEMOA
+
+    return SMSEMOA(pop_size=solver.pop_size, **_operators())
+
+
+def rvea(solver: Solver, n_obj: int) -> Any:
+    """RVEA: reference vectors with an angle-penalised distance (Cheng et al. 2016)."""
+    from pymoo.algorithms.moo.rvea import RVEA
+
+    directions = reference_directions(n_obj, solver.pop_size)
+    return RVEA(ref_dirs=directions, pop_size=solver.pop_size, **_operators())
+
+
+SOLVERS: dict[str, Callable[[Solver, int], Any]] = {
+    "ga": ga,
+    "de": de,
+    "nsga2": nsga2,
+    "nsga3": nsga3,
+    "agemoea2": agemoea2,
+    "smsemoa": smsemoa,
+    "rvea": rvea,
+}
+
+#: Solvers of one objective; the others want two or more.
+SINGLE = ("ga", "de")
+
+
+@lru_cache(maxsize=8)
+def reference_directions(n_obj: int, count: int) -> Array:
+    """`count` directions spread evenly over the simplex, (count, n_obj), by Riesz energy."""
+    from pymoo.util.ref_dirs import get_reference_directions
+
+    directions: Array = get_reference_directions("energy", n_obj, count, seed=1)
+    return directions
+
+
+def less_violation(pop: Any, pairs: NDArray[np.int64], random_state: Any = None, **kwargs: Any) -> Any:
+    """Winner of each pair: the smaller constraint violation, a tie by the run's own random state.
+
+    pymoo's own comparison for NSGA-III draws ties from a generator of its own, so that equal seeds
+    gave different results.
+    """
+    cv = pop.get("CV")[:, 0]
+    first, second = cv[pairs[:, 0]], cv[pairs[:, 1]]
+    coin = random_state.integers(0, 2, len(pairs)).astype(bool)
+    take_second = np.where(first == second, coin, second < first)
+    return np.where(take_second, pairs[:, 1], pairs[:, 0])[:, None].astype(int)

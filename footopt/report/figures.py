@@ -1,0 +1,688 @@
+"""Figures for a paper: one function a figure, from plain data to a matplotlib Figure.
+
+No pyplot and so no global figure state: figures can be drawn from any thread. Helpers named
+``draw_*`` draw on Axes of the caller's. Widths are a journal's column and page, fonts 8 pt; colours
+are Okabe & Ito's, which the colour-blind can tell apart, and line styles differ too.
+"""
+
+from __future__ import annotations
+
+import textwrap
+import threading
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import wraps
+from pathlib import Path
+from typing import Any, NamedTuple, ParamSpec, TypeVar
+
+import matplotlib
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Polygon, Rectangle
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import ArrayLike, NDArray
+
+from footopt.errors import FileError, check
+from footopt.foot import Foot
+from footopt.foot.export import MM, closed_contour
+from footopt.gait.cycle import LEFT, RIGHT
+from footopt.walker.objectives import lookup
+from footopt.walker.simulate import Walk
+
+Array = NDArray[np.float64]
+Axes = Any  # matplotlib.axes.Axes
+
+COLUMN, PAGE = 3.4, 7.0  # widths, inches
+DPI = 200
+
+BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = (
+    "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
+)  # fmt: skip
+COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, "black")
+DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)))
+GREY, PALE, SAND = "0.55", "0.92", "#F3E9D2"
+
+STYLE: dict[str, Any] = {
+    "font.size": 8,
+    "axes.titlesize": 8,
+    "axes.labelsize": 8,
+    "legend.fontsize": 8,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "axes.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "lines.linewidth": 1.2,
+    "lines.markersize": 4,
+    "legend.frameon": False,
+    "legend.handlelength": 2.4,
+    "pdf.fonttype": 42,  # text stays text, as journals ask
+}
+
+CONTACT = 1.0  # vertical force above which a foot stands on the sand, N
+ARROWS = 25  # force arrows along a sole
+SHANK = 0.14  # of the shank is drawn, m
+
+P = ParamSpec("P")
+R = TypeVar("R")
+_lock = threading.RLock()
+
+
+def styled(make: Callable[P, R]) -> Callable[P, R]:
+    """Run a function under the shared style.
+
+    `matplotlib.rc_context` changes settings of the whole process, so threads take turns.
+    """
+
+    @wraps(make)
+    def run(*args: P.args, **kwargs: P.kwargs) -> R:
+        with _lock, matplotlib.rc_context(STYLE):
+            return make(*args, **kwargs)
+
+    return run
+
+
+@styled
+def save(figure: Figure, folder: str | Path, name: str) -> tuple[Path, Path]:
+    """Write a figure as PNG (200 dpi) and PDF; the same figure gives the same bytes.
+
+    Parameters
+    ----------
+    folder : made if it is not there. name : of the files, without an ending.
+
+    Returns
+    -------
+    png, pdf : the files.
+
+    Raises
+    ------
+    FileError : the folder or a file cannot be written.
+    """
+    folder = Path(folder)
+    png, pdf = folder / f"{name}.png", folder / f"{name}.pdf"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        figure.savefig(png, dpi=DPI)
+        figure.savefig(pdf, metadata={"CreationDate": None})
+    except OSError as error:
+        raise FileError(
+            f"{folder}: the figure {name} cannot be written ({error.strerror or error}). "
+            "Choose a folder that may be written to."
+        ) from error
+    return png, pdf
+
+
+# --- feet -----------------------------------------------------------------------------------------
+
+
+@styled
+def contour(foot: Foot) -> Figure:
+    """The sole in its box with its waypoints, its lower convex hull and the depth of its hollow."""
+    figure = _figure(COLUMN, 2.2)
+    axes = figure.subplots()
+    draw_contour(axes, foot)
+    _legend_above(figure, *axes.get_legend_handles_labels(), columns=3)
+    return figure
+
+
+@styled
+def contours(feet: Mapping[str, Foot]) -> Figure:
+    """Several soles in one frame, by label."""
+    figure = _figure(COLUMN, 2.2)
+    axes = figure.subplots()
+    for i, (label, foot) in enumerate(feet.items()):
+        axes.plot(*(MM * foot.contour).T, **_line(i), label=label)
+    _foot_axes(axes)
+    _legend_above(figure, *axes.get_legend_handles_labels(), columns=3)
+    return figure
+
+
+def draw_contour(axes: Axes, foot: Foot) -> None:
+    """A sole in the foot frame, mm; see `contour`."""
+    sole = MM * foot.contour
+    if foot.space is not None:
+        length, height = MM * foot.space.L, MM * foot.space.H
+        box = Rectangle((-length, -height), 2 * length, 2 * height, color=PALE, lw=0, label="box")
+        axes.add_patch(box)
+    axes.plot(*sole.T, color=BLUE, label="sole", zorder=3)
+    if foot.space is not None and foot.k is not None:
+        points = foot.space.x, foot.space.heights(foot.k)[0]
+        axes.plot(*(MM * np.array(points)), "o", color=BLUE, mfc="white", label="waypoint", zorder=4)
+    axes.plot(*(MM * np.array(foot.ankle)), "+", color="black", ms=6, mew=1, label="ankle")
+    hull, x, low, high = lower_hull(foot.contour)
+    depth = MM * foot.hollow
+    if depth >= 0.05:
+        axes.plot(*(MM * hull).T, ":", color=VERMILLION, label="lower hull", zorder=2)
+        ends = {"xy": (MM * x, MM * low), "xytext": (MM * x, MM * high)}
+        arrow = {"arrowstyle": "<->", "color": VERMILLION, "lw": 0.8, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", **ends, arrowprops=arrow, zorder=4)
+        text = f"hollow {depth:.1f} mm"
+    else:
+        text = "no hollow"
+    axes.annotate(
+        text, (MM * x, MM * high), (0, 5), textcoords="offset points", ha="center", color=VERMILLION
+    )  # fmt: skip
+    _foot_axes(axes)
+
+
+def lower_hull(contour: Array) -> tuple[Array, float, float, float]:
+    """Lower convex hull of a sole and where the sole is farthest above it.
+
+    Parameters
+    ----------
+    contour : (m, 2), m
+
+    Returns
+    -------
+    hull : (h, 2), m, from heel to toe
+    x, low, high : where the gap is largest; the hull's height there and the sole's, m
+    """
+    hull: list[Array] = []
+    for p in contour[np.lexsort((contour[:, 1], contour[:, 0]))]:  # Andrew's monotone chain
+        while len(hull) >= 2:
+            (ax, az), (bx, bz) = hull[-1] - hull[-2], p - hull[-2]
+            if ax * bz - az * bx > 0.0:
+                break
+            hull.pop()
+        hull.append(p)
+    corners = np.array(hull)
+    left, right = corners[0, 0], corners[-1, 0]
+    margin = 1e-9 * (right - left)
+    inner = contour[(contour[:, 0] > left + margin) & (contour[:, 0] < right - margin)]
+    if len(inner) == 0:  # a straight sole of two points
+        inner = contour.mean(axis=0, keepdims=True)
+    # a vertical side at an end is part of the chain, but has no inside
+    flat = corners[np.concatenate([[True], np.diff(corners[:, 0]) > 0.0])]
+    floor = np.interp(inner[:, 0], flat[:, 0], flat[:, 1])
+    i = int(np.argmax(inner[:, 1] - floor))
+    return flat, float(inner[i, 0]), float(floor[i]), float(inner[i, 1])
+
+
+def _foot_axes(axes: Axes) -> None:
+    axes.set(xlabel="$x_p$ (mm), to the toe", ylabel="$z_p$ (mm)", aspect="equal")
+    axes.margins(0.05, 0.15)
+
+
+# --- a search -------------------------------------------------------------------------------------
+
+
+@styled
+def convergence(history: Iterable[Any], label: str) -> Figure:
+    """The best value and the population's median against the number of evaluations.
+
+    Parameters
+    ----------
+    history : one entry a generation, objects or dicts with `evaluations`, `best` and, where they
+        are known, `median`, `low` and `high` (the edges of a band to shade, e.g. quartiles).
+    label : of the value, with its unit if it has one.
+    """
+    figure = _figure(COLUMN, 2.4)
+    axes = figure.subplots()
+    draw_convergence(axes, history, label)
+    return figure
+
+
+def draw_convergence(axes: Axes, history: Iterable[Any], label: str) -> None:
+    """Best and median on one axes; see `convergence`."""
+    rows = list(history)
+    evaluations, best, median, low, high = (
+        np.array([_entry(row, name) for row in rows], float)
+        for name in ("evaluations", "best", "median", "low", "high")
+    )
+    axes.set(xlabel="evaluations", ylabel=label)
+    if not np.isfinite(best).any():
+        _say(axes, "no feasible design was found")
+        return
+    if (np.isfinite(low) & np.isfinite(high)).any():
+        axes.fill_between(evaluations, low, high, color=SKY, alpha=0.3, lw=0, label="spread")
+    if np.isfinite(median).any():
+        axes.plot(evaluations, median, color=VERMILLION, ls="--", label="median")
+    # a best value holds until a better one is found
+    axes.plot(evaluations, best, color=BLUE, drawstyle="steps-post", label="best")
+    last = np.flatnonzero(np.isfinite(best))[-1]
+    axes.plot(evaluations[last], best[last], "o", color=BLUE)
+    axes.legend(loc="best", title=f"best {best[last]:.4g}")
+    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
+
+
+def _entry(row: Any, name: str) -> float:
+    value = row.get(name) if isinstance(row, Mapping) else getattr(row, name, None)
+    return float("nan") if value is None else float(value)
+
+
+# --- walks ----------------------------------------------------------------------------------------
+
+
+@styled
+def com(walks: Mapping[str, Walk]) -> Figure:
+    """Position and velocity of the centre of mass against time, of walks by label."""
+    figure = _figure(PAGE, 3.8)
+    axes = figure.subplots(2, 2, sharex=True)
+    for row, (label, unit, get) in enumerate((("{}", "m", _com), ("V_{}", "m/s", _velocity))):
+        for column, name in enumerate("xz"):
+            symbol = label.format(name) if row else f"{name}_{{\\mathrm{{COM}}}}"
+            axes[row, column].set_ylabel(f"${symbol}$ ({unit})")
+            draw_traces(axes[row, column], walks, lambda walk, g=get, c=column: g(walk)[:, c])
+    _finish_walks(figure, axes, walks)
+    return figure
+
+
+@styled
+def forces(walks: Mapping[str, Walk]) -> Figure:
+    """Force of the sand on each foot against time: f_x left, f_z right; a row for each foot."""
+    figure = _figure(PAGE, 3.8)
+    axes = figure.subplots(2, 2, sharex=True, sharey="col")
+    for foot, name in ((LEFT, "left"), (RIGHT, "right")):
+        for column, symbol in enumerate("xz"):
+            axes[foot, column].set_ylabel(f"{name} foot $f_{symbol}$ (N)")
+            draw_traces(
+                axes[foot, column], walks, lambda walk, f=foot, c=column: walk.force[:, f, c]
+            )  # fmt: skip
+    _finish_walks(figure, axes, walks)
+    return figure
+
+
+@styled
+def power_work(walks: Mapping[str, Walk]) -> Figure:
+    """Power and cumulative work of the sand on each foot against time; a row for each foot."""
+    figure = _figure(PAGE, 3.8)
+    axes = figure.subplots(2, 2, sharex=True, sharey="col")
+    for foot, name in ((LEFT, "left"), (RIGHT, "right")):
+        short = name[0]
+        axes[foot, 0].set_ylabel(f"{name} foot power $P_{short}$ (W)")
+        axes[foot, 1].set_ylabel(f"{name} foot work $W_{short}$ (J)")
+        draw_traces(axes[foot, 0], walks, lambda walk, f=foot: walk.power[:, f])
+        draw_traces(axes[foot, 1], walks, lambda walk, f=foot: walk.work[:, f])
+    _finish_walks(figure, axes, walks)
+    return figure
+
+
+def draw_traces(axes: Axes, walks: Mapping[str, Walk], get: Callable[[Walk], Array]) -> None:
+    """One quantity of each walk against time, with thin lines at heel strikes.
+
+    A walk that failed ends in a cross; one that failed at once leaves only its label.
+
+    Parameters
+    ----------
+    get : from a walk to (T,) values.
+    """
+    strikes = {float(h) for w in walks.values() for h in w.scene.gait.heel_strikes(w.scene.duration)}
+    for h in sorted(strikes):
+        axes.axvline(h, color=GREY, lw=0.5, zorder=0)
+    for i, (label, walk) in enumerate(walks.items()):
+        values = get(walk)
+        axes.plot(walk.t, values, **_line(i), label=walk_label(label, walk))
+        if not walk.feasible and len(walk.t):
+            axes.plot(walk.t[-1], values[-1], "x", color=_line(i)["color"], ms=6, mew=1.5)
+    if not any(len(walk.t) for walk in walks.values()):
+        _say(axes, "no samples: " + ", ".join(sorted({w.reason for w in walks.values()})))
+
+
+def walk_label(label: str, walk: Walk) -> str:
+    """A walk's label, with the reason if it failed."""
+    return label if walk.feasible else f"{label} (failed: {walk.reason})"
+
+
+def _com(walk: Walk) -> Array:
+    return walk.com
+
+
+def _velocity(walk: Walk) -> Array:
+    return walk.velocity
+
+
+def _finish_walks(figure: Figure, axes: Any, walks: Mapping[str, Walk]) -> None:
+    end = max((walk.scene.duration for walk in walks.values()), default=1.0)
+    for a in axes.flat:
+        a.set_xlim(0.0, end)
+    for a in axes[-1]:
+        a.set_xlabel("time $t$ (s)")
+    figure.align_ylabels()
+    handles, labels = axes.flat[0].get_legend_handles_labels()
+    if any(len(walk.scene.gait.heel_strikes(walk.scene.duration)) for walk in walks.values()):
+        handles, labels = [*handles, Line2D([], [], color=GREY, lw=0.5)], [*labels, "heel strike"]
+    _legend_above(figure, handles, labels, columns=4)
+
+
+# --- one step -------------------------------------------------------------------------------------
+
+
+class Stance(NamedTuple):
+    """The right foot's contact at the first heel strike, as samples of a walk."""
+
+    first: int
+    last: int
+    dragged: bool  # the foot did not leave the sand in the swing before
+
+
+def stance(walk: Walk) -> Stance | None:
+    """From touch-down to push-off of the right foot's first step; None if it never stood.
+
+    The foot reaches the sand before the gait's nominal heel strike, so the contact is followed back
+    from there, a quarter of a stride at most: on soft sand a foot drags through its whole swing.
+    """
+    strike, quarter = walk.scene.gait.heel_strike, walk.scene.gait.period / 4.0
+    on = walk.force[:, RIGHT, 1] > CONTACT
+    after = np.flatnonzero(on & (walk.t >= strike - 1e-9))
+    if len(after) == 0:
+        return None
+    at = int(after[0])
+    off = np.flatnonzero(~on)
+    before, behind = off[off < at], off[off > at]
+    first = int(before[-1]) + 1 if len(before) else 0
+    last = int(behind[0]) - 1 if len(behind) else len(on) - 1
+    earliest = int(np.searchsorted(walk.t, strike - quarter - 1e-9))
+    return Stance(max(first, earliest), last, first < earliest)
+
+
+@styled
+def step(walk: Walk, frames: int = 6) -> Figure:
+    """One step of the right foot from touch-down to push-off: the sole in the sand and its forces.
+
+    Snapshots at equal intervals, all in the same place and scale. Each arrow is the force on one
+    of `ARROWS` parts of the sole and ends there; the title is the time since touch-down.
+    """
+    check(frames >= 1, "frames", frames, "a whole number >= 1")
+    contact = stance(walk)
+    if contact is None:
+        figure = _figure(PAGE, 1.6)
+        axes = figure.subplots()
+        axes.set_axis_off()
+        why = f"the walk failed: {walk.reason}" if walk.reason else "its foot never touched the sand"
+        _say(axes, f"no step of the right foot to show: {why}")
+        return figure
+    # the very ends carry no force yet or any more: half a frame's share inside them would skip the
+    # touch-down, a twentieth shows it
+    share = np.linspace(0.05, 0.95, frames) if frames > 1 else np.array([0.5])
+    index = np.round(contact.first + share * (contact.last - contact.first)).astype(int)
+    soles = _placed(walk, index)
+    at, force = _arrows(walk, index)
+    largest = float(np.hypot(*np.moveaxis(force, -1, 0)).max())
+    metres = 0.08 / largest  # of arrow per newton
+    reference = _round_down(0.6 * largest)
+
+    tails = at - metres * force
+    every = np.concatenate([s.reshape(-1, 2) for s in (soles.outline, soles.shank, tails)])
+    feet = np.concatenate([soles.outline.reshape(-1, 2), tails.reshape(-1, 2)])
+    left, right = feet[:, 0].min() - 0.01, feet[:, 0].max() + 0.01
+    low, high = min(every[:, 1].min(), -0.06) - 0.01, max(every[:, 1].max(), 0.02) + 0.01
+    width = (PAGE - 0.65) / frames - 0.06
+    figure = _figure(PAGE, min(width * (high - low) / (right - left) + 0.95, 8.0))
+    panels = figure.subplots(1, frames, sharex=True, sharey=True, squeeze=False)[0]
+    for j, axes in enumerate(panels):
+        draw_sand(axes, left, right, low)
+        draw_foot(axes, soles.outline[j], soles.sole[j], soles.shank[j])
+        arrows = axes.quiver(
+            *at[j].T, *force[j].T, pivot="tip", angles="xy", scale_units="xy", scale=1.0 / metres,
+            units="inches", width=0.008, headwidth=4, headlength=5, headaxislength=4.5,
+            color=VERMILLION, zorder=4,
+        )  # fmt: skip
+        axes.set(xlim=(left, right), ylim=(low, high), aspect="equal", xlabel="$x$ (m)")
+        axes.set_title(f"{walk.t[index[j]] - walk.t[contact.first]:.2f} s")
+        axes.xaxis.set_major_locator(MaxNLocator(2))
+    panels[0].set_ylabel("$z$ (m)")
+    panels[0].quiverkey(
+        arrows, 0.06, 0.05, reference, f"{reference:g} N", labelpos="E", coordinates="axes", labelsep=0.05
+    )  # fmt: skip
+    since = f"T/4 before heel strike (it drags through its swing, t = {walk.t[contact.first]:.2f} s)"
+    since = since if contact.dragged else f"touch-down (t = {walk.t[contact.first]:.2f} s)"
+    figure.suptitle(
+        f"{walk_label('right foot', walk)}: time since {since}; "
+        f"an arrow is the force on 1/{at.shape[1]} of the sole",
+        fontsize=8,
+    )
+    return figure
+
+
+class _Placed(NamedTuple):
+    outline: Array  # (M, m, 2), m: sole and top
+    sole: Array  # (M, s, 2), m
+    shank: Array  # (M, 2, 2), m: ankle, and a point on the shank
+
+
+def _placed(walk: Walk, index: NDArray[np.int64]) -> _Placed:
+    """The right foot in the world at some samples."""
+    t, walker = walk.t[index], walk.scene.walker
+    pose = walk.scene.gait.pose(t, walker.l1, walker.l2)
+    ankle = walk.com[index] + np.stack([pose.x[:, RIGHT], pose.z[:, RIGHT]], axis=-1)
+    c, s = np.cos(pose.pitch[:, RIGHT]), np.sin(pose.pitch[:, RIGHT])
+    turn = np.array([[c, -s], [s, c]]).transpose(2, 0, 1)
+
+    def place(points: Array) -> Array:
+        return (points - walk.foot.ankle) @ turn.transpose(0, 2, 1) + ankle[:, None]
+
+    shank = walk.scene.gait.angles(t)[1][0][:, RIGHT]
+    knee = ankle + SHANK * np.stack([-np.sin(shank), np.cos(shank)], axis=-1)
+    outline = closed_contour(walk.foot, max(0.0, walk.foot.contour[:, 1].max() + 0.005))
+    return _Placed(place(outline), place(walk.foot.contour), np.stack([ankle, knee], axis=1))
+
+
+def _arrows(walk: Walk, index: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Where forces act and what they are, summed over neighbouring plates, each (M, arrows, 2)."""
+    plates = walk.plates(index)
+    position, force = plates.position[:, RIGHT], plates.force[:, RIGHT]
+    count = position.shape[1]
+    arrows = min(ARROWS, count)
+    begin = count * np.arange(arrows) // arrows
+    size = np.diff(np.append(begin, count))
+    middle = np.add.reduceat(position, begin, axis=1) / size[:, None]
+    return middle, np.add.reduceat(force, begin, axis=1)
+
+
+def draw_sand(axes: Axes, left: float, right: float, low: float) -> None:
+    """Sand below z = 0, m."""
+    axes.add_patch(Rectangle((left, low), right - left, -low, color=SAND, lw=0, zorder=0))
+    axes.axhline(0.0, color=ORANGE, lw=0.8, zorder=1)
+
+
+def draw_foot(axes: Axes, outline: Array, sole: Array, shank: Array) -> None:
+    """A foot in the world: its closed outline (m, 2), its sole (s, 2) and its shank (2, 2), m."""
+    axes.add_patch(Polygon(outline, closed=True, fc=PALE, ec=GREY, lw=0.5, zorder=2))
+    axes.plot(*shank.T, color=GREY, lw=4, solid_capstyle="round", zorder=2.5)
+    axes.plot(*shank[0], "o", color="black", ms=3, zorder=3.5)
+    axes.plot(*sole.T, color=BLUE, zorder=3)
+
+
+def _round_down(value: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten that is not above a positive value."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(power * max(m for m in (1, 2, 5) if m * power <= value * (1 + 1e-12)))
+
+
+# --- many designs ---------------------------------------------------------------------------------
+
+
+@styled
+def scatter_matrix(values: ArrayLike, names: Sequence[str], marked: int | None = None) -> Figure:
+    """Every pair of objectives of many designs, and the spread of each.
+
+    Parameters
+    ----------
+    values : (designs, objectives), natural signs; rows with a NaN failed and are not drawn.
+    names : of the objectives (`footopt.walker.objectives.OBJECTIVES`).
+    marked : row of the design to point out, the best in J_W.
+    """
+    chosen, good, star, note = _designs(values, names, marked)
+    n = len(chosen)
+    size = min(PAGE, 1.4 * n + 1.0)
+    figure = _figure(size, size)
+    grid = figure.subplots(n, n, squeeze=False)
+    for row in range(n):
+        for column in range(n):
+            axes = grid[row, column]
+            if column > row:
+                axes.set_axis_off()
+                continue
+            if column == row:
+                draw_spread(axes, good[:, column], None if star is None else star[column])
+            else:
+                draw_pair(
+                    axes, good[:, [column, row]], None if star is None else star[[column, row]]
+                )  # fmt: skip
+            if row == n - 1:
+                axes.set_xlabel(_better(chosen[column]))
+            else:
+                axes.tick_params(labelbottom=False)
+                axes.xaxis.offsetText.set_visible(False)
+            if column == 0 and row > 0:
+                axes.set_ylabel(_better(chosen[row]))
+            elif column != row:
+                axes.tick_params(labelleft=False)
+                axes.yaxis.offsetText.set_visible(False)
+    figure.align_labels()
+    handles = [Line2D([], [], color=BLUE, ls="", marker="o", ms=3, alpha=0.6, label="design")]
+    if star is not None:
+        handles.append(Line2D([], [], **_STAR, label="best in $J_W$"))
+    text = f"{len(good)} designs" + (f"\n{note}" if note else "")
+    if n > 1:
+        grid[0, -1].legend(handles=handles, loc="upper right", title=text)
+    else:
+        figure.suptitle(text.replace("\n", ", "), fontsize=8)
+    return figure
+
+
+_STAR: dict[str, Any] = {
+    "marker": "*", "ms": 11, "mfc": VERMILLION, "mec": "black", "mew": 0.6, "ls": "", "zorder": 5
+}  # fmt: skip
+
+
+def draw_pair(axes: Axes, points: Array, star: Array | None) -> None:
+    """Two objectives of many designs, (designs, 2), and the one to point out, (2,)."""
+    axes.plot(*points.T, "o", color=BLUE, ms=2.5, mew=0, alpha=0.5)
+    if star is not None:
+        axes.plot(*star, **_STAR)
+    _few_ticks(axes.xaxis)
+    _few_ticks(axes.yaxis)
+
+
+def draw_spread(axes: Axes, values: Array, star: float | None) -> None:
+    """How many designs have which value of one objective, (designs,)."""
+    if len(values):
+        axes.hist(values, bins=min(20, max(1, round(len(values) ** 0.5))), color=SKY, ec="white", lw=0.3)
+    if star is not None:
+        axes.axvline(star, color=VERMILLION, ls="--")
+    axes.spines["left"].set_visible(False)
+    axes.tick_params(left=False, labelleft=False)
+    _few_ticks(axes.xaxis)
+
+
+@styled
+def parallel(values: ArrayLike, names: Sequence[str], marked: int | None = None) -> Figure:
+    """Parallel coordinates of many designs: better is up on every axis.
+
+    Parameters
+    ----------
+    values, names, marked : as for `scatter_matrix`.
+    """
+    chosen, good, star, note = _designs(values, names, marked)
+    figure = _figure(PAGE, 3.0)
+    axes = figure.subplots()
+    axes.set_axis_off()
+    n = len(chosen)
+    axes.set(xlim=(-0.35, n - 0.45), ylim=(-0.42, 1.12))
+    if len(good) == 0:
+        _say(axes, f"no design to show: {note}")
+        return figure
+    sign = np.array([1.0 if o.maximise else -1.0 for o in chosen])
+    low, high = (sign * good).min(axis=0), (sign * good).max(axis=0)
+    span = np.where(high > low, high - low, 1.0)
+
+    def place(rows: Array) -> Array:
+        return np.where(high > low, (sign * rows - low) / span, 0.5)
+
+    x = np.arange(n)
+    axes.plot(x, place(good).T, color=BLUE, lw=0.6, alpha=max(0.08, min(0.6, 20.0 / len(good))))
+    for i, o in enumerate(chosen):
+        axes.plot([i, i], [0, 1], color="black", lw=0.8, zorder=3)
+        axes.text(i, 1.03, f"{sign[i] * high[i]:.4g}", ha="center", va="bottom")
+        axes.text(i, -0.03, f"{sign[i] * low[i]:.4g}", ha="center", va="top")
+        axes.text(i, -0.14, _two_lines(o.label), ha="center", va="top")
+    if star is not None:
+        y = place(star)
+        axes.plot(x, y, color=VERMILLION, lw=2, zorder=4, label="best in $J_W$")
+        axes.plot(x, y, **_STAR)
+        box = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": VERMILLION, "lw": 0.5}
+        for i in range(n):
+            axes.text(i + 0.06, y[i], f"{star[i]:.4g}", va="center", bbox=box, zorder=6)
+    up = {"arrowstyle": "<-", "lw": 0.8}
+    axes.annotate("", (-0.25, 0.2), (-0.25, 0.8), arrowprops=up)
+    axes.text(-0.29, 0.5, "better", rotation=90, ha="right", va="center")
+    handles = [Line2D([], [], color=BLUE, lw=0.6, label="design")]
+    if star is not None:
+        handles.append(Line2D([], [], color=VERMILLION, lw=2, **_line_star(), label="best in $J_W$"))
+    title = ", ".join(filter(None, (f"{len(good)} designs", note)))
+    _legend_above(figure, handles, [h.get_label() for h in handles], columns=2, title=title)
+    return figure
+
+
+def _line_star() -> dict[str, Any]:
+    return {key: value for key, value in _STAR.items() if key != "ls"}
+
+
+def _designs(
+    values: ArrayLike, names: Sequence[str], marked: int | None
+) -> tuple[list[Any], Array, Array | None, str]:
+    """Objectives, the rows to draw, the one to point out, and a note on what is left out."""
+    table = np.atleast_2d(np.asarray(values, float))
+    chosen = lookup(names)
+    check(
+        table.shape[1] == len(names), "values", table.shape, f"an array with {len(names)} columns"
+    )  # fmt: skip
+    check(
+        marked is None or 0 <= marked < len(table), "marked", marked, f"a row, 0 to {len(table) - 1}"
+    )  # fmt: skip
+    fine = np.isfinite(table).all(axis=1)
+    left_out = int((~fine).sum())
+    note = f"{left_out} failed, not drawn" if left_out else ""
+    star = None if marked is None or not fine[marked] else table[marked]
+    return chosen, table[fine], star, note
+
+
+def _better(o: Any) -> str:
+    """Axis label in lines that fit a small panel, with the direction that is better."""
+    return f"{_two_lines(o.label)}\n" + (
+        "better \N{RIGHTWARDS ARROW}" if o.maximise else "\N{LEFTWARDS ARROW} better"
+    )
+
+
+def _two_lines(label: str) -> str:
+    """An objective's label with its symbol and unit on a second line."""
+    return label.replace(" $", "\n$", 1)
+
+
+def _few_ticks(axis: Any) -> None:
+    axis.set_major_locator(MaxNLocator(3))
+
+
+# --- shared ---------------------------------------------------------------------------------------
+
+
+def _figure(width: float, height: float) -> Figure:
+    """An empty figure (inches) with a canvas of its own."""
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def _line(i: int) -> dict[str, Any]:
+    """Colour and dashes of the i-th line: 35 before a pair returns."""
+    return {"color": COLOURS[i % len(COLOURS)], "ls": DASHES[i % len(DASHES)]}
+
+
+def _legend_above(
+    figure: Figure, handles: Sequence[Any], labels: Sequence[str], columns: int, title: str | None = None
+) -> None:
+    """One legend above all axes, its labels wrapped so that they fit."""
+    short = [textwrap.fill(label, 40) for label in labels]
+    figure.legend(
+        handles, short, loc="outside upper center", ncols=min(columns, max(len(short), 1)), title=title
+    )  # fmt: skip
+
+
+def _say(axes: Axes, text: str) -> None:
+    """A plain statement where there is nothing to draw."""
+    axes.text(0.5, 0.5, textwrap.fill(text, 60), transform=axes.transAxes, ha="center", va="center")

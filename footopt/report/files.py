@@ -1,0 +1,119 @@
+"""The files that a run leaves: result.json, designs.csv, the walk as NetCDF."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import platform
+from collections.abc import Iterable, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from footopt import __version__
+from footopt.design import SearchResult
+from footopt.errors import FileError
+from footopt.walker import Walk
+
+LIBRARIES = ("numpy", "scipy", "numba", "pymoo", "hydra-core", "matplotlib")
+
+
+def versions() -> dict[str, str]:
+    """Versions of everything that a result depends on."""
+    return {
+        "footopt": __version__,
+        "python": platform.python_version(),
+        **{name: version(name) for name in LIBRARIES},
+    }
+
+
+def write_json(path: Path, content: dict[str, Any]) -> None:
+    """Write JSON that any reader accepts: a value that is not finite becomes null."""
+    text = json.dumps(_plain(content), indent=2, allow_nan=False)
+    try:
+        path.write_text(text + "\n", encoding="utf-8")
+    except OSError as error:
+        raise FileError(f"cannot write {path} ({error})") from None
+
+
+def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Write a table; a NaN becomes an empty cell."""
+    try:
+        with open(path, "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(header)
+            for row in rows:
+                writer.writerow(["" if isinstance(v, float) and math.isnan(v) else v for v in row])
+    except OSError as error:
+        raise FileError(f"cannot write {path} ({error})") from None
+
+
+def write_designs(path: Path, result: SearchResult) -> None:
+    """Every evaluated design: generation, heights, values in natural signs (SI), feasibility."""
+    header = ["generation", *(f"k{i + 1}" for i in range(result.k.shape[1])), *result.problem.record]
+    front = set(result.front.tolist())
+    write_csv(
+        path,
+        [*header, "box_violation", "feasible", "reason", "on_front"],
+        (
+            [
+                int(result.generation[i]),
+                *result.k[i].tolist(),
+                *result.values[i].tolist(),
+                float(result.violation[i]),
+                int(result.feasible[i]),
+                str(result.reasons[i]),
+                int(i in front),
+            ]
+            for i in range(len(result.k))
+        ),
+    )
+
+
+def write_walk(path: Path, walk: Walk) -> None:
+    """The traces of a walk as NetCDF 3 (readable by xarray, MATLAB, ncdump), SI units."""
+    from scipy.io import netcdf_file
+
+    variables: dict[str, tuple[tuple[str, ...], str, Any]] = {
+        "t": (("time",), "s", walk.t),
+        "com": (("time", "axis"), "m", walk.com),
+        "velocity": (("time", "axis"), "m s-1", walk.velocity),
+        "force": (("time", "foot", "axis"), "N", walk.force),
+        "power": (("time", "foot"), "W", walk.power),
+        "work": (("time", "foot"), "J", walk.work),
+        "start": (("axis",), "m", walk.start),
+        "sole": (("point", "axis"), "m", walk.foot.contour),
+    }
+    try:
+        with netcdf_file(path, "w", version=2) as file:
+            file.footopt = __version__
+            file.foot_order = "left, right"
+            file.axis_order = "x (forward), z (up)"
+            file.reason = walk.reason
+            sizes = {"time": len(walk.t), "axis": 2, "foot": 2, "point": len(walk.foot.contour)}
+            for name, size in sizes.items():
+                file.createDimension(name, size)
+            for name, (dimensions, unit, values) in variables.items():
+                variable = file.createVariable(name, "d", dimensions)
+                variable[...] = values
+                variable.units = unit
+    except OSError as error:
+        raise FileError(f"cannot write {path} ({error})") from None
+
+
+def _plain(value: Any) -> Any:
+    """JSON's own types from numpy's, tuples and paths; null for what is not finite."""
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [_plain(item) for item in value]
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if isinstance(value, (int, np.integer)):
+        return int(value)
+    if isinstance(value, (float, np.floating)):
+        return float(value) if math.isfinite(value) else None
+    return value if value is None else str(value)

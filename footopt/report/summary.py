@@ -1,0 +1,81 @@
+"""The table over the jobs of a multirun."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table as RichTable
+
+from footopt.report.files import write_csv
+from footopt.report.terminal import console, number
+
+
+def report(folder: Path, error_file: str) -> int:
+    """Print and write (summary.csv) what the jobs below `folder` found; the number that failed.
+
+    Each job is a folder with its result.json, or with `error_file` if it failed; one that has
+    neither died.
+    """
+    jobs = sorted((p for p in folder.iterdir() if p.name.isdigit()), key=lambda p: int(p.name))
+    rows = [_read(job, error_file) for job in jobs]
+    common = set.intersection(*(set(row["overrides"]) for row in rows)) if len(rows) > 1 else set()
+    names = list(dict.fromkeys(name for row in rows for name in row["objectives"]))
+    out = console()
+    table = RichTable(title=f"{len(jobs)} jobs in {folder}")
+    table.add_column("job")
+    table.add_column("settings")
+    for title in (*(name.replace("_", " ") for name in names), "hollow (mm)", "note"):
+        table.add_column(title, overflow="fold")
+    for row in rows:
+        values = [number(float(row["objectives"].get(name) or "nan")) for name in names]
+        own = [override for override in row["overrides"] if override not in common]
+        table.add_row(row["job"], "\n".join(own), *values, row["hollow"], row["note"])
+    out.print(table)
+    write_csv(
+        folder / "summary.csv",
+        ["job", "overrides", *names, "hollow_mm", "k", "note"],
+        (
+            [
+                row["job"],
+                " ".join(row["overrides"]),
+                *(row["objectives"].get(name) for name in names),
+                row["hollow"],
+                " ".join(map(str, row["k"] or [])),
+                row["note"],
+            ]
+            for row in rows
+        ),
+    )
+    return sum(bool(row["failed"]) for row in rows)
+
+
+def _read(job: Path, error_file: str) -> dict[str, Any]:
+    overrides = job / ".hydra" / "overrides.yaml"
+    row: dict[str, Any] = {
+        "job": job.name,
+        "overrides": [
+            line.removeprefix("- ") for line in overrides.read_text(encoding="utf-8").splitlines() if line
+        ]
+        if overrides.is_file()
+        else [],
+        "objectives": {},
+        "hollow": "-",
+        "k": None,
+        "note": "",
+        "failed": False,
+    }
+    if (job / error_file).is_file():
+        row |= {"note": (job / error_file).read_text(encoding="utf-8").strip(), "failed": True}
+    elif not (job / "result.json").is_file():
+        row |= {"note": "no result", "failed": True}
+    else:
+        result = json.loads((job / "result.json").read_text(encoding="utf-8"))
+        row |= {
+            "objectives": result["objectives"],
+            "hollow": number(result["design"]["hollow_mm"]),
+            "k": result["design"]["k"],
+            "note": result.get("reason", "") or ("interrupted" if result.get("interrupted") else ""),
+        }
+    return row

@@ -1,0 +1,148 @@
+"""What a run says on the terminal: progress, closing tables, warnings. Plain lines in a log file."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table as RichTable
+
+from footopt.design import Generation, SearchResult
+from footopt.foot import Foot
+from footopt.walker import OBJECTIVES, gain_shares
+from footopt.walker.validity import Diagnostic
+
+
+def console() -> Console:
+    """Standard output; wide enough for a table when it is not a terminal."""
+    out = Console(highlight=False)
+    return out if out.is_terminal else Console(highlight=False, width=110)
+
+
+@contextmanager
+def told_if_slow(out: Console, message: str, patience: float = 1.5) -> Iterator[None]:
+    """Say what is going on if the block takes longer than `patience` seconds."""
+    timer = threading.Timer(patience, lambda: out.print(message))
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+
+
+@contextmanager
+def search_progress(out: Console, n_gen: int, guide: str) -> Iterator[Callable[[Generation], None]]:
+    """A bar on a terminal; elsewhere about ten plain lines."""
+    if not out.is_terminal:
+        yield _lines(out, n_gen, guide)
+        return
+    columns = (
+        TextColumn("generation {task.completed:.0f}/{task.total:.0f}"),
+        BarColumn(bar_width=30),
+        TextColumn("{task.fields[news]}"),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=out) as bar:
+        task = bar.add_task("search", total=n_gen, news="")
+
+        def show(g: Generation) -> None:
+            bar.update(task, completed=g.generation, news=_news(g, guide))
+
+        yield show
+
+
+def _lines(out: Console, n_gen: int, guide: str) -> Callable[[Generation], None]:
+    every = max(1, n_gen // 10)
+
+    def show(g: Generation) -> None:
+        if g.generation % every == 0 or g.generation == n_gen:
+            left = g.seconds / g.generation * (n_gen - g.generation)
+            out.print(f"generation {g.generation}/{n_gen}  {_news(g, guide)}  left {left:.0f} s")
+
+    return show
+
+
+def _news(g: Generation, guide: str) -> str:
+    front = f"  front {g.front}" if g.front > 1 else ""
+    best = f"best {OBJECTIVES[guide].name} {g.best:.4g}" if math.isfinite(g.best) else "none feasible yet"
+    return f"{g.evaluations / max(g.seconds, 1e-9):.0f} evaluations/s  {best}{front}"
+
+
+def objective_table(
+    feet: Sequence[tuple[str, dict[str, float]]], names: Sequence[str], gain: bool = False
+) -> RichTable:
+    """Objectives (rows) of feet (columns: title, values by name).
+
+    With `gain`, also the change from the second foot to the first and each factor's share in the
+    gain of J_W.
+    """
+    table = RichTable()
+    table.add_column("objective")
+    table.add_column("unit")
+    for title, _ in feet:
+        table.add_column(title, justify="right")
+    shares: dict[str, float] = {}
+    if gain:
+        table.add_column("change", justify="right")
+        table.add_column("share of J_W's gain", justify="right")
+        shares = gain_shares(feet[0][1], feet[1][1])
+    for name in names:
+        o = OBJECTIVES[name]
+        cells = [f"{name.replace('_', ' ')} ({'max' if o.maximise else 'min'})", o.unit]
+        cells += [number(values[name]) for _, values in feet]
+        if gain:
+            new, base = feet[0][1][name], feet[1][1][name]
+            ratio = new / base if base else float("nan")
+            times = f"x {ratio:.3f}" if name == "efficiency" else f"{100 * (ratio - 1):+.1f} %"
+            cells.append(times if math.isfinite(ratio) else "-")
+            share = shares.get(name, float("nan"))
+            cells.append(f"{100 * share + 0.0:.1f} %" if math.isfinite(share) else "")
+        table.add_row(*cells)
+    return table
+
+
+def describe_foot(foot: Foot) -> str:
+    """A sole in one line: its heights, its hollow, its box violation."""
+    parts = [f"k = {list(foot.k)}"] if foot.k is not None else [foot.name]
+    parts.append(f"hollow {1e3 * foot.hollow:.1f} mm")
+    if foot.box_violation is not None:
+        parts.append(f"outside its box by {1e3 * foot.box_violation:.2f} mm")
+    return ", ".join(parts)
+
+
+def describe_search(result: SearchResult) -> str:
+    """What a search did, in one line."""
+    bad = len(result.k) - int(result.feasible.sum())
+    front = f", {len(result.front)} on the front" if result.problem.n_obj > 1 else ""
+    stopped = " (interrupted)" if result.interrupted else ""
+    return (
+        f"{result.solver.name}, seed {result.solver.seed}: {result.evaluations} evaluations of "
+        f"{len(result.k)} designs in {result.seconds:.1f} s, {bad} infeasible{front}{stopped}"
+    )
+
+
+def print_validity(out: Console, diagnostics: Sequence[Diagnostic]) -> None:
+    """The validity of a walk, with a warning for each value outside the tested range."""
+    numbers = (f"{d.name} {number(d.value)}{' ' + d.unit if d.unit else ''}" for d in diagnostics)
+    out.print("Validity: " + "; ".join(numbers))
+    for d in diagnostics:
+        if d.outside:
+            limit = f"{number(d.limit)}{' ' + d.unit if d.unit else ''}"
+            out.print(f"  [yellow]warning:[/] {d.name} {number(d.value)} is above {limit}: {d.why}.")
+
+
+def number(value: float) -> str:
+    """Four significant digits, a dash for what is not a number."""
+    return f"{value:.4g}" if math.isfinite(value) else "-"
+
+
+def clock() -> Callable[[], float]:
+    """Seconds since this call."""
+    started = time.perf_counter()
+    return lambda: time.perf_counter() - started

@@ -1,0 +1,23 @@
+"""One module per question; each is a function of the settings and the folder it may write to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from footopt.config import Config
+from footopt.errors import SettingError
+
+#: Studies by name: each is the function `run` of the module of that name, imported when asked for.
+STUDIES = ("optimize", "simulate")
+
+
+def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
+    """Run the study that the configuration names; `settings` is the configuration as plain data."""
+    name = config.study.name
+    if name not in STUDIES:
+        raise SettingError("study.name", name, f"one of {', '.join(STUDIES)}")
+    study: Callable[[Config, Path, dict[str, Any]], None] = import_module(f"footopt.studies.{name}").run
+    study(config, folder, settings)

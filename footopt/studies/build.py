@@ -1,0 +1,98 @@
+"""From settings to the library's own objects: sand, gait, foot, scene, accuracy."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from footopt.config import AccuracyConfig, Config, FootConfig, GaitConfig, SandConfig
+from footopt.errors import SettingError
+from footopt.foot import Foot, Waypoints
+from footopt.gait import Gait
+from footopt.gait.files import read
+from footopt.sand import Sand, StressMap
+from footopt.walker import Accuracy, Scene, Walker
+
+
+def make_sand(config: SandConfig) -> Sand:
+    """The sand of a configuration."""
+    if config.table is not None and config.coefficients is not None:
+        raise SettingError("sand.table", config.table, "null when sand.coefficients are given")
+    if config.table is not None:
+        fitted = Sand.from_table(config.table, zeta=config.zeta)
+        return fitted if config.name == "custom" else replace(fitted, name=config.name)
+    stress_map = StressMap()
+    if config.coefficients is not None:
+        known = set(StressMap.__dataclass_fields__)
+        if set(config.coefficients) != known:
+            raise SettingError(
+                "sand.coefficients",
+                sorted(config.coefficients),
+                f"all of {', '.join(StressMap.__dataclass_fields__)}, in N/cm^3",
+            )
+        stress_map = StressMap(**config.coefficients)
+    return Sand(zeta=config.zeta, stress_map=stress_map, name=config.name)
+
+
+def make_gait(config: GaitConfig) -> Gait:
+    """The gait of a configuration."""
+    if config.name not in ("human", "file"):
+        raise SettingError("gait.name", config.name, "human or file")
+    if config.name == "file":
+        if config.path is None:
+            raise SettingError("gait.path", None, "a file, with gait=file", "Try gait.path=walk.csv.")
+        gait = read(config.path, config.harmonics)
+        period = gait.period if config.period is None else config.period
+        return replace(gait, period=period, pitch=config.pitch, start=config.start)
+    if config.path is not None:
+        raise SettingError("gait.path", config.path, "null with gait=human", "Use gait=file with a path.")
+    period = 1.2 if config.period is None else config.period
+    return Gait.human(period, config.harmonics, config.pitch, config.start)
+
+
+def make_space(config: FootConfig) -> Waypoints:
+    """The design space of a configuration."""
+    return Waypoints(
+        n=config.n,
+        K=config.K,
+        L=config.L,
+        H=config.H,
+        width=config.width,
+        ankle=_point(config.ankle),
+        box_tolerance=config.box_tolerance,
+    )
+
+
+def make_foot(config: FootConfig) -> Foot:
+    """The one sole of a configuration: foot.k, a shape, or else the flat sole."""
+    if config.shape == "waypoints":
+        space = make_space(config)
+        return Foot.flat(space) if config.k is None else Foot.from_waypoints(config.k, space)
+    if config.k is not None:
+        raise SettingError("foot.k", config.k, f"null with foot.shape={config.shape}")
+    options = {
+        "reversed_triangle": {"apex": config.apex},
+        "reversed_l": {"upright": config.upright},
+    }.get(config.shape, {})
+    return Foot.shape(config.shape, config.length, config.width, _point(config.ankle), **options)
+
+
+def make_scene(config: Config) -> Scene:
+    """The scene of a configuration."""
+    w = config.walker
+    return Scene(
+        sand=make_sand(config.sand),
+        gait=make_gait(config.gait),
+        walker=Walker(w.mass, w.l1, w.l2, w.g),
+        t_f=config.scene.t_f,
+    )
+
+
+def make_accuracy(config: AccuracyConfig) -> Accuracy:
+    """The accuracy of a configuration."""
+    return Accuracy(config.stepper, config.dt, config.plates, config.creep, config.name)
+
+
+def _point(values: list[float]) -> tuple[float, float]:
+    if len(values) != 2:
+        raise SettingError("foot.ankle", values, "two numbers [x_p, z_p], in m")
+    return values[0], values[1]

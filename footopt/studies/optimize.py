@@ -1,0 +1,117 @@
+"""Which foot should I print? Search the design space, and leave the best foot in every form."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+from footopt.config import Config
+from footopt.design import FootProblem, SearchResult, Solver, search
+from footopt.errors import SettingError
+from footopt.foot import Foot
+from footopt.foot.export import write_csv as write_contour
+from footopt.foot.export import write_dxf
+from footopt.report import figures, files, terminal
+from footopt.studies import build
+from footopt.studies.simulate import foot_entry, scene_entry
+from footopt.walker import Walk, evaluate, gain_shares, simulate
+from footopt.walker.validity import diagnose
+
+
+def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
+    """Search, then walk with the best foot and write everything about it to `folder`."""
+    out, clock = terminal.console(), terminal.clock()
+    if config.foot.shape != "waypoints":
+        raise SettingError(
+            "foot.shape", config.foot.shape, "waypoints for a search", "Or use study=simulate."
+        )
+    if config.foot.k is not None:
+        raise SettingError(
+            "foot.k", config.foot.k, "null for a search", "Use study=simulate to walk with one sole."
+        )
+    c = config.solver
+    solver = Solver(c.name, c.pop_size, c.n_gen, c.seed)
+    problem = FootProblem(
+        build.make_scene(config),
+        config.objective.names,
+        build.make_space(config.foot),
+        build.make_accuracy(config.accuracy),
+        config.engine.threads,
+    )
+    solver.build(problem.n_obj)  # a solver that does not fit is refused before anything is walked
+    flat = Foot.flat(problem.space)
+    with terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ..."):
+        base = evaluate([flat], problem.scene, problem.accuracy, problem.record, threads=1)
+    out.print(
+        f"Searching {problem.space.K}^{problem.space.n} soles for {', '.join(problem.names)} on "
+        f"{problem.scene.sand.name} sand (zeta {problem.scene.sand.zeta:g}) with {solver.name}"
+    )
+    guide = problem.names[0] if problem.n_obj == 1 else "efficiency"
+    with terminal.search_progress(out, solver.n_gen, guide) as progress:
+        result = search(problem, solver, progress)
+    best = dataclasses.replace(result.foot, name=f"best of {solver.name}")
+    walk = simulate(best, problem.scene, problem.accuracy)
+    flat_values = dict(zip(problem.record, map(float, base.values[0]), strict=True))
+    entry = _result_entry(result, best, walk, flat_values)
+    entry |= {"settings": settings, "versions": files.versions()}
+    files.write_designs(folder / "designs.csv", result)
+    files.write_walk(folder / "walk.nc", walk)
+    write_contour(best, folder / "contour.csv")
+    write_dxf(best, folder / "contour.dxf")
+    draw(result, best, walk, simulate(flat, problem.scene, problem.accuracy), folder / "figures")
+    files.write_json(folder / "result.json", entry | {"wall_time_s": clock()})
+
+    out.print(terminal.describe_search(result))
+    out.print(f"Best design: {terminal.describe_foot(best)}")
+    feet = [("best", entry["objectives"]), ("flat", flat_values)]
+    out.print(terminal.objective_table(feet, problem.record, gain=True))
+    terminal.print_validity(out, diagnose(walk))
+    out.print(f"Everything is in {folder} ({clock():.0f} s in all)")
+
+
+def _result_entry(result: SearchResult, best: Foot, walk: Walk, flat: dict[str, float]) -> dict[str, Any]:
+    """The content of result.json that comes from the search."""
+    problem = result.problem
+    values = dict(zip(problem.record, map(float, result.values[result.best]), strict=True))
+    return {
+        "study": "optimize",
+        "design": foot_entry(best),
+        "objectives": values,
+        "flat": flat,
+        "gain_shares": gain_shares(values, flat),
+        **scene_entry(problem.scene, problem.accuracy, problem.record),
+        "validity": {d.name: d.value for d in diagnose(walk)},
+        "warnings": [f"{d.name}: {d.why}" for d in diagnose(walk) if d.outside],
+        "solver": dataclasses.asdict(result.solver),
+        "seed": result.solver.seed,
+        "evaluations": result.evaluations,
+        "designs": len(result.k),
+        "infeasible": len(result.k) - int(result.feasible.sum()),
+        "front": result.k[result.front].tolist() if problem.n_obj > 1 else [],
+        "interrupted": result.interrupted,
+        "search_time_s": result.seconds,
+    }
+
+
+def draw(result: SearchResult, best: Foot, walk: Walk, flat: Walk, folder: Path) -> None:
+    """All figures of a search."""
+    problem = result.problem
+    walks = {"best": walk, "flat": flat}
+    drawn = {
+        "contour": figures.contour(best),
+        "convergence": figures.convergence(
+            result.history, problem.names[0] if problem.n_obj == 1 else "efficiency"
+        ),
+        "com": figures.com(walks),
+        "forces": figures.forces(walks),
+        "power_work": figures.power_work(walks),
+        "step": figures.step(walk),
+    }
+    if problem.n_obj > 1:
+        columns = [problem.record.index(name) for name in problem.names]
+        values = result.values[result.front][:, columns]
+        drawn["scatter_matrix"] = figures.scatter_matrix(values, problem.names, marked=0)
+        drawn["parallel"] = figures.parallel(values, problem.names, marked=0)
+    for name, figure in drawn.items():
+        figures.save(figure, folder, name)

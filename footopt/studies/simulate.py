@@ -1,0 +1,98 @@
+"""How does this foot walk? One sole through one scene, with traces, figures and files."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from footopt.config import Config
+from footopt.foot import Foot
+from footopt.foot.export import write_csv as write_contour
+from footopt.foot.export import write_dxf
+from footopt.report import figures, files, terminal
+from footopt.studies import build
+from footopt.walker import OBJECTIVES, Accuracy, Scene, simulate
+from footopt.walker.validity import diagnose
+
+
+def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
+    """Walk with one foot and write everything about it to `folder`."""
+    out, clock = terminal.console(), terminal.clock()
+    foot = build.make_foot(config.foot)
+    scene, accuracy = build.make_scene(config), build.make_accuracy(config.accuracy)
+    with terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ..."):
+        walk = simulate(foot, scene, accuracy)
+    diagnostics = diagnose(walk)
+    files.write_walk(folder / "walk.nc", walk)
+    write_contour(foot, folder / "contour.csv")
+    write_dxf(foot, folder / "contour.dxf")
+    walks = {foot.name: walk}
+    drawn = {
+        "contour": figures.contour(foot),
+        "com": figures.com(walks),
+        "forces": figures.forces(walks),
+        "power_work": figures.power_work(walks),
+        "step": figures.step(walk),
+    }
+    for name, figure in drawn.items():
+        figures.save(figure, folder / "figures", name)
+    entry = {
+        "study": "simulate",
+        "design": foot_entry(foot),
+        "feasible": walk.feasible,
+        "reason": walk.reason,
+        "objectives": walk.objectives,
+        **scene_entry(scene, accuracy, tuple(OBJECTIVES)),
+        "validity": {d.name: d.value for d in diagnostics},
+        "warnings": [f"{d.name}: {d.why}" for d in diagnostics if d.outside],
+        "settings": settings,
+        "versions": files.versions(),
+        "wall_time_s": clock(),
+    }
+    files.write_json(folder / "result.json", entry)
+
+    out.print(f"{scene.sand.name} sand (zeta {scene.sand.zeta:g}), {terminal.describe_foot(foot)}")
+    if not walk.feasible:
+        out.print(f"[yellow]The walk failed: {walk.reason}[/] after {len(walk.t)} steps of time.")
+    out.print(terminal.objective_table([(foot.name, walk.objectives)], tuple(OBJECTIVES)))
+    terminal.print_validity(out, diagnostics)
+    out.print(f"Everything is in {folder} ({clock():.1f} s in all)")
+
+
+def foot_entry(foot: Foot) -> dict[str, Any]:
+    """A foot in result.json."""
+    return {
+        "name": foot.name,
+        "k": foot.k,
+        "hollow_mm": 1e3 * foot.hollow,
+        "box_violation_mm": None if foot.box_violation is None else 1e3 * foot.box_violation,
+        "width_m": foot.width,
+        "ankle_m": foot.ankle,
+    }
+
+
+def scene_entry(scene: Scene, accuracy: Accuracy, names: Sequence[str]) -> dict[str, Any]:
+    """A scene, its accuracy and the units of the objectives in result.json."""
+    return {
+        "units": {name: OBJECTIVES[name].unit for name in names},
+        "scene": {
+            "sand": {
+                "name": scene.sand.name,
+                "zeta": scene.sand.zeta,
+                "coefficients_N_cm3": dataclasses.asdict(scene.sand.stress_map),
+                "fit_error": scene.sand.fit_error,
+            },
+            "gait": {
+                "name": scene.gait.name,
+                "period_s": scene.gait.period,
+                "pitch": scene.gait.pitch,
+                "source": scene.gait.source,
+                "fit_residual_deg": dict(scene.gait.residual),
+            },
+            "walker": dataclasses.asdict(scene.walker),
+            "t_f_s": scene.duration,
+        },
+        "accuracy": dataclasses.asdict(accuracy),
+    }
