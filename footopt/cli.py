@@ -26,6 +26,8 @@ PACKAGE = Path(__file__).parent
 #: conf/ inside the installed package, or at the top of a checkout.
 CONF = PACKAGE / "conf" if (PACKAGE / "conf").is_dir() else PACKAGE.parent / "conf"
 
+_wants_traceback = os.environ.get("HYDRA_FULL_ERROR") == "1"
+
 ERROR_FILE = "error.txt"  # left in the folder of a job of a multirun that failed
 
 ConfigStore.instance().store(name="footopt_schema", node=Config)
@@ -42,12 +44,14 @@ def _job(settings: DictConfig) -> None:
         config: Any = OmegaConf.to_object(settings)
         plain: Any = OmegaConf.to_container(settings, resolve=True)
         studies.run(config, folder, plain)
-    except (FootoptError, OmegaConfBaseException) as error:
+    except (FootoptError, OmegaConfBaseException, OSError) as error:
         if here.mode != RunMode.MULTIRUN:
-            raise
+            if _wants_traceback:
+                raise
+            sys.exit(f"footopt: error: {explain(error)}")
         # the other jobs go on; `Summary` reports this one at the end
-        log.error("job %s failed: %s", here.job.num, error)
-        (folder / ERROR_FILE).write_text(f"{error}\n", encoding="utf-8")
+        log.error("job %s failed: %s", here.job.num, explain(error))
+        (folder / ERROR_FILE).write_text(f"{explain(error)}\n", encoding="utf-8")
 
 
 class Summary(Callback):
@@ -64,14 +68,13 @@ class Summary(Callback):
 
 def main() -> None:
     """Entry point. Errors a user can mend end with one message and exit code 1."""
-    traceback = os.environ.get("HYDRA_FULL_ERROR") == "1"
     os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra passes errors on instead of printing them itself
     try:
         _job()
     except KeyboardInterrupt:
         sys.exit(130)
     except Exception as error:
-        if traceback:
+        if _wants_traceback:
             raise
         sys.exit(f"footopt: error: {explain(error)}")
     if Summary.failed:
@@ -86,7 +89,7 @@ def explain(error: BaseException) -> str:
         key = f"{error.full_key}: " if error.full_key else ""
         return f"{key}{str(error).splitlines()[0]}"
     if isinstance(error, HydraException):
-        lines = [str(error)]
+        lines = [str(error).partition("\nConfig search path:")[0].strip()]
         cause = error.__cause__
         if cause is not None and str(cause).splitlines():
             lines.append(str(cause).splitlines()[0])
@@ -98,6 +101,3 @@ def explain(error: BaseException) -> str:
         "This is a bug in footopt; HYDRA_FULL_ERROR=1 shows where."
     )
 
-
-if __name__ == "__main__":
-    main()

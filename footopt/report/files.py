@@ -98,7 +98,8 @@ def write_walk(path: Path, walk: Walk) -> None:
                 file.createDimension(name, size)
             for name, (dimensions, unit, values) in variables.items():
                 variable = file.createVariable(name, "d", dimensions)
-                variable[...] = values
+                if len(values):  # a walk that sank at once has no samples
+                    variable[...] = values
                 variable.units = unit
     except OSError as error:
         raise FileError(f"cannot write {path} ({error})") from None

@@ -25,9 +25,10 @@ def report(folder: Path, error_file: str) -> int:
     out = console()
     table = RichTable(title=f"{len(jobs)} jobs in {folder}")
     table.add_column("job")
-    table.add_column("settings")
-    for title in (*(name.replace("_", " ") for name in names), "hollow (mm)", "note"):
-        table.add_column(title, overflow="fold")
+    table.add_column("settings", no_wrap=True)
+    for title in (*(name.replace("_", "\n") for name in names), "hollow\n(mm)"):
+        table.add_column(title, no_wrap=True)
+    table.add_column("note", overflow="fold")
     for row in rows:
         values = [number(float(row["objectives"].get(name) or "nan")) for name in names]
         own = [override for override in row["overrides"] if override not in common]

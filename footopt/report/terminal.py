@@ -19,9 +19,9 @@ from footopt.walker.validity import Diagnostic
 
 
 def console() -> Console:
-    """Standard output; wide enough for a table when it is not a terminal."""
-    out = Console(highlight=False)
-    return out if out.is_terminal else Console(highlight=False, width=110)
+    """Standard output; wide enough for a table when it is not a terminal, long lines unbroken."""
+    out = Console(highlight=False, soft_wrap=True)
+    return out if out.is_terminal else Console(highlight=False, soft_wrap=True, width=130)
 
 
 @contextmanager
@@ -138,8 +138,10 @@ def print_validity(out: Console, diagnostics: Sequence[Diagnostic]) -> None:
 
 
 def number(value: float) -> str:
-    """Four significant digits, a dash for what is not a number."""
-    return f"{value:.4g}" if math.isfinite(value) else "-"
+    """Four significant digits, 0 for rounding errors, a dash for what is not a number."""
+    if not math.isfinite(value):
+        return "-"
+    return f"{value:.4g}" if abs(value) > 1e-12 else "0"
 
 
 def clock() -> Callable[[], float]:

@@ -142,8 +142,10 @@ def efficiency(raw: Raw, scene: Scene) -> Array:
 
 @objective("CoT", "", maximise=False, worst=1e6)
 def cost_of_transport(raw: Raw, scene: Scene) -> Array:
-    """|W| / (M g distance)."""
-    return raw["work"] / (scene.walker.weight * raw["distance"])
+    """|W| / (M g distance); NaN for a walker who does not get forward."""
+    forward = np.where(raw["distance"] > 0.0, raw["distance"], np.nan)
+    value: Array = raw["work"] / (scene.walker.weight * forward)
+    return value
 
 
 @objective(r"$W^+_{\mathrm{joint}}$", "J", maximise=False, worst=1e6)

@@ -66,12 +66,19 @@ class Scene:
 
     def need_heel_strike(self) -> None:
         """Raise unless the walk has a heel strike: without one p_max and dV_x are not defined."""
+        if math.isinf(self.gait.start):
+            raise SettingError(
+                "gait.start",
+                self.gait.start,
+                "finite to compare feet: this walker stands still",
+                "It can be simulated (study=simulate), not searched over.",
+            )
         check(
             self.duration > self.gait.heel_strike,
             "scene.t_f",
             self.duration,
             f"later than the first heel strike at {self.gait.heel_strike:g} s to compare feet",
-            "A standing walker can be simulated (study=simulate), not searched over.",
+            "A shorter scene can be simulated (study=simulate), not searched over.",
         )
 
 

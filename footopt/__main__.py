@@ -1,0 +1,5 @@
+"""`python -m footopt`: the same as the command `footopt`."""
+
+from footopt.cli import main
+
+main()

@@ -1,0 +1,264 @@
+"""The command line end to end, as a user runs it: in its own process, in an empty folder."""
+
+import csv
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hydra import compose, initialize_config_dir
+from omegaconf import OmegaConf
+from scipy.io import netcdf_file
+
+import footopt as fo
+from footopt.cli import CONF
+from footopt.config import Config
+from footopt.studies import STUDIES, build
+
+QUICK = ["accuracy=draft", "solver.pop_size=10", "solver.n_gen=3"]
+GROUPS = sorted(p.name for p in CONF.iterdir() if p.is_dir())
+
+
+def footopt(*arguments, cwd, full_error=False):
+    env = {**os.environ, "PYTHONWARNINGS": "error", "HYDRA_FULL_ERROR": "1" if full_error else "0"}
+    return subprocess.run(
+        [sys.executable, "-m", "footopt", *arguments], cwd=cwd, env=env, capture_output=True, text=True
+    )
+
+
+def only_folder(root: Path) -> Path:
+    (result,) = root.rglob("result.json")
+    return result.parent
+
+
+@pytest.fixture(scope="module")
+def run_ga(tmp_path_factory):
+    cwd = tmp_path_factory.mktemp("ga")
+    done = footopt(*QUICK, cwd=cwd)
+    assert done.returncode == 0, done.stderr
+    return done, only_folder(cwd)
+
+
+class TestOptimize:
+    def test_leaves_everything_a_user_needs(self, run_ga):
+        _, folder = run_ga
+        files = {p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file()}
+        figures = ("contour", "convergence", "com", "forces", "power_work", "step")
+        assert files >= {
+            *(f".hydra/{name}.yaml" for name in ("config", "hydra", "overrides")),
+            *("result.json", "designs.csv", "walk.nc", "contour.csv", "contour.dxf"),
+            *(f"figures/{name}.{end}" for name in figures for end in ("png", "pdf")),
+        }
+        assert folder.parts[-3:-1] == ("outputs", "optimize")
+
+    def test_result_json_is_what_the_library_computes(self, run_ga):
+        result = json.loads((run_ga[1] / "result.json").read_text())
+        scene = fo.Scene(sand=fo.Sand.named("hard"))
+        table = fo.evaluate([result["design"]["k"]], scene, "draft")
+        assert [result["objectives"][n] for n in table.names] == table.values[0].tolist()
+        assert result["objectives"]["efficiency"] == table.efficiency[0]
+        assert result["flat"]["work"] == fo.evaluate([[10] * 11], scene, "draft").column("work")[0]
+        assert result["seed"] == 1
+        assert sum(result["gain_shares"].values()) == pytest.approx(1)
+        assert {"footopt", "numpy", "numba", "pymoo", "python"} <= set(result["versions"])
+        assert result["settings"]["sand"]["zeta"] == 5.0
+
+    def test_designs_csv_holds_every_design(self, run_ga):
+        with open(run_ga[1] / "designs.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        result = json.loads((run_ga[1] / "result.json").read_text())
+        assert len(rows) == result["designs"]
+        best = min((r for r in rows if r["feasible"] == "1"), key=lambda r: float(r["efficiency"]))
+        assert [int(best[f"k{i + 1}"]) for i in range(11)] == result["design"]["k"]
+        assert {r["reason"] for r in rows} <= {"", "box"}
+
+    def test_walk_nc_holds_the_traces(self, run_ga):
+        result = json.loads((run_ga[1] / "result.json").read_text())
+        walk = fo.simulate(fo.Foot.from_waypoints(result["design"]["k"]), fo.Scene(), "draft")
+        with netcdf_file(run_ga[1] / "walk.nc", mmap=False) as file:
+            np.testing.assert_array_equal(file.variables["com"][:], walk.com)
+            np.testing.assert_array_equal(file.variables["force"][:], walk.force)
+            assert file.variables["power"].units == b"W"
+
+    def test_the_terminal_shows_progress_and_the_gain_over_a_flat_foot(self, run_ga):
+        text = run_ga[0].stdout
+        assert "generation 3/3" in text
+        assert "evaluations/s" in text
+        assert "share of J_W's gain" in text
+        assert "hollow" in text
+        assert "Validity" in text
+        assert "\x1b" not in text  # no colours or cursor moves in a log file
+
+    def test_several_objectives_give_a_front_and_its_figures(self, tmp_path):
+        done = footopt(*QUICK, "sand=soft", "solver=nsga2", "objective.names=[distance,work,peak_power]",
+                       cwd=tmp_path)  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        folder = only_folder(tmp_path)
+        result = json.loads((folder / "result.json").read_text())
+        assert len(result["front"]) > 1
+        assert (folder / "figures" / "scatter_matrix.png").stat().st_size > 10_000
+        assert (folder / "figures" / "parallel.pdf").is_file()
+        with open(folder / "designs.csv", newline="") as file:
+            assert sum(int(r["on_front"]) for r in csv.DictReader(file)) == len(result["front"])
+
+    def test_two_runs_at_once_do_not_share_a_folder(self, tmp_path):
+        command = [sys.executable, "-m", "footopt", "study=simulate", "accuracy=draft"]
+        runs = [subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL) for _ in range(2)]
+        assert [run.wait() for run in runs] == [0, 0]
+        assert len(list(tmp_path.rglob("result.json"))) == 2
+
+
+class TestSimulate:
+    @pytest.mark.parametrize("setting", ["foot.k=[5,8,9,8,5,4,4,2,2,3,4]", "foot=reversed_triangle"])
+    def test_walks_with_one_sole(self, tmp_path, setting):
+        done = footopt("study=simulate", setting, "sand.zeta=2.5", "accuracy=draft", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        result = json.loads((only_folder(tmp_path) / "result.json").read_text())
+        assert result["feasible"]
+        assert result["objectives"]["distance"] > 1.5
+        assert result["scene"]["sand"]["zeta"] == 2.5
+
+    def test_standing_still_has_no_peak_power(self, tmp_path):
+        done = footopt("study=simulate", "scene=stand", "scene.t_f=0.5", "accuracy=draft", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        result = json.loads((only_folder(tmp_path) / "result.json").read_text())
+        assert result["objectives"]["peak_power"] is None
+        assert abs(result["objectives"]["distance"]) < 1e-9
+
+    def test_a_walk_that_sinks_is_a_result_with_a_reason(self, tmp_path):
+        done = footopt("study=simulate", "sand.zeta=0.001", "accuracy=draft", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        result = json.loads((only_folder(tmp_path) / "result.json").read_text())
+        assert (result["feasible"], result["reason"]) == (False, "sunk")
+        assert "sunk" in done.stdout
+
+
+class TestMultirun:
+    def test_every_job_has_a_folder_and_a_row_and_a_failed_one_stops_no_other(self, tmp_path):
+        done = footopt("-m", "sand=soft,hard", "solver=ga,nsga2", "foot.n=5,3", *QUICK, cwd=tmp_path)
+        assert done.returncode == 1
+        assert "4 of the jobs failed" in done.stderr
+        (summary,) = tmp_path.rglob("summary.csv")
+        with open(summary, newline="") as file:
+            rows = list(csv.DictReader(file))
+        assert [r["job"] for r in rows] == [str(i) for i in range(8)]
+        failed = [r for r in rows if "foot.n=3" in r["overrides"]]
+        assert all("foot.n = 3: must be" in r["note"] for r in failed)
+        good = [r for r in rows if "foot.n=5" in r["overrides"]]
+        assert len(failed) == len(good) == 4
+        assert all(float(r["distance"]) > 1 and r["k"] and not r["note"] for r in good)
+        for job in (0, 2, 4, 6):
+            assert (summary.parent / str(job) / "result.json").is_file()
+
+
+BAD = {
+    "sand=mud": "Could not find 'sand/mud'",
+    "sand.zeta=0": "sand.zeta = 0.0: must be a number > 0",
+    "sand.zeta=much": "sand.zeta=much",
+    "sand.density=3": "Key 'density' not in",
+    "foot.n=3": "foot.n = 3: must be a whole number from 4",
+    "accuracy.plates=1": "accuracy.plates = 1: must be a whole number >= 2",
+    "accuracy.stepper=leapfrog": "accuracy.stepper = 'leapfrog': must be one of",
+    "scene.t_f=0.9": "scene.t_f = 0.9: must be later than the first heel strike at 1.1 s",
+    "scene=stand": "stands still",
+    "gait=file": "gait.path = None",
+    "gait=file gait.path=missing.csv": "gait.path = 'missing.csv': cannot be read",
+    "gait=file gait.path=broken.csv": "the header lacks thigh, knee",
+    "sand=custom sand.table=missing.csv": "sand.table = 'missing.csv': cannot be read",
+    "solver=ga objective=pareto": "solver = 'ga': must be a solver of several objectives",
+    "objective.names=[speed]": "objective.names = 'speed': must be made of distance",
+    "study=simulate foot.k=[0,2,3,4,5,6,7,8,8,8,8]": "foot.k[0] = 0.0: must be a whole number from 1 to K = 10",
+    "study=simulate foot.k=[1.5,2,3,4,5,6,7,8,8,8,8]": "foot.k",
+    "study=simulate foot.k=[1,2,3]": "foot.k = '[1, 2, 3]': must be 11 heights",
+    "hydra.run.dir=a_file": "a_file",
+    "hydra.run.dir=a_file/below": "a_file",
+    "engine.threads=0": "engine.threads = 0: must be a whole number >= 1",
+}
+
+
+@pytest.mark.parametrize("arguments", BAD)
+def test_bad_input_gets_one_clear_message(arguments, tmp_path):
+    (tmp_path / "a_file").write_text("in the way\n")
+    (tmp_path / "broken.csv").write_text("time,hip\n0,1\n")
+    done = footopt(*arguments.split(), cwd=tmp_path)
+    assert done.returncode == 1
+    assert done.stderr.startswith("footopt: error: ")
+    assert BAD[arguments] in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not list(tmp_path.rglob("result.json"))
+
+
+def test_a_traceback_on_request(tmp_path):
+    assert "Traceback" in footopt("sand.zeta=0", cwd=tmp_path, full_error=True).stderr
+
+
+def test_help_explains_the_groups(tmp_path):
+    text = footopt("--help", cwd=tmp_path).stdout
+    for group in GROUPS:
+        assert f"  {group} " in text
+        assert f"{group}: " in text
+
+
+def test_shell_completion_knows_groups_and_options(tmp_path):
+    env = {**os.environ, "COMP_LINE": "footopt sand=", "COMP_POINT": "13"}
+    command = [sys.executable, "-m", "footopt", "-sc", "query=bash"]
+    done = subprocess.run(command, cwd=tmp_path, env=env, capture_output=True, text=True)
+    assert {"sand=soft", "sand=regular", "sand=hard"} <= set(done.stdout.split())
+
+
+def composed(*overrides) -> Config:
+    with initialize_config_dir(str(CONF), version_base="1.3"):
+        return OmegaConf.to_object(compose("config", list(overrides)))
+
+
+@pytest.mark.parametrize(
+    "choice", [f"{p.parent.name}={p.stem}" for p in sorted(CONF.glob("*/*.yaml"))]
+)
+def test_every_yaml_file_composes_and_builds(choice):
+    config = composed(choice)
+    group, name = choice.split("=")
+    if choice != "gait=file":
+        build.make_scene(config)
+    build.make_accuracy(config.accuracy)
+    build.make_foot(config.foot)
+    if group in ("study", "sand", "gait", "scene", "accuracy", "solver"):
+        assert getattr(config, group).name == name
+
+
+def test_presets_are_the_same_from_yaml_and_from_python():
+    from footopt.sand import MEDIA
+    from footopt.walker import PRESETS
+
+    for name, accuracy in PRESETS.items():
+        assert build.make_accuracy(composed(f"accuracy={name}").accuracy) == accuracy
+    for name in MEDIA:
+        assert build.make_sand(composed(f"sand={name}").sand) == fo.Sand.named(name)
+    assert build.make_scene(composed()) == fo.Scene()
+    assert build.make_space(composed().foot) == fo.Waypoints()
+    assert {p.stem for p in (CONF / "study").iterdir()} == set(STUDIES)
+
+
+@pytest.mark.parametrize(("solver", "names"), [("ga", 1), ("nsga2", 5)])
+def test_a_solver_brings_its_objective_and_the_command_line_wins(solver, names):
+    assert len(composed(f"solver={solver}").objective.names) == names
+    assert composed(f"solver={solver}", "objective.names=[work]").objective.names == ["work"]
+    assert composed("solver=nsga2", "objective=efficiency").objective.names == ["efficiency"]
+    assert composed("scene=stand", "gait.start=1.0").gait.start == 1.0
+
+
+def test_a_table_of_stresses_from_the_command_line(tmp_path):
+    angles = [(b, g) for b in range(-80, 90, 20) for g in range(-180, 180, 20)]
+    with open(tmp_path / "stress.csv", "w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["beta", "gamma", "alpha_x", "alpha_z"])
+        for b, g in angles:
+            ax, az = fo.stress.alpha(np.radians(b), np.radians(g))
+            writer.writerow([b, g, ax / 1e6, az / 1e6])
+    sand = build.make_sand(
+        composed("sand=custom", f"sand.table={tmp_path / 'stress.csv'}", "sand.zeta=2").sand
+    )
+    assert sand.zeta == 2.0
+    assert sand.stress_map.B01 == pytest.approx(0.358)

@@ -1,0 +1,199 @@
+"""The problem and the search: whole numbers, honest failures, the same result for the same seed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pymoo.core.problem import Problem
+
+import footopt as fo
+from footopt.design import SINGLE, SOLVERS, Solver, search
+from footopt.design.problem import RECORD
+from footopt.design.search import Archive
+from footopt.design.solvers import less_violation, reference_directions
+from footopt.errors import FootoptError, SettingError
+
+QUICK = fo.Accuracy(dt=1e-2, plates=20)
+SMALL = fo.Waypoints(n=5, K=4)
+
+
+def problem(objective="efficiency", zeta=5.0, space=SMALL, accuracy=QUICK, **scene):
+    return fo.FootProblem(fo.Scene(sand=fo.Sand(zeta), **scene), objective, space, accuracy)
+
+
+class TestProblem:
+    def test_is_a_vectorised_integer_problem(self):
+        p = problem("pareto")
+        assert isinstance(p, Problem)
+        assert (p.n_var, p.n_obj, p.n_ieq_constr, p.vtype) == (5, 5, 2, int)
+        assert (p.xl == 1).all()
+        assert (p.xu == 4).all()
+
+    def test_objectives_are_minimised_with_natural_signs_kept_apart(self):
+        p, k = problem("pareto"), SMALL.random(6, seed=1)
+        out = p.evaluate(k, return_as_dictionary=True)
+        table = fo.evaluate(k, p.scene, p.accuracy, space=SMALL)
+        np.testing.assert_array_equal(out["F"], table.values * [-1, -1, 1, 1, 1])
+        np.testing.assert_array_equal(out["values"][:, :5], table.values)
+        np.testing.assert_array_equal(out["values"][:, 5], table.efficiency)
+
+    def test_any_subset_of_objectives_by_name(self):
+        p = problem(["work", "maximum_sinkage", "distance"])
+        out = p.evaluate(SMALL.random(3, seed=2), return_as_dictionary=True)
+        assert p.names == ("work", "maximum_sinkage", "distance")
+        assert p.record == (*RECORD, "maximum_sinkage")
+        assert out["F"].shape == (3, 3)
+        assert (out["F"][:, 1] > 0).all()
+        assert (out["F"][:, 2] < 0).all()
+
+    def test_a_failed_walk_is_finite_and_infeasible_inside_and_nan_outside(self):
+        out = problem("pareto", zeta=1e-3).evaluate(SMALL.random(4, seed=3), return_as_dictionary=True)
+        assert np.isfinite(out["F"]).all()
+        assert (out["G"][:, 0] > 0).all()
+        assert np.isnan(out["values"]).all()
+        assert set(out["reasons"]) == {"sunk"}
+
+    def test_leaving_the_box_violates_the_second_constraint_and_no_box_is_the_paper(self):
+        spiky = np.array([[1, 4, 1, 4, 1], [2, 2, 2, 2, 2]])
+        g = problem().evaluate(spiky, return_as_dictionary=True)["G"]
+        assert g[0, 1] == pytest.approx(SMALL.box_violation(spiky)[0] / SMALL.H - SMALL.box_tolerance)
+        assert g[0, 1] > 0 > g[1, 1]
+        free = problem(space=replace(SMALL, box_tolerance=float("inf")))
+        assert (free.evaluate(spiky, return_as_dictionary=True)["G"][:, 1] < 0).all()
+
+    def test_a_scene_without_a_heel_strike_is_refused(self):
+        with pytest.raises(SettingError, match=r"scene\.t_f = 0\.8"):
+            problem(t_f=0.8)
+        with pytest.raises(SettingError, match="stands still"):
+            problem(gait=fo.Gait.human(start=float("inf")), t_f=5.0)
+
+
+class TestSearch:
+    @pytest.mark.parametrize("name", SOLVERS)
+    def test_same_seed_same_result_and_whole_numbers_in_range(self, name):
+        objective = "efficiency" if name in SINGLE else "pareto"
+        runs = [search(problem(objective), name, pop_size=12, n_gen=5, seed=7) for _ in range(2)]
+        a, b = runs
+        np.testing.assert_array_equal(a.k, b.k)
+        np.testing.assert_array_equal(a.values, b.values)
+        np.testing.assert_array_equal(a.front, b.front)
+        assert a.k.dtype == np.int64
+        assert ((a.k >= 1) & (a.k <= 4)).all()
+        other = search(problem(objective), name, pop_size=12, n_gen=5, seed=8)
+        assert a.k.shape != other.k.shape or (a.k != other.k).any()
+
+    @pytest.mark.parametrize("name", ["nsga3", "rvea"])
+    def test_same_seed_same_result_when_constraints_tie(self, name):
+        # soles that all leave the box: every tournament among equal failures is decided by chance
+        runs = [
+            search(problem("pareto", zeta=0.5), name, pop_size=12, n_gen=6, seed=2).k.tolist()
+            for _ in range(2)
+        ]
+        assert runs[0] == runs[1]
+
+    @pytest.mark.parametrize("name", SINGLE)
+    def test_a_scalar_search_finds_the_best_of_a_space_it_can_enumerate(self, name):
+        space = fo.Waypoints(n=4, K=4)
+        everything = np.stack(np.meshgrid(*[range(1, 5)] * 4), axis=-1).reshape(-1, 4)
+        p = problem(space=space)
+        table = fo.evaluate(everything, p.scene, p.accuracy, space=space)
+        inside = space.box_violation(everything) <= space.box_tolerance * space.H
+        best = np.min(table.efficiency[inside & table.feasible])
+        found = search(p, name, pop_size=20, n_gen=20, seed=1)
+        assert found.column("efficiency")[found.best] == best
+
+    def test_the_front_is_that_of_every_design_ever_evaluated(self):
+        r = search(problem("pareto"), "nsga2", pop_size=16, n_gen=6, seed=1)
+        f = r.problem.minimised(r.values)
+        keep = np.flatnonzero(r.feasible)
+        dominated = [
+            any((f[j] <= f[i]).all() and (f[j] < f[i]).any() for j in keep) for i in keep
+        ]
+        assert set(r.front) == set(keep[~np.array(dominated)])
+        assert r.best == r.front[np.argmin(r.column("efficiency")[r.front])]
+
+    def test_no_design_is_walked_twice_and_the_history_counts_what_was_asked_for(self, monkeypatch):
+        walked = []
+
+        def counted(k, *args):
+            walked.extend(map(tuple, k))
+            return fo.evaluate(k, *args)
+
+        monkeypatch.setattr("footopt.design.problem.evaluate", counted)
+        r = search(problem(), "ga", pop_size=12, n_gen=8, seed=1)
+        assert len(walked) == len(set(walked)) == len(r.k) < r.evaluations == 96
+        assert [g.evaluations for g in r.history] == [12 * (i + 1) for i in range(8)]
+        best = [g.best for g in r.history]
+        assert best == sorted(best, reverse=True)
+        assert best[-1] == r.column("efficiency")[r.best]
+
+    def test_infeasible_designs_are_kept_with_their_reason_and_are_never_best(self):
+        r = search(problem(), "ga", pop_size=30, n_gen=2, seed=1)
+        assert set(r.reasons) == {"", "box"}
+        assert r.feasible[r.best]
+        assert ((r.reasons == "") == r.feasible).all()
+
+    def test_nothing_feasible_says_so_with_counts(self):
+        with pytest.raises(FootoptError, match=r"No feasible design among \d+: \d+ sunk"):
+            search(problem(zeta=1e-3), "ga", pop_size=6, n_gen=2)
+
+    def test_an_interrupted_search_returns_what_it_has(self):
+        def stop(generation):
+            if generation.generation == 2:
+                raise KeyboardInterrupt
+
+        r = search(problem(), "ga", pop_size=8, n_gen=50, seed=1, progress=stop)
+        assert r.interrupted
+        assert len(r.history) == 2
+        assert r.foot.k is not None
+
+    def test_a_solver_that_does_not_fit_the_objectives_is_refused(self):
+        with pytest.raises(SettingError, match="several objectives"):
+            search(problem("pareto"), "ga")
+        with pytest.raises(SettingError, match="one objective"):
+            search(problem(), "nsga2")
+
+    def test_the_default_solver_fits(self):
+        assert search(problem(), pop_size=8, n_gen=1).solver.name == "ga"
+        assert search(problem("pareto"), pop_size=8, n_gen=1).solver.name == "nsga2"
+
+    @pytest.mark.parametrize(
+        ("setting", "value"),
+        [("name", "sa"), ("pop_size", 3), ("n_gen", 0), ("seed", -1)],
+    )
+    def test_bad_budgets_are_named(self, setting, value):
+        with pytest.raises(SettingError, match=rf"solver\.{setting} = {value!r}"):
+            Solver(**{setting: value})
+
+    def test_a_maximised_single_objective(self):
+        r = search(problem("distance"), "ga", pop_size=10, n_gen=4, seed=1)
+        assert r.column("distance")[r.best] == r.column("distance")[r.feasible].max()
+        assert r.history[-1].best == r.column("distance")[r.best]
+
+
+def test_an_archive_does_not_depend_on_the_order_of_a_batch():
+    k = SMALL.random(10, seed=5)
+    forward, backward = Archive(problem()), Archive(problem())
+    f, g = forward.evaluate(k)
+    fb, gb = backward.evaluate(k[::-1])
+    np.testing.assert_array_equal(f, fb[::-1])
+    np.testing.assert_array_equal(g, gb[::-1])
+
+
+def test_reference_directions_are_on_the_simplex_and_cached():
+    w = reference_directions(5, 20)
+    assert w.shape == (20, 5)
+    np.testing.assert_allclose(w.sum(axis=1), 1.0)
+    assert reference_directions(5, 20) is w
+
+
+def test_ties_in_a_tournament_are_decided_by_the_runs_own_generator():
+    class Pop:
+        def get(self, name):
+            return np.array([[1.0], [1.0], [0.0]])
+
+    pairs = np.array([[0, 1]] * 64 + [[0, 2], [2, 1]])
+    draw = [less_violation(Pop(), pairs, np.random.default_rng(s))[:, 0].tolist() for s in (1, 1, 2)]
+    assert draw[0] == draw[1] != draw[2]
+    assert set(draw[0][:64]) == {0, 1}
+    assert draw[0][64:] == [2, 2]
