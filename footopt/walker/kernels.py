@@ -7,6 +7,10 @@ law is single-valued at rest and implicit steps converge.
 Vectorisation needs sums to be reordered (`reassoc`); flags that assume no NaN stay off, so that a
 walk that diverges is seen. A foot's sum depends on nothing but that foot: results do not change
 with the batch or the number of threads.
+
+Every function under the loop is inlined by force: a function with a symbol of its own may be taken
+from another compilation of the same source, which rounds otherwise, and then a walk differed in its
+last bits between the process that compiled it and the ones that load it from the cache on disk.
 """
 
 from __future__ import annotations
@@ -59,7 +63,7 @@ class World(NamedTuple):
     tolerance: float  # of Newton's method, m/s
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@njit(fastmath=FAST, error_model="numpy", forceinline=True)
 def rsqrt(square):
     """1 / sqrt(x) to 4e-14: a single-precision estimate and one Newton step, 3 times faster.
 
@@ -69,7 +73,7 @@ def rsqrt(square):
     return q * (1.5 - 0.5 * square * q * q)
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@njit(fastmath=FAST, error_model="numpy", forceinline=True)
 def plate_sums(sole, world, first, last, za, vx, vz, cos, sin, rate, jacobian):
     """Sums over plates first..last of one foot: f_x, f_z, power, the Jacobian of
     f in the ankle's velocity, and its derivative in the height of the ankle.
@@ -116,7 +120,7 @@ def plate_sums(sole, world, first, last, za, vx, vz, cos, sin, rate, jacobian):
     return fx, fz, power, jxx, jxz, jzx, jzz, dx, dz
 
 
-@njit
+@njit(forceinline=True)
 def submerged(sole, za, cos, sin):
     """First and one past the last plate below the surface, whole blocks; (0, 0) for a dry foot."""
     n = len(sole.x)
@@ -135,7 +139,7 @@ def submerged(sole, za, cos, sin):
     return (first, last) if last <= n else (n - blocks * LANES, n)
 
 
-@njit
+@njit(forceinline=True)
 def contact(out, sole, world, pose, z, vx, vz, jacobian):
     """Force, power and derivatives of both feet at a hip height z (m) and velocity (m/s).
 
@@ -163,7 +167,7 @@ def contact(out, sole, world, pose, z, vx, vz, jacobian):
         out[foot, DX], out[foot, DZ] = dx, dz
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def solve_stage(out, sole, world, pose, z0, vx0, vz0, c, vx, vz):
     """Velocity V of an implicit stage: V = v0 + c a(z0 + c V_z, V), by Newton's method.
 
@@ -206,7 +210,7 @@ def solve_stage(out, sole, world, pose, z0, vx0, vz0, c, vx, vz):
     return vx, vz, -40
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def static_height(sole, world, pose):
     """Hip height (m) at which the limit forces of downward motion on both feet carry the weight.
 
@@ -227,7 +231,7 @@ def static_height(sole, world, pose):
     return low
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def _lift(sole, world, pose, z):
     """Limit force of downward motion on both feet at the hip height z, N."""
     total = 0.0
@@ -243,7 +247,7 @@ def _lift(sole, world, pose, z):
     return total
 
 
-@njit
+@njit(forceinline=True)
 def deepest(sole, pose, z):
     """Depth of the lowest plate of both feet below the surface, m; 0 when both are above."""
     depth = 0.0

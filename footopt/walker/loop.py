@@ -45,7 +45,7 @@ RAW = (
 TRACE = 13
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def hermite_extreme(v0, v1, a0, a1, h):
     """The velocity's extreme inside a step whose end accelerations differ in sign (cubic Hermite)."""
     rise = v1 - v0
@@ -57,7 +57,7 @@ def hermite_extreme(v0, v1, a0, a1, h):
     return v0 + s * (p + s * (q + s * r))
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def hermite(v0, v1, a0, a1, h, s):
     """The velocity at the share s of a step."""
     rise = v1 - v0

@@ -58,12 +58,12 @@ def advance(stepper, y, now, quad, h, poses, sole, world, work):
     return _STEPS[type(stepper)](stepper, y, now, quad, h, poses, sole, world, work)
 
 
-@overload(advance)
+@overload(advance, jit_options={"forceinline": True})
 def _resolve(stepper, y, now, quad, h, poses, sole, world, work):
     return _STEPS[stepper.instance_class]
 
 
-@njit
+@njit(forceinline=True)
 def add(quad, weight, z, vx, vz, at):
     """Add one stage, with its weight in s, to the integrals along the walk."""
     for foot in range(2):
@@ -76,7 +76,7 @@ def add(quad, weight, z, vx, vz, at):
     quad[HEIGHT] += weight * z
 
 
-@njit
+@njit(forceinline=True)
 def acceleration(at, world):
     """Of the hip, from a contact: a_x, a_z in m/s^2 (the paper's eq. 7)."""
     return (at[0, FX] + at[1, FX]) / world.mass, (at[0, FZ] + at[1, FZ]) / world.mass - world.g
