@@ -100,4 +100,3 @@ def explain(error: BaseException) -> str:
         f"unexpected {type(error).__name__}: {error}\n"
         "This is a bug in footopt; HYDRA_FULL_ERROR=1 shows where."
     )
-

@@ -24,10 +24,12 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 FAST = {"contract", "reassoc", "arcp", "nsz"}
+MAX_NEWTON = 40  # contact evaluations of one implicit stage, back-tracking included
 LANES = 8  # plates are padded to a multiple of this, and summed in such blocks
 
-# columns of a contact, (2 feet, 9): force, power, dF/dV (x by x, x by z, z by x, z by z), dF/dz
-FX, FZ, POWER, JXX, JXZ, JZX, JZZ, DX, DZ = range(9)
+# columns of a contact, (2 feet, 7): force, power, and dF/dV (x by x, x by z, z by x, z by z)
+FX, FZ, POWER, JXX, JXZ, JZX, JZZ = range(7)
+CONTACT = 7
 
 
 class Sole(NamedTuple):
@@ -42,6 +44,9 @@ class Sole(NamedTuple):
     c2: Array
     s2: Array
     area: Array
+    block_x: Array  # (blocks,): a circle around each block of plates, m
+    block_z: Array
+    block_r: Array
     reach: float  # the sole's largest distance from the ankle, m
 
 
@@ -60,7 +65,7 @@ class World(NamedTuple):
     mass: float  # kg
     g: float  # m/s^2
     creep: float  # m/s
-    tolerance: float  # of Newton's method, m/s
+    tolerance: float  # of Newton's method: last step over the plates' mean speed
 
 
 @njit(fastmath=FAST, error_model="numpy", forceinline=True)
@@ -75,16 +80,16 @@ def rsqrt(square):
 
 @njit(fastmath=FAST, error_model="numpy", forceinline=True)
 def plate_sums(sole, world, first, last, za, vx, vz, cos, sin, rate, jacobian):
-    """Sums over plates first..last of one foot: f_x, f_z, power, the Jacobian of
-    f in the ankle's velocity, and its derivative in the height of the ankle.
+    """Sums over plates first..last of one foot: f_x, f_z, power, and the Jacobian of f.
 
     za: height of the ankle, m. vx, vz: its velocity, m/s. cos, sin, rate: of the foot's pitch.
-    jacobian: None leaves the derivatives (then 0) out of the compiled code.
+    jacobian: dz/dv_z in s, how the height follows from the velocity in an implicit stage; None
+    leaves the derivatives (then 0) out of the compiled code.
     """
     c2p, s2p = cos * cos - sin * sin, 2.0 * sin * cos
     eps2 = world.creep * world.creep
     rate_cos, rate_sin = rate * cos, rate * sin
-    fx = fz = power = jxx = jxz = jzx = jzz = dx = dz = 0.0
+    fx = fz = power = jxx = jxz = jzx = jzz = 0.0
     # slices from 0: an index that could be negative would keep the loop from being vectorised
     x, z, area = sole.x[first:last], sole.z[first:last], sole.area[first:last]
     c2, s2 = sole.c2[first:last], sole.s2[first:last]
@@ -108,35 +113,32 @@ def plate_sums(sole, world, first, last, za, vx, vz, cos, sin, rate, jacobian):
         fz += k * pz
         power += k * (px * ux + pz * uz)
         if jacobian is not None:
-            wet = area[i] if depth > 0.0 else 0.0
-            dx -= wet * px
-            dz -= wet * pz
+            wet = jacobian * area[i] if depth > 0.0 else 0.0
+            jxz -= wet * px
+            jzz -= wet * pz
             kq = k * q  # dh/dv = (I - h h^T) / |v|
             txx, txz, tzz = 1.0 - hx * hx, -hx * hz, 1.0 - hz * hz
             jxx -= kq * (mxx * txx + mxz * txz)
             jxz -= kq * (mxx * txz + mxz * tzz)
             jzx -= kq * (mzx * txx + mzz * txz)
             jzz -= kq * (mzx * txz + mzz * tzz)
-    return fx, fz, power, jxx, jxz, jzx, jzz, dx, dz
+    return fx, fz, power, jxx, jxz, jzx, jzz
 
 
 @njit(forceinline=True)
 def submerged(sole, za, cos, sin):
-    """First and one past the last plate below the surface, whole blocks; (0, 0) for a dry foot."""
-    n = len(sole.x)
+    """First and one past the last plate of the blocks that reach below the surface."""
     if za > sole.reach:
         return 0, 0
-    first = 0
-    while first < n and za + sin * sole.x[first] + cos * sole.z[first] >= 0.0:
+    first, last = 0, len(sole.block_x)
+    while first < last and za + sin * sole.block_x[first] + cos * sole.block_z[first] >= sole.block_r[first]:
         first += 1
-    if first == n:
-        return 0, 0
-    last = n
-    while za + sin * sole.x[last - 1] + cos * sole.z[last - 1] >= 0.0:
+    while (
+        last > first
+        and za + sin * sole.block_x[last - 1] + cos * sole.block_z[last - 1] >= sole.block_r[last - 1]
+    ):
         last -= 1
-    blocks = (last - first + LANES - 1) // LANES
-    last = first + blocks * LANES
-    return (first, last) if last <= n else (n - blocks * LANES, n)
+    return first * LANES, last * LANES
 
 
 @njit(forceinline=True)
@@ -145,35 +147,36 @@ def contact(out, sole, world, pose, z, vx, vz, jacobian):
 
     Parameters
     ----------
-    out : (2, 9), filled; columns as named at the top of this module (N, W, N s/m, N/m)
+    out : (2, 7), filled; columns as named at the top of this module (N, W, N s/m)
     pose : (2, 7), as made by `gait.Pose.table`
-    jacobian : 1 for the derivatives, None to leave them out of the compiled code
+    jacobian : see `plate_sums`
     """
     for foot in range(2):
         za, cos, sin, rate = z + pose[foot, 1], pose[foot, 4], pose[foot, 5], pose[foot, 6]
         first, last = submerged(sole, za, cos, sin)
         if first == last:
-            for j in range(9):
+            for j in range(CONTACT):
                 out[foot, j] = 0.0
             continue
         ax, az = vx + pose[foot, 2], vz + pose[foot, 3]
-        fx, fz, power, jxx, jxz, jzx, jzz, dx, dz = plate_sums(
+        fx, fz, power, jxx, jxz, jzx, jzz = plate_sums(
             sole, world, first, last, za, ax, az, cos, sin, rate, jacobian
         )
         out[foot, FX], out[foot, FZ] = fx, fz
         out[foot, POWER] = power
         out[foot, JXX], out[foot, JXZ] = jxx, jxz
         out[foot, JZX], out[foot, JZZ] = jzx, jzz
-        out[foot, DX], out[foot, DZ] = dx, dz
 
 
 @njit(error_model="numpy", forceinline=True)
 def solve_stage(out, sole, world, pose, z0, vx0, vz0, c, vx, vz):
     """Velocity V of an implicit stage: V = v0 + c a(z0 + c V_z, V), by Newton's method.
 
-    Starts from the guess (vx, vz) and halves a step that makes the residual larger. The last step
-    is smaller than the world's tolerance; `out` then holds the forces carried along it to first
-    order, so that the stage's momentum balance closes to rounding.
+    Starts from the guess (vx, vz) and halves a step that makes the residual larger. It ends with a
+    step that is small against the speed at which the plates move through the sand (their mean
+    |P| / |F|, at least the creep speed), on which the law is smooth: Newton's method has then
+    converged to the square of that ratio. `out` holds the forces carried along the last step to
+    first order, so that the stage's momentum balance closes to rounding.
 
     Returns
     -------
@@ -181,33 +184,37 @@ def solve_stage(out, sole, world, pose, z0, vx0, vz0, c, vx, vz):
     """
     best = np.inf
     dvx = dvz = 0.0
-    for evaluation in range(1, 41):
-        contact(out, sole, world, pose, z0 + c * vz, vx, vz, 1)
-        inv = c / world.mass
+    inv = c / world.mass
+    for evaluation in range(1, MAX_NEWTON + 1):
+        contact(out, sole, world, pose, z0 + c * vz, vx, vz, c)
         rx = vx - vx0 - inv * (out[0, FX] + out[1, FX])
         rz = vz - vz0 - inv * (out[0, FZ] + out[1, FZ]) + c * world.g
         residual = rx * rx + rz * rz
-        if residual > best and evaluation > 1:  # go back half of the way
+        if residual > best:  # go back half of the way
             dvx, dvz = 0.5 * dvx, 0.5 * dvz
             vx, vz = vx - dvx, vz - dvz
             continue
         best = residual
         a = 1.0 - inv * (out[0, JXX] + out[1, JXX])
-        b = -inv * (out[0, JXZ] + out[1, JXZ] + c * (out[0, DX] + out[1, DX]))
+        b = -inv * (out[0, JXZ] + out[1, JXZ])
         d = -inv * (out[0, JZX] + out[1, JZX])
-        e = 1.0 - inv * (out[0, JZZ] + out[1, JZZ] + c * (out[0, DZ] + out[1, DZ]))
-        det = a * e - b * d
-        dvx, dvz = -(e * rx - b * rz) / det, -(a * rz - d * rx) / det
+        e = 1.0 - inv * (out[0, JZZ] + out[1, JZZ])
+        det = 1.0 / (a * e - b * d)
+        dvx, dvz = (b * rz - e * rx) * det, (d * rx - a * rz) * det
         vx, vz = vx + dvx, vz + dvz
         size = abs(dvx) + abs(dvz)
-        if size <= world.tolerance:
+        force = power = 0.0
+        for foot in range(2):
+            force += abs(out[foot, FX]) + abs(out[foot, FZ])
+            power += abs(out[foot, POWER])
+        if size * force <= world.tolerance * (power + world.creep * force):
             for foot in range(2):
-                out[foot, FX] += out[foot, JXX] * dvx + (out[foot, JXZ] + c * out[foot, DX]) * dvz
-                out[foot, FZ] += out[foot, JZX] * dvx + (out[foot, JZZ] + c * out[foot, DZ]) * dvz
+                out[foot, FX] += out[foot, JXX] * dvx + out[foot, JXZ] * dvz
+                out[foot, FZ] += out[foot, JZX] * dvx + out[foot, JZZ] * dvz
             return vx, vz, evaluation
         if not size < 1e9:
             break
-    return vx, vz, -40
+    return vx, vz, -MAX_NEWTON
 
 
 @njit(error_model="numpy", forceinline=True)

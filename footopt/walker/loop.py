@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numba import njit
 
-from footopt.walker.kernels import FX, FZ, POWER, Sole, contact, deepest, static_height
+from footopt.walker.kernels import CONTACT, FX, FZ, POWER, Sole, contact, deepest, static_height
 from footopt.walker.steppers import (
     HEIGHT,
     IMPULSE_X,
@@ -76,11 +76,27 @@ def _source() -> str:
 def _compile(source: str):
     @njit(cache=True, nogil=True, error_model="numpy")
     def walk_range(
-        stepper, plates, reach, world, pose0, poses, t_f, strike, begin, end, raw, status, count, trace, sink
+        stepper,
+        plates,
+        blocks,
+        reach,
+        world,
+        pose0,
+        poses,
+        t_f,
+        strike,
+        begin,
+        end,
+        raw,
+        status,
+        count,
+        trace,
+        sink,
     ):
         """Walk the designs begin..end of a population.
 
-        plates: five arrays (designs, padded plates), `foot.Plates`. reach: (designs,), m.
+        plates: five arrays (designs, padded plates), `foot.Plates`. blocks: three arrays (designs,
+        blocks), `kernels.Sole`. reach: (designs,), m.
         pose0: (2, 7) at t = 0. poses: (steps, nodes, 2, 7). strike: first heel strike, s.
         Filled: raw (designs, len(RAW)), status (designs,), count (designs,) of contact
         evaluations, trace (steps + 1, TRACE) or None, for one design: its row 0 is the start.
@@ -90,10 +106,20 @@ def _compile(source: str):
         steps = poses.shape[0]
         h = t_f / steps
         y, quad = np.empty(4), np.empty(7)
-        now, work = np.zeros((2, 9)), np.zeros((2, 9))
+        now, work = np.zeros((2, CONTACT)), np.zeros((2, CONTACT))
         peak = np.zeros((2, 3))  # |P| of each foot at the last three samples
         for d in range(begin, end):
-            sole = Sole(plates[0][d], plates[1][d], plates[2][d], plates[3][d], plates[4][d], reach[d])
+            sole = Sole(
+                plates[0][d],
+                plates[1][d],
+                plates[2][d],
+                plates[3][d],
+                plates[4][d],
+                blocks[0][d],
+                blocks[1][d],
+                blocks[2][d],
+                reach[d],
+            )
             raw[d, :] = np.nan
             count[d] = 0
             status[d] = SUNK

@@ -27,6 +27,7 @@ Array = NDArray[np.float64]
 #: Why a walk failed, by the loop's status.
 REASONS = {OK: "", SUNK: "sunk", BACKWARD: "backward", DIVERGED: "diverged"}
 
+NEWTON = 3e-3  # last step of Newton's method over the plates' mean speed; its error is the square
 CHUNK = 4096  # designs whose plates are in memory at once
 BLOCK = 16  # designs that a thread takes at a time
 
@@ -108,7 +109,7 @@ class Walk:
     @property
     def objectives(self) -> dict[str, float]:
         """All objectives by name, in natural signs; NaN for a failed walk."""
-        raw = Raw(np.array([[self.totals[name] for name in RAW]]))
+        raw = Raw(np.array([[self.totals[name] if self.feasible else np.nan for name in RAW]]))
         return {name: float(o.value(raw, self.scene)[0]) for name, o in OBJECTIVES.items()}
 
     def plates(self, index: ArrayLike) -> PlateStates:
@@ -237,9 +238,7 @@ def resolve(accuracy: Accuracy | str) -> Accuracy:
 def world(scene: Scene, accuracy: Accuracy) -> World:
     """What the compiled loops need to know of a scene."""
     law = (scene.sand.stiffness * c for c in scene.sand.stress_map.law)
-    # Newton's method converges quadratically once a step is small against the creep speed
-    tolerance = min(0.1 * accuracy.creep, 1e-5)
-    return World._make((*law, scene.walker.mass, scene.walker.g, accuracy.creep, tolerance))
+    return World._make((*law, scene.walker.mass, scene.walker.g, accuracy.creep, NEWTON))
 
 
 @lru_cache(maxsize=16)
@@ -289,8 +288,7 @@ def _walk(
         accuracy.steps(t_f),
         stepper.nodes,
     )
-    reach = np.sqrt(np.max(plates.x**2 + plates.z**2, axis=1))
-    padded = _pad(plates)
+    padded, circles, reach = _blocks(plates)
     raw = np.empty((designs, len(RAW)))
     status, count = np.empty(designs, np.int64), np.empty(designs, np.int64)
     constants = world(scene, accuracy)
@@ -298,7 +296,7 @@ def _walk(
     def run(begin: int) -> None:
         end = min(begin + BLOCK, designs)
         walk_range(
-            stepper.parameters, padded, reach, constants, pose0, table, t_f, scene.gait.heel_strike,
+            stepper.parameters, padded, circles, reach, constants, pose0, table, t_f, scene.gait.heel_strike,
             begin, end, raw, status, count, trace, 1 if sink else None,
         )  # fmt: skip
 
@@ -314,10 +312,16 @@ def _walk(
     return raw, status, count
 
 
-def _pad(plates: Plates) -> tuple[Array, ...]:
-    """Whole blocks of plates: repeat the last one, without area."""
-    extra = -plates.x.shape[1] % LANES
-    columns = [np.pad(c, ((0, 0), (0, extra)), mode="edge") for c in plates]
+def _blocks(plates: Plates) -> tuple[tuple[Array, ...], tuple[Array, ...], Array]:
+    """Plates in whole blocks (the last one repeated without area), a circle around each, the reach."""
+    designs, count = plates.x.shape
+    extra = -count % LANES
+    columns = [np.pad(column, ((0, 0), (0, extra)), mode="edge") for column in plates]
     if extra:
         columns[-1][:, -extra:] = 0.0
-    return tuple(np.ascontiguousarray(c) for c in columns)
+    x, z = (column.reshape(designs, -1, LANES) for column in columns[:2])
+    centre_x, centre_z = (0.5 * (q.min(axis=2) + q.max(axis=2)) for q in (x, z))
+    square = (x - centre_x[..., None]) ** 2 + (z - centre_z[..., None]) ** 2
+    radius = np.sqrt(square.max(axis=2))
+    reach = np.sqrt(np.max(plates.x**2 + plates.z**2, axis=1))
+    return tuple(map(np.ascontiguousarray, columns)), (centre_x, centre_z, radius), reach

@@ -6,11 +6,11 @@ change for a new one. The function advances the state from t to t + h:
     evaluations = step(stepper, y, now, quad, h, poses, sole, world, work)
 
 - ``y`` (4,): hip x, z (m), v_x, v_z (m/s); advanced in place.
-- ``now`` (2, 9): the contact at (t, y) when called, at the new time and state when it returns.
+- ``now`` (2, 7): the contact at (t, y) when called, at the new time and state when it returns.
 - ``quad``: integrals along the walk; the step adds its own quadrature of every stage with `add`.
 - ``poses`` (nodes, 2, 7): the pose of both feet at t + node h, for the registered nodes; the last
   node is 1.
-- ``work`` (2, 9): scratch.
+- ``work`` (2, 7): scratch.
 - It returns how often the contact was evaluated, negative if the step could not be solved.
 
 The function is chosen at compile time by the type of the tuple, so the loop over steps holds one
