@@ -81,9 +81,10 @@ class AccuracyConfig:
 
     name: str = "custom"
     stepper: str = "sdirk2"
-    dt: float = 2e-3
-    plates: int = 100
+    dt: float = 5e-3
+    plates: int = 64
     creep: float = 1e-4
+    rule: str = "arc"
 
 
 @dataclass

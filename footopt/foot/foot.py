@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import check
-from footopt.foot.plates import Plates, along_arc, hollow
+from footopt.foot.plates import RULES, Plates, along_arc, hollow
 from footopt.foot.shapes import shape
 from footopt.foot.waypoints import Waypoints, check_ankle
 
@@ -61,6 +61,7 @@ class Foot:
         space : the design space; by default the paper's, with n = len(k) and `parameters`
             (K, L, H, width, ankle, box_tolerance).
         """
+        check(np.ndim(k) == 1, "foot.k", k, "one design: a list of whole numbers")
         space = replace(space or Waypoints(n=len(k)), **parameters)  # type: ignore[arg-type]
         heights = tuple(int(v) for v in space.check(k)[0])
         name = "k " + "-".join(map(str, heights))
@@ -84,16 +85,16 @@ class Foot:
         """One of the paper's five shapes by name (`footopt.foot.shapes`), with a contact length in m."""
         return cls(shape(name, length, **options), width, tuple(ankle), name)  # type: ignore[arg-type]
 
-    def points(self, plates: int) -> Array:
-        """plates + 1 points at equal steps along the arc, (plates + 1, 2), m."""
+    def points(self, steps: int) -> Array:
+        """Points at equal steps along the arc, (steps + 1, 2), m."""
         if self.space is not None and self.k is not None:
-            points: Array = self.space.points(self.k, plates)[0]
+            points: Array = self.space.points(self.k, steps)[0]
             return points
-        return along_arc(self.contour, plates)
+        return along_arc(self.contour, steps)
 
-    def plates(self, plates: int) -> Plates:
+    def plates(self, plates: int, rule: str = "arc") -> Plates:
         """The foot's plates, (1, plates)."""
-        return stack_plates([self], plates)
+        return stack_plates([self], plates, rule)
 
     @property
     def hollow(self) -> float:
@@ -106,20 +107,23 @@ class Foot:
         return None if self.space is None else float(self.space.box_violation(self.k)[0])  # type: ignore[arg-type]
 
 
-def stack_plates(feet: Sequence[Foot], plates: int) -> Plates:
+def stack_plates(feet: Sequence[Foot], plates: int, rule: str = "arc") -> Plates:
     """The plates of many feet at once, (feet, plates)."""
     return Plates.from_points(
-        np.stack([foot.points(plates) for foot in feet]),
+        np.stack([foot.points(plates * RULES[rule]) for foot in feet]),
         np.array([foot.ankle for foot in feet], float),
         np.array([foot.width for foot in feet], float),
+        rule,
     )
 
 
-def as_plates(feet: Sequence[Foot] | Plates | ArrayLike, plates: int, space: Waypoints | None) -> Plates:
+def as_plates(
+    feet: Sequence[Foot] | Plates | ArrayLike, plates: int, rule: str, space: Waypoints | None
+) -> Plates:
     """Plates of feet, of plates (as they are), or of waypoint heights (designs, n) in `space`."""
     if isinstance(feet, Plates):
         return feet
     if isinstance(feet, Sequence) and any(isinstance(foot, Foot) for foot in feet):
-        return stack_plates([foot for foot in feet if isinstance(foot, Foot)], plates)
+        return stack_plates([foot for foot in feet if isinstance(foot, Foot)], plates, rule)
     heights = np.atleast_2d(np.asarray(feet))
-    return (space or Waypoints(n=heights.shape[-1])).plates(heights, plates)
+    return (space or Waypoints(n=heights.shape[-1])).plates(heights, plates, rule)

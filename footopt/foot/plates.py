@@ -1,4 +1,4 @@
-"""From a contour to plates: equal steps along the arc, one chord each."""
+"""From a contour to plates, at equal steps along its arc."""
 
 from __future__ import annotations
 
@@ -10,44 +10,68 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
+#: How plates are laid on a contour; each name's number of chords that a plate averages over.
+#: "chord": a plate is the chord between neighbours, as in the paper. "arc": a plate has the mean
+#: place and the mean direction of its piece of the contour. The law is linear in depth and in
+#: (cos 2 beta, sin 2 beta), so that this leaves only their covariance within a plate as an error.
+RULES = {"chord": 1, "arc": 4}
+
+
 class Plates(NamedTuple):
     """The plates of a batch of feet, structure of arrays, each of shape (designs, plates).
 
-    Positions are the chords' middles in the foot frame, from the ankle; ``c2`` and ``s2`` are
-    cos and sin of twice the chord's angle, all that the stress law needs of it.
+    Places are in the foot frame, from the ankle; ``c2`` and ``s2`` are cos and sin of twice the
+    plate's angle (or their means), all that the stress law needs of it.
     """
 
     x: Array  # m
     z: Array  # m
     c2: Array
     s2: Array
-    area: Array  # m^2, width times chord
+    area: Array  # m^2, width times length
 
     @classmethod
-    def from_points(cls, points: Array, ankle: Array, width: Array) -> Plates:
-        """Plates between neighbours of a contour.
+    def from_points(cls, points: Array, ankle: Array, width: Array, rule: str = "arc") -> Plates:
+        """Plates along a contour.
 
         Parameters
         ----------
-        points : (designs, plates + 1, 2), m, from heel to toe with the sand below
+        points : (designs, plates * RULES[rule] + 1, 2), m, at equal steps along the arc, from heel
+            to toe with the sand below
         ankle : (designs, 2), m, foot frame
         width : (designs,), m
+        rule : a name in `RULES`
         """
-        middle = 0.5 * (points[:, 1:] + points[:, :-1]) - ankle[:, None, :]
         chord = points[:, 1:] - points[:, :-1]
         dx, dz = chord[..., 0], chord[..., 1]
         square = dx * dx + dz * dz
+        length = np.sqrt(square)
+        middle = 0.5 * (points[:, 1:] + points[:, :-1]) - ankle[:, None, :]
+        parts = RULES[rule]
+        total = _sum_parts(length, parts)
+
+        def mean(value: Array) -> Array:
+            return _sum_parts(value * length, parts) / total
+
         return cls(
-            x=np.ascontiguousarray(middle[..., 0]),
-            z=np.ascontiguousarray(middle[..., 1]),
-            c2=(dx * dx - dz * dz) / square,
-            s2=2.0 * dx * dz / square,
-            area=np.sqrt(square) * width[:, None],
+            x=mean(middle[..., 0]),
+            z=mean(middle[..., 1]),
+            c2=mean((dx * dx - dz * dz) / square),
+            s2=mean(2.0 * dx * dz / square),
+            area=total * width[:, None],
         )
 
     def take(self, index: slice | NDArray[np.int64]) -> Plates:
         """The plates of some of the designs."""
         return Plates(*(np.ascontiguousarray(column[index]) for column in self))
+
+
+def _sum_parts(value: Array, parts: int) -> Array:
+    """Sums of `parts` neighbours, elementwise, so that no batch rounds differently."""
+    total = value[:, ::parts].copy()
+    for i in range(1, parts):
+        total += value[:, i::parts]
+    return total
 
 
 def along_arc(polyline: Array, plates: int) -> Array:

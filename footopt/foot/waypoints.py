@@ -1,7 +1,7 @@
 """The design space: integer heights of waypoints along the sole, joined by a cubic spline.
 
-Everything here works on a whole population at once and only with elementwise operations, so that a
-sole does not depend, to the last bit, on the batch it is computed in.
+Everything here works on a whole population at once, design by design or with elementwise operations,
+so that a sole does not depend, to the last bit, on the batch it is computed in.
 """
 
 from __future__ import annotations
@@ -11,10 +11,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import SettingError, check
-from footopt.foot.plates import Plates
+from footopt.foot.plates import RULES, Plates
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -100,25 +101,19 @@ class Waypoints:
         z = self.heights(k)
         u = _fine(self.n)
         x = -self.L + 2.0 * self.L * u / (self.n - 1)
-        return np.stack([np.broadcast_to(x, (len(z), len(u))), _spline(z, _slopes(z), u)[0]], axis=-1)
+        return np.stack([np.broadcast_to(x, (len(z), len(u))), _spline(z, _slopes(z), u)], axis=-1)
 
-    def points(self, k: ArrayLike, plates: int) -> Array:
-        """Points on the spline at equal steps along its arc, (designs, plates + 1, 2), m."""
+    def points(self, k: ArrayLike, steps: int) -> Array:
+        """Points on the spline at equal steps along its arc, (designs, steps + 1, 2), m."""
         z = self.heights(k)
-        slopes, u = _slopes(z), _fine(self.n)
-        per_u = 2.0 * self.L / (self.n - 1)  # dx/du, u counts waypoints
-        speed = np.sqrt(per_u**2 + _spline(z, slopes, u)[1] ** 2)
-        arc = np.zeros_like(speed)
-        np.cumsum(0.5 * (speed[:, 1:] + speed[:, :-1]), axis=1, out=arc[:, 1:])
-        share = np.arange(plates + 1) / plates
-        at = np.stack([np.interp(share * a[-1], a, u) for a in arc])
-        return np.stack([-self.L + per_u * at, _spline(z, slopes, at)[0]], axis=-1)
+        return arc_points(z, _slopes(z), 2.0 * self.L / (self.n - 1), steps)
 
-    def plates(self, k: ArrayLike, plates: int) -> Plates:
+    def plates(self, k: ArrayLike, plates: int, rule: str = "arc") -> Plates:
         """The plates of a population, (designs, plates)."""
-        points = self.points(k, plates)
+        points = self.points(k, plates * RULES[rule])
         designs = len(points)
-        return Plates.from_points(points, np.tile(self.ankle, (designs, 1)), np.full(designs, self.width))
+        ankle, width = np.tile(self.ankle, (designs, 1)), np.full(designs, self.width)
+        return Plates.from_points(points, ankle, width, rule)
 
     def box_violation(self, k: ArrayLike) -> Array:
         """How far each spline leaves the box [-H, 0], (designs,), m; 0 inside."""
@@ -186,15 +181,47 @@ def _slopes(z: Array) -> Array:
     return total
 
 
-def _spline(z: Array, slopes: Array, u: Array) -> tuple[Array, Array]:
-    """Value and dz/du of the splines (designs, n) at u: (m,) or (designs, m), waypoints from 0."""
+def _spline(z: Array, slopes: Array, u: Array) -> Array:
+    """The splines (designs, n) at u (m,), which counts waypoints from 0: (designs, m)."""
     i = np.minimum(u.astype(np.int64), z.shape[1] - 2)
     s = u - i
-    if u.ndim == 1:
-        z0, z1, d0, d1 = z[:, i], z[:, i + 1], slopes[:, i], slopes[:, i + 1]
-    else:
-        row = np.arange(len(z))[:, None]
-        z0, z1, d0, d1 = z[row, i], z[row, i + 1], slopes[row, i], slopes[row, i + 1]
-    rise = z1 - z0
-    quadratic, cubic = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
-    return z0 + s * (d0 + s * (quadratic + s * cubic)), d0 + s * (2.0 * quadratic + 3.0 * s * cubic)
+    z0, d0, d1 = z[:, i], slopes[:, i], slopes[:, i + 1]
+    rise = z[:, i + 1] - z0
+    return z0 + s * (d0 + s * (3.0 * rise - 2.0 * d0 - d1 + s * (d0 + d1 - 2.0 * rise)))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def arc_points(z, slopes, spacing, steps):  # type: ignore[no-untyped-def]
+    """Points at equal arcs of splines z(u): z, slopes (designs, n); `spacing` is dx/du.
+
+    The arc length is summed by the trapezoidal rule over `FINE` pieces between two waypoints;
+    within a piece, u is linear in it. The points themselves are on the spline.
+    """
+    designs, n = z.shape
+    pieces = (n - 1) * FINE
+    out = np.empty((designs, steps + 1, 2))
+    arc = np.empty(pieces + 1)
+    for d in range(designs):
+        arc[0] = before = 0.0
+        for j in range(pieces + 1):
+            i = min(j // FINE, n - 2)
+            s = j / FINE - i
+            rise, d0, d1 = z[d, i + 1] - z[d, i], slopes[d, i], slopes[d, i + 1]
+            quadratic, cubic = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
+            speed = np.hypot(spacing, d0 + s * (2.0 * quadratic + 3.0 * s * cubic))
+            if j > 0:
+                arc[j] = arc[j - 1] + 0.5 * (before + speed)
+            before = speed
+        j = 0
+        for m in range(steps + 1):
+            at = arc[pieces] * m / steps
+            while j < pieces - 1 and arc[j + 1] < at:
+                j += 1
+            u = (j + min(max((at - arc[j]) / (arc[j + 1] - arc[j]), 0.0), 1.0)) / FINE
+            i = min(int(u), n - 2)
+            s = u - i
+            rise, d0, d1 = z[d, i + 1] - z[d, i], slopes[d, i], slopes[d, i + 1]
+            quadratic, cubic = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
+            out[d, m, 0] = spacing * (u - 0.5 * (n - 1))
+            out[d, m, 1] = z[d, i] + s * (d0 + s * (quadratic + s * cubic))
+    return out

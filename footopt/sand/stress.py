@@ -149,8 +149,13 @@ def affine(beta: ArrayLike, stress_map: StressMap = GENERIC) -> tuple[Array, Arr
     a : (*S, 2), N/m^3
     M : (*S, 2, 2), N/m^3
     """
+    b = np.asarray(beta, float)
+    return affine_direction(np.cos(2 * b), np.sin(2 * b), stress_map)
+
+
+def affine_direction(c: Array, s: Array, stress_map: StressMap = GENERIC) -> tuple[Array, Array]:
+    """`affine` from c = cos 2 beta and s = sin 2 beta, or from their means over a curved plate."""
     law = stress_map.law
-    c, s = np.cos(2 * np.asarray(beta, float)), np.sin(2 * np.asarray(beta, float))
     a = np.stack([-law.D10 * s, law.A00 + law.A10 * c], axis=-1)
     rows = [
         np.stack([law.C01 + law.C_sum * c, law.C_diff * s], axis=-1),

@@ -89,7 +89,7 @@ def make_scene(config: Config) -> Scene:
 
 def make_accuracy(config: AccuracyConfig) -> Accuracy:
     """The accuracy of a configuration."""
-    return Accuracy(config.stepper, config.dt, config.plates, config.creep, config.name)
+    return Accuracy(config.stepper, config.dt, config.plates, config.creep, config.name, config.rule)
 
 
 def _point(values: list[float]) -> tuple[float, float]:

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from footopt.errors import SettingError, check
 from footopt.foot import Foot, Plates, Waypoints, as_plates
 from footopt.gait import Gait
-from footopt.sand import affine
+from footopt.sand import affine_direction
 from footopt.walker.kernels import LANES, World
 from footopt.walker.loop import BACKWARD, DIVERGED, OK, RAW, SUNK, TRACE, walk_range
 from footopt.walker.objectives import FIVE, OBJECTIVES, Raw, lookup
@@ -116,7 +116,7 @@ class Walk:
         """Every plate's place, motion and force at some samples, by the law in its readable form."""
         i = np.asarray(index)
         pose = self.scene.gait.pose(self.t[i], self.scene.walker.l1, self.scene.walker.l2)
-        sole = self.foot.plates(self.accuracy.plates)
+        sole = self.foot.plates(self.accuracy.plates, self.accuracy.rule)
         cos, sin = np.cos(pose.pitch)[..., None], np.sin(pose.pitch)[..., None]
         rx, rz = cos * sole.x[0] - sin * sole.z[0], sin * sole.x[0] + cos * sole.z[0]
         position = np.stack(
@@ -135,7 +135,9 @@ class Walk:
         )
         chord = np.diff(self.foot.points(self.accuracy.plates), axis=0)
         beta = np.arctan2(chord[:, 1], chord[:, 0]) + pose.pitch[..., None]
-        a, m = affine(beta, self.scene.sand.stress_map)
+        c2p, s2p = np.cos(2.0 * pose.pitch)[..., None], np.sin(2.0 * pose.pitch)[..., None]
+        c, s = sole.c2[0] * c2p - sole.s2[0] * s2p, sole.s2[0] * c2p + sole.c2[0] * s2p
+        a, m = affine_direction(c, s, self.scene.sand.stress_map)
         speed = np.sqrt(np.sum(velocity**2, axis=-1) + self.accuracy.creep**2)
         h = velocity / speed[..., None]
         pull = self.scene.sand.zeta * np.maximum(-position[..., 1], 0.0) * sole.area[0]
@@ -170,7 +172,9 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
     scene, accuracy = scene or Scene(), resolve(accuracy)
     steps = accuracy.steps(scene.duration)
     trace = np.full((steps + 1, TRACE), np.nan)
-    raw, status, count = _walk(foot.plates(accuracy.plates), scene, accuracy, trace, True, threads=1)
+    raw, status, count = _walk(
+        foot.plates(accuracy.plates, accuracy.rule), scene, accuracy, trace, True, threads=1
+    )
     rows = trace[1:][np.isfinite(trace[1:]).all(axis=1)]
     force = np.stack([rows[:, 5:7], rows[:, 9:11]], axis=1)
     return Walk(
@@ -217,10 +221,7 @@ def evaluate(
     scene.need_heel_strike()
     chosen = lookup(objectives)
     sink = "maximum_sinkage" in objectives
-    parts = [
-        _walk(plates, scene, accuracy, None, sink, threads)
-        for plates in _chunks(feet, accuracy.plates, space)
-    ]
+    parts = [_walk(plates, scene, accuracy, None, sink, threads) for plates in _chunks(feet, accuracy, space)]
     raw, status, count = (np.concatenate(column) for column in zip(*parts, strict=True))
     raw[status != OK] = np.nan
     if not sink:
@@ -257,7 +258,7 @@ def available_threads() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _chunks(feet: Any, plates: int, space: Waypoints | None) -> Iterator[Plates]:
+def _chunks(feet: Any, accuracy: Accuracy, space: Waypoints | None) -> Iterator[Plates]:
     """The feet's plates, a bounded number of designs at a time."""
     if isinstance(feet, Plates):
         yield from (feet.take(slice(i, i + CHUNK)) for i in range(0, len(feet.x), CHUNK))
@@ -266,7 +267,10 @@ def _chunks(feet: Any, plates: int, space: Waypoints | None) -> Iterator[Plates]
         feet = np.atleast_2d(np.asarray(feet))
     if len(feet) == 0:
         raise SettingError("feet", "[]", "at least one foot")
-    yield from (as_plates(feet[i : i + CHUNK], plates, space) for i in range(0, len(feet), CHUNK))
+    yield from (
+        as_plates(feet[i : i + CHUNK], accuracy.plates, accuracy.rule, space)
+        for i in range(0, len(feet), CHUNK)
+    )
 
 
 def _walk(

@@ -120,6 +120,79 @@ def semi_implicit_euler(stepper, y, now, quad, h, poses, sole, world, work):
 register("semi_implicit_euler", SemiImplicitEuler(), semi_implicit_euler, nodes=(1.0,))
 
 
+class Heun(NamedTuple):
+    """See `heun`; it has no parameters."""
+
+
+def heun(stepper, y, now, quad, h, poses, sole, world, work):
+    """Explicit trapezoidal rule: the mean of the slopes at both ends. Order 2."""
+    ax, az = acceleration(now, world)
+    z1, vx1, vz1 = y[1] + h * y[3], y[2] + h * ax, y[3] + h * az
+    contact(work, sole, world, poses[0], z1, vx1, vz1, None)
+    bx, bz = acceleration(work, world)
+    add(quad, 0.5 * h, y[1], y[2], y[3], now)
+    add(quad, 0.5 * h, z1, vx1, vz1, work)
+    y[0] += 0.5 * h * (y[2] + vx1)
+    y[1] += 0.5 * h * (y[3] + vz1)
+    y[2] += 0.5 * h * (ax + bx)
+    y[3] += 0.5 * h * (az + bz)
+    contact(now, sole, world, poses[0], y[1], y[2], y[3], None)
+    return 2
+
+
+register("heun", Heun(), heun, nodes=(1.0,))
+
+
+class RK4(NamedTuple):
+    """See `rk4`; it has no parameters."""
+
+
+def rk4(stepper, y, now, quad, h, poses, sole, world, work):
+    """The classical Runge-Kutta method (Kutta 1901). Order 4 where the forces are smooth."""
+    x0, z0, vx0, vz0 = y[0], y[1], y[2], y[3]
+    ax, az = acceleration(now, world)
+    add(quad, h / 6.0, z0, vx0, vz0, now)
+    px, pz, qx, qz = vx0, vz0, ax, az  # sums of the slopes of place and velocity
+    vx, vz = vx0, vz0  # slope of the place at the stage before
+    for stage in range(3):
+        reach = h if stage == 2 else 0.5 * h
+        weight = 1.0 if stage == 2 else 2.0
+        z1, vx1, vz1 = z0 + reach * vz, vx0 + reach * ax, vz0 + reach * az
+        contact(work, sole, world, poses[1 if stage == 2 else 0], z1, vx1, vz1, None)
+        add(quad, weight * h / 6.0, z1, vx1, vz1, work)
+        ax, az = acceleration(work, world)
+        vx, vz = vx1, vz1
+        px, pz = px + weight * vx, pz + weight * vz
+        qx, qz = qx + weight * ax, qz + weight * az
+    y[0], y[1] = x0 + h / 6.0 * px, z0 + h / 6.0 * pz
+    y[2], y[3] = vx0 + h / 6.0 * qx, vz0 + h / 6.0 * qz
+    contact(now, sole, world, poses[1], y[1], y[2], y[3], None)
+    return 4
+
+
+register("rk4", RK4(), rk4, nodes=(0.5, 1.0))
+
+
+class ImplicitEuler(NamedTuple):
+    """See `implicit_euler`; it has no parameters."""
+
+
+def implicit_euler(stepper, y, now, quad, h, poses, sole, world, work):
+    """Force and velocity at the end of the step, L-stable. Order 1."""
+    ax, az = acceleration(now, world)
+    vx, vz, used = solve_stage(now, sole, world, poses[0], y[1], y[2], y[3], h, y[2] + h * ax, y[3] + h * az)
+    if used < 0:
+        return used
+    y[0] += h * vx
+    y[1] += h * vz
+    y[2], y[3] = vx, vz
+    add(quad, h, y[1], vx, vz, now)
+    return used
+
+
+register("implicit_euler", ImplicitEuler(), implicit_euler, nodes=(1.0,))
+
+
 class SDIRK2(NamedTuple):
     """See `sdirk2`; ``gamma`` is the coefficient of both implicit stages."""
 

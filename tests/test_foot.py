@@ -1,0 +1,385 @@
+"""The foot: a spline through waypoints, the paper's five shapes, and the plates they are cut into."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
+from scipy.interpolate import CubicSpline
+
+import footopt as fo
+from footopt.errors import SettingError
+from footopt.foot import SHAPES, Plates, as_plates, hollow
+
+SPACE = fo.Waypoints()
+HEIGHTS = st.lists(st.integers(1, SPACE.K), min_size=SPACE.n, max_size=SPACE.n)
+SMOOTH = [
+    [2, 4, 6, 8, 9, 10, 9, 8, 6, 4, 2],
+    [1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 8],
+    [1, 3, 5, 6, 7, 8, 8, 8, 7, 6, 5],
+    [10] * 11,
+]
+
+
+def reference_spline(space, k):
+    """The same sole from scipy: z_p(x_p)."""
+    x = np.linspace(-space.L, space.L, space.n)
+    return CubicSpline(x, -np.asarray(k) * space.H / space.K, bc_type="not-a-knot")
+
+
+def chords(points):
+    return np.hypot(*np.diff(points, axis=0).T)
+
+
+class TestWaypoints:
+    @pytest.mark.parametrize("n", [4, 5, 11, 30])
+    def test_span_the_box(self, n):
+        """The paper's printed x_i do not; the erratum is x_i = -L + 2 L (i-1)/(n-1)."""
+        space = fo.Waypoints(n=n, L=0.1)
+        np.testing.assert_allclose(space.x, np.linspace(-0.1, 0.1, n), rtol=0, atol=1e-16)
+        assert (space.x[0], space.x[-1]) == (-0.1, 0.1)
+
+    @given(HEIGHTS)
+    def test_the_sole_passes_exactly_through_them(self, k):
+        contour = SPACE.contour(k)[0]
+        at = contour[:: (len(contour) - 1) // (SPACE.n - 1)]
+        np.testing.assert_array_equal(at[:, 0], SPACE.x)
+        np.testing.assert_array_equal(at[:, 1], SPACE.heights(k)[0])
+
+    def test_heights_are_levels_of_the_box(self):
+        np.testing.assert_array_equal(
+            fo.Waypoints(n=4, K=4, H=0.04).heights([1, 2, 3, 4])[0], [-0.01, -0.02, -0.03, -0.04]
+        )
+
+    @given(HEIGHTS)
+    def test_the_sole_is_the_not_a_knot_cubic_spline(self, k):
+        x, z = SPACE.contour(k)[0].T
+        np.testing.assert_allclose(z, reference_spline(SPACE, k)(x), rtol=0, atol=1e-15)
+
+    @given(st.tuples(*[st.floats(-1, 1)] * 4))
+    def test_four_waypoints_on_a_cubic_give_that_cubic(self, coefficients):
+        """Not-a-knot ends reproduce cubics; with n = 4 the sole is one."""
+        space = fo.Waypoints(n=4, K=1000)
+        cubic = np.polynomial.Polynomial(coefficients)
+        x = np.linspace(-1, 1, 4)
+        k = np.round(500 + 100 * cubic(x)).astype(int)
+        fitted = np.polynomial.Polynomial.fit(space.x, -k * space.H / space.K, 3)
+        contour = space.contour(k)[0]
+        np.testing.assert_allclose(contour[:, 1], fitted(contour[:, 0]), rtol=0, atol=1e-14)
+
+    @given(HEIGHTS)
+    def test_a_mirrored_design_is_a_mirrored_sole(self, k):
+        mirrored = SPACE.contour(k[::-1])[0][::-1] * [-1, 1]
+        np.testing.assert_allclose(mirrored, SPACE.contour(k)[0], rtol=0, atol=1e-15)
+
+    def test_points_lie_on_the_sole_from_heel_to_toe(self):
+        k = [5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4]
+        points = SPACE.points(k, 77)[0]
+        assert points.shape == (78, 2)
+        np.testing.assert_allclose(points[:, 1], reference_spline(SPACE, k)(points[:, 0]), rtol=0, atol=1e-15)
+        assert (np.diff(points[:, 0]) > 0).all()
+        np.testing.assert_allclose(points[[0, -1], 0], [-SPACE.L, SPACE.L], rtol=0, atol=1e-16)
+
+
+class TestBox:
+    @given(HEIGHTS)
+    def test_violation_is_how_far_the_spline_leaves_the_box(self, k):
+        z = reference_spline(SPACE, k)(np.linspace(-SPACE.L, SPACE.L, 20_001))
+        outside = max(z.max(), -SPACE.H - z.min(), 0.0)
+        assert SPACE.box_violation(k)[0] == pytest.approx(outside, abs=1e-3 * SPACE.H)
+
+    def test_a_flat_sole_stays_inside_and_a_jagged_one_does_not(self):
+        assert fo.Foot.flat().box_violation == 0.0
+        assert fo.Foot.from_waypoints([1, 10] * 5 + [1]).box_violation > 0.1 * SPACE.H
+
+    def test_most_random_soles_leave_the_box(self):
+        """Two thirds, DESIGN says: why the violation is a constraint of the problem."""
+        violation = SPACE.box_violation(SPACE.random(2000, seed=0))
+        assert np.mean(violation > SPACE.box_tolerance * SPACE.H) == pytest.approx(2 / 3, abs=0.1)
+
+    def test_other_soles_have_no_box(self):
+        assert fo.Foot.shape("circle").box_violation is None
+
+    @pytest.mark.parametrize("tolerance", [0.0, 0.05, 0.2])
+    def test_random_designs_inside_respect_it(self, tolerance):
+        space = fo.Waypoints(box_tolerance=tolerance)
+        k = space.random(200, seed=3, inside=True)
+        assert k.shape == (200, space.n)
+        assert (space.box_violation(k) <= tolerance * space.H).all()
+
+    def test_random_designs_cover_every_level_and_repeat_with_the_seed(self):
+        k = SPACE.random(500, seed=1)
+        assert set(np.unique(k)) == set(range(1, SPACE.K + 1))
+        np.testing.assert_array_equal(k, SPACE.random(500, seed=1))
+        assert (k != SPACE.random(500, seed=2)).any()
+
+    def test_a_box_that_no_random_sole_respects_is_an_error_that_says_so(self):
+        space = fo.Waypoints(n=60, K=40, box_tolerance=0.0)
+        with pytest.raises(SettingError, match=r"foot\.box_tolerance = 0\.0.*foot\.n=60"):
+            space.random(1000, seed=0, inside=True)
+
+
+class TestPlates:
+    @pytest.mark.parametrize("k", SMOOTH)
+    @pytest.mark.parametrize("plates", [50, 100, 400])
+    def test_of_a_smooth_sole_have_equal_lengths(self, k, plates):
+        length = chords(SPACE.points(k, plates)[0])
+        assert np.ptp(length) < 1e-3 * length.mean()
+
+    @given(HEIGHTS)
+    def test_areas_sum_to_width_times_arc_length(self, k):
+        """Chords are shorter than the arc, by a share that falls with the square of their number."""
+        spline = reference_spline(SPACE, k)
+        arc = sum(
+            quad(lambda x: math.hypot(1.0, spline(x, 1)), a, b)[0]
+            for a, b in zip(SPACE.x, SPACE.x[1:], strict=False)
+        )
+        short = [1.0 - SPACE.plates(k, n).area.sum() / (SPACE.width * arc) for n in (100, 200, 400)]
+        assert -1e-12 <= short[2] < 1e-4
+        if short[0] > 1e-5:
+            assert 3.0 < short[0] / short[1] < 5.0
+            assert 3.0 < short[1] / short[2] < 5.0
+
+    def test_hold_the_chords_middle_from_the_ankle_and_its_doubled_angle(self):
+        foot = fo.Foot.from_waypoints(SMOOTH[1], ankle=(0.02, 0.05), width=0.08)
+        points = foot.points(64)
+        plates = foot.plates(64)
+        middle, chord = (points[1:] + points[:-1]) / 2, np.diff(points, axis=0)
+        angle = np.arctan2(chord[:, 1], chord[:, 0])
+        np.testing.assert_allclose(plates.x[0], middle[:, 0] - 0.02, rtol=0, atol=1e-16)
+        np.testing.assert_allclose(plates.z[0], middle[:, 1] - 0.05, rtol=0, atol=1e-16)
+        np.testing.assert_allclose(plates.c2[0], np.cos(2 * angle), rtol=0, atol=1e-14)
+        np.testing.assert_allclose(plates.s2[0], np.sin(2 * angle), rtol=0, atol=1e-14)
+        np.testing.assert_allclose(plates.area[0], 0.08 * chords(points), rtol=1e-14)
+
+    @given(st.lists(HEIGHTS, min_size=1, max_size=12), st.data())
+    def test_a_design_does_not_depend_on_its_batch(self, batch, data):
+        """Bit for bit: stores and engines rest on it."""
+        i = data.draw(st.integers(0, len(batch) - 1))
+        together, alone = SPACE.plates(batch, 64), SPACE.plates(batch[i], 64)
+        for all_, one in zip(together, alone, strict=True):
+            np.testing.assert_array_equal(all_[i], one[0])
+        np.testing.assert_array_equal(SPACE.contour(batch)[i], SPACE.contour(batch[i])[0])
+        assert SPACE.box_violation(batch)[i] == SPACE.box_violation(batch[i])[0]
+
+    @given(st.lists(HEIGHTS, min_size=1, max_size=5))
+    def test_feet_and_their_heights_are_the_same_plates(self, batch):
+        feet = [fo.Foot.from_waypoints(k) for k in batch]
+        for a, b in zip(as_plates(feet, 40, None), as_plates(batch, 40, SPACE), strict=True):
+            np.testing.assert_array_equal(a, b)
+
+    def test_plates_are_passed_through_and_taken_by_index(self):
+        plates = SPACE.plates(SMOOTH, 10)
+        assert as_plates(plates, 99, None) is plates
+        some = plates.take(np.array([2, 0]))
+        assert isinstance(some, Plates)
+        np.testing.assert_array_equal(some.area, plates.area[[2, 0]])
+
+
+SHAPE_OPTIONS = [
+    ("ellipse", {}),
+    ("rectangle", {}),
+    ("circle", {}),
+    ("reversed_l", {}),
+    ("reversed_l", {"upright": "heel"}),
+    ("reversed_triangle", {}),
+    ("reversed_triangle", {"apex": "toe"}),
+]
+
+
+class TestShapes:
+    @pytest.mark.parametrize(("name", "options"), SHAPE_OPTIONS)
+    @pytest.mark.parametrize("length", [0.26, 0.1])
+    def test_all_have_the_same_contact_length(self, name, options, length):
+        contour = fo.Foot.shape(name, length, **options).contour
+        assert chords(contour).sum() == pytest.approx(length, rel=1e-3)
+
+    @pytest.mark.parametrize(("name", "options"), SHAPE_OPTIONS)
+    def test_the_default_contact_length_is_that_of_the_box(self, name, options):
+        assert chords(fo.Foot.shape(name, **options).contour).sum() == pytest.approx(2 * SPACE.L, rel=1e-3)
+
+    @pytest.mark.parametrize(("name", "options"), SHAPE_OPTIONS)
+    def test_run_from_heel_to_toe_with_the_sand_below(self, name, options):
+        """Seen from above, n = (sin b, -cos b) points out of a convex sole: it turns left only."""
+        contour = fo.Foot.shape(name, **options).contour
+        (ax, az), (bx, bz) = np.diff(contour, axis=0)[:-1].T, np.diff(contour, axis=0)[1:].T
+        assert (ax * bz - az * bx >= 0).all()
+        assert contour[0, 0] < contour[-1, 0] or name == "reversed_l"
+        assert (np.diff(contour[:, 0]) >= 0).all()
+
+    @pytest.mark.parametrize(("name", "options"), SHAPE_OPTIONS)
+    def test_the_whole_shape_is_centred_with_axes_two_to_one(self, name, options):
+        """The contact line is the lower part of a shape whose box is [-a/2, a/2] x [-b/2, b/2]."""
+        contour = fo.Foot.shape(name, **options).contour
+        half = contour[:, 0].max()
+        assert contour[:, 0].min() == pytest.approx(-half)
+        depth = -contour[:, 1].min()
+        assert depth == pytest.approx(half if name == "circle" else half / 2)
+        top = {"ellipse": 0.0, "circle": 0.0, "rectangle": -depth}.get(name, depth)
+        assert contour[:, 1].max() == pytest.approx(top, abs=1e-15)
+
+    def test_curves_are_the_curves(self):
+        x, z = fo.Foot.shape("circle").contour.T
+        np.testing.assert_allclose(np.hypot(x, z), 0.26 / np.pi, rtol=1e-12)
+        x, z = fo.Foot.shape("ellipse").contour.T
+        np.testing.assert_allclose(np.hypot(x / x.max(), z / z.min()), 1.0, rtol=1e-12)
+
+    def test_the_upright_and_the_apex_are_where_they_are_told(self):
+        toe = fo.Foot.shape("reversed_l").contour
+        heel = fo.Foot.shape("reversed_l", upright="heel").contour
+        assert toe[-1, 1] > toe[0, 1]
+        np.testing.assert_array_equal(heel, toe[::-1] * [-1, 1])
+        middle = fo.Foot.shape("reversed_triangle").contour
+        under_toe = fo.Foot.shape("reversed_triangle", apex="toe").contour
+        assert middle[1, 0] == 0.0
+        assert under_toe[1, 0] == under_toe[2, 0] == under_toe[:, 0].max()
+
+    @pytest.mark.parametrize("name", sorted(SHAPES))
+    def test_are_cut_into_plates_of_equal_arc(self, name):
+        points = fo.Foot.shape(name).points(100)
+        assert points.shape == (101, 2)
+        length = chords(points)
+        inside = length > 0.999 * length.max()  # all but one that cuts a corner
+        assert (~inside).sum() <= 1
+        assert 100 * length[inside].mean() == pytest.approx(0.26, rel=1e-3)
+
+    @pytest.mark.parametrize(
+        ("name", "options", "setting"),
+        [
+            ("clown", {}, "foot.shape"),
+            ("circle", {"length": 0.0}, "foot.length"),
+            ("circle", {"length": math.nan}, "foot.length"),
+            ("circle", {"width": -1.0}, "foot.width"),
+            ("circle", {"ankle": (0.0, math.inf)}, "foot.ankle"),
+            ("reversed_l", {"upright": "middle"}, "foot.upright"),
+            ("reversed_triangle", {"apex": "heel"}, "foot.apex"),
+        ],
+    )
+    def test_impossible_ones_are_refused(self, name, options, setting):
+        with pytest.raises(SettingError) as error:
+            fo.Foot.shape(name, **options)
+        assert error.value.setting == setting
+
+    def test_an_unknown_shape_lists_the_known_ones(self):
+        with pytest.raises(SettingError, match="ellipse, rectangle, circle, reversed_l, reversed_triangle"):
+            fo.Foot.shape("clown")
+
+
+def hollow_by_pairs(contour):
+    """The gap below every point to the lowest chord that spans it, by trying all chords."""
+    x, z = contour.T
+    worst = 0.0
+    for p in range(1, len(x) - 1):
+        i, j = np.meshgrid(np.arange(p), np.arange(p + 1, len(x)), indexing="ij")
+        bridge = z[i] + (z[j] - z[i]) * (x[p] - x[i]) / (x[j] - x[i])
+        worst = max(worst, z[p] - bridge.min())
+    return worst
+
+
+class TestHollow:
+    def test_a_flat_sole_has_none(self, flat_foot):
+        assert flat_foot.hollow == 0.0
+
+    @pytest.mark.parametrize(("name", "options"), SHAPE_OPTIONS)
+    def test_the_five_shapes_have_none(self, name, options):
+        """All are convex; the L and the triangle end in a vertical side, which does not count."""
+        assert fo.Foot.shape(name, **options).hollow == pytest.approx(0.0, abs=1e-15)
+
+    @given(st.floats(0.001, 0.05), st.floats(-0.1, 0.1))
+    def test_of_a_notch_is_its_depth(self, depth, at):
+        notch = np.array([[-0.13, -0.03], [at, -0.03 + depth], [0.13, -0.03]])
+        assert hollow(notch) == pytest.approx(depth, rel=1e-12)
+
+    @given(st.floats(0.05, 1.5))
+    def test_of_an_arch_is_its_sagitta(self, half_angle):
+        angle = np.linspace(-half_angle, half_angle, 2001)
+        arch = 0.1 * np.stack([np.sin(angle), np.cos(angle)], axis=1)
+        assert hollow(arch) == pytest.approx(0.1 * (1 - math.cos(half_angle)), rel=1e-9)
+
+    def test_between_two_bumps_is_measured_from_their_common_tangent(self):
+        sole = np.array([[-2.0, 1.0], [-1.0, 0.0], [0.0, 0.8], [1.0, 0.5], [2.0, 2.0]])
+        assert hollow(sole) == pytest.approx(0.8 - 0.25)
+
+    @given(HEIGHTS)
+    def test_agrees_with_a_search_over_all_chords(self, k):
+        contour = SPACE.contour(k)[0][::8]
+        assert hollow(contour) == pytest.approx(hollow_by_pairs(contour), abs=1e-15)
+
+    @given(HEIGHTS)
+    def test_does_not_change_in_a_mirror_or_with_height(self, k):
+        contour = SPACE.contour(k)[0]
+        assert hollow(contour[::-1] * [-1, 1]) == pytest.approx(hollow(contour), abs=1e-15)
+        assert hollow(contour + [0.3, 0.2]) == pytest.approx(hollow(contour), abs=1e-15)
+
+
+class TestFoot:
+    def test_remembers_where_it_comes_from(self):
+        foot = fo.Foot.from_waypoints([1, 2, 3, 4, 5], K=5, L=0.1, H=0.02, width=0.07, ankle=(0.0, 0.04))
+        assert foot.k == (1, 2, 3, 4, 5)
+        assert foot.space == fo.Waypoints(5, 5, 0.1, 0.02, 0.07, (0.0, 0.04))
+        assert (foot.width, foot.ankle) == (0.07, (0.0, 0.04))
+        assert foot.contour[0, 0] == -0.1
+        assert foot.contour[-1].tolist() == pytest.approx([0.1, -0.02])
+
+    def test_flat_is_the_bottom_of_the_box(self, flat_foot):
+        assert (flat_foot.contour[:, 1] == -SPACE.H).all()
+
+    def test_takes_whole_numbers_in_any_dress(self):
+        k = SMOOTH[1]
+        for same in (tuple(k), np.array(k), np.array(k, float), np.array(k, np.int8)):
+            assert fo.Foot.from_waypoints(same).k == tuple(k)
+
+    @pytest.mark.parametrize(
+        ("k", "message"),
+        [
+            ([0] + [1] * 10, r"foot\.k\[0\] = 0\.0: must be a whole number from 1 to K = 10"),
+            ([1] * 10 + [11], r"foot\.k\[10\] = 11\.0: must be .* Raise foot\.K"),
+            ([1, 2, 2.5, 3], r"foot\.k\[2\] = 2\.5: must be a whole number"),
+            ([1, 2, math.nan, 3], r"foot\.k\[2\] = nan: must be a whole number"),
+            ([1, 2, "x", 3], r"foot\.k = .*must be whole numbers from 1 to 10"),
+            ([1, 2, 3], r"foot\.n = 3: must be a whole number from 4 to 200.*needs four points"),
+            ([], r"foot\.n = 0"),
+            (3, r"foot\.k = 3: must be one design"),
+            ([[1, 2, 3, 4], [1, 2, 3, 4]], r"foot\.k = .*must be one design"),
+        ],
+    )
+    def test_impossible_heights_are_refused(self, k, message):
+        with pytest.raises(SettingError, match=message):
+            fo.Foot.from_waypoints(k)
+
+    def test_the_number_of_heights_must_be_that_of_the_space(self):
+        with pytest.raises(SettingError, match=r"must be 11 heights a design \(foot\.n = 11\)"):
+            fo.Foot.from_waypoints([1, 2, 3, 4], SPACE)
+
+    @pytest.mark.parametrize(
+        ("setting", "value"),
+        [
+            ("n", 3),
+            ("n", 201),
+            ("n", 11.0),
+            ("n", True),
+            ("K", 0),
+            ("K", 2.5),
+            ("L", 0.0),
+            ("H", -0.03),
+            ("H", math.nan),
+            ("width", math.inf),
+            ("ankle", (0.0,)),
+            ("ankle", (0.0, math.nan)),
+            ("box_tolerance", -0.1),
+            ("box_tolerance", math.nan),
+        ],
+    )
+    def test_impossible_spaces_are_refused(self, setting, value):
+        with pytest.raises(SettingError, match="must be") as error:
+            fo.Waypoints(**{setting: value})
+        assert error.value.setting == f"foot.{setting}"
+
+    @pytest.mark.parametrize(
+        "contour", [np.zeros((1, 2)), np.zeros(4), np.zeros((3, 3)), np.array([[0.0, 0.0], [np.nan, 1.0]])]
+    )
+    def test_a_contour_is_at_least_two_finite_points(self, contour):
+        with pytest.raises(SettingError, match="at least two points"):
+            fo.Foot(contour)
