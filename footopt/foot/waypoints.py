@@ -106,7 +106,8 @@ class Waypoints:
     def points(self, k: ArrayLike, steps: int) -> Array:
         """Points on the spline at equal steps along its arc, (designs, steps + 1, 2), m."""
         z = self.heights(k)
-        return arc_points(z, _slopes(z), 2.0 * self.L / (self.n - 1), steps)
+        points: Array = arc_points(z, _slopes(z), 2.0 * self.L / (self.n - 1), steps)
+        return points
 
     def plates(self, k: ArrayLike, plates: int, rule: str = "arc") -> Plates:
         """The plates of a population, (designs, plates)."""

@@ -52,6 +52,8 @@ STYLE: dict[str, Any] = {
     "ytick.labelsize": 8,
     "axes.linewidth": 0.6,
     "axes.axisbelow": True,
+    "axes.formatter.limits": (-3, 4),
+    "axes.formatter.use_mathtext": True,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "xtick.major.width": 0.6,
@@ -64,7 +66,7 @@ STYLE: dict[str, Any] = {
 }
 
 CONTACT = 1.0  # vertical force above which a foot stands on the sand, N
-ARROWS = 25  # force arrows along a sole
+ARROWS = 20  # force arrows along a sole
 SHANK = 0.14  # of the shank is drawn, m
 
 P = ParamSpec("P")

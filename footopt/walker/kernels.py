@@ -24,12 +24,17 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 FAST = {"contract", "reassoc", "arcp", "nsz"}
-MAX_NEWTON = 40  # contact evaluations of one implicit stage, back-tracking included
+MAX_NEWTON = 20  # contact evaluations of one implicit stage at one creep speed, back-tracking included
+MAX_RESCUE = 1000  # ... and in all, if it has to be approached from a larger creep speed
 LANES = 8  # plates are padded to a multiple of this, and summed in such blocks
 
 # columns of a contact, (2 feet, 7): force, power, and dF/dV (x by x, x by z, z by x, z by z)
 FX, FZ, POWER, JXX, JXZ, JZX, JZZ = range(7)
 CONTACT = 7
+
+# what a walk counts: evaluations of the contact, of plates in it, stages that had to be rescued, and
+# how often the whole walk was repeated with a quarter of the time step
+EVALUATIONS, PLATES, RESCUES, REPEATS = range(4)
 
 
 class Sole(NamedTuple):
@@ -79,7 +84,7 @@ def rsqrt(square):
 
 
 @njit(fastmath=FAST, error_model="numpy", forceinline=True)
-def plate_sums(sole, world, first, last, za, vx, vz, cos, sin, rate, jacobian):
+def plate_sums(sole, world, first, last, za, vx, vz, cos, sin, rate, creep, jacobian):
     """Sums over plates first..last of one foot: f_x, f_z, power, and the Jacobian of f.
 
     za: height of the ankle, m. vx, vz: its velocity, m/s. cos, sin, rate: of the foot's pitch.
@@ -87,7 +92,7 @@ def plate_sums(sole, world, first, last, za, vx, vz, cos, sin, rate, jacobian):
     leaves the derivatives (then 0) out of the compiled code.
     """
     c2p, s2p = cos * cos - sin * sin, 2.0 * sin * cos
-    eps2 = world.creep * world.creep
+    eps2 = creep * creep
     rate_cos, rate_sin = rate * cos, rate * sin
     fx = fz = power = jxx = jxz = jzx = jzz = 0.0
     # slices from 0: an index that could be negative would keep the loop from being vectorised
@@ -142,15 +147,17 @@ def submerged(sole, za, cos, sin):
 
 
 @njit(forceinline=True)
-def contact(out, sole, world, pose, z, vx, vz, jacobian):
+def contact(out, tally, sole, world, pose, z, vx, vz, creep, jacobian):
     """Force, power and derivatives of both feet at a hip height z (m) and velocity (m/s).
 
     Parameters
     ----------
     out : (2, 7), filled; columns as named at the top of this module (N, W, N s/m)
     pose : (2, 7), as made by `gait.Pose.table`
-    jacobian : see `plate_sums`
+    tally : counts of the walk, added to
+    creep : eps, m/s. jacobian : see `plate_sums`
     """
+    tally[EVALUATIONS] += 1
     for foot in range(2):
         za, cos, sin, rate = z + pose[foot, 1], pose[foot, 4], pose[foot, 5], pose[foot, 6]
         first, last = submerged(sole, za, cos, sin)
@@ -158,9 +165,10 @@ def contact(out, sole, world, pose, z, vx, vz, jacobian):
             for j in range(CONTACT):
                 out[foot, j] = 0.0
             continue
+        tally[PLATES] += last - first
         ax, az = vx + pose[foot, 2], vz + pose[foot, 3]
         fx, fz, power, jxx, jxz, jzx, jzz = plate_sums(
-            sole, world, first, last, za, ax, az, cos, sin, rate, jacobian
+            sole, world, first, last, za, ax, az, cos, sin, rate, creep, jacobian
         )
         out[foot, FX], out[foot, FZ] = fx, fz
         out[foot, POWER] = power
@@ -169,7 +177,7 @@ def contact(out, sole, world, pose, z, vx, vz, jacobian):
 
 
 @njit(error_model="numpy", forceinline=True)
-def solve_stage(out, sole, world, pose, z0, vx0, vz0, c, vx, vz):
+def solve_stage(out, tally, sole, world, pose, z0, vx0, vz0, c, vx, vz):
     """Velocity V of an implicit stage: V = v0 + c a(z0 + c V_z, V), by Newton's method.
 
     Starts from the guess (vx, vz) and halves a step that makes the residual larger. It ends with a
@@ -178,21 +186,43 @@ def solve_stage(out, sole, world, pose, z0, vx0, vz0, c, vx, vz):
     converged to the square of that ratio. `out` holds the forces carried along the last step to
     first order, so that the stage's momentum balance closes to rounding.
 
+    Where that fails, because the law turns too sharply on the way, the stage is rescued: it is
+    solved for a creep speed so large that the law is viscous, then for smaller and smaller ones,
+    each from the solution before. Rescues are counted.
+
     Returns
     -------
-    vx, vz : m/s. evaluations : of the contact; negative if Newton's method did not converge.
+    vx, vz : m/s. solved : whether the stage was solved.
     """
-    best = np.inf
-    dvx = dvz = 0.0
+    guess_x, guess_z = vx, vz
     inv = c / world.mass
-    for evaluation in range(1, MAX_NEWTON + 1):
-        contact(out, sole, world, pose, z0 + c * vz, vx, vz, c)
+    creep, best, tries = world.creep, np.inf, 0
+    rescue, ratio, solved_at, viscous = False, 0.25, np.inf, np.inf
+    dvx = dvz = 0.0
+    for _ in range(MAX_RESCUE):
+        contact(out, tally, sole, world, pose, z0 + c * vz, vx, vz, creep, c)
         rx = vx - vx0 - inv * (out[0, FX] + out[1, FX])
         rz = vz - vz0 - inv * (out[0, FZ] + out[1, FZ]) + c * world.g
         residual = rx * rx + rz * rz
-        if residual > best:  # go back half of the way
+        tries += 1
+        if residual > best and tries <= MAX_NEWTON:  # go back half of the way
             dvx, dvz = 0.5 * dvx, 0.5 * dvz
             vx, vz = vx - dvx, vz - dvz
+            if abs(dvx) + abs(dvz) < 1e-13 * (1.0 + abs(vx) + abs(vz)):
+                best = np.inf  # nothing but rounding is left to gain
+            continue
+        if tries > MAX_NEWTON or not residual < 1e18:
+            if not rescue:
+                rescue = True
+                tally[RESCUES] += 1
+                creep = viscous = 10.0 * (1.0 + abs(guess_x) + abs(guess_z))
+            else:  # a smaller stride from the last creep speed that went well
+                ratio = np.sqrt(ratio)
+                if ratio > 0.97 or creep == viscous:
+                    break
+                creep = max(ratio * solved_at, world.creep)
+            vx, vz = guess_x, guess_z
+            best, tries = np.inf, 0
             continue
         best = residual
         a = 1.0 - inv * (out[0, JXX] + out[1, JXX])
@@ -207,14 +237,16 @@ def solve_stage(out, sole, world, pose, z0, vx0, vz0, c, vx, vz):
         for foot in range(2):
             force += abs(out[foot, FX]) + abs(out[foot, FZ])
             power += abs(out[foot, POWER])
-        if size * force <= world.tolerance * (power + world.creep * force):
-            for foot in range(2):
-                out[foot, FX] += out[foot, JXX] * dvx + out[foot, JXZ] * dvz
-                out[foot, FZ] += out[foot, JZX] * dvx + out[foot, JZZ] * dvz
-            return vx, vz, evaluation
-        if not size < 1e9:
-            break
-    return vx, vz, -MAX_NEWTON
+        slack = world.tolerance * (power + creep * force) + 1e-13 * (1.0 + abs(vx) + abs(vz)) * force
+        if size * force <= slack:
+            if creep == world.creep:
+                for foot in range(2):
+                    out[foot, FX] += out[foot, JXX] * dvx + out[foot, JXZ] * dvz
+                    out[foot, FZ] += out[foot, JZX] * dvx + out[foot, JZZ] * dvz
+                return vx, vz, True
+            guess_x, guess_z, solved_at = vx, vz, creep
+            creep, best, tries = max(ratio * creep, world.creep), np.inf, 0
+    return vx, vz, False
 
 
 @njit(error_model="numpy", forceinline=True)

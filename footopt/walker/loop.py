@@ -89,17 +89,17 @@ def _compile(source: str):
         end,
         raw,
         status,
-        count,
+        tallies,
         trace,
         sink,
     ):
         """Walk the designs begin..end of a population.
 
         plates: five arrays (designs, padded plates), `foot.Plates`. blocks: three arrays (designs,
-        blocks), `kernels.Sole`. reach: (designs,), m.
-        pose0: (2, 7) at t = 0. poses: (steps, nodes, 2, 7). strike: first heel strike, s.
-        Filled: raw (designs, len(RAW)), status (designs,), count (designs,) of contact
-        evaluations, trace (steps + 1, TRACE) or None, for one design: its row 0 is the start.
+        blocks), `kernels.Sole`. reach: (designs,), m. pose0: (2, 7) at t = 0.
+        poses: (steps, nodes, 2, 7). strike: first heel strike, s.
+        Filled: raw (designs, len(RAW)), status (designs,), tallies (designs, 4), and trace
+        (steps + 1, TRACE) or None, for one design: its row 0 is the start.
         sink: 1 to follow the maximum sinkage, None to leave that out.
         """
         source  # noqa: B018  a free variable is part of the cache's key
@@ -121,7 +121,8 @@ def _compile(source: str):
                 reach[d],
             )
             raw[d, :] = np.nan
-            count[d] = 0
+            tally = tallies[d]
+            tally[:] = 0
             status[d] = SUNK
             y[:] = 0.0
             y[1] = static_height(sole, world, pose0)
@@ -129,7 +130,7 @@ def _compile(source: str):
                 continue
             z_start = y[1]
             quad[:] = 0.0
-            contact(now, sole, world, pose0, y[1], 0.0, 0.0, None)
+            contact(now, tally, sole, world, pose0, y[1], 0.0, 0.0, world.creep, None)
             if trace is not None:
                 trace[0, :] = 0.0
                 trace[0, 2] = z_start
@@ -138,10 +139,9 @@ def _compile(source: str):
             status[d] = OK
             for n in range(steps):
                 v0, a0 = y[2], (now[0, FX] + now[1, FX]) / world.mass
-                used = advance(stepper, y, now, quad, h, poses[n], sole, world, work)
-                count[d] += abs(used)
+                solved = advance(stepper, y, now, quad, tally, h, poses[n], sole, world, work)
                 speed = abs(y[2]) + abs(y[3])
-                if used < 0 or not speed < 1e4:
+                if not solved or not speed < 1e4:
                     status[d] = DIVERGED
                     break
                 if y[1] <= 0.0:

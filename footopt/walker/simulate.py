@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -16,7 +16,7 @@ from footopt.errors import SettingError, check
 from footopt.foot import Foot, Plates, Waypoints, as_plates
 from footopt.gait import Gait
 from footopt.sand import affine_direction
-from footopt.walker.kernels import LANES, World
+from footopt.walker.kernels import EVALUATIONS, LANES, PLATES, REPEATS, RESCUES, World
 from footopt.walker.loop import BACKWARD, DIVERGED, OK, RAW, SUNK, TRACE, walk_range
 from footopt.walker.objectives import FIVE, OBJECTIVES, Raw, lookup
 from footopt.walker.scene import Accuracy, Scene
@@ -28,6 +28,7 @@ Array = NDArray[np.float64]
 REASONS = {OK: "", SUNK: "sunk", BACKWARD: "backward", DIVERGED: "diverged"}
 
 NEWTON = 3e-3  # last step of Newton's method over the plates' mean speed; its error is the square
+MAX_REPEATS = 3  # of a walk that diverged, each with a quarter of the time step before
 CHUNK = 4096  # designs whose plates are in memory at once
 BLOCK = 16  # designs that a thread takes at a time
 
@@ -42,7 +43,11 @@ class Table:
     names : of the objectives.
     feasible : (designs,), whether the walk succeeded.
     reasons : (designs,), "" or why it failed: sunk, backward, diverged.
-    raw : (designs, ...), the loop's own results. evaluations : (designs,) of the contact.
+    raw : (designs, ...), the loop's own results.
+    evaluations, plates : (designs,), of the contact, and plates in them.
+    rescues : (designs,), implicit stages that Newton's method alone could not solve.
+    repeats : (designs,), how often the walk was repeated with a quarter of the time step because a
+        step could not be solved or a state was not finite.
     scene : what was walked through.
     """
 
@@ -52,6 +57,9 @@ class Table:
     reasons: NDArray[np.str_]
     raw: Array
     evaluations: NDArray[np.int64]
+    plates: NDArray[np.int64]
+    rescues: NDArray[np.int64]
+    repeats: NDArray[np.int64]
     scene: Scene
 
     def __len__(self) -> int:
@@ -84,7 +92,8 @@ class Walk:
     start : (2,), hip at t = 0, m.
     reason : "" or why the walk failed (then the traces end there).
     totals : the loop's own results by name (`loop.RAW`), by the stepper's own quadrature.
-    evaluations : of the contact.
+    evaluations : of the contact. rescues : stages that Newton's method alone could not solve.
+    repeats : how often the walk was repeated with a quarter of the time step, see `Table`.
     """
 
     foot: Foot
@@ -100,6 +109,8 @@ class Walk:
     reason: str
     totals: dict[str, float]
     evaluations: int
+    rescues: int
+    repeats: int
 
     @property
     def feasible(self) -> bool:
@@ -170,11 +181,8 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
     Walk : also of a walk that failed; see its `reason`.
     """
     scene, accuracy = scene or Scene(), resolve(accuracy)
-    steps = accuracy.steps(scene.duration)
-    trace = np.full((steps + 1, TRACE), np.nan)
-    raw, status, count = _walk(
-        foot.plates(accuracy.plates, accuracy.rule), scene, accuracy, trace, True, threads=1
-    )
+    plates = foot.plates(accuracy.plates, accuracy.rule)
+    raw, status, tallies, trace = _walk(plates, scene, accuracy, sink=True, threads=1, traced=True)
     rows = trace[1:][np.isfinite(trace[1:]).all(axis=1)]
     force = np.stack([rows[:, 5:7], rows[:, 9:11]], axis=1)
     return Walk(
@@ -190,7 +198,9 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
         start=trace[0, 1:3],
         reason=REASONS[int(status[0])],
         totals=dict(zip(RAW, map(float, raw[0]), strict=True)),
-        evaluations=int(count[0]),
+        evaluations=int(tallies[0, EVALUATIONS]),
+        rescues=int(tallies[0, RESCUES]),
+        repeats=int(tallies[0, REPEATS]),
     )
 
 
@@ -221,14 +231,25 @@ def evaluate(
     scene.need_heel_strike()
     chosen = lookup(objectives)
     sink = "maximum_sinkage" in objectives
-    parts = [_walk(plates, scene, accuracy, None, sink, threads) for plates in _chunks(feet, accuracy, space)]
-    raw, status, count = (np.concatenate(column) for column in zip(*parts, strict=True))
+    parts = [_walk(plates, scene, accuracy, sink, threads)[:3] for plates in _chunks(feet, accuracy, space)]
+    raw, status, tallies = (np.concatenate(column) for column in zip(*parts, strict=True))
     raw[status != OK] = np.nan
     if not sink:
         raw[:, RAW.index("maximum_sinkage")] = np.nan
     values = np.stack([o.value(Raw(raw), scene) for o in chosen], axis=1)
     reasons = np.array([REASONS[int(s)] for s in status], dtype=np.str_)
-    return Table(values, tuple(objectives), status == OK, reasons, raw, count, scene)
+    return Table(
+        values=values,
+        names=tuple(objectives),
+        feasible=status == OK,
+        reasons=reasons,
+        raw=raw,
+        evaluations=tallies[:, EVALUATIONS],
+        plates=tallies[:, PLATES],
+        rescues=tallies[:, RESCUES],
+        repeats=tallies[:, REPEATS],
+        scene=scene,
+    )
 
 
 def resolve(accuracy: Accuracy | str) -> Accuracy:
@@ -277,11 +298,30 @@ def _walk(
     plates: Plates,
     scene: Scene,
     accuracy: Accuracy,
-    trace: Array | None,
     sink: bool,
     threads: int | None,
-) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
-    """Run the compiled loop over a batch: raw results, status, evaluations."""
+    traced: bool = False,
+) -> tuple[Array, NDArray[np.int64], NDArray[np.int64], Array]:
+    """Run the compiled loop over a batch: raw results, status, tallies, and the trace of one design.
+
+    Walks that diverge are repeated with a quarter of the time step, `MAX_REPEATS` times at most.
+    """
+    raw, status, tallies, trace = _run(plates, scene, accuracy, sink, threads, traced)
+    for repeat in range(1, MAX_REPEATS + 1):
+        again = np.flatnonzero(status == DIVERGED)
+        if len(again) == 0:
+            break
+        finer = replace(accuracy, dt=accuracy.dt / 4**repeat)
+        raw[again], status[again], more, trace = _run(plates.take(again), scene, finer, sink, threads, traced)
+        tallies[again] += more
+        tallies[again, REPEATS] = repeat
+    return raw, status, tallies, trace
+
+
+def _run(
+    plates: Plates, scene: Scene, accuracy: Accuracy, sink: bool, threads: int | None, traced: bool
+) -> tuple[Array, NDArray[np.int64], NDArray[np.int64], Array]:
+    """`_walk` once, with the given time step."""
     stepper = STEPPERS[accuracy.stepper]
     t_f, designs = scene.duration, len(plates.x)
     pose0, table = poses(
@@ -294,14 +334,15 @@ def _walk(
     )
     padded, circles, reach = _blocks(plates)
     raw = np.empty((designs, len(RAW)))
-    status, count = np.empty(designs, np.int64), np.empty(designs, np.int64)
+    status, tallies = np.empty(designs, np.int64), np.zeros((designs, 4), np.int64)
+    trace = np.full((len(table) + 1, TRACE), np.nan) if traced else None
     constants = world(scene, accuracy)
 
     def run(begin: int) -> None:
         end = min(begin + BLOCK, designs)
         walk_range(
             stepper.parameters, padded, circles, reach, constants, pose0, table, t_f, scene.gait.heel_strike,
-            begin, end, raw, status, count, trace, 1 if sink else None,
+            begin, end, raw, status, tallies, trace, 1 if sink else None,
         )  # fmt: skip
 
     workers = available_threads() if threads is None else threads
@@ -313,7 +354,7 @@ def _walk(
     else:
         with ThreadPoolExecutor(min(workers, len(blocks))) as pool:
             list(pool.map(run, blocks))
-    return raw, status, count
+    return raw, status, tallies, np.empty(0) if trace is None else trace
 
 
 def _blocks(plates: Plates) -> tuple[tuple[Array, ...], tuple[Array, ...], Array]:

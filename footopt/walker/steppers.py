@@ -3,7 +3,7 @@
 A stepper is a small parameter tuple and one function, joined by `register`; nothing else has to
 change for a new one. The function advances the state from t to t + h:
 
-    evaluations = step(stepper, y, now, quad, h, poses, sole, world, work)
+    solved = step(stepper, y, now, quad, tally, h, poses, sole, world, work)
 
 - ``y`` (4,): hip x, z (m), v_x, v_z (m/s); advanced in place.
 - ``now`` (2, 7): the contact at (t, y) when called, at the new time and state when it returns.
@@ -11,7 +11,8 @@ change for a new one. The function advances the state from t to t + h:
 - ``poses`` (nodes, 2, 7): the pose of both feet at t + node h, for the registered nodes; the last
   node is 1.
 - ``work`` (2, 7): scratch.
-- It returns how often the contact was evaluated, negative if the step could not be solved.
+- ``tally``: the walk's counts (`kernels.EVALUATIONS` and so on).
+- It returns whether the step could be solved.
 
 The function is chosen at compile time by the type of the tuple, so the loop over steps holds one
 stepper only, inlined, and is cached on disk for each.
@@ -39,27 +40,27 @@ class Stepper:
     """A stepper's entry: its parameters, its step function, and where in a step it needs the pose."""
 
     parameters: Any
-    step: Callable[..., int]
+    step: Callable[..., bool]
     nodes: tuple[float, ...]
 
 
 STEPPERS: dict[str, Stepper] = {}
-_STEPS: dict[type, Callable[..., int]] = {}
+_STEPS: dict[type, Callable[..., bool]] = {}
 
 
-def register(name: str, parameters: Any, step: Callable[..., int], nodes: tuple[float, ...]) -> None:
+def register(name: str, parameters: Any, step: Callable[..., bool], nodes: tuple[float, ...]) -> None:
     """Offer a stepper under a name. `parameters` is an instance of a class of its own."""
     STEPPERS[name] = Stepper(parameters, step, nodes)
     _STEPS[type(parameters)] = step
 
 
-def advance(stepper, y, now, quad, h, poses, sole, world, work):
+def advance(stepper, y, now, quad, tally, h, poses, sole, world, work):
     """The step of whichever stepper the first argument is; resolved when the loop is compiled."""
-    return _STEPS[type(stepper)](stepper, y, now, quad, h, poses, sole, world, work)
+    return _STEPS[type(stepper)](stepper, y, now, quad, tally, h, poses, sole, world, work)
 
 
 @overload(advance, jit_options={"forceinline": True})
-def _resolve(stepper, y, now, quad, h, poses, sole, world, work):
+def _resolve(stepper, y, now, quad, tally, h, poses, sole, world, work):
     return _STEPS[stepper.instance_class]
 
 
@@ -86,7 +87,7 @@ class ExplicitEuler(NamedTuple):
     """See `explicit_euler`; it has no parameters."""
 
 
-def explicit_euler(stepper, y, now, quad, h, poses, sole, world, work):
+def explicit_euler(stepper, y, now, quad, tally, h, poses, sole, world, work):
     """The paper's stepper (its eq. 8): position and velocity both from the old state. Order 1."""
     ax, az = acceleration(now, world)
     add(quad, h, y[1], y[2], y[3], now)
@@ -94,8 +95,8 @@ def explicit_euler(stepper, y, now, quad, h, poses, sole, world, work):
     y[1] += h * y[3]
     y[2] += h * ax
     y[3] += h * az
-    contact(now, sole, world, poses[0], y[1], y[2], y[3], None)
-    return 1
+    contact(now, tally, sole, world, poses[0], y[1], y[2], y[3], world.creep, None)
+    return True
 
 
 register("explicit_euler", ExplicitEuler(), explicit_euler, nodes=(1.0,))
@@ -105,7 +106,7 @@ class SemiImplicitEuler(NamedTuple):
     """See `semi_implicit_euler`; it has no parameters."""
 
 
-def semi_implicit_euler(stepper, y, now, quad, h, poses, sole, world, work):
+def semi_implicit_euler(stepper, y, now, quad, tally, h, poses, sole, world, work):
     """Velocity from the old force, then position from the new velocity. Order 1."""
     ax, az = acceleration(now, world)
     add(quad, h, y[1], y[2], y[3], now)
@@ -113,8 +114,8 @@ def semi_implicit_euler(stepper, y, now, quad, h, poses, sole, world, work):
     y[3] += h * az
     y[0] += h * y[2]
     y[1] += h * y[3]
-    contact(now, sole, world, poses[0], y[1], y[2], y[3], None)
-    return 1
+    contact(now, tally, sole, world, poses[0], y[1], y[2], y[3], world.creep, None)
+    return True
 
 
 register("semi_implicit_euler", SemiImplicitEuler(), semi_implicit_euler, nodes=(1.0,))
@@ -124,11 +125,11 @@ class Heun(NamedTuple):
     """See `heun`; it has no parameters."""
 
 
-def heun(stepper, y, now, quad, h, poses, sole, world, work):
+def heun(stepper, y, now, quad, tally, h, poses, sole, world, work):
     """Explicit trapezoidal rule: the mean of the slopes at both ends. Order 2."""
     ax, az = acceleration(now, world)
     z1, vx1, vz1 = y[1] + h * y[3], y[2] + h * ax, y[3] + h * az
-    contact(work, sole, world, poses[0], z1, vx1, vz1, None)
+    contact(work, tally, sole, world, poses[0], z1, vx1, vz1, world.creep, None)
     bx, bz = acceleration(work, world)
     add(quad, 0.5 * h, y[1], y[2], y[3], now)
     add(quad, 0.5 * h, z1, vx1, vz1, work)
@@ -136,8 +137,8 @@ def heun(stepper, y, now, quad, h, poses, sole, world, work):
     y[1] += 0.5 * h * (y[3] + vz1)
     y[2] += 0.5 * h * (ax + bx)
     y[3] += 0.5 * h * (az + bz)
-    contact(now, sole, world, poses[0], y[1], y[2], y[3], None)
-    return 2
+    contact(now, tally, sole, world, poses[0], y[1], y[2], y[3], world.creep, None)
+    return True
 
 
 register("heun", Heun(), heun, nodes=(1.0,))
@@ -147,7 +148,7 @@ class RK4(NamedTuple):
     """See `rk4`; it has no parameters."""
 
 
-def rk4(stepper, y, now, quad, h, poses, sole, world, work):
+def rk4(stepper, y, now, quad, tally, h, poses, sole, world, work):
     """The classical Runge-Kutta method (Kutta 1901). Order 4 where the forces are smooth."""
     x0, z0, vx0, vz0 = y[0], y[1], y[2], y[3]
     ax, az = acceleration(now, world)
@@ -158,7 +159,7 @@ def rk4(stepper, y, now, quad, h, poses, sole, world, work):
         reach = h if stage == 2 else 0.5 * h
         weight = 1.0 if stage == 2 else 2.0
         z1, vx1, vz1 = z0 + reach * vz, vx0 + reach * ax, vz0 + reach * az
-        contact(work, sole, world, poses[1 if stage == 2 else 0], z1, vx1, vz1, None)
+        contact(work, tally, sole, world, poses[1 if stage == 2 else 0], z1, vx1, vz1, world.creep, None)
         add(quad, weight * h / 6.0, z1, vx1, vz1, work)
         ax, az = acceleration(work, world)
         vx, vz = vx1, vz1
@@ -166,8 +167,8 @@ def rk4(stepper, y, now, quad, h, poses, sole, world, work):
         qx, qz = qx + weight * ax, qz + weight * az
     y[0], y[1] = x0 + h / 6.0 * px, z0 + h / 6.0 * pz
     y[2], y[3] = vx0 + h / 6.0 * qx, vz0 + h / 6.0 * qz
-    contact(now, sole, world, poses[1], y[1], y[2], y[3], None)
-    return 4
+    contact(now, tally, sole, world, poses[1], y[1], y[2], y[3], world.creep, None)
+    return True
 
 
 register("rk4", RK4(), rk4, nodes=(0.5, 1.0))
@@ -177,17 +178,19 @@ class ImplicitEuler(NamedTuple):
     """See `implicit_euler`; it has no parameters."""
 
 
-def implicit_euler(stepper, y, now, quad, h, poses, sole, world, work):
+def implicit_euler(stepper, y, now, quad, tally, h, poses, sole, world, work):
     """Force and velocity at the end of the step, L-stable. Order 1."""
     ax, az = acceleration(now, world)
-    vx, vz, used = solve_stage(now, sole, world, poses[0], y[1], y[2], y[3], h, y[2] + h * ax, y[3] + h * az)
-    if used < 0:
-        return used
+    vx, vz, solved = solve_stage(
+        now, tally, sole, world, poses[0], y[1], y[2], y[3], h, y[2] + h * ax, y[3] + h * az
+    )
+    if not solved:
+        return False
     y[0] += h * vx
     y[1] += h * vz
     y[2], y[3] = vx, vz
     add(quad, h, y[1], vx, vz, now)
-    return used
+    return True
 
 
 register("implicit_euler", ImplicitEuler(), implicit_euler, nodes=(1.0,))
@@ -199,7 +202,7 @@ class SDIRK2(NamedTuple):
     gamma: float = 1.0 - 1.0 / math.sqrt(2.0)
 
 
-def sdirk2(stepper, y, now, quad, h, poses, sole, world, work):
+def sdirk2(stepper, y, now, quad, tally, h, poses, sole, world, work):
     """Two implicit stages with the same coefficient, L-stable. Order 2.
 
     Alexander, SIAM J. Numer. Anal. 14 (1977): gamma = 1 - 1/sqrt(2), stages at gamma and 1, the
@@ -210,20 +213,22 @@ def sdirk2(stepper, y, now, quad, h, poses, sole, world, work):
     c, r = g * h, (1.0 - g) * h
     x0, z0, vx0, vz0 = y[0], y[1], y[2], y[3]
     ax, az = acceleration(now, world)
-    vx, vz, used = solve_stage(work, sole, world, poses[0], z0, vx0, vz0, c, vx0 + c * ax, vz0 + c * az)
-    if used < 0:
-        return used
+    vx, vz, solved = solve_stage(
+        work, tally, sole, world, poses[0], z0, vx0, vz0, c, vx0 + c * ax, vz0 + c * az
+    )
+    if not solved:
+        return False
     add(quad, r, z0 + c * vz, vx, vz, work)
     bx, bz = acceleration(work, world)
     x1, z1 = x0 + r * vx, z0 + r * vz
     # the guess follows the change of acceleration so far, to the end of the step
     gx, gz = vx + r * (bx + (bx - ax)), vz + r * (bz + (bz - az))
-    vx, vz, more = solve_stage(now, sole, world, poses[1], z1, vx0 + r * bx, vz0 + r * bz, c, gx, gz)
-    if more < 0:
-        return more
+    vx, vz, solved = solve_stage(now, tally, sole, world, poses[1], z1, vx0 + r * bx, vz0 + r * bz, c, gx, gz)
+    if not solved:
+        return False
     y[0], y[1], y[2], y[3] = x1 + c * vx, z1 + c * vz, vx, vz
     add(quad, c, y[1], vx, vz, now)
-    return used + more
+    return True
 
 
 register("sdirk2", SDIRK2(), sdirk2, nodes=(SDIRK2().gamma, 1.0))
