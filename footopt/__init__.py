@@ -29,6 +29,7 @@ _HOME = {
     "Walk": "footopt.walker",
     "Walker": "footopt.walker",
     "Waypoints": "footopt.foot",
+    "estimate_error": "footopt.walker",
     "evaluate": "footopt.walker",
     "search": "footopt.design",
     "simulate": "footopt.walker",
@@ -49,6 +50,7 @@ __all__ = [
     "Walker",
     "Waypoints",
     "__version__",
+    "estimate_error",
     "evaluate",
     "search",
     "simulate",
@@ -61,7 +63,7 @@ if TYPE_CHECKING:
     from footopt.foot import Foot, Waypoints
     from footopt.gait import Gait
     from footopt.sand import Sand, StressMap, stress
-    from footopt.walker import Accuracy, Scene, Table, Walk, Walker, evaluate, simulate
+    from footopt.walker import Accuracy, Scene, Table, Walk, Walker, estimate_error, evaluate, simulate
 
 
 def __getattr__(name: str) -> Any:

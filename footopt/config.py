@@ -12,9 +12,13 @@ from typing import Optional  # OmegaConf resolves these annotations itself
 
 @dataclass
 class StudyConfig:
-    """Which question is asked."""
+    """Which question is asked, and what only one study or the other needs to know."""
 
     name: str = "optimize"
+    confirm: Optional[str] = "fine"  # noqa: UP045
+    finalists: int = 20
+    feet: int = 40
+    quick: bool = False
 
 
 @dataclass
@@ -77,14 +81,15 @@ class SceneConfig:
 
 @dataclass
 class AccuracyConfig:
-    """How finely it is simulated: see `footopt.Accuracy`."""
+    """How finely it is simulated: the cheapest setting within a tolerance, or parts of it by hand."""
 
     name: str = "custom"
-    stepper: str = "sdirk2"
-    dt: float = 5e-3
-    plates: int = 64
-    creep: float = 1e-4
-    rule: str = "arc"
+    tolerance: Optional[float] = None  # noqa: UP045
+    stepper: Optional[str] = None  # noqa: UP045
+    dt: Optional[float] = None  # noqa: UP045
+    plates: Optional[int] = None  # noqa: UP045
+    creep: Optional[float] = None  # noqa: UP045
+    rule: Optional[str] = None  # noqa: UP045
 
 
 @dataclass

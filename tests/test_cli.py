@@ -17,6 +17,8 @@ import footopt as fo
 from footopt.cli import CONF
 from footopt.config import Config
 from footopt.studies import STUDIES, build
+from footopt.walker import STEPPERS
+from footopt.walker.scene import measured_settings
 
 QUICK = ["accuracy=draft", "solver.pop_size=10", "solver.n_gen=3"]
 GROUPS = sorted(p.name for p in CONF.iterdir() if p.is_dir())
@@ -57,27 +59,42 @@ class TestOptimize:
     def test_result_json_is_what_the_library_computes(self, run_ga):
         result = json.loads((run_ga[1] / "result.json").read_text())
         scene = fo.Scene(sand=fo.Sand.named("hard"))
-        table = fo.evaluate([result["design"]["k"]], scene, "draft")
-        assert [result["objectives"][n] for n in table.names] == table.values[0].tolist()
-        assert result["objectives"]["efficiency"] == table.efficiency[0]
-        assert result["flat"]["work"] == fo.evaluate([[10] * 11], scene, "draft").column("work")[0]
+        foot = fo.Foot.from_waypoints(result["design"]["k"])
+        walk = fo.simulate(foot, scene, "fine")  # the finalists are confirmed at this accuracy
+        assert result["objectives"] == {n: walk.objectives[n] for n in result["objectives"]}
+        assert result["flat"]["work"] == fo.simulate(fo.Foot.flat(), scene, "fine").objectives["work"]
+        errors = fo.estimate_error(foot, scene, "fine")
+        assert result["error_estimate"] == {n: errors[n] for n in result["objectives"]}
+        assert all(errors[n] < 2e-3 * abs(result["objectives"][n]) for n in result["objectives"])
         assert result["seed"] == 1
         assert sum(result["gain_shares"].values()) == pytest.approx(1)
         assert {"footopt", "numpy", "numba", "pymoo", "python"} <= set(result["versions"])
         assert result["settings"]["sand"]["zeta"] == 5.0
+
+    def test_the_best_is_the_best_of_the_confirmed_finalists(self, run_ga):
+        result = json.loads((run_ga[1] / "result.json").read_text())
+        confirmed = result["confirmed"]
+        j = [row[confirmed["columns"].index("efficiency")] for row in confirmed["values"]]
+        assert j == sorted(j)
+        assert confirmed["k"][0] == result["design"]["k"]
+        assert 1 < len(j) <= 20
+        assert 0 < confirmed["largest_change"] < 0.1
+        assert "walked again at accuracy fine" in run_ga[0].stdout
 
     def test_designs_csv_holds_every_design(self, run_ga):
         with open(run_ga[1] / "designs.csv", newline="") as file:
             rows = list(csv.DictReader(file))
         result = json.loads((run_ga[1] / "result.json").read_text())
         assert len(rows) == result["designs"]
-        best = min((r for r in rows if r["feasible"] == "1"), key=lambda r: float(r["efficiency"]))
-        assert [int(best[f"k{i + 1}"]) for i in range(11)] == result["design"]["k"]
+        k = [[int(r[f"k{i + 1}"]) for i in range(11)] for r in rows]
+        row = rows[k.index(result["design"]["k"])]
+        table = fo.evaluate([result["design"]["k"]], fo.Scene(), "draft")
+        assert [float(row[n]) for n in table.names] == table.values[0].tolist()
         assert {r["reason"] for r in rows} <= {"", "box"}
 
     def test_walk_nc_holds_the_traces(self, run_ga):
         result = json.loads((run_ga[1] / "result.json").read_text())
-        walk = fo.simulate(fo.Foot.from_waypoints(result["design"]["k"]), fo.Scene(), "draft")
+        walk = fo.simulate(fo.Foot.from_waypoints(result["design"]["k"]), fo.Scene(), "fine")
         with netcdf_file(run_ga[1] / "walk.nc", mmap=False) as file:
             np.testing.assert_array_equal(file.variables["com"][:], walk.com)
             np.testing.assert_array_equal(file.variables["force"][:], walk.force)
@@ -136,6 +153,42 @@ class TestSimulate:
         assert "sunk" in done.stdout
 
 
+class TestAccuracy:
+    def test_a_first_look_measures_errors_costs_and_orders(self, tmp_path):
+        done = footopt("study=accuracy", "study.quick=true", "study.feet=3", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        folder = only_folder(tmp_path)
+        result = json.loads((folder / "result.json").read_text())
+        with open(folder / "accuracy.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        assert {r["stepper"] for r in rows} == set(STEPPERS)
+        errors = {
+            (r["stepper"], r["rule"], float(r["dt"]), int(r["plates"])): float(r["error"]) for r in rows
+        }
+        assert errors["sdirk2", "arc", 2.5e-3, 64] < errors["sdirk2", "arc", 1e-2, 32]
+        assert errors["explicit_euler", "arc", 1e-3, 64] < errors["explicit_euler", "arc", 2e-3, 64]
+        assert all(float(r["ms"]) > 0 for r in rows)
+        assert result["orders"]["sdirk2"] > 1.5
+        assert 0.5 < result["orders"]["explicit_euler"] < 1.5
+        for difference in result["scipy_lsoda"].values():  # the law in its angle form, another solver
+            assert max(difference.values()) < 2e-4
+        assert (folder / "figures" / "accuracy.png").is_file()
+
+    def test_a_tolerance_picks_the_cheapest_measured_setting(self):
+        for tolerance in (0.02, 0.01, 0.005):
+            picked = build.make_accuracy(
+                composed("accuracy=custom", f"accuracy.tolerance={tolerance}").accuracy
+            )
+            good = [r for r in measured_settings() if r["error"] <= tolerance]
+            (row,) = [r for r in good if r["ms"] == min(g["ms"] for g in good)][:1]
+            assert (picked.stepper, picked.dt, picked.plates) == (row["stepper"], row["dt"], row["plates"])
+
+    def test_parts_of_an_accuracy_are_set_by_hand_over_a_preset(self):
+        fine = fo.Accuracy.named("fine")
+        mine = build.make_accuracy(composed("accuracy=fine", "accuracy.plates=300").accuracy)
+        assert (mine.plates, mine.dt, mine.name) == (300, fine.dt, "custom")
+
+
 class TestMultirun:
     def test_every_job_has_a_folder_and_a_row_and_a_failed_one_stops_no_other(self, tmp_path):
         done = footopt("-m", "sand=soft,hard", "solver=ga,nsga2", "foot.n=5,3", *QUICK, cwd=tmp_path)
@@ -170,11 +223,13 @@ BAD = {
     "sand=custom sand.table=missing.csv": "sand.table = 'missing.csv': cannot be read",
     "solver=ga objective=pareto": "solver = 'ga': must be a solver of several objectives",
     "objective.names=[speed]": "objective.names = 'speed': must be made of distance",
-    "study=simulate foot.k=[0,2,3,4,5,6,7,8,8,8,8]": "foot.k[0] = 0.0: must be a whole number from 1 to K = 10",
+    "study=simulate foot.k=[0,2,3,4,5,6,7,8,8,8,8]": "foot.k[0] = 0.0: must be a whole number",
     "study=simulate foot.k=[1.5,2,3,4,5,6,7,8,8,8,8]": "foot.k",
     "study=simulate foot.k=[1,2,3]": "foot.k = '[1, 2, 3]': must be 11 heights",
     "hydra.run.dir=a_file": "a_file",
     "hydra.run.dir=a_file/below": "a_file",
+    "accuracy.tolerance=1e-9": "accuracy.tolerance = 1e-09: must be at least",
+    "study.confirm=best": "accuracy = 'best': must be one of",
     "engine.threads=0": "engine.threads = 0: must be a whole number >= 1",
 }
 
@@ -214,9 +269,7 @@ def composed(*overrides) -> Config:
         return OmegaConf.to_object(compose("config", list(overrides)))
 
 
-@pytest.mark.parametrize(
-    "choice", [f"{p.parent.name}={p.stem}" for p in sorted(CONF.glob("*/*.yaml"))]
-)
+@pytest.mark.parametrize("choice", [f"{p.parent.name}={p.stem}" for p in sorted(CONF.glob("*/*.yaml"))])
 def test_every_yaml_file_composes_and_builds(choice):
     config = composed(choice)
     group, name = choice.split("=")

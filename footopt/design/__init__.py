@@ -1,7 +1,17 @@
 """The search for a foot: a pymoo problem, solvers by name, and the loop that runs them."""
 
 from footopt.design.problem import FootProblem
-from footopt.design.search import Generation, SearchResult, search
+from footopt.design.search import Confirmation, Generation, SearchResult, confirm, search
 from footopt.design.solvers import SINGLE, SOLVERS, Solver
 
-__all__ = ["SINGLE", "SOLVERS", "FootProblem", "Generation", "SearchResult", "Solver", "search"]
+__all__ = [
+    "SINGLE",
+    "SOLVERS",
+    "Confirmation",
+    "FootProblem",
+    "Generation",
+    "SearchResult",
+    "Solver",
+    "confirm",
+    "search",
+]

@@ -12,9 +12,11 @@ from pymoo.problems.static import StaticProblem
 
 from footopt.design.problem import FootProblem
 from footopt.design.solvers import Solver
-from footopt.errors import FootoptError
+from footopt.errors import FootoptError, check
 from footopt.foot import Foot
 from footopt.walker.objectives import OBJECTIVES
+from footopt.walker.scene import Accuracy
+from footopt.walker.simulate import evaluate, resolve
 
 Array = NDArray[np.float64]
 
@@ -66,6 +68,11 @@ class SearchResult:
     evaluations: int
     seconds: float
     interrupted: bool
+
+    @property
+    def guide(self) -> str:
+        """Name of the value that ranks designs: the single objective, or J_W."""
+        return self.problem.names[0] if self.problem.n_obj == 1 else "efficiency"
 
     @property
     def foot(self) -> Foot:
@@ -121,6 +128,49 @@ def search(
     except KeyboardInterrupt:
         interrupted = True
     return archive.result(solver, time.perf_counter() - started, interrupted)
+
+
+@dataclass(frozen=True, eq=False)
+class Confirmation:
+    """The best designs of a search, walked again more finely.
+
+    designs : (finalists,), indices into the search's designs, best first by the finer values.
+    values : (finalists, record), natural signs. accuracy : of the finer walks.
+    agrees : whether the search's own best is still the best.
+    largest_change : relative, of any recorded value of any finalist.
+    """
+
+    designs: NDArray[np.int64]
+    values: Array
+    accuracy: Accuracy
+    agrees: bool
+    largest_change: float
+
+
+def confirm(result: SearchResult, accuracy: Accuracy | str, finalists: int = 20) -> Confirmation:
+    """Search cheap, confirm fine: walk the best designs of a search again at another accuracy.
+
+    The finalists are the best feasible designs by the single objective, or by J_W on the front.
+    """
+    check(finalists >= 1, "study.finalists", finalists, "a whole number >= 1")
+    accuracy, problem = resolve(accuracy), result.problem
+    column = problem.record.index(result.guide)
+    sign = -1.0 if OBJECTIVES[result.guide].maximise else 1.0
+    pool = np.flatnonzero(result.feasible) if problem.n_obj == 1 else result.front
+    chosen = pool[np.argsort(sign * result.values[pool, column], kind="stable")[:finalists]]
+    values = evaluate(
+        result.k[chosen], problem.scene, accuracy, problem.record, problem.space, problem.threads
+    ).values
+    order = np.argsort(sign * values[:, column], kind="stable")  # a walk that fails here comes last
+    with np.errstate(invalid="ignore"):
+        change = np.abs(values / result.values[chosen] - 1.0)
+    return Confirmation(
+        designs=chosen[order],
+        values=values[order],
+        accuracy=accuracy,
+        agrees=bool(chosen[order][0] == result.best),
+        largest_change=float(np.nanmax(change)),
+    )
 
 
 @dataclass(frozen=True)

@@ -188,7 +188,8 @@ def _spline(z: Array, slopes: Array, u: Array) -> Array:
     s = u - i
     z0, d0, d1 = z[:, i], slopes[:, i], slopes[:, i + 1]
     rise = z[:, i + 1] - z0
-    return z0 + s * (d0 + s * (3.0 * rise - 2.0 * d0 - d1 + s * (d0 + d1 - 2.0 * rise)))
+    value: Array = z0 + s * (d0 + s * (3.0 * rise - 2.0 * d0 - d1 + s * (d0 + d1 - 2.0 * rise)))
+    return value
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

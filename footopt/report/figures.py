@@ -61,7 +61,9 @@ STYLE: dict[str, Any] = {
     "lines.linewidth": 1.2,
     "lines.markersize": 4,
     "legend.frameon": False,
-    "legend.handlelength": 2.4,
+    "legend.handlelength": 2.2,
+    "legend.handletextpad": 0.6,
+    "legend.columnspacing": 1.2,
     "pdf.fonttype": 42,  # text stays text, as journals ask
 }
 
@@ -108,6 +110,9 @@ def save(figure: Figure, folder: str | Path, name: str) -> tuple[Path, Path]:
     png, pdf = folder / f"{name}.png", folder / f"{name}.pdf"
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        # each pass of the layout moves things a little: settle it once for all files
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
         figure.savefig(png, dpi=DPI)
         figure.savefig(pdf, metadata={"CreationDate": None})
     except OSError as error:
@@ -124,22 +129,23 @@ def save(figure: Figure, folder: str | Path, name: str) -> tuple[Path, Path]:
 @styled
 def contour(foot: Foot) -> Figure:
     """The sole in its box with its waypoints, its lower convex hull and the depth of its hollow."""
-    figure = _figure(COLUMN, 2.2)
+    boxes = [] if foot.space is None else [[[foot.space.L, foot.space.H], [-foot.space.L, -foot.space.H]]]
+    figure = _figure(COLUMN, _foot_height(np.concatenate([foot.contour, [foot.ankle], *boxes])))
     axes = figure.subplots()
     draw_contour(axes, foot)
-    _legend_above(figure, *axes.get_legend_handles_labels(), columns=3)
+    _legend_above(figure, *axes.get_legend_handles_labels())
     return figure
 
 
 @styled
 def contours(feet: Mapping[str, Foot]) -> Figure:
     """Several soles in one frame, by label."""
-    figure = _figure(COLUMN, 2.2)
+    figure = _figure(COLUMN, _foot_height(np.concatenate([foot.contour for foot in feet.values()])))
     axes = figure.subplots()
     for i, (label, foot) in enumerate(feet.items()):
         axes.plot(*(MM * foot.contour).T, **_line(i), label=label)
     _foot_axes(axes)
-    _legend_above(figure, *axes.get_legend_handles_labels(), columns=3)
+    _legend_above(figure, *axes.get_legend_handles_labels())
     return figure
 
 
@@ -162,12 +168,11 @@ def draw_contour(axes: Axes, foot: Foot) -> None:
         ends = {"xy": (MM * x, MM * low), "xytext": (MM * x, MM * high)}
         arrow = {"arrowstyle": "<->", "color": VERMILLION, "lw": 0.8, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", **ends, arrowprops=arrow, zorder=4)
-        text = f"hollow {depth:.1f} mm"
+        # under the hull, where there is never a sole nor an ankle
+        below = {"xytext": (0, -4), "textcoords": "offset points", "ha": "center", "va": "top"}
+        axes.annotate(f"hollow {depth:.1f} mm", (MM * x, MM * low), **below, color=VERMILLION)
     else:
-        text = "no hollow"
-    axes.annotate(
-        text, (MM * x, MM * high), (0, 5), textcoords="offset points", ha="center", color=VERMILLION
-    )  # fmt: skip
+        axes.set_title("no hollow", loc="right", color=VERMILLION)
     _foot_axes(axes)
 
 
@@ -206,7 +211,13 @@ def lower_hull(contour: Array) -> tuple[Array, float, float, float]:
 
 def _foot_axes(axes: Axes) -> None:
     axes.set(xlabel="$x_p$ (mm), to the toe", ylabel="$z_p$ (mm)", aspect="equal")
-    axes.margins(0.05, 0.15)
+    axes.margins(0.05, 0.2)
+
+
+def _foot_height(points: Array) -> float:
+    """Height of a column-wide figure whose axes, at equal scales, hold some points, inches."""
+    wide, high = np.ptp(points, axis=0)
+    return float(min(0.75 + 3.6 * max(high, 0.12 * wide) / wide, 6.0))
 
 
 # --- a search -------------------------------------------------------------------------------------
@@ -238,6 +249,7 @@ def draw_convergence(axes: Axes, history: Iterable[Any], label: str) -> None:
     axes.set(xlabel="evaluations", ylabel=label)
     if not np.isfinite(best).any():
         _say(axes, "no feasible design was found")
+        axes.tick_params(bottom=False, labelbottom=False)
         return
     if (np.isfinite(low) & np.isfinite(high)).any():
         axes.fill_between(evaluations, low, high, color=SKY, alpha=0.3, lw=0, label="spread")
@@ -247,7 +259,7 @@ def draw_convergence(axes: Axes, history: Iterable[Any], label: str) -> None:
     axes.plot(evaluations, best, color=BLUE, drawstyle="steps-post", label="best")
     last = np.flatnonzero(np.isfinite(best))[-1]
     axes.plot(evaluations[last], best[last], "o", color=BLUE)
-    axes.legend(loc="best", title=f"best {best[last]:.4g}")
+    axes.legend(loc="best", title=f"best {_number(best[last])}")
     axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
 
 
@@ -262,13 +274,13 @@ def _entry(row: Any, name: str) -> float:
 @styled
 def com(walks: Mapping[str, Walk]) -> Figure:
     """Position and velocity of the centre of mass against time, of walks by label."""
-    figure = _figure(PAGE, 3.8)
+    figure = _figure(PAGE, 3.6)
     axes = figure.subplots(2, 2, sharex=True)
-    for row, (label, unit, get) in enumerate((("{}", "m", _com), ("V_{}", "m/s", _velocity))):
-        for column, name in enumerate("xz"):
-            symbol = label.format(name) if row else f"{name}_{{\\mathrm{{COM}}}}"
-            axes[row, column].set_ylabel(f"${symbol}$ ({unit})")
-            draw_traces(axes[row, column], walks, lambda walk, g=get, c=column: g(walk)[:, c])
+    for column, name in enumerate("xz"):
+        axes[0, column].set_ylabel(rf"${name}_{{\mathrm{{COM}}}}$ (m)")
+        axes[1, column].set_ylabel(f"$V_{name}$ (m/s)")
+        draw_traces(axes[0, column], walks, _trace("com", column))
+        draw_traces(axes[1, column], walks, _trace("velocity", column))
     _finish_walks(figure, axes, walks)
     return figure
 
@@ -276,14 +288,12 @@ def com(walks: Mapping[str, Walk]) -> Figure:
 @styled
 def forces(walks: Mapping[str, Walk]) -> Figure:
     """Force of the sand on each foot against time: f_x left, f_z right; a row for each foot."""
-    figure = _figure(PAGE, 3.8)
+    figure = _figure(PAGE, 3.6)
     axes = figure.subplots(2, 2, sharex=True, sharey="col")
     for foot, name in ((LEFT, "left"), (RIGHT, "right")):
         for column, symbol in enumerate("xz"):
             axes[foot, column].set_ylabel(f"{name} foot $f_{symbol}$ (N)")
-            draw_traces(
-                axes[foot, column], walks, lambda walk, f=foot, c=column: walk.force[:, f, c]
-            )  # fmt: skip
+            draw_traces(axes[foot, column], walks, _trace("force", foot, column))
     _finish_walks(figure, axes, walks)
     return figure
 
@@ -291,14 +301,14 @@ def forces(walks: Mapping[str, Walk]) -> Figure:
 @styled
 def power_work(walks: Mapping[str, Walk]) -> Figure:
     """Power and cumulative work of the sand on each foot against time; a row for each foot."""
-    figure = _figure(PAGE, 3.8)
+    figure = _figure(PAGE, 3.6)
     axes = figure.subplots(2, 2, sharex=True, sharey="col")
     for foot, name in ((LEFT, "left"), (RIGHT, "right")):
         short = name[0]
         axes[foot, 0].set_ylabel(f"{name} foot power $P_{short}$ (W)")
         axes[foot, 1].set_ylabel(f"{name} foot work $W_{short}$ (J)")
-        draw_traces(axes[foot, 0], walks, lambda walk, f=foot: walk.power[:, f])
-        draw_traces(axes[foot, 1], walks, lambda walk, f=foot: walk.work[:, f])
+        draw_traces(axes[foot, 0], walks, _trace("power", foot))
+        draw_traces(axes[foot, 1], walks, _trace("work", foot))
     _finish_walks(figure, axes, walks)
     return figure
 
@@ -329,12 +339,14 @@ def walk_label(label: str, walk: Walk) -> str:
     return label if walk.feasible else f"{label} (failed: {walk.reason})"
 
 
-def _com(walk: Walk) -> Array:
-    return walk.com
+def _trace(name: str, *index: int) -> Callable[[Walk], Array]:
+    """How to read one component of a walk's trace, (T,)."""
 
+    def get(walk: Walk) -> Array:
+        values: Array = getattr(walk, name)[(slice(None), *index)]
+        return values
 
-def _velocity(walk: Walk) -> Array:
-    return walk.velocity
+    return get
 
 
 def _finish_walks(figure: Figure, axes: Any, walks: Mapping[str, Walk]) -> None:
@@ -347,7 +359,7 @@ def _finish_walks(figure: Figure, axes: Any, walks: Mapping[str, Walk]) -> None:
     handles, labels = axes.flat[0].get_legend_handles_labels()
     if any(len(walk.scene.gait.heel_strikes(walk.scene.duration)) for walk in walks.values()):
         handles, labels = [*handles, Line2D([], [], color=GREY, lw=0.5)], [*labels, "heel strike"]
-    _legend_above(figure, handles, labels, columns=4)
+    _legend_above(figure, handles, labels)
 
 
 # --- one step -------------------------------------------------------------------------------------
@@ -358,14 +370,15 @@ class Stance(NamedTuple):
 
     first: int
     last: int
-    dragged: bool  # the foot did not leave the sand in the swing before
+    dragged: bool  # the foot was in the sand long before, so that `first` is the heel strike
 
 
 def stance(walk: Walk) -> Stance | None:
     """From touch-down to push-off of the right foot's first step; None if it never stood.
 
     The foot reaches the sand before the gait's nominal heel strike, so the contact is followed back
-    from there, a quarter of a stride at most: on soft sand a foot drags through its whole swing.
+    from there. On soft sand, where a foot drags through its swing, there is no touch-down within a
+    quarter of a stride, and the step begins at the heel strike.
     """
     strike, quarter = walk.scene.gait.heel_strike, walk.scene.gait.period / 4.0
     on = walk.force[:, RIGHT, 1] > CONTACT
@@ -377,8 +390,8 @@ def stance(walk: Walk) -> Stance | None:
     before, behind = off[off < at], off[off > at]
     first = int(before[-1]) + 1 if len(before) else 0
     last = int(behind[0]) - 1 if len(behind) else len(on) - 1
-    earliest = int(np.searchsorted(walk.t, strike - quarter - 1e-9))
-    return Stance(max(first, earliest), last, first < earliest)
+    dragged = bool(walk.t[first] < strike - quarter)
+    return Stance(at if dragged else first, last, dragged)
 
 
 @styled
@@ -386,7 +399,7 @@ def step(walk: Walk, frames: int = 6) -> Figure:
     """One step of the right foot from touch-down to push-off: the sole in the sand and its forces.
 
     Snapshots at equal intervals, all in the same place and scale. Each arrow is the force on one
-    of `ARROWS` parts of the sole and ends there; the title is the time since touch-down.
+    of `ARROWS` parts of the sole and ends there; titles are times since touch-down (see `stance`).
     """
     check(frames >= 1, "frames", frames, "a whole number >= 1")
     contact = stance(walk)
@@ -397,46 +410,48 @@ def step(walk: Walk, frames: int = 6) -> Figure:
         why = f"the walk failed: {walk.reason}" if walk.reason else "its foot never touched the sand"
         _say(axes, f"no step of the right foot to show: {why}")
         return figure
-    # the very ends carry no force yet or any more: half a frame's share inside them would skip the
-    # touch-down, a twentieth shows it
+    # at its very ends a contact carries no force
     share = np.linspace(0.05, 0.95, frames) if frames > 1 else np.array([0.5])
     index = np.round(contact.first + share * (contact.last - contact.first)).astype(int)
     soles = _placed(walk, index)
     at, force = _arrows(walk, index)
-    largest = float(np.hypot(*np.moveaxis(force, -1, 0)).max())
-    metres = 0.08 / largest  # of arrow per newton
-    reference = _round_down(0.6 * largest)
+    size = np.hypot(force[..., 0], force[..., 1])
+    metres = 0.08 / size.max()  # of arrow per newton
+    reference = _round_down(0.8 * float(size.max()))
 
-    tails = at - metres * force
-    every = np.concatenate([s.reshape(-1, 2) for s in (soles.outline, soles.shank, tails)])
-    feet = np.concatenate([soles.outline.reshape(-1, 2), tails.reshape(-1, 2)])
-    left, right = feet[:, 0].min() - 0.01, feet[:, 0].max() + 0.01
-    low, high = min(every[:, 1].min(), -0.06) - 0.01, max(every[:, 1].max(), 0.02) + 0.01
-    width = (PAGE - 0.65) / frames - 0.06
-    figure = _figure(PAGE, min(width * (high - low) / (right - left) + 0.95, 8.0))
+    below = np.concatenate([soles.outline.reshape(-1, 2), (at - metres * force).reshape(-1, 2)])
+    left, right = below[:, 0].min() - 0.01, below[:, 0].max() + 0.01
+    low = min(below[:, 1].min() - 0.01, -0.06)
+    high = max(below[:, 1].max(), soles.shank[..., 1].max(), 0.02) + 0.01
+    low -= 0.2 * (right - left)  # room for the arrow that gives the scale
+    width = (PAGE - 0.55) / frames - 0.08
+    figure = _figure(PAGE, min(width * (high - low) / (right - left) + 0.85, 8.0))
     panels = figure.subplots(1, frames, sharex=True, sharey=True, squeeze=False)[0]
     for j, axes in enumerate(panels):
         draw_sand(axes, left, right, low)
         draw_foot(axes, soles.outline[j], soles.sole[j], soles.shank[j])
+        seen = size[j] > 0.02 * size.max()  # shorter arrows are heads without a shaft
         arrows = axes.quiver(
-            *at[j].T, *force[j].T, pivot="tip", angles="xy", scale_units="xy", scale=1.0 / metres,
-            units="inches", width=0.008, headwidth=4, headlength=5, headaxislength=4.5,
-            color=VERMILLION, zorder=4,
+            *at[j, seen].T, *force[j, seen].T, pivot="tip", angles="xy", scale_units="xy",
+            scale=1.0 / metres, units="inches", width=0.008, headwidth=3.6, headlength=4.5,
+            headaxislength=4, minlength=0, color=VERMILLION, zorder=4,
         )  # fmt: skip
+        if j == 0:
+            key = {"labelpos": "E", "coordinates": "data", "labelsep": 0.05, "zorder": 5}
+            tip = left + 0.05 * (right - left) + metres * reference
+            axes.quiverkey(arrows, tip, low + 0.08 * (right - left), reference, f"{reference:g} N", **key)
         axes.set(xlim=(left, right), ylim=(low, high), aspect="equal", xlabel="$x$ (m)")
         axes.set_title(f"{walk.t[index[j]] - walk.t[contact.first]:.2f} s")
         axes.xaxis.set_major_locator(MaxNLocator(2))
+        axes.yaxis.set_major_locator(MaxNLocator(4))
     panels[0].set_ylabel("$z$ (m)")
-    panels[0].quiverkey(
-        arrows, 0.06, 0.05, reference, f"{reference:g} N", labelpos="E", coordinates="axes", labelsep=0.05
-    )  # fmt: skip
-    since = f"T/4 before heel strike (it drags through its swing, t = {walk.t[contact.first]:.2f} s)"
-    since = since if contact.dragged else f"touch-down (t = {walk.t[contact.first]:.2f} s)"
-    figure.suptitle(
-        f"{walk_label('right foot', walk)}: time since {since}; "
-        f"an arrow is the force on 1/{at.shape[1]} of the sole",
-        fontsize=8,
+    began = f"t = {walk.t[contact.first]:.2f} s"
+    since = f"heel strike ({began}; dragged through the sand until then)"
+    since = since if contact.dragged else f"touch-down ({began})"
+    title = (
+        f"{walk_label('right foot', walk)}, time since {since}; arrows: force on 1/{at.shape[1]} of the sole"
     )
+    figure.suptitle(textwrap.fill(title, 125), fontsize=8)
     return figure
 
 
@@ -455,7 +470,8 @@ def _placed(walk: Walk, index: NDArray[np.int64]) -> _Placed:
     turn = np.array([[c, -s], [s, c]]).transpose(2, 0, 1)
 
     def place(points: Array) -> Array:
-        return (points - walk.foot.ankle) @ turn.transpose(0, 2, 1) + ankle[:, None]
+        placed: Array = (points - walk.foot.ankle) @ turn.transpose(0, 2, 1) + ankle[:, None]
+        return placed
 
     shank = walk.scene.gait.angles(t)[1][0][:, RIGHT]
     knee = ankle + SHANK * np.stack([-np.sin(shank), np.cos(shank)], axis=-1)
@@ -513,6 +529,9 @@ def scatter_matrix(values: ArrayLike, names: Sequence[str], marked: int | None =
     size = min(PAGE, 1.4 * n + 1.0)
     figure = _figure(size, size)
     grid = figure.subplots(n, n, squeeze=False)
+    scales = np.array([_scale(column) for column in good.T])
+    good, star = good / scales, None if star is None else star / scales
+    labels = [_better(o, scale) for o, scale in zip(chosen, scales, strict=True)]
     for row in range(n):
         for column in range(n):
             axes = grid[row, column]
@@ -525,16 +544,16 @@ def scatter_matrix(values: ArrayLike, names: Sequence[str], marked: int | None =
                 draw_pair(
                     axes, good[:, [column, row]], None if star is None else star[[column, row]]
                 )  # fmt: skip
+            axes.xaxis.set_major_locator(MaxNLocator(3 if n <= 5 else 2))
+            axes.yaxis.set_major_locator(MaxNLocator(3))
             if row == n - 1:
-                axes.set_xlabel(_better(chosen[column]))
+                axes.set_xlabel(labels[column])
             else:
                 axes.tick_params(labelbottom=False)
-                axes.xaxis.offsetText.set_visible(False)
             if column == 0 and row > 0:
-                axes.set_ylabel(_better(chosen[row]))
+                axes.set_ylabel(labels[row])
             elif column != row:
                 axes.tick_params(labelleft=False)
-                axes.yaxis.offsetText.set_visible(False)
     figure.align_labels()
     handles = [Line2D([], [], color=BLUE, ls="", marker="o", ms=3, alpha=0.6, label="design")]
     if star is not None:
@@ -548,7 +567,8 @@ def scatter_matrix(values: ArrayLike, names: Sequence[str], marked: int | None =
 
 
 _STAR: dict[str, Any] = {
-    "marker": "*", "ms": 11, "mfc": VERMILLION, "mec": "black", "mew": 0.6, "ls": "", "zorder": 5
+    "marker": "*", "ms": 11, "mfc": VERMILLION, "mec": "black", "mew": 0.6, "ls": "", "zorder": 5,
+    "clip_on": False,
 }  # fmt: skip
 
 
@@ -557,8 +577,6 @@ def draw_pair(axes: Axes, points: Array, star: Array | None) -> None:
     axes.plot(*points.T, "o", color=BLUE, ms=2.5, mew=0, alpha=0.5)
     if star is not None:
         axes.plot(*star, **_STAR)
-    _few_ticks(axes.xaxis)
-    _few_ticks(axes.yaxis)
 
 
 def draw_spread(axes: Axes, values: Array, star: float | None) -> None:
@@ -569,7 +587,6 @@ def draw_spread(axes: Axes, values: Array, star: float | None) -> None:
         axes.axvline(star, color=VERMILLION, ls="--")
     axes.spines["left"].set_visible(False)
     axes.tick_params(left=False, labelleft=False)
-    _few_ticks(axes.xaxis)
 
 
 @styled
@@ -581,11 +598,11 @@ def parallel(values: ArrayLike, names: Sequence[str], marked: int | None = None)
     values, names, marked : as for `scatter_matrix`.
     """
     chosen, good, star, note = _designs(values, names, marked)
-    figure = _figure(PAGE, 3.0)
+    figure = _figure(PAGE, 2.8)
     axes = figure.subplots()
     axes.set_axis_off()
     n = len(chosen)
-    axes.set(xlim=(-0.35, n - 0.45), ylim=(-0.42, 1.12))
+    axes.set(xlim=(-0.35, n - 0.4), ylim=(-0.44, 1.16))
     if len(good) == 0:
         _say(axes, f"no design to show: {note}")
         return figure
@@ -600,24 +617,24 @@ def parallel(values: ArrayLike, names: Sequence[str], marked: int | None = None)
     axes.plot(x, place(good).T, color=BLUE, lw=0.6, alpha=max(0.08, min(0.6, 20.0 / len(good))))
     for i, o in enumerate(chosen):
         axes.plot([i, i], [0, 1], color="black", lw=0.8, zorder=3)
-        axes.text(i, 1.03, f"{sign[i] * high[i]:.4g}", ha="center", va="bottom")
-        axes.text(i, -0.03, f"{sign[i] * low[i]:.4g}", ha="center", va="top")
-        axes.text(i, -0.14, _two_lines(o.label), ha="center", va="top")
+        axes.text(i, 1.07, _number(sign[i] * high[i]), ha="center", va="bottom")
+        axes.text(i, -0.07, _number(sign[i] * low[i]), ha="center", va="top")
+        axes.text(i, -0.2, _two_lines(o), ha="center", va="top")
     if star is not None:
         y = place(star)
         axes.plot(x, y, color=VERMILLION, lw=2, zorder=4, label="best in $J_W$")
         axes.plot(x, y, **_STAR)
         box = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": VERMILLION, "lw": 0.5}
         for i in range(n):
-            axes.text(i + 0.06, y[i], f"{star[i]:.4g}", va="center", bbox=box, zorder=6)
+            axes.text(i + 0.06, y[i], _number(star[i]), va="center", bbox=box, zorder=6)
     up = {"arrowstyle": "<-", "lw": 0.8}
     axes.annotate("", (-0.25, 0.2), (-0.25, 0.8), arrowprops=up)
     axes.text(-0.29, 0.5, "better", rotation=90, ha="right", va="center")
     handles = [Line2D([], [], color=BLUE, lw=0.6, label="design")]
     if star is not None:
         handles.append(Line2D([], [], color=VERMILLION, lw=2, **_line_star(), label="best in $J_W$"))
-    title = ", ".join(filter(None, (f"{len(good)} designs", note)))
-    _legend_above(figure, handles, [h.get_label() for h in handles], columns=2, title=title)
+    title = f"{len(good)} designs" + (f" ({note})" if note else "")
+    _legend_above(figure, handles, [str(h.get_label()) for h in handles], title=title)
     return figure
 
 
@@ -644,20 +661,28 @@ def _designs(
     return chosen, table[fine], star, note
 
 
-def _better(o: Any) -> str:
-    """Axis label in lines that fit a small panel, with the direction that is better."""
-    return f"{_two_lines(o.label)}\n" + (
-        "better \N{RIGHTWARDS ARROW}" if o.maximise else "\N{LEFTWARDS ARROW} better"
-    )
+def _better(o: Any, scale: float) -> str:
+    """Axis label in lines that fit a small panel, with the power of ten and the direction that is better."""
+    label = _two_lines(o)
+    if scale != 1.0:
+        power = f"$10^{{{round(np.log10(scale))}}}$"
+        label = label.removesuffix(f" ({o.unit})") + f" ({power} {o.unit}".rstrip() + ")"
+    arrow = "better \N{RIGHTWARDS ARROW}" if o.maximise else "\N{LEFTWARDS ARROW} better"
+    return f"{label}\n{arrow}"
 
 
-def _two_lines(label: str) -> str:
+def _two_lines(o: Any) -> str:
     """An objective's label with its symbol and unit on a second line."""
-    return label.replace(" $", "\n$", 1)
+    title = o.name.replace("_", " ")
+    return f"{title}\n{o.label.removeprefix(title).strip()}"
 
 
-def _few_ticks(axis: Any) -> None:
-    axis.set_major_locator(MaxNLocator(3))
+def _scale(values: Array) -> float:
+    """The power of ten to divide by, so that tick labels stay short; 1 for ordinary numbers."""
+    largest = float(np.abs(values).max(initial=0.0))
+    if largest == 0.0 or 1e-3 <= largest < 1e5:
+        return 1.0
+    return float(10.0 ** np.floor(np.log10(largest)))
 
 
 # --- shared ---------------------------------------------------------------------------------------
@@ -676,15 +701,28 @@ def _line(i: int) -> dict[str, Any]:
 
 
 def _legend_above(
-    figure: Figure, handles: Sequence[Any], labels: Sequence[str], columns: int, title: str | None = None
+    figure: Figure, handles: Sequence[Any], labels: Sequence[str], title: str | None = None
 ) -> None:
-    """One legend above all axes, its labels wrapped so that they fit."""
+    """One legend above all axes, with as many columns as fit beside each other."""
     short = [textwrap.fill(label, 40) for label in labels]
-    figure.legend(
-        handles, short, loc="outside upper center", ncols=min(columns, max(len(short), 1)), title=title
-    )  # fmt: skip
+    longest = max((len(line) for label in short for line in label.split("\n")), default=0)
+    # an 8 pt letter is about 0.062 inches wide, a line and the gaps beside it 0.45
+    columns = int(figure.get_figwidth() / (0.45 + 0.062 * longest))
+    columns = min(max(columns, 1), max(len(short), 1))
+    rows = -(-len(short) // columns) + (title is not None)
+    figure.set_figheight(figure.get_figheight() + 0.17 * rows)  # the legend takes nothing from the axes
+    figure.legend(handles, short, loc="outside upper center", ncols=columns, title=title)
+
+
+def _number(value: float) -> str:
+    """Four figures, as a person writes them."""
+    if value and not 1e-3 <= abs(value) < 1e5:
+        mantissa, power = f"{value:.3e}".split("e")
+        return rf"${mantissa}\times10^{{{int(power)}}}$"
+    return f"{value:#.4g}".rstrip(".").replace("-", "\N{MINUS SIGN}")
 
 
 def _say(axes: Axes, text: str) -> None:
-    """A plain statement where there is nothing to draw."""
+    """A plain statement where there is nothing to draw; ticks would be those of no data."""
+    axes.tick_params(left=False, labelleft=False)
     axes.text(0.5, 0.5, textwrap.fill(text, 60), transform=axes.transAxes, ha="center", va="center")

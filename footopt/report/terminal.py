@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table as RichTable
 
-from footopt.design import Generation, SearchResult
+from footopt.design import Confirmation, Generation, SearchResult
 from footopt.foot import Foot
 from footopt.walker import OBJECTIVES, gain_shares
 from footopt.walker.validity import Diagnostic
@@ -75,18 +75,23 @@ def _news(g: Generation, guide: str) -> str:
 
 
 def objective_table(
-    feet: Sequence[tuple[str, dict[str, float]]], names: Sequence[str], gain: bool = False
+    feet: Sequence[tuple[str, dict[str, float]]],
+    names: Sequence[str],
+    errors: dict[str, float],
+    gain: bool = False,
 ) -> RichTable:
     """Objectives (rows) of feet (columns: title, values by name).
 
-    With `gain`, also the change from the second foot to the first and each factor's share in the
-    gain of J_W.
+    `errors` are the estimates for the first foot. With `gain`, also the change from the second foot
+    to the first and each factor's share in the gain of J_W.
     """
     table = RichTable()
     table.add_column("objective")
     table.add_column("unit")
-    for title, _ in feet:
+    for i, (title, _) in enumerate(feet):
         table.add_column(title, justify="right")
+        if i == 0:
+            table.add_column("error", justify="right")
     shares: dict[str, float] = {}
     if gain:
         table.add_column("change", justify="right")
@@ -95,7 +100,10 @@ def objective_table(
     for name in names:
         o = OBJECTIVES[name]
         cells = [f"{name.replace('_', ' ')} ({'max' if o.maximise else 'min'})", o.unit]
-        cells += [number(values[name]) for _, values in feet]
+        first, *others = (values[name] for _, values in feet)
+        share_of_value = 100.0 * abs(errors[name] / first) if first else float("nan")
+        cells += [number(first), f"{share_of_value:.2g} %" if math.isfinite(share_of_value) else "-"]
+        cells += [number(value) for value in others]
         if gain:
             new, base = feet[0][1][name], feet[1][1][name]
             ratio = new / base if base else float("nan")
@@ -124,6 +132,15 @@ def describe_search(result: SearchResult) -> str:
     return (
         f"{result.solver.name}, seed {result.solver.seed}: {result.evaluations} evaluations of "
         f"{len(result.k)} designs in {result.seconds:.1f} s, {bad} infeasible{front}{stopped}"
+    )
+
+
+def describe_confirmation(confirmed: Confirmation) -> str:
+    """What walking the finalists again has shown, in one line."""
+    verdict = "the best stays the best" if confirmed.agrees else "another one is now the best"
+    return (
+        f"{len(confirmed.designs)} finalists walked again at accuracy {confirmed.accuracy.name}: "
+        f"values change by up to {100 * confirmed.largest_change:.2g} %, {verdict}"
     )
 
 

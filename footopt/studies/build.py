@@ -10,7 +10,7 @@ from footopt.foot import Foot, Waypoints
 from footopt.gait import Gait
 from footopt.gait.files import read
 from footopt.sand import Sand, StressMap
-from footopt.walker import Accuracy, Scene, Walker
+from footopt.walker import PRESETS, Accuracy, Scene, Walker
 
 
 def make_sand(config: SandConfig) -> Sand:
@@ -88,8 +88,19 @@ def make_scene(config: Config) -> Scene:
 
 
 def make_accuracy(config: AccuracyConfig) -> Accuracy:
-    """The accuracy of a configuration."""
-    return Accuracy(config.stepper, config.dt, config.plates, config.creep, config.name, config.rule)
+    """The accuracy of a configuration: a preset or a tolerance, and what is set by hand over it."""
+    if config.tolerance is not None:
+        accuracy = Accuracy.within(config.tolerance)
+    elif config.name in PRESETS:
+        accuracy = Accuracy.named(config.name)
+    else:
+        accuracy = Accuracy()
+    by_hand = {
+        name: getattr(config, name)
+        for name in ("stepper", "dt", "plates", "creep", "rule")
+        if getattr(config, name) is not None
+    }
+    return replace(accuracy, **by_hand, name=config.name if not by_hand else "custom")
 
 
 def _point(values: list[float]) -> tuple[float, float]:

@@ -6,8 +6,10 @@ import dataclasses
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from footopt.config import Config
-from footopt.design import FootProblem, SearchResult, Solver, search
+from footopt.design import FootProblem, SearchResult, Solver, confirm, search
 from footopt.errors import SettingError
 from footopt.foot import Foot
 from footopt.foot.export import write_csv as write_contour
@@ -15,7 +17,7 @@ from footopt.foot.export import write_dxf
 from footopt.report import figures, files, terminal
 from footopt.studies import build
 from footopt.studies.simulate import foot_entry, scene_entry
-from footopt.walker import Walk, evaluate, gain_shares, simulate
+from footopt.walker import Accuracy, Walk, estimate_error, gain_shares, simulate
 from footopt.walker.validity import diagnose
 
 
@@ -40,9 +42,10 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         config.engine.threads,
     )
     solver.build(problem.n_obj)  # a solver that does not fit is refused before anything is walked
+    finer = Accuracy.named(config.study.confirm) if config.study.confirm else problem.accuracy
     flat = Foot.flat(problem.space)
     with terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ..."):
-        base = evaluate([flat], problem.scene, problem.accuracy, problem.record, threads=1)
+        base = simulate(flat, problem.scene, finer)
     out.print(
         f"Searching {problem.space.K}^{problem.space.n} soles for {', '.join(problem.names)} on "
         f"{problem.scene.sand.name} sand (zeta {problem.scene.sand.zeta:g}) with {solver.name}"
@@ -50,39 +53,31 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     guide = problem.names[0] if problem.n_obj == 1 else "efficiency"
     with terminal.search_progress(out, solver.n_gen, guide) as progress:
         result = search(problem, solver, progress)
-    best = dataclasses.replace(result.foot, name=f"best of {solver.name}")
-    walk = simulate(best, problem.scene, problem.accuracy)
-    flat_values = dict(zip(problem.record, map(float, base.values[0]), strict=True))
-    entry = _result_entry(result, best, walk, flat_values)
-    entry |= {"settings": settings, "versions": files.versions()}
-    files.write_designs(folder / "designs.csv", result)
-    files.write_walk(folder / "walk.nc", walk)
-    write_contour(best, folder / "contour.csv")
-    write_dxf(best, folder / "contour.dxf")
-    draw(result, best, walk, simulate(flat, problem.scene, problem.accuracy), folder / "figures")
-    files.write_json(folder / "result.json", entry | {"wall_time_s": clock()})
-
-    out.print(terminal.describe_search(result))
-    out.print(f"Best design: {terminal.describe_foot(best)}")
-    feet = [("best", entry["objectives"]), ("flat", flat_values)]
-    out.print(terminal.objective_table(feet, problem.record, gain=True))
-    terminal.print_validity(out, diagnose(walk))
-    out.print(f"Everything is in {folder} ({clock():.0f} s in all)")
-
-
-def _result_entry(result: SearchResult, best: Foot, walk: Walk, flat: dict[str, float]) -> dict[str, Any]:
-    """The content of result.json that comes from the search."""
-    problem = result.problem
-    values = dict(zip(problem.record, map(float, result.values[result.best]), strict=True))
-    return {
+    confirmed = confirm(result, finer, config.study.finalists)
+    best = dataclasses.replace(
+        Foot.from_waypoints(result.k[confirmed.designs[0]], problem.space), name=f"best of {solver.name}"
+    )
+    walk = simulate(best, problem.scene, finer)
+    errors = estimate_error(best, problem.scene, finer)
+    diagnostics = diagnose(walk)
+    entry = {
         "study": "optimize",
         "design": foot_entry(best),
-        "objectives": values,
-        "flat": flat,
-        "gain_shares": gain_shares(values, flat),
-        **scene_entry(problem.scene, problem.accuracy, problem.record),
-        "validity": {d.name: d.value for d in diagnose(walk)},
-        "warnings": [f"{d.name}: {d.why}" for d in diagnose(walk) if d.outside],
+        "objectives": {name: walk.objectives[name] for name in problem.record},
+        "error_estimate": {name: errors[name] for name in problem.record},
+        "flat": {name: base.objectives[name] for name in problem.record},
+        "gain_shares": gain_shares(walk.objectives, base.objectives),
+        **scene_entry(problem.scene, finer, problem.record),
+        "search_accuracy": dataclasses.asdict(problem.accuracy),
+        "confirmed": {
+            "k": result.k[confirmed.designs].tolist(),
+            "values": confirmed.values,
+            "columns": problem.record,
+            "agrees": confirmed.agrees,
+            "largest_change": confirmed.largest_change,
+        },
+        "validity": {d.name: d.value for d in diagnostics},
+        "warnings": [f"{d.name}: {d.why}" for d in diagnostics if d.outside],
         "solver": dataclasses.asdict(result.solver),
         "seed": result.solver.seed,
         "evaluations": result.evaluations,
@@ -91,18 +86,33 @@ def _result_entry(result: SearchResult, best: Foot, walk: Walk, flat: dict[str, 
         "front": result.k[result.front].tolist() if problem.n_obj > 1 else [],
         "interrupted": result.interrupted,
         "search_time_s": result.seconds,
+        "settings": settings,
+        "versions": files.versions(),
     }
+    files.write_designs(folder / "designs.csv", result)
+    files.write_walk(folder / "walk.nc", walk)
+    write_contour(best, folder / "contour.csv")
+    write_dxf(best, folder / "contour.dxf")
+    marked = int(np.argmax(result.front == confirmed.designs[0]))
+    draw(result, marked, best, walk, base, folder / "figures")
+    files.write_json(folder / "result.json", entry | {"wall_time_s": clock()})
+
+    out.print(terminal.describe_search(result))
+    out.print(terminal.describe_confirmation(confirmed))
+    out.print(f"Best design: {terminal.describe_foot(best)}")
+    feet = [("best", walk.objectives), ("flat", base.objectives)]
+    out.print(terminal.objective_table(feet, problem.record, errors, gain=True))
+    terminal.print_validity(out, diagnostics)
+    out.print(f"Everything is in {folder} ({clock():.0f} s in all)")
 
 
-def draw(result: SearchResult, best: Foot, walk: Walk, flat: Walk, folder: Path) -> None:
-    """All figures of a search."""
+def draw(result: SearchResult, marked: int, best: Foot, walk: Walk, flat: Walk, folder: Path) -> None:
+    """All figures of a search; `marked` is the best design's place in the front."""
     problem = result.problem
     walks = {"best": walk, "flat": flat}
     drawn = {
         "contour": figures.contour(best),
-        "convergence": figures.convergence(
-            result.history, problem.names[0] if problem.n_obj == 1 else "efficiency"
-        ),
+        "convergence": figures.convergence(result.history, result.guide),
         "com": figures.com(walks),
         "forces": figures.forces(walks),
         "power_work": figures.power_work(walks),
@@ -111,7 +121,7 @@ def draw(result: SearchResult, best: Foot, walk: Walk, flat: Walk, folder: Path)
     if problem.n_obj > 1:
         columns = [problem.record.index(name) for name in problem.names]
         values = result.values[result.front][:, columns]
-        drawn["scatter_matrix"] = figures.scatter_matrix(values, problem.names, marked=0)
-        drawn["parallel"] = figures.parallel(values, problem.names, marked=0)
+        drawn["scatter_matrix"] = figures.scatter_matrix(values, problem.names, marked=marked)
+        drawn["parallel"] = figures.parallel(values, problem.names, marked=marked)
     for name, figure in drawn.items():
         figures.save(figure, folder, name)

@@ -13,7 +13,7 @@ from footopt.foot.export import write_csv as write_contour
 from footopt.foot.export import write_dxf
 from footopt.report import figures, files, terminal
 from footopt.studies import build
-from footopt.walker import OBJECTIVES, Accuracy, Scene, simulate
+from footopt.walker import OBJECTIVES, Accuracy, Scene, estimate_error, simulate
 from footopt.walker.validity import diagnose
 
 
@@ -24,6 +24,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     scene, accuracy = build.make_scene(config), build.make_accuracy(config.accuracy)
     with terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ..."):
         walk = simulate(foot, scene, accuracy)
+    errors = estimate_error(foot, scene, accuracy)
     diagnostics = diagnose(walk)
     files.write_walk(folder / "walk.nc", walk)
     write_contour(foot, folder / "contour.csv")
@@ -44,6 +45,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "feasible": walk.feasible,
         "reason": walk.reason,
         "objectives": walk.objectives,
+        "error_estimate": errors,
         **scene_entry(scene, accuracy, tuple(OBJECTIVES)),
         "validity": {d.name: d.value for d in diagnostics},
         "warnings": [f"{d.name}: {d.why}" for d in diagnostics if d.outside],
@@ -56,7 +58,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     out.print(f"{scene.sand.name} sand (zeta {scene.sand.zeta:g}), {terminal.describe_foot(foot)}")
     if not walk.feasible:
         out.print(f"[yellow]The walk failed: {walk.reason}[/] after {len(walk.t)} steps of time.")
-    out.print(terminal.objective_table([(foot.name, walk.objectives)], tuple(OBJECTIVES)))
+    out.print(terminal.objective_table([(foot.name, walk.objectives)], tuple(OBJECTIVES), errors))
     terminal.print_validity(out, diagnostics)
     out.print(f"Everything is in {folder} ({clock():.1f} s in all)")
 

@@ -2,7 +2,7 @@
 
 from footopt.walker.objectives import FIVE, OBJECTIVES, gain_shares
 from footopt.walker.scene import PRESETS, Accuracy, Scene, Walker
-from footopt.walker.simulate import Table, Walk, evaluate, simulate
+from footopt.walker.simulate import Table, Walk, estimate_error, evaluate, simulate
 from footopt.walker.steppers import STEPPERS
 
 __all__ = [
@@ -15,6 +15,7 @@ __all__ = [
     "Table",
     "Walk",
     "Walker",
+    "estimate_error",
     "evaluate",
     "gain_shares",
     "simulate",

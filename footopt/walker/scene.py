@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import csv
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
 
 from footopt.errors import SettingError, check
 from footopt.foot.plates import RULES
@@ -132,18 +136,55 @@ class Accuracy:
             raise SettingError("accuracy", name, f"one of {', '.join(PRESETS)}")
         return PRESETS[name]
 
+    @classmethod
+    def within(cls, tolerance: float) -> Accuracy:
+        """The cheapest setting of the accuracy study whose error is within a tolerance.
+
+        Parameters
+        ----------
+        tolerance : relative error of the worst objective for 95 % of random feet inside the box, on
+            soft, regular and hard sand, against the limit of small steps and many plates.
+        """
+        rows = [row for row in measured_settings() if row["error"] <= tolerance]
+        if not rows:
+            best = min(row["error"] for row in measured_settings())
+            raise SettingError(
+                "accuracy.tolerance",
+                tolerance,
+                f"at least {best:g}, the best that was measured",
+                "Use accuracy=reference, or set dt and plates by hand.",
+            )
+        row = min(rows, key=lambda row: row["ms"])
+        return cls(
+            row["stepper"], row["dt"], row["plates"], row["creep"], f"within {tolerance:g}", row["rule"]
+        )
+
     def steps(self, t_f: float) -> int:
         """Number of equal steps from 0 to t_f."""
         return max(1, math.ceil(t_f / self.dt - 1e-9))
 
 
-#: Accuracies by name.
+#: The table that `footopt study=accuracy` wrote: every setting's error and cost.
+TABLE = Path(__file__).parent / "accuracy.csv"
+TABLE_COLUMNS = ("stepper", "rule", "dt", "plates", "creep", "error", "ms")
+
+
+@lru_cache
+def measured_settings() -> tuple[dict[str, Any], ...]:
+    """Rows of the accuracy study: a setting, its error (a fraction) and ms per design and core."""
+    kinds = (str, str, float, int, float, float, float)
+    with open(TABLE, newline="", encoding="utf-8") as file:
+        return tuple(
+            {name: kind(row[name]) for name, kind in zip(TABLE_COLUMNS, kinds, strict=True)}
+            for row in csv.DictReader(file)
+        )
+
+
+#: Tolerances of the presets that are chosen from the table.
+TOLERANCES = {"draft": 0.02, "standard": 0.005, "fine": 0.0005}
+
+#: Accuracies by name; "reference" is converged for every purpose but a study of convergence.
 PRESETS: dict[str, Accuracy] = {
-    a.name: a
-    for a in (
-        Accuracy("sdirk2", 1e-2, 40, 1e-4, "draft"),
-        Accuracy("sdirk2", 5e-3, 64, 1e-4, "standard"),
-        Accuracy("sdirk2", 1e-3, 192, 1e-4, "fine"),
-        Accuracy("sdirk2", 2e-4, 400, 1e-5, "reference"),
-    )
+    **{name: replace(Accuracy.within(value), name=name) for name, value in TOLERANCES.items()},
+    "reference": Accuracy("sdirk2", 2e-4, 400, 1e-5, "reference"),
 }

@@ -1,0 +1,87 @@
+"""The figure of the accuracy study: what a smaller error costs, one panel per objective."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from footopt.report.figures import COLOURS, GREY, _figure, styled
+from footopt.walker import FIVE, OBJECTIVES
+from footopt.walker.scene import Accuracy
+
+MARKERS = "osD^vP*"
+
+
+@styled
+def work_precision(
+    measured: Sequence[Any], best: Sequence[Any], presets: Sequence[Accuracy], default: str = "standard"
+) -> Figure:
+    """Error against ms per design and core for every setting.
+
+    Parameters
+    ----------
+    measured, best : of `studies.accuracy.Measurement`: all, and those that no other beats.
+    presets : marked by name where they were measured; the default one larger.
+    """
+    figure = _figure(7.0, 4.6)
+    axes = figure.subplots(2, 3, sharex=True, sharey=True)
+    steppers = list(dict.fromkeys(m.accuracy.stepper for m in measured))
+    panels: list[tuple[str, Any]] = [
+        (OBJECTIVES[name].name.replace("_", " "), lambda m, i=i: float(m.errors[:, i].max()))
+        for i, name in enumerate(FIVE)
+    ]
+    panels.append(("worst objective", lambda m: m.error))
+    marked = {m.accuracy: m for m in measured}
+    for ax, (title, error) in zip(axes.flat, panels, strict=True):
+        for i, stepper in enumerate(steppers):
+            points = np.array(
+                [
+                    (m.ms, 100 * error(m))
+                    for m in measured
+                    if m.accuracy.stepper == stepper and 0 < error(m) < 1
+                ]
+            ).reshape(-1, 2)
+            ax.plot(
+                *points.T, MARKERS[i % len(MARKERS)], color=COLOURS[i % len(COLOURS)], ms=3, mew=0, alpha=0.7
+            )
+        front = np.array([(m.ms, 100 * error(m)) for m in best if error(m) > 0]).reshape(-1, 2)
+        ax.plot(*front.T, "-", color="black", lw=0.8)
+        for preset in presets:
+            m = marked.get(_anonymous(preset))
+            if m is None or not error(m) > 0:
+                continue
+            size = 9 if preset.name == default else 6
+            ax.plot(m.ms, 100 * error(m), "o", mfc="none", mec="black", ms=size, mew=1.0)
+            ax.annotate(
+                preset.name, (m.ms, 100 * error(m)), textcoords="offset points", xytext=(6, 6), fontsize=8
+            )
+        ax.set(xscale="log", yscale="log", title=title)
+        ax.grid(color="0.92", lw=0.6)
+    for ax in axes[-1]:
+        ax.set_xlabel("time per design and core (ms)")
+    for ax in axes[:, 0]:
+        ax.set_ylabel("relative error (%)")
+    handles = [
+        Line2D([], [], ls="", marker=MARKERS[i % len(MARKERS)], color=COLOURS[i % len(COLOURS)], ms=4)
+        for i in range(len(steppers))
+    ]
+    handles += [
+        Line2D([], [], color="black", lw=0.8),
+        Line2D([], [], ls="", marker="o", mfc="none", mec="black", ms=6),
+    ]
+    labels = [*(s.replace("_", " ") for s in steppers), "none better in both", "preset (default larger)"]
+    figure.legend(handles, labels, loc="outside upper center", ncols=4)
+    figure.supxlabel(
+        "error not exceeded by 95 % of the feet, largest over soft, regular and hard sand",
+        fontsize=8,
+        color=GREY,
+    )
+    return figure
+
+
+def _anonymous(accuracy: Accuracy) -> Accuracy:
+    return Accuracy(accuracy.stepper, accuracy.dt, accuracy.plates, accuracy.creep, rule=accuracy.rule)
