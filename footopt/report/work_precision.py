@@ -56,9 +56,10 @@ def work_precision(
                 continue
             size = 9 if preset.name == default else 6
             ax.plot(m.ms, 100 * error(m), "o", mfc="none", mec="black", ms=size, mew=1.0)
-            ax.annotate(
-                preset.name, (m.ms, 100 * error(m)), textcoords="offset points", xytext=(6, 6), fontsize=8
-            )
+            if title == "worst objective":  # once: the circles are in the same order everywhere
+                ax.annotate(
+                    preset.name, (m.ms, 100 * error(m)), textcoords="offset points", xytext=(7, 5), fontsize=8
+                )
         ax.set(xscale="log", yscale="log", title=title)
         ax.grid(color="0.92", lw=0.6)
     for ax in axes[-1]:

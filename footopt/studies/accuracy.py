@@ -37,9 +37,24 @@ QUANTILE = 95.0  # of the feet: the error that this share of them does not excee
 LIMIT = Accuracy("sdirk2", 1e-4, 800, 1e-5, "limit")
 PLATES = 64  # of settings that differ in time only
 
-IMPLICIT_DT = (2e-2, 1.25e-2, 1e-2, 8e-3, 6.25e-3, 5e-3, 4e-3, 2.5e-3, 1.6e-3, 1e-3, 5e-4, 2.5e-4)
+IMPLICIT_DT = (
+    2e-2,
+    1.25e-2,
+    1e-2,
+    8e-3,
+    7e-3,
+    6.25e-3,
+    5.5e-3,
+    5e-3,
+    4e-3,
+    2.5e-3,
+    1.6e-3,
+    1e-3,
+    5e-4,
+    2.5e-4,
+)
 EXPLICIT_DT = (4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 1e-4, 5e-5)
-ARC_PLATES = (24, 32, 40, 48, 56, 64, 80, 96, 128, 192, 256)
+ARC_PLATES = (24, 32, 40, 48, 52, 56, 60, 64, 80, 96, 128, 192, 256)
 CHORD_PLATES = (25, 50, 100, 200, 400)
 CREEPS = (1e-2, 1e-3, 1e-5)
 
@@ -119,6 +134,8 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
 def full_grid() -> list[Accuracy]:
     """All settings of the study."""
     grid = [Accuracy("sdirk2", dt, n) for dt, n in itertools.product(IMPLICIT_DT, ARC_PLATES)]
+    small = [dt for dt in IMPLICIT_DT if dt <= 2.5e-3]
+    grid += [Accuracy("sdirk2", dt, n, 2e-5) for dt in small for n in ARC_PLATES if n >= 96]
     grid += [Accuracy("implicit_euler", dt, PLATES) for dt in IMPLICIT_DT]
     grid += [
         Accuracy(name, dt, PLATES)
