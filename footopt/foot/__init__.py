@@ -1,8 +1,8 @@
 """The foot: a sole's contour, the design space of waypoints, and the plates that feel the sand."""
 
 from footopt.foot.foot import Foot, as_plates
-from footopt.foot.plates import Plates, hollow
+from footopt.foot.plates import Plates, hollow, lower_hull
 from footopt.foot.shapes import SHAPES
 from footopt.foot.waypoints import Waypoints
 
-__all__ = ["SHAPES", "Foot", "Plates", "Waypoints", "as_plates", "hollow"]
+__all__ = ["SHAPES", "Foot", "Plates", "Waypoints", "as_plates", "hollow", "lower_hull"]

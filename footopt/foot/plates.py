@@ -91,6 +91,39 @@ def along_arc(polyline: Array, plates: int) -> Array:
     return np.stack([np.interp(at, arc, polyline[:, 0]), np.interp(at, arc, polyline[:, 1])], axis=1)
 
 
+def lower_hull(contour: Array) -> tuple[Array, float, float, float]:
+    """Lower convex hull of a sole and where the sole is farthest above it.
+
+    Parameters
+    ----------
+    contour : (m, 2), m
+
+    Returns
+    -------
+    hull : (h, 2), m, from heel to toe
+    x, low, high : where the gap is largest; the hull's height there and the sole's, m
+    """
+    hull: list[Array] = []
+    for p in contour[np.lexsort((contour[:, 1], contour[:, 0]))]:  # Andrew's monotone chain
+        while len(hull) >= 2:
+            (ax, az), (bx, bz) = hull[-1] - hull[-2], p - hull[-2]
+            if ax * bz - az * bx > 0.0:
+                break
+            hull.pop()
+        hull.append(p)
+    corners = np.array(hull)
+    left, right = corners[0, 0], corners[-1, 0]
+    margin = 1e-9 * (right - left)
+    inner = contour[(contour[:, 0] > left + margin) & (contour[:, 0] < right - margin)]
+    # a vertical side at an end is part of the chain, but has no inside
+    flat = corners[np.concatenate([[True], np.diff(corners[:, 0]) > 0.0])]
+    if len(inner) == 0:  # nothing between the ends but the straight hull itself
+        inner = flat.mean(axis=0, keepdims=True)
+    floor = np.interp(inner[:, 0], flat[:, 0], flat[:, 1])
+    i = int(np.argmax(inner[:, 1] - floor))
+    return flat, float(inner[i, 0]), float(floor[i]), float(inner[i, 1])
+
+
 def hollow(contour: Array) -> float:
     """Largest gap, along z_p, between a sole and its lower convex hull, m.
 
@@ -101,18 +134,5 @@ def hollow(contour: Array) -> float:
     ----------
     contour : (m, 2), m
     """
-    points = contour[np.lexsort((contour[:, 1], contour[:, 0]))]
-    hull: list[Array] = []
-    for p in points:  # Andrew's monotone chain, lower part
-        while len(hull) >= 2:
-            (ax, az), (bx, bz) = hull[-1] - hull[-2], p - hull[-2]
-            if ax * bz - az * bx > 0.0:
-                break
-            hull.pop()
-        hull.append(p)
-    corners = np.array(hull)
-    keep = corners[np.concatenate([[True], np.diff(corners[:, 0]) > 0.0])]
-    tol = 1e-9 * np.ptp(contour[:, 0])
-    inner = (contour[:, 0] > contour[:, 0].min() + tol) & (contour[:, 0] < contour[:, 0].max() - tol)
-    gap = contour[inner, 1] - np.interp(contour[inner, 0], keep[:, 0], keep[:, 1])
-    return float(max(gap.max(initial=0.0), 0.0))
+    _, _, low, high = lower_hull(contour)
+    return max(high - low, 0.0)

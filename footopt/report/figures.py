@@ -24,7 +24,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import FileError, check
-from footopt.foot import Foot
+from footopt.foot import Foot, lower_hull
 from footopt.foot.export import MM, closed_contour
 from footopt.gait.cycle import LEFT, RIGHT
 from footopt.walker.objectives import lookup
@@ -174,39 +174,6 @@ def draw_contour(axes: Axes, foot: Foot) -> None:
     else:
         axes.set_title("no hollow", loc="right", color=VERMILLION)
     _foot_axes(axes)
-
-
-def lower_hull(contour: Array) -> tuple[Array, float, float, float]:
-    """Lower convex hull of a sole and where the sole is farthest above it.
-
-    Parameters
-    ----------
-    contour : (m, 2), m
-
-    Returns
-    -------
-    hull : (h, 2), m, from heel to toe
-    x, low, high : where the gap is largest; the hull's height there and the sole's, m
-    """
-    hull: list[Array] = []
-    for p in contour[np.lexsort((contour[:, 1], contour[:, 0]))]:  # Andrew's monotone chain
-        while len(hull) >= 2:
-            (ax, az), (bx, bz) = hull[-1] - hull[-2], p - hull[-2]
-            if ax * bz - az * bx > 0.0:
-                break
-            hull.pop()
-        hull.append(p)
-    corners = np.array(hull)
-    left, right = corners[0, 0], corners[-1, 0]
-    margin = 1e-9 * (right - left)
-    inner = contour[(contour[:, 0] > left + margin) & (contour[:, 0] < right - margin)]
-    if len(inner) == 0:  # a straight sole of two points
-        inner = contour.mean(axis=0, keepdims=True)
-    # a vertical side at an end is part of the chain, but has no inside
-    flat = corners[np.concatenate([[True], np.diff(corners[:, 0]) > 0.0])]
-    floor = np.interp(inner[:, 0], flat[:, 0], flat[:, 1])
-    i = int(np.argmax(inner[:, 1] - floor))
-    return flat, float(inner[i, 0]), float(floor[i]), float(inner[i, 1])
 
 
 def _foot_axes(axes: Axes) -> None:

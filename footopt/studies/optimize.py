@@ -17,7 +17,7 @@ from footopt.foot.export import write_dxf
 from footopt.report import figures, files, terminal
 from footopt.studies import build
 from footopt.studies.simulate import foot_entry, scene_entry
-from footopt.walker import Accuracy, Walk, estimate_error, gain_shares, simulate
+from footopt.walker import OBJECTIVES, Accuracy, Walk, estimate_error, gain_shares, simulate
 from footopt.walker.validity import diagnose
 
 
@@ -112,7 +112,7 @@ def draw(result: SearchResult, marked: int, best: Foot, walk: Walk, flat: Walk, 
     walks = {"best": walk, "flat": flat}
     drawn = {
         "contour": figures.contour(best),
-        "convergence": figures.convergence(result.history, result.guide),
+        "convergence": figures.convergence(result.history, OBJECTIVES[result.guide].label),
         "com": figures.com(walks),
         "forces": figures.forces(walks),
         "power_work": figures.power_work(walks),
