@@ -19,6 +19,8 @@ class StudyConfig:
     finalists: int = 20
     feet: int = 40
     quick: bool = False
+    cases: Optional[list[str]] = None  # noqa: UP045
+    steppers: Optional[list[str]] = None  # noqa: UP045
 
 
 @dataclass

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import footopt as fo
 from footopt.errors import FileError, FootoptError, SettingError
-from footopt.sand import GENERIC, MEDIA, Sand, StressMap, affine, fit_table
+from footopt.sand import GENERIC, MEDIA, Sand, StressMap, affine, affine_direction, fit_table
 from footopt.sand.stress import PER_CM3
 
 ANGLE = st.floats(-2 * math.pi, 2 * math.pi)
@@ -80,6 +80,20 @@ class TestAffineForm:
         f = a - np.einsum("...ij,...j->...i", m, h)
         largest = np.hypot(ax, az).max()
         assert np.abs(f - np.stack([-ax, az], axis=-1)).max() < 1e-12 * largest
+
+    @given(ANGLE)
+    def test_needs_only_the_doubled_angles_cosine_and_sine(self, beta):
+        for by_angle, by_direction in zip(
+            affine(beta), affine_direction(np.cos(2 * beta), np.sin(2 * beta)), strict=True
+        ):
+            np.testing.assert_array_equal(by_angle, by_direction)
+
+    def test_is_linear_in_them(self):
+        """So that a plate may stand for several chords by the mean of theirs."""
+        beta = np.array([-0.7, 0.1, 0.9])
+        mean = affine_direction(np.cos(2 * beta).mean(), np.sin(2 * beta).mean())
+        for by_mean, each in zip(mean, affine(beta), strict=True):
+            np.testing.assert_allclose(by_mean, each.mean(axis=0), rtol=1e-12)
 
     def test_shapes(self):
         a, m = affine(np.zeros((2, 3)))

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 #: Why a walk failed, by the loop's status.
 REASONS = {OK: "", SUNK: "sunk", BACKWARD: "backward", DIVERGED: "diverged"}
 
-NEWTON = 3e-3  # last step of Newton's method over the plates' mean speed; its error is the square
+NEWTON = 3e-3  # last step of Newton's method over the plates' mean speed; the forces' error is the square
 MAX_REPEATS = 3  # of a walk that diverged, each with a quarter of the time step before
 CHUNK = 4096  # designs whose plates are in memory at once
 BLOCK = 16  # designs that a thread takes at a time
