@@ -14,7 +14,6 @@ from __future__ import annotations
 import csv
 import math
 from dataclasses import dataclass, fields
-from numbers import Real
 from pathlib import Path
 from typing import NamedTuple
 
@@ -199,7 +198,7 @@ class Sand:
 
     def __post_init__(self) -> None:
         check(
-            isinstance(self.zeta, Real) and 0 < self.zeta < math.inf,
+            isinstance(self.zeta, (int, float, np.number)) and 0 < self.zeta < math.inf,
             "sand.zeta",
             self.zeta,
             "a number > 0 (soft sand .2, the generic material 1, hard sand 5)",
