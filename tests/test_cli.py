@@ -121,6 +121,7 @@ class TestOptimize:
         with open(folder / "designs.csv", newline="") as file:
             assert sum(int(r["on_front"]) for r in csv.DictReader(file)) == len(result["front"])
 
+    @pytest.mark.slow
     def test_two_runs_at_once_do_not_share_a_folder(self, tmp_path):
         command = [sys.executable, "-m", "footopt", "study=simulate", "accuracy=draft"]
         runs = [subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL) for _ in range(2)]
@@ -154,6 +155,7 @@ class TestSimulate:
 
 
 class TestAccuracy:
+    @pytest.mark.slow
     def test_a_first_look_measures_errors_costs_and_orders(self, tmp_path):
         done = footopt("study=accuracy", "study.quick=true", "study.feet=3", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
@@ -191,20 +193,34 @@ class TestAccuracy:
 
 class TestMultirun:
     def test_every_job_has_a_folder_and_a_row_and_a_failed_one_stops_no_other(self, tmp_path):
-        done = footopt("-m", "sand=soft,hard", "solver=ga,nsga2", "foot.n=5,3", *QUICK, cwd=tmp_path)
+        done = footopt("-m", "solver=ga,nsga2", "foot.n=5,3", *QUICK, cwd=tmp_path)
         assert done.returncode == 1
-        assert "4 of the jobs failed" in done.stderr
+        assert "2 of the jobs failed" in done.stderr
         (summary,) = tmp_path.rglob("summary.csv")
         with open(summary, newline="") as file:
             rows = list(csv.DictReader(file))
-        assert [r["job"] for r in rows] == [str(i) for i in range(8)]
+        assert [r["job"] for r in rows] == [str(i) for i in range(4)]
         failed = [r for r in rows if "foot.n=3" in r["overrides"]]
         assert all("foot.n = 3: must be" in r["note"] for r in failed)
         good = [r for r in rows if "foot.n=5" in r["overrides"]]
-        assert len(failed) == len(good) == 4
+        assert len(failed) == len(good) == 2
         assert all(float(r["distance"]) > 1 and r["k"] and not r["note"] for r in good)
-        for job in (0, 2, 4, 6):
+        for job in (0, 2):
             assert (summary.parent / str(job) / "result.json").is_file()
+
+
+@pytest.mark.slow
+def test_three_sands_and_two_solvers_are_six_jobs(tmp_path):
+    done = footopt("-m", "sand=soft,regular,hard", "solver=ga,nsga2", *QUICK, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    (summary,) = tmp_path.rglob("summary.csv")
+    assert len(list(summary.parent.glob("*/result.json"))) == 6
+    with open(summary, newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 6
+    hard = [float(r["distance"]) for r in rows if "sand=hard" in r["overrides"]]
+    soft = [float(r["distance"]) for r in rows if "sand=soft" in r["overrides"]]
+    assert min(hard) > max(soft)
 
 
 BAD = {

@@ -238,7 +238,7 @@ def solve_stage(out, tally, sole, world, pose, z0, vx0, vz0, c, vx, vz):
             force += abs(out[foot, FX]) + abs(out[foot, FZ])
             power += abs(out[foot, POWER])
         slack = world.tolerance * (power + creep * force) + 1e-13 * (1.0 + abs(vx) + abs(vz)) * force
-        if size * force <= slack:
+        if size * force <= slack and (force > 0.0 or size <= 1e-13 * (1.0 + abs(vx) + abs(vz))):
             if creep == world.creep:
                 for foot in range(2):
                     out[foot, FX] += out[foot, JXX] * dvx + out[foot, JXZ] * dvz

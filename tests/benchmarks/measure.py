@@ -30,21 +30,21 @@ def feet(designs: int) -> NDArray[np.int64]:
     return fo.Waypoints().random(designs, SEED, inside=True)
 
 
-def seconds(job: Callable[[], object]) -> float:
-    """Wall time of one call, s."""
-    start = time.perf_counter()
-    job()
-    return time.perf_counter() - start
+def interleaved(
+    jobs: Mapping[str, Callable[[], object]], repeats: int, clock: Callable[[], float] = time.perf_counter
+) -> dict[str, float]:
+    """Median time of each job, s: in turn, so that what slows the machine slows all of them.
 
-
-def interleaved(jobs: Mapping[str, Callable[[], object]], repeats: int) -> dict[str, float]:
-    """Median wall time of each job, s: in turn, so that what slows the machine slows all of them."""
+    clock : wall time, or `time.process_time` for that of all the process's threads on processors.
+    """
     for job in jobs.values():
         job()
     times = {name: np.empty(repeats) for name in jobs}
     for repeat in range(repeats):
         for name, job in jobs.items():
-            times[name][repeat] = seconds(job)
+            start = clock()
+            job()
+            times[name][repeat] = clock() - start
     return {name: float(np.median(values)) for name, values in times.items()}
 
 

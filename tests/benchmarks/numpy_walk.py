@@ -36,14 +36,8 @@ def chords(k: Array, space: fo.Waypoints, plates: int = PLATES) -> Chords:
     return Chords(*(column[:, None, :] for column in columns))
 
 
-def walk(
-    sole: Chords, scene: fo.Scene, dt: float = DT, creep: float = CREEP, until: float | None = None
-) -> tuple[Array, Array]:
+def walk(sole: Chords, scene: fo.Scene, dt: float = DT, creep: float = CREEP) -> tuple[Array, Array]:
     """Walk with a batch of feet.
-
-    Parameters
-    ----------
-    until : end of the walk in place of the scene's, s.
 
     Returns
     -------
@@ -51,8 +45,7 @@ def walk(
     trace : (designs, steps + 1, 4), hip x, z (m), v_x, v_z (m/s)
     """
     law, walker = scene.sand.stress_map, scene.walker
-    t_f = scene.duration if until is None else until
-    steps = round(t_f / dt)
+    t_f, steps = scene.duration, round(scene.duration / dt)
     t = t_f * np.arange(steps + 1) / steps
     h, strike = t_f / steps, scene.gait.heel_strike - 1e-9
     pose = scene.gait.pose(t, walker.l1, walker.l2)
