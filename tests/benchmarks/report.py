@@ -1,0 +1,186 @@
+"""Every benchmark as one Markdown table of ratios, for the README.
+
+python tests/benchmarks/report.py            # all of it, about five minutes
+python tests/benchmarks/report.py plates ga  # some of it
+"""
+
+from __future__ import annotations
+
+import argparse
+import platform
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from itertools import product
+from pathlib import Path
+
+import against_numpy
+import equal_accuracy
+import growth
+import numba
+import numpy as np
+import overhead
+import plate_loop
+import startup
+from measure import SANDS, feet, interleaved, processor, scene
+
+import footopt as fo
+from footopt.walker.simulate import available_threads
+
+Row = tuple[str, str, str]  # what, measured, aim
+
+
+def paper() -> Iterator[Row]:
+    """1: the paper's algorithm in numpy."""
+    for sand in SANDS:
+        c = against_numpy.compare(feet(30), scene(sand))
+        yield (
+            f"the paper's algorithm in numpy, {sand} sand, one core",
+            f"**{c.numpy / c.footopt:,.0f}** times faster ({c.numpy:.2f} s and {1e3 * c.footopt:.2f} ms per "
+            f"design; error {c.numpy_error:.2f} % and {c.error:.2f} %, `{c.preset}`)",
+            ">= 1,000",
+        )
+        yield (
+            f"... vectorised over 8 designs too, {sand} sand",
+            f"{c.batch / c.footopt:,.0f} times faster ({c.batch:.2f} s per design)",
+            "",
+        )
+
+
+def euler() -> Iterator[Row]:
+    """2: explicit Euler, compiled, at equal accuracy."""
+    aims = {("hard", 0.5): ">= 5", ("hard", 0.05): ">= 20"}
+    for target in (0.5, 0.05):
+        for sand in SANDS:
+            found, times = equal_accuracy.compare(scene(sand), feet(30), target)
+            yield (
+                f"explicit Euler, compiled too, at {target:g} %, {sand} sand",
+                f"**{times['explicit'] / times['default']:.1f}** times faster (steps of "
+                f"{1e3 * found['explicit'].dt:.3g} and {1e3 * found['default'].dt:.3g} ms; "
+                f"{1e3 * times['explicit']:.2f} and {1e3 * times['default']:.2f} ms per design)",
+                aims.get((sand, target), ""),
+            )
+
+
+def absolute() -> Iterator[Row]:
+    """3: milliseconds per design and core at `standard`."""
+    k, cores = feet(320), min(2, available_threads())
+    jobs = {
+        f"{sand} {threads}": lambda sand=sand, threads=threads: fo.evaluate(k, scene(sand), threads=threads)
+        for sand in SANDS
+        for threads in sorted({1, cores})
+    }
+    wall, busy = (interleaved(jobs, 9, clock) for clock in (time.perf_counter, time.process_time))
+    for threads in sorted({1, cores}):
+        each = [1e3 * threads * wall[f"{sand} {threads}"] / len(k) for sand in SANDS]
+        listed = ", ".join(f"{sand} {ms:.2f}" for sand, ms in zip(SANDS, each, strict=True))
+        on = 1e3 * np.mean([busy[f"{sand} {threads}"] for sand in SANDS]) / len(k)
+        yield (
+            f"ms per design and core at `standard`, {threads} thread{'s'[: threads - 1]}",
+            f"**{np.mean(each):.2f}** ({listed}; {on:.2f} of processor time)",
+            "<= .35",
+        )
+
+
+def plates() -> Iterator[Row]:
+    """4: the plate loop and a C loop vectorised by hand."""
+    with tempfile.TemporaryDirectory() as folder:
+        library = plate_loop.build(Path(folder))
+        if isinstance(library, str):
+            yield "the plate loop and a C loop by hand", f"skipped: {library}", "<= 1.3"
+            return
+        for jacobian, n in product((False, True), (16, 64)):
+            ours, theirs, ratio = plate_loop.compare(library, n, jacobian)
+            yield (
+                f"a C loop by hand, {n} plates, {'with' if jacobian else 'without'} Jacobian",
+                f"**{ratio:.2f}** times its time ({ours:.2f} and {theirs:.2f} ns per submerged plate)",
+                "<= 1.3",
+            )
+
+
+def size() -> Iterator[Row]:
+    """5: growth, threads and memory."""
+    for name, measured in (
+        ("designs", growth.in_designs()),
+        ("plates", growth.in_plates()),
+        ("duration", growth.in_duration()),
+    ):
+        power, times = measured
+        low, high = min(times), max(times)
+        yield (
+            f"growth in {name}, from {low:g} to {high:g}",
+            f"power **{power:.2f}** ({times[high] / times[low]:.1f} times for {high / low:.1f})",
+            "1",
+        )
+    if available_threads() >= 2:
+        faster, busy = growth.in_threads()
+        yield (
+            "two threads",
+            f"**{faster:.2f}** times faster than one ({busy:.2f} times its processor time)",
+            ">= 1.85",
+        )
+    large = growth.large_call(100_000)
+    yield (
+        "100,000 designs in one call, `draft`",
+        f"**{large['peak']:.0f} MB** at the peak, {large['before']:.0f} MB before; {large['seconds']:.0f} s",
+        "< 1,000 MB",
+    )
+
+
+def start() -> Iterator[Row]:
+    """6: start-up."""
+    times = startup.warm()
+    empty = times["an empty interpreter"]
+    aims = {"footopt --help": "<= 1 s", "import footopt": "<= .3 s"}
+    for name, value in times.items():
+        less = "" if value == empty else f" ({value / empty:.1f} times an empty interpreter)"
+        yield name, f"**{value:.2f} s**{less}", aims.get(name, "")
+    first, cached = startup.first_compilation()
+    yield "first evaluation, nothing compiled", f"**{first:.1f} s**, {cached:.2f} s the next time", "<= 30 s"
+    for home, name in ((True, "read-only package"), (False, "read-only package and home")):
+        found = startup.read_only(home)
+        told = (
+            found
+            if isinstance(found, str)
+            else f"{found[0]:.1f} s, **{found[1]:.2f} s** the next time (in {', '.join(found[2])})"
+        )
+        yield f"first evaluation, {name}", told, "cached"
+
+
+def ga() -> Iterator[Row]:
+    """7: the share of a GA run outside the compiled walk."""
+    for threads in range(1, min(2, available_threads()) + 1):
+        shares, wall = overhead.search_shares(threads)
+        listed = ", ".join(f"{name} {100 * v:.1f}" for name, v in shares.items() if name != "kernel")
+        yield (
+            f"default GA run outside the walk, {threads} thread{'s'[: threads - 1]}",
+            f"**{100 * (1.0 - shares['kernel']):.0f} %** of {wall:.1f} s ({listed})",
+            "",
+        )
+
+
+PARTS: dict[str, Callable[[], Iterator[Row]]] = {
+    f.__name__: f for f in (paper, euler, absolute, plates, size, start, ga)
+}
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description="Print the benchmarks as a Markdown table.")
+    parser.add_argument("parts", nargs="*", help=f"any of {', '.join(PARTS)}; all by default")
+    names = parser.parse_args().parts or list(PARTS)
+    if unknown := [name for name in names if name not in PARTS]:
+        parser.error(f"unknown: {', '.join(unknown)}; known: {', '.join(PARTS)}")
+    command = " ".join(["python tests/benchmarks/report.py", *(names if names != list(PARTS) else [])])
+    print(
+        f"`{command}`: {processor()}, {available_threads()} cores, python {platform.python_version()}, "
+        f"numba {numba.__version__}, numpy {np.__version__}, footopt {fo.__version__}.\n"
+    )
+    print("| footopt against | measured | aim |\n| --- | --- | --- |")
+    for name in names:
+        for row in PARTS[name]():
+            print("| " + " | ".join(row) + " |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
