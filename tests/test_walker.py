@@ -460,7 +460,7 @@ class TestFailures:
         assert np.isnan(table.efficiency).all()
         assert all(math.isnan(value) for value in walk.objectives.values())
         assert walk.com[-1, 0] < 0
-        assert len(walk.t) == walk.accuracy.steps(2.9)
+        assert walk.t[-1] == 2.9
 
     LIGHT = fo.Scene(walker=fo.Walker(mass=1e-6))  # thrown into the air by an explicit step
     LONG = fo.Accuracy("explicit_euler", 0.01)
@@ -504,10 +504,30 @@ class TestFailures:
 
 
 class TestTraces:
-    def test_times_are_equal_steps_that_end_at_t_f(self, walk):
-        steps = walk.accuracy.steps(2.9)
-        np.testing.assert_array_equal(walk.t, 2.9 * np.arange(1, steps + 1) / steps)
+    def test_times_are_equal_steps_that_end_at_t_f_and_long_ones_while_standing(self, walk):
+        start, dt = 0.5, walk.accuracy.dt
+        steps = walk.accuracy.steps(2.9 - start)
+        walking = walk.t[walk.t > start]
+        np.testing.assert_array_equal(walking, start + (2.9 - start) * np.arange(1, steps + 1) / steps)
         assert walk.t[-1] == 2.9
+        standing = np.diff(np.concatenate([[0.0], walk.t[walk.t <= start]]))
+        assert standing == pytest.approx(standing[0])
+        assert 2 * dt < standing[0] <= 4 * dt
+
+    def test_explicit_steps_and_a_walker_who_never_starts_have_equal_times(self, ramp_foot):
+        explicit = fo.simulate(ramp_foot, fo.Scene(), fo.Accuracy("explicit_euler", 1e-3))
+        np.testing.assert_array_equal(explicit.t, 2.9 * np.arange(1, 2901) / 2900)
+        scene = fo.Scene(gait=fo.Gait.human(start=math.inf), t_f=1.0)
+        standing = fo.simulate(ramp_foot, scene, fo.Accuracy(dt=1e-2))
+        np.testing.assert_array_equal(standing.t, np.arange(1, 101) / 100)
+
+    def test_long_steps_while_standing_change_nothing(self, ramp_foot, monkeypatch):
+        scene = fo.Scene(t_f=2.8)  # a scene of its own: pose tables are cached
+        long = fo.simulate(ramp_foot, scene).objectives
+        monkeypatch.setattr("footopt.walker.simulate.REST", 1)
+        short = fo.simulate(ramp_foot, replace(scene, t_f=2.8 + 1e-12)).objectives
+        for name in ("distance", "mean_height", "work", "peak_power", "speed_loss"):
+            assert long[name] == pytest.approx(short[name], rel=5e-5)
 
     def test_shapes(self, walk):
         n = len(walk.t)

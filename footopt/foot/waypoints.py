@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from footopt.compiled import cached_njit
 from footopt.errors import SettingError, check
 from footopt.foot.plates import RULES, Plates
 
@@ -192,7 +192,7 @@ def _spline(z: Array, slopes: Array, u: Array) -> Array:
     return value
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@cached_njit(nogil=True, error_model="numpy")
 def arc_points(z, slopes, spacing, steps):  # type: ignore[no-untyped-def]
     """Points at equal arcs of splines z(u): z, slopes (designs, n); `spacing` is dx/du.
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from numba import njit
 
+from footopt.compiled import cached_njit
 from footopt.walker.kernels import CONTACT, FX, FZ, POWER, Sole, contact, deepest, static_height
 from footopt.walker.steppers import (
     HEIGHT,
@@ -74,7 +75,7 @@ def _source() -> str:
 
 
 def _compile(source: str):
-    @njit(cache=True, nogil=True, error_model="numpy")
+    @cached_njit(nogil=True, error_model="numpy")
     def walk_range(
         stepper,
         plates,
@@ -83,7 +84,7 @@ def _compile(source: str):
         world,
         pose0,
         poses,
-        t_f,
+        times,
         strike,
         begin,
         end,
@@ -96,15 +97,15 @@ def _compile(source: str):
         """Walk the designs begin..end of a population.
 
         plates: five arrays (designs, padded plates), `foot.Plates`. blocks: three arrays (designs,
-        blocks), `kernels.Sole`. reach: (designs,), m. pose0: (2, 7) at t = 0.
-        poses: (steps, nodes, 2, 7). strike: first heel strike, s.
+        blocks), `kernels.Sole`. reach: (designs,), m. times: (steps + 1,), s, the first
+        is 0. pose0: (2, 7) at t = 0. poses: (steps, nodes, 2, 7). strike: first heel strike, s.
         Filled: raw (designs, len(RAW)), status (designs,), tallies (designs, 4), and trace
         (steps + 1, TRACE) or None, for one design: its row 0 is the start.
         sink: 1 to follow the maximum sinkage, None to leave that out.
         """
         source  # noqa: B018  a free variable is part of the cache's key
         steps = poses.shape[0]
-        h = t_f / steps
+        t_f = times[steps]
         y, quad = np.empty(4), np.empty(7)
         now, work = np.zeros((2, CONTACT)), np.zeros((2, CONTACT))
         peak = np.zeros((2, 3))  # |P| of each foot at the last three samples
@@ -138,6 +139,7 @@ def _compile(source: str):
             top = -np.inf
             status[d] = OK
             for n in range(steps):
+                h = times[n + 1] - times[n]
                 v0, a0 = y[2], (now[0, FX] + now[1, FX]) / world.mass
                 solved = advance(stepper, y, now, quad, tally, h, poses[n], sole, world, work)
                 speed = abs(y[2]) + abs(y[3])
@@ -147,7 +149,7 @@ def _compile(source: str):
                 if y[1] <= 0.0:
                     status[d] = SUNK
                     break
-                t = t_f * (n + 1) / steps
+                t = times[n + 1]
                 f_max = max(f_max, now[0, FZ] + now[1, FZ])
                 if sink is not None:
                     sinkage = max(sinkage, deepest(sole, poses[n, -1], y[1]))

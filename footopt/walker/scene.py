@@ -94,7 +94,7 @@ class Accuracy:
     Parameters
     ----------
     stepper : a name in `footopt.walker.steppers.STEPPERS`.
-    dt : largest time step, s (the walk is divided into equal steps that are not longer).
+    dt : largest time step of the walk, s (`simulate.time_grid`).
     plates : N, plates along the sole. rule : how they are laid, a name in `foot.plates.RULES`:
         "chord" as in the paper, or "arc", which needs fewer for the same error.
     creep : eps, m/s: h = v / sqrt(|v|^2 + eps^2) smooths the law's jump at v = 0.

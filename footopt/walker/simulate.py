@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import SettingError, check
 from footopt.foot import Foot, Plates, Waypoints, as_plates
-from footopt.gait import Gait
 from footopt.sand import affine_direction
 from footopt.walker.kernels import EVALUATIONS, LANES, PLATES, REPEATS, RESCUES, World
 from footopt.walker.loop import BACKWARD, DIVERGED, OK, RAW, SUNK, TRACE, walk_range
@@ -28,6 +28,7 @@ Array = NDArray[np.float64]
 REASONS = {OK: "", SUNK: "sunk", BACKWARD: "backward", DIVERGED: "diverged"}
 
 NEWTON = 3e-3  # last step of Newton's method over the plates' mean speed; the forces' error is the square
+REST = 4  # longer steps while the walker stands
 MAX_REPEATS = 3  # of a walk that diverged, each with a quarter of the time step before
 CHUNK = 4096  # designs whose plates are in memory at once
 BLOCK = 16  # designs that a thread takes at a time
@@ -280,15 +281,33 @@ def world(scene: Scene, accuracy: Accuracy) -> World:
     return World._make((*law, scene.walker.mass, scene.walker.g, accuracy.creep, NEWTON))
 
 
+def time_grid(scene: Scene, accuracy: Accuracy) -> Array:
+    """Ends of the time steps, (steps + 1,), s, from 0 to t_f.
+
+    While the walker stands, before the gait starts, implicit steps are `REST` times as long: nothing
+    happens that a longer one would miss. Each part is t0 + k (t1 - t0)/n: adding steps would drift.
+    """
+    start, t_f = scene.gait.start, scene.duration
+    if not (STEPPERS[accuracy.stepper].implicit and 0.0 < start < t_f):
+        steps = accuracy.steps(t_f)
+        return t_f * np.arange(steps + 1) / steps
+    standing = math.ceil(start / (REST * accuracy.dt) - 1e-9)
+    walking = accuracy.steps(t_f - start)
+    return np.concatenate(
+        [
+            start * np.arange(standing) / standing,
+            start + (t_f - start) * np.arange(walking + 1) / walking,
+        ]
+    )
+
+
 @lru_cache(maxsize=16)
-def poses(
-    gait: Gait, l1: float, l2: float, t_f: float, steps: int, nodes: tuple[float, ...]
-) -> tuple[Array, Array]:
-    """Pose tables: at t = 0, (2, 7), and at every step's nodes, (steps, nodes, 2, 7)."""
-    begin = np.arange(steps)[:, None] + np.asarray(nodes)  # times as t_f k / steps: no drift
-    t = t_f * begin / steps
-    table = gait.pose(t.ravel(), l1, l2).table().reshape(steps, len(nodes), 2, 7)
-    return gait.pose(np.zeros(1), l1, l2).table()[0], table
+def poses(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, Array]:
+    """Time grid, pose at t = 0, (2, 7), and at every step's nodes, (steps, nodes, 2, 7)."""
+    times, nodes = time_grid(scene, accuracy), np.asarray(STEPPERS[accuracy.stepper].nodes)
+    t = times[:-1, None] + np.diff(times)[:, None] * nodes
+    pose = partial(scene.gait.pose, l1=scene.walker.l1, l2=scene.walker.l2)
+    return times, pose(np.zeros(1)).table()[0], pose(t.ravel()).table().reshape(*t.shape, 2, 7)
 
 
 def available_threads() -> int:
@@ -339,16 +358,8 @@ def _run(
     plates: Plates, scene: Scene, accuracy: Accuracy, sink: bool, threads: int | None, traced: bool
 ) -> tuple[Array, NDArray[np.int64], NDArray[np.int64], Array]:
     """`_walk` once, with the given time step."""
-    stepper = STEPPERS[accuracy.stepper]
-    t_f, designs = scene.duration, len(plates.x)
-    pose0, table = poses(
-        scene.gait,
-        scene.walker.l1,
-        scene.walker.l2,
-        t_f,
-        accuracy.steps(t_f),
-        stepper.nodes,
-    )
+    stepper, designs = STEPPERS[accuracy.stepper], len(plates.x)
+    times, pose0, table = poses(scene, accuracy)
     padded, circles, reach = _blocks(plates)
     raw = np.empty((designs, len(RAW)))
     status, tallies = np.empty(designs, np.int64), np.zeros((designs, 4), np.int64)
@@ -358,8 +369,8 @@ def _run(
     def run(begin: int) -> None:
         end = min(begin + BLOCK, designs)
         walk_range(
-            stepper.parameters, padded, circles, reach, constants, pose0, table, t_f, scene.gait.heel_strike,
-            begin, end, raw, status, tallies, trace, 1 if sink else None,
+            stepper.parameters, padded, circles, reach, constants, pose0, table, times,
+            scene.gait.heel_strike, begin, end, raw, status, tallies, trace, 1 if sink else None,
         )  # fmt: skip
 
     workers = available_threads() if threads is None else threads

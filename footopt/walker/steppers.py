@@ -37,20 +37,29 @@ WORK_L, WORK_R, HEIGHT, JOINT, JOINT_NET, IMPULSE_X, IMPULSE_Z = range(7)
 
 @dataclass(frozen=True)
 class Stepper:
-    """A stepper's entry: its parameters, its step function, and where in a step it needs the pose."""
+    """A stepper's entry: its parameters, its step function, where in a step it needs the pose, and
+    whether it is L-stable, so that its steps may be long while the walker stands.
+    """
 
     parameters: Any
     step: Callable[..., bool]
     nodes: tuple[float, ...]
+    implicit: bool
 
 
 STEPPERS: dict[str, Stepper] = {}
 _STEPS: dict[type, Callable[..., bool]] = {}
 
 
-def register(name: str, parameters: Any, step: Callable[..., bool], nodes: tuple[float, ...]) -> None:
+def register(
+    name: str,
+    parameters: Any,
+    step: Callable[..., bool],
+    nodes: tuple[float, ...],
+    implicit: bool = False,
+) -> None:
     """Offer a stepper under a name. `parameters` is an instance of a class of its own."""
-    STEPPERS[name] = Stepper(parameters, step, nodes)
+    STEPPERS[name] = Stepper(parameters, step, nodes, implicit)
     _STEPS[type(parameters)] = step
 
 
@@ -193,7 +202,7 @@ def implicit_euler(stepper, y, now, quad, tally, h, poses, sole, world, work):
     return True
 
 
-register("implicit_euler", ImplicitEuler(), implicit_euler, nodes=(1.0,))
+register("implicit_euler", ImplicitEuler(), implicit_euler, nodes=(1.0,), implicit=True)
 
 
 class SDIRK2(NamedTuple):
@@ -231,4 +240,4 @@ def sdirk2(stepper, y, now, quad, tally, h, poses, sole, world, work):
     return True
 
 
-register("sdirk2", SDIRK2(), sdirk2, nodes=(SDIRK2().gamma, 1.0))
+register("sdirk2", SDIRK2(), sdirk2, nodes=(SDIRK2().gamma, 1.0), implicit=True)
