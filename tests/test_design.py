@@ -106,9 +106,7 @@ class TestSearch:
         r = search(problem("pareto"), "nsga2", pop_size=16, n_gen=6, seed=1)
         f = r.problem.minimised(r.values)
         keep = np.flatnonzero(r.feasible)
-        dominated = [
-            any((f[j] <= f[i]).all() and (f[j] < f[i]).any() for j in keep) for i in keep
-        ]
+        dominated = [any((f[j] <= f[i]).all() and (f[j] < f[i]).any() for j in keep) for i in keep]
         assert set(r.front) == set(keep[~np.array(dominated)])
         assert r.best == r.front[np.argmin(r.column("efficiency")[r.front])]
 

@@ -237,8 +237,10 @@ def solve_stage(out, tally, sole, world, pose, z0, vx0, vz0, c, vx, vz):
         for foot in range(2):
             force += abs(out[foot, FX]) + abs(out[foot, FZ])
             power += abs(out[foot, POWER])
-        slack = world.tolerance * (power + creep * force) + 1e-13 * (1.0 + abs(vx) + abs(vz)) * force
-        if size * force <= slack and (force > 0.0 or size <= 1e-13 * (1.0 + abs(vx) + abs(vz))):
+        rounding = 1e-13 * (1.0 + abs(vx) + abs(vz))
+        # a rescue follows the plate that sticks, whatever the mean speed of the others
+        speed = creep if rescue or force == 0.0 else creep + power / force
+        if size <= rounding or (force > 0.0 and size <= world.tolerance * speed + rounding):
             if creep == world.creep:
                 for foot in range(2):
                     out[foot, FX] += out[foot, JXX] * dvx + out[foot, JXZ] * dvz

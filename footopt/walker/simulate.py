@@ -278,7 +278,8 @@ def resolve(accuracy: Accuracy | str) -> Accuracy:
 def world(scene: Scene, accuracy: Accuracy) -> World:
     """What the compiled loops need to know of a scene."""
     law = (scene.sand.stiffness * c for c in scene.sand.stress_map.law)
-    return World._make((*law, scene.walker.mass, scene.walker.g, accuracy.creep, NEWTON))
+    # floats throughout: a whole number would be another type, and compile the loop again
+    return World._make(map(float, (*law, scene.walker.mass, scene.walker.g, accuracy.creep, NEWTON)))
 
 
 def time_grid(scene: Scene, accuracy: Accuracy) -> Array:
