@@ -10,7 +10,7 @@ import footopt as fo
 from footopt.design import SINGLE, SOLVERS, Solver, search
 from footopt.design.problem import RECORD
 from footopt.design.search import Archive
-from footopt.design.solvers import less_violation, reference_directions
+from footopt.design.solvers import SameHeights, less_violation, reference_directions
 from footopt.errors import FootoptError, SettingError
 
 QUICK = fo.Accuracy(dt=1e-2, plates=20)
@@ -176,6 +176,18 @@ def test_an_archive_does_not_depend_on_the_order_of_a_batch():
     fb, gb = backward.evaluate(k[::-1])
     np.testing.assert_array_equal(f, fb[::-1])
     np.testing.assert_array_equal(g, gb[::-1])
+
+
+def test_duplicates_are_those_that_pymoo_finds():
+    from pymoo.core.duplicate import DefaultDuplicateElimination
+    from pymoo.core.population import Population
+
+    rng = np.random.default_rng(1)
+    for _ in range(20):
+        new, old = (Population.new("X", rng.integers(1, 3, (12, 3))) for _ in range(2))
+        for others in ((), (old,)):
+            ours = SameHeights().do(new, *others).get("X")
+            np.testing.assert_array_equal(ours, DefaultDuplicateElimination().do(new, *others).get("X"))
 
 
 def test_reference_directions_are_on_the_simplex_and_cached():

@@ -17,14 +17,12 @@ MARKERS = "osD^vP*"
 
 
 @styled
-def work_precision(
-    measured: Sequence[Any], best: Sequence[Any], presets: Sequence[Accuracy], default: str = "standard"
-) -> Figure:
+def work_precision(measured: Sequence[Any], presets: Sequence[Accuracy], default: str = "standard") -> Figure:
     """Error against ms per design and core for every setting.
 
     Parameters
     ----------
-    measured, best : of `studies.accuracy.Measurement`: all, and those that no other beats.
+    measured : of `studies.accuracy.Measurement`. Those that no other beats in a panel are joined.
     presets : marked by name where they were measured; the default one larger.
     """
     figure = _figure(7.0, 4.6)
@@ -48,7 +46,9 @@ def work_precision(
             ax.plot(
                 *points.T, MARKERS[i % len(MARKERS)], color=COLOURS[i % len(COLOURS)], ms=3, mew=0, alpha=0.7
             )
-        front = np.array([(m.ms, 100 * error(m)) for m in best if error(m) > 0]).reshape(-1, 2)
+        ordered = sorted((m.ms, 100 * error(m)) for m in measured if error(m) > 0)
+        least = np.minimum.accumulate([e for _, e in ordered])
+        front = np.array([p for p, low in zip(ordered, least, strict=True) if p[1] == low]).reshape(-1, 2)
         ax.plot(*front.T, "-", color="black", lw=0.8)
         for preset in presets:
             m = marked.get(_anonymous(preset))

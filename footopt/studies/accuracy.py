@@ -103,7 +103,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
             out.print(f"setting {i}/{len(grid)}  {clock():.0f} s")
     best = pareto(measured)
     write_table(folder / "accuracy.csv", measured)
-    figures.save(work_precision(measured, best, list(PRESETS.values())), folder / "figures", "accuracy")
+    figures.save(work_precision(measured, list(PRESETS.values())), folder / "figures", "accuracy")
     orders = {name: order(measured, name) for name in STEPPERS}
     independent = [
         check_against_scipy(Foot.from_waypoints(feet[0], space), scene, quick=config.study.quick)
