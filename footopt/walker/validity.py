@@ -44,11 +44,12 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
     walker = walk.scene.walker
     pose = walk.scene.gait.pose(walk.t[index], walker.l1, walker.l2)
     depth = np.maximum(-states.position[..., 1], 0.0)
-    size = np.linalg.norm(states.force, axis=-1)
+    lasts = np.diff(walk.t[index], prepend=0.0)[:, None, None]  # s, of the time that a sample stands for
+    size = lasts * np.linalg.norm(states.force, axis=-1)
     speed = np.linalg.norm(states.velocity, axis=-1)
     into = np.sum(states.normal * states.velocity, axis=-1)
-    power = np.abs(np.sum(states.force * states.velocity, axis=-1))
-    inertia = LAMBDA * RHO * np.maximum(into, 0.0) ** 2 * states.area * (depth > 0)
+    power = lasts * np.abs(np.sum(states.force * states.velocity, axis=-1))
+    inertia = lasts * LAMBDA * RHO * np.maximum(into, 0.0) ** 2 * states.area * (depth > 0)
     total_force, total_power = max(size.sum(), 1e-300), max(power.sum(), 1e-300)
     ankle = -(walk.com[index, 1, None] + pose.z)
     return [
