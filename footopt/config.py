@@ -29,7 +29,7 @@ class SandConfig:
 
     name: str = "custom"
     zeta: float = 1.0
-    coefficients: Optional[dict[str, float]] = None  # noqa: UP045
+    coefficients: dict[str, float] = field(default_factory=dict)
     table: Optional[str] = None  # noqa: UP045
 
 

@@ -16,6 +16,7 @@ from scipy.io import netcdf_file
 import footopt as fo
 from footopt.cli import CONF
 from footopt.config import Config
+from footopt.errors import SettingError
 from footopt.studies import STUDIES, build
 from footopt.walker import STEPPERS
 from footopt.walker.scene import MARGIN, measured_settings
@@ -331,3 +332,11 @@ def test_a_table_of_stresses_from_the_command_line(tmp_path):
     )
     assert sand.zeta == 2.0
     assert sand.stress_map.B01 == pytest.approx(0.358)
+
+
+def test_nine_coefficients_from_the_command_line():
+    nine = "{A00: .2, A10: .1, B11: .2, B01: .3, Bm11: .05, C11: -.1, C01: .2, Cm11: .01, D10: .08}"
+    sand = build.make_sand(composed("sand=custom", f"sand.coefficients={nine.replace(' ', '')}").sand)
+    assert sand.stress_map == fo.StressMap(0.2, 0.1, 0.2, 0.3, 0.05, -0.1, 0.2, 0.01, 0.08)
+    with pytest.raises(SettingError, match=r"sand\.coefficients = \['A00'\]: must be all of A00, A10"):
+        build.make_sand(composed("sand=custom", "sand.coefficients={A00:.2}").sand)

@@ -15,13 +15,13 @@ from footopt.walker import PRESETS, Accuracy, Scene, Walker
 
 def make_sand(config: SandConfig) -> Sand:
     """The sand of a configuration."""
-    if config.table is not None and config.coefficients is not None:
+    if config.table is not None and config.coefficients:
         raise SettingError("sand.table", config.table, "null when sand.coefficients are given")
     if config.table is not None:
         fitted = Sand.from_table(config.table, zeta=config.zeta)
         return fitted if config.name == "custom" else replace(fitted, name=config.name)
     stress_map = StressMap()
-    if config.coefficients is not None:
+    if config.coefficients:
         known = set(StressMap.__dataclass_fields__)
         if set(config.coefficients) != known:
             raise SettingError(
