@@ -24,12 +24,27 @@ class StudyConfig:
 
 
 @dataclass
+class CoefficientsConfig:
+    """The nine Fourier coefficients of the stress map, N/cm^3: see `footopt.StressMap`."""
+
+    A00: float = 0.206
+    A10: float = 0.169
+    B11: float = 0.212
+    B01: float = 0.358
+    Bm11: float = 0.055
+    C11: float = -0.124
+    C01: float = 0.253
+    Cm11: float = 0.007
+    D10: float = 0.088
+
+
+@dataclass
 class SandConfig:
     """The sand: zeta scales the generic stress map, or nine coefficients, or a table of stresses."""
 
     name: str = "custom"
     zeta: float = 1.0
-    coefficients: dict[str, float] = field(default_factory=dict)
+    coefficients: CoefficientsConfig = field(default_factory=CoefficientsConfig)
     table: Optional[str] = None  # noqa: UP045
 
 

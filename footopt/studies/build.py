@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 from footopt.config import AccuracyConfig, Config, FootConfig, GaitConfig, SandConfig
 from footopt.errors import SettingError
@@ -15,22 +15,13 @@ from footopt.walker import PRESETS, Accuracy, Scene, Walker
 
 def make_sand(config: SandConfig) -> Sand:
     """The sand of a configuration."""
-    if config.table is not None and config.coefficients:
-        raise SettingError("sand.table", config.table, "null when sand.coefficients are given")
-    if config.table is not None:
-        fitted = Sand.from_table(config.table, zeta=config.zeta)
-        return fitted if config.name == "custom" else replace(fitted, name=config.name)
-    stress_map = StressMap()
-    if config.coefficients:
-        known = set(StressMap.__dataclass_fields__)
-        if set(config.coefficients) != known:
-            raise SettingError(
-                "sand.coefficients",
-                sorted(config.coefficients),
-                f"all of {', '.join(StressMap.__dataclass_fields__)}, in N/cm^3",
-            )
-        stress_map = StressMap(**config.coefficients)
-    return Sand(zeta=config.zeta, stress_map=stress_map, name=config.name)
+    stress_map = StressMap(**asdict(config.coefficients))
+    if config.table is None:
+        return Sand(zeta=config.zeta, stress_map=stress_map, name=config.name)
+    if stress_map != StressMap():
+        raise SettingError("sand.table", config.table, "null when sand.coefficients are changed")
+    fitted = Sand.from_table(config.table, zeta=config.zeta)
+    return fitted if config.name == "custom" else replace(fitted, name=config.name)
 
 
 def make_gait(config: GaitConfig) -> Gait:
