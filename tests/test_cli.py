@@ -246,6 +246,7 @@ BAD = {
     "hydra.run.dir=a_file": "a_file",
     "hydra.run.dir=a_file/below": "a_file",
     "accuracy.tolerance=1e-9": "accuracy.tolerance = 1e-09: must be at least",
+    "study.finalists=0": "study.finalists = 0: must be a whole number >= 1",
     "study.confirm=best": "accuracy = 'best': must be one of",
     "engine.threads=0": "engine.threads = 0: must be a whole number >= 1",
 }

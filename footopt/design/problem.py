@@ -74,6 +74,11 @@ class FootProblem(Problem):  # type: ignore[misc]
         """Names of the objectives."""
         return tuple(o.name for o in self.objectives)
 
+    @property
+    def guide(self) -> str:
+        """Name of the value that ranks designs: the single objective, or J_W when there are several."""
+        return self.objectives[0].name if self.n_obj == 1 else "efficiency"
+
     def minimised(self, values: Array) -> Array:
         """Recorded values (designs, record), natural signs, as the F that is minimised."""
         columns = []

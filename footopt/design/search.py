@@ -70,11 +70,6 @@ class SearchResult:
     interrupted: bool
 
     @property
-    def guide(self) -> str:
-        """Name of the value that ranks designs: the single objective, or J_W."""
-        return self.problem.names[0] if self.problem.n_obj == 1 else "efficiency"
-
-    @property
     def foot(self) -> Foot:
         """The best design."""
         return Foot.from_waypoints(self.k[self.best], self.problem.space)
@@ -154,8 +149,8 @@ def confirm(result: SearchResult, accuracy: Accuracy | str, finalists: int = 20)
     """
     check(finalists >= 1, "study.finalists", finalists, "a whole number >= 1")
     accuracy, problem = resolve(accuracy), result.problem
-    column = problem.record.index(result.guide)
-    sign = -1.0 if OBJECTIVES[result.guide].maximise else 1.0
+    column = problem.record.index(problem.guide)
+    sign = -1.0 if OBJECTIVES[problem.guide].maximise else 1.0
     pool = np.flatnonzero(result.feasible) if problem.n_obj == 1 else result.front
     chosen = pool[np.argsort(sign * result.values[pool, column], kind="stable")[:finalists]]
     values = evaluate(
@@ -202,7 +197,7 @@ class Archive:
         self._front = np.empty(0, np.int64)
         self._evaluations = 0
         self._latest: list[int] = []
-        self._guide = problem.names[0] if problem.n_obj == 1 else "efficiency"
+        self._guide = problem.guide
         self._sign = -1.0 if OBJECTIVES[self._guide].maximise else 1.0
 
     def evaluate(self, k: NDArray[np.int64]) -> tuple[Array, Array]:

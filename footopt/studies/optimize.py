@@ -10,7 +10,7 @@ import numpy as np
 
 from footopt.config import Config
 from footopt.design import FootProblem, SearchResult, Solver, confirm, search
-from footopt.errors import SettingError
+from footopt.errors import SettingError, check
 from footopt.foot import Foot
 from footopt.foot.export import write_csv as write_contour
 from footopt.foot.export import write_dxf
@@ -42,6 +42,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         config.engine.threads,
     )
     solver.build(problem.n_obj)  # a solver that does not fit is refused before anything is walked
+    check(config.study.finalists >= 1, "study.finalists", config.study.finalists, "a whole number >= 1")
     finer = Accuracy.named(config.study.confirm) if config.study.confirm else problem.accuracy
     flat = Foot.flat(problem.space)
     with terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ..."):
@@ -50,8 +51,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         f"Searching {problem.space.K}^{problem.space.n} soles for {', '.join(problem.names)} on "
         f"{problem.scene.sand.name} sand (zeta {problem.scene.sand.zeta:g}) with {solver.name}"
     )
-    guide = problem.names[0] if problem.n_obj == 1 else "efficiency"
-    with terminal.search_progress(out, solver.n_gen, guide) as progress:
+    with terminal.search_progress(out, solver.n_gen, problem.guide) as progress:
         result = search(problem, solver, progress)
     confirmed = confirm(result, finer, config.study.finalists)
     best = dataclasses.replace(
@@ -93,9 +93,9 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     files.write_walk(folder / "walk.nc", walk)
     write_contour(best, folder / "contour.csv")
     write_dxf(best, folder / "contour.dxf")
+    files.write_json(folder / "result.json", entry | {"wall_time_s": clock()})
     marked = int(np.argmax(result.front == confirmed.designs[0]))
     draw(result, marked, best, walk, base, folder / "figures")
-    files.write_json(folder / "result.json", entry | {"wall_time_s": clock()})
 
     out.print(terminal.describe_search(result))
     out.print(terminal.describe_confirmation(confirmed))
@@ -112,7 +112,7 @@ def draw(result: SearchResult, marked: int, best: Foot, walk: Walk, flat: Walk, 
     walks = {"best": walk, "flat": flat}
     drawn = {
         "contour": figures.contour(best),
-        "convergence": figures.convergence(result.history, OBJECTIVES[result.guide].label),
+        "convergence": figures.convergence(result.history, OBJECTIVES[problem.guide].label),
         "com": figures.com(walks),
         "forces": figures.forces(walks),
         "power_work": figures.power_work(walks),

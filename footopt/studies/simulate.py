@@ -37,8 +37,6 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "power_work": figures.power_work(walks),
         "step": figures.step(walk),
     }
-    for name, figure in drawn.items():
-        figures.save(figure, folder / "figures", name)
     entry = {
         "study": "simulate",
         "design": foot_entry(foot),
@@ -54,6 +52,8 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "wall_time_s": clock(),
     }
     files.write_json(folder / "result.json", entry)
+    for name, figure in drawn.items():
+        figures.save(figure, folder / "figures", name)
 
     out.print(f"{scene.sand.name} sand (zeta {scene.sand.zeta:g}), {terminal.describe_foot(foot)}")
     if not walk.feasible:
