@@ -20,7 +20,7 @@ class StudyConfig:
     feet: int = 40
     quick: bool = False
     cases: Optional[list[str]] = None  # noqa: UP045
-    steppers: Optional[list[str]] = None  # noqa: UP045
+    methods: Optional[list[str]] = None  # noqa: UP045
 
 
 @dataclass
@@ -107,6 +107,7 @@ class AccuracyConfig:
     plates: Optional[int] = None  # noqa: UP045
     creep: Optional[float] = None  # noqa: UP045
     rule: Optional[str] = None  # noqa: UP045
+    control: Optional[float] = None  # noqa: UP045
 
 
 @dataclass
