@@ -76,6 +76,59 @@ class FootConfig:
     length: float = 0.26
     apex: str = "middle"
     upright: str = "toe"
+    closed: bool = False
+    top: float = 0.0
+
+
+@dataclass
+class LeadingEdgeConfig:
+    """Only faces that lead feel sand: see `footopt.LeadingEdge`."""
+
+
+@dataclass
+class InertiaConfig:
+    """The grains' inertia: see `footopt.Inertia`."""
+
+    factor: float = 1.1
+    rho: float = 1600.0
+
+
+@dataclass
+class SlopeConfig:
+    """An inclined plane, uphill positive: see `footopt.Slope`."""
+
+    angle: float = 5.0
+
+
+@dataclass
+class LayersConfig:
+    """Strength that changes with depth: see `footopt.Layers`."""
+
+    depths: list[float] = field(default_factory=lambda: [0.03])
+    factors: list[float] = field(default_factory=lambda: [0.3])
+
+
+@dataclass
+class PatchesConfig:
+    """Strength that changes along the way: see `footopt.Patches`."""
+
+    begins: list[float] = field(default_factory=lambda: [0.35])
+    ends: list[float] = field(default_factory=lambda: [0.95])
+    factors: list[float] = field(default_factory=lambda: [0.2])
+    blur: float = 0.05
+
+
+@dataclass
+class EffectsConfig:
+    """Effects beyond the plain law; null: not simulated. auto: those that matter at the accuracy."""
+
+    layers: Optional[LayersConfig] = None  # noqa: UP045
+    patches: Optional[PatchesConfig] = None  # noqa: UP045
+    leading_edge: Optional[LeadingEdgeConfig] = None  # noqa: UP045
+    inertia: Optional[InertiaConfig] = None  # noqa: UP045
+    slope: Optional[SlopeConfig] = None  # noqa: UP045
+    auto: bool = False
+    tolerance: Optional[float] = None  # noqa: UP045
 
 
 @dataclass
@@ -143,6 +196,7 @@ class Config:
     gait: GaitConfig = field(default_factory=GaitConfig)
     foot: FootConfig = field(default_factory=FootConfig)
     walker: WalkerConfig = field(default_factory=WalkerConfig)
+    effects: EffectsConfig = field(default_factory=EffectsConfig)
     scene: SceneConfig = field(default_factory=SceneConfig)
     accuracy: AccuracyConfig = field(default_factory=AccuracyConfig)
     objective: ObjectiveConfig = field(default_factory=ObjectiveConfig)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from footopt.errors import FileError, check
 from footopt.foot.foot import Foot
+from footopt.foot.waypoints import check_top
 
 Array = NDArray[np.float64]
 
@@ -20,13 +20,14 @@ AREA_TOLERANCE = 1e-6  # relative, of an outline read back
 SOLE, OUTLINE = "SOLE", "OUTLINE"  # layers of the DXF file
 
 
-def closed_contour(foot: Foot, top: float = 0.0) -> Array:
+def closed_contour(foot: Foot, top: float | None = None) -> Array:
     """Sole, vertical sides and a flat top, counter-clockwise from the heel.
 
     Parameters
     ----------
     foot : whose sole is closed.
-    top : z_p of the flat top, m. A sole that reaches higher raises it to its own highest point.
+    top : z_p of the flat top, m; by default the foot's own. A sole that reaches higher raises it to its
+        own highest point.
 
     Returns
     -------
@@ -36,7 +37,8 @@ def closed_contour(foot: Foot, top: float = 0.0) -> Array:
     ------
     SettingError : the top is not finite, or encloses nothing with the sole.
     """
-    check(math.isfinite(top), "foot.top", top, "a height in the foot frame, finite, in m")
+    top = foot.top if top is None else top
+    check_top(top)
     sole = foot.contour
     level = max(top, float(sole[:, 1].max()))
     corners = np.array([[sole[-1, 0], level], [sole[0, 0], level]])
@@ -84,7 +86,7 @@ def write_csv(foot: Foot, path: str | Path) -> Path:
     return path
 
 
-def write_dxf(foot: Foot, path: str | Path, top: float = 0.0) -> Path:
+def write_dxf(foot: Foot, path: str | Path, top: float | None = None) -> Path:
     """Write the closed outline (layer OUTLINE) and the sole alone (layer SOLE) as polylines, in mm.
 
     The file is read back, and its outline's area compared with the contour's own.

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from footopt.errors import check
 from footopt.foot.plates import RULES, Plates, along_arc, hollow
 from footopt.foot.shapes import shape
-from footopt.foot.waypoints import Waypoints, check_ankle
+from footopt.foot.waypoints import Waypoints, check_ankle, check_top
 
 Array = NDArray[np.float64]
 
@@ -28,6 +28,7 @@ class Foot:
     contour : (m, 2), m, a dense polyline from heel to toe with the sand below it.
     width : m. ankle : place of the ankle in the foot frame, m. name : for legends.
     k, space : the waypoint heights and their space, if that is where the sole comes from.
+    closed : whether sides and a flat top at z_p = `top` (m) feel the sand too, or only the sole.
     """
 
     contour: Array
@@ -36,6 +37,8 @@ class Foot:
     name: str = "foot"
     k: tuple[int, ...] | None = None
     space: Waypoints | None = None
+    closed: bool = False
+    top: float = 0.0
 
     def __post_init__(self) -> None:
         contour = np.asarray(self.contour, float)
@@ -47,6 +50,7 @@ class Foot:
         )
         check(0 < self.width < math.inf, "foot.width", self.width, "a length > 0, in m")
         check_ankle(self.ankle)
+        check_top(self.top)
         object.__setattr__(self, "contour", contour)
 
     @classmethod
@@ -59,13 +63,14 @@ class Foot:
         ----------
         k : (n,), whole numbers from 1 (high) to K (low)
         space : the design space; by default the paper's, with n = len(k) and `parameters`
-            (K, L, H, width, ankle, box_tolerance).
+            (K, L, H, width, ankle, box_tolerance, closed, top).
         """
         check(np.ndim(k) == 1, "foot.k", k, "one design: a list of whole numbers")
         space = replace(space or Waypoints(n=len(k)), **parameters)  # type: ignore[arg-type]
         heights = tuple(int(v) for v in space.check(k)[0])
         name = "k " + "-".join(map(str, heights))
-        return cls(space.contour(heights)[0], space.width, space.ankle, name, heights, space)
+        contour = space.contour(heights)[0]
+        return cls(contour, space.width, space.ankle, name, heights, space, space.closed, space.top)
 
     @classmethod
     def flat(cls, space: Waypoints | None = None) -> Foot:
@@ -109,12 +114,15 @@ class Foot:
 
 def stack_plates(feet: Sequence[Foot], plates: int, rule: str = "arc", directed: bool = False) -> Plates:
     """The plates of many feet at once, (feet, plates)."""
+    closed = {foot.closed for foot in feet}
+    check(len(closed) == 1, "foot.closed", "both in one batch", "the same for all feet of a batch")
     return Plates.from_points(
         np.stack([foot.points(plates * RULES[rule]) for foot in feet]),
         np.array([foot.ankle for foot in feet], float),
         np.array([foot.width for foot in feet], float),
         rule,
         directed,
+        np.array([foot.top for foot in feet], float) if closed == {True} else None,
     )
 
 

@@ -36,7 +36,13 @@ class Plates(NamedTuple):
 
     @classmethod
     def from_points(
-        cls, points: Array, ankle: Array, width: Array, rule: str = "arc", directed: bool = False
+        cls,
+        points: Array,
+        ankle: Array,
+        width: Array,
+        rule: str = "arc",
+        directed: bool = False,
+        top: Array | None = None,
     ) -> Plates:
         """Plates along a contour.
 
@@ -47,13 +53,23 @@ class Plates(NamedTuple):
         ankle : (designs, 2), m, foot frame
         width : (designs,), m
         rule : a name in `RULES`. directed : whether ``tx`` and ``tz`` are wanted.
+        top : (designs,), z_p of a flat top (m) that closes the contour with vertical sides, see `cap`.
         """
+        sole = cls._along(points, ankle, width, RULES[rule], directed)
+        if top is None:
+            return sole
+        rest = cls._along(cap(points, top, sole.x.shape[1]), ankle, width, 1, directed)
+        pairs = zip(sole, rest, strict=True)
+        return cls(*(np.concatenate([a, b], axis=1) for a, b in pairs if a is not None and b is not None))
+
+    @classmethod
+    def _along(cls, points: Array, ankle: Array, width: Array, parts: int, directed: bool) -> Plates:
+        """Plates of some chords each."""
         chord = points[:, 1:] - points[:, :-1]
         dx, dz = chord[..., 0], chord[..., 1]
         square = np.maximum(dx * dx + dz * dz, 1e-60)  # a side of no length has no area, and no harm
         length = np.sqrt(square)
         middle = 0.5 * (points[:, 1:] + points[:, :-1]) - ankle[:, None, :]
-        parts = RULES[rule]
         total = _sum_parts(length, parts)
 
         def mean(value: Array) -> Array:
@@ -69,7 +85,7 @@ class Plates(NamedTuple):
         if not directed:
             return plates
         along_x, along_z = mean(dx / length), mean(dz / length)
-        norm = np.sqrt(along_x * along_x + along_z * along_z)
+        norm = np.maximum(np.sqrt(along_x * along_x + along_z * along_z), 1e-30)
         return plates._replace(tx=along_x / norm, tz=along_z / norm)
 
     def take(self, index: slice | NDArray[np.int64]) -> Plates:
@@ -84,6 +100,30 @@ def _sum_parts(value: Array, parts: int) -> Array:
     for i in range(1, parts):
         total += value[:, i::parts]
     return total
+
+
+def cap(sole: Array, top: Array, plates: int) -> Array:
+    """What closes a sole: up from the toe, back along a flat top, down to the heel.
+
+    Parameters
+    ----------
+    sole : (designs, m, 2), m, from heel to toe
+    top : (designs,), m; a sole that reaches higher raises it to its own highest point
+    plates : of the sole; a side gets an eighth as many, the top half as many
+
+    Returns
+    -------
+    points : (designs, cap's plates + 1, 2), m
+    """
+    level = np.maximum(top, sole[..., 1].max(axis=1))
+    heel, toe = sole[:, 0], sole[:, -1]
+    corners = [toe, np.stack([toe[:, 0], level], axis=1), np.stack([heel[:, 0], level], axis=1), heel]
+    pieces = [toe[:, None]]
+    for count, begin, end in zip((plates // 8, plates // 2, plates // 8), corners, corners[1:], strict=False):
+        count = max(count, 1)
+        part = (np.arange(1, count + 1) / count)[:, None]
+        pieces.append(begin[:, None] + part * (end - begin)[:, None])
+    return np.concatenate(pieces, axis=1)
 
 
 def along_arc(polyline: Array, plates: int) -> Array:

@@ -37,6 +37,7 @@ class Waypoints:
     width : of the foot, m. ankle : its place in the foot frame, m (the paper gives neither).
     box_tolerance : how far a spline may leave the box [-H, 0] between waypoints before the design
         is infeasible, in units of H; infinity is the paper.
+    closed, top : see `Foot`.
     """
 
     n: int = 11
@@ -46,6 +47,8 @@ class Waypoints:
     width: float = 0.10
     ankle: tuple[float, float] = (0.0, 0.0)
     box_tolerance: float = 0.05
+    closed: bool = False
+    top: float = 0.0
 
     def __post_init__(self) -> None:
         check(
@@ -60,6 +63,7 @@ class Waypoints:
             value = getattr(self, name)
             check(0 < value < math.inf, f"foot.{name}", value, "a length > 0, in m")
         check_ankle(self.ankle)
+        check_top(self.top)
         check(
             self.box_tolerance >= 0,
             "foot.box_tolerance",
@@ -114,7 +118,8 @@ class Waypoints:
         points = self.points(k, plates * RULES[rule])
         designs = len(points)
         ankle, width = np.tile(self.ankle, (designs, 1)), np.full(designs, self.width)
-        return Plates.from_points(points, ankle, width, rule, directed)
+        top = np.full(designs, float(self.top)) if self.closed else None
+        return Plates.from_points(points, ankle, width, rule, directed, top)
 
     def box_violation(self, k: ArrayLike) -> Array:
         """How far each spline leaves the box [-H, 0], (designs,), m; 0 inside."""
@@ -149,6 +154,11 @@ def check_ankle(ankle: tuple[float, float]) -> None:
         ankle,
         "two finite numbers [x_p, z_p], in m",
     )
+
+
+def check_top(top: float) -> None:
+    """Raise unless the top's height is a number."""
+    check(math.isfinite(top), "foot.top", top, "a height in the foot frame, finite, in m")
 
 
 def _is_int(value: object) -> bool:

@@ -14,7 +14,8 @@ from rich.table import Table as RichTable
 
 from footopt.design import Confirmation, Generation, SearchResult
 from footopt.foot import Foot
-from footopt.walker import OBJECTIVES, gain_shares
+from footopt.walker import OBJECTIVES, Scene, gain_shares
+from footopt.walker.audit import name_of, parameters
 from footopt.walker.validity import Diagnostic
 
 
@@ -122,6 +123,15 @@ def describe_foot(foot: Foot) -> str:
     if foot.box_violation is not None:
         parts.append(f"outside its box by {1e3 * foot.box_violation:.2f} mm")
     return ", ".join(parts)
+
+
+def describe_scene(scene: Scene) -> str:
+    """A scene in a few words: its sand and its effects."""
+    words = [f"{scene.sand.name} sand (zeta {scene.sand.zeta:g})"]
+    for effect in scene.effects:
+        values = ", ".join(f"{name} {value}" for name, value in parameters(effect).items())
+        words.append(name_of(effect).replace("_", " ") + (f" ({values})" if values else ""))
+    return ", ".join(words)
 
 
 def describe_search(result: SearchResult) -> str:

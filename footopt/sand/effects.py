@@ -24,8 +24,11 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numba import njit
 from numba.extending import overload
+from numpy.typing import NDArray
 
 from footopt.errors import SettingError, check
+
+Array = NDArray[np.float64]
 
 FAST = {"contract", "reassoc", "arcp", "nsz"}  # see `walker.kernels`
 
@@ -405,3 +408,22 @@ def _through(hooks: dict[type, Hook]) -> Hook:
 #: load(laws, (depth, 1.0, 0.0), depth, x), gate(laws, (1.0, 0.0), into, creep) and
 #: push(laws, (0.0, 0.0, 0.0), into, depth): a plate's, with all effects of a scene.
 load, gate, push = _through(LOADS), _through(GATES), _through(PUSHES)
+
+
+def readable(
+    effects: Sequence[Effect], depth: Array, x: Array, into: Array, creep: float
+) -> tuple[Array, Array, Array]:
+    """What effects make of plates: load (m), share of the stress, and pressure (Pa), as arrays.
+
+    The force on a plate of area dA is then zeta load share (a - M h) dA - push n dA.
+
+    Parameters
+    ----------
+    depth, x : of each plate, m. into : its speed along its outward normal, m/s. creep : m/s
+    """
+    loads, gates, pushes = laws(effects)
+    none = np.zeros_like(depth)
+    strength = depth if loads is None else load(loads, (depth, none + 1.0, none), depth, x)[0]
+    share = none + 1.0 if gates is None else gate(gates, (none + 1.0, none), into, creep)[0]
+    pressure = none if pushes is None else push(pushes, (none, none, none), into, depth)[0]
+    return strength, share, pressure

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import asdict, replace
 
-from footopt.config import AccuracyConfig, Config, FootConfig, GaitConfig, SandConfig
+from footopt.config import AccuracyConfig, Config, EffectsConfig, FootConfig, GaitConfig, SandConfig
 from footopt.errors import SettingError
 from footopt.foot import Foot, Waypoints
 from footopt.gait import Gait
 from footopt.gait.files import read
 from footopt.sand import Sand, StressMap
+from footopt.sand.effects import EFFECTS, Effect
 from footopt.walker import PRESETS, Accuracy, Scene, Walker
 
 
@@ -50,6 +51,8 @@ def make_space(config: FootConfig) -> Waypoints:
         width=config.width,
         ankle=_point(config.ankle),
         box_tolerance=config.box_tolerance,
+        closed=config.closed,
+        top=config.top,
     )
 
 
@@ -64,13 +67,28 @@ def make_foot(config: FootConfig) -> Foot:
         "reversed_triangle": {"apex": config.apex},
         "reversed_l": {"upright": config.upright},
     }.get(config.shape, {})
-    return Foot.shape(config.shape, config.length, config.width, _point(config.ankle), **options)
+    foot = Foot.shape(config.shape, config.length, config.width, _point(config.ankle), **options)
+    return replace(foot, closed=config.closed, top=config.top)
+
+
+def make_effects(config: EffectsConfig) -> tuple[Effect, ...]:
+    """The effects that a configuration names; what `auto` adds is up to the effect audit."""
+    found = {name: getattr(config, name) for name in EFFECTS}
+    return tuple(EFFECTS[name](**vars(values)) for name, values in found.items() if values is not None)
 
 
 def make_scene(config: Config) -> Scene:
     """The scene of a configuration."""
+    if config.effects.auto:
+        raise SettingError(
+            "effects.auto",
+            True,
+            f"false for study={config.study.name}",
+            "Name the effects: effects=[leading_edge,inertia]; study=effects says which matter.",
+        )
     w = config.walker
     return Scene(
+        effects=make_effects(config.effects),
         sand=make_sand(config.sand),
         gait=make_gait(config.gait),
         walker=Walker(w.mass, w.l1, w.l2, w.g),

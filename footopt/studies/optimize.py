@@ -16,6 +16,7 @@ from footopt.foot.export import write_csv as write_contour
 from footopt.foot.export import write_dxf
 from footopt.report import figures, files, terminal
 from footopt.studies import build
+from footopt.studies.auto import settle
 from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walker import OBJECTIVES, Accuracy, Walk, estimate_error, gain_shares, simulate
 from footopt.walker.validity import diagnose
@@ -34,8 +35,9 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         )
     c = config.solver
     solver = Solver(c.name, c.pop_size, c.n_gen, c.seed)
+    scene, audits = settle(config, None, out)
     problem = FootProblem(
-        build.make_scene(config),
+        scene,
         config.objective.names,
         build.make_space(config.foot),
         build.make_accuracy(config.accuracy),
@@ -49,7 +51,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         base = simulate(flat, problem.scene, finer)
     out.print(
         f"Searching {problem.space.K}^{problem.space.n} soles for {', '.join(problem.names)} on "
-        f"{problem.scene.sand.name} sand (zeta {problem.scene.sand.zeta:g}) with {solver.name}"
+        f"{terminal.describe_scene(problem.scene)} with {solver.name}"
     )
     with terminal.search_progress(out, solver.n_gen, problem.guide) as progress:
         result = search(problem, solver, progress)
@@ -86,6 +88,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "front": result.k[result.front].tolist() if problem.n_obj > 1 else [],
         "interrupted": result.interrupted,
         "search_time_s": result.seconds,
+        "effects_audit": audits,
         "settings": settings,
         "versions": files.versions(),
     }

@@ -13,7 +13,9 @@ from footopt.foot.export import write_csv as write_contour
 from footopt.foot.export import write_dxf
 from footopt.report import figures, files, terminal
 from footopt.studies import build
+from footopt.studies.auto import settle
 from footopt.walker import OBJECTIVES, Accuracy, Scene, estimate_error, simulate
+from footopt.walker.audit import name_of, parameters
 from footopt.walker.validity import diagnose
 
 
@@ -21,7 +23,8 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     """Walk with one foot and write everything about it to `folder`."""
     out, clock = terminal.console(), terminal.clock()
     foot = build.make_foot(config.foot)
-    scene, accuracy = build.make_scene(config), build.make_accuracy(config.accuracy)
+    accuracy = build.make_accuracy(config.accuracy)
+    scene, audits = settle(config, foot, out)
     with terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ..."):
         walk = simulate(foot, scene, accuracy)
     errors = estimate_error(foot, scene, accuracy)
@@ -47,6 +50,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         **scene_entry(scene, accuracy, tuple(OBJECTIVES)),
         "validity": {d.name: d.value for d in diagnostics},
         "warnings": [f"{d.name}: {d.why}" for d in diagnostics if d.outside],
+        "effects_audit": audits,
         "settings": settings,
         "versions": files.versions(),
         "wall_time_s": clock(),
@@ -55,7 +59,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     for name, figure in drawn.items():
         figures.save(figure, folder / "figures", name)
 
-    out.print(f"{scene.sand.name} sand (zeta {scene.sand.zeta:g}), {terminal.describe_foot(foot)}")
+    out.print(f"{terminal.describe_scene(scene)}; {terminal.describe_foot(foot)}")
     if not walk.feasible:
         out.print(f"[yellow]The walk failed: {walk.reason}[/] after {len(walk.t)} steps of time.")
     out.print(terminal.objective_table([(foot.name, walk.objectives)], tuple(OBJECTIVES), errors))
@@ -95,6 +99,7 @@ def scene_entry(scene: Scene, accuracy: Accuracy, names: Sequence[str]) -> dict[
             },
             "walker": dataclasses.asdict(scene.walker),
             "t_f_s": scene.duration,
+            "effects": {name_of(e): parameters(e) for e in scene.effects},
         },
         "accuracy": dataclasses.asdict(accuracy),
     }

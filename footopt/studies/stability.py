@@ -31,7 +31,7 @@ from footopt.gait.files import read_csv
 from footopt.report import files, terminal
 from footopt.report.figures import save
 from footopt.report.stability_figure import Cell, verdicts
-from footopt.sand import StressMap, affine, alpha
+from footopt.sand import StressMap, affine, alpha, effects
 from footopt.studies import build
 from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walker import FIVE, STEPPERS, Accuracy, Scene, Walk, simulate
@@ -303,7 +303,9 @@ def energy_gap(walk: Walk) -> float:
     """
     walker = walk.scene.walker
     kinetic = 0.5 * walker.mass * float(np.sum(walk.velocity[-1] ** 2))
-    potential = walker.weight * float(walk.com[-1, 1] - walk.start[1])
+    tilt, g = walk.scene.gravity
+    x, z = (walk.com[-1] - walk.start).tolist()
+    potential = float(walker.mass * (g * z - (tilt or 0.0) * x))
     sand = float(walk.work[-1].sum())
     return abs(kinetic + potential - sand - walk.totals["net_joint_work"]) / max(abs(sand), 1e-300)
 
@@ -372,20 +374,24 @@ def _by_both(
     found : (7,), see `kernels.contact`. size : sum of the plates' forces, N.
     expected : (2,), force, N.
     """
-    foot, count = setup.foot, setup.accuracy.plates
-    plates = foot.plates(count, "chord")
+    plates = setup.foot.plates(setup.accuracy.plates, "chord", directed=True)
+    assert plates.tx is not None, "asked for"
+    assert plates.tz is not None, "asked for"
     (vx, vz, rate), out, tally = motion, np.zeros((2, CONTACT)), np.zeros(TALLY, np.int64)
     pose = np.zeros((2, 7))
     pose[:, 4], pose[0, 6] = 1.0, rate
     pose[0, 1], pose[1, 1] = -1.0, 10.0  # the other foot is in the air
     z = 1.0 - float(np.mean(plates.z)) - BURIED
-    laws = world(setup.scene, setup.accuracy)
+    laws = world(setup.scene, replace(setup.accuracy, creep=creep))
     contact(out, tally, sole(plates), laws, pose, 0.0, z, vx, vz, creep, 1e-3)
-    chord = np.diff(foot.points(count), axis=0)
     x, depth = plates.x[0], np.maximum(-(z - 1.0 + plates.z[0]), 0.0)
     velocity = np.stack([vx - rate * plates.z[0], vz + rate * x], axis=-1)
-    stress = law(np.arctan2(chord[:, 1], chord[:, 0]), velocity, creep, setup.scene.sand.stress_map)
-    forces = setup.scene.sand.zeta * (depth * plates.area[0])[:, None] * stress
+    normal = np.stack([plates.tz[0], -plates.tx[0]], axis=-1)
+    stress = law(np.arctan2(plates.tz[0], plates.tx[0]), velocity, creep, setup.scene.sand.stress_map)
+    into = np.sum(normal * velocity, axis=-1)
+    load, share, push = effects.readable(setup.scene.effects, depth, x, into, creep)
+    forces = (setup.scene.sand.zeta * load * share)[:, None] * stress - push[:, None] * normal
+    forces *= plates.area[0][:, None]
     return out[0], float(np.linalg.norm(forces, axis=-1).sum()), forces.sum(axis=0)
 
 

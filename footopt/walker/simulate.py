@@ -157,16 +157,11 @@ class Walk:
         a, m = affine_direction(c, s, self.scene.sand.stress_map)
         speed = np.sqrt(np.sum(velocity**2, axis=-1) + self.accuracy.creep**2)
         h = velocity / speed[..., None]
-        laws = effects.laws(self.scene.effects)
         depth = np.maximum(-position[..., 1], 0.0)
         into = np.sum(normal * velocity, axis=-1)
-        load, share, push = depth, 1.0, 0.0
-        if laws.loads is not None:
-            load = effects.load(laws.loads, (depth, 1.0, 0.0), depth, position[..., 0])[0]
-        if laws.gates is not None:
-            share = effects.gate(laws.gates, (1.0, 0.0), into, self.accuracy.creep)[0]
-        if laws.pushes is not None:
-            push = effects.push(laws.pushes, (0.0, 0.0, 0.0), into, depth)[0]
+        load, share, push = effects.readable(
+            self.scene.effects, depth, position[..., 0], into, self.accuracy.creep
+        )
         pull = self.scene.sand.zeta * load * share * sole.area[0]
         force = pull[..., None] * (a - np.einsum("...ij,...j->...i", m, h))
         force = force - (push * sole.area[0])[..., None] * normal

@@ -1,0 +1,95 @@
+"""Which effects does a scene call for? Each on in turn: what it changes, what it costs, a verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+
+from footopt.config import Config
+from footopt.errors import check
+from footopt.report import files, terminal
+from footopt.report.effects_figure import changes
+from footopt.report.figures import save
+from footopt.sand import Sand
+from footopt.sand.effects import EFFECTS, Effect, LeadingEdge
+from footopt.studies import build
+from footopt.studies.auto import COMPILING, entry, tolerance
+from footopt.studies.simulate import scene_entry
+from footopt.walker import FIVE, Scene
+from footopt.walker.audit import Audit, audit, name_of, percent
+
+#: The leading edge is always audited on these: faces that trail do a fifth to a half of the work.
+SANDS = ("soft", "regular", "hard")
+
+
+def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
+    """Audit every effect and write the verdicts to `folder`."""
+    out, clock = terminal.console(), terminal.clock()
+    check(config.study.feet >= 2, "study.feet", config.study.feet, "at least 2, to rank them")
+    scene, space = build.make_scene(config), build.make_space(config.foot)
+    accuracy, limit = build.make_accuracy(config.accuracy), tolerance(config)
+    feet = space.random(config.study.feet, seed=config.solver.seed, inside=True)
+    pairs = candidates(scene)
+    found: list[Audit] = []
+    with out.status("") as status, terminal.told_if_slow(out, COMPILING):
+        for i, (effect, where) in enumerate(pairs, start=1):
+            status.update(f"{i} of {len(pairs)}: {name_of(effect)} on {where.sand.name} sand")
+            found.append(audit(effect, where, feet, accuracy, limit, space))
+    header = ["effect", "sand", *(f"change_{n}" for n in FIVE), *(f"shift_{n}" for n in FIVE)]
+    header += ["tau", "lost", "feet", "cost", "tolerance", "matters", "verdict"]
+    files.write_csv(folder / "effects.csv", header, [_row(a) for a in found])
+    save(changes(found), folder / "figures", "effects")
+    files.write_json(
+        folder / "result.json",
+        {
+            "study": "effects",
+            "feet": feet.tolist(),
+            **scene_entry(scene, accuracy, ()),
+            "audit": [entry(a) for a in found],
+            "called_for": sorted({a.name for a in found if a.matters and a.scene.sand == scene.sand}),
+            "settings": settings,
+            "versions": files.versions(),
+            "wall_time_s": clock(),
+        },
+    )
+    out.print(table(found))
+    for a in found:
+        out.print(f"{a.name.replace('_', ' ')} on {a.scene.sand.name} sand {a.verdict}")
+    out.print(f"Everything is in {folder} ({clock():.0f} s in all)")
+
+
+def candidates(scene: Scene) -> list[tuple[Effect, Scene]]:
+    """Every effect, as the scene names it or with its own defaults, and where it is switched on."""
+    found: list[tuple[Effect, Scene]] = []
+    for kind in EFFECTS.values():
+        named = [effect for effect in scene.effects if isinstance(effect, kind)]
+        effect = named[0] if named else kind()
+        found.append((effect, scene))
+        if kind is LeadingEdge:
+            others = [Sand.named(name) for name in SANDS if Sand.named(name).zeta != scene.sand.zeta]
+            found += [(effect, replace(scene, sand=sand)) for sand in others]
+    return found
+
+
+def _row(a: Audit) -> list[object]:
+    numbers = [*a.changes.tolist(), *a.shifts.tolist(), a.tau, a.lost, a.feet, a.cost, a.tolerance]
+    return [a.name, a.scene.sand.name, *numbers, int(a.matters), a.verdict]
+
+
+def table(found: Sequence[Audit]) -> Table:
+    """Audits for the terminal: changes in %, with the median's sign."""
+    shown = Table(title="change that 95 % of the feet do not exceed (%), + or -: the median's sign")
+    for title in ("effect", "sand", *(n.replace("_", " ") for n in FIVE), "tau", "time", "matters"):
+        shown.add_column(title, justify="left" if title in ("effect", "sand") else "right")
+    for a in found:
+        pairs = zip(a.changes, a.shifts, strict=True)
+        cells = [f"{'+' if shift > 0 else '-'}{percent(100 * change)}" for change, shift in pairs]
+        mark = "yes" if a.matters else "no"
+        shown.add_row(
+            a.name.replace("_", " "), a.scene.sand.name, *cells, f"{a.tau:.2f}", f"x {a.cost:.2f}", mark
+        )
+    return shown
