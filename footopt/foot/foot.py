@@ -85,10 +85,13 @@ class Foot:
         length: float = 0.26,
         width: float = 0.10,
         ankle: tuple[float, float] = (0.0, 0.0),
+        closed: bool = False,
+        top: float = 0.0,
         **options: str,
     ) -> Foot:
         """One of the paper's five shapes by name (`footopt.foot.shapes`), with a contact length in m."""
-        return cls(shape(name, length, **options), width, tuple(ankle), name)  # type: ignore[arg-type]
+        contour = shape(name, length, **options)
+        return cls(contour, width, (ankle[0], ankle[1]), name, closed=closed, top=top)
 
     def points(self, steps: int) -> Array:
         """Points at equal steps along the arc, (steps + 1, 2), m."""

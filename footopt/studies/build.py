@@ -67,8 +67,8 @@ def make_foot(config: FootConfig) -> Foot:
         "reversed_triangle": {"apex": config.apex},
         "reversed_l": {"upright": config.upright},
     }.get(config.shape, {})
-    foot = Foot.shape(config.shape, config.length, config.width, _point(config.ankle), **options)
-    return replace(foot, closed=config.closed, top=config.top)
+    ankle = _point(config.ankle)
+    return Foot.shape(config.shape, config.length, config.width, ankle, config.closed, config.top, **options)
 
 
 def make_effects(config: EffectsConfig) -> tuple[Effect, ...]:
