@@ -45,3 +45,21 @@ def test_a_package_and_a_home_that_cannot_be_written_still_walk(tmp_path):
     assert done.returncode == 0, done.stderr
     assert float(done.stdout) > 0
     assert "every start compiles it again" in done.stderr
+
+
+def test_a_users_own_functions_are_part_of_what_compiled_code_is_cached_by(tmp_path):
+    """An edited effect or stepper is compiled again, in a file or typed into a session."""
+    from footopt.walker.loop import _source
+
+    def loaded(text):
+        path = tmp_path / "mine.py"
+        path.write_text(text)
+        namespace = {}
+        exec(compile(text, str(path), "exec"), namespace)
+        return namespace["hook"]
+
+    first = _source((loaded("def hook(a):\n    return a\n"),))
+    second = _source((loaded("def hook(a):\n    return 2 * a\n"),))
+    typed = [eval(f"lambda a: {n} * a") for n in (1, 2)]
+    digests = {_source(()), first, second, *(_source((f,)) for f in typed)}
+    assert len(digests) == 5

@@ -6,7 +6,11 @@ Both are the same function; without a trace the code that writes one is not comp
 from __future__ import annotations
 
 import hashlib
+import inspect
+import marshal
+from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -94,15 +98,22 @@ def embedded(v0, v1, a0, a1, h):
     return abs(v1 - v0 - 0.5 * h * (a0 + a1))
 
 
-def _source() -> str:
-    """A digest of the compiled sources: cached code of older ones is not used again."""
+@lru_cache(maxsize=8)
+def _source(own):
+    """A digest of the compiled sources, with a user's own functions: code cached of others is not used."""
     digest = hashlib.sha256()
     for module in (effects, kernels, steppers):
         digest.update(Path(str(module.__file__)).read_bytes())
     digest.update(Path(__file__).read_bytes())
+    for function in own:
+        try:
+            digest.update(Path(inspect.getfile(function)).read_bytes())  # with what it may call
+        except OSError:  # typed into a session
+            digest.update(marshal.dumps(function.__code__))
     return digest.hexdigest()
 
 
+@lru_cache(maxsize=8)
 def _compile(source: str):
     @cached_njit(nogil=True, error_model="numpy")
     def walk_range(
@@ -262,4 +273,8 @@ def _compile(source: str):
     return walk_range
 
 
-walk_range = _compile(_source())
+def walk_range(*arguments: Any) -> None:
+    """The compiled loop; see there for its arguments. It knows every stepper and effect registered."""
+    hooks = (steppers.STEPS, effects.LOADS, effects.GATES, effects.PUSHES)
+    functions = (function for registered in hooks for function in registered.values())
+    _compile(_source(tuple(f for f in functions if not f.__module__.startswith("footopt."))))(*arguments)

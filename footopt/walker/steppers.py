@@ -48,7 +48,7 @@ class Stepper:
 
 
 STEPPERS: dict[str, Stepper] = {}
-_STEPS: dict[type, Callable[..., bool]] = {}
+STEPS: dict[type, Callable[..., bool]] = {}
 
 
 def register(
@@ -60,17 +60,17 @@ def register(
 ) -> None:
     """Offer a stepper under a name. `parameters` is an instance of a class of its own."""
     STEPPERS[name] = Stepper(parameters, step, nodes, implicit)
-    _STEPS[type(parameters)] = step
+    STEPS[type(parameters)] = step
 
 
 def advance(stepper, y, now, quad, tally, h, poses, sole, world, work):
     """The step of whichever stepper the first argument is; resolved when the loop is compiled."""
-    return _STEPS[type(stepper)](stepper, y, now, quad, tally, h, poses, sole, world, work)
+    return STEPS[type(stepper)](stepper, y, now, quad, tally, h, poses, sole, world, work)
 
 
 @overload(advance, jit_options={"forceinline": True})
 def _resolve(stepper, y, now, quad, tally, h, poses, sole, world, work):
-    return _STEPS[stepper.instance_class]
+    return STEPS[stepper.instance_class]
 
 
 @njit(forceinline=True)

@@ -1,18 +1,20 @@
 """Is the walk inside what resistive force theory has been tested for? Numbers, with their limits.
 
 RFT's growth of stress with depth is tested to about one plate width, its rate independence for slow
-motion, and, as in the paper, faces that trail (n.v < 0) are counted like those that lead.
+motion, and, as in the paper, faces that trail (n.v < 0) are counted like those that lead, unless the
+scene names the leading edge.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from footopt.sand.effects import Inertia
 from footopt.walker.simulate import Walk
 
-LAMBDA, RHO = 1.1, 1600.0  # dynamic RFT, Agarwal et al. 2021: traction lambda rho (n.v)^2; kg/m^3
 SAMPLES = 600  # instants of the walk that are looked at
 
 
@@ -49,7 +51,9 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
     speed = np.linalg.norm(states.velocity, axis=-1)
     into = np.sum(states.normal * states.velocity, axis=-1)
     power = lasts * np.abs(np.sum(states.force * states.velocity, axis=-1))
-    inertia = lasts * LAMBDA * RHO * np.maximum(into, 0.0) ** 2 * states.area * (depth > 0)
+    counted = [effect for effect in walk.scene.effects if isinstance(effect, Inertia)]
+    density = (counted[0] if counted else Inertia()).law.density
+    inertia = lasts * density * np.maximum(into, 0.0) ** 2 * states.area * (depth > 0)
     total_force, total_power = max(size.sum(), 1e-300), max(power.sum(), 1e-300)
     ankle = -(walk.com[index, 1, None] + pose.z)
     return [
@@ -78,14 +82,14 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
             "inertial share of the force",
             float(inertia.sum() / total_force),
             "",
-            0.05,
-            "the sand's inertia is left out",
+            math.inf if counted else 0.05,
+            "the sand's inertia is left out; effects=inertia counts it",
         ),
         Diagnostic(
             "share of |W| on trailing faces",
             float(power[into < 0].sum() / total_power),
             "",
             0.2,
-            "faces that trail are counted as in the paper",
+            "faces that trail are counted as in the paper; effects=leading_edge leaves them out",
         ),
     ]
