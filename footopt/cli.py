@@ -5,7 +5,8 @@ from __future__ import annotations
 import logging
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +29,7 @@ PACKAGE = Path(__file__).parent
 CONF = PACKAGE / "conf" if (PACKAGE / "conf").is_dir() else PACKAGE.parent / "conf"
 
 #: What a resumed run cannot change.
-FIXED = ("study", "study.name", "hydra.run.dir", "hydra.mode", "hydra.sweep.dir")
+FIXED = ("study", "study.name", "hydra.run.dir", "hydra.mode", "hydra.output_subdir")
 
 _wants_traceback = os.environ.get("HYDRA_FULL_ERROR") == "1"
 
@@ -49,7 +50,8 @@ def _job(settings: DictConfig) -> None:
         (folder / ERROR_FILE).unlink(missing_ok=True)  # of a job that is resumed
         config: Any = OmegaConf.to_object(settings)
         plain: Any = OmegaConf.to_container(settings, resolve=True)
-        studies.run(config, folder, plain)
+        with settings_kept(settings, folder):
+            studies.run(config, folder, plain)
     except KeyboardInterrupt as stop:
         words = " ".join(["footopt: stopped", *map(str, stop.args)])
         again = f"; go on with: footopt resume={folder}" if settings.study.name in studies.RESUMABLE else ""
@@ -57,68 +59,12 @@ def _job(settings: DictConfig) -> None:
         sys.exit(STOPPED)
     except (FootoptError, OmegaConfBaseException, OSError) as error:
         if here.mode != RunMode.MULTIRUN:
-            Resume.undo()
             if _wants_traceback:
                 raise
             sys.exit(f"footopt: error: {explain(error)}")
         # the other jobs go on; `Summary` reports this one at the end
         log.error("job %s failed: %s", here.job.num, explain(error))
         (folder / ERROR_FILE).write_text(f"{explain(error)}\n", encoding="utf-8")
-
-
-class Resume:
-    """`footopt resume=FOLDER ...`: the run that left the folder again, with what else is given.
-
-    The search itself does the rest: what its store holds is not walked again.
-    """
-
-    before: dict[Path, bytes] = {}  # noqa: RUF012  what Hydra overwrites
-
-    @staticmethod
-    def arguments(given: Sequence[str]) -> list[str]:
-        """The arguments without ``resume=``: those of the run in the folder, then the new ones."""
-        from footopt.studies import RESUMABLE
-
-        folders = [word.removeprefix("resume=") for word in given if word.startswith("resume=")]
-        if not folders:
-            return list(given)
-        new = [word for word in given if not word.startswith("resume=")]
-        folder = Path(folders[-1].strip("'\"")).absolute()
-        if (folder / "multirun.yaml").is_file():
-            jobs = sorted((p.name for p in folder.iterdir() if (p / ".hydra").is_dir()), key=int)
-            left = [job for job in jobs if not (folder / job / "result.json").is_file()]
-            raise SettingError(
-                "resume",
-                folders[-1],
-                "the folder of one job of this multirun",
-                f"Jobs without a result: {', '.join(left) or 'none'} (of {', '.join(jobs)}).",
-            )
-        for word in new:
-            if word in ("-m", "--multirun") or word.partition("=")[0] in FIXED:
-                raise SettingError("resume", folders[-1], f"given without {word}", "It goes on as it began.")
-        try:
-            files = {name: folder / ".hydra" / f"{name}.yaml" for name in ("overrides", "hydra", "config")}
-            study = OmegaConf.load(files["config"]).study.name
-            Resume.before = {path: path.read_bytes() for path in files.values()}
-            # Hydra truncates its files before it writes them: one that was killed then is empty
-            saved: Any = OmegaConf.to_container(OmegaConf.load(files["overrides"])) or OmegaConf.to_container(
-                OmegaConf.load(files["hydra"]).hydra.overrides.task
-            )
-        except Exception as error:  # whatever can be wrong with a folder or its files
-            raise FileError(
-                f"resume = {folders[-1]!r}: not the folder of a run ({str(error).splitlines()[0]}). "
-                "Give one with a .hydra folder in it, such as outputs/optimize/2026-01-31_12-00-00-000000."
-            ) from None
-        if study not in RESUMABLE:
-            raise SettingError("resume", folders[-1], f"a run of study={', '.join(RESUMABLE)}, not {study}")
-        place = str(folder).replace("'", "\\'").replace("${", "\\${")
-        return [*saved, *new, f"hydra.run.dir='{place}'"]
-
-    @staticmethod
-    def undo() -> None:
-        """Put back the settings of a run that could not go on with the new ones."""
-        for path, text in Resume.before.items():
-            path.write_bytes(text)
 
 
 class Summary(Callback):
@@ -137,7 +83,7 @@ def main() -> None:
     """Entry point. Errors a user can mend end with one message and exit code 1."""
     os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra passes errors on instead of printing them itself
     try:
-        sys.argv[1:] = Resume.arguments(sys.argv[1:])
+        sys.argv[1:] = resumed(sys.argv[1:])
         _job()
     except KeyboardInterrupt:
         sys.exit(STOPPED)
@@ -147,6 +93,73 @@ def main() -> None:
         sys.exit(f"footopt: error: {explain(error)}")
     if Summary.failed:
         sys.exit(f"footopt: error: {Summary.failed} of the jobs failed; see the table above.")
+
+
+def resumed(given: Sequence[str]) -> list[str]:
+    """The command line with ``resume=FOLDER`` replaced by the settings of the run in that folder.
+
+    The search itself does the rest: what its store holds is not walked again. New settings come
+    after the saved ones and win.
+    """
+    from footopt.studies import RESUMABLE
+
+    folders = [word.removeprefix("resume=") for word in given if word.startswith("resume=")]
+    if not folders:
+        return list(given)
+    new = [word for word in given if not word.startswith("resume=")]
+    folder = Path(folders[-1].strip("'\"")).absolute()
+    if (folder / "multirun.yaml").is_file():
+        jobs = sorted(path.parent.name for path in folder.glob("*/.hydra"))
+        left = [job for job in jobs if not (folder / job / "result.json").is_file()]
+        raise SettingError(
+            "resume",
+            folders[-1],
+            "the folder of one job of this multirun",
+            f"Jobs without a result: {', '.join(left) or 'none'} (of {', '.join(jobs)}).",
+        )
+    for word in new:
+        if word in ("-m", "--multirun") or word.partition("=")[0] in FIXED:
+            raise SettingError("resume", folders[-1], f"given without {word}", "It goes on as it began.")
+    try:
+        study = OmegaConf.load(folder / ".hydra" / "config.yaml").study.name
+        saved = OmegaConf.to_container(OmegaConf.load(folder / ".hydra" / "overrides.yaml"))
+        if not isinstance(saved, list):
+            raise ValueError("its overrides.yaml is no list")
+    except Exception as error:  # whatever can be wrong with a folder and its files
+        raise FileError(
+            f"resume = {folders[-1]!r}: not the folder of a run ({str(error).partition(chr(10))[0]}). "
+            "Give one with a .hydra folder in it, such as outputs/optimize/2026-01-31_12-00-00-000000."
+        ) from None
+    if study not in RESUMABLE:
+        raise SettingError("resume", folders[-1], f"a run of study={', '.join(RESUMABLE)}, not {study}")
+    place = str(folder).replace("'", "\\'")
+    # Hydra would truncate the settings before it writes them: a kill then could lose them
+    return [*map(str, saved), *new, f"hydra.run.dir='{place}'", "hydra.output_subdir=null"]
+
+
+@contextmanager
+def settings_kept(settings: DictConfig, folder: Path) -> Iterator[None]:
+    """Write down what a resumed run goes on with; put the old settings back if it ends with an error."""
+    here = HydraConfig.get()
+    if here.output_subdir is not None:  # Hydra has written them: the run is a new one
+        yield
+        return
+    from footopt.report.files import write_text
+
+    texts = {
+        folder / ".hydra" / "config.yaml": OmegaConf.to_yaml(settings),
+        folder / ".hydra" / "overrides.yaml": OmegaConf.to_yaml(here.overrides.task),
+    }
+    before = {path: path.read_text(encoding="utf-8") for path in texts if path.is_file()}
+    try:
+        for path in before:
+            write_text(path, texts[path])
+        yield
+    except Exception:
+        with suppress(OSError):
+            for path, text in before.items():
+                write_text(path, text)
+        raise
 
 
 def explain(error: BaseException) -> str:
