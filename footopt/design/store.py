@@ -15,6 +15,7 @@ import hashlib
 import json
 import platform
 import sqlite3
+import time
 import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -95,9 +96,7 @@ class Store:
         try:
             with self._explained() as connection:
                 self._identify(connection)
-                # a transaction survives the death of the process as soon as it is in the log
-                connection.execute("PRAGMA journal_mode = WAL").fetchall()
-                connection.execute("PRAGMA synchronous = NORMAL")
+                _log_ahead(connection)
                 self._id = self._enter_context(connection)
         except BaseException:
             self.close()
@@ -131,7 +130,8 @@ class Store:
             checksum = self._checksum(key, record, reason, message)
             rows.append((self._id, key, record, reason, message, checksum))
         with self._explained() as connection, _transaction(connection):
-            connection.executemany("INSERT OR IGNORE INTO design VALUES (?, ?, ?, ?, ?, ?)", rows)
+            insert = "INSERT INTO design VALUES (?, ?, ?, ?, ?, ?) ON CONFLICT (context, k) DO NOTHING"
+            connection.executemany(insert, rows)
 
     def describe(self) -> str:
         """What can be used of the file, in one line; if nothing, why; "" for a new one."""
@@ -195,7 +195,7 @@ class Store:
         if found is None:
             with _transaction(connection):
                 connection.execute(
-                    "INSERT OR IGNORE INTO context (digest, description) VALUES (?, ?)",
+                    "INSERT INTO context (digest, description) VALUES (?, ?) ON CONFLICT DO NOTHING",
                     (self._digest, canonical(self._context)),
                 )
                 found = connection.execute(query, (self._digest,)).fetchone()
@@ -299,6 +299,20 @@ def canonical(content: Any) -> str:
 def digest(content: Any) -> str:
     """SHA-256 of the canonical JSON."""
     return hashlib.sha256(canonical(content).encode()).hexdigest()
+
+
+def _log_ahead(connection: sqlite3.Connection) -> None:
+    """A transaction then survives the death of the process as soon as it is in the log, without a sync."""
+    deadline = time.monotonic() + PATIENCE
+    while True:
+        try:
+            connection.execute("PRAGMA journal_mode = WAL").fetchall()
+            break
+        except sqlite3.OperationalError as error:  # the one lock for which SQLite itself does not wait
+            if error.sqlite_errorcode != sqlite3.SQLITE_BUSY or time.monotonic() > deadline:
+                raise
+            time.sleep(0.01)
+    connection.execute("PRAGMA synchronous = NORMAL")
 
 
 @contextmanager
