@@ -199,7 +199,9 @@ class Store:
                     (self._digest, canonical(self._context)),
                 )
                 found = connection.execute(query, (self._digest,)).fetchone()
-        return int(found[0])
+        if found is None or not isinstance(found[0], int):
+            raise self._error(*MEANING[sqlite3.SQLITE_CORRUPT], "its table of contexts")
+        return found[0]
 
     def _read(self, key: str, record: Any, reason: Any, message: Any, checksum: Any) -> Evaluation:
         """A row as an evaluation; SQLite itself does not notice a number that has changed on disk."""
@@ -216,7 +218,7 @@ class Store:
         """The connection; SQLite's errors in the user's terms."""
         try:
             yield self._connection  # type: ignore[misc]
-        except sqlite3.Error as error:
+        except (sqlite3.Error, UnicodeDecodeError) as error:  # damage can be in the error's own words
             code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF
             meaning = MEANING.get(code, MEANING[sqlite3.SQLITE_CORRUPT])
             raise self._error(*meaning, str(error)) from None
