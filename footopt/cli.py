@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import logging
 import os
+import shlex
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -34,6 +36,7 @@ FIXED = ("study", "study.name", "hydra.run.dir", "hydra.mode", "hydra.output_sub
 _wants_traceback = os.environ.get("HYDRA_FULL_ERROR") == "1"
 
 ERROR_FILE = "error.txt"  # left in the folder of a job of a multirun that failed
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 STOPPED = 130  # exit code after Ctrl-C, as of any program that a shell stops
 
 ConfigStore.instance().store(name="footopt_schema", node=Config)
@@ -54,8 +57,9 @@ def _job(settings: DictConfig) -> None:
             studies.run(config, folder, plain)
     except KeyboardInterrupt as stop:
         words = " ".join(["footopt: stopped", *map(str, stop.args)])
-        again = f"; go on with: footopt resume={folder}" if settings.study.name in studies.RESUMABLE else ""
-        print(words + again, file=sys.stderr)
+        if settings.study.name in studies.RESUMABLE:
+            words += f"; go on with: footopt resume={shlex.quote(str(folder))}"
+        print(words, file=sys.stderr)
         sys.exit(STOPPED)
     except (FootoptError, OmegaConfBaseException, OSError) as error:
         if here.mode != RunMode.MULTIRUN:
@@ -176,6 +180,8 @@ def explain(error: BaseException) -> str:
             lines.append(str(cause).splitlines()[0])
         return "\n  ".join(lines)
     if isinstance(error, OSError):
+        if error.errno in NO_ROOM:
+            return f"a file cannot be written ({error.strerror}). Make room on the disk and run it again."
         return f"{error.strerror or error}: {error.filename or ''}".rstrip(": ")
     return (
         f"unexpected {type(error).__name__}: {error}\n"

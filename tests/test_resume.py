@@ -165,7 +165,7 @@ class TestResume:
 
 @pytest.mark.slow
 class TestKilled:
-    KILLS = 24
+    KILLS = 21
 
     def test_at_random_moments_the_resumed_run_ends_like_one_never_stopped(self, undisturbed, tmp_path):
         rng, kills, rounds = random.Random(time.time_ns()), 0, 0
@@ -174,7 +174,7 @@ class TestKilled:
             rounds += 1
             folder = tmp_path / str(rounds)
             first = [*BRIEF, f"solver={solver}", f"hydra.run.dir={folder.name}"]
-            for i in range(5):
+            for i in range(7):
                 begun = (folder / ".hydra" / "overrides.yaml").is_file()
                 run = started(*([f"resume={folder.name}"] if begun else first), cwd=tmp_path)
                 if i:  # the first is hit in its start or later, the others while they search
@@ -209,7 +209,7 @@ class TestInterrupted:
         out, err = run.communicate()
         assert run.returncode == 130
         assert err.startswith("footopt: stopped after generation ")
-        assert f"fully reported; go on with: footopt resume={tmp_path / 'run'}" in err
+        assert f"with a full report; go on with: footopt resume={tmp_path / 'run'}" in err
         assert "Traceback" not in err
         assert "(interrupted)" in out
         result = json.loads((tmp_path / "run" / "result.json").read_text())
@@ -276,18 +276,34 @@ class TestSharedStore:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kilobytes", [6, 16, 24, 40, 60, 110])
-def test_a_full_disk_is_said_and_what_was_kept_is_used(kilobytes, undisturbed, tmp_path):
-    def little_room():  # no file may grow beyond this
-        resource.setrlimit(resource.RLIMIT_FSIZE, (kilobytes << 10, kilobytes << 10))
+def test_a_full_disk_is_said_and_what_was_kept_is_used(undisturbed, tmp_path):
+    def failing(kilobytes, *arguments):
+        """The error of a run whose files may not grow beyond a size."""
+        run = started(
+            *arguments,
+            cwd=tmp_path,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (kilobytes << 10,) * 2),
+        )
+        _, err = run.communicate()
+        assert run.returncode == 1
+        assert err.startswith("footopt: error: ")
+        assert "Traceback" not in err
+        assert "unexpected" not in err
+        return err
 
-    run = started(*BRIEF, "hydra.run.dir=run", cwd=tmp_path, preexec_fn=little_room)
-    _, err = run.communicate()
-    assert run.returncode == 1
-    assert err.startswith("footopt: error: ")
-    assert "Traceback" not in err
-    assert "unexpected" not in err
-    assert str(tmp_path / "run") in err
-    done = footopt("resume=run", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert outcome(tmp_path / "run") == outcome(undisturbed("ga"))
+    def resume():
+        done = footopt("resume=run", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert outcome(tmp_path / "run") == outcome(undisturbed("ga"))
+
+    assert "Make room on the disk" in failing(0, *BRIEF, "hydra.run.dir=nothing")
+    store = f"study.store = '{tmp_path}/run/designs.sqlite': cannot be written"
+    assert store in failing(6, *BRIEF, "hydra.run.dir=run")
+    assert store in failing(60, "resume=run")  # some generations later
+    resume()
+    result = (tmp_path / "run" / "result.json").read_bytes()
+    assert f"cannot write {tmp_path}/run/.hydra/config.yaml" in failing(0, "resume=run", "solver.n_gen=26")
+    assert f"cannot write {tmp_path}/run/designs.csv" in failing(40, "resume=run")
+    assert (tmp_path / "run" / "result.json").read_bytes() == result
+    assert not list((tmp_path / "run").rglob("*.new"))
+    resume()

@@ -186,6 +186,10 @@ class TestStore:
                 assert len(store) == count // 2 * 5 + 1
                 assert store.get([[9] * 5])[0].values.tolist() == [i] * 6
 
+    def test_of_another_problem_is_refused(self, path):
+        with Store(path, problem()) as store, pytest.raises(ValueError, match="another problem"):
+            search(problem(zeta=1.0), "ga", store=store, pop_size=4, n_gen=1)
+
     def test_a_run_sees_what_another_adds_meanwhile(self, path):
         with Store(path, problem()) as one, Store(path, problem()) as other:
             one.add([[1] * 5], [Evaluation(np.ones(6), "")])

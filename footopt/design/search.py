@@ -124,7 +124,7 @@ def search(
     SettingError : the solver does not fit the number of objectives.
     FootoptError : no feasible design was found, or it was interrupted before the first one, or
         every design of the first generation breaks the program.
-    FileError : the store cannot be used.
+    FileError : the store cannot be used. ValueError : it was opened for another problem.
     """
     if not isinstance(solver, Solver):
         default = "ga" if problem.n_obj == 1 else "nsga2"
@@ -135,6 +135,8 @@ def search(
     interrupted = False
     opened = Store(store, problem) if isinstance(store, (str, Path)) else nullcontext(store)
     with opened as kept:
+        if kept is not None and kept.problem is not problem:
+            raise ValueError("the store was opened for another problem than the one that is searched")
         archive = Archive(problem, kept)
         try:
             while algorithm.has_next():

@@ -86,7 +86,7 @@ class Store:
     """
 
     def __init__(self, path: str | Path, problem: FootProblem) -> None:
-        self.path = Path(path)
+        self.path, self.problem = Path(path), problem
         self._columns = len(problem.record)
         self._context = context(problem)
         self._digest = digest(self._context)

@@ -45,17 +45,17 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     check(config.study.finalists >= 1, "study.finalists", config.study.finalists, "a whole number >= 1")
     finer = Accuracy.named(config.study.confirm) if config.study.confirm else problem.accuracy
     flat = Foot.flat(problem.space)
-    store = Store(config.study.store or folder / "designs.sqlite", problem)
-    with terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ..."):
-        base = simulate(flat, problem.scene, finer)
-    out.print(
-        f"Searching {problem.space.K}^{problem.space.n} soles for {', '.join(problem.names)} on "
-        f"{problem.scene.sand.name} sand (zeta {problem.scene.sand.zeta:g}) with {solver.name}"
-    )
-    with store, terminal.search_progress(out, solver.n_gen, problem.guide) as progress:
+    with Store(config.study.store or folder / "designs.sqlite", problem) as store:
+        with terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ..."):
+            base = simulate(flat, problem.scene, finer)
+        out.print(
+            f"Searching {problem.space.K}^{problem.space.n} soles for {', '.join(problem.names)} on "
+            f"{problem.scene.sand.name} sand (zeta {problem.scene.sand.zeta:g}) with {solver.name}"
+        )
         if known := store.describe():
             out.print(known)
-        result = search(problem, solver, progress, store)
+        with terminal.search_progress(out, solver.n_gen, problem.guide) as progress:
+            result = search(problem, solver, progress, store)
     confirmed = confirm(result, finer, config.study.finalists)
     best = dataclasses.replace(
         Foot.from_waypoints(result.k[confirmed.designs[0]], problem.space), name=f"best of {solver.name}"
