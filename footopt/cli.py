@@ -111,7 +111,7 @@ def resumed(given: Sequence[str]) -> list[str]:
     if not folders:
         return list(given)
     new = [word for word in given if not word.startswith("resume=")]
-    folder = Path(folders[-1].strip("'\"")).absolute()
+    folder = Path(folders[-1]).absolute()
     if (folder / "multirun.yaml").is_file():
         jobs = sorted(path.parent.name for path in folder.glob("*/.hydra"))
         left = [job for job in jobs if not (folder / job / "result.json").is_file()]

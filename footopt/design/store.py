@@ -13,7 +13,6 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
-import platform
 import sqlite3
 import time
 import zlib
@@ -218,6 +217,8 @@ class Store:
         """The connection; SQLite's errors in the user's terms."""
         try:
             yield self._connection  # type: ignore[misc]
+        except sqlite3.ProgrammingError:  # a store that has been closed
+            raise
         except (sqlite3.Error, UnicodeDecodeError) as error:  # damage can be in the error's own words
             code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF
             meaning = MEANING.get(code, MEANING[sqlite3.SQLITE_CORRUPT])
@@ -248,13 +249,14 @@ def context(problem: FootProblem) -> dict[str, Any]:
 
 @cache
 def machine() -> dict[str, str]:
-    """What code is compiled for: results are the same, bit for bit, only where this is."""
-    from llvmlite import binding
+    """What numba compiles for: results are the same, bit for bit, only where this is."""
+    from numba.core.registry import cpu_target
 
+    system, processor, features = cpu_target.target_context.codegen().magic_tuple()
     return {
-        "system": f"{platform.system()} {platform.machine()}",
-        "processor": binding.get_host_cpu_name(),
-        "features": hashlib.sha256(binding.get_host_cpu_features().flatten().encode()).hexdigest(),
+        "system": system,
+        "processor": processor,
+        "features": hashlib.sha256(features.encode()).hexdigest(),
     }
 
 
