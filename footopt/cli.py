@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import errno
 import logging
 import os
+import shlex
 import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +22,7 @@ from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from footopt.config import Config
-from footopt.errors import FootoptError
+from footopt.errors import FileError, FootoptError, SettingError
 
 log = logging.getLogger("footopt")
 
@@ -26,9 +30,14 @@ PACKAGE = Path(__file__).parent
 #: conf/ inside the installed package, or at the top of a checkout.
 CONF = PACKAGE / "conf" if (PACKAGE / "conf").is_dir() else PACKAGE.parent / "conf"
 
+#: What a resumed run cannot change.
+FIXED = ("study", "study.name", "hydra.run.dir", "hydra.mode", "hydra.output_subdir")
+
 _wants_traceback = os.environ.get("HYDRA_FULL_ERROR") == "1"
 
 ERROR_FILE = "error.txt"  # left in the folder of a job of a multirun that failed
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+STOPPED = 130  # exit code after Ctrl-C, as of any program that a shell stops
 
 ConfigStore.instance().store(name="footopt_schema", node=Config)
 
@@ -41,9 +50,17 @@ def _job(settings: DictConfig) -> None:
     here = HydraConfig.get()
     folder = Path(here.runtime.output_dir)
     try:
+        (folder / ERROR_FILE).unlink(missing_ok=True)  # of a job that is resumed
         config: Any = OmegaConf.to_object(settings)
         plain: Any = OmegaConf.to_container(settings, resolve=True)
-        studies.run(config, folder, plain)
+        with settings_kept(settings, folder):
+            studies.run(config, folder, plain)
+    except KeyboardInterrupt as stop:
+        words = " ".join(["footopt: stopped", *map(str, stop.args)])
+        if settings.study.name in studies.RESUMABLE:
+            words += f"; go on with: footopt resume={shlex.quote(str(folder))}"
+        print(words, file=sys.stderr)
+        sys.exit(STOPPED)
     except (FootoptError, OmegaConfBaseException, OSError) as error:
         if here.mode != RunMode.MULTIRUN:
             if _wants_traceback:
@@ -70,15 +87,83 @@ def main() -> None:
     """Entry point. Errors a user can mend end with one message and exit code 1."""
     os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra passes errors on instead of printing them itself
     try:
+        sys.argv[1:] = resumed(sys.argv[1:])
         _job()
     except KeyboardInterrupt:
-        sys.exit(130)
+        sys.exit(STOPPED)
     except Exception as error:
         if _wants_traceback:
             raise
         sys.exit(f"footopt: error: {explain(error)}")
     if Summary.failed:
         sys.exit(f"footopt: error: {Summary.failed} of the jobs failed; see the table above.")
+
+
+def resumed(given: Sequence[str]) -> list[str]:
+    """The command line with ``resume=FOLDER`` replaced by the settings of the run in that folder.
+
+    The search itself does the rest: what its store holds is not walked again. New settings come
+    after the saved ones and win.
+    """
+    from footopt.studies import RESUMABLE
+
+    folders = [word.removeprefix("resume=") for word in given if word.startswith("resume=")]
+    if not folders:
+        return list(given)
+    new = [word for word in given if not word.startswith("resume=")]
+    folder = Path(folders[-1]).absolute()
+    if (folder / "multirun.yaml").is_file():
+        jobs = sorted(path.parent.name for path in folder.glob("*/.hydra"))
+        left = [job for job in jobs if not (folder / job / "result.json").is_file()]
+        raise SettingError(
+            "resume",
+            folders[-1],
+            "the folder of one job of this multirun",
+            f"Jobs without a result: {', '.join(left) or 'none'} (of {', '.join(jobs)}).",
+        )
+    for word in new:
+        if word in ("-m", "--multirun") or word.partition("=")[0] in FIXED:
+            raise SettingError("resume", folders[-1], f"given without {word}", "It goes on as it began.")
+    try:
+        study = OmegaConf.load(folder / ".hydra" / "config.yaml").study.name
+        saved = OmegaConf.to_container(OmegaConf.load(folder / ".hydra" / "overrides.yaml"))
+        if not isinstance(saved, list):
+            raise ValueError("its overrides.yaml is no list")
+    except Exception as error:  # whatever can be wrong with a folder and its files
+        raise FileError(
+            f"resume = {folders[-1]!r}: not the folder of a run ({str(error).partition(chr(10))[0]}). "
+            "Give one with a .hydra folder in it, such as outputs/optimize/2026-01-31_12-00-00-000000."
+        ) from None
+    if study not in RESUMABLE:
+        raise SettingError("resume", folders[-1], f"a run of study={', '.join(RESUMABLE)}, not {study}")
+    place = str(folder).replace("'", "\\'")
+    # Hydra would truncate the settings before it writes them: a kill then could lose them
+    return [*map(str, saved), *new, f"hydra.run.dir='{place}'", "hydra.output_subdir=null"]
+
+
+@contextmanager
+def settings_kept(settings: DictConfig, folder: Path) -> Iterator[None]:
+    """Write down what a resumed run goes on with; put the old settings back if it ends with an error."""
+    here = HydraConfig.get()
+    if here.output_subdir is not None:  # Hydra has written them: the run is a new one
+        yield
+        return
+    from footopt.report.files import write_text
+
+    texts = {
+        folder / ".hydra" / "config.yaml": OmegaConf.to_yaml(settings),
+        folder / ".hydra" / "overrides.yaml": OmegaConf.to_yaml(here.overrides.task),
+    }
+    before = {path: path.read_text(encoding="utf-8") for path in texts if path.is_file()}
+    try:
+        for path in before:
+            write_text(path, texts[path])
+        yield
+    except Exception:
+        with suppress(OSError):
+            for path, text in before.items():
+                write_text(path, text)
+        raise
 
 
 def explain(error: BaseException) -> str:
@@ -95,6 +180,8 @@ def explain(error: BaseException) -> str:
             lines.append(str(cause).splitlines()[0])
         return "\n  ".join(lines)
     if isinstance(error, OSError):
+        if error.errno in NO_ROOM:
+            return f"a file cannot be written ({error.strerror}). Make room on the disk and run it again."
         return f"{error.strerror or error}: {error.filename or ''}".rstrip(": ")
     return (
         f"unexpected {type(error).__name__}: {error}\n"

@@ -17,6 +17,7 @@ class StudyConfig:
     name: str = "optimize"
     confirm: Optional[str] = "fine"  # noqa: UP045
     finalists: int = 20
+    store: Optional[str] = None  # noqa: UP045
     feet: int = 40
     quick: bool = False
     cases: Optional[list[str]] = None  # noqa: UP045

@@ -1,8 +1,10 @@
 """The search for a foot: a pymoo problem, solvers by name, and the loop that runs them."""
 
 from footopt.design.problem import FootProblem
+from footopt.design.safely import evaluate_safely
 from footopt.design.search import Confirmation, Generation, SearchResult, confirm, search
 from footopt.design.solvers import SINGLE, SOLVERS, Solver
+from footopt.design.store import Store
 
 __all__ = [
     "SINGLE",
@@ -12,6 +14,8 @@ __all__ = [
     "Generation",
     "SearchResult",
     "Solver",
+    "Store",
     "confirm",
+    "evaluate_safely",
     "search",
 ]

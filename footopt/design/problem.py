@@ -88,20 +88,29 @@ class FootProblem(Problem):  # type: ignore[misc]
             columns.append(-natural if o.maximise else natural)
         return np.stack(columns, axis=1)
 
+    def walk(self, k: NDArray[np.int64]) -> tuple[Array, NDArray[np.str_]]:
+        """Walk with designs (designs, n): recorded values (designs, record), and why a walk failed."""
+        table = evaluate(k, self.scene, self.accuracy, self.record, self.space, self.threads)
+        return table.values, table.reasons
+
+    def judge(self, k: NDArray[np.int64], values: Array, reasons: NDArray[np.str_]) -> dict[str, Any]:
+        """What pymoo is to know of walked designs: ``out`` of the notes above, with F and G."""
+        violation = self.space.box_violation(k)
+        box = violation / self.space.H - self.space.box_tolerance
+        return {
+            "F": self.minimised(values),
+            "G": np.stack(
+                [
+                    np.where(reasons == "", -1.0, 1.0),
+                    box if np.isfinite(self.space.box_tolerance) else np.full(len(k), -1.0),
+                ],
+                axis=1,
+            ),
+            "values": values,
+            "reasons": reasons,
+            "violation": violation,
+        }
+
     def _evaluate(self, x: NDArray[Any], out: dict[str, Any], *args: Any, **kwargs: Any) -> None:
         k = self.space.check(x)
-        table = evaluate(k, self.scene, self.accuracy, self.record, self.space, self.threads)
-        violation = self.space.box_violation(k)
-        out["F"] = self.minimised(table.values)
-        out["G"] = np.stack(
-            [
-                np.where(table.feasible, -1.0, 1.0),
-                violation / self.space.H - self.space.box_tolerance
-                if np.isfinite(self.space.box_tolerance)
-                else np.full(len(k), -1.0),
-            ],
-            axis=1,
-        )
-        out["values"] = table.values
-        out["reasons"] = table.reasons
-        out["violation"] = violation
+        out.update(self.judge(k, *self.walk(k)))

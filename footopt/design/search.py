@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import logging
 import time
+from collections import Counter
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from pymoo.problems.static import StaticProblem
 
 from footopt.design.problem import FootProblem
+from footopt.design.safely import evaluate_safely
 from footopt.design.solvers import Solver
+from footopt.design.store import Evaluation, Store
 from footopt.errors import FootoptError, check
 from footopt.foot import Foot
 from footopt.walker.objectives import OBJECTIVES
@@ -19,6 +25,8 @@ from footopt.walker.scene import Accuracy
 from footopt.walker.simulate import evaluate, resolve
 
 Array = NDArray[np.float64]
+
+log = logging.getLogger("footopt")
 
 
 @dataclass(frozen=True)
@@ -46,12 +54,15 @@ class SearchResult:
     ----------
     k : (designs, n), heights; no design twice. values : (designs, record), natural signs, NaN for a
         failed walk; columns are ``problem.record``.
-    feasible : (designs,), walked and inside the box. reasons : why a walk failed, or "box", or "".
+    feasible : (designs,), walked and inside the box. reasons : why a walk failed ("error": it broke
+        the program), or "box", or "".
     violation : (designs,), of the box, m. generation : (designs,), in which it came up.
     best : index of the best design: of the objective, or by J_W on the front.
     front : indices of the non-dominated feasible designs, best first by J_W.
     evaluations : asked for by the solver; a design that comes up again is not walked again.
-    interrupted : whether it was stopped by the user before its last generation.
+    interrupted : whether it was stopped by the user before its last generation; then all this is of
+        the generations that were finished.
+    reused : designs that were read from the store, not walked.
     """
 
     problem: FootProblem
@@ -68,6 +79,7 @@ class SearchResult:
     evaluations: int
     seconds: float
     interrupted: bool
+    reused: int = 0
 
     @property
     def foot(self) -> Foot:
@@ -78,11 +90,17 @@ class SearchResult:
         """A recorded value of every design, (designs,), natural sign."""
         return np.asarray(self.values[:, self.problem.record.index(name)])
 
+    @property
+    def failures(self) -> dict[str, int]:
+        """How many designs are infeasible, by reason, the most frequent first."""
+        return dict(Counter(map(str, self.reasons[self.reasons != ""])).most_common())
+
 
 def search(
     problem: FootProblem,
     solver: Solver | str | None = None,
     progress: Callable[[Generation], None] | None = None,
+    store: Store | str | Path | None = None,
     **budget: int,
 ) -> SearchResult:
     """Search a design space.
@@ -93,6 +111,9 @@ def search(
     solver : a `Solver`, or a name with the budget (pop_size, n_gen, seed) as keywords. By default
         the GA for one objective and NSGA-II for several.
     progress : called after every generation.
+    store : a file to keep every evaluation in, or an open `Store`. The same search with the same
+        store goes on where it was stopped: nothing is walked twice, and the result is the same, to
+        the last bit, as that of a search never stopped.
 
     Returns
     -------
@@ -101,27 +122,33 @@ def search(
     Raises
     ------
     SettingError : the solver does not fit the number of objectives.
-    FootoptError : no feasible design was found, or it was interrupted before the first one.
+    FootoptError : no feasible design was found, or it was interrupted before the first one, or
+        every design of the first generation breaks the program.
+    FileError : the store cannot be used. ValueError : it was opened for another problem.
     """
     if not isinstance(solver, Solver):
         default = "ga" if problem.n_obj == 1 else "nsga2"
         solver = Solver(name=solver or default, **budget)
     algorithm = solver.build(problem.n_obj)
     algorithm.setup(problem, termination=("n_gen", solver.n_gen), seed=solver.seed, verbose=False)
-    archive = Archive(problem)
     started = time.perf_counter()
     interrupted = False
-    try:
-        while algorithm.has_next():
-            infills = algorithm.ask()
-            f, g = archive.evaluate(np.round(infills.get("X").astype(float)).astype(np.int64))
-            algorithm.evaluator.eval(StaticProblem(problem, F=f, G=g), infills)
-            algorithm.tell(infills=infills)
-            archive.close_generation(time.perf_counter() - started)
-            if progress is not None:
-                progress(archive.history[-1])
-    except KeyboardInterrupt:
-        interrupted = True
+    opened = Store(store, problem) if isinstance(store, (str, Path)) else nullcontext(store)
+    with opened as kept:
+        if kept is not None and kept.problem is not problem:
+            raise ValueError("the store was opened for another problem than the one that is searched")
+        archive = Archive(problem, kept)
+        try:
+            while algorithm.has_next():
+                infills = algorithm.ask()
+                f, g = archive.evaluate(np.round(infills.get("X").astype(float)).astype(np.int64))
+                algorithm.evaluator.eval(StaticProblem(problem, F=f, G=g), infills)
+                algorithm.tell(infills=infills)
+                archive.close_generation(time.perf_counter() - started)
+                if progress is not None:
+                    progress(archive.history[-1])
+        except KeyboardInterrupt:
+            interrupted = True
     return archive.result(solver, time.perf_counter() - started, interrupted)
 
 
@@ -186,34 +213,49 @@ class Design:
         return bool((self.g <= 0.0).all())
 
 
-class Archive:
-    """Every distinct design of a run, each walked once, and the history of its generations."""
+@dataclass(frozen=True)
+class Milestone:
+    """How far a search is at the end of a generation: what an interrupted one reports."""
 
-    def __init__(self, problem: FootProblem) -> None:
-        self.problem = problem
+    generations: int
+    designs: int
+    evaluations: int
+    front: NDArray[np.int64]
+
+
+class Archive:
+    """Every distinct design of a run, each walked once, and the history of its generations.
+
+    With a store, a design that is in it is not walked at all.
+    """
+
+    def __init__(self, problem: FootProblem, store: Store | None = None) -> None:
+        self.problem, self.store = problem, store
         self.history: list[Generation] = []
         self.designs: list[Design] = []
         self._place: dict[bytes, int] = {}  # of a design in `designs`, by its heights
         self._front = np.empty(0, np.int64)
-        self._evaluations = 0
+        self._evaluations = self._reused = 0
         self._latest: list[int] = []
         self._guide = problem.guide
         self._sign = -1.0 if OBJECTIVES[self._guide].maximise else 1.0
+        self._closed = Milestone(0, 0, 0, self._front)
 
     def evaluate(self, k: NDArray[np.int64]) -> tuple[Array, Array]:
         """F and G of a generation, (designs, ...); designs seen before are not walked again."""
         keys = [heights.tobytes() for heights in k]
         new = list({key: i for i, key in enumerate(keys) if key not in self._place}.values())
         if new:
-            out = self.problem.evaluate(k[new], return_as_dictionary=True)
+            values, reasons = self._recall(k[new])
+            out = self.problem.judge(k[new], values, reasons)
             for row, i in enumerate(new):
                 g = np.asarray(out["G"][row], float)
-                reason = str(out["reasons"][row]) or ("" if (g <= 0.0).all() else "box")
+                reason = str(reasons[row]) or ("" if (g <= 0.0).all() else "box")
                 self._place[keys[i]] = len(self.designs)
                 self.designs.append(
                     Design(
                         k=k[i],
-                        values=np.asarray(out["values"][row], float),
+                        values=values[row],
                         f=np.asarray(out["F"][row], float),
                         g=g,
                         reason=reason,
@@ -243,38 +285,72 @@ class Archive:
                 seconds=seconds,
             )
         )
+        self._closed = Milestone(len(self.history), len(self.designs), self._evaluations, self._front)
 
     def result(self, solver: Solver, seconds: float, interrupted: bool) -> SearchResult:
-        """Everything that was evaluated, and the best of it."""
-        if not self.designs:
+        """Everything that was evaluated up to the last finished generation, and the best of it."""
+        closed = self._closed
+        designs = self.designs[: closed.designs]
+        if not designs:
             raise FootoptError("The search was stopped before its first generation was evaluated.")
-        reasons = np.array([d.reason for d in self.designs])
-        if not len(self._front):
-            causes, counts = np.unique(reasons, return_counts=True)
+        if not len(closed.front):
+            causes = Counter(d.reason for d in designs)
             raise FootoptError(
-                f"No feasible design among {len(self.designs)}: "
-                + ", ".join(f"{n} {cause}" for cause, n in zip(causes, counts, strict=True))
+                f"No feasible design among {len(designs)}: "
+                + ", ".join(f"{n} {cause}" for cause, n in sorted(causes.items()))
                 + ". Try more generations, a larger foot.box_tolerance, or harder sand."
             )
         column = self.problem.record.index(self._guide)
-        rank = [self._sign * self.designs[i].values[column] for i in self._front]
-        front = self._front[np.argsort(rank, kind="stable")]
+        rank = [self._sign * designs[i].values[column] for i in closed.front]
+        front = closed.front[np.argsort(rank, kind="stable")]
         return SearchResult(
             problem=self.problem,
             solver=solver,
-            k=np.array([d.k for d in self.designs]),
-            values=np.array([d.values for d in self.designs]),
-            feasible=np.array([d.feasible for d in self.designs]),
-            reasons=reasons,
-            violation=np.array([d.violation for d in self.designs]),
-            generation=np.array([d.generation for d in self.designs]),
-            history=self.history,
+            k=np.array([d.k for d in designs]),
+            values=np.array([d.values for d in designs]),
+            feasible=np.array([d.feasible for d in designs]),
+            reasons=np.array([d.reason for d in designs]),
+            violation=np.array([d.violation for d in designs]),
+            generation=np.array([d.generation for d in designs]),
+            history=self.history[: closed.generations],
             best=int(front[0]),
             front=front[:1] if self.problem.n_obj == 1 else front,
-            evaluations=self._evaluations,
+            evaluations=closed.evaluations,
             seconds=seconds,
             interrupted=interrupted,
+            reused=self._reused,
         )
+
+    def _recall(self, k: NDArray[np.int64]) -> tuple[Array, NDArray[np.str_]]:
+        """Values and reasons of designs that this run has not seen: from the store, or by walking."""
+        known: list[Evaluation | None] = [None] * len(k)
+        if self.store is not None:
+            known = self.store.get(k.tolist())
+        unknown = [i for i, evaluation in enumerate(known) if evaluation is None]
+        self._reused += len(k) - len(unknown)
+        if unknown:
+            walked = self._walk(k[unknown])
+            if self.store is not None:
+                self.store.add(k[unknown].tolist(), walked)
+            for i, evaluation in zip(unknown, walked, strict=True):
+                known[i] = evaluation
+        found = [evaluation for evaluation in known if evaluation is not None]
+        return np.array([e.values for e in found]), np.array([e.reason for e in found])
+
+    def _walk(self, k: NDArray[np.int64]) -> list[Evaluation]:
+        """Walk with designs; one that breaks the program has failed, with what it raised."""
+        values, reasons, messages = evaluate_safely(self.problem.walk, k, len(self.problem.record))
+        if len(messages) == len(k) and not self.designs:
+            raise FootoptError(
+                f"All {len(k)} designs of the first generation break the program ({messages[0]}). "
+                "The fault is not in one of them."
+            )
+        for i, message in messages.items():
+            log.warning("design %s has failed and is left out: %s", k[i].tolist(), message)
+        return [
+            Evaluation(v, str(reason), messages.get(i, ""))
+            for i, (v, reason) in enumerate(zip(values, reasons, strict=True))
+        ]
 
     def _extend_front(self, new: int) -> None:
         """Let the newest designs join the front of all feasible ones."""

@@ -5,8 +5,10 @@ from __future__ import annotations
 import csv
 import json
 import math
+import os
 import platform
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -32,10 +34,18 @@ def versions() -> dict[str, str]:
 
 def write_json(path: Path, content: dict[str, Any]) -> None:
     """Write JSON that any reader accepts: a value that is not finite becomes null."""
-    text = json.dumps(_plain(content), indent=2, allow_nan=False)
+    write_text(path, json.dumps(_plain(content), indent=2, allow_nan=False) + "\n")
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file that is there as a whole or, when the program is killed meanwhile, as it was."""
+    new = path.with_name(path.name + ".new")
     try:
-        path.write_text(text + "\n", encoding="utf-8")
+        new.write_text(text, encoding="utf-8")
+        os.replace(new, path)
     except OSError as error:
+        with suppress(OSError):
+            new.unlink(missing_ok=True)
         raise FileError(f"cannot write {path} ({error})") from None
 
 

@@ -13,6 +13,9 @@ from footopt.errors import SettingError
 #: Studies by name: each is the function `run` of the module of that name, imported when asked for.
 STUDIES = ("optimize", "simulate", "accuracy", "stability", "effects")
 
+#: Those that keep what they evaluate, so that `footopt resume=FOLDER` goes on where they stopped.
+RESUMABLE = ("optimize",)
+
 
 def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     """Run the study that the configuration names; `settings` is the configuration as plain data."""

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from footopt.config import Config
-from footopt.design import FootProblem, SearchResult, Solver, confirm, search
+from footopt.design import FootProblem, SearchResult, Solver, Store, confirm, search
 from footopt.errors import SettingError, check
 from footopt.foot import Foot
 from footopt.foot.export import write_csv as write_contour
@@ -47,14 +47,17 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     check(config.study.finalists >= 1, "study.finalists", config.study.finalists, "a whole number >= 1")
     finer = Accuracy.named(config.study.confirm) if config.study.confirm else problem.accuracy
     flat = Foot.flat(problem.space)
-    with terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ..."):
-        base = simulate(flat, problem.scene, finer)
-    out.print(
-        f"Searching {problem.space.K}^{problem.space.n} soles for {', '.join(problem.names)} on "
-        f"{terminal.describe_scene(problem.scene)} with {solver.name}"
-    )
-    with terminal.search_progress(out, solver.n_gen, problem.guide) as progress:
-        result = search(problem, solver, progress)
+    with Store(config.study.store or folder / "designs.sqlite", problem) as store:
+        with terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ..."):
+            base = simulate(flat, problem.scene, finer)
+        out.print(
+            f"Searching {problem.space.K}^{problem.space.n} soles for {', '.join(problem.names)} on "
+            f"{terminal.describe_scene(problem.scene)} with {solver.name}"
+        )
+        if known := store.describe():
+            out.print(known)
+        with terminal.search_progress(out, solver.n_gen, problem.guide) as progress:
+            result = search(problem, solver, progress, store)
     confirmed = confirm(result, finer, config.study.finalists)
     best = dataclasses.replace(
         Foot.from_waypoints(result.k[confirmed.designs[0]], problem.space), name=f"best of {solver.name}"
@@ -84,7 +87,9 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "seed": result.solver.seed,
         "evaluations": result.evaluations,
         "designs": len(result.k),
+        "reused": result.reused,
         "infeasible": len(result.k) - int(result.feasible.sum()),
+        "reasons": result.failures,
         "front": result.k[result.front].tolist() if problem.n_obj > 1 else [],
         "interrupted": result.interrupted,
         "search_time_s": result.seconds,
@@ -107,6 +112,10 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     out.print(terminal.objective_table(feet, problem.record, errors, gain=True))
     terminal.print_validity(out, diagnostics)
     out.print(f"Everything is in {folder} ({clock():.0f} s in all)")
+    if result.interrupted:
+        raise KeyboardInterrupt(
+            f"after generation {len(result.history)} of {solver.n_gen}, with a full report"
+        )
 
 
 def draw(result: SearchResult, marked: int, best: Foot, walk: Walk, flat: Walk, folder: Path) -> None:

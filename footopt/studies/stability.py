@@ -190,7 +190,8 @@ def judge_standing(trial: Trial) -> list[Measure]:
     if walk.reason or truth.reason:
         return [outcome(walk, truth.reason)]
     late = walk.t > 0.5 * walk.t[-1]
-    weight, speed = walk.scene.walker.weight, yielding(walk, 0.5 * walk.t[-1])
+    weight = walk.scene.walker.mass * walk.scene.gravity[1]  # the part that presses on the sand
+    speed = yielding(walk, 0.5 * walk.t[-1])
     crept = speed * 0.5 * walk.t[-1]
     force = walk.force[late, :, 1].sum(axis=1) / weight
     com, work = walk.com[late], walk.work[late].sum(axis=1)
@@ -248,7 +249,7 @@ def judge_direction(trial: Trial, directions: Sequence[tuple[float, float]]) -> 
         for speed in (1e-3, 1.0, 10.0):  # m/s; smoothing of 1e-9 m/s is below rounding in all of them
             found, size, expected = _by_both(trial.setup, (speed * vx, speed * vz, 0.0), 1e-9, _of_angles)
             bad += int((~np.isfinite(found)).sum())
-            error = max(error, float(np.abs(found[[FX, FZ]] - expected).max()) / size)
+            error = max(error, float(np.abs(found[[FX, FZ]] - expected).max()) / max(size, 1e-300))
     return [Measure("not finite", bad, 0.0), Measure("law", error, LAW)]
 
 

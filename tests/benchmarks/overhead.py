@@ -58,7 +58,7 @@ class Clock:
                 (simulate_module, "as_plates", "plates"),
                 (simulate_module, "_blocks", "blocks"),
                 (problem_module, "evaluate", "evaluate"),
-                (fo.FootProblem, "evaluate", "problem"),
+                (fo.FootProblem, "judge", "judge"),
                 (Archive, "evaluate", "archive"),
                 (Archive, "close_generation", "history"),
             ):
@@ -95,8 +95,8 @@ def search_shares(threads: int, pop_size: int = 100, n_gen: int = 100) -> tuple[
         "blocks of plates": s["blocks"],
         "plates": s["plates"],
         "table": s["evaluate"] - s["walk"] - s["plates"],
-        "box violation, F and G": s["problem"] - s["evaluate"],
-        "archive": s["archive"] - s["problem"] + s["history"],
+        "box violation, F and G": s["judge"],
+        "archive": s["archive"] - s["evaluate"] - s["judge"] + s["history"],
         "pymoo ask": s["ask"],
         "pymoo tell": s["tell"],
     }
