@@ -3,6 +3,7 @@
 import contextlib
 import dataclasses
 import math
+import re
 import shutil
 import sqlite3
 import threading
@@ -285,7 +286,7 @@ class TestContext:
             store.add([[1] * 5], [Evaluation(np.ones(6), "")])
         other = fo.FootProblem(fo.Scene(sand=fo.Sand(0.3)), "work", fo.Waypoints(n=6, L=0.1), "draft")
         with Store(path, other) as store:
-            assert "and 2 more differ" in store.describe()
+            assert re.search(r"and \d more differ", store.describe())
 
 
 def sqlite_of_another_program(path):

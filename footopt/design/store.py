@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from footopt.design.problem import FootProblem
 from footopt.errors import FileError
+from footopt.walker.loop import source
 
 Array = NDArray[np.float64]
 
@@ -242,6 +243,7 @@ def context(problem: FootProblem) -> dict[str, Any]:
         "space": space,
         "record": plain(problem.record),
         "sources": _sources(),
+        "compiled": source(),  # with a user's own steppers and effects
         "versions": {name: version(name) for name in ("numpy", "scipy", "numba", "llvmlite")},
         "machine": machine(),
     }

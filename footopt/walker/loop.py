@@ -273,8 +273,13 @@ def _compile(source: str):
     return walk_range
 
 
-def walk_range(*arguments: Any) -> None:
-    """The compiled loop; see there for its arguments. It knows every stepper and effect registered."""
+def source() -> str:
+    """Of all that is compiled into a walk now, every stepper and effect registered included."""
     hooks = (steppers.STEPS, effects.LOADS, effects.GATES, effects.PUSHES)
     functions = (function for registered in hooks for function in registered.values())
-    _compile(_source(tuple(f for f in functions if not f.__module__.startswith("footopt."))))(*arguments)
+    return _source(tuple(f for f in functions if not f.__module__.startswith("footopt.")))  # type: ignore[no-any-return]
+
+
+def walk_range(*arguments: Any) -> None:
+    """The compiled loop; see there for its arguments."""
+    _compile(source())(*arguments)
