@@ -21,6 +21,12 @@ class StudyConfig:
     quick: bool = False
     cases: Optional[list[str]] = None  # noqa: UP045
     steppers: Optional[list[str]] = None  # noqa: UP045
+    seeds: int = 5
+    samples: int = 96
+    shape_sand: str = "regular"
+    mount: str = "centre"
+    peak_power: str = "stance"
+    speed_loss: str = "walk"
 
 
 @dataclass
