@@ -17,6 +17,7 @@ from matplotlib.patches import Polygon, Rectangle
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from footopt.errors import SettingError
 from footopt.foot import Foot
 from footopt.foot.export import MM
 from footopt.gait.cycle import LEFT, RIGHT
@@ -154,7 +155,7 @@ def waypoints(foot: Foot) -> Figure:
     """
     space = foot.space
     if space is None or foot.k is None:
-        raise ValueError("a foot without waypoints has no scheme to draw")
+        raise SettingError("foot", foot.name, "a sole through waypoints: others have no scheme to draw")
     figure = figures._figure(COLUMN, 1.55)
     axes = figure.subplots()
     length, height = MM * space.L, MM * space.H

@@ -131,7 +131,7 @@ ERRATA = (
     Erratum(
         "text before eq. 8",
         "the contour is restricted to the box",
-        "only waypoints are: the spline between them leaves the box in two of three random feet",
+        "only waypoints are: the spline between them leaves the box in seven of ten random feet",
         "a constraint with a tolerance; foot.box_tolerance=.inf is the paper, swept",
     ),
     Erratum(

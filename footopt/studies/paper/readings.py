@@ -18,7 +18,8 @@ from footopt.walker import Walk, simulate
 Array = NDArray[np.float64]
 
 PEAK_POWER = ("stance", "single")
-SPEED_LOSS = ("walk", "window")
+#: dV_x by name: how long about each heel strike a fall counts, in strides; None is the whole walk.
+SPEED_LOSS = {"walk": None, "window": 1.0 / 4.0, "narrow": 1.0 / 8.0}
 
 LIFTED = 0.05  # of the weight: a foot that carries less does not stand
 SWITCHES = 3  # stance switches that the paper names: t = 1.1, 1.7, 2.3 s
@@ -30,7 +31,8 @@ class Readings(NamedTuple):
     peak_power : "stance", any instant from the first heel strike on; or "single", only such at which
         the other foot carries less than `LIFTED` of the weight.
     speed_loss : "walk", the largest fall below the running maximum from the first heel strike to
-        t_f; or "window", the largest within a quarter of a stride of a heel strike.
+        t_f; or the largest within a quarter ("window") or an eighth of a stride ("narrow", about as
+        long as both feet stand) of a heel strike.
     """
 
     peak_power: str = "stance"
@@ -54,8 +56,9 @@ def read(walk: Walk, readings: Readings) -> Walk:
     totals = dict(walk.totals)
     if walk.feasible and readings.peak_power == "single":
         totals["peak_power"] = single_stance_power(walk)
-    if walk.feasible and readings.speed_loss == "window":
-        totals["speed_loss"] = max(window_losses(walk), default=float("nan"))
+    window = SPEED_LOSS[readings.speed_loss]
+    if walk.feasible and window is not None:
+        totals["speed_loss"] = max(_falls(walk, window, window), default=float("nan"))
     return replace(walk, totals=totals)
 
 
@@ -67,22 +70,21 @@ def single_stance_power(walk: Walk) -> float:
     return float(np.abs(walk.power[after])[alone].max(initial=-np.inf)) if alone.any() else float("nan")
 
 
-def window_losses(walk: Walk) -> list[float]:
-    """Fall of V_x within a quarter of a stride of each heel strike, m/s."""
-    quarter = walk.scene.gait.period / 4.0
-    return [_fall(walk, h - quarter, h + quarter) for h in _strikes(walk)]
-
-
 def switch_losses(walk: Walk, readings: Readings) -> Array:
     """Fall of V_x about each of the paper's three switches, (3,), m/s; NaN where there is none.
 
-    From a quarter of a stride before the heel strike to the next strike ("walk") or to a quarter of
-    a stride after it ("window").
+    Within the window of the reading; for "walk", from a quarter of a stride before the heel strike
+    to the next one.
     """
-    quarter = walk.scene.gait.period / 4.0
-    behind = quarter if readings.speed_loss == "window" else 2.0 * quarter
-    losses = [_fall(walk, h - quarter, h + behind) for h in _strikes(walk)]
+    window = SPEED_LOSS[readings.speed_loss]
+    losses = _falls(walk, 0.25, 0.5) if window is None else _falls(walk, window, window)
     return np.array([*losses, *[np.nan] * SWITCHES])[:SWITCHES]
+
+
+def _falls(walk: Walk, before: float, behind: float) -> list[float]:
+    """Fall of V_x about each heel strike, from and to so many strides of it, m/s."""
+    period = walk.scene.gait.period
+    return [_fall(walk, h - before * period, h + behind * period) for h in _strikes(walk)]
 
 
 def _strikes(walk: Walk) -> Iterator[float]:

@@ -40,7 +40,7 @@ FACTORS = (
     Factor("gait.pitch", ("shank", "measured"), "theta_A: ankle locked, or as measured"),
     Factor("gait.harmonics", (6, 4, 2), "the gait's own data"),
     Factor("scene.t_f", (2.9, 2.6, 3.5), "t_f, s"),
-    Factor("study.speed_loss", ("walk", "window"), "dV_x is not defined"),
+    Factor("study.speed_loss", ("walk", "window", "narrow"), "dV_x is not defined"),
     Factor("study.peak_power", ("stance", "single"), "p_max: formula against text"),
     Factor("foot.box_tolerance", (0.05, float("inf")), "may the spline leave the box", ("optima",)),
     Factor("solver.seed", (1, 2, 3, 4, 5), "the search is random", ("optima",)),
