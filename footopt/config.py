@@ -20,13 +20,14 @@ class StudyConfig:
     feet: int = 40
     quick: bool = False
     cases: Optional[list[str]] = None  # noqa: UP045
-    steppers: Optional[list[str]] = None  # noqa: UP045
+    methods: Optional[list[str]] = None  # noqa: UP045
     seeds: int = 5
     samples: int = 96
     shape_sand: str = "regular"
     mount: str = "centre"
     peak_power: str = "stance"
     speed_loss: str = "walk"
+    leading_edge: bool = False
 
 
 @dataclass
@@ -113,6 +114,7 @@ class AccuracyConfig:
     plates: Optional[int] = None  # noqa: UP045
     creep: Optional[float] = None  # noqa: UP045
     rule: Optional[str] = None  # noqa: UP045
+    control: Optional[float] = None  # noqa: UP045
 
 
 @dataclass

@@ -191,8 +191,15 @@ class TestNewton:
 class TestStudy:
     @pytest.mark.parametrize("name", BY_NAME)
     def test_the_default_stepper_is_stable_in_every_case(self, name, base):
-        (verdict,) = judge(BY_NAME[name], base, [base.accuracy.stepper])
+        (verdict,) = judge(BY_NAME[name], base, ["sdirk2_control"])
         assert verdict.stable, verdict.measures
+
+    def test_step_control_is_what_keeps_the_peak_of_a_step_ten_times_too_large(self, base):
+        free, held = judge(BY_NAME["a step ten times larger"], base, ["sdirk2", "sdirk2_control"])
+        assert not free.stable
+        assert free.decides.name == "peak error"
+        assert held.walk.shortened > 0
+        assert held.decides.value < 0.1 * free.decides.value
 
     def test_the_papers_stepper_cannot_stand(self, base):
         for zeta in (0.2, 1, 5, 50, 500):
@@ -216,18 +223,18 @@ class TestStudy:
 
     def test_from_the_command_line_in_a_reduced_form(self, tmp_path):
         cases = ["standing, zeta 5", "spiky soles", "sinking to the hip", "a gait with a jump"]
-        steppers = ["sdirk2", "explicit_euler"]
+        methods = ["sdirk2", "explicit_euler"]
         quoted = ",".join(f"'{name}'" for name in cases)
         done = subprocess.run(
             [sys.executable, "-m", "footopt", "study=stability", f"study.cases=[{quoted}]",
-             f"study.steppers=[{','.join(steppers)}]", "hydra.run.dir=out"],
+             f"study.methods=[{','.join(methods)}]", "hydra.run.dir=out"],
             cwd=tmp_path, env={**os.environ, "PYTHONWARNINGS": "error"}, capture_output=True, text=True,
         )  # fmt: skip
         assert done.returncode == 0, done.stderr
         with open(tmp_path / "out" / "stability.csv", newline="") as file:
             rows = list(csv.DictReader(file))
-        assert [(r["case"], r["stepper"]) for r in rows] == [(c, s) for c in cases for s in steppers]
-        assert {r["stepper"]: r["stable"] for r in rows if r["case"] == cases[0]} == {
+        assert [(r["case"], r["method"]) for r in rows] == [(c, m) for c in cases for m in methods]
+        assert {r["method"]: r["stable"] for r in rows if r["case"] == cases[0]} == {
             "sdirk2": "1",
             "explicit_euler": "0",
         }
@@ -235,7 +242,7 @@ class TestStudy:
         result = json.loads((tmp_path / "out" / "result.json").read_text())
         assert result["stable"] == {"sdirk2": 4, "explicit_euler": 3}
         assert result["cases"] == 4
-        assert result["settings"]["study"]["steppers"] == steppers
+        assert result["settings"]["study"]["methods"] == methods
         assert {"footopt", "numba"} <= set(result["versions"])
         for end in ("png", "pdf"):
             assert (tmp_path / "out" / "figures" / f"stability.{end}").stat().st_size > 5000
@@ -246,13 +253,13 @@ class TestStudy:
     def test_an_unknown_case_or_stepper_is_refused(self):
         from footopt.config import Config
 
-        for setting, value in (("cases", ["flying"]), ("steppers", ["leapfrog"]), ("cases", [])):
+        for setting, value in (("cases", ["flying"]), ("methods", ["leapfrog"]), ("cases", [])):
             config = Config()
             setattr(config.study, setting, value)
             with pytest.raises(SettingError, match=rf"study\.{setting} = "):
                 stability.chosen(config)
-        cases, steppers = stability.chosen(Config())
-        assert (len(cases), steppers) == (len(CASES), list(STEPPERS))
+        cases, methods = stability.chosen(Config())
+        assert (len(cases), methods) == (len(CASES), list(stability.METHODS))
 
 
 class TestFigure:

@@ -92,9 +92,9 @@ class Foot:
             return points
         return along_arc(self.contour, steps)
 
-    def plates(self, plates: int, rule: str = "arc") -> Plates:
-        """The foot's plates, (1, plates)."""
-        return stack_plates([self], plates, rule)
+    def plates(self, plates: int, rule: str = "arc", directed: bool = False) -> Plates:
+        """The foot's plates, (1, plates); see `Plates.from_points`."""
+        return stack_plates([self], plates, rule, directed)
 
     @property
     def hollow(self) -> float:
@@ -107,23 +107,28 @@ class Foot:
         return None if self.space is None else float(self.space.box_violation(self.k)[0])  # type: ignore[arg-type]
 
 
-def stack_plates(feet: Sequence[Foot], plates: int, rule: str = "arc") -> Plates:
+def stack_plates(feet: Sequence[Foot], plates: int, rule: str = "arc", directed: bool = False) -> Plates:
     """The plates of many feet at once, (feet, plates)."""
     return Plates.from_points(
         np.stack([foot.points(plates * RULES[rule]) for foot in feet]),
         np.array([foot.ankle for foot in feet], float),
         np.array([foot.width for foot in feet], float),
         rule,
+        directed,
     )
 
 
 def as_plates(
-    feet: Sequence[Foot] | Plates | ArrayLike, plates: int, rule: str, space: Waypoints | None
+    feet: Sequence[Foot] | Plates | ArrayLike,
+    plates: int,
+    rule: str,
+    space: Waypoints | None,
+    directed: bool = False,
 ) -> Plates:
     """Plates of feet, of plates (as they are), or of waypoint heights (designs, n) in `space`."""
     if isinstance(feet, Plates):
         return feet
     if isinstance(feet, Sequence) and any(isinstance(foot, Foot) for foot in feet):
-        return stack_plates([foot for foot in feet if isinstance(foot, Foot)], plates, rule)
+        return stack_plates([foot for foot in feet if isinstance(foot, Foot)], plates, rule, directed)
     heights = np.atleast_2d(np.asarray(feet))
-    return (space or Waypoints(n=heights.shape[-1])).plates(heights, plates, rule)
+    return (space or Waypoints(n=heights.shape[-1])).plates(heights, plates, rule, directed)

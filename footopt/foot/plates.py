@@ -21,7 +21,9 @@ class Plates(NamedTuple):
     """The plates of a batch of feet, structure of arrays, each of shape (designs, plates).
 
     Places are in the foot frame, from the ankle; ``c2`` and ``s2`` are cos and sin of twice the
-    plate's angle (or their means), all that the stress law needs of it.
+    plate's angle (or their means), all that the stress law needs of it. ``tx`` and ``tz`` are the
+    plate's direction along the contour, a unit vector, for its outward normal (t_z, -t_x); None where
+    nothing asks for them.
     """
 
     x: Array  # m
@@ -29,9 +31,13 @@ class Plates(NamedTuple):
     c2: Array
     s2: Array
     area: Array  # m^2, width times length
+    tx: Array | None = None
+    tz: Array | None = None
 
     @classmethod
-    def from_points(cls, points: Array, ankle: Array, width: Array, rule: str = "arc") -> Plates:
+    def from_points(
+        cls, points: Array, ankle: Array, width: Array, rule: str = "arc", directed: bool = False
+    ) -> Plates:
         """Plates along a contour.
 
         Parameters
@@ -40,11 +46,11 @@ class Plates(NamedTuple):
             to toe with the sand below
         ankle : (designs, 2), m, foot frame
         width : (designs,), m
-        rule : a name in `RULES`
+        rule : a name in `RULES`. directed : whether ``tx`` and ``tz`` are wanted.
         """
         chord = points[:, 1:] - points[:, :-1]
         dx, dz = chord[..., 0], chord[..., 1]
-        square = dx * dx + dz * dz
+        square = np.maximum(dx * dx + dz * dz, 1e-60)  # a side of no length has no area, and no harm
         length = np.sqrt(square)
         middle = 0.5 * (points[:, 1:] + points[:, :-1]) - ankle[:, None, :]
         parts = RULES[rule]
@@ -53,17 +59,23 @@ class Plates(NamedTuple):
         def mean(value: Array) -> Array:
             return _sum_parts(value * length, parts) / total
 
-        return cls(
+        plates = cls(
             x=mean(middle[..., 0]),
             z=mean(middle[..., 1]),
             c2=mean((dx * dx - dz * dz) / square),
             s2=mean(2.0 * dx * dz / square),
             area=total * width[:, None],
         )
+        if not directed:
+            return plates
+        along_x, along_z = mean(dx / length), mean(dz / length)
+        norm = np.sqrt(along_x * along_x + along_z * along_z)
+        return plates._replace(tx=along_x / norm, tz=along_z / norm)
 
     def take(self, index: slice | NDArray[np.int64]) -> Plates:
         """The plates of some of the designs."""
-        return Plates(*(np.ascontiguousarray(column[index]) for column in self))
+        given = {name: column for name, column in self._asdict().items() if column is not None}
+        return Plates(**{name: np.ascontiguousarray(column[index]) for name, column in given.items()})
 
 
 def _sum_parts(value: Array, parts: int) -> Array:

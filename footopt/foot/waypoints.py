@@ -109,12 +109,12 @@ class Waypoints:
         points: Array = arc_points(z, _slopes(z), 2.0 * self.L / (self.n - 1), steps)
         return points
 
-    def plates(self, k: ArrayLike, plates: int, rule: str = "arc") -> Plates:
-        """The plates of a population, (designs, plates)."""
+    def plates(self, k: ArrayLike, plates: int, rule: str = "arc", directed: bool = False) -> Plates:
+        """The plates of a population, (designs, plates); see `Plates.from_points`."""
         points = self.points(k, plates * RULES[rule])
         designs = len(points)
         ankle, width = np.tile(self.ankle, (designs, 1)), np.full(designs, self.width)
-        return Plates.from_points(points, ankle, width, rule)
+        return Plates.from_points(points, ankle, width, rule, directed)
 
     def box_violation(self, k: ArrayLike) -> Array:
         """How far each spline leaves the box [-H, 0], (designs,), m; 0 inside."""

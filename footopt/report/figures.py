@@ -450,7 +450,8 @@ def _frames(label: str, walk: Walk, frames: int) -> _Frames | None:
         return None
     # at its very ends a contact carries no force
     share = np.linspace(0.05, 0.95, frames) if frames > 1 else np.array([0.5])
-    index = np.round(contact.first + share * (contact.last - contact.first)).astype(int)
+    begin, end = walk.t[contact.first], walk.t[contact.last]
+    index = np.searchsorted(walk.t, begin + share * (end - begin))  # steps of time are not equally long
     at, force = _arrows(walk, index)
     began = f"t = {walk.t[contact.first]:.2f} s"
     since = f"heel strike ({began}; dragged through the sand until then)"

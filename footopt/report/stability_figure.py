@@ -1,4 +1,4 @@
-"""The figure of study=stability: cases as rows, steppers as columns, the deciding number in each cell."""
+"""The figure of study=stability: cases as rows, methods as columns, the deciding number in each cell."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ class Cell(NamedTuple):
 
 
 @styled
-def verdicts(cases: Sequence[str], steppers: Sequence[str], cells: Mapping[tuple[str, str], Cell]) -> Figure:
-    """Stable (tick, blue) or not (cross, hatched, vermillion), for each case and stepper."""
+def verdicts(cases: Sequence[str], methods: Sequence[str], cells: Mapping[tuple[str, str], Cell]) -> Figure:
+    """Stable (tick, blue) or not (cross, hatched, vermillion), for each case and method."""
     height = HEAD + ROW * len(cases)
     figure = Figure(figsize=(PAGE, height))
     FigureCanvasAgg(figure)
@@ -45,8 +45,8 @@ def verdicts(cases: Sequence[str], steppers: Sequence[str], cells: Mapping[tuple
     bottom = (HEAD - 0.42) / height
     axes = figure.add_axes((left, bottom, 0.995 - left, top - bottom))
     for row, case in enumerate(cases):
-        for column, stepper in enumerate(steppers):
-            cell = cells[case, stepper]
+        for column, method in enumerate(methods):
+            cell = cells[case, method]
             face = (BLUE, 0.14) if cell.stable else (VERMILLION, 0.30)
             box = Rectangle((column, row), 1, 1, facecolor=face, edgecolor="white", linewidth=1.0)
             axes.add_patch(box)
@@ -65,11 +65,11 @@ def verdicts(cases: Sequence[str], steppers: Sequence[str], cells: Mapping[tuple
                 fontsize=FONT,
                 fontweight="normal" if cell.stable else "bold",
             )
-    axes.set_xlim(0, len(steppers))
+    axes.set_xlim(0, len(methods))
     axes.set_ylim(len(cases), 0)
     axes.set_xticks(
-        [i + 0.5 for i in range(len(steppers))],
-        ["\n".join(s.rsplit("_", 1)).replace("_", " ") for s in steppers],
+        [i + 0.5 for i in range(len(methods))],
+        ["\n".join(s.rsplit("_", 1)).replace("_", " ") for s in methods],
     )
     axes.set_yticks([i + 0.5 for i in range(len(cases))], list(cases))
     axes.xaxis.tick_top()

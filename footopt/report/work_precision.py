@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -27,7 +28,7 @@ def work_precision(measured: Sequence[Any], presets: Sequence[Accuracy], default
     """
     figure = _figure(7.0, 4.6)
     axes = figure.subplots(2, 3, sharex=True, sharey=True)
-    steppers = list(dict.fromkeys(m.accuracy.stepper for m in measured))
+    methods = list(dict.fromkeys(_method(m.accuracy) for m in measured))
     panels: list[tuple[str, Any]] = [
         (OBJECTIVES[name].name.replace("_", " "), lambda m, i=i: float(m.errors[:, i].max()))
         for i, name in enumerate(FIVE)
@@ -35,12 +36,12 @@ def work_precision(measured: Sequence[Any], presets: Sequence[Accuracy], default
     panels.append(("worst objective", lambda m: m.error))
     marked = {m.accuracy: m for m in measured}
     for ax, (title, error) in zip(axes.flat, panels, strict=True):
-        for i, stepper in enumerate(steppers):
+        for i, method in enumerate(methods):
             points = np.array(
                 [
                     (m.ms, 100 * error(m))
                     for m in measured
-                    if m.accuracy.stepper == stepper and 0 < error(m) < 1
+                    if _method(m.accuracy) == method and 0 < error(m) < 1
                 ]
             ).reshape(-1, 2)
             ax.plot(
@@ -58,7 +59,13 @@ def work_precision(measured: Sequence[Any], presets: Sequence[Accuracy], default
             ax.plot(m.ms, 100 * error(m), "o", mfc="none", mec="black", ms=size, mew=1.0)
             if title == "worst objective":  # once: the circles are in the same order everywhere
                 ax.annotate(
-                    preset.name, (m.ms, 100 * error(m)), textcoords="offset points", xytext=(7, 5), fontsize=8
+                    preset.name,
+                    (m.ms, 100 * error(m)),
+                    textcoords="offset points",
+                    xytext=(14, 14),
+                    fontsize=8,
+                    arrowprops={"arrowstyle": "-", "lw": 0.6},
+                    bbox={"boxstyle": "square,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85},
                 )
         ax.set(xscale="log", yscale="log", title=title)
         ax.grid(color="0.92", lw=0.6)
@@ -68,13 +75,13 @@ def work_precision(measured: Sequence[Any], presets: Sequence[Accuracy], default
         ax.set_ylabel("relative error (%)")
     handles = [
         Line2D([], [], ls="", marker=MARKERS[i % len(MARKERS)], color=COLOURS[i % len(COLOURS)], ms=4)
-        for i in range(len(steppers))
+        for i in range(len(methods))
     ]
     handles += [
         Line2D([], [], color="black", lw=0.8),
         Line2D([], [], ls="", marker="o", mfc="none", mec="black", ms=6),
     ]
-    labels = [*(s.replace("_", " ") for s in steppers), "none better in both", "preset (default larger)"]
+    labels = [*methods, "none better in both", "preset (default larger)"]
     figure.legend(handles, labels, loc="outside upper center", ncols=4)
     figure.supxlabel(
         "error not exceeded by 95 % of the feet, largest over soft, regular and hard sand",
@@ -84,5 +91,10 @@ def work_precision(measured: Sequence[Any], presets: Sequence[Accuracy], default
     return figure
 
 
+def _method(accuracy: Accuracy) -> str:
+    name = accuracy.stepper.replace("_", " ")
+    return name if accuracy.control is None else f"{name}, step control"
+
+
 def _anonymous(accuracy: Accuracy) -> Accuracy:
-    return Accuracy(accuracy.stepper, accuracy.dt, accuracy.plates, accuracy.creep, rule=accuracy.rule)
+    return replace(accuracy, name=Accuracy().name)

@@ -88,7 +88,7 @@ def make_accuracy(config: AccuracyConfig) -> Accuracy:
         accuracy = Accuracy()
     by_hand = {
         name: getattr(config, name)
-        for name in ("stepper", "dt", "plates", "creep", "rule")
+        for name in ("stepper", "dt", "control", "plates", "creep", "rule")
         if getattr(config, name) is not None
     }
     return replace(accuracy, **by_hand, name=config.name if not by_hand else "custom")

@@ -35,9 +35,9 @@ from footopt.sand import StressMap, affine, alpha
 from footopt.studies import build
 from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walker import FIVE, STEPPERS, Accuracy, Scene, Walk, simulate
-from footopt.walker.kernels import CONTACT, FX, FZ, Sole, contact
+from footopt.walker.kernels import CONTACT, FX, FZ, TALLY, contact
 from footopt.walker.objectives import FLOORS
-from footopt.walker.simulate import _blocks, poses, world
+from footopt.walker.simulate import poses, sole, world
 
 Array = NDArray[np.float64]
 
@@ -57,10 +57,19 @@ DRIFT = 1e-3  # relative: a periodic gait forgets its start in a few strides, th
 LAW = 1e-9  # relative: the fast form of the law against the angles; rounding is 1e-13
 NUDGE, JUMP = 1e-6, 1e-5  # a change of speed in creep speeds, and of the force that it may cause:
 # h changes by NUDGE, M h by less than NUDGE, and no stress is below a tenth of M's largest entry
+CONTROL = 1e-3  # m/s, of the method under step control
 LEAP = 30.0  # deg, the jump in the gait that must be refused
 UNJUDGED = math.inf
 
 BURIED = 0.02  # m, mean depth of the sole where the law is asked without a walk
+
+
+#: What is judged, by name: a stepper and its step control. Every stepper takes steps of one length,
+#: and the default one is also judged under control, as the accuracies by name use it.
+METHODS: dict[str, tuple[str, float | None]] = {
+    **{name: (name, None) for name in STEPPERS},
+    "sdirk2_control": ("sdirk2", CONTROL),
+}
 
 
 @dataclass(frozen=True)
@@ -129,10 +138,10 @@ class Case:
 
 @dataclass(frozen=True)
 class Verdict:
-    """A case with a stepper: stable or not, and by which measure."""
+    """A case with a method: stable or not, and by which measure."""
 
     case: Case
-    stepper: str
+    method: str
     measures: tuple[Measure, ...]
     walk: Walk | None  # None where nothing is walked
 
@@ -151,12 +160,7 @@ class Verdict:
 
 
 def judge_walk(trial: Trial) -> list[Measure]:
-    """A walk: right against the converged one, energy accounted for, none from the sand.
-
-    Compared are the objectives that a stepper has to get right to be stable: integrals, and the fall
-    of the speed. The peak power of an impact shorter than a step is a matter of sampling, which
-    study=accuracy is about; its error is recorded.
-    """
+    """A walk: right against the converged one, energy accounted for, none from the sand."""
     walk, truth = trial.walk, trial.converged()
     if walk.reason or truth.reason:
         return [outcome(walk, truth.reason)]
@@ -164,11 +168,11 @@ def judge_walk(trial: Trial) -> list[Measure]:
     for name in FIVE:
         exact = truth.objectives[name]
         errors[name] = abs(walk.objectives[name] - exact) / max(abs(exact), FLOORS.get(name, 1e-3))
-    peak = errors.pop("peak_power")
+    peak = errors.pop("peak_power")  # on its own: an impact may be shorter than a step
     return [
         *_sound(walk),
         Measure("error", max(errors.values()), ERROR),
-        Measure("peak error", peak, UNJUDGED),
+        Measure("peak error", peak, ERROR),
     ]
 
 
@@ -370,14 +374,13 @@ def _by_both(
     """
     foot, count = setup.foot, setup.accuracy.plates
     plates = foot.plates(count, "chord")
-    columns, circles, reach = _blocks(plates)
-    sole = Sole._make([*(c[0] for c in columns), *(c[0] for c in circles), float(reach[0])])
-    (vx, vz, rate), out, tally = motion, np.zeros((2, CONTACT)), np.zeros(4, np.int64)
+    (vx, vz, rate), out, tally = motion, np.zeros((2, CONTACT)), np.zeros(TALLY, np.int64)
     pose = np.zeros((2, 7))
     pose[:, 4], pose[0, 6] = 1.0, rate
     pose[0, 1], pose[1, 1] = -1.0, 10.0  # the other foot is in the air
     z = 1.0 - float(np.mean(plates.z)) - BURIED
-    contact(out, tally, sole, world(setup.scene, setup.accuracy), pose, z, vx, vz, creep, 1e-3)
+    laws = world(setup.scene, setup.accuracy)
+    contact(out, tally, sole(plates), laws, pose, 0.0, z, vx, vz, creep, 1e-3)
     chord = np.diff(foot.points(count), axis=0)
     x, depth = plates.x[0], np.maximum(-(z - 1.0 + plates.z[0]), 0.0)
     velocity = np.stack([vx - rate * plates.z[0], vz + rate * x], axis=-1)
@@ -512,63 +515,66 @@ CASES: tuple[Case, ...] = (
 # --- the study ------------------------------------------------------------------------------------
 
 
-def judge(case: Case, base: Setup, steppers: Sequence[str]) -> list[Verdict]:
-    """One case with every stepper.
+def judge(case: Case, base: Setup, methods: Sequence[str]) -> list[Verdict]:
+    """One case with every method.
 
     Parameters
     ----------
+    methods : names in `METHODS`.
     base : where the case starts from; its time step is that of the implicit steppers.
     """
     setup = case.build(base)
 
     @cache
     def converged() -> Walk:
-        fine = replace(setup.accuracy, stepper="sdirk2", dt=base.accuracy.dt / CONVERGED)
+        fine = replace(setup.accuracy, stepper="sdirk2", control=None, dt=base.accuracy.dt / CONVERGED)
         return simulate(setup.foot, setup.scene, fine)
 
     if not case.walks:
         measures = tuple(case.judge(Trial(setup, converged)))
-        return [Verdict(case, stepper, measures, None) for stepper in steppers]
+        return [Verdict(case, method, measures, None) for method in methods]
     found = []
-    for stepper in steppers:
+    for method in methods:
+        stepper, control = METHODS[method]
         dt = setup.accuracy.dt * (EXPLICIT_SHARE if not STEPPERS[stepper].implicit else 1.0)
-        trial = Trial(replace(setup, accuracy=replace(setup.accuracy, stepper=stepper, dt=dt)), converged)
-        found.append(Verdict(case, stepper, tuple(case.judge(trial)), trial.walk))
+        accuracy = replace(setup.accuracy, stepper=stepper, dt=dt, control=control)
+        trial = Trial(replace(setup, accuracy=accuracy), converged)
+        found.append(Verdict(case, method, tuple(case.judge(trial)), trial.walk))
     poses.cache_clear()  # ten minutes in short steps are many
     return found
 
 
 def chosen(config: Config) -> tuple[list[Case], list[str]]:
-    """The cases and steppers that the settings name; null is all."""
+    """The cases and methods that the settings name; null is all."""
     known = {case.name: case for case in CASES}
     names = list(known) if config.study.cases is None else config.study.cases
-    steppers = list(STEPPERS) if config.study.steppers is None else config.study.steppers
+    methods = list(METHODS) if config.study.methods is None else config.study.methods
     for setting, given, allowed in (
         ("study.cases", names, known),
-        ("study.steppers", steppers, STEPPERS),
+        ("study.methods", methods, METHODS),
     ):
         if not given:
             raise SettingError(setting, given, f"null for all, or some of: {'; '.join(allowed)}")
         for name in given:
             if name not in allowed:
                 raise SettingError(setting, name, f"one of: {'; '.join(allowed)}")
-    return [known[name] for name in names], steppers
+    return [known[name] for name in names], methods
 
 
 def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
-    """Judge every case with every stepper and write the verdicts to `folder`."""
+    """Judge every case with every method and write the verdicts to `folder`."""
     out, clock = terminal.console(), terminal.clock()
-    cases, steppers = chosen(config)
+    cases, methods = chosen(config)
     base = Setup(build.make_foot(config.foot), build.make_scene(config), build.make_accuracy(config.accuracy))
     found: list[Verdict] = []
     slow = terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ...")
     with out.status("") as status, slow:
         for i, case in enumerate(cases, start=1):
             status.update(f"case {i} of {len(cases)}: {case.name}")
-            found += judge(case, base, steppers)
+            found += judge(case, base, methods)
     write_csv(folder / "stability.csv", found)
-    cells = {(v.case.name, v.stepper): Cell(v.stable, v.decides.name, v.decides.value) for v in found}
-    save(verdicts([case.name for case in cases], steppers, cells), folder / "figures", "stability")
+    cells = {(v.case.name, v.method): Cell(v.stable, v.decides.name, v.decides.value) for v in found}
+    save(verdicts([case.name for case in cases], methods, cells), folder / "figures", "stability")
     files.write_json(
         folder / "result.json",
         {
@@ -585,7 +591,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
                 "jump": JUMP,
             },
             "explicit_share_of_dt": EXPLICIT_SHARE,
-            "stable": {s: sum(v.stable for v in found if v.stepper == s) for s in steppers},
+            "stable": {m: sum(v.stable for v in found if v.method == m) for m in methods},
             "cases": len(cases),
             "verdicts": [entry(v) for v in found],
             "settings": settings,
@@ -593,12 +599,12 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
             "wall_time_s": clock(),
         },
     )
-    out.print(table(cases, steppers, found))
+    out.print(table(cases, methods, found))
     out.print(
         "Each cell: the measure nearest to its limit, or furthest beyond, and how often a stage was rescued "
         "(r) or the walk repeated with a shorter step (x). All the numbers: stability.csv, result.json."
     )
-    steps = ", ".join(s for s in steppers if not STEPPERS[s].implicit)
+    steps = ", ".join(m for m in methods if not STEPPERS[METHODS[m][0]].implicit)
     if steps:
         explicit = f"; {steps}: {1e3 * EXPLICIT_SHARE * base.accuracy.dt:g} ms, for Euler the same effort"
     else:
@@ -612,7 +618,7 @@ def entry(v: Verdict) -> dict[str, Any]:
     return {
         "case": v.case.name,
         "asks": v.case.asks,
-        "stepper": v.stepper,
+        "method": v.method,
         "stable": v.stable,
         "measure": v.decides.name,
         "measures": {
@@ -626,7 +632,7 @@ def counts(walk: Walk | None) -> dict[str, Any]:
     """What a walk took: step and simulated time (s), evaluations per step, rescues, repeats."""
     if walk is None:
         return dict.fromkeys(
-            ("reason", "dt", "simulated", "evaluations_per_step", "rescues", "repeats"), math.nan
+            ("reason", "dt", "simulated", "evaluations_per_step", "rescues", "shortened", "repeats"), math.nan
         )
     return {
         "reason": walk.reason,
@@ -634,6 +640,7 @@ def counts(walk: Walk | None) -> dict[str, Any]:
         "simulated": float(walk.t[-1]) if len(walk.t) else 0.0,
         "evaluations_per_step": walk.evaluations / max(len(walk.t), 1),
         "rescues": walk.rescues,
+        "shortened": walk.shortened,
         "repeats": walk.repeats,
     }
 
@@ -648,7 +655,7 @@ def write_csv(path: Path, found: Sequence[Verdict]) -> None:
         rows.append(
             [
                 v.case.name,
-                v.stepper,
+                v.method,
                 int(v.stable),
                 v.decides.name,
                 v.decides.value,
@@ -658,21 +665,21 @@ def write_csv(path: Path, found: Sequence[Verdict]) -> None:
                 v.case.asks,
             ]
         )
-    header = ["case", "stepper", "stable", "measure", "value", "limit", *took, *names, "asks"]
+    header = ["case", "method", "stable", "measure", "value", "limit", *took, *names, "asks"]
     files.write_csv(path, header, rows)
 
 
-def table(cases: Sequence[Case], steppers: Sequence[str], found: Sequence[Verdict]) -> Table:
-    """Cases (rows) and steppers (columns) for the terminal."""
-    by_name = {(v.case.name, v.stepper): v for v in found}
-    good = {s: sum(v.stable for v in found if v.stepper == s) for s in steppers}
+def table(cases: Sequence[Case], methods: Sequence[str], found: Sequence[Verdict]) -> Table:
+    """Cases (rows) and methods (columns) for the terminal."""
+    by_name = {(v.case.name, v.method): v for v in found}
+    good = {m: sum(v.stable for v in found if v.method == m) for m in methods}
     shown = Table(show_footer=True, box=box.SIMPLE, pad_edge=False, show_edge=False, padding=(0, 1, 0, 0))
     shown.add_column("case", footer="stable cases", no_wrap=True)
-    for stepper in steppers:
-        title = "\n".join(stepper.rsplit("_", 1)).replace("_", " ")
-        shown.add_column(title, footer=f"{good[stepper]} of {len(cases)}", no_wrap=True)
+    for method in methods:
+        title = "\n".join(method.rsplit("_", 1)).replace("_", " ")
+        shown.add_column(title, footer=f"{good[method]} of {len(cases)}", no_wrap=True)
     for case in cases:
-        shown.add_row(case.name, *(_cell(by_name[case.name, stepper]) for stepper in steppers))
+        shown.add_row(case.name, *(_cell(by_name[case.name, method]) for method in methods))
     return shown
 
 

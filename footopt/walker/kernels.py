@@ -2,7 +2,8 @@
 
 The law is the affine form of `footopt.sand.stress.affine`: no angle and no branch in the plate
 loop. Motion directions are smoothed by the creep speed, h = v / sqrt(|v|^2 + eps^2), so that the
-law is single-valued at rest and implicit steps converge.
+law is single-valued at rest and implicit steps converge. What a scene's effects change of it is in
+`footopt.sand.effects`; an effect that the scene does not name is None here, and not compiled.
 
 Vectorisation needs sums to be reordered (`reassoc`); flags that assume no NaN stay off, so that a
 walk that diverges is seen. A foot's sum depends on nothing but that foot: results do not change
@@ -15,15 +16,17 @@ last bits between the process that compiled it and the ones that load it from th
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from footopt.sand import effects
+
 Array = NDArray[np.float64]
 
-FAST = {"contract", "reassoc", "arcp", "nsz"}
+FAST = effects.FAST
 MAX_NEWTON = 20  # contact evaluations of one implicit stage at one creep speed, back-tracking included
 MAX_RESCUE = 1000  # ... and in all, if it has to be approached from a larger creep speed
 LANES = 8  # plates are padded to a multiple of this, and summed in such blocks
@@ -32,9 +35,10 @@ LANES = 8  # plates are padded to a multiple of this, and summed in such blocks
 FX, FZ, POWER, JXX, JXZ, JZX, JZZ = range(7)
 CONTACT = 7
 
-# what a walk counts: evaluations of the contact, of plates in it, stages that had to be rescued, and
-# how often the whole walk was repeated with a quarter of the time step
-EVALUATIONS, PLATES, RESCUES, REPEATS = range(4)
+# what a walk counts: evaluations of the contact, of plates in it, stages that had to be rescued, steps
+# that were repeated with half their length, and how often the whole walk was, with a quarter of it
+EVALUATIONS, PLATES, RESCUES, SHORTENED, REPEATS = range(5)
+TALLY = 5
 
 
 class Sole(NamedTuple):
@@ -53,6 +57,8 @@ class Sole(NamedTuple):
     block_z: Array
     block_r: Array
     reach: float  # the sole's largest distance from the ankle, m
+    tx: Array | None  # the plate's direction, a unit vector, where an effect needs its normal
+    tz: Array | None
 
 
 class World(NamedTuple):
@@ -68,9 +74,13 @@ class World(NamedTuple):
     C_diff: float
     D10: float
     mass: float  # kg
-    g: float  # m/s^2
+    g: float  # against the surface's normal, m/s^2
+    tilt: float | None  # gravity along the surface, m/s^2; None if it is level
     creep: float  # m/s
     tolerance: float  # of Newton's method: last step over the plates' mean speed
+    loads: tuple[Any, ...] | None  # laws of the scene's effects: `effects.Laws`
+    gates: tuple[Any, ...] | None
+    pushes: tuple[Any, ...] | None
 
 
 @njit(fastmath=FAST, error_model="numpy", forceinline=True)
@@ -84,12 +94,16 @@ def rsqrt(square):
 
 
 @njit(fastmath=FAST, error_model="numpy", forceinline=True)
-def plate_sums(sole, world, first, last, za, vx, vz, cos, sin, rate, creep, jacobian):
+def plate_sums(
+    sole, world, loads, gates, pushes, all_tx, all_tz, first, last, xa, za, vx, vz, cos, sin, rate, creep,
+    jacobian,
+):  # fmt: skip
     """Sums over plates first..last of one foot: f_x, f_z, power, and the Jacobian of f.
 
-    za: height of the ankle, m. vx, vz: its velocity, m/s. cos, sin, rate: of the foot's pitch.
-    jacobian: dz/dv_z in s, how the height follows from the velocity in an implicit stage; None
-    leaves the derivatives (then 0) out of the compiled code.
+    loads, gates, pushes: the world's, and the sole's directions; None leaves an effect out of the
+    compiled code. xa, za: the ankle, m. vx, vz: its velocity, m/s. cos, sin, rate: of the foot's pitch.
+    jacobian: dx/dv_x = dz/dv_z in s, how the place follows from the velocity in an implicit stage; None
+    leaves the derivatives (then 0) out.
     """
     c2p, s2p = cos * cos - sin * sin, 2.0 * sin * cos
     eps2 = creep * creep
@@ -98,6 +112,8 @@ def plate_sums(sole, world, first, last, za, vx, vz, cos, sin, rate, creep, jaco
     # slices from 0: an index that could be negative would keep the loop from being vectorised
     x, z, area = sole.x[first:last], sole.z[first:last], sole.area[first:last]
     c2, s2 = sole.c2[first:last], sole.s2[first:last]
+    if all_tx is not None:
+        tx, tz = all_tx[first:last], all_tz[first:last]
     for i in range(len(x)):
         rz = sin * x[i] + cos * z[i]
         depth = max(-(za + rz), 0.0)
@@ -114,14 +130,45 @@ def plate_sums(sole, world, first, last, za, vx, vz, cos, sin, rate, creep, jaco
         mzz = world.B01 + world.B_sum * c
         px = -world.D10 * s - mxx * hx - mxz * hz
         pz = world.A00 + world.A10 * c - mzx * hx - mzz * hz
+        if loads is not None:
+            place = xa + cos * x[i] - sin * z[i]
+            strength, grow, slide = effects.load(loads, (depth, 1.0, 0.0), depth, place)
+            k = area[i] * strength
+        if jacobian is not None:
+            wet = jacobian * area[i] if depth > 0.0 else 0.0
+            kq = k * q  # dh/dv = (I - h h^T) / |v|
+        if all_tx is not None:
+            nx, nz = sin * tx[i] + cos * tz[i], sin * tz[i] - cos * tx[i]  # outward normal
+            into = ux * nx + uz * nz
+        if gates is not None:
+            share, bend = effects.gate(gates, (1.0, 0.0), into, creep)
+            if jacobian is not None:
+                jxx += k * bend * px * nx
+                jxz += k * bend * px * nz
+                jzx += k * bend * pz * nx
+                jzz += k * bend * pz * nz
+                kq *= share
+            px, pz = share * px, share * pz
+        if pushes is not None:
+            push, stiff, sink = effects.push(pushes, (0.0, 0.0, 0.0), into, depth)
+            fx -= area[i] * push * nx
+            fz -= area[i] * push * nz
+            power -= area[i] * push * into
+            if jacobian is not None:
+                jxx -= area[i] * stiff * nx * nx
+                jxz -= area[i] * stiff * nx * nz - wet * sink * nx
+                jzx -= area[i] * stiff * nx * nz
+                jzz -= area[i] * stiff * nz * nz - wet * sink * nz
         fx += k * px
         fz += k * pz
         power += k * (px * ux + pz * uz)
         if jacobian is not None:
-            wet = jacobian * area[i] if depth > 0.0 else 0.0
+            if loads is not None:
+                jxx += wet * slide * px
+                jzx += wet * slide * pz
+                wet *= grow
             jxz -= wet * px
             jzz -= wet * pz
-            kq = k * q  # dh/dv = (I - h h^T) / |v|
             txx, txz, tzz = 1.0 - hx * hx, -hx * hz, 1.0 - hz * hz
             jxx -= kq * (mxx * txx + mxz * txz)
             jxz -= kq * (mxx * txz + mxz * tzz)
@@ -147,8 +194,8 @@ def submerged(sole, za, cos, sin):
 
 
 @njit(forceinline=True)
-def contact(out, tally, sole, world, pose, z, vx, vz, creep, jacobian):
-    """Force, power and derivatives of both feet at a hip height z (m) and velocity (m/s).
+def contact(out, tally, sole, world, pose, x, z, vx, vz, creep, jacobian):
+    """Force, power and derivatives of both feet at the hip's place (m) and velocity (m/s).
 
     Parameters
     ----------
@@ -168,17 +215,26 @@ def contact(out, tally, sole, world, pose, z, vx, vz, creep, jacobian):
         tally[PLATES] += last - first
         ax, az = vx + pose[foot, 2], vz + pose[foot, 3]
         fx, fz, power, jxx, jxz, jzx, jzz = plate_sums(
-            sole, world, first, last, za, ax, az, cos, sin, rate, creep, jacobian
-        )
+            sole, world, world.loads, world.gates, world.pushes, sole.tx, sole.tz, first, last,
+            x + pose[foot, 0], za, ax, az, cos, sin, rate, creep, jacobian,
+        )  # fmt: skip
         out[foot, FX], out[foot, FZ] = fx, fz
         out[foot, POWER] = power
         out[foot, JXX], out[foot, JXZ] = jxx, jxz
         out[foot, JZX], out[foot, JZZ] = jzx, jzz
 
 
+@njit(forceinline=True)
+def leaning(value, tilt, time):
+    """A velocity along the surface with what gravity adds in a time: value + time tilt."""
+    if tilt is None:
+        return value
+    return value + time * tilt
+
+
 @njit(error_model="numpy", forceinline=True)
-def solve_stage(out, tally, sole, world, pose, z0, vx0, vz0, c, vx, vz):
-    """Velocity V of an implicit stage: V = v0 + c a(z0 + c V_z, V), by Newton's method.
+def solve_stage(out, tally, sole, world, pose, x0, z0, vx0, vz0, c, vx, vz):
+    """Velocity V of an implicit stage: V = v0 + c a(r0 + c V, V), by Newton's method.
 
     Starts from the guess (vx, vz) and halves a step that makes the residual larger. It ends with a
     step that is small against the speed at which the plates move through the sand (their mean
@@ -200,8 +256,8 @@ def solve_stage(out, tally, sole, world, pose, z0, vx0, vz0, c, vx, vz):
     rescue, ratio, solved_at, viscous = False, 0.25, np.inf, np.inf
     dvx = dvz = 0.0
     for _ in range(MAX_RESCUE):
-        contact(out, tally, sole, world, pose, z0 + c * vz, vx, vz, creep, c)
-        rx = vx - vx0 - inv * (out[0, FX] + out[1, FX])
+        contact(out, tally, sole, world, pose, x0 + c * vx, z0 + c * vz, vx, vz, creep, c)
+        rx = vx - leaning(vx0, world.tilt, c) - inv * (out[0, FX] + out[1, FX])
         rz = vz - vz0 - inv * (out[0, FZ] + out[1, FZ]) + c * world.g
         residual = rx * rx + rz * rz
         tries += 1
@@ -284,8 +340,27 @@ def _lift(sole, world, pose, z):
             if depth > 0.0:
                 c = sole.c2[i] * c2p - sole.s2[i] * s2p
                 stress = world.A00 + world.B01 + (world.A10 + world.B_sum) * c
-                total += sole.area[i] * depth * stress
+                place = pose[foot, 0] + cos * sole.x[i] - sin * sole.z[i]
+                strength = strengthened(world.loads, depth, place)
+                share = sinking_share(world.gates, sole.tx, sole.tz, i, cos, sin)
+                total += sole.area[i] * strength * stress * share
     return total
+
+
+@njit(error_model="numpy", forceinline=True)
+def strengthened(loads, depth, place):
+    """Strength integrated over the depth, m."""
+    if loads is None:
+        return depth
+    return effects.load(loads, (depth, 1.0, 0.0), depth, place)[0]
+
+
+@njit(error_model="numpy", forceinline=True)
+def sinking_share(gates, tx, tz, i, cos, sin):
+    """Share of the stress that plate i feels when it moves straight down, by 1 m/s."""
+    if gates is None:
+        return 1.0
+    return effects.gate(gates, (1.0, 0.0), cos * tx[i] - sin * tz[i], 1e-9)[0]
 
 
 @njit(forceinline=True)

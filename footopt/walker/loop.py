@@ -12,7 +12,9 @@ import numpy as np
 from numba import njit
 
 from footopt.compiled import cached_njit
-from footopt.walker.kernels import CONTACT, FX, FZ, POWER, Sole, contact, deepest, static_height
+from footopt.sand import effects
+from footopt.walker import kernels, steppers
+from footopt.walker.kernels import CONTACT, FX, FZ, POWER, SHORTENED, Sole, contact, deepest, static_height
 from footopt.walker.steppers import (
     HEIGHT,
     IMPULSE_X,
@@ -21,6 +23,7 @@ from footopt.walker.steppers import (
     JOINT_NET,
     WORK_L,
     WORK_R,
+    acceleration,
     advance,
 )
 
@@ -46,6 +49,14 @@ RAW = (
 TRACE = 13
 
 
+@njit(forceinline=True)
+def of_design(column, d):
+    """One design's row of a column that may not be there."""
+    if column is None:
+        return None
+    return column[d]
+
+
 @njit(error_model="numpy", forceinline=True)
 def hermite_extreme(v0, v1, a0, a1, h):
     """The velocity's extreme inside a step whose end accelerations differ in sign (cubic Hermite)."""
@@ -66,11 +77,29 @@ def hermite(v0, v1, a0, a1, h, s):
     return v0 + s * (h * a0 + s * (q + s * r))
 
 
+@njit(error_model="numpy", forceinline=True)
+def vertex(a, b, c, before, after):
+    """Height of the parabola through three samples, the middle one the highest, these times apart."""
+    rise, fall = (b - a) / before, (c - b) / after
+    slope = (rise * after + fall * before) / (before + after)  # at the middle sample
+    return b - 0.25 * slope * slope * (before + after) / (fall - rise)
+
+
+@njit(error_model="numpy", forceinline=True)
+def embedded(v0, v1, a0, a1, h):
+    """Error estimate of a step's velocity, m/s: against the trapezoidal rule through its own ends.
+
+    Its acceleration at both ends is known, so that a second method of order 2 comes for nothing.
+    """
+    return abs(v1 - v0 - 0.5 * h * (a0 + a1))
+
+
 def _source() -> str:
     """A digest of the compiled sources: cached code of older ones is not used again."""
     digest = hashlib.sha256()
-    for name in ("kernels.py", "steppers.py", "loop.py"):
-        digest.update((Path(__file__).parent / name).read_bytes())
+    for module in (effects, kernels, steppers):
+        digest.update(Path(str(module.__file__)).read_bytes())
+    digest.update(Path(__file__).read_bytes())
     return digest.hexdigest()
 
 
@@ -81,10 +110,12 @@ def _compile(source: str):
         plates,
         blocks,
         reach,
+        tangents,
         world,
         pose0,
         poses,
         times,
+        control,
         strike,
         begin,
         end,
@@ -97,18 +128,24 @@ def _compile(source: str):
         """Walk the designs begin..end of a population.
 
         plates: five arrays (designs, padded plates), `foot.Plates`. blocks: three arrays (designs,
-        blocks), `kernels.Sole`. reach: (designs,), m. times: (steps + 1,), s, the first
-        is 0. pose0: (2, 7) at t = 0. poses: (steps, nodes, 2, 7). strike: first heel strike, s.
-        Filled: raw (designs, len(RAW)), status (designs,), tallies (designs, 4), and trace
-        (steps + 1, TRACE) or None, for one design: its row 0 is the start.
+        blocks), `kernels.Sole`. reach: (designs,), m. tangents: two more of the first kind, or two
+        None, where no effect needs a plate's normal. times: (steps + 1,), s, the first
+        is 0. pose0: (2, 7) at t = 0. poses: a table for whole steps, (steps, nodes, 2, 7), then for
+        halves, quarters, ... of them. control: the largest `embedded` error of a step, m/s, or None
+        for steps that are never shortened. strike: first heel strike, s.
+        Filled: raw (designs, len(RAW)), status (designs,), tallies (designs, TALLY), and trace
+        (shortest steps + 1, TRACE) or None, for one design: its row 0 is the start, rows inside
+        longer steps are left as they were.
         sink: 1 to follow the maximum sinkage, None to leave that out.
         """
         source  # noqa: B018  a free variable is part of the cache's key
-        steps = poses.shape[0]
+        steps = len(times) - 1
         t_f = times[steps]
+        finest = len(poses) - 1
         y, quad = np.empty(4), np.empty(7)
         now, work = np.zeros((2, CONTACT)), np.zeros((2, CONTACT))
-        peak = np.zeros((2, 3))  # |P| of each foot at the last three samples
+        y_old, quad_old, now_old = np.empty(4), np.empty(7), np.zeros((2, CONTACT))
+        peak, when = np.zeros((2, 3)), np.zeros(3)  # |P| of each foot at the last three samples
         for d in range(begin, end):
             sole = Sole(
                 plates[0][d],
@@ -120,6 +157,8 @@ def _compile(source: str):
                 blocks[1][d],
                 blocks[2][d],
                 reach[d],
+                of_design(tangents[0], d),
+                of_design(tangents[1], d),
             )
             raw[d, :] = np.nan
             tally = tallies[d]
@@ -131,17 +170,32 @@ def _compile(source: str):
                 continue
             z_start = y[1]
             quad[:] = 0.0
-            contact(now, tally, sole, world, pose0, y[1], 0.0, 0.0, world.creep, None)
+            contact(now, tally, sole, world, pose0, 0.0, y[1], 0.0, 0.0, world.creep, None)
             if trace is not None:
                 trace[0, :] = 0.0
                 trace[0, 2] = z_start
             p_max = fall = f_max = sinkage = 0.0
             top = -np.inf
             status[d] = OK
-            for n in range(steps):
-                h = times[n + 1] - times[n]
-                v0, a0 = y[2], (now[0, FX] + now[1, FX]) / world.mass
-                solved = advance(stepper, y, now, quad, tally, h, poses[n], sole, world, work)
+            n = place = level = 0  # the step n is walked up to place / 2^finest of it
+            while n < steps:
+                stride = 1 << (finest - level)
+                h = (times[n + 1] - times[n]) / (1 << level)
+                index = (n << level) + place // stride
+                if control is not None:
+                    y_old[:], quad_old[:], now_old[:, :] = y, quad, now
+                v0, w0 = y[2], y[3]
+                a0, b0 = acceleration(now, world)
+                solved = advance(stepper, y, now, quad, tally, h, poses[level][index], sole, world, work)
+                v1 = y[2]
+                a1, b1 = acceleration(now, world)
+                if control is not None:
+                    error = embedded(v0, v1, a0, a1, h) + embedded(w0, y[3], b0, b1, h)
+                    if level < finest and not (solved and error <= control):
+                        y[:], quad[:], now[:, :] = y_old, quad_old, now_old
+                        level += 1
+                        tally[SHORTENED] += 1
+                        continue
                 speed = abs(y[2]) + abs(y[3])
                 if not solved or not speed < 1e4:
                     status[d] = DIVERGED
@@ -149,15 +203,20 @@ def _compile(source: str):
                 if y[1] <= 0.0:
                     status[d] = SUNK
                     break
-                t = times[n + 1]
+                place += stride
+                row = (n << finest) + place
+                t = times[n] + place / (1 << finest) * (times[n + 1] - times[n])
+                if place == 1 << finest:
+                    n, place = n + 1, 0
+                    t = times[n]
                 f_max = max(f_max, now[0, FZ] + now[1, FZ])
                 if sink is not None:
-                    sinkage = max(sinkage, deepest(sole, poses[n, -1], y[1]))
+                    sinkage = max(sinkage, deepest(sole, poses[level][index, -1], y[1]))
+                when[0], when[1], when[2] = when[1], when[2], t
                 for foot in range(2):
                     peak[foot, 0], peak[foot, 1] = peak[foot, 1], peak[foot, 2]
                     peak[foot, 2] = abs(now[foot, POWER])
                 if t > strike - 1e-9:  # objectives that begin with the first heel strike
-                    v1, a1 = y[2], (now[0, FX] + now[1, FX]) / world.mass
                     if top == -np.inf:
                         top = hermite(v0, v1, a0, a1, h, min(max(1.0 - (t - strike) / h, 0.0), 1.0))
                     elif a0 * a1 < 0.0:
@@ -169,16 +228,19 @@ def _compile(source: str):
                     for foot in range(2):
                         a, b, c = peak[foot]
                         p_max = max(p_max, c)
-                        if b > a and b >= c and t - h > strike - 1e-9:  # a parabola's vertex
-                            p_max = max(p_max, b - 0.125 * (c - a) ** 2 / (a - 2.0 * b + c))
+                        if b > a and b >= c and t - h > strike - 1e-9:
+                            p_max = max(p_max, vertex(a, b, c, when[1] - when[0], when[2] - when[1]))
                 if trace is not None:
-                    trace[n + 1, 0] = t
-                    trace[n + 1, 1:5] = y
+                    trace[row, 0] = t
+                    trace[row, 1:5] = y
                     for foot in range(2):
-                        trace[n + 1, 5 + 4 * foot] = now[foot, FX]
-                        trace[n + 1, 6 + 4 * foot] = now[foot, FZ]
-                        trace[n + 1, 7 + 4 * foot] = now[foot, POWER]
-                        trace[n + 1, 8 + 4 * foot] = quad[WORK_L + foot]
+                        trace[row, 5 + 4 * foot] = now[foot, FX]
+                        trace[row, 6 + 4 * foot] = now[foot, FZ]
+                        trace[row, 7 + 4 * foot] = now[foot, POWER]
+                        trace[row, 8 + 4 * foot] = quad[WORK_L + foot]
+                if control is not None:  # noqa: SIM102  only such a test on its own is pruned
+                    if level > 0 and place % (2 * stride) == 0 and error < 0.1 * control:
+                        level -= 1  # a step twice as long has 8 times the error, if of order 2
             if status[d] != OK:
                 continue
             if top == -np.inf:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
@@ -13,6 +14,7 @@ from footopt.errors import SettingError, check
 from footopt.foot.plates import RULES
 from footopt.gait import Gait
 from footopt.sand import Sand
+from footopt.sand.effects import Effect, Slope, ordered
 from footopt.walker.steppers import STEPPERS
 
 
@@ -48,14 +50,18 @@ class Scene:
     Parameters
     ----------
     t_f : end of the walk, s; by default two strides after the start (2.9 s for the paper's walk).
+    effects : what the scene calls for beyond the plain law (`footopt.sand.effects`); those that change
+        nothing are dropped.
     """
 
     sand: Sand = field(default_factory=lambda: Sand.named("hard"))
     gait: Gait = field(default_factory=Gait.human)
     walker: Walker = field(default_factory=Walker)
     t_f: float | None = None
+    effects: tuple[Effect, ...] = ()
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "effects", ordered(self.effects))
         if self.t_f is None:
             if math.isinf(self.gait.start):
                 raise SettingError(
@@ -68,6 +74,14 @@ class Scene:
     def duration(self) -> float:
         """t_f, s."""
         return self.gait.start + 2.0 * self.gait.period if self.t_f is None else self.t_f
+
+    @property
+    def gravity(self) -> tuple[float | None, float]:
+        """Gravity along the surface (None if it is level) and against its normal, m/s^2."""
+        for effect in self.effects:
+            if isinstance(effect, Slope):
+                return effect.gravity(self.walker.g)
+        return None, self.walker.g
 
     def need_heel_strike(self) -> None:
         """Raise unless the walk has a heel strike: without one p_max and dV_x are not defined."""
@@ -99,6 +113,8 @@ class Accuracy:
         "chord" as in the paper, or "arc", which needs fewer for the same error.
     creep : eps, m/s: h = v / sqrt(|v|^2 + eps^2) smooths the law's jump at v = 0.
     name : of the preset, for tables.
+    control : the largest estimated error of the hip's velocity in one step, m/s: a step beyond it is
+        halved, three times at most, and dt is the longest. None: all steps are as long.
     """
 
     stepper: str = "sdirk2"
@@ -107,6 +123,7 @@ class Accuracy:
     creep: float = 1e-4
     name: str = "custom"
     rule: str = "arc"
+    control: float | None = None
 
     def __post_init__(self) -> None:
         if self.rule not in RULES:
@@ -128,6 +145,13 @@ class Accuracy:
             "a speed > 0 and <= 1, in m/s",
             "At zero speed the law is set-valued; 1e-4 changes the distance by .002 %.",
         )
+        check(
+            self.control is None or 0 < self.control <= 1.0,
+            "accuracy.control",
+            self.control,
+            "null, or a speed > 0 and <= 1, in m/s",
+            "Try 1e-4.",
+        )
 
     @classmethod
     def named(cls, name: str) -> Accuracy:
@@ -140,14 +164,18 @@ class Accuracy:
     def within(cls, tolerance: float) -> Accuracy:
         """The cheapest setting of the accuracy study whose error is within a tolerance.
 
+        Of those whose steps are under control: the table knows three sands, and where another scene
+        is harder, such a walk takes shorter steps instead of a larger error.
+
         Parameters
         ----------
         tolerance : relative error of the worst objective for 95 % of random feet inside the box, on
             soft, regular and hard sand, against the limit of small steps and many plates.
         """
-        rows = [row for row in measured_settings() if row["error"] <= MARGIN * tolerance]
+        table = [row for row in measured_settings() if row["control"] is not None]
+        rows = [row for row in table if row["error"] <= MARGIN * tolerance]
         if not rows:
-            best = min(row["error"] for row in measured_settings()) / MARGIN
+            best = min(row["error"] for row in table) / MARGIN
             raise SettingError(
                 "accuracy.tolerance",
                 tolerance,
@@ -155,9 +183,8 @@ class Accuracy:
                 "Use accuracy=reference, or set dt and plates by hand.",
             )
         row = min(rows, key=lambda row: row["ms"])
-        return cls(
-            row["stepper"], row["dt"], row["plates"], row["creep"], f"within {tolerance:g}", row["rule"]
-        )
+        setting = {name: row[name] for name in ("stepper", "dt", "plates", "creep", "rule", "control")}
+        return cls(**setting, name=f"within {tolerance:g}")
 
     def steps(self, t_f: float) -> int:
         """Number of equal steps from 0 to t_f."""
@@ -166,13 +193,14 @@ class Accuracy:
 
 #: The table that `footopt study=accuracy` wrote: every setting's error and cost.
 TABLE = Path(__file__).parent / "accuracy.csv"
-TABLE_COLUMNS = ("stepper", "rule", "dt", "plates", "creep", "error", "ms")
+TABLE_COLUMNS = ("stepper", "rule", "dt", "control", "plates", "creep", "error", "ms")
 
 
 @lru_cache
 def measured_settings() -> tuple[dict[str, Any], ...]:
     """Rows of the accuracy study: a setting, its error (a fraction) and ms per design and core."""
-    kinds = (str, str, float, int, float, float, float)
+    kinds: tuple[Callable[[str], Any], ...]
+    kinds = (str, str, float, lambda text: float(text) if text else None, int, float, float, float)
     with open(TABLE, newline="", encoding="utf-8") as file:
         return tuple(
             {name: kind(row[name]) for name, kind in zip(TABLE_COLUMNS, kinds, strict=True)}

@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import SettingError, check
 from footopt.foot import Foot, Plates, Waypoints, as_plates
-from footopt.sand import affine_direction
-from footopt.walker.kernels import EVALUATIONS, LANES, PLATES, REPEATS, RESCUES, World
+from footopt.sand import affine_direction, effects
+from footopt.walker.kernels import EVALUATIONS, LANES, PLATES, REPEATS, RESCUES, SHORTENED, TALLY, Sole, World
 from footopt.walker.loop import BACKWARD, DIVERGED, OK, RAW, SUNK, TRACE, walk_range
 from footopt.walker.objectives import FIVE, OBJECTIVES, Raw, lookup
 from footopt.walker.scene import Accuracy, Scene
@@ -29,6 +29,7 @@ REASONS = {OK: "", SUNK: "sunk", BACKWARD: "backward", DIVERGED: "diverged"}
 
 NEWTON = 3e-3  # last step of Newton's method over the plates' mean speed; the forces' error is the square
 REST = 4  # longer steps while the walker stands
+HALVINGS = 3  # of a step under control, at most
 MAX_REPEATS = 3  # of a walk that diverged, each with a quarter of the time step before
 CHUNK = 4096  # designs whose plates are in memory at once
 BLOCK = 16  # designs that a thread takes at a time
@@ -47,6 +48,7 @@ class Table:
     raw : (designs, ...), the loop's own results.
     evaluations, plates : (designs,), of the contact, and plates in them.
     rescues : (designs,), implicit stages that Newton's method alone could not solve.
+    shortened : (designs,), steps under control that were repeated with half their length.
     repeats : (designs,), how often the walk was repeated with a quarter of the time step because a
         step could not be solved or a state was not finite.
     scene : what was walked through.
@@ -60,6 +62,7 @@ class Table:
     evaluations: NDArray[np.int64]
     plates: NDArray[np.int64]
     rescues: NDArray[np.int64]
+    shortened: NDArray[np.int64]
     repeats: NDArray[np.int64]
     scene: Scene
 
@@ -93,8 +96,7 @@ class Walk:
     start : (2,), hip at t = 0, m.
     reason : "" or why the walk failed (then the traces end there).
     totals : the loop's own results by name (`loop.RAW`), by the stepper's own quadrature.
-    evaluations : of the contact. rescues : stages that Newton's method alone could not solve.
-    repeats : how often the walk was repeated with a quarter of the time step, see `Table`.
+    evaluations, rescues, shortened, repeats : what the walk took, see `Table`.
     """
 
     foot: Foot
@@ -111,6 +113,7 @@ class Walk:
     totals: dict[str, float]
     evaluations: int
     rescues: int
+    shortened: int
     repeats: int
 
     @property
@@ -128,7 +131,9 @@ class Walk:
         """Every plate's place, motion and force at some samples, by the law in its readable form."""
         i = np.asarray(index)
         pose = self.scene.gait.pose(self.t[i], self.scene.walker.l1, self.scene.walker.l2)
-        sole = self.foot.plates(self.accuracy.plates, self.accuracy.rule)
+        sole = self.foot.plates(self.accuracy.plates, self.accuracy.rule, directed=True)
+        assert sole.tx is not None, "asked for"
+        assert sole.tz is not None, "asked for"
         cos, sin = np.cos(pose.pitch)[..., None], np.sin(pose.pitch)[..., None]
         rx, rz = cos * sole.x[0] - sin * sole.z[0], sin * sole.x[0] + cos * sole.z[0]
         position = np.stack(
@@ -145,16 +150,26 @@ class Walk:
             ],
             axis=-1,
         )
-        chord = np.diff(self.foot.points(self.accuracy.plates), axis=0)
-        beta = np.arctan2(chord[:, 1], chord[:, 0]) + pose.pitch[..., None]
+        tx, tz = cos * sole.tx[0] - sin * sole.tz[0], sin * sole.tx[0] + cos * sole.tz[0]
+        normal = np.stack([tz, -tx], axis=-1)
         c2p, s2p = np.cos(2.0 * pose.pitch)[..., None], np.sin(2.0 * pose.pitch)[..., None]
         c, s = sole.c2[0] * c2p - sole.s2[0] * s2p, sole.s2[0] * c2p + sole.c2[0] * s2p
         a, m = affine_direction(c, s, self.scene.sand.stress_map)
         speed = np.sqrt(np.sum(velocity**2, axis=-1) + self.accuracy.creep**2)
         h = velocity / speed[..., None]
-        pull = self.scene.sand.zeta * np.maximum(-position[..., 1], 0.0) * sole.area[0]
+        laws = effects.laws(self.scene.effects)
+        depth = np.maximum(-position[..., 1], 0.0)
+        into = np.sum(normal * velocity, axis=-1)
+        load, share, push = depth, 1.0, 0.0
+        if laws.loads is not None:
+            load = effects.load(laws.loads, (depth, 1.0, 0.0), depth, position[..., 0])[0]
+        if laws.gates is not None:
+            share = effects.gate(laws.gates, (1.0, 0.0), into, self.accuracy.creep)[0]
+        if laws.pushes is not None:
+            push = effects.push(laws.pushes, (0.0, 0.0, 0.0), into, depth)[0]
+        pull = self.scene.sand.zeta * load * share * sole.area[0]
         force = pull[..., None] * (a - np.einsum("...ij,...j->...i", m, h))
-        normal = np.stack([np.sin(beta), -np.cos(beta)], axis=-1)
+        force = force - (push * sole.area[0])[..., None] * normal
         return PlateStates(position, velocity, force, normal, sole.area[0])
 
 
@@ -182,7 +197,8 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
     Walk : also of a walk that failed; see its `reason`.
     """
     scene, accuracy = scene or Scene(), resolve(accuracy)
-    plates = foot.plates(accuracy.plates, accuracy.rule)
+    directed = effects.laws(scene.effects).directed
+    plates = foot.plates(accuracy.plates, accuracy.rule, directed)
     raw, status, tallies, trace = _walk(plates, scene, accuracy, sink=True, threads=1, traced=True)
     rows = trace[1:][np.isfinite(trace[1:]).all(axis=1)]
     force = np.stack([rows[:, 5:7], rows[:, 9:11]], axis=1)
@@ -201,6 +217,7 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
         totals=dict(zip(RAW, map(float, raw[0]), strict=True)),
         evaluations=int(tallies[0, EVALUATIONS]),
         rescues=int(tallies[0, RESCUES]),
+        shortened=int(tallies[0, SHORTENED]),
         repeats=int(tallies[0, REPEATS]),
     )
 
@@ -232,7 +249,8 @@ def evaluate(
     scene.need_heel_strike()
     chosen = lookup(objectives)
     sink = "maximum_sinkage" in objectives
-    parts = [_walk(plates, scene, accuracy, sink, threads)[:3] for plates in _chunks(feet, accuracy, space)]
+    chunks = _chunks(feet, scene, accuracy, space)
+    parts = [_walk(plates, scene, accuracy, sink, threads)[:3] for plates in chunks]
     raw, status, tallies = (np.concatenate(column) for column in zip(*parts, strict=True))
     raw[status != OK] = np.nan
     if not sink:
@@ -248,6 +266,7 @@ def evaluate(
         evaluations=tallies[:, EVALUATIONS],
         plates=tallies[:, PLATES],
         rescues=tallies[:, RESCUES],
+        shortened=tallies[:, SHORTENED],
         repeats=tallies[:, REPEATS],
         scene=scene,
     )
@@ -258,13 +277,18 @@ def estimate_error(
 ) -> dict[str, float]:
     """Error estimate of a walk's objectives by refinement, absolute, in their own units.
 
-    The difference to the walk with half the time step, twice the plates and half the creep speed,
-    times 4/3: what is left of an error that falls with the square of the first two. NaN where the
-    walk or its refinement fails.
+    The difference to the walk with half the time step (under control: an eighth of the error that a
+    step may have), twice the plates and half the creep speed, times 4/3: what is left of an error that
+    falls with the square of the first two. NaN where the walk or its refinement fails.
     """
     scene, accuracy = scene or Scene(), resolve(accuracy)
     finer = replace(
-        accuracy, dt=accuracy.dt / 2, plates=2 * accuracy.plates, creep=accuracy.creep / 2, name="refined"
+        accuracy,
+        dt=accuracy.dt / 2,
+        control=None if accuracy.control is None else accuracy.control / 8,
+        plates=2 * accuracy.plates,
+        creep=accuracy.creep / 2,
+        name="refined",
     )
     coarse, fine = (simulate(foot, scene, a).objectives for a in (accuracy, finer))
     return {name: 4.0 / 3.0 * abs(coarse[name] - fine[name]) for name in coarse}
@@ -277,9 +301,21 @@ def resolve(accuracy: Accuracy | str) -> Accuracy:
 
 def world(scene: Scene, accuracy: Accuracy) -> World:
     """What the compiled loops need to know of a scene."""
-    law = (scene.sand.stiffness * c for c in scene.sand.stress_map.law)
+    law = scene.sand.stress_map.law._asdict()
+    tilt, g = scene.gravity
+    laws = effects.laws(scene.effects)
     # floats throughout: a whole number would be another type, and compile the loop again
-    return World._make(map(float, (*law, scene.walker.mass, scene.walker.g, accuracy.creep, NEWTON)))
+    return World(
+        **{name: float(scene.sand.stiffness * c) for name, c in law.items()},
+        mass=float(scene.walker.mass),
+        g=float(g),
+        tilt=None if tilt is None else float(tilt),
+        creep=float(accuracy.creep),
+        tolerance=NEWTON,
+        loads=laws.loads,
+        gates=laws.gates,
+        pushes=laws.pushes,
+    )
 
 
 def time_grid(scene: Scene, accuracy: Accuracy) -> Array:
@@ -303,12 +339,19 @@ def time_grid(scene: Scene, accuracy: Accuracy) -> Array:
 
 
 @lru_cache(maxsize=16)
-def poses(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, Array]:
-    """Time grid, pose at t = 0, (2, 7), and at every step's nodes, (steps, nodes, 2, 7)."""
+def poses(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ...]]:
+    """Time grid, pose at t = 0, (2, 7), and at every step's nodes, (steps, nodes, 2, 7).
+
+    Under control of the step there is a table more for each halving, with twice as many steps.
+    """
     times, nodes = time_grid(scene, accuracy), np.asarray(STEPPERS[accuracy.stepper].nodes)
-    t = times[:-1, None] + np.diff(times)[:, None] * nodes
     pose = partial(scene.gait.pose, l1=scene.walker.l1, l2=scene.walker.l2)
-    return times, pose(np.zeros(1)).table()[0], pose(t.ravel()).table().reshape(*t.shape, 2, 7)
+    tables = []
+    for level in range(1 if accuracy.control is None else 1 + HALVINGS):
+        parts = (np.arange(2**level)[:, None] + nodes) / 2**level
+        t = (times[:-1, None, None] + np.diff(times)[:, None, None] * parts).ravel()
+        tables.append(pose(t).table().reshape(-1, len(nodes), 2, 7))
+    return times, pose(np.zeros(1)).table()[0], tuple(tables)
 
 
 def available_threads() -> int:
@@ -316,9 +359,12 @@ def available_threads() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _chunks(feet: Any, accuracy: Accuracy, space: Waypoints | None) -> Iterator[Plates]:
+def _chunks(feet: Any, scene: Scene, accuracy: Accuracy, space: Waypoints | None) -> Iterator[Plates]:
     """The feet's plates, a bounded number of designs at a time."""
+    directed = effects.laws(scene.effects).directed
     if isinstance(feet, Plates):
+        if directed and feet.tx is None:
+            raise SettingError("feet", "plates without directions", "plates made with directed=True")
         yield from (feet.take(slice(i, i + CHUNK)) for i in range(0, len(feet.x), CHUNK))
         return
     if not isinstance(feet, Sequence):
@@ -326,7 +372,7 @@ def _chunks(feet: Any, accuracy: Accuracy, space: Waypoints | None) -> Iterator[
     if len(feet) == 0:
         raise SettingError("feet", "[]", "at least one foot")
     yield from (
-        as_plates(feet[i : i + CHUNK], accuracy.plates, accuracy.rule, space)
+        as_plates(feet[i : i + CHUNK], accuracy.plates, accuracy.rule, space, directed)
         for i in range(0, len(feet), CHUNK)
     )
 
@@ -360,18 +406,20 @@ def _run(
 ) -> tuple[Array, NDArray[np.int64], NDArray[np.int64], Array]:
     """`_walk` once, with the given time step."""
     stepper, designs = STEPPERS[accuracy.stepper], len(plates.x)
-    times, pose0, table = poses(scene, accuracy)
+    times, pose0, tables = poses(scene, accuracy)
     padded, circles, reach = _blocks(plates)
+    tangents = _tangents(plates)
     raw = np.empty((designs, len(RAW)))
-    status, tallies = np.empty(designs, np.int64), np.zeros((designs, 4), np.int64)
-    trace = np.full((len(table) + 1, TRACE), np.nan) if traced else None
+    status, tallies = np.empty(designs, np.int64), np.zeros((designs, TALLY), np.int64)
+    trace = np.full((len(tables[-1]) + 1, TRACE), np.nan) if traced else None
     constants = world(scene, accuracy)
 
     def run(begin: int) -> None:
         end = min(begin + BLOCK, designs)
         walk_range(
-            stepper.parameters, padded, circles, reach, constants, pose0, table, times,
-            scene.gait.heel_strike, begin, end, raw, status, tallies, trace, 1 if sink else None,
+            stepper.parameters, padded, circles, reach, tangents, constants, pose0, tables, times,
+            accuracy.control, scene.gait.heel_strike, begin, end, raw, status, tallies, trace,
+            1 if sink else None,
         )  # fmt: skip
 
     workers = available_threads() if threads is None else threads
@@ -388,14 +436,33 @@ def _run(
 
 def _blocks(plates: Plates) -> tuple[tuple[Array, ...], tuple[Array, ...], Array]:
     """Plates in whole blocks (the last one repeated without area), a circle around each, the reach."""
-    designs, count = plates.x.shape
-    extra = -count % LANES
-    columns = [np.pad(column, ((0, 0), (0, extra)), mode="edge") for column in plates]
-    if extra:
-        columns[-1][:, -extra:] = 0.0
-    x, z = (column.reshape(designs, -1, LANES) for column in columns[:2])
+    extra = -plates.x.shape[1] % LANES
+    columns = [_padded(column, extra) for column in (plates.x, plates.z, plates.c2, plates.s2)]
+    columns.append(_padded(plates.area, extra, 0.0))
+    x, z = (column.reshape(len(column), -1, LANES) for column in columns[:2])
     centre_x, centre_z = (0.5 * (q.min(axis=2) + q.max(axis=2)) for q in (x, z))
     square = (x - centre_x[..., None]) ** 2 + (z - centre_z[..., None]) ** 2
     radius = np.sqrt(square.max(axis=2))
     reach = np.sqrt(np.max(plates.x**2 + plates.z**2, axis=1))
-    return tuple(map(np.ascontiguousarray, columns)), (centre_x, centre_z, radius), reach
+    return tuple(columns), (centre_x, centre_z, radius), reach
+
+
+def sole(plates: Plates) -> Sole:
+    """The first foot's plates as one contact takes them; the population's loop has its own."""
+    columns, circles, reach = _blocks(plates)
+    tangents = [None if column is None else column[0] for column in _tangents(plates)]
+    return Sole._make([*(c[0] for c in (*columns, *circles)), float(reach[0]), *tangents])
+
+
+def _padded(column: Array, extra: int, value: float | None = None) -> Array:
+    """A column with more plates at the end: the last one again, or a value."""
+    last = column[:, -1:] if value is None else np.full((len(column), 1), value)
+    return np.concatenate([column, np.repeat(last, extra, axis=1)], axis=1)
+
+
+def _tangents(plates: Plates) -> tuple[Array | None, Array | None]:
+    """The plates' directions in whole blocks, where an effect needs them."""
+    if plates.tx is None or plates.tz is None:
+        return None, None
+    extra = -plates.x.shape[1] % LANES
+    return _padded(plates.tx, extra), _padded(plates.tz, extra)

@@ -28,7 +28,7 @@ from typing import Any, NamedTuple
 from numba import njit
 from numba.extending import overload
 
-from footopt.walker.kernels import FX, FZ, POWER, contact, solve_stage
+from footopt.walker.kernels import FX, FZ, POWER, contact, leaning, solve_stage
 
 #: The integrals along a walk: work of the left and the right foot (J), hip height (m s), positive
 #: and net work of the joints of both legs (J), and the impulse of the sand (N s).
@@ -89,7 +89,8 @@ def add(quad, weight, z, vx, vz, at):
 @njit(forceinline=True)
 def acceleration(at, world):
     """Of the hip, from a contact: a_x, a_z in m/s^2 (the paper's eq. 7)."""
-    return (at[0, FX] + at[1, FX]) / world.mass, (at[0, FZ] + at[1, FZ]) / world.mass - world.g
+    ax = leaning((at[0, FX] + at[1, FX]) / world.mass, world.tilt, 1.0)
+    return ax, (at[0, FZ] + at[1, FZ]) / world.mass - world.g
 
 
 class ExplicitEuler(NamedTuple):
@@ -104,7 +105,7 @@ def explicit_euler(stepper, y, now, quad, tally, h, poses, sole, world, work):
     y[1] += h * y[3]
     y[2] += h * ax
     y[3] += h * az
-    contact(now, tally, sole, world, poses[0], y[1], y[2], y[3], world.creep, None)
+    contact(now, tally, sole, world, poses[0], y[0], y[1], y[2], y[3], world.creep, None)
     return True
 
 
@@ -123,7 +124,7 @@ def semi_implicit_euler(stepper, y, now, quad, tally, h, poses, sole, world, wor
     y[3] += h * az
     y[0] += h * y[2]
     y[1] += h * y[3]
-    contact(now, tally, sole, world, poses[0], y[1], y[2], y[3], world.creep, None)
+    contact(now, tally, sole, world, poses[0], y[0], y[1], y[2], y[3], world.creep, None)
     return True
 
 
@@ -137,8 +138,8 @@ class Heun(NamedTuple):
 def heun(stepper, y, now, quad, tally, h, poses, sole, world, work):
     """Explicit trapezoidal rule: the mean of the slopes at both ends. Order 2."""
     ax, az = acceleration(now, world)
-    z1, vx1, vz1 = y[1] + h * y[3], y[2] + h * ax, y[3] + h * az
-    contact(work, tally, sole, world, poses[0], z1, vx1, vz1, world.creep, None)
+    x1, z1, vx1, vz1 = y[0] + h * y[2], y[1] + h * y[3], y[2] + h * ax, y[3] + h * az
+    contact(work, tally, sole, world, poses[0], x1, z1, vx1, vz1, world.creep, None)
     bx, bz = acceleration(work, world)
     add(quad, 0.5 * h, y[1], y[2], y[3], now)
     add(quad, 0.5 * h, z1, vx1, vz1, work)
@@ -146,7 +147,7 @@ def heun(stepper, y, now, quad, tally, h, poses, sole, world, work):
     y[1] += 0.5 * h * (y[3] + vz1)
     y[2] += 0.5 * h * (ax + bx)
     y[3] += 0.5 * h * (az + bz)
-    contact(now, tally, sole, world, poses[0], y[1], y[2], y[3], world.creep, None)
+    contact(now, tally, sole, world, poses[0], y[0], y[1], y[2], y[3], world.creep, None)
     return True
 
 
@@ -167,8 +168,9 @@ def rk4(stepper, y, now, quad, tally, h, poses, sole, world, work):
     for stage in range(3):
         reach = h if stage == 2 else 0.5 * h
         weight = 1.0 if stage == 2 else 2.0
-        z1, vx1, vz1 = z0 + reach * vz, vx0 + reach * ax, vz0 + reach * az
-        contact(work, tally, sole, world, poses[1 if stage == 2 else 0], z1, vx1, vz1, world.creep, None)
+        x1, z1, vx1, vz1 = x0 + reach * vx, z0 + reach * vz, vx0 + reach * ax, vz0 + reach * az
+        pose = poses[1 if stage == 2 else 0]
+        contact(work, tally, sole, world, pose, x1, z1, vx1, vz1, world.creep, None)
         add(quad, weight * h / 6.0, z1, vx1, vz1, work)
         ax, az = acceleration(work, world)
         vx, vz = vx1, vz1
@@ -176,7 +178,7 @@ def rk4(stepper, y, now, quad, tally, h, poses, sole, world, work):
         qx, qz = qx + weight * ax, qz + weight * az
     y[0], y[1] = x0 + h / 6.0 * px, z0 + h / 6.0 * pz
     y[2], y[3] = vx0 + h / 6.0 * qx, vz0 + h / 6.0 * qz
-    contact(now, tally, sole, world, poses[1], y[1], y[2], y[3], world.creep, None)
+    contact(now, tally, sole, world, poses[1], y[0], y[1], y[2], y[3], world.creep, None)
     return True
 
 
@@ -191,7 +193,7 @@ def implicit_euler(stepper, y, now, quad, tally, h, poses, sole, world, work):
     """Force and velocity at the end of the step, L-stable. Order 1."""
     ax, az = acceleration(now, world)
     vx, vz, solved = solve_stage(
-        now, tally, sole, world, poses[0], y[1], y[2], y[3], h, y[2] + h * ax, y[3] + h * az
+        now, tally, sole, world, poses[0], y[0], y[1], y[2], y[3], h, y[2] + h * ax, y[3] + h * az
     )
     if not solved:
         return False
@@ -223,7 +225,7 @@ def sdirk2(stepper, y, now, quad, tally, h, poses, sole, world, work):
     x0, z0, vx0, vz0 = y[0], y[1], y[2], y[3]
     ax, az = acceleration(now, world)
     vx, vz, solved = solve_stage(
-        work, tally, sole, world, poses[0], z0, vx0, vz0, c, vx0 + c * ax, vz0 + c * az
+        work, tally, sole, world, poses[0], x0, z0, vx0, vz0, c, vx0 + c * ax, vz0 + c * az
     )
     if not solved:
         return False
@@ -232,7 +234,9 @@ def sdirk2(stepper, y, now, quad, tally, h, poses, sole, world, work):
     x1, z1 = x0 + r * vx, z0 + r * vz
     # the guess follows the change of acceleration so far, to the end of the step
     gx, gz = vx + r * (bx + (bx - ax)), vz + r * (bz + (bz - az))
-    vx, vz, solved = solve_stage(now, tally, sole, world, poses[1], z1, vx0 + r * bx, vz0 + r * bz, c, gx, gz)
+    vx, vz, solved = solve_stage(
+        now, tally, sole, world, poses[1], x1, z1, vx0 + r * bx, vz0 + r * bz, c, gx, gz
+    )
     if not solved:
         return False
     y[0], y[1], y[2], y[3] = x1 + c * vx, z1 + c * vz, vx, vz

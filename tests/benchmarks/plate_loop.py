@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 import footopt as fo
 from footopt.walker.kernels import Sole, World, plate_sums
-from footopt.walker.simulate import _blocks, world
+from footopt.walker.simulate import sole, world
 
 Array = NDArray[np.float64]
 Sums = Callable[[int], Array]
@@ -36,8 +36,9 @@ def _repeat(out, sole, world, motion, jacobian, repeats, change):  # type: ignor
     za, vx, vz, cos, sin, rate, creep = motion
     for r in range(repeats):
         sums = plate_sums(
-            sole, world, 0, len(sole.x), za, vx + change * r, vz, cos, sin, rate, creep, jacobian
-        )
+            sole, world, None, None, None, None, None, 0, len(sole.x), 0.0, za, vx + change * r, vz,
+            cos, sin, rate, creep, jacobian,
+        )  # fmt: skip
         for j in range(7):
             out[j] += sums[j]
 
@@ -45,18 +46,17 @@ def _repeat(out, sole, world, motion, jacobian, repeats, change):  # type: ignor
 def submerged_sole(plates: int) -> tuple[Sole, World]:
     """A random foot's plates, a multiple of `kernels.LANES`, and regular sand's law."""
     space = fo.Waypoints()
-    padded, circles, reach = _blocks(space.plates(space.random(1, 5, inside=True), plates, "arc"))
-    sole = Sole(*(column[0] for column in (*padded, *circles)), reach[0])
-    return sole, world(fo.Scene(sand=fo.Sand.named("regular")), fo.Accuracy())
+    feet = space.plates(space.random(1, 5, inside=True), plates, "arc")
+    return sole(feet), world(fo.Scene(sand=fo.Sand.named("regular")), fo.Accuracy())
 
 
 def compiled(plates: int, jacobian: bool) -> Sums:
     """footopt's own loop: repetitions to the total of the seven sums."""
-    sole, law = submerged_sole(plates)
+    submerged, law = submerged_sole(plates)
 
     def run(repeats: int) -> Array:
         out = np.empty(7)
-        _repeat(out, sole, law, MOTION[:-1], MOTION[-1] if jacobian else None, repeats, CHANGE)
+        _repeat(out, submerged, law, MOTION[:-1], MOTION[-1] if jacobian else None, repeats, CHANGE)
         return out
 
     return run

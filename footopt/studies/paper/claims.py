@@ -179,11 +179,12 @@ def same_vertical_velocity(e: Evidence) -> float:
     walks = list(e.shapes.values())
     if not all(walk.feasible for walk in walks):
         return float("nan")
-    curves = np.array([walk.velocity[:, 1] for walk in walks])
+    scene = walks[0].scene
+    t = np.linspace(scene.gait.start, scene.duration, 1000)
+    curves = np.array([np.interp(t, walk.t, walk.velocity[:, 1]) for walk in walks])
     mean = curves.mean(axis=0)
-    moving = walks[0].t > walks[0].scene.gait.start
-    parted = np.sqrt(np.mean((curves - mean)[:, moving] ** 2, axis=1))
-    return NOT_OBVIOUS - float(parted.max() / np.sqrt(np.mean(mean[moving] ** 2)))
+    parted = np.sqrt(np.mean((curves - mean) ** 2, axis=1))
+    return NOT_OBVIOUS - float(parted.max() / np.sqrt(np.mean(mean**2)))
 
 
 @claim("Fig. 4b", "The circle needs the highest power", "its p_max less the others' largest", "W")
@@ -281,8 +282,8 @@ def push_off_carries(e: Evidence) -> float:
     step = one_step(e.hard)
     if step is None:
         return float("nan")
-    t, forward = step.t, np.maximum(step.force[:, 0], 0.0)
-    return float(forward[t >= PUSH_OFF].sum() / forward.sum()) - 0.5
+    forward = step.lasts * np.maximum(step.force[:, 0], 0.0)
+    return float(forward[step.t >= PUSH_OFF].sum() / forward.sum()) - 0.5
 
 
 @claim(
@@ -421,14 +422,18 @@ def trail(values: Mapping[str, float], name: str) -> float:
     return lead({other: -v for other, v in values.items()}, name)
 
 
-def since_heel_strike(walk: Walk) -> NDArray[np.bool_]:
-    """Samples from the first heel strike on."""
-    return walk.t >= walk.scene.gait.heel_strike
+def mean_since_heel_strike(walk: Walk, values: Array) -> float:
+    """Mean over time of a trace, (T,), from the first heel strike on; NaN if the walk failed."""
+    if not walk.feasible:
+        return float("nan")
+    after = walk.t >= walk.scene.gait.heel_strike
+    t = walk.t[after]
+    return float(np.trapezoid(values[after], t) / (t[-1] - t[0]))
 
 
 def mean_speed(walk: Walk) -> float:
     """Mean V_x from the first heel strike on, m/s."""
-    return float(walk.velocity[since_heel_strike(walk), 0].mean()) if walk.feasible else float("nan")
+    return mean_since_heel_strike(walk, walk.velocity[:, 0])
 
 
 def time_to_speed(walk: Walk) -> float:
@@ -443,21 +448,18 @@ def peak_drag(walk: Walk, way: int) -> float:
     """Largest f_x of one foot, forwards (1) or backwards (-1), from the first heel strike on, N."""
     if not walk.feasible:
         return float("nan")
-    return float((way * walk.force[since_heel_strike(walk), :, 0]).max())
+    after = walk.t >= walk.scene.gait.heel_strike
+    return float((way * walk.force[after, :, 0]).max())
 
 
 def mean_drag(walk: Walk, way: int) -> float:
     """Mean over time of the forward (1) or backward (-1) part of both feet's f_x, N."""
-    if not walk.feasible:
-        return float("nan")
-    return float(np.maximum(way * walk.force[since_heel_strike(walk), :, 0], 0.0).sum(axis=1).mean())
+    return mean_since_heel_strike(walk, np.maximum(way * walk.force[..., 0], 0.0).sum(axis=1))
 
 
 def contact_share(walk: Walk) -> float:
     """Share of the time that a foot carries something, mean of both feet."""
-    if not walk.feasible:
-        return float("nan")
-    return float((walk.force[since_heel_strike(walk), :, 1] > CONTACT).mean())
+    return mean_since_heel_strike(walk, (walk.force[..., 1] > CONTACT).mean(axis=1))
 
 
 def work_after_three_steps(walk: Walk) -> float:
@@ -470,9 +472,14 @@ def work_after_three_steps(walk: Walk) -> float:
 
 @dataclass(frozen=True)
 class Step:
-    """The right foot's first step: times since touch-down, (M,), s, and force on it, (M, 2), N."""
+    """The right foot's first step.
+
+    t : (M,), since touch-down, s. lasts : (M,), how long the step of time before each sample was, s:
+    they are not equally long. force : (M, 2), on the foot, N.
+    """
 
     t: Array
+    lasts: Array
     force: Array
     samples: Stance
 
@@ -483,7 +490,8 @@ def one_step(walk: Walk) -> Step | None:
     if samples is None:
         return None
     part = slice(samples.first, samples.last + 1)
-    return Step(walk.t[part] - walk.t[samples.first], walk.force[part, RIGHT], samples)
+    t, lasts = walk.t[part] - walk.t[samples.first], np.diff(walk.t, prepend=0.0)[part]
+    return Step(t, lasts, walk.force[part, RIGHT], samples)
 
 
 def push_time(walk: Walk) -> float:
@@ -491,7 +499,7 @@ def push_time(walk: Walk) -> float:
     step = one_step(walk)
     if step is None:
         return float("nan")
-    return float(np.mean(step.force[:, 0] > 0.0) * step.t[-1])
+    return float(step.lasts[step.force[:, 0] > 0.0].sum())
 
 
 @dataclass(frozen=True)
@@ -512,7 +520,7 @@ def contact_zone(walk: Walk, instants: int = 100) -> Zone:
     step = one_step(walk)
     if step is None:
         return Zone()
-    index = np.unique(np.linspace(step.samples.first, step.samples.last, instants).round().astype(int))
+    index = step.samples.first + np.searchsorted(step.t, np.linspace(0.0, step.t[-1], instants))
     states = walk.plates(index)
     x = walk.foot.plates(walk.accuracy.plates, walk.accuracy.rule).x[0] + walk.foot.ankle[0]
     contour = walk.foot.contour[:, 0]

@@ -20,6 +20,7 @@ from footopt.errors import FootoptError, SettingError, check
 from footopt.foot import Foot
 from footopt.report import figures, files, paper_figures, terminal
 from footopt.sand import Sand
+from footopt.sand.effects import LeadingEdge
 from footopt.studies import build
 from footopt.studies.paper import page
 from footopt.studies.paper.claims import CLAIMS, SANDS, Evidence, filled
@@ -88,7 +89,10 @@ class Setup:
         """The walk on one of the sands."""
         if sand not in SANDS:
             raise SettingError("study.shape_sand", sand, f"one of {', '.join(SANDS)}")
-        return dataclasses.replace(build.make_scene(self.config), sand=Sand.named(sand))
+        scene = dataclasses.replace(build.make_scene(self.config), sand=Sand.named(sand))
+        if not self.config.study.leading_edge:
+            return scene
+        return dataclasses.replace(scene, effects=(*scene.effects, LeadingEdge()))
 
     def shapes(self) -> dict[str, Walk]:
         """Walks of the five shapes."""

@@ -42,6 +42,7 @@ FACTORS = (
     Factor("scene.t_f", (2.9, 2.6, 3.5), "t_f, s"),
     Factor("study.speed_loss", ("walk", "window", "narrow"), "dV_x is not defined"),
     Factor("study.peak_power", ("stance", "single"), "p_max: formula against text"),
+    Factor("study.leading_edge", (False, True), "do trailing faces feel sand"),
     Factor("foot.box_tolerance", (0.05, float("inf")), "may the spline leave the box", ("optima",)),
     Factor("solver.seed", (1, 2, 3, 4, 5), "the search is random", ("optima",)),
 )
