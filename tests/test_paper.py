@@ -297,10 +297,10 @@ class TestSweep:
         }
 
     def test_the_threads_do_not_change_the_sweep(self, monkeypatch):
-        few = tuple(f for f in FACTORS if f.setting in ("foot.apex", "study.speed_loss", "solver.seed"))
+        few = tuple(f for f in FACTORS if f.setting in ("foot.apex", "study.speed_loss"))
         monkeypatch.setattr(sweep, "FACTORS", few)
         settings = config(study__confirm="draft")
-        budget = study.Budget(8, 2, 1, 3, (6, 2))
+        budget = study.Budget(6, 2, 1, 2, (6, 1))
         feet = dict.fromkeys(SANDS, fo.Foot.from_waypoints(ROCKER))
         one, two = (study.sweep(settings, feet, budget, threads) for threads in (1, 2))
         np.testing.assert_array_equal(one.margins, two.margins)
@@ -450,7 +450,7 @@ def test_the_study_leaves_figures_claims_and_a_page(small, tmp_path, capsys):
     said = capsys.readouterr().out
     for claim in CLAIMS.values():
         assert claim.says in text
-    assert "34 claims" in said or f"{len(CLAIMS)} claims" in said
+    assert f"{len(CLAIMS)} claims" in said
     assert "## Errata" in text
 
 

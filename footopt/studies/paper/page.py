@@ -29,9 +29,11 @@ def margin(claim: Claim, value: float) -> str:
     return f"{sign}{number(abs(float(f'{value:.3g}')))} {claim.unit}".rstrip()
 
 
-def share(value: float) -> str:
-    """A share in percent."""
-    return "-" if math.isnan(value) else f"{value:.0%}"
+def share(j: Judgement) -> str:
+    """The share of the sweep in percent, and how many combinations were undecided, if any."""
+    if math.isnan(j.share):
+        return "-"
+    return f"{j.share:.0%}" + (f" ({j.undecided} undecided)" if j.undecided else "")
 
 
 def summary(judged: Mapping[str, Judgement]) -> str:
@@ -53,7 +55,7 @@ def table(judged: Mapping[str, Judgement]) -> Table:
         shown.add_column(title, justify="right" if title in ("margin", "share") else "left")
     for name, j in judged.items():
         c = CLAIMS[name]
-        shown.add_row(c.place, c.says, margin(c, j.margin), share(j.share), j.verdict)
+        shown.add_row(c.place, c.says, margin(c, j.margin), share(j), j.verdict)
     return shown
 
 
@@ -113,29 +115,21 @@ def markdown(
     budget: tuple[int, int],
 ) -> str:
     """Everything that was found, as one page."""
+    swept = (
+        f"Share: of {samples} random combinations of what the paper leaves open (below), each with feet "
+        f"searched again on every sand by a GA of {budget[0]} x {budget[1]}, the part in which the claim "
+        "holds; undecided are those in which a walk failed. For each single change the feet are searched "
+        "again with the full budget."
+        if samples
+        else "Nothing was swept (study.samples=0)."
+    )
+    rows = ((CLAIMS[name], j) for name, j in judged.items())
     parts = [
         "# The paper, claim by claim",
-        summary(judged)
-        + ". Margins are positive where a claim holds at the settings. "
-        + (
-            f"Share: of {samples} random combinations of what the paper leaves open (below), each with feet "
-            f"searched again on every sand by a GA of {budget[0]} x {budget[1]}, the part in "
-            "which the claim holds. The paper's own GA searches again for each single change."
-            if samples
-            else "Nothing was swept (study.samples=0)."
-        ),
+        f"{summary(judged)}. Margins are positive where a claim holds at the settings. {swept}",
         grid(
             ("figure", "claim", "margin", "share", "verdict"),
-            (
-                (
-                    CLAIMS[name].place,
-                    CLAIMS[name].says,
-                    margin(CLAIMS[name], j.margin),
-                    share(j.share),
-                    j.verdict,
-                )
-                for name, j in judged.items()
-            ),
+            ((c.place, c.says, margin(c, j.margin), share(j), j.verdict) for c, j in rows),
         ),
         "## The feet",
         grid(
