@@ -22,7 +22,7 @@ class StudyConfig:
     cases: Optional[list[str]] = None  # noqa: UP045
     methods: Optional[list[str]] = None  # noqa: UP045
     seeds: int = 5
-    samples: int = 96
+    samples: int = 48
     shape_sand: str = "regular"
     mount: str = "centre"
     peak_power: str = "stance"

@@ -469,10 +469,10 @@ def footopt(*arguments, cwd):
     return subprocess.run(command, cwd=cwd, env=env, capture_output=True, text=True)
 
 
-def test_the_shapes_from_the_command_line(tmp_path):
-    done = footopt("study=shapes", "sand=soft", "foot.length=0.2", "accuracy=draft", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    (path,) = tmp_path.rglob("result.json")
+def test_the_shapes_study_is_what_the_library_computes(tmp_path, capsys):
+    settings = config(sand__zeta=0.2, foot__length=0.2, accuracy__name="draft")
+    shapes_study.run(settings, tmp_path, {})
+    path = tmp_path / "result.json"
     result = json.loads(path.read_text())
     assert list(result["shapes"]) == list(SHAPES)
     for name, entry in result["shapes"].items():
@@ -484,13 +484,15 @@ def test_the_shapes_from_the_command_line(tmp_path):
     with open(path.parent / "shapes.csv", newline="") as file:
         rows = {row["shape"]: row for row in csv.DictReader(file)}
     assert float(rows["circle"]["work"]) == result["shapes"]["circle"]["objectives"]["work"]
-    assert "reversed triangle" in done.stdout
+    assert "reversed triangle" in capsys.readouterr().out
 
 
 @pytest.mark.slow
-def test_a_quick_study_of_the_paper_from_the_command_line(tmp_path):
-    done = footopt(*QUICK, cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+def test_both_studies_from_the_command_line(tmp_path):
+    for arguments in (QUICK, ("study=shapes", "sand=soft", "study.mount=top")):
+        done = footopt(*arguments, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+    assert len(list(tmp_path.rglob("shapes.csv"))) == 1
     (path,) = tmp_path.rglob("claims.json")
     assert len(json.loads(path.read_text())["sweep"]["factors"]) == len(FACTORS)
 

@@ -186,6 +186,37 @@ def waypoints(foot: Foot) -> Figure:
     return figure
 
 
+def all_figures(
+    of_shapes: Mapping[str, Walk], optima: Mapping[str, Walk], crossed: Walk
+) -> dict[str, Figure]:
+    """The paper's figures by file name.
+
+    Parameters
+    ----------
+    of_shapes : walks of the five shapes, by name. optima : of each sand's best foot, by sand.
+    crossed : of the regular sand's best foot on hard sand.
+    """
+    by_shape = labelled(of_shapes)
+    by_sand = {sand: optima[sand] for sand in SAND_ORDER}
+    feet = {f"{sand} (hollow {MM * w.foot.hollow:.1f} mm)": w.foot for sand, w in by_sand.items()}
+    steps = {
+        "hard sand, its own foot": optima["hard"],
+        "hard sand, the foot for regular sand": crossed,
+    }
+    return {
+        "fig2b_gait": gait(crossed.scene),
+        "fig3_shapes": shapes({name: walk.foot for name, walk in of_shapes.items()}),
+        "fig4a_shapes_states": states(by_shape),
+        "fig4b_shapes_power_work": figures.power_work(by_shape),
+        "fig5_waypoints": waypoints(optima["hard"].foot),
+        "fig6_contours": figures.contours(feet),
+        "fig7_steps": figures.steps(steps),
+        "fig8a_sands_states": states(by_sand),
+        "fig8b_sands_forces": figures.forces(by_sand),
+        "fig8c_sands_power_work": figures.power_work(by_sand),
+    }
+
+
 class Row(NamedTuple):
     """A claim in the figure of all: whether it holds at the settings, in what share of the sweep."""
 

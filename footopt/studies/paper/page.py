@@ -118,8 +118,7 @@ def markdown(
     swept = (
         f"Share: of {samples} random combinations of what the paper leaves open (below), each with feet "
         f"searched again on every sand by a GA of {budget[0]} x {budget[1]}, the part in which the claim "
-        "holds; undecided are those in which a walk failed. For each single change the feet are searched "
-        "again with the full budget."
+        "holds; undecided are those in which a walk failed."
         if samples
         else "Nothing was swept (study.samples=0)."
     )
@@ -153,7 +152,8 @@ def markdown(
             ),
             "## Which setting decides",
             "Share of the variance of a claim's outcome that a setting explains by itself (epsilon squared); "
-            "and single changes from the settings that turn the outcome.",
+            "and single changes from the settings that turn the outcome, with feet searched again by the "
+            "smaller GA: where the settings' own seed turns it, the smaller search does.",
             grid(
                 ("claim", "first", "second", "third", "turned by"),
                 (

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from footopt.config import Config
@@ -43,7 +42,7 @@ from footopt.walker.simulate import available_threads
 Array = NDArray[np.float64]
 
 SOLVER = "ga"  # the paper's
-SWEEP_BUDGET = (40, 50)  # designs a generation and generations where the sweep searches again
+SWEEP_BUDGET = (40, 40)  # designs a generation and generations where the sweep searches again
 QUICK_BUDGET, QUICK_SAMPLES = (20, 6), 4
 
 
@@ -183,10 +182,9 @@ def sweep(
 ) -> Sweep:
     """Measure the claims for single changes and random combinations.
 
-    Feet are searched again wherever a change could move them, by one run of the GA: with the full
-    budget for single changes, with `SWEEP_BUDGET` for combinations. Other changes keep `optima`.
-    Threads work on different combinations, each walks on one. A search that finds no foot at all
-    leaves its margins undecided.
+    Feet are searched again wherever a change could move them, by one run of the GA with
+    `SWEEP_BUDGET`; other changes keep `optima`. Threads work on different combinations, each walks on
+    one. A search that finds no foot at all leaves its margins undecided.
     """
     chosen = factors(config)
     singles = one_at_a_time(chosen) if budget.samples else []
@@ -194,15 +192,13 @@ def sweep(
     drawn = [{f.setting: f.levels[v] for f, v in zip(chosen, row, strict=True)} for row in levels]
     moves_feet = {f.setting for f in chosen if "optima" in f.moves}
 
-    def margins(job: int) -> Array:
-        settings = jobs[job]
+    def margins(settings: Mapping[str, Any]) -> Array:
         setup = Setup(changed(config, settings))
-        pop_size, n_gen = (budget.pop_size, budget.n_gen) if job < len(singles) else budget.sweep
         if moves_feet.isdisjoint(settings):
             return measure(setup.evidence(optima))
         seed = setup.config.solver.seed
         try:
-            feet = {sand: setup.best(sand, pop_size, n_gen, seed, threads=1) for sand in SANDS}
+            feet = {sand: setup.best(sand, *budget.sweep, seed, threads=1) for sand in SANDS}
         except FootoptError:
             return np.full(len(CLAIMS), np.nan)
         return measure(setup.evidence(feet))
@@ -210,7 +206,7 @@ def sweep(
     jobs = [*singles, *drawn]
     rows = np.full((len(jobs), len(CLAIMS)), np.nan)
     with ThreadPoolExecutor(threads or available_threads()) as pool:
-        futures = {pool.submit(margins, i): i for i in range(len(jobs))}
+        futures = {pool.submit(margins, job): i for i, job in enumerate(jobs)}
         try:
             for done, future in enumerate(as_completed(futures), start=1):
                 rows[futures[future]] = future.result()
@@ -245,14 +241,19 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         out.print(f"{sand:8s} {terminal.describe_foot(walks[0].foot)}")
     feet = {sand: dataclasses.replace(walks[0].foot, name=sand) for sand, walks in runs.items()}
     evidence = setup.evidence(feet)
-    for name, figure in draw(setup, evidence).items():
+    drawn = paper_figures.all_figures(evidence.shapes, evidence.optima, evidence.crossed)
+    for name, figure in drawn.items():
         figures.save(figure, folder / "figures", name)
     out.print(f"Feet and figures after {clock():.0f} s")
 
     margins = measure(evidence)
     swept = sweep(config, feet, budget, threads, _telling(out, clock))
     judged = swept.judgements(margins)
-    figures.save(claims_figure(judged), folder / "figures", "claims")
+    rows = [
+        paper_figures.Row(CLAIMS[name].says, j.holds, j.share, j.decides if 0.0 < j.share < 1.0 else "")
+        for name, j in judged.items()
+    ]
+    figures.save(paper_figures.claims(rows), folder / "figures", "claims")
     content = {
         "sweep": {
             "samples": budget.samples,
@@ -286,38 +287,6 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         out.print(page.sensitivity_table(judged, swept.chosen))
     out.print(page.summary(judged))
     out.print(f"Everything is in {folder} ({clock():.0f} s in all)")
-
-
-def draw(setup: Setup, evidence: Evidence) -> dict[str, Figure]:
-    """The paper's figures by file name."""
-    shapes = paper_figures.labelled(evidence.shapes)
-    optima = {sand: evidence.optima[sand] for sand in paper_figures.SAND_ORDER}
-    feet = {f"{sand} (hollow {1e3 * w.foot.hollow:.1f} mm)": w.foot for sand, w in optima.items()}
-    steps = {
-        "hard sand, its own foot": evidence.hard,
-        "hard sand, the foot for regular sand": evidence.crossed,
-    }
-    return {
-        "fig2b_gait": paper_figures.gait(evidence.hard.scene),
-        "fig3_shapes": paper_figures.shapes({n: w.foot for n, w in evidence.shapes.items()}),
-        "fig4a_shapes_states": paper_figures.states(shapes),
-        "fig4b_shapes_power_work": figures.power_work(shapes),
-        "fig5_waypoints": paper_figures.waypoints(evidence.hard.foot),
-        "fig6_contours": figures.contours(feet),
-        "fig7_steps": figures.steps(steps),
-        "fig8a_sands_states": paper_figures.states(optima),
-        "fig8b_sands_forces": figures.forces(optima),
-        "fig8c_sands_power_work": figures.power_work(optima),
-    }
-
-
-def claims_figure(judged: Mapping[str, Judgement]) -> Figure:
-    """All claims in one figure."""
-    rows = [
-        paper_figures.Row(CLAIMS[name].says, j.holds, j.share, j.decides if 0.0 < j.share < 1.0 else "")
-        for name, j in judged.items()
-    ]
-    return paper_figures.claims(rows)
 
 
 def _optimum(setup: Setup, walks: Sequence[Walk], first_seed: int) -> dict[str, Any]:

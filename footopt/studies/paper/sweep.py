@@ -77,8 +77,15 @@ def factors(config: Config) -> tuple[Factor, ...]:
 
 
 def one_at_a_time(chosen: Sequence[Factor]) -> list[dict[str, Any]]:
-    """Every single change from the first levels."""
-    return [{factor.setting: level} for factor in chosen for level in factor.levels[1:]]
+    """Every single change from the first levels.
+
+    The seed's own level is among them: it shows what the sweep's smaller search changes by itself.
+    """
+    return [
+        {factor.setting: level}
+        for factor in chosen
+        for level in factor.levels[0 if factor.setting == "solver.seed" else 1 :]
+    ]
 
 
 def combinations(chosen: Sequence[Factor], samples: int, seed: int) -> NDArray[np.int64]:
