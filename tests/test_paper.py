@@ -452,6 +452,7 @@ def test_the_study_leaves_figures_claims_and_a_page(small, tmp_path, capsys):
         assert claim.says in text
     assert f"{len(CLAIMS)} claims" in said
     assert "## Errata" in text
+    assert "on soft sand: depth of the sole" in text, "no warning where RFT is stretched"
 
 
 def test_without_a_sweep_claims_are_judged_at_the_settings(small, tmp_path, monkeypatch):

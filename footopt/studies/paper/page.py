@@ -17,6 +17,7 @@ from footopt.studies.paper.errata import ERRATA
 from footopt.studies.paper.sweep import Factor, Judgement, shown
 from footopt.walker.objectives import FIVE, OBJECTIVES
 from footopt.walker.simulate import Walk
+from footopt.walker.validity import diagnose
 
 Array = NDArray[np.float64]
 
@@ -138,6 +139,7 @@ def markdown(
                 for sand in SANDS
             ),
         ),
+        *_outside(evidence),
         "## The five shapes",
         grid(("shape", *_titles()), ((n, *_values(evidence, w)) for n, w in evidence.shapes.items())),
         "## How each claim is decided",
@@ -164,6 +166,17 @@ def markdown(
         ]
     parts += ["## Errata", grid(("where", "the paper", "why not", "footopt"), ERRATA)]
     return "\n\n".join(parts) + "\n"
+
+
+def _outside(evidence: Evidence) -> list[str]:
+    """For each sand what of its best foot's walk is outside the range that RFT has been tested for."""
+    lines = []
+    for sand in SANDS:
+        outside = [d for d in diagnose(evidence.optima[sand]) if d.outside]
+        if outside:
+            numbers = (f"{d.name} {number(d.value)} {d.unit}".rstrip() + f" ({d.why})" for d in outside)
+            lines.append(f"Outside what RFT has been tested for, on {sand} sand: {'; '.join(numbers)}.")
+    return lines
 
 
 def grid(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

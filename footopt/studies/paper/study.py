@@ -38,6 +38,7 @@ from footopt.studies.shapes import make_shapes, walk_shapes
 from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walker import OBJECTIVES, Accuracy, Scene, Walk, simulate
 from footopt.walker.simulate import available_threads
+from footopt.walker.validity import diagnose
 
 Array = NDArray[np.float64]
 
@@ -285,6 +286,9 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     out.print(page.table(judged))
     if budget.samples:
         out.print(page.sensitivity_table(judged, swept.chosen))
+    for sand in SANDS:
+        out.print(f"The best foot for {sand} sand, on it:")
+        terminal.print_validity(out, diagnose(evidence.optima[sand]))
     out.print(page.summary(judged))
     out.print(f"Everything is in {folder} ({clock():.0f} s in all)")
 
