@@ -197,7 +197,7 @@ class TestStudy:
     def test_step_control_is_what_keeps_the_peak_of_a_step_ten_times_too_large(self, base):
         free, held = judge(BY_NAME["a step ten times larger"], base, ["sdirk2", "sdirk2_control"])
         assert not free.stable
-        assert free.decides.name == "peak error"
+        assert free.decides.name == "peak"
         assert held.walk.shortened > 0
         assert held.decides.value < 0.1 * free.decides.value
 

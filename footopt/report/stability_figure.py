@@ -13,7 +13,7 @@ from footopt.report.figures import BLUE, PAGE, VERMILLION, styled
 
 ROW, HEAD = 0.19, 0.75  # heights of a row and of titles and key, inches
 LABELS = 1.75  # width of the cases' names, inches
-FONT = 6.5  # pt; the cells hold a word and a number
+FONT = 7.0  # pt, of the cells
 WORDS = ("sunk", "backward", "diverged", "no failure", "refused", "accepted")  # say it without a number
 CHECK, CROSS = "✓", "✗"
 

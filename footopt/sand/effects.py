@@ -138,7 +138,7 @@ def inertial_push(law, state, into, depth):
     push, stiff, sink = state
     speed = np.maximum(into, 0.0)
     wet = np.minimum(depth / SKIN, 1.0)
-    growing = np.where(depth < SKIN, 1.0 / SKIN, 0.0)
+    growing = (depth < SKIN) / SKIN
     pressure = law.density * speed * speed
     return push + wet * pressure, stiff + 2.0 * law.density * wet * speed, sink + growing * pressure
 
@@ -243,7 +243,7 @@ def layered_load(law, state, depth, x):
     for i in range(len(law.depths)):
         beyond = depth - law.depths[i]
         load = load + law.jumps[i] * np.maximum(beyond, 0.0)
-        grow = grow + np.where(beyond > 0.0, law.jumps[i], 0.0)
+        grow = grow + law.jumps[i] * (beyond > 0.0)
     return load, grow, slide
 
 

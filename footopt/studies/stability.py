@@ -172,7 +172,7 @@ def judge_walk(trial: Trial) -> list[Measure]:
     return [
         *_sound(walk),
         Measure("error", max(errors.values()), ERROR),
-        Measure("peak error", peak, ERROR),
+        Measure("peak", peak, ERROR),
     ]
 
 
@@ -677,7 +677,7 @@ def table(cases: Sequence[Case], methods: Sequence[str], found: Sequence[Verdict
     shown.add_column("case", footer="stable cases", no_wrap=True)
     for method in methods:
         title = "\n".join(method.rsplit("_", 1)).replace("_", " ")
-        shown.add_column(title, footer=f"{good[method]} of {len(cases)}", no_wrap=True)
+        shown.add_column(title, footer=f"{good[method]} of {len(cases)}")
     for case in cases:
         shown.add_row(case.name, *(_cell(by_name[case.name, method]) for method in methods))
     return shown
