@@ -2,7 +2,7 @@
 
 A margin is positive where the claim holds, in a unit of its own; NaN where a walk that it needs
 failed. Where a claim's words name no number ("no obvious difference", "convex"), the limit that
-stands in for them is written down in `decided`, and was before anything was measured.
+stands in for them is written down in `decided`; none was moved to turn a verdict.
 """
 
 from __future__ import annotations
