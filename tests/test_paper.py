@@ -205,6 +205,13 @@ class TestSweep:
         assert sensitivity(np.full(20, share), np.arange(20) % levels) == 0.0
         assert sensitivity(np.full(20, np.nan), np.arange(20) % levels) == 0.0
 
+    def test_chance_is_what_random_outcomes_reach(self):
+        rng = np.random.default_rng(0)
+        level = np.arange(48) % 3
+        found = [sensitivity(rng.integers(0, 2, 48).astype(float), level) for _ in range(2000)]
+        assert np.mean(np.array(found) > sweep.chance(48, 3)) == pytest.approx(0.05, abs=0.015)
+        assert sweep.chance(2, 3) == 1.0
+
     @given(samples=st.integers(1, 40), seed=st.integers(0, 100))
     def test_combinations_give_every_level_its_turn(self, samples, seed):
         drawn = combinations(FACTORS, samples, seed)

@@ -14,7 +14,7 @@ from footopt.foot import Foot
 from footopt.report.terminal import number
 from footopt.studies.paper.claims import CLAIMS, SANDS, Claim, Evidence, inward_turn, rms_curvature
 from footopt.studies.paper.errata import ERRATA
-from footopt.studies.paper.sweep import Factor, Judgement, shown
+from footopt.studies.paper.sweep import Factor, Judgement, chance, shown
 from footopt.walker.objectives import FIVE, OBJECTIVES
 from footopt.walker.simulate import Walk
 from footopt.walker.validity import diagnose
@@ -155,7 +155,8 @@ def markdown(
             "## Which setting decides",
             "Share of the variance of a claim's outcome that a setting explains by itself (epsilon squared); "
             "and single changes from the settings that turn the outcome, with feet searched again by the "
-            "smaller GA: where the settings' own seed turns it, the smaller search does.",
+            "smaller GA: where the settings' own seed turns it, the smaller search does. A setting of three "
+            f"levels without influence reaches {chance(samples, 3):.2f} in one of twenty sweeps like this.",
             grid(
                 ("claim", "first", "second", "third", "turned by"),
                 (

@@ -117,14 +117,24 @@ def sensitivity(held: Array, level: NDArray[np.int64]) -> float:
     return max(0.0, 1.0 - within / total * (len(y) - 1) / (len(y) - len(groups)))
 
 
+def chance(samples: int, levels: int) -> float:
+    """The sensitivity that a setting without any influence stays below in 95 % of sweeps."""
+    from scipy.stats import f
+
+    if samples <= levels or levels < 2:
+        return 1.0
+    ratio = (levels - 1) * f.ppf(0.95, levels - 1, samples - levels) / (samples - levels)
+    return float(1.0 - (samples - 1) / (samples - levels) / (1.0 + ratio))
+
+
 @dataclass(frozen=True)
 class Judgement:
     """What came out for one claim.
 
     margin : at the settings. verdict : in words. share : of the random combinations in which it
     holds, NaN without any; undecided : of those where a walk failed, a number. sensitivities : by
-    setting. rates : share by level of the setting that decides. flips : single changes that turn
-    the outcome, as "setting=level".
+    setting. decides : the setting that explains most, if more than by chance; rates : share by its
+    level. flips : single changes that turn the outcome, as "setting=level".
     """
 
     margin: float
@@ -166,10 +176,9 @@ def judge(
     sensitivities = {
         f.setting: sensitivity(held, levels[:, i]) for i, f in enumerate(chosen) if about in f.moves
     }
-    decides = max(sensitivities, key=lambda s: sensitivities[s]) if len(known) else ""
-    rates = {}
-    if decides and sensitivities[decides] > 0.0:
-        i = [f.setting for f in chosen].index(decides)
+    decides, rates = max(sensitivities, key=lambda s: sensitivities[s]), {}
+    i = [f.setting for f in chosen].index(decides)
+    if sensitivities[decides] > chance(len(known), len(chosen[i].levels)):
         for v, level in enumerate(chosen[i].levels):
             group = held[(levels[:, i] == v) & np.isfinite(held)]
             rates[shown(level)] = float(group.mean()) if len(group) else float("nan")
