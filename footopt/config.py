@@ -22,6 +22,13 @@ class StudyConfig:
     quick: bool = False
     cases: Optional[list[str]] = None  # noqa: UP045
     methods: Optional[list[str]] = None  # noqa: UP045
+    seeds: int = 5
+    samples: int = 48
+    shape_sand: str = "regular"
+    mount: str = "centre"
+    peak_power: str = "stance"
+    speed_loss: str = "walk"
+    leading_edge: bool = False
 
 
 @dataclass

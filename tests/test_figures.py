@@ -356,7 +356,8 @@ def test_a_step_s_frames_are_in_order_and_share_one_scale(hard, frames):
 def test_arrows_carry_the_force_on_the_foot(hard):
     figure = figures.step(hard)
     first, last, _ = figures.stance(hard)
-    index = np.round(first + np.linspace(0.05, 0.95, 6) * (last - first)).astype(int)
+    times = hard.t[first] + np.linspace(0.05, 0.95, 6) * (hard.t[last] - hard.t[first])
+    index = np.searchsorted(hard.t, times)
     quivers = [next(q for q in axes.get_children() if isinstance(q, Quiver)) for axes in figure.axes]
     # arrows too short to see are left out
     for quiver, sample in zip(quivers, index, strict=True):

@@ -361,65 +361,103 @@ def stance(walk: Walk) -> Stance | None:
     return Stance(at if dragged else first, last, dragged)
 
 
-@styled
 def step(walk: Walk, frames: int = 6) -> Figure:
-    """One step of the right foot from touch-down to push-off: the sole in the sand and its forces.
+    """One step of the right foot from touch-down to push-off; see `steps`."""
+    return steps({"right foot": walk}, frames)
 
-    Snapshots at equal intervals, all in the same place and scale. Each arrow is the force on one
-    of `ARROWS` parts of the sole and ends there; titles are times since touch-down (see `stance`).
+
+@styled
+def steps(walks: Mapping[str, Walk], frames: int = 6) -> Figure:
+    """The right foot's first step in walks by label, a row each: the sole in the sand and its forces.
+
+    Snapshots at equal intervals, those of a row all in the same place, and all in the same scale.
+    Each arrow is the force on one of `ARROWS` parts of the sole and ends there; titles are times
+    since touch-down (see `stance`).
     """
     check(frames >= 1, "frames", frames, "a whole number >= 1")
-    contact = stance(walk)
-    if contact is None:
+    rows = [row for label, walk in walks.items() if (row := _frames(label, walk, frames))]
+    if not rows:
+        walk = next(iter(walks.values()))
         figure = _figure(PAGE, 1.6)
         axes = figure.subplots()
         axes.set_axis_off()
         why = f"the walk failed: {walk.reason}" if walk.reason else "its foot never touched the sand"
         _say(axes, f"no step of the right foot to show: {why}")
         return figure
-    # at its very ends a contact carries no force
-    share = np.linspace(0.05, 0.95, frames) if frames > 1 else np.array([0.5])
-    index = np.round(contact.first + share * (contact.last - contact.first)).astype(int)
-    soles = _placed(walk, index)
-    at, force = _arrows(walk, index)
-    size = np.hypot(force[..., 0], force[..., 1])
-    metres = 0.08 / size.max()  # of arrow per newton
-    reference = _round_down(0.8 * float(size.max()))
-
-    below = np.concatenate([soles.outline.reshape(-1, 2), (at - metres * force).reshape(-1, 2)])
-    left, right = below[:, 0].min() - 0.01, below[:, 0].max() + 0.01
-    low = min(below[:, 1].min() - 0.01, -0.06)
-    high = max(below[:, 1].max(), soles.shank[..., 1].max(), 0.02) + 0.01
-    low -= 0.2 * (right - left)  # room for the arrow that gives the scale
+    metres = 0.08 / max(row.size.max() for row in rows)  # of arrow per newton
+    reference = _round_down(0.08 * 0.8 / metres)
+    drawn = [row.points(metres) for row in rows]
+    span = max(float(np.ptp(points[:, 0])) for points in drawn) + 0.02
+    low = min(*(points[:, 1].min() - 0.01 for points in drawn), -0.06) - 0.2 * span  # room for the key
+    high = max(*(points[:, 1].max() for points in drawn), 0.02) + 0.01
     width = (PAGE - 0.55) / frames - 0.08
-    figure = _figure(PAGE, min(width * (high - low) / (right - left) + 0.85, 8.0))
-    panels = figure.subplots(1, frames, sharex=True, sharey=True, squeeze=False)[0]
-    for j, axes in enumerate(panels):
-        draw_sand(axes, left, right, low)
-        draw_foot(axes, soles.outline[j], soles.sole[j], soles.shank[j])
-        seen = size[j] > 0.02 * size.max()  # shorter arrows are heads without a shaft
-        arrows = axes.quiver(
-            *at[j, seen].T, *force[j, seen].T, pivot="tip", angles="xy", scale_units="xy",
+    height = min(width * (high - low) / span + 0.85, 8.0 / len(rows))
+    figure = _figure(PAGE, height * len(rows))
+    for i, (row, points) in enumerate(zip(rows, drawn, strict=True)):
+        left = 0.5 * float(points[:, 0].min() + points[:, 0].max() - span)
+        part = figure if len(rows) == 1 else figure.add_subfigure(figure.add_gridspec(len(rows), 1)[i])
+        panels = part.subplots(1, frames, sharex=True, sharey=True, squeeze=False)[0]
+        for j, axes in enumerate(panels):
+            draw_sand(axes, left, left + span, low)
+            draw_foot(axes, row.soles.outline[j], row.soles.sole[j], row.soles.shank[j])
+            arrows = row.draw_arrows(axes, j, metres)
+            if i == j == 0:
+                key = {"labelpos": "E", "coordinates": "data", "labelsep": 0.05, "zorder": 5}
+                tip = left + 0.05 * span + metres * reference
+                axes.quiverkey(arrows, tip, low + 0.08 * span, reference, f"{reference:g} N", **key)
+            axes.set(xlim=(left, left + span), ylim=(low, high), aspect="equal", xlabel="$x$ (m)")
+            axes.set_title(f"{row.since[j]:.2f} s")
+            axes.xaxis.set_major_locator(MaxNLocator(2))
+            axes.yaxis.set_major_locator(MaxNLocator(4))
+        panels[0].set_ylabel("$z$ (m)")
+        part.suptitle(textwrap.fill(row.title, 125), fontsize=8)
+    return figure
+
+
+class _Frames(NamedTuple):
+    """One walk's snapshots of a step: feet, arrows (M, arrows, 2), times since it began."""
+
+    soles: _Placed
+    at: Array
+    force: Array
+    since: Array
+    title: str
+
+    @property
+    def size(self) -> Array:
+        return np.hypot(self.force[..., 0], self.force[..., 1])
+
+    def points(self, metres: float) -> Array:
+        """Everything that is drawn, (m, 2), with arrows of so many metres per newton."""
+        tails = self.at - metres * self.force
+        shown = self.soles.outline, tails, self.soles.shank
+        return np.concatenate([part.reshape(-1, 2) for part in shown])
+
+    def draw_arrows(self, axes: Axes, j: int, metres: float) -> Any:
+        """The forces of one snapshot."""
+        seen = self.size[j] > 0.02 * self.size.max()  # shorter arrows are heads without a shaft
+        return axes.quiver(
+            *self.at[j, seen].T, *self.force[j, seen].T, pivot="tip", angles="xy", scale_units="xy",
             scale=1.0 / metres, units="inches", width=0.008, headwidth=3.6, headlength=4.5,
             headaxislength=4, minlength=0, color=VERMILLION, zorder=4,
         )  # fmt: skip
-        if j == 0:
-            key = {"labelpos": "E", "coordinates": "data", "labelsep": 0.05, "zorder": 5}
-            tip = left + 0.05 * (right - left) + metres * reference
-            axes.quiverkey(arrows, tip, low + 0.08 * (right - left), reference, f"{reference:g} N", **key)
-        axes.set(xlim=(left, right), ylim=(low, high), aspect="equal", xlabel="$x$ (m)")
-        axes.set_title(f"{walk.t[index[j]] - walk.t[contact.first]:.2f} s")
-        axes.xaxis.set_major_locator(MaxNLocator(2))
-        axes.yaxis.set_major_locator(MaxNLocator(4))
-    panels[0].set_ylabel("$z$ (m)")
+
+
+def _frames(label: str, walk: Walk, frames: int) -> _Frames | None:
+    """Snapshots of the right foot's first step; None if it never stood."""
+    contact = stance(walk)
+    if contact is None:
+        return None
+    # at its very ends a contact carries no force
+    share = np.linspace(0.05, 0.95, frames) if frames > 1 else np.array([0.5])
+    begin, end = walk.t[contact.first], walk.t[contact.last]
+    index = np.searchsorted(walk.t, begin + share * (end - begin))  # steps of time are not equally long
+    at, force = _arrows(walk, index)
     began = f"t = {walk.t[contact.first]:.2f} s"
     since = f"heel strike ({began}; dragged through the sand until then)"
     since = since if contact.dragged else f"touch-down ({began})"
-    title = (
-        f"{walk_label('right foot', walk)}, time since {since}; arrows: force on 1/{at.shape[1]} of the sole"
-    )
-    figure.suptitle(textwrap.fill(title, 125), fontsize=8)
-    return figure
+    title = f"{walk_label(label, walk)}, time since {since}; arrows: force on 1/{at.shape[1]} of the sole"
+    return _Frames(_placed(walk, index), at, force, walk.t[index] - walk.t[contact.first], title)
 
 
 class _Placed(NamedTuple):

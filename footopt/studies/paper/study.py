@@ -1,0 +1,320 @@
+"""The paper's study from nothing: search the feet, draw the figures, measure and judge the claims."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.config import Config
+from footopt.design import Solver, search
+from footopt.errors import FootoptError, SettingError, check
+from footopt.foot import Foot
+from footopt.report import figures, files, paper_figures, terminal
+from footopt.sand import Sand
+from footopt.sand.effects import LeadingEdge
+from footopt.studies import build
+from footopt.studies.paper import page
+from footopt.studies.paper.claims import CLAIMS, SANDS, Evidence, filled
+from footopt.studies.paper.readings import Readings, ReadProblem, read
+from footopt.studies.paper.sweep import (
+    Factor,
+    Judgement,
+    changed,
+    combinations,
+    factors,
+    judge,
+    one_at_a_time,
+    shown,
+)
+from footopt.studies.shapes import make_shapes, walk_shapes
+from footopt.studies.simulate import foot_entry, scene_entry
+from footopt.walker import OBJECTIVES, Accuracy, Scene, Walk, simulate
+from footopt.walker.simulate import available_threads
+from footopt.walker.validity import diagnose
+
+Array = NDArray[np.float64]
+
+SOLVER = "ga"  # the paper's
+SWEEP_BUDGET = (40, 40)  # designs a generation and generations where the sweep searches again
+QUICK_BUDGET, QUICK_SAMPLES = (20, 6), 4
+
+
+@dataclass(frozen=True)
+class Budget:
+    """How much is searched and swept."""
+
+    pop_size: int
+    n_gen: int
+    seeds: int
+    samples: int
+    sweep: tuple[int, int]
+
+    @classmethod
+    def of(cls, config: Config) -> Budget:
+        """The budget of the settings; smaller in a quick first look."""
+        s, c = config.study, config.solver
+        check(s.seeds >= 1, "study.seeds", s.seeds, "a whole number >= 1")
+        check(s.samples >= 0, "study.samples", s.samples, "a whole number >= 0 (0: no sweep)")
+        if s.quick:
+            return cls(*QUICK_BUDGET, 1, min(s.samples, QUICK_SAMPLES), QUICK_BUDGET)
+        sweep = min(SWEEP_BUDGET[0], c.pop_size), min(SWEEP_BUDGET[1], c.n_gen)
+        return cls(c.pop_size, c.n_gen, s.seeds, s.samples, sweep)
+
+
+@dataclass(frozen=True, eq=False)
+class Setup:
+    """The library's own objects for one configuration."""
+
+    config: Config
+
+    @cached_property
+    def readings(self) -> Readings:
+        return Readings.of(self.config.study)
+
+    @cached_property
+    def accuracy(self) -> Accuracy:
+        """Of the walks that claims are measured on."""
+        confirm = self.config.study.confirm
+        return Accuracy.named(confirm) if confirm else build.make_accuracy(self.config.accuracy)
+
+    def scene(self, sand: str) -> Scene:
+        """The walk on one of the sands."""
+        if sand not in SANDS:
+            raise SettingError("study.shape_sand", sand, f"one of {', '.join(SANDS)}")
+        scene = dataclasses.replace(build.make_scene(self.config), sand=Sand.named(sand))
+        if not self.config.study.leading_edge:
+            return scene
+        return dataclasses.replace(scene, effects=(*scene.effects, LeadingEdge()))
+
+    def shapes(self) -> dict[str, Walk]:
+        """Walks of the five shapes."""
+        scene = self.scene(self.config.study.shape_sand)
+        return walk_shapes(make_shapes(self.config), scene, self.accuracy)
+
+    def best(self, sand: str, pop_size: int, n_gen: int, seed: int, threads: int | None) -> Foot:
+        """The best foot that one run of the GA finds."""
+        problem = ReadProblem(
+            self.readings,
+            scene=self.scene(sand),
+            space=build.make_space(self.config.foot),
+            accuracy=build.make_accuracy(self.config.accuracy),
+            threads=threads,
+        )
+        return search(problem, Solver(SOLVER, pop_size, n_gen, seed)).foot
+
+    def walk(self, foot: Foot, sand: str) -> Walk:
+        """A walk with a foot, finely."""
+        return simulate(foot, self.scene(sand), self.accuracy)
+
+    def evidence(self, feet: Mapping[str, Foot]) -> Evidence:
+        """All walks that claims need, with the best foot of each sand."""
+        return Evidence(
+            shapes=self.shapes(),
+            optima={sand: self.walk(feet[sand], sand) for sand in SANDS},
+            crossed=self.walk(feet["regular"], "hard"),
+            filled=self.walk(filled(feet["hard"]), "hard"),
+            readings=self.readings,
+        )
+
+
+def measure(evidence: Evidence) -> Array:
+    """The margins of all claims, (claims,)."""
+    with np.errstate(invalid="ignore"):
+        return np.array([claim.margin(evidence) for claim in CLAIMS.values()])
+
+
+def optimise(setup: Setup, budget: Budget, threads: int | None) -> dict[str, list[Walk]]:
+    """For each sand a walk with the best foot of each seed, best first by J_W as it is read."""
+    found = {}
+    first = setup.config.solver.seed
+    for sand in SANDS:
+        feet = [
+            setup.best(sand, budget.pop_size, budget.n_gen, seed, threads)
+            for seed in range(first, first + budget.seeds)
+        ]
+        walks = [setup.walk(foot, sand) for foot in feet]
+        found[sand] = sorted(walks, key=lambda walk: read(walk, setup.readings).objectives["efficiency"])
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """Margins for other choices where the paper leaves one.
+
+    chosen : the factors. alone : (changes, claims), of every single change, named "setting=level" in
+    `changes`. levels : (samples, factors); margins : (samples, claims), of random combinations.
+    """
+
+    chosen: tuple[Factor, ...]
+    changes: list[str]
+    alone: Array
+    levels: NDArray[np.int64]
+    margins: Array
+
+    def judgements(self, margins: Array) -> dict[str, Judgement]:
+        """Every claim judged; `margins` (claims,) are those at the settings."""
+        return {
+            name: judge(
+                float(margins[i]),
+                zip(self.changes, self.alone[:, i], strict=True),
+                self.margins[:, i],
+                self.levels,
+                self.chosen,
+                claim.about,
+            )
+            for i, (name, claim) in enumerate(CLAIMS.items())
+        }
+
+
+def sweep(
+    config: Config,
+    optima: Mapping[str, Foot],
+    budget: Budget,
+    threads: int | None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Sweep:
+    """Measure the claims for single changes and random combinations.
+
+    Feet are searched again wherever a change could move them, by one run of the GA with
+    `SWEEP_BUDGET`; other changes keep `optima`. Threads work on different combinations, each walks on
+    one. A search that finds no foot at all leaves its margins undecided.
+    """
+    chosen = factors(config)
+    singles = one_at_a_time(chosen) if budget.samples else []
+    levels = combinations(chosen, budget.samples, config.solver.seed)
+    drawn = [{f.setting: f.levels[v] for f, v in zip(chosen, row, strict=True)} for row in levels]
+    moves_feet = {f.setting for f in chosen if "optima" in f.moves}
+
+    def margins(settings: Mapping[str, Any]) -> Array:
+        setup = Setup(changed(config, settings))
+        if moves_feet.isdisjoint(settings):
+            return measure(setup.evidence(optima))
+        seed = setup.config.solver.seed
+        try:
+            feet = {sand: setup.best(sand, *budget.sweep, seed, threads=1) for sand in SANDS}
+        except FootoptError:
+            return np.full(len(CLAIMS), np.nan)
+        return measure(setup.evidence(feet))
+
+    jobs = [*singles, *drawn]
+    rows = np.full((len(jobs), len(CLAIMS)), np.nan)
+    with ThreadPoolExecutor(threads or available_threads()) as pool:
+        futures = {pool.submit(margins, job): i for i, job in enumerate(jobs)}
+        try:
+            for done, future in enumerate(as_completed(futures), start=1):
+                rows[futures[future]] = future.result()
+                if progress is not None:
+                    progress(done, len(jobs))
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+    changes = [f"{setting}={shown(level)}" for change in singles for setting, level in change.items()]
+    return Sweep(chosen, changes, rows[: len(singles)], levels, rows[len(singles) :])
+
+
+def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
+    """Do the paper's study and write everything to `folder`."""
+    out, clock = terminal.console(), terminal.clock()
+    budget, setup, threads = Budget.of(config), Setup(config), config.engine.threads
+    for name, own in (("shape", "waypoints"), ("k", None)):
+        value = getattr(config.foot, name)
+        check(
+            value == own, f"foot.{name}", value, f"{own}: the study chooses its feet", "Use study=simulate."
+        )
+    setup.scene("hard").need_heel_strike()
+    Solver(SOLVER, budget.pop_size, budget.n_gen, config.solver.seed)  # refused before anything is walked
+    out.print(
+        f"Searching feet for {', '.join(SANDS)} sand: {SOLVER}, {budget.seeds} seeds of "
+        f"{budget.pop_size} x {budget.n_gen}"
+    )
+    with terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ..."):
+        setup.shapes()
+    runs = optimise(setup, budget, threads)
+    for sand, walks in runs.items():
+        out.print(f"{sand:8s} {terminal.describe_foot(walks[0].foot)}")
+    feet = {sand: dataclasses.replace(walks[0].foot, name=sand) for sand, walks in runs.items()}
+    evidence = setup.evidence(feet)
+    drawn = paper_figures.all_figures(evidence.shapes, evidence.optima, evidence.crossed)
+    for name, figure in drawn.items():
+        figures.save(figure, folder / "figures", name)
+    out.print(f"Feet and figures after {clock():.0f} s")
+
+    margins = measure(evidence)
+    swept = sweep(config, feet, budget, threads, _telling(out, clock))
+    judged = swept.judgements(margins)
+    rows = [
+        paper_figures.Row(CLAIMS[name].says, j.holds, j.share, j.decides if 0.0 < j.share < 1.0 else "")
+        for name, j in judged.items()
+    ]
+    figures.save(paper_figures.claims(rows), folder / "figures", "claims")
+    content = {
+        "sweep": {
+            "samples": budget.samples,
+            "search": dict(zip(("pop_size", "n_gen"), budget.sweep, strict=True)),
+            "factors": [dataclasses.asdict(f) for f in swept.chosen],
+        },
+        "claims": page.claim_entries(judged, swept.changes, swept.alone),
+        "errata": page.erratum_entries(),
+    }
+    files.write_json(folder / "claims.json", content)
+    files.write_json(
+        folder / "result.json",
+        {
+            "study": "paper",
+            "optima": {sand: _optimum(setup, walks, config.solver.seed) for sand, walks in runs.items()},
+            "shapes": {
+                name: {"objectives": read(walk, setup.readings).objectives, "reason": walk.reason}
+                for name, walk in evidence.shapes.items()
+            },
+            **scene_entry(setup.scene(config.study.shape_sand), setup.accuracy, tuple(OBJECTIVES)),
+            "readings": setup.readings._asdict(),
+            "settings": settings,
+            "versions": files.versions(),
+            "wall_time_s": clock(),
+        },
+    )
+    text = page.markdown(evidence, judged, swept.chosen, budget.samples, budget.sweep)
+    files.write_text(folder / "claims.md", text)
+    out.print(page.table(judged))
+    if budget.samples:
+        out.print(page.sensitivity_table(judged, swept.chosen))
+    for sand in SANDS:
+        out.print(f"The best foot for {sand} sand, on it:")
+        terminal.print_validity(out, diagnose(evidence.optima[sand]))
+    out.print(page.summary(judged))
+    out.print(f"Everything is in {folder} ({clock():.0f} s in all)")
+
+
+def _optimum(setup: Setup, walks: Sequence[Walk], first_seed: int) -> dict[str, Any]:
+    """The best foot of a sand and what every seed found, in result.json."""
+    return {
+        "design": foot_entry(walks[0].foot),
+        "objectives": read(walks[0], setup.readings).objectives,
+        "seeds": list(range(first_seed, first_seed + len(walks))),
+        "all_seeds_best_first": [
+            {
+                "k": walk.foot.k,
+                "hollow_mm": 1e3 * walk.foot.hollow,
+                "efficiency": read(walk, setup.readings).objectives["efficiency"],
+            }
+            for walk in walks
+        ],
+    }
+
+
+def _telling(out: Any, clock: Callable[[], float]) -> Callable[[int, int], None]:
+    """Progress of the sweep in about ten lines."""
+
+    def tell(done: int, total: int) -> None:
+        if done % max(1, total // 10) == 0 or done == total:
+            out.print(f"sweep {done}/{total}  {clock():.0f} s")
+
+    return tell
