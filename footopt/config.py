@@ -120,7 +120,7 @@ class ObjectiveConfig:
 class SolverConfig:
     """Who searches, and for how long."""
 
-    name: str = "ga"
+    name: str = "memetic"
     pop_size: int = 100
     n_gen: int = 100
     seed: int = 1

@@ -2,9 +2,10 @@
 
 from footopt.design.problem import FootProblem
 from footopt.design.search import Confirmation, Generation, SearchResult, confirm, search
-from footopt.design.solvers import SINGLE, SOLVERS, Solver
+from footopt.design.solvers import EXHAUSTIVE, SINGLE, SOLVERS, Solver
 
 __all__ = [
+    "EXHAUSTIVE",
     "SINGLE",
     "SOLVERS",
     "Confirmation",

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pymoo.problems.static import StaticProblem
 
 from footopt.design.problem import FootProblem
-from footopt.design.solvers import Solver
+from footopt.design.solvers import EXHAUSTIVE, Solver
 from footopt.errors import FootoptError, check
 from footopt.foot import Foot
 from footopt.walker.objectives import OBJECTIVES
@@ -70,6 +70,16 @@ class SearchResult:
     interrupted: bool
 
     @property
+    def designs(self) -> int:
+        """How many different designs came up."""
+        return len(self.k)
+
+    @property
+    def infeasible(self) -> int:
+        """How many of them failed or leave their box."""
+        return len(self.k) - int(self.feasible.sum())
+
+    @property
     def foot(self) -> Foot:
         """The best design."""
         return Foot.from_waypoints(self.k[self.best], self.problem.space)
@@ -91,7 +101,7 @@ def search(
     ----------
     problem : what is searched.
     solver : a `Solver`, or a name with the budget (pop_size, n_gen, seed) as keywords. By default
-        the GA for one objective and NSGA-II for several.
+        the memetic GA for one objective and NSGA-II for several.
     progress : called after every generation.
 
     Returns
@@ -104,8 +114,12 @@ def search(
     FootoptError : no feasible design was found, or it was interrupted before the first one.
     """
     if not isinstance(solver, Solver):
-        default = "ga" if problem.n_obj == 1 else "nsga2"
+        default = "memetic" if problem.n_obj == 1 else "nsga2"
         solver = Solver(name=solver or default, **budget)
+    if solver.name == EXHAUSTIVE:
+        from footopt.design.exhaustive import enumerate_space
+
+        return enumerate_space(problem, solver, progress)
     algorithm = solver.build(problem.n_obj)
     algorithm.setup(problem, termination=("n_gen", solver.n_gen), seed=solver.seed, verbose=False)
     archive = Archive(problem)
@@ -114,6 +128,8 @@ def search(
     try:
         while algorithm.has_next():
             infills = algorithm.ask()
+            if infills is None:  # nothing is left that was not tried
+                break
             f, g = archive.evaluate(np.round(infills.get("X").astype(float)).astype(np.int64))
             algorithm.evaluator.eval(StaticProblem(problem, F=f, G=g), infills)
             algorithm.tell(infills=infills)

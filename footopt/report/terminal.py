@@ -126,12 +126,11 @@ def describe_foot(foot: Foot) -> str:
 
 def describe_search(result: SearchResult) -> str:
     """What a search did, in one line."""
-    bad = len(result.k) - int(result.feasible.sum())
     front = f", {len(result.front)} on the front" if result.problem.n_obj > 1 else ""
     stopped = " (interrupted)" if result.interrupted else ""
     return (
         f"{result.solver.name}, seed {result.solver.seed}: {result.evaluations} evaluations of "
-        f"{len(result.k)} designs in {result.seconds:.1f} s, {bad} infeasible{front}{stopped}"
+        f"{result.designs} designs in {result.seconds:.1f} s, {result.infeasible} infeasible{front}{stopped}"
     )
 
 

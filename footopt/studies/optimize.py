@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from footopt.config import Config
-from footopt.design import FootProblem, SearchResult, Solver, confirm, search
+from footopt.design import EXHAUSTIVE, FootProblem, SearchResult, Solver, confirm, search
+from footopt.design.exhaustive import Enumeration, check_size
 from footopt.errors import SettingError, check
 from footopt.foot import Foot
 from footopt.foot.export import write_csv as write_contour
@@ -41,7 +42,10 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         build.make_accuracy(config.accuracy),
         config.engine.threads,
     )
-    solver.build(problem.n_obj)  # a solver that does not fit is refused before anything is walked
+    if solver.name == EXHAUSTIVE:  # what does not fit is refused before the search
+        check_size(problem)
+    else:
+        solver.build(problem.n_obj)
     check(config.study.finalists >= 1, "study.finalists", config.study.finalists, "a whole number >= 1")
     finer = Accuracy.named(config.study.confirm) if config.study.confirm else problem.accuracy
     flat = Foot.flat(problem.space)
@@ -51,7 +55,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         f"Searching {problem.space.K}^{problem.space.n} soles for {', '.join(problem.names)} on "
         f"{problem.scene.sand.name} sand (zeta {problem.scene.sand.zeta:g}) with {solver.name}"
     )
-    with terminal.search_progress(out, solver.n_gen, problem.guide) as progress:
+    with terminal.search_progress(out, solver.generations(problem.space), problem.guide) as progress:
         result = search(problem, solver, progress)
     confirmed = confirm(result, finer, config.study.finalists)
     best = dataclasses.replace(
@@ -81,8 +85,8 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "solver": dataclasses.asdict(result.solver),
         "seed": result.solver.seed,
         "evaluations": result.evaluations,
-        "designs": len(result.k),
-        "infeasible": len(result.k) - int(result.feasible.sum()),
+        "designs": result.designs,
+        "infeasible": result.infeasible,
         "front": result.k[result.front].tolist() if problem.n_obj > 1 else [],
         "interrupted": result.interrupted,
         "search_time_s": result.seconds,
