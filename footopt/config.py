@@ -21,6 +21,9 @@ class StudyConfig:
     quick: bool = False
     cases: Optional[list[str]] = None  # noqa: UP045
     steppers: Optional[list[str]] = None  # noqa: UP045
+    solvers: Optional[list[str]] = None  # noqa: UP045
+    seeds: int = 20
+    budget: int = 3000
 
 
 @dataclass

@@ -71,11 +71,10 @@ def check_size(problem: FootProblem) -> None:
     problem.evaluate(sample)
     days = (time.perf_counter() - started) / len(sample) * total / 86400
     raise SettingError(
-        "solver",
-        "exhaustive",
-        f"another one for more than {LIMIT:.0e} designs: foot.K^foot.n = {space.K}^{space.n} = {total:.0e}, "
-        f"about {days:.2g} days of walking here",
-        "Try foot.n=5, or solver=memetic.",
+        "foot.n",
+        space.n,
+        f"small enough that foot.K^foot.n is at most {LIMIT:,} designs, to walk with all of them",
+        f"{space.K}^{space.n} would take {days:.2g} days here. Try foot.n=5, or search with solver=memetic.",
     )
 
 
@@ -88,11 +87,11 @@ class _Best(NamedTuple):
     batch: Ints
 
     def take(self, rows: NDArray[np.int64] | NDArray[np.bool_]) -> _Best:
-        return _Best(*(column[rows] for column in self))
+        return _Best._make(column[rows] for column in self)
 
     def joined(self, new: _Best, problem: FootProblem) -> _Best:
         """The best of both, best first."""
-        both = _Best(*(np.concatenate(columns) for columns in zip(self, new, strict=True)))
+        both = _Best._make(np.concatenate(columns) for columns in zip(self, new, strict=True))
         if problem.n_obj == 1:
             return both.take(np.argsort(problem.minimised(both.values)[:, 0], kind="stable")[:KEPT])
         from moocore import is_nondominated
@@ -123,7 +122,10 @@ def enumerate_space(
     started, space = time.perf_counter(), problem.space
     column, nan = problem.record.index(problem.guide), float("nan")
     best = _Best(
-        np.empty((0, space.n), np.int64), np.empty((0, len(problem.record))), np.empty(0), np.empty(0, np.int64)
+        np.empty((0, space.n), np.int64),
+        np.empty((0, len(problem.record))),
+        np.empty(0),
+        np.empty(0, np.int64),
     )
     counts: Counter[str] = Counter()
     history: list[Generation] = []

@@ -66,7 +66,8 @@ class NeverTwice(SameHeights):
 
     def _do(self, pop: Any, other: Any, is_duplicate: NDArray[np.bool_]) -> NDArray[np.bool_]:
         is_duplicate = super()._do(pop, other, is_duplicate)
-        return is_duplicate | np.array([key in self.asked for key in self._rows(pop)], bool)
+        asked = np.array([key in self.asked for key in self._rows(pop)], bool)
+        return np.asarray(is_duplicate | asked)
 
 
 class Memetic(GA):  # type: ignore[misc]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,7 @@ REFERENCE = 1.1  # of the hypervolume, where the exact front spans 0 to 1 in eve
 REACHED = 0.95  # of the exact hypervolume: counts as having found the front
 
 
-def walk_all(problem: FootProblem) -> dict[str, NDArray[np.generic]]:
+def walk_all(problem: FootProblem) -> dict[str, NDArray[Any]]:
     """Every design's recorded values, constraints, reason and violation: columns of a table.
 
     Also of those outside their box, for which a solver may ask.
@@ -36,7 +37,8 @@ def walk_all(problem: FootProblem) -> dict[str, NDArray[np.generic]]:
     }
     if not (table["G"] <= 0.0).all(axis=1).any():
         raise FootoptError(
-            f"None of all {len(table['G'])} designs is feasible. Try a larger foot.box_tolerance, or harder sand."
+            f"None of all {len(table['G'])} designs is feasible. "
+            "Try a larger foot.box_tolerance, or harder sand."
         )
     return table
 
@@ -51,12 +53,12 @@ class Tabulated(FootProblem):
 
     Attributes
     ----------
-    optimum : the exact best J_W.
+    optimum, best_k : the exact best J_W and its heights. feasible : how many designs are.
     front : (designs, objectives), F on the exact front, scaled by it to 0 ... 1.
     """
 
     def __init__(
-        self, problem: FootProblem, table: dict[str, NDArray[np.generic]], objective: str | tuple[str, ...]
+        self, problem: FootProblem, table: dict[str, NDArray[Any]], objective: str | tuple[str, ...]
     ) -> None:
         from moocore import hypervolume
 
@@ -64,14 +66,19 @@ class Tabulated(FootProblem):
         self.table = table | {"F": self.minimised(np.asarray(table["values"], float))}
         self._powers = self.space.K ** np.arange(self.space.n)[::-1]
         feasible = (self.table["G"] <= 0.0).all(axis=1)
-        self.optimum = float(self.table["values"][feasible, self.record.index("efficiency")].min())
+        self.feasible = int(feasible.sum())
+        j = np.where(feasible, self.table["values"][:, self.record.index("efficiency")], np.inf)
+        self.optimum = float(j.min())
+        self.best_k = 1 + int(j.argmin()) // self._powers % self.space.K
         front = _front(self.table["F"][feasible])
         self._low = front.min(axis=0)
         self._span = np.maximum(front.max(axis=0) - self._low, 1e-300)
         self.front = self.scaled(front)
         self._volume = hypervolume(self.front, ref=REFERENCE)
 
-    def _evaluate(self, x: NDArray[np.int64], out: dict[str, object], *args: object, **kwargs: object) -> None:
+    def _evaluate(
+        self, x: NDArray[np.int64], out: dict[str, object], *args: object, **kwargs: object
+    ) -> None:
         number = (self.space.check(x) - 1) @ self._powers
         out.update({name: column[number] for name, column in self.table.items()})
 

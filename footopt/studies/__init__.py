@@ -11,7 +11,7 @@ from footopt.config import Config
 from footopt.errors import SettingError
 
 #: Studies by name: each is the function `run` of the module of that name, imported when asked for.
-STUDIES = ("optimize", "simulate", "accuracy", "stability")
+STUDIES = ("optimize", "simulate", "accuracy", "stability", "trust")
 
 
 def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:

@@ -21,6 +21,8 @@ from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walker import OBJECTIVES, Accuracy, Walk, estimate_error, gain_shares, simulate
 from footopt.walker.validity import diagnose
 
+LEADERS = 5  # best soles of an enumerated space that are drawn in one frame
+
 
 def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     """Search, then walk with the best foot and write everything about it to `folder`."""
@@ -116,12 +118,18 @@ def draw(result: SearchResult, marked: int, best: Foot, walk: Walk, flat: Walk, 
     walks = {"best": walk, "flat": flat}
     drawn = {
         "contour": figures.contour(best),
-        "convergence": figures.convergence(result.history, OBJECTIVES[problem.guide].label),
         "com": figures.com(walks),
         "forces": figures.forces(walks),
         "power_work": figures.power_work(walks),
         "step": figures.step(walk),
     }
+    if not isinstance(result, Enumeration):
+        drawn["convergence"] = figures.convergence(result.history, OBJECTIVES[problem.guide].label)
+    elif problem.n_obj == 1:
+        leaders = enumerate(result.k[:LEADERS], start=1)
+        drawn["contours"] = figures.contours(
+            {f"no. {i}": Foot.from_waypoints(k, problem.space) for i, k in leaders}
+        )
     if problem.n_obj > 1:
         columns = [problem.record.index(name) for name in problem.names]
         values = result.values[result.front][:, columns]

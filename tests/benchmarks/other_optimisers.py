@@ -105,25 +105,20 @@ def cma_es(problem: fo.FootProblem, seed: int) -> float:
     return float(value.best)
 
 
-def of_nevergrad(name: str) -> Callable[[fo.FootProblem, int], float]:
-    """An optimiser of `nevergrad` by name, on integers."""
+def nevergrad_discrete(problem: fo.FootProblem, seed: int) -> float:
+    """The discrete (1+1) evolution strategy of `nevergrad`, 20 designs at a time."""
+    import nevergrad as ng
 
-    def run(problem: fo.FootProblem, seed: int) -> float:
-        import nevergrad as ng
-
-        value = Counted(problem)
-        parameters = ng.p.Array(shape=(problem.n_var,), lower=1, upper=problem.space.K)
-        parameters.set_integer_casting()
-        parameters.random_state.seed(seed)
-        workers = 50
-        optimiser = ng.optimizers.registry[name](parameters, budget=BUDGET, num_workers=workers)
-        while value.asked < BUDGET:
-            asked = [optimiser.ask() for _ in range(min(workers, BUDGET - value.asked))]
-            for candidate, v in zip(asked, value([c.value for c in asked]), strict=True):
-                optimiser.tell(candidate, float(v))
-        return float(value.best)
-
-    return run
+    value = Counted(problem)
+    parameters = ng.p.Array(shape=(problem.n_var,), lower=1, upper=problem.space.K)
+    parameters.set_integer_casting()
+    parameters.random_state.seed(seed)
+    optimiser = ng.optimizers.registry["DiscreteOnePlusOne"](parameters, budget=BUDGET, num_workers=20)
+    while value.asked < BUDGET:
+        asked = [optimiser.ask() for _ in range(min(20, BUDGET - value.asked))]
+        for candidate, v in zip(asked, value([c.value for c in asked]), strict=True):
+            optimiser.tell(candidate, float(v))
+    return float(value.best)
 
 
 def pygmo_ga(problem: fo.FootProblem, seed: int) -> float:
@@ -156,8 +151,7 @@ RUNS: dict[str, Callable[[fo.FootProblem, int], float]] = {
     "footopt ga": of_footopt("ga"),
     "footopt de": of_footopt("de"),
     "cma: CMA-ES, integer, restarts": cma_es,
-    "nevergrad: DiscreteOnePlusOne": of_nevergrad("DiscreteOnePlusOne"),
-    "nevergrad: TwoPointsDE": of_nevergrad("TwoPointsDE"),
+    "nevergrad: DiscreteOnePlusOne": nevergrad_discrete,
     "pygmo: sga": pygmo_ga,
 }
 
