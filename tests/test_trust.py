@@ -213,6 +213,21 @@ class TestTruth:
         assert np.isnan(poor.found_at)
 
 
+def test_the_exhaustive_solver_as_the_command_line_composes_it(tmp_path, capsys):
+    overrides = ["solver=exhaustive", "foot.n=4", "foot.K=4", "accuracy=draft", "solver.pop_size=100"]
+    with initialize_config_dir(str(CONF), version_base="1.3"):
+        config = compose("config", overrides=overrides)
+    run(OmegaConf.to_object(config), tmp_path, OmegaConf.to_container(config, resolve=True))
+    result = json.loads((tmp_path / "result.json").read_text())
+    exact = search(fo.FootProblem(fo.Scene(), space=SPACE, accuracy="draft"), "exhaustive")
+    assert result["designs"] == 256
+    assert result["infeasible"] == exact.infeasible
+    assert result["confirmed"]["k"][0] in exact.k[:20].tolist()
+    assert (tmp_path / "figures" / "contours.png").stat().st_size > 10_000
+    assert not (tmp_path / "figures" / "convergence.png").exists()
+    assert "generation 3/3" in capsys.readouterr().out
+
+
 class TestStudy:
     @pytest.fixture(scope="class")
     @classmethod
