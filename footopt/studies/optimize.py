@@ -21,7 +21,7 @@ from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walker import OBJECTIVES, Accuracy, Walk, estimate_error, gain_shares, simulate
 from footopt.walker.validity import diagnose
 
-LEADERS = 5  # best soles of an enumerated space that are drawn in one frame
+LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
 
 
 def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
