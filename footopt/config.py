@@ -29,6 +29,8 @@ class StudyConfig:
     peak_power: str = "stance"
     speed_loss: str = "walk"
     leading_edge: bool = False
+    solvers: Optional[list[str]] = None  # noqa: UP045
+    budget: int = 3000
 
 
 @dataclass
@@ -182,7 +184,7 @@ class ObjectiveConfig:
 class SolverConfig:
     """Who searches, and for how long."""
 
-    name: str = "ga"
+    name: str = "memetic"
     pop_size: int = 100
     n_gen: int = 100
     seed: int = 1

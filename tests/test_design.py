@@ -152,7 +152,7 @@ class TestSearch:
             search(problem(), "nsga2")
 
     def test_the_default_solver_fits(self):
-        assert search(problem(), pop_size=8, n_gen=1).solver.name == "ga"
+        assert search(problem(), pop_size=8, n_gen=1).solver.name == "memetic"
         assert search(problem("pareto"), pop_size=8, n_gen=1).solver.name == "nsga2"
 
     @pytest.mark.parametrize(

@@ -3,10 +3,11 @@
 from footopt.design.problem import FootProblem
 from footopt.design.safely import evaluate_safely
 from footopt.design.search import Confirmation, Generation, SearchResult, confirm, search
-from footopt.design.solvers import SINGLE, SOLVERS, Solver
+from footopt.design.solvers import EXHAUSTIVE, SINGLE, SOLVERS, Solver
 from footopt.design.store import Store
 
 __all__ = [
+    "EXHAUSTIVE",
     "SINGLE",
     "SOLVERS",
     "Confirmation",

@@ -16,7 +16,7 @@ from pymoo.problems.static import StaticProblem
 
 from footopt.design.problem import FootProblem
 from footopt.design.safely import evaluate_safely
-from footopt.design.solvers import Solver
+from footopt.design.solvers import EXHAUSTIVE, Solver
 from footopt.design.store import Evaluation, Store
 from footopt.errors import FootoptError, check
 from footopt.foot import Foot
@@ -82,6 +82,16 @@ class SearchResult:
     reused: int = 0
 
     @property
+    def designs(self) -> int:
+        """How many different designs came up."""
+        return len(self.k)
+
+    @property
+    def infeasible(self) -> int:
+        """How many of them failed or leave their box."""
+        return len(self.k) - int(self.feasible.sum())
+
+    @property
     def foot(self) -> Foot:
         """The best design."""
         return Foot.from_waypoints(self.k[self.best], self.problem.space)
@@ -109,7 +119,7 @@ def search(
     ----------
     problem : what is searched.
     solver : a `Solver`, or a name with the budget (pop_size, n_gen, seed) as keywords. By default
-        the GA for one objective and NSGA-II for several.
+        the memetic GA for one objective and NSGA-II for several.
     progress : called after every generation.
     store : a file to keep every evaluation in, or an open `Store`. The same search with the same
         store goes on where it was stopped: nothing is walked twice, and the result is the same, to
@@ -127,8 +137,12 @@ def search(
     FileError : the store cannot be used. ValueError : it was opened for another problem.
     """
     if not isinstance(solver, Solver):
-        default = "ga" if problem.n_obj == 1 else "nsga2"
+        default = "memetic" if problem.n_obj == 1 else "nsga2"
         solver = Solver(name=solver or default, **budget)
+    if solver.name == EXHAUSTIVE:
+        from footopt.design.exhaustive import enumerate_space
+
+        return enumerate_space(problem, solver, progress)
     algorithm = solver.build(problem.n_obj)
     algorithm.setup(problem, termination=("n_gen", solver.n_gen), seed=solver.seed, verbose=False)
     started = time.perf_counter()
@@ -141,6 +155,8 @@ def search(
         try:
             while algorithm.has_next():
                 infills = algorithm.ask()
+                if infills is None:  # nothing is left that was not tried
+                    break
                 f, g = archive.evaluate(np.round(infills.get("X").astype(float)).astype(np.int64))
                 algorithm.evaluator.eval(StaticProblem(problem, F=f, G=g), infills)
                 algorithm.tell(infills=infills)

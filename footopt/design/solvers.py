@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from pymoo.core.duplicate import DuplicateElimination
 
 from footopt.errors import SettingError, check
+from footopt.foot import Waypoints
 
 Array = NDArray[np.float64]
 
@@ -28,21 +29,25 @@ class Solver:
 
     Parameters
     ----------
-    name : in `SOLVERS`. pop_size : designs a generation. n_gen : generations. seed : of everything
-        random; the same seed gives the same result.
+    name : in `SOLVERS`, or `EXHAUSTIVE`. pop_size : designs a generation. n_gen : generations. seed :
+        of everything random; the same seed gives the same result.
     """
 
-    name: str = "ga"
+    name: str = "memetic"
     pop_size: int = 100
     n_gen: int = 100
     seed: int = 1
 
     def __post_init__(self) -> None:
-        if self.name not in SOLVERS:
-            raise SettingError("solver.name", self.name, f"one of {', '.join(SOLVERS)}")
+        if self.name not in (*SOLVERS, EXHAUSTIVE):
+            raise SettingError("solver.name", self.name, f"one of {', '.join((*SOLVERS, EXHAUSTIVE))}")
         check(self.pop_size >= 4, "solver.pop_size", self.pop_size, "a whole number >= 4")
         check(self.n_gen >= 1, "solver.n_gen", self.n_gen, "a whole number >= 1")
         check(0 <= self.seed < 2**32, "solver.seed", self.seed, "a whole number from 0 to 2^32 - 1")
+
+    def generations(self, space: Waypoints) -> int:
+        """How many generations there will be; for the exhaustive solver, batches of the space."""
+        return self.n_gen if self.name != EXHAUSTIVE else -(-(space.K**space.n) // self.pop_size)
 
     def build(self, n_obj: int) -> Any:
         """A fresh pymoo algorithm for that many objectives."""
@@ -96,6 +101,13 @@ def _operators() -> dict[str, Any]:
         "repair": RoundingRepair(),
         "eliminate_duplicates": SameHeights(),
     }
+
+
+def memetic(solver: Solver, n_obj: int) -> Any:
+    """Genetic algorithm with moves that suit a spline, and a local search where it stalls."""
+    from footopt.design.memetic import Memetic
+
+    return Memetic(solver.pop_size)
 
 
 def ga(solver: Solver, n_obj: int) -> Any:
@@ -161,6 +173,7 @@ def rvea(solver: Solver, n_obj: int) -> Any:
 
 
 SOLVERS: dict[str, Callable[[Solver, int], Any]] = {
+    "memetic": memetic,
     "ga": ga,
     "de": de,
     "nsga2": nsga2,
@@ -171,7 +184,10 @@ SOLVERS: dict[str, Callable[[Solver, int], Any]] = {
 }
 
 #: Solvers of one objective; the others want two or more.
-SINGLE = ("ga", "de")
+SINGLE = ("memetic", "ga", "de")
+
+#: Walks with every design of a small space, for any objectives: `footopt.design.exhaustive`.
+EXHAUSTIVE = "exhaustive"
 
 
 @lru_cache(maxsize=8)

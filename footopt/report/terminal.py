@@ -136,14 +136,14 @@ def describe_scene(scene: Scene) -> str:
 
 def describe_search(result: SearchResult) -> str:
     """What a search did, in one line."""
-    bad = len(result.k) - int(result.feasible.sum())
+    bad = result.infeasible
     why = f" ({', '.join(f'{n} {reason}' for reason, n in result.failures.items())})" if bad else ""
     reused = f", {result.reused} of them known" if result.reused else ""
     front = f", {len(result.front)} on the front" if result.problem.n_obj > 1 else ""
     stopped = " (interrupted)" if result.interrupted else ""
     return (
         f"{result.solver.name}, seed {result.solver.seed}: {result.evaluations} evaluations of "
-        f"{len(result.k)} designs{reused} in {result.seconds:.1f} s, {bad} infeasible{why}{front}{stopped}"
+        f"{result.designs} designs{reused} in {result.seconds:.1f} s, {bad} infeasible{why}{front}{stopped}"
     )
 
 

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from footopt.config import Config
-from footopt.design import FootProblem, SearchResult, Solver, Store, confirm, search
+from footopt.design import EXHAUSTIVE, FootProblem, SearchResult, Solver, Store, confirm, search
+from footopt.design.exhaustive import Enumeration, check_size
 from footopt.errors import SettingError, check
 from footopt.foot import Foot
 from footopt.foot.export import write_csv as write_contour
@@ -20,6 +21,8 @@ from footopt.studies.auto import settle
 from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walker import OBJECTIVES, Accuracy, Walk, estimate_error, gain_shares, simulate
 from footopt.walker.validity import diagnose
+
+LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
 
 
 def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
@@ -43,7 +46,10 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         build.make_accuracy(config.accuracy),
         config.engine.threads,
     )
-    solver.build(problem.n_obj)  # a solver that does not fit is refused before anything is walked
+    if solver.name == EXHAUSTIVE:  # what does not fit is refused before the search
+        check_size(problem)
+    else:
+        solver.build(problem.n_obj)
     check(config.study.finalists >= 1, "study.finalists", config.study.finalists, "a whole number >= 1")
     finer = Accuracy.named(config.study.confirm) if config.study.confirm else problem.accuracy
     flat = Foot.flat(problem.space)
@@ -56,7 +62,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         )
         if known := store.describe():
             out.print(known)
-        with terminal.search_progress(out, solver.n_gen, problem.guide) as progress:
+        with terminal.search_progress(out, solver.generations(problem.space), problem.guide) as progress:
             result = search(problem, solver, progress, store)
     confirmed = confirm(result, finer, config.study.finalists)
     best = dataclasses.replace(
@@ -86,9 +92,9 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "solver": dataclasses.asdict(result.solver),
         "seed": result.solver.seed,
         "evaluations": result.evaluations,
-        "designs": len(result.k),
+        "designs": result.designs,
         "reused": result.reused,
-        "infeasible": len(result.k) - int(result.feasible.sum()),
+        "infeasible": result.infeasible,
         "reasons": result.failures,
         "front": result.k[result.front].tolist() if problem.n_obj > 1 else [],
         "interrupted": result.interrupted,
@@ -124,12 +130,18 @@ def draw(result: SearchResult, marked: int, best: Foot, walk: Walk, flat: Walk, 
     walks = {"best": walk, "flat": flat}
     drawn = {
         "contour": figures.contour(best),
-        "convergence": figures.convergence(result.history, OBJECTIVES[problem.guide].label),
         "com": figures.com(walks),
         "forces": figures.forces(walks),
         "power_work": figures.power_work(walks),
         "step": figures.step(walk),
     }
+    if not isinstance(result, Enumeration):
+        drawn["convergence"] = figures.convergence(result.history, OBJECTIVES[problem.guide].label)
+    elif problem.n_obj == 1:
+        leaders = enumerate(result.k[:LEADERS], start=1)
+        drawn["contours"] = figures.contours(
+            {f"no. {i}": Foot.from_waypoints(k, problem.space) for i, k in leaders}
+        )
     if problem.n_obj > 1:
         columns = [problem.record.index(name) for name in problem.names]
         values = result.values[result.front][:, columns]

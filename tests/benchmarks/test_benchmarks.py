@@ -5,6 +5,7 @@ a small case, and checks that what is compared gives the same result. `report.py
 ratios, with interleaved repeats.
 """
 
+import sys
 from dataclasses import replace
 
 import against_numpy
@@ -12,6 +13,7 @@ import equal_accuracy
 import growth
 import numpy as np
 import numpy_walk
+import other_optimisers
 import overhead
 import plate_loop
 import pytest
@@ -155,6 +157,32 @@ def test_compiled_code_is_kept_when_the_package_is_read_only(benchmark, full):
     found = benchmark.pedantic(startup.read_only)
     assert not isinstance(found, str), found
     assert found[2], "no compiled code was kept"
+
+
+# other optimisers
+
+
+@pytest.mark.filterwarnings("ignore")  # the other libraries' own
+@pytest.mark.parametrize("name", other_optimisers.RUNS)
+def test_an_optimiser_spends_its_evaluations_and_repeats_itself(monkeypatch, name):
+    for library in ("cma", "nevergrad", "pygmo"):
+        if name.startswith(library):
+            pytest.importorskip(library)
+    monkeypatch.setattr(other_optimisers, "BUDGET", 300)
+    problem = other_optimisers.Remembering(accuracy=fo.Accuracy(dt=1e-2, plates=20))
+    first = other_optimisers.RUNS[name](problem, 1)
+    asked = len(problem.known)
+    assert 100 < asked <= 300
+    assert np.isfinite(first)
+    assert other_optimisers.RUNS[name](problem, 1) == first
+    assert len(problem.known) == asked
+
+
+def test_a_missing_library_is_named_with_the_way_to_get_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pygmo", None)
+    monkeypatch.setattr(sys, "argv", ["other_optimisers.py"])
+    with pytest.raises(SystemExit, match=r"pygmo.* not installed: pip install -e '\.\[benchmark\]'"):
+        other_optimisers.main()
 
 
 # overhead

@@ -1,0 +1,158 @@
+"""What solvers find, held against a space whose every design has been walked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.design.exhaustive import batches, check_size
+from footopt.design.problem import FootProblem
+from footopt.design.search import SearchResult
+from footopt.errors import FootoptError
+
+Array = NDArray[np.float64]
+
+CHECKPOINTS = 10  # of a run, at which the front that it has found is measured
+REFERENCE = 1.1  # of the hypervolume, where the exact front spans 0 to 1 in every objective
+REACHED = 0.95  # of the exact hypervolume: counts as having found the front
+
+
+def walk_all(problem: FootProblem) -> dict[str, NDArray[Any]]:
+    """Every design's recorded values, constraints, reason and violation: columns of a table.
+
+    Also of those outside their box, for which a solver may ask.
+
+    Raises
+    ------
+    SettingError : the space is too large. FootoptError : no design of it is feasible.
+    """
+    check_size(problem)
+    parts = [problem.evaluate(k, return_as_dictionary=True) for k in batches(problem.space, 4096)]
+    table = {
+        name: np.concatenate([part[name] for part in parts])
+        for name in ("values", "G", "reasons", "violation")
+    }
+    if not (table["G"] <= 0.0).all(axis=1).any():
+        raise FootoptError(
+            f"None of all {len(table['G'])} designs is feasible. "
+            "Try a larger foot.box_tolerance, or harder sand."
+        )
+    return table
+
+
+class Tabulated(FootProblem):
+    """A problem that looks its designs up: solvers see what they would if these were walked again.
+
+    Parameters
+    ----------
+    problem : its scene, space and accuracy. table : of `walk_all`.
+    objective : as in `FootProblem`, of what is in the problem's record.
+
+    Attributes
+    ----------
+    optimum, best_k : the exact best J_W and its heights. feasible : how many designs are.
+    front : (designs, objectives), F on the exact front, scaled by it to 0 ... 1.
+    """
+
+    def __init__(
+        self, problem: FootProblem, table: dict[str, NDArray[Any]], objective: str | tuple[str, ...]
+    ) -> None:
+        from moocore import hypervolume
+
+        super().__init__(problem.scene, objective, problem.space, problem.accuracy, problem.threads)
+        self.table = table | {"F": self.minimised(np.asarray(table["values"], float))}
+        self._powers = self.space.K ** np.arange(self.space.n)[::-1]
+        feasible = (self.table["G"] <= 0.0).all(axis=1)
+        self.feasible = int(feasible.sum())
+        j = np.where(feasible, self.table["values"][:, self.record.index("efficiency")], np.inf)
+        self.optimum = float(j.min())
+        self.best_k = 1 + int(j.argmin()) // self._powers % self.space.K
+        front = _front(self.table["F"][feasible])
+        self._low = front.min(axis=0)
+        self._span = np.maximum(front.max(axis=0) - self._low, 1e-300)
+        self.front = self.scaled(front)
+        self._volume = hypervolume(self.front, ref=REFERENCE)
+
+    def _evaluate(
+        self, x: NDArray[np.int64], out: dict[str, object], *args: object, **kwargs: object
+    ) -> None:
+        number = (self.space.check(x) - 1) @ self._powers
+        out.update({name: column[number] for name, column in self.table.items()})
+
+    def scaled(self, f: Array) -> Array:
+        """F (designs, objectives) in units of the exact front's extent."""
+        return np.asarray((f - self._low) / self._span)
+
+    def hypervolume(self, f: Array) -> float:
+        """Share of the exact front's hypervolume that a set F (designs, objectives) covers."""
+        from moocore import hypervolume
+
+        return float(hypervolume(_front(self.scaled(f)), ref=REFERENCE) / self._volume)
+
+    def igd_plus(self, f: Array) -> float:
+        """Mean shortfall of a set F from the exact front, in units of its extent (IGD+, Ishibuchi 2015)."""
+        from moocore import igd_plus
+
+        return float(igd_plus(_front(self.scaled(f)), ref=self.front))
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """One run of a solver against the truth.
+
+    regret : by how much its best J_W falls short of the exact one, relative.
+    found_at : evaluations when it came upon the optimum, or, of several objectives, upon `REACHED` of
+        the exact hypervolume; NaN if it did not.
+    hypervolume, igd_plus : of everything it found, see `Tabulated`; NaN for one objective.
+    checkpoints : (evaluations, share of the hypervolume) during the run; none for one objective.
+    """
+
+    solver: str
+    seed: int
+    regret: float
+    found_at: float
+    hypervolume: float = float("nan")
+    igd_plus: float = float("nan")
+    checkpoints: tuple[tuple[int, float], ...] = ()
+
+    @property
+    def hit(self) -> bool:
+        """Whether it found the design with the best J_W."""
+        return self.regret == 0.0
+
+
+def judge(result: SearchResult, truth: Tabulated) -> Attempt:
+    """A search of a `Tabulated` problem against what is there to be found."""
+    column = result.problem.record.index("efficiency")
+    regret = 1.0 - float(result.values[result.feasible, column].min()) / truth.optimum
+    name, seed, history = result.solver.name, result.solver.seed, result.history
+    if truth.n_obj == 1:
+        found = [g.evaluations for g in history if g.best == truth.optimum]
+        return Attempt(name, seed, regret, float(found[0]) if found else float("nan"))
+    f = truth.minimised(result.values)
+    chosen = np.unique(np.linspace(1, len(history), min(CHECKPOINTS, len(history))).round().astype(int))
+    checkpoints = []
+    for generation in chosen:
+        so_far = f[result.feasible & (result.generation <= generation)]
+        share = truth.hypervolume(so_far) if len(so_far) else 0.0
+        checkpoints.append((history[generation - 1].evaluations, share))
+    reached = [evaluations for evaluations, share in checkpoints if share >= REACHED]
+    return Attempt(
+        solver=name,
+        seed=seed,
+        regret=regret,
+        found_at=float(reached[0]) if reached else float("nan"),
+        hypervolume=checkpoints[-1][1],
+        igd_plus=truth.igd_plus(f[result.feasible]),
+        checkpoints=tuple(checkpoints),
+    )
+
+
+def _front(f: Array) -> Array:
+    from moocore import filter_dominated
+
+    front: Array = filter_dominated(f)
+    return front

@@ -1,0 +1,156 @@
+"""Can a search be trusted? Every solver against the exact answer, on a space small enough to know it.
+
+Every design of the space is walked once on each of the three sands; the solvers then search the
+table, many times each. `solver.pop_size` is theirs too; `study.budget` is what each may ask for.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.table import Table as RichTable
+
+from footopt.config import Config
+from footopt.design import EXHAUSTIVE, SINGLE, SOLVERS, FootProblem, Solver, search
+from footopt.design.truth import REACHED, Attempt, Tabulated, judge, walk_all
+from footopt.errors import SettingError, check
+from footopt.report import figures, files, terminal
+from footopt.report.trust_figure import trust
+from footopt.sand import Sand
+from footopt.studies import build
+from footopt.studies.accuracy import SANDS
+
+
+@dataclass(frozen=True)
+class Score:
+    """All attempts of a solver on one sand.
+
+    found : share that came upon the design with the best J_W. regret : median, of J_W, relative.
+    found_at : median evaluations until the optimum, or of several objectives `truth.REACHED` of the
+        exact hypervolume; infinite if half of the attempts never came that far.
+    hypervolume, igd_plus : medians, against the exact front; NaN for one objective.
+    """
+
+    sand: str
+    solver: str
+    found: float
+    regret: float
+    found_at: float
+    hypervolume: float
+    igd_plus: float
+
+
+def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
+    """Walk the space, let every solver search it, and write what each was worth."""
+    out, clock = terminal.console(), terminal.clock()
+    study = config.study
+    check(study.seeds >= 1, "study.seeds", study.seeds, "a whole number >= 1")
+    size = config.solver.pop_size if config.solver.name != EXHAUSTIVE else 100
+    check(study.budget >= size, "study.budget", study.budget, f"at least one generation, {size}")
+    names = list(SOLVERS) if study.solvers is None else study.solvers
+    if unknown := [name for name in names if name not in SOLVERS]:
+        raise SettingError("study.solvers", unknown, f"some of {', '.join(SOLVERS)}")
+    scene, space = build.make_scene(config), build.make_space(config.foot)
+    accuracy = build.make_accuracy(config.accuracy)
+    seeds = 2 if study.quick else study.seeds
+    solvers = [
+        Solver(name, size, study.budget // size, seed)
+        for name in names
+        for seed in range(config.solver.seed, config.solver.seed + seeds)
+    ]
+    attempts: dict[str, list[Attempt]] = {}
+    exact: dict[str, dict[str, Any]] = {}
+    for sand in SANDS:
+        problem = FootProblem(
+            replace(scene, sand=Sand.named(sand)), "pareto", space, accuracy, config.engine.threads
+        )
+        with terminal.told_if_slow(out, f"Walking with all {space.K}^{space.n} soles on {sand} sand ..."):
+            table = walk_all(problem)
+        truths = {True: Tabulated(problem, table, "efficiency"), False: Tabulated(problem, table, "pareto")}
+        exact[sand] = {
+            "efficiency": truths[True].optimum,
+            "k": truths[True].best_k.tolist(),
+            "front": len(truths[False].front),
+            "feasible": truths[True].feasible,
+        }
+        attempts[sand] = []
+        for solver in solvers:
+            truth = truths[solver.name in SINGLE]
+            attempts[sand].append(judge(search(truth, solver), truth))
+        out.print(f"{sand} sand: {len(solvers)} searches  {clock():.0f} s")
+    scores = [score(sand, name, attempts[sand]) for sand in SANDS for name in names]
+    files.write_csv(
+        folder / "trust.csv",
+        ["sand", "solver", "seed", "regret", "found_at", "hypervolume", "igd_plus"],
+        (
+            [sand, a.solver, a.seed, a.regret, a.found_at, a.hypervolume, a.igd_plus]
+            for sand in SANDS
+            for a in attempts[sand]
+        ),
+    )
+    files.write_json(
+        folder / "result.json",
+        {
+            "study": "trust",
+            "designs": space.K**space.n,
+            "accuracy": dataclasses.asdict(accuracy),
+            "seeds": seeds,
+            "evaluations": size * (study.budget // size),
+            "exact": exact,
+            "scores": [dataclasses.asdict(s) for s in scores],
+            "settings": settings,
+            "versions": files.versions(),
+            "wall_time_s": clock(),
+        },
+    )
+    figures.save(trust(attempts, names, size * (study.budget // size)), folder / "figures", "trust")
+    out.print(_table(scores, space.K**space.n, seeds, size * (study.budget // size)))
+    for sand in SANDS:
+        e = exact[sand]
+        out.print(
+            f"{sand} sand: {e['feasible']} of {space.K**space.n} soles are feasible, {e['front']} on the "
+            f"exact front; best J_W {terminal.number(e['efficiency'])} with k = {e['k']}"
+        )
+    out.print(f"Everything is in {folder} ({clock():.0f} s in all)")
+
+
+def score(sand: str, solver: str, attempts: list[Attempt]) -> Score:
+    """What one solver's attempts on a sand come to."""
+    own = [a for a in attempts if a.solver == solver]
+    late = [a.found_at if np.isfinite(a.found_at) else np.inf for a in own]
+    return Score(
+        sand=sand,
+        solver=solver,
+        found=float(np.mean([a.hit for a in own])),
+        regret=float(np.median([a.regret for a in own])),
+        found_at=float(np.median(late)),
+        hypervolume=float(np.median([a.hypervolume for a in own])),
+        igd_plus=float(np.median([a.igd_plus for a in own])),
+    )
+
+
+def _table(scores: list[Score], designs: int, seeds: int, evaluations: int) -> RichTable:
+    table = RichTable(title=f"{seeds} searches each among {designs} soles, {evaluations} evaluations")
+    table.add_column("sand")
+    table.add_column("solver")
+    for title in ("best J_W\nfound", "median\nregret", "evaluations\nuntil found", "hyper-\nvolume", "IGD+"):
+        table.add_column(title, justify="right")
+    for i, s in enumerate(scores):
+        single = s.solver in SINGLE
+        found_at = f"{s.found_at:.0f}" if np.isfinite(s.found_at) else f"> {evaluations}"
+        table.add_row(
+            s.sand,
+            s.solver,
+            f"{s.found:.0%}",
+            f"{s.regret:.2%}",
+            found_at,
+            "" if single else f"{s.hypervolume:.1%}",
+            "" if single else f"{s.igd_plus:.3f}",
+            end_section=i + 1 < len(scores) and scores[i + 1].sand != s.sand,
+        )
+    table.caption = f"found: the optimum; of several objectives {REACHED:.0%} of the exact hypervolume"
+    return table
