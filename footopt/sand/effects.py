@@ -363,6 +363,15 @@ class Laws(NamedTuple):
         """Whether plates must know their outward normal."""
         return self.gates is not None or self.pushes is not None
 
+    @property
+    def own(self) -> bool:
+        """Whether a hook comes from elsewhere than this module."""
+        return any(
+            hooks[type(law)].__module__ != __name__
+            for hooks, chosen in zip((LOADS, GATES, PUSHES), self, strict=True)
+            for law in chosen or ()
+        )
+
 
 def laws(effects: Sequence[Effect]) -> Laws:
     """What the compiled loop gets of a scene's effects."""

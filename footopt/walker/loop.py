@@ -103,8 +103,8 @@ def _source() -> str:
     return digest.hexdigest()
 
 
-def _compile(source: str):
-    @cached_njit(nogil=True, error_model="numpy")
+def _compile(source: str, compiler=cached_njit):
+    @compiler(nogil=True, error_model="numpy")
     def walk_range(
         stepper,
         plates,
@@ -263,3 +263,6 @@ def _compile(source: str):
 
 
 walk_range = _compile(_source())
+
+#: The same for effects from elsewhere: the cache on disk would not see that their hooks have changed.
+walk_range_of_own = _compile(_source(), njit)

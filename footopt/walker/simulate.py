@@ -17,7 +17,7 @@ from footopt.errors import SettingError, check
 from footopt.foot import Foot, Plates, Waypoints, as_plates
 from footopt.sand import affine_direction, effects
 from footopt.walker.kernels import EVALUATIONS, LANES, PLATES, REPEATS, RESCUES, SHORTENED, TALLY, Sole, World
-from footopt.walker.loop import BACKWARD, DIVERGED, OK, RAW, SUNK, TRACE, walk_range
+from footopt.walker.loop import BACKWARD, DIVERGED, OK, RAW, SUNK, TRACE, walk_range, walk_range_of_own
 from footopt.walker.objectives import FIVE, OBJECTIVES, Raw, lookup
 from footopt.walker.scene import Accuracy, Scene
 from footopt.walker.steppers import STEPPERS
@@ -413,10 +413,11 @@ def _run(
     status, tallies = np.empty(designs, np.int64), np.zeros((designs, TALLY), np.int64)
     trace = np.full((len(tables[-1]) + 1, TRACE), np.nan) if traced else None
     constants = world(scene, accuracy)
+    compiled = walk_range_of_own if effects.laws(scene.effects).own else walk_range
 
     def run(begin: int) -> None:
         end = min(begin + BLOCK, designs)
-        walk_range(
+        compiled(
             stepper.parameters, padded, circles, reach, tangents, constants, pose0, tables, times,
             accuracy.control, scene.gait.heel_strike, begin, end, raw, status, tallies, trace,
             1 if sink else None,
