@@ -8,6 +8,7 @@ ratios, with interleaved repeats.
 from dataclasses import replace
 
 import against_numpy
+import effects
 import equal_accuracy
 import growth
 import numpy as np
@@ -166,3 +167,22 @@ def test_the_shares_of_a_search_add_up(benchmark, full):
     benchmark.extra_info.update(shares, wall=wall)
     assert sum(shares.values()) == pytest.approx(1.0)
     assert all(share > -0.01 for share in shares.values())
+
+
+# effects
+
+
+@pytest.mark.slow
+def test_the_walk_with_the_effects_code_deleted_is_the_bare_one():
+    jobs = effects.jobs("regular", 3)
+    np.testing.assert_array_equal(jobs[effects.DELETED]().raw, jobs["bare"]().raw)
+
+
+@pytest.mark.parametrize("name", [effects.DELETED, *effects.SETS])
+def test_effects(benchmark, full, name):
+    if not full:
+        pytest.skip("compiles a walk for each: run with --benchmark-enable")
+    benchmark.group = "30 designs on regular sand, one thread"
+    job = effects.jobs("regular", 30)[name]
+    job()
+    benchmark(job)
