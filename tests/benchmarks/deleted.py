@@ -40,13 +40,12 @@ class Delete(ast.NodeTransformer):
         return node
 
 
-def without_effects(folder: Path, name: str = "footopt_deleted", delete: bool = True) -> ModuleType:
-    """A package like `footopt.walker` in a folder, its compiled part written without the effects.
+def write(folder: Path, name: str = "footopt_deleted", delete: bool = True) -> None:
+    """Write a package like `footopt.walker` into a folder: its compiled part without the effects.
 
     Parameters
     ----------
-    name : of the package, new in this process.
-    delete : False for a plain copy.
+    name : of the package. delete : False for a plain copy.
     """
     package = folder / name
     package.mkdir()
@@ -57,6 +56,10 @@ def without_effects(folder: Path, name: str = "footopt_deleted", delete: bool = 
         if delete:
             tree = Delete().visit(tree)
         (package / f"{source}.py").write_text(ast.unparse(tree), encoding="utf-8")
+
+
+def load(folder: Path, name: str = "footopt_deleted") -> ModuleType:
+    """The loop of a package that `write` has written."""
     sys.path.insert(0, str(folder))
     try:
         return importlib.import_module(f"{name}.loop")
