@@ -15,6 +15,7 @@ from itertools import product
 from pathlib import Path
 
 import against_numpy
+import effects
 import equal_accuracy
 import growth
 import numba
@@ -159,8 +160,24 @@ def ga() -> Iterator[Row]:
         )
 
 
+def scenes() -> Iterator[Row]:
+    """8: what effects cost where a scene names them, and where it does not."""
+    for sand, found in effects.compare().items():
+        yield (
+            f"the walk with the effects' code deleted, {sand} sand",
+            f"the bare walk takes **{1.0 / found[effects.DELETED][0]:.3f}** times its time",
+            "<= 1.02",
+        )
+        added = [f"{name} {found[name][0]:.2f} ({found[name][1]:.2f})" for name in effects.SETS]
+        yield (
+            f"time (evaluations) with effects over the bare walk's, {sand} sand",
+            ", ".join(added[1:]),
+            "",
+        )
+
+
 PARTS: dict[str, Callable[[], Iterator[Row]]] = {
-    f.__name__: f for f in (paper, euler, absolute, plates, size, start, ga)
+    f.__name__: f for f in (paper, euler, absolute, plates, size, start, ga, scenes)
 }
 
 
