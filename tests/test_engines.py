@@ -1,0 +1,290 @@
+"""Engines: the same result everywhere, whatever dies on the way, and nothing left behind."""
+
+import itertools
+import multiprocessing
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from test_store import SMALL, assert_same, problem, stop_after
+
+import footopt as fo
+from footopt.design import Local, Processes, Store, make_engine, search, workers
+from footopt.design.store import context, digest
+from footopt.design.workers import EACH, LARGEST, OTHER, RAISED, REFUSED, UNKNOWN, WALKED, Task, chunks, work
+from footopt.errors import FootoptError, SettingError
+
+BUDGET = {"pop_size": 16, "n_gen": 6, "seed": 3}
+
+
+class Deadly(fo.FootProblem):
+    """Some soles end the process that walks with them, some raise; all others are good."""
+
+    def walk(self, k):
+        if multiprocessing.parent_process() is not None:
+            if (k[:, :3] == [2, 3, 3]).all(axis=1).any():
+                os.kill(os.getpid(), signal.SIGKILL)
+            if (k[:, :2] == [3, 2]).all(axis=1).any():
+                raise ZeroDivisionError("a plate without length")
+        return super().walk(k)
+
+
+class Slow(fo.FootProblem):
+    """Each walk takes a while, so that something can happen meanwhile."""
+
+    def walk(self, k):
+        time.sleep(0.01 * len(k))
+        return super().walk(k)
+
+
+class Wrong(fo.FootProblem):
+    """A setting turns out to be wrong in a worker."""
+
+    def walk(self, k):
+        if multiprocessing.parent_process() is not None:
+            raise SettingError("sand.zeta", -1.0, "a number > 0")
+        return super().walk(k)
+
+
+def like(kind, base):
+    return kind(base.scene, base.names, base.space, base.accuracy, 1)
+
+
+@pytest.fixture(scope="module")
+def processes():
+    with Processes(2) as engine:
+        yield engine
+
+
+@pytest.fixture(scope="module")
+def undisturbed():
+    return search(problem("pareto"), "nsga2", **BUDGET)
+
+
+def task(p, k, known=True):
+    import pickle
+
+    return Task(digest(context(p)), None if known else pickle.dumps(p), k)
+
+
+def pids():
+    """Children of this process that are alive or zombies."""
+    stats = [p.read_text() for p in Path("/proc").glob("[0-9]*/stat") if p.parent.exists()]
+    return {int(s.split()[0]) for s in stats if int(s.rpartition(")")[2].split()[1]) == os.getpid()}
+
+
+class TestChunks:
+    @given(st.integers(1, 10**6), st.integers(1, 1000), st.floats(0, 1), st.floats(0, 1))
+    def test_are_the_whole_batch_in_its_order(self, designs, slots, cost, worth):
+        parts = chunks(designs, slots, cost, worth)
+        assert parts[0].start == 0
+        assert parts[-1].stop >= designs
+        assert all(a.stop == b.start for a, b in itertools.pairwise(parts))
+        assert max(p.stop - p.start for p in parts) <= LARGEST
+
+    def test_are_a_few_a_worker_but_worth_their_way(self):
+        assert len(chunks(2000, 10, 0.0, 0.02)) == 10 * EACH
+        assert len(chunks(2000, 10, 1e-3, 0.02)) == 10 * EACH
+        assert len(chunks(200, 10, 1e-3, 0.02)) == 200 / 20
+        assert len(chunks(200, 10, 1.0, 0.02)) == 10 * EACH
+
+
+class TestWorker:
+    def test_is_sent_a_problem_once_and_keeps_a_few(self, monkeypatch):
+        monkeypatch.setattr(workers, "_problems", {})
+        k = SMALL.random(3, seed=1)
+        problems = [problem(zeta=1.0 + i) for i in range(workers.KNOWN + 1)]
+        for p in problems:
+            assert work(task(p, k)).kind == UNKNOWN
+            for known in (False, True):
+                reply = work(task(p, k, known))
+                assert reply.kind == WALKED
+                np.testing.assert_array_equal(reply.content[0], p.walk(k)[0])
+        assert [work(task(p, k)).kind for p in problems] == [UNKNOWN] + [WALKED] * workers.KNOWN
+
+    def test_of_other_versions_says_which(self, monkeypatch):
+        monkeypatch.setattr(workers, "_problems", {})
+        p, k = problem(), SMALL.random(3, seed=1)
+        sent = task(p, k, known=False)
+        monkeypatch.setattr("footopt.design.store.version", lambda name: "0.1")
+        reply = work(sent)
+        assert reply.kind == OTHER
+        assert reply.content[1]["versions"]["numba"] == "0.1"
+        monkeypatch.undo()
+
+        class Other(Local, workers.Spread):
+            slots, walk = 1, workers.Spread.walk
+
+            def run(self, tasks):
+                return [reply] * len(tasks)
+
+        with pytest.raises(FootoptError, match=r"versions\.numba \(0\.1 there, .* here\)") as error:
+            search(p, "ga", engine=Other(), **BUDGET)
+        assert socket.gethostname() in str(error.value)
+
+    def test_says_what_it_cannot_load_and_what_a_walk_raised(self, monkeypatch):
+        monkeypatch.setattr(workers, "_problems", {})
+        k = SMALL.random(3, seed=1)
+        reply = work(Task("0", b"cmissing\nThing\n.", k))
+        assert reply.kind == REFUSED
+        assert "ModuleNotFoundError: No module named 'missing'" in reply.content
+        p = problem()
+        monkeypatch.setattr(fo.FootProblem, "walk", lambda self, k: 1 / 0)
+        reply = work(task(p, k, known=False))
+        assert (reply.kind, reply.content) == (RAISED, "ZeroDivisionError: division by zero")
+
+    def test_a_problem_that_cannot_be_sent_is_said(self, processes):
+        class Inner(fo.FootProblem):
+            pass
+
+        with pytest.raises(FootoptError, match=r"cannot be sent .* in a module"):
+            processes.walk(like(Inner, problem()), SMALL.random(3, seed=1))
+
+
+class TestSettings:
+    def test_defaults_are_this_process(self):
+        assert isinstance(make_engine(), Local)
+
+    @pytest.mark.parametrize(
+        ("settings", "words"),
+        [
+            ({"name": "mpi"}, "engine.name = 'mpi': must be one of local, processes, dask"),
+            ({"workers": 2}, "engine.workers = 2: must be null"),
+            ({"name": "processes", "workers": 0}, "engine.workers = 0: must be a whole number >= 1"),
+            ({"name": "processes", "address": "tcp://a:1"}, "engine.address = 'tcp://a:1': must be null"),
+            ({"name": "dask", "workers": 2, "address": "tcp://a:1"}, "engine.workers = 2: must be null"),
+            ({"name": "dask", "timeout": 0.0}, "engine.timeout = 0.0: must be a time > 0"),
+            *(
+                ({"name": "dask", "address": a}, f"engine.address = {a!r}: must be tcp://host:port")
+                for a in ("", "node7", "node7:8786", "http://node7:8786", "tcp://node7", "tcp://node7:x")
+            ),
+        ],
+    )
+    def test_that_do_not_fit_are_refused(self, settings, words):
+        with pytest.raises(SettingError) as error:
+            make_engine(**settings)
+        assert words in str(error.value)
+
+    def test_a_missing_extra_is_named(self, monkeypatch):
+        monkeypatch.setitem(sys.modules, "distributed", None)
+        with pytest.raises(SettingError, match=r"pip install 'footopt\[dask\]'"):
+            make_engine("dask")
+
+    def test_studies_that_walk_here_refuse_another_engine(self, tmp_path):
+        from footopt import studies
+        from footopt.config import Config, EngineConfig, StudyConfig
+
+        config = Config(study=StudyConfig(name="simulate"), engine=EngineConfig(name="dask"))
+        with pytest.raises(SettingError, match=r"engine\.name = 'dask': must be local for study=simulate"):
+            studies.run(config, tmp_path, {})
+
+
+class TestProcesses:
+    def test_find_what_one_process_finds_to_the_last_bit(self, processes, undisturbed, tmp_path):
+        path = tmp_path / "designs.sqlite"
+        assert_same(undisturbed, search(problem("pareto"), "nsga2", engine=processes, store=path, **BUDGET))
+        again = search(problem("pareto"), "nsga2", store=path, **BUDGET)
+        assert again.reused == len(again.k)  # the store does not tell engines apart
+
+    @pytest.mark.parametrize("designs", [1, 2, 7, 100])
+    def test_any_batch_is_the_same_as_here(self, processes, designs):
+        p, k = problem(zeta=0.05), SMALL.random(designs, seed=designs)  # some sink
+        (values, reasons), (here, why) = processes.walk(p, k), p.walk(k)
+        assert values.tobytes() == here.tobytes()
+        assert reasons.tolist() == why.tolist()
+
+    @pytest.mark.slow
+    def test_a_design_that_kills_is_found_and_left_out(self, processes, tmp_path, caplog):
+        p = like(Deadly, problem())
+        r = search(p, "ga", engine=processes, store=tmp_path / "designs.sqlite", **BUDGET)
+        killing, raising = (r.k[:, :3] == [2, 3, 3]).all(axis=1), (r.k[:, :2] == [3, 2]).all(axis=1)
+        assert killing.any()
+        assert raising.any()
+        np.testing.assert_array_equal(r.reasons == "error", killing | raising)
+        with Store(tmp_path / "designs.sqlite", p) as store:
+            assert "the worker has died (signal SIGKILL)" in store.get(r.k[killing].tolist())[0].message
+            assert "ZeroDivisionError: a plate" in store.get(r.k[raising].tolist())[0].message
+        assert "has failed and is left out: WorkerError: the worker has died" in caplog.text
+
+    def test_a_worker_that_is_killed_meanwhile_is_replaced(self, processes, undisturbed):
+        p = like(Slow, problem("pareto"))
+        processes.walk(p, SMALL.random(2, seed=1))
+        killed = set()
+
+        def kill(generation):
+            if generation.generation in (1, 3):
+                threading.Timer(0.03, hit).start()
+
+        def hit():
+            victim = min(multiprocessing.active_children(), key=lambda c: c.pid)
+            os.kill(victim.pid, signal.SIGKILL)
+            killed.add(victim.pid)
+
+        assert_same(undisturbed, search(p, "nsga2", kill, engine=processes, **BUDGET))
+        assert len(killed) == 2
+        assert len(multiprocessing.active_children()) == 2
+
+    def test_that_died_while_idle_are_replaced(self, processes):
+        p, k = problem(), SMALL.random(20, seed=1)
+        processes.walk(p, k)
+        for child in multiprocessing.active_children():
+            child.kill()
+            child.join()
+        assert processes.walk(p, k)[0].tobytes() == p.walk(k)[0].tobytes()
+
+    def test_a_wrong_setting_is_no_bad_design(self, processes):
+        with pytest.raises(FootoptError, match=r"^sand\.zeta = -1\.0: must be a number > 0"):
+            search(like(Wrong, problem()), "ga", engine=processes, **BUDGET)
+
+    def test_interrupted_leave_what_was_found_and_go_on(self, processes, undisturbed):
+        p = problem("pareto")
+        assert len(search(p, "nsga2", stop_after(2), engine=processes, **BUDGET).history) == 2
+        signal.setitimer(signal.ITIMER_REAL, 0.1)
+        before = signal.signal(signal.SIGALRM, signal.default_int_handler)
+        try:
+            with pytest.raises(KeyboardInterrupt):
+                processes.walk(like(Slow, p), SMALL.random(100, seed=1))
+        finally:
+            signal.signal(signal.SIGALRM, before)
+        assert_same(undisturbed, search(p, "nsga2", engine=processes, **BUDGET))
+
+    def test_leave_nothing_behind(self):
+        before = pids()
+        p, k = problem(), SMALL.random(20, seed=1)
+        with Processes(2) as engine:
+            engine.walk(p, k)
+            assert len(pids() - before) >= 2
+        assert pids() - before <= tracker()
+
+    def test_a_script_without_a_guard_is_told(self, tmp_path):
+        (tmp_path / "study.py").write_text(SCRIPT)
+        done = subprocess.run(
+            [sys.executable, "study.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120
+        )
+        assert done.returncode == 1
+        assert "FootoptError: engine=processes: a worker cannot start (exit code 1)" in done.stderr
+        assert '`if __name__ == "__main__":`' in done.stderr
+
+
+SCRIPT = """
+import footopt as fo
+from footopt.design import Processes
+with Processes(1) as engine:
+    fo.search(fo.FootProblem(accuracy="draft"), pop_size=4, n_gen=1, engine=engine)
+"""
+
+
+def tracker():
+    """multiprocessing's own helper, which lives as long as this process."""
+    from multiprocessing.resource_tracker import _resource_tracker
+
+    return {_resource_tracker._pid}
