@@ -1,6 +1,7 @@
 """Engines: the same result everywhere, whatever dies on the way, and nothing left behind."""
 
 import itertools
+import json
 import multiprocessing
 import os
 import signal
@@ -9,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +20,7 @@ from hypothesis import strategies as st
 from test_store import SMALL, assert_same, problem, stop_after
 
 import footopt as fo
-from footopt.design import Local, Processes, Store, make_engine, search, workers
+from footopt.design import Dask, Local, Processes, Store, evaluate_safely, make_engine, search, workers
 from footopt.design.store import context, digest
 from footopt.design.workers import EACH, LARGEST, OTHER, RAISED, REFUSED, UNKNOWN, WALKED, Task, chunks, work
 from footopt.errors import FootoptError, SettingError
@@ -30,7 +32,7 @@ class Deadly(fo.FootProblem):
     """Some soles end the process that walks with them, some raise; all others are good."""
 
     def walk(self, k):
-        if multiprocessing.parent_process() is not None:
+        if os.getpid() != self.head:
             if (k[:, :3] == [2, 3, 3]).all(axis=1).any():
                 os.kill(os.getpid(), signal.SIGKILL)
             if (k[:, :2] == [3, 2]).all(axis=1).any():
@@ -50,13 +52,16 @@ class Wrong(fo.FootProblem):
     """A setting turns out to be wrong in a worker."""
 
     def walk(self, k):
-        if multiprocessing.parent_process() is not None:
+        if os.getpid() != self.head:
             raise SettingError("sand.zeta", -1.0, "a number > 0")
         return super().walk(k)
 
 
 def like(kind, base):
-    return kind(base.scene, base.names, base.space, base.accuracy, 1)
+    """The same problem, with such walks."""
+    made = kind(base.scene, base.names, base.space, base.accuracy, 1)
+    made.head = os.getpid()  # goes along to the workers
+    return made
 
 
 @pytest.fixture(scope="module")
@@ -76,10 +81,35 @@ def task(p, k, known=True):
     return Task(digest(context(p)), None if known else pickle.dumps(p), k)
 
 
+def killing_after(victims):
+    """A search's progress that kills processes inside the generation after some of its generations."""
+
+    def progress(generation):
+        if pid := victims.get(generation.generation):
+            threading.Timer(0.03, os.kill, (pid, signal.SIGKILL)).start()
+
+    return progress
+
+
 def pids():
     """Children of this process that are alive or zombies."""
     stats = [p.read_text() for p in Path("/proc").glob("[0-9]*/stat") if p.parent.exists()]
     return {int(s.split()[0]) for s in stats if int(s.rpartition(")")[2].split()[1]) == os.getpid()}
+
+
+SCRIPT = """
+import footopt as fo
+from footopt.design import Processes
+with Processes(1) as engine:
+    fo.search(fo.FootProblem(accuracy="draft"), pop_size=4, n_gen=1, engine=engine)
+"""
+
+
+def tracker():
+    """multiprocessing's own helper, which lives as long as this process."""
+    from multiprocessing.resource_tracker import _resource_tracker
+
+    return {_resource_tracker._pid}
 
 
 class TestChunks:
@@ -218,19 +248,10 @@ class TestProcesses:
     def test_a_worker_that_is_killed_meanwhile_is_replaced(self, processes, undisturbed):
         p = like(Slow, problem("pareto"))
         processes.walk(p, SMALL.random(2, seed=1))
-        killed = set()
-
-        def kill(generation):
-            if generation.generation in (1, 3):
-                threading.Timer(0.03, hit).start()
-
-        def hit():
-            victim = min(multiprocessing.active_children(), key=lambda c: c.pid)
-            os.kill(victim.pid, signal.SIGKILL)
-            killed.add(victim.pid)
-
+        victims = [child.pid for child in multiprocessing.active_children()]
+        kill = killing_after({1: victims[0], 3: victims[1]})
         assert_same(undisturbed, search(p, "nsga2", kill, engine=processes, **BUDGET))
-        assert len(killed) == 2
+        assert not {child.pid for child in multiprocessing.active_children()} & set(victims)
         assert len(multiprocessing.active_children()) == 2
 
     def test_that_died_while_idle_are_replaced(self, processes):
@@ -275,16 +296,95 @@ class TestProcesses:
         assert '`if __name__ == "__main__":`' in done.stderr
 
 
-SCRIPT = """
-import footopt as fo
-from footopt.design import Processes
-with Processes(1) as engine:
-    fo.search(fo.FootProblem(accuracy="draft"), pop_size=4, n_gen=1, engine=engine)
-"""
+class Cluster:
+    """A scheduler and workers as processes of their own, on loopback."""
+
+    def __init__(self, folder, count):
+        self.file = folder / "scheduler.json"
+        self.env = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
+        self.scheduler = self.start("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard")
+        self.workers = [self.add() for _ in range(count)]
+        while not (self.file.is_file() and self.file.stat().st_size):
+            time.sleep(0.05)
+        self.address = json.loads(self.file.read_text())["address"]
+
+    def start(self, kind, *arguments):
+        """`dask scheduler` or `dask worker`."""
+        command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", "--scheduler-file", str(self.file)]
+        return subprocess.Popen([*command, *arguments], env=self.env, stderr=subprocess.DEVNULL)
+
+    def add(self, **env):
+        """One more worker."""
+        self.env |= env
+        options = ("--nthreads", "1", "--host", "127.0.0.1", "--no-dashboard", "--no-nanny")
+        worker = self.start("worker", *options, "--local-directory", str(self.file.parent))
+        return worker
+
+    def close(self):
+        """End all of it."""
+        for process in (*self.workers, self.scheduler):
+            process.kill()
+            process.wait()
 
 
-def tracker():
-    """multiprocessing's own helper, which lives as long as this process."""
-    from multiprocessing.resource_tracker import _resource_tracker
+@pytest.fixture
+def cluster(tmp_path):
+    pytest.importorskip("distributed", reason="needs the extra footopt[dask]")
+    started = Cluster(tmp_path, 2)
+    yield started
+    started.close()
 
-    return {_resource_tracker._pid}
+
+@pytest.mark.slow
+class TestDask:
+    def test_a_worker_that_is_killed_meanwhile_changes_nothing(self, cluster, undisturbed, tmp_path):
+        p = like(Slow, problem("pareto"))
+        with Dask(cluster.address, timeout=30) as engine:
+            engine._client.wait_for_workers(2, timeout=30)
+            assert engine.slots == 2
+            kill = killing_after({2: cluster.workers[0].pid})
+            assert_same(undisturbed, search(p, "nsga2", kill, engine=engine, **BUDGET))
+            assert engine.slots == 1
+            assert cluster.workers[0].wait() == -signal.SIGKILL
+
+    def test_without_workers_it_is_said_and_the_search_resumes(self, cluster, undisturbed, tmp_path):
+        p, path = like(Slow, problem("pareto")), tmp_path / "designs.sqlite"
+        with Dask(cluster.address, timeout=30) as engine:
+            engine._client.wait_for_workers(2, timeout=30)
+            engine._timeout = 2.0
+            kill = killing_after({2: cluster.workers[0].pid, 3: cluster.workers[1].pid})
+            with pytest.raises(FootoptError, match=r"no worker is left since 2 s .* resume"):
+                search(p, "nsga2", kill, path, engine, **BUDGET)
+            cluster.workers.append(cluster.add())
+            engine._client.wait_for_workers(1, timeout=30)
+            resumed = search(p, "nsga2", None, path, engine, **BUDGET)
+        assert resumed.reused > 0
+        assert_same(undisturbed, resumed)
+
+    def test_a_lost_scheduler_is_said(self, cluster, tmp_path):
+        p = like(Slow, problem("pareto"))
+        with Dask(cluster.address, timeout=5) as engine:
+            kill = killing_after({2: cluster.scheduler.pid})
+            with pytest.raises(FootoptError, match=r"the connection to the scheduler is lost .* resume"):
+                search(p, "nsga2", kill, engine=engine, **BUDGET)
+
+    def test_a_cluster_of_its_own_leaves_out_what_kills_and_leaves_nothing_behind(self, undisturbed):
+        before = pids()
+        with Dask(workers=2, timeout=30) as engine:
+            assert_same(undisturbed, search(problem("pareto"), "nsga2", engine=engine, **BUDGET))
+            p, k = like(Deadly, problem()), np.array([[1, 2, 3, 4, 1], [2, 3, 3, 1, 1], [1, 1, 1, 2, 1]])
+            values, reasons, messages = evaluate_safely(partial(engine.walk, p), k, len(p.record))
+        assert reasons.tolist() == ["", "error", ""]
+        assert list(messages) == [1]
+        np.testing.assert_array_equal(values[[0, 2]], problem().walk(k[[0, 2]])[0])
+        assert pids() - before <= tracker()
+
+    def test_no_scheduler_or_no_worker_is_said_in_time(self, tmp_path):
+        with pytest.raises(FootoptError, match=r"'tcp://127\.0\.0\.1:1': no scheduler answers within 0\.5 s"):
+            Dask("tcp://127.0.0.1:1", timeout=0.5)
+        alone = Cluster(tmp_path, 0)
+        try:
+            with pytest.raises(FootoptError, match=r"the scheduler has no worker after 2 s"):
+                Dask(alone.address, timeout=2.0)
+        finally:
+            alone.close()
