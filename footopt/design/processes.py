@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import multiprocessing
 import signal
-import threading
 from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 
 from footopt.design.workers import DIED, UNKNOWN, Reply, Spread, Task, work
@@ -123,7 +123,6 @@ class Processes(Spread):
 
 def _serve(pipe: Connection) -> None:
     """A worker's life: chunks, until the other end of the pipe is closed, however that process ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
     with suppress(EOFError, OSError):
         pipe.send(None)
         while True:
@@ -137,12 +136,16 @@ def _end(worker: _Worker) -> str:
 
 @contextmanager
 def deaf() -> Iterator[None]:
-    """Processes started in here do not hear Ctrl-C, which a terminal sends to all: it is for this one."""
-    if threading.current_thread() is not threading.main_thread():
+    """Processes and threads started in here do not hear Ctrl-C: a terminal sends it to all, but it is ours.
+
+    Here it is held back until the end.
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    resource_tracker.ensure_running()  # which would lift the mask when it is started below
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
