@@ -17,6 +17,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from test_cli import footopt
+from test_resume import BRIEF, outcome, started, wait_for
 from test_store import SMALL, assert_same, problem, stop_after
 
 import footopt as fo
@@ -102,6 +104,15 @@ import footopt as fo
 from footopt.design import Processes
 with Processes(1) as engine:
     fo.search(fo.FootProblem(accuracy="draft"), pop_size=4, n_gen=1, engine=engine)
+"""
+
+GUARDED = """
+import footopt as fo
+from footopt.design import Processes
+if __name__ == "__main__":
+    with Processes(3) as engine:
+        p = fo.FootProblem(accuracy="draft")
+        engine.walk(p, p.space.random(300, seed=1))
 """
 
 
@@ -388,3 +399,90 @@ class TestDask:
                 Dask(alone.address, timeout=2.0)
         finally:
             alone.close()
+
+
+@pytest.fixture(scope="module")
+def here(tmp_path_factory):
+    """The folder of a run from the command line that nothing stopped, in one process."""
+    cwd = tmp_path_factory.mktemp("here")
+    done = footopt(*BRIEF, "solver=nsga2", "hydra.run.dir=run", cwd=cwd)
+    assert done.returncode == 0, done.stderr
+    return cwd / "run"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("engine", ["processes", "dask"])
+class TestCommandLine:
+    def test_finds_the_same(self, here, engine, tmp_path):
+        if engine == "dask":
+            pytest.importorskip("distributed", reason="needs the extra footopt[dask]")
+        done = footopt(
+            *BRIEF, "solver=nsga2", f"engine={engine}", "engine.workers=2", "hydra.run.dir=run", cwd=tmp_path
+        )
+        assert done.returncode == 0, done.stderr
+        assert done.stderr == ""
+        there, alone = outcome(tmp_path / "run"), outcome(here)
+        assert there[0] | {"settings": 0} == alone[0] | {"settings": 0}
+        assert there[1:] == alone[1:]
+
+    def test_ctrl_c_is_heard_by_one_process_only(self, here, engine, tmp_path):
+        if engine == "dask":
+            pytest.importorskip("distributed", reason="needs the extra footopt[dask]")
+        settings = (*BRIEF, "solver=nsga2", f"engine={engine}", "engine.workers=2", "hydra.run.dir=run")
+        run = started(*settings, cwd=tmp_path, start_new_session=True)
+        wait_for(run, "generation 4/25")
+        family = descendants(run.pid)
+        os.killpg(run.pid, signal.SIGINT)  # as a terminal does
+        _, err = run.communicate()
+        assert run.returncode == 130
+        assert err.startswith("footopt: stopped after generation ")
+        assert "Traceback" not in err
+        assert len(family) >= 2
+        assert_gone(family)
+        done = footopt("resume=run", "engine=local", "engine.workers=null", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert outcome(tmp_path / "run")[1:] == outcome(here)[1:]
+
+    def test_workers_end_with_a_run_that_is_killed(self, engine, tmp_path):
+        if engine == "dask":
+            pytest.importorskip("distributed", reason="needs the extra footopt[dask]")
+        run = started(*BRIEF, f"engine={engine}", "engine.workers=2", "hydra.run.dir=run", cwd=tmp_path)
+        wait_for(run, "generation 4/25")
+        family = descendants(run.pid)
+        assert len(family) >= 2
+        run.kill()
+        run.communicate()
+        assert_gone(family)
+
+
+def descendants(pid):
+    """Processes that a process has started, and those that these have."""
+    threads = Path(f"/proc/{pid}/task").glob("*/children")
+    found = {int(word) for thread in threads for word in thread.read_text().split()}
+    return found.union(*(descendants(child) for child in found))
+
+
+def assert_gone(family):
+    """Wait for processes to end; those that nobody has asked about yet (zombies) have."""
+    deadline = time.monotonic() + 30
+    while left := [pid for pid in family if alive(pid)]:
+        assert time.monotonic() < deadline, left
+        time.sleep(0.05)
+
+
+def alive(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+@pytest.mark.slow
+def test_workers_load_what_the_head_has_compiled(tmp_path):
+    (tmp_path / "study.py").write_text(GUARDED)
+    env = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache"), "NUMBA_DEBUG_CACHE": "1"}
+    done = subprocess.run([sys.executable, "study.py"], cwd=tmp_path, env=env, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    lines = [line for line in done.stdout.splitlines() if "walk_range" in line]
+    assert sum("data saved to" in line for line in lines) == 1
+    assert sum("data loaded from" in line for line in lines) == 3
