@@ -124,19 +124,25 @@ def tracker():
 
 
 class TestChunks:
-    @given(st.integers(1, 10**6), st.integers(1, 1000), st.floats(0, 1), st.floats(0, 1))
-    def test_are_the_whole_batch_in_its_order(self, designs, slots, cost, worth):
-        parts = chunks(designs, slots, cost, worth)
+    @given(st.integers(1, 10**6), st.integers(1, 1000), st.floats(0, 1), st.floats(1e-4, 1e-2))
+    def test_are_the_whole_batch_in_its_order(self, designs, slots, cost, toll):
+        parts = chunks(designs, slots, cost, toll)
         assert parts[0].start == 0
-        assert parts[-1].stop >= designs
+        assert parts[-1].stop >= designs > parts[-1].start
         assert all(a.stop == b.start for a, b in itertools.pairwise(parts))
         assert max(p.stop - p.start for p in parts) <= LARGEST
 
-    def test_are_a_few_a_worker_but_worth_their_way(self):
-        assert len(chunks(2000, 10, 0.0, 0.02)) == 10 * EACH
-        assert len(chunks(2000, 10, 1e-3, 0.02)) == 10 * EACH
-        assert len(chunks(200, 10, 1e-3, 0.02)) == 200 / 20
-        assert len(chunks(200, 10, 1.0, 0.02)) == 10 * EACH
+    @given(st.integers(1, 4000), st.integers(1, 300), st.floats(1e-4, 1e-2), st.floats(1e-4, 1e-2))
+    def test_are_as_many_as_finish_soonest(self, designs, slots, cost, toll):
+        def time(count):
+            return count * toll + designs * cost / min(count, slots)
+
+        best = min(map(time, range(1, min(designs, slots) + 1)))
+        assert time(len(chunks(designs, slots, cost, toll))) <= 1.06 * best + 2.0 * toll + cost
+
+    def test_of_a_first_batch_are_one_a_worker_and_of_a_large_one_many(self):
+        assert len(chunks(2000, 10, 0.0, 1e-3)) == 10
+        assert len(chunks(40_000, 10, 1e-2, 1e-3)) == 10 * EACH
 
 
 class TestWorker:

@@ -32,7 +32,7 @@ class Dask(Spread):
     FootoptError : the scheduler does not answer, or has no worker.
     """
 
-    worth = 2e-2
+    toll = 2e-3
 
     def __init__(self, address: str | None = None, workers: int | None = None, timeout: float = 10.0) -> None:
         super().__init__()

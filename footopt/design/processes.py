@@ -47,7 +47,7 @@ class Processes(Spread):
     workers : processes; by default as many as processors that this one may run on.
     """
 
-    worth = 2e-3
+    toll = 5e-4
 
     def __init__(self, workers: int | None = None) -> None:
         super().__init__()

@@ -29,7 +29,8 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Walked = tuple[Array, NDArray[np.str_]]
 
-EACH = 4  # chunks that a worker gets of a batch: what one is slower at, the others take
+EACH = 32  # chunks that a worker gets of a large batch: what one is slower at, the others take
+SHARE = 0.05  # of a batch's time that may go into such a balance
 LARGEST = 4096  # designs in a chunk
 KNOWN = 8  # problems that a worker keeps
 
@@ -113,7 +114,7 @@ class Engine(ABC):
 class Spread(Engine):
     """What engines with workers have in common: chunks, and the problem once a worker."""
 
-    worth = 0.0  # s of walking that a chunk should hold for its transport not to matter
+    toll = 1e-3  # s that a chunk costs this process or the scheduler, whatever it holds: see `chunks`
 
     def __init__(self) -> None:
         self._problem: FootProblem | None = None
@@ -133,7 +134,7 @@ class Spread(Engine):
         """Walk there."""
         if problem is not self._problem:
             self._prepare(problem)
-        parts = chunks(len(k), self.slots, self._cost, self.worth)
+        parts = chunks(len(k), self.slots, self._cost, self.toll)
         replies = self._run([self._task._replace(problem=None, k=k[part]) for part in parts])
         if len(k) == 1 and replies[0].kind == DIED:  # that need not have been the design's doing
             replies = self._run([self._task._replace(k=k)])
@@ -181,13 +182,21 @@ class Spread(Engine):
         )
 
 
-def chunks(designs: int, slots: int, cost: float, worth: float) -> list[slice]:
-    """Cut a batch: `EACH` chunks a slot, but none with less than `worth` seconds of walking.
+def chunks(designs: int, slots: int, cost: float, toll: float) -> list[slice]:
+    """Cut a batch into equal chunks, so many that it is done soonest.
+
+    C chunks on as many workers take C toll + work / C, with work = designs * cost: shortest for
+    C = sqrt(work / toll), so that a small batch keeps a few workers busy only. If that is more than
+    there are workers, further chunks even out what these are slower at, `EACH` a worker at most, as
+    long as their toll is a `SHARE` of the time, work / slots.
 
     Parameters
     ----------
-    cost : of a design, s; 0 if it is not known yet.
+    slots : workers. cost : of a design, s; 0 if it is not known yet. toll : of a chunk, s, paid in turn.
     """
-    smallest = math.ceil(min(worth / cost, LARGEST)) if cost > 0.0 else 1
-    size = min(max(math.ceil(designs / (EACH * slots)), smallest), LARGEST)
+    work = designs * cost
+    soonest = min(math.sqrt(work / toll), slots) if cost > 0.0 else slots
+    even = min(SHARE * work / (slots * toll), EACH * slots)
+    count = max(1, math.ceil(max(soonest, even)))
+    size = min(math.ceil(designs / count), LARGEST)
     return [slice(i, i + size) for i in range(0, designs, size)]
