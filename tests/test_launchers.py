@@ -41,12 +41,7 @@ def test_a_job_that_is_killed_leaves_the_others_and_is_resumed(tmp_path):
     need("submitit_local")
     command = ["-m", "hydra/launcher=submitit_local", "solver.seed=1,2", *BRIEF, "hydra.sweep.dir=sweep"]
     run = started(*command, cwd=tmp_path)
-    logs = tmp_path / "sweep" / ".submitit"
-    while not (found := [log for log in logs.glob("*/*_0_log.out") if "generation 4/" in log.read_text()]):
-        assert run.poll() is None
-        time.sleep(0.05)
-    job = found[0].parent.name
-    (victim,) = children(int(job))
+    _, victim = searching(run, tmp_path / "sweep" / ".submitit")
     os.kill(victim, signal.SIGKILL)
     _, err = run.communicate()
     assert run.returncode == 1
@@ -62,7 +57,28 @@ def test_a_job_that_is_killed_leaves_the_others_and_is_resumed(tmp_path):
     assert json.loads((tmp_path / "sweep" / missing[0] / "result.json").read_text())["reused"] > 0
 
 
+def searching(run, folder):
+    """The log and the process of a sweep's job that has begun to search."""
+    while not (found := [log for log in folder.glob("*/*_0_log.out") if "generation 4/" in log.read_text()]):
+        assert run.poll() is None
+        time.sleep(0.05)
+    (process,) = children(int(found[0].parent.name))
+    return found[0], process
+
+
 def children(pid):
     """Processes that a process has started."""
     with open(f"/proc/{pid}/task/{pid}/children") as file:
         return [int(word) for word in file.read().split()]
+
+
+def test_a_job_that_is_preempted_is_queued_again_and_goes_on_by_itself(tmp_path):
+    need("submitit_local")
+    command = ["-m", "hydra/launcher=submitit_local", "solver.seed=1", *BRIEF, "hydra.sweep.dir=sweep"]
+    run = started(*command, cwd=tmp_path)
+    job, victim = searching(run, tmp_path / "sweep" / ".submitit")
+    os.kill(victim, signal.SIGUSR2)  # what Slurm sends before the limit
+    _, err = run.communicate()
+    assert run.returncode == 0, err
+    assert "designs of this search are known" in job.read_text()
+    assert json.loads((tmp_path / "sweep" / "0" / "result.json").read_text())["reused"] > 0

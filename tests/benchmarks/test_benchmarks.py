@@ -8,6 +8,7 @@ ratios, with interleaved repeats.
 from dataclasses import replace
 
 import against_numpy
+import engines
 import equal_accuracy
 import growth
 import numpy as np
@@ -166,3 +167,13 @@ def test_the_shares_of_a_search_add_up(benchmark, full):
     benchmark.extra_info.update(shares, wall=wall)
     assert sum(shares.values()) == pytest.approx(1.0)
     assert all(share > -0.01 for share in shares.values())
+
+
+@pytest.mark.slow
+def test_every_engine_is_measured():
+    measured = dict(engines.rows((20,), repeats=1, cores=2))
+    assert {"processes, 20 designs", "dask, 20 designs", "on the wire"} < set(measured)
+    out, back, problem = engines.wire()
+    assert 8 * 11 <= out < 110
+    assert 8 * 6 <= back < 90
+    assert problem < 10_000
