@@ -262,6 +262,7 @@ class TestProcesses:
             assert "ZeroDivisionError: a plate" in store.get(r.k[raising].tolist())[0].message
         assert "has failed and is left out: WorkerError: the worker has died" in caplog.text
 
+    @pytest.mark.slow
     def test_a_worker_that_is_killed_meanwhile_is_replaced(self, processes, undisturbed):
         p = like(Slow, problem("pareto"))
         processes.walk(p, SMALL.random(2, seed=1))
@@ -271,6 +272,7 @@ class TestProcesses:
         assert not {child.pid for child in multiprocessing.active_children()} & set(victims)
         assert len(multiprocessing.active_children()) == 2
 
+    @pytest.mark.slow
     def test_that_died_while_idle_are_replaced(self, processes):
         p, k = problem(), SMALL.random(20, seed=1)
         processes.walk(p, k)
@@ -295,6 +297,7 @@ class TestProcesses:
             signal.signal(signal.SIGALRM, before)
         assert_same(undisturbed, search(p, "nsga2", engine=processes, **BUDGET))
 
+    @pytest.mark.slow
     def test_leave_nothing_behind(self):
         before = pids()
         p, k = problem(), SMALL.random(20, seed=1)
@@ -303,6 +306,7 @@ class TestProcesses:
             assert len(pids() - before) >= 2
         assert pids() - before <= tracker()
 
+    @pytest.mark.slow
     def test_a_script_without_a_guard_is_told(self, tmp_path):
         (tmp_path / "study.py").write_text(SCRIPT)
         done = subprocess.run(
