@@ -37,6 +37,7 @@ _wants_traceback = os.environ.get("HYDRA_FULL_ERROR") == "1"
 
 ERROR_FILE = "error.txt"  # left in the folder of a job of a multirun that failed
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+LAUNCHERS = ("submitit", "joblib")  # what their errors come from
 STOPPED = 130  # exit code after Ctrl-C, as of any program that a shell stops
 
 ConfigStore.instance().store(name="footopt_schema", node=Config)
@@ -75,6 +76,11 @@ class Summary(Callback):
     """After a multirun: a table over all its jobs, on the terminal and as summary.csv."""
 
     failed = 0
+    folder = ""  # of the multirun
+
+    def on_multirun_start(self, config: DictConfig, **kwargs: Any) -> None:
+        """Remember where the jobs leave what they find."""
+        Summary.folder = config.hydra.sweep.dir
 
     def on_multirun_end(self, config: DictConfig, **kwargs: Any) -> None:
         """Read what the jobs left in their folders."""
@@ -179,6 +185,13 @@ def explain(error: BaseException) -> str:
         if cause is not None and str(cause).splitlines():
             lines.append(str(cause).splitlines()[0])
         return "\n  ".join(lines)
+    if type(error).__module__.partition(".")[0] in LAUNCHERS and Summary.folder:
+        folder = shlex.quote(Summary.folder)
+        return (
+            f"a job of this multirun was lost ({str(error).partition(chr(10))[0]}). Others may still run. "
+            f"`footopt resume={folder}` lists the jobs without a result, `footopt resume={folder}/NUMBER` "
+            "goes on with one."
+        )
     if isinstance(error, OSError):
         if error.errno in NO_ROOM:
             return f"a file cannot be written ({error.strerror}). Make room on the disk and run it again."

@@ -192,9 +192,13 @@ class SolverConfig:
 
 @dataclass
 class EngineConfig:
-    """Where designs are evaluated; threads null is all processors."""
+    """Where designs are evaluated: see `footopt.design.engines`; threads are of this process."""
 
+    name: str = "local"
     threads: Optional[int] = None  # noqa: UP045
+    workers: Optional[int] = None  # noqa: UP045
+    address: Optional[str] = None  # noqa: UP045
+    timeout: float = 10.0
 
 
 @dataclass

@@ -17,6 +17,8 @@ ORDER = ["sand", "foot", "gait", "walker", "design", "report", "studies", "cli"]
 SEAMS = {
     "pymoo": "design",
     "moocore": "design",
+    "dask": "design",
+    "distributed": "design",
     "hydra": "cli",
     "omegaconf": "cli",
     "matplotlib": "report",

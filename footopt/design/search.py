@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,10 +16,12 @@ from numpy.typing import NDArray
 from pymoo.core.problem import Problem
 from pymoo.problems.static import StaticProblem
 
+from footopt.design.engines import Local
 from footopt.design.problem import FootProblem
 from footopt.design.safely import evaluate_safely
 from footopt.design.solvers import EXHAUSTIVE, Solver
 from footopt.design.store import Evaluation, Store
+from footopt.design.workers import Engine
 from footopt.errors import FootoptError, check
 from footopt.foot import Foot
 from footopt.walker.objectives import OBJECTIVES
@@ -112,6 +115,7 @@ def search(
     solver: Solver | str | None = None,
     progress: Callable[[Generation], None] | None = None,
     store: Store | str | Path | None = None,
+    engine: Engine | None = None,
     **budget: int,
 ) -> SearchResult:
     """Search a design space.
@@ -125,6 +129,7 @@ def search(
     store : a file to keep every evaluation in, or an open `Store`. The same search with the same
         store goes on where it was stopped: nothing is walked twice, and the result is the same, to
         the last bit, as that of a search never stopped.
+    engine : where to walk, by default in this process; the result is the same, to the last bit.
 
     Returns
     -------
@@ -154,7 +159,7 @@ def search(
     with opened as kept:
         if kept is not None and kept.problem is not problem:
             raise ValueError("the store was opened for another problem than the one that is searched")
-        archive = Archive(problem, kept)
+        archive = Archive(problem, kept, engine)
         try:
             while algorithm.has_next():
                 infills = algorithm.ask()
@@ -248,8 +253,10 @@ class Archive:
     With a store, a design that is in it is not walked at all.
     """
 
-    def __init__(self, problem: FootProblem, store: Store | None = None) -> None:
-        self.problem, self.store = problem, store
+    def __init__(
+        self, problem: FootProblem, store: Store | None = None, engine: Engine | None = None
+    ) -> None:
+        self.problem, self.store, self.engine = problem, store, engine or Local()
         self.history: list[Generation] = []
         self.designs: list[Design] = []
         self._place: dict[bytes, int] = {}  # of a design in `designs`, by its heights
@@ -358,7 +365,8 @@ class Archive:
 
     def _walk(self, k: NDArray[np.int64]) -> list[Evaluation]:
         """Walk with designs; one that breaks the program has failed, with what it raised."""
-        values, reasons, messages = evaluate_safely(self.problem.walk, k, len(self.problem.record))
+        walk = partial(self.engine.walk, self.problem)
+        values, reasons, messages = evaluate_safely(walk, k, len(self.problem.record))
         if len(messages) == len(k) and not self.designs:
             raise FootoptError(
                 f"All {len(k)} designs of the first generation break the program ({messages[0]}). "

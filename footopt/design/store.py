@@ -143,20 +143,15 @@ class Store:
                 "AND EXISTS (SELECT 1 FROM design WHERE context = context.id)",
                 (self._id,),
             ).fetchall()
-        here = _flat(self._context)
-        found = []
-        for text, expected in others:
-            if hashlib.sha256(str(text).encode()).hexdigest() == expected:
-                there = _flat(json.loads(text))
-                names = [n for n in sorted(here | there) if here.get(n) != there.get(n)]
-                found.append(
-                    [f"{n} ({_short(there.get(n))} there, {_short(here.get(n))} here)" for n in names]
-                )
+        found = [
+            differences(json.loads(text), self._context)
+            for text, expected in others
+            if hashlib.sha256(str(text).encode()).hexdigest() == expected
+        ]
         if not found:
             return ""
         nearest = min(found, key=len)
-        more = f" and {len(nearest) - SHOWN} more" if len(nearest) > SHOWN else ""
-        return f"No design in {self.path} can be used again: {', '.join(nearest[:SHOWN])}{more} differ"
+        return f"No design in {self.path} can be used again: {listed(nearest)} differ"
 
     def close(self) -> None:
         """Let go of the file."""
@@ -305,6 +300,19 @@ def canonical(content: Any) -> str:
 def digest(content: Any) -> str:
     """SHA-256 of the canonical JSON."""
     return hashlib.sha256(canonical(content).encode()).hexdigest()
+
+
+def differences(there: Any, here: Any) -> list[str]:
+    """What differs between two contexts, each with both values."""
+    one, other = _flat(there), _flat(here)
+    names = [name for name in sorted(one | other) if one.get(name) != other.get(name)]
+    return [f"{n} ({_short(one.get(n))} there, {_short(other.get(n))} here)" for n in names]
+
+
+def listed(found: Sequence[str]) -> str:
+    """The first few of many differences."""
+    more = f" and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
+    return f"{', '.join(found[:SHOWN])}{more}"
 
 
 def _log_ahead(connection: sqlite3.Connection) -> None:

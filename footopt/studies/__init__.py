@@ -16,11 +16,16 @@ STUDIES = ("optimize", "simulate", "accuracy", "stability", "effects", "shapes",
 #: Those that keep what they evaluate, so that `footopt resume=FOLDER` goes on where they stopped.
 RESUMABLE = ("optimize",)
 
+#: Those that walk where `engine` says; the others do so in this process.
+SPREAD = ("optimize",)
+
 
 def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     """Run the study that the configuration names; `settings` is the configuration as plain data."""
     name = config.study.name
     if name not in STUDIES:
         raise SettingError("study.name", name, f"one of {', '.join(STUDIES)}")
+    if config.engine.name != "local" and name not in SPREAD:
+        raise SettingError("engine.name", config.engine.name, f"local for study={name}")
     study: Callable[[Config, Path, dict[str, Any]], None] = import_module(f"footopt.studies.{name}").run
     study(config, folder, settings)

@@ -9,7 +9,16 @@ from typing import Any
 import numpy as np
 
 from footopt.config import Config
-from footopt.design import EXHAUSTIVE, FootProblem, SearchResult, Solver, Store, confirm, search
+from footopt.design import (
+    EXHAUSTIVE,
+    FootProblem,
+    SearchResult,
+    Solver,
+    Store,
+    confirm,
+    make_engine,
+    search,
+)
 from footopt.design.exhaustive import Enumeration, check_size
 from footopt.errors import SettingError, check
 from footopt.foot import Foot
@@ -53,7 +62,11 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     check(config.study.finalists >= 1, "study.finalists", config.study.finalists, "a whole number >= 1")
     finer = Accuracy.named(config.study.confirm) if config.study.confirm else problem.accuracy
     flat = Foot.flat(problem.space)
-    with Store(config.study.store or folder / "designs.sqlite", problem) as store:
+    e = config.engine
+    with (
+        make_engine(e.name, e.workers, e.address, e.timeout) as engine,
+        Store(config.study.store or folder / "designs.sqlite", problem) as store,
+    ):
         with terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ..."):
             base = simulate(flat, problem.scene, finer)
         out.print(
@@ -63,7 +76,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         if known := store.describe():
             out.print(known)
         with terminal.search_progress(out, solver.generations(problem.space), problem.guide) as progress:
-            result = search(problem, solver, progress, store)
+            result = search(problem, solver, progress, store, engine)
     confirmed = confirm(result, finer, config.study.finalists)
     best = dataclasses.replace(
         Foot.from_waypoints(result.k[confirmed.designs[0]], problem.space), name=f"best of {solver.name}"

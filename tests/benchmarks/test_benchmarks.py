@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import against_numpy
 import effects
+import engines
 import equal_accuracy
 import growth
 import numpy as np
@@ -221,3 +222,13 @@ def test_effects(benchmark, full, loops, name):
     job = effects.jobs("regular", 30, loops)[name]
     job()
     benchmark(job)
+
+
+@pytest.mark.slow
+def test_every_engine_is_measured():
+    measured = dict(engines.rows((20,), repeats=1, cores=2))
+    assert {"processes, 20 designs", "dask, 20 designs", "on the wire"} < set(measured)
+    out, back, problem = engines.wire()
+    assert 8 * 11 <= out < 110
+    assert 8 * 6 <= back < 90
+    assert problem < 10_000

@@ -1,0 +1,84 @@
+"""Sweeps by Hydra's launchers: many jobs at a time, on this machine or on a cluster."""
+
+import json
+import os
+import signal
+import time
+
+import pytest
+from test_cli import footopt
+from test_resume import BRIEF, outcome, started
+
+pytestmark = pytest.mark.slow
+
+NEEDS = {"submitit_local": "submitit", "joblib": "joblib"}
+
+
+def need(launcher):
+    pytest.importorskip(
+        f"hydra_plugins.hydra_{NEEDS[launcher]}_launcher", reason=f"needs footopt[{NEEDS[launcher]}]"
+    )
+
+
+@pytest.mark.parametrize("launcher", NEEDS)
+def test_a_sweep_finds_what_each_job_finds_alone_and_ends_with_a_table(launcher, tmp_path):
+    need(launcher)
+    arguments = [*BRIEF, "solver.n_gen=3", "hydra.sweep.dir=sweep"]
+    done = footopt(
+        "-m", f"hydra/launcher={launcher}", "solver.seed=1,2", "sand.zeta=5,0.001", *arguments, cwd=tmp_path
+    )
+    assert done.returncode == 1, done.stderr  # nobody walks on sand of zeta 0.001
+    assert "4 jobs in sweep" in done.stdout
+    assert "2 of the jobs failed" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert (tmp_path / "sweep" / "1" / "error.txt").read_text().startswith("No feasible design")
+    done = footopt(*arguments, "sand.zeta=5", "solver.seed=2", "hydra.run.dir=alone", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert outcome(tmp_path / "sweep" / "2") == outcome(tmp_path / "alone")
+
+
+def test_a_job_that_is_killed_leaves_the_others_and_is_resumed(tmp_path):
+    need("submitit_local")
+    command = ["-m", "hydra/launcher=submitit_local", "solver.seed=1,2", *BRIEF, "hydra.sweep.dir=sweep"]
+    run = started(*command, cwd=tmp_path)
+    _, victim = searching(run, tmp_path / "sweep" / ".submitit")
+    os.kill(victim, signal.SIGKILL)
+    _, err = run.communicate()
+    assert run.returncode == 1
+    assert "footopt: error: a job of this multirun was lost" in err
+    assert "`footopt resume=sweep` lists the jobs without a result" in err
+    assert "Traceback" not in err
+    while footopt("resume=sweep", cwd=tmp_path).stderr.count(",") > 1:  # the other job goes on by itself
+        time.sleep(0.5)
+    missing = [n for n in "01" if not (tmp_path / "sweep" / n / "result.json").is_file()]
+    assert len(missing) == 1
+    done = footopt(f"resume=sweep/{missing[0]}", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert json.loads((tmp_path / "sweep" / missing[0] / "result.json").read_text())["reused"] > 0
+
+
+def searching(run, folder):
+    """The log and the process of a sweep's job that has begun to search."""
+    while not (found := [log for log in folder.glob("*/*_0_log.out") if "generation 4/" in log.read_text()]):
+        assert run.poll() is None
+        time.sleep(0.05)
+    (process,) = children(int(found[0].parent.name))
+    return found[0], process
+
+
+def children(pid):
+    """Processes that a process has started."""
+    with open(f"/proc/{pid}/task/{pid}/children") as file:
+        return [int(word) for word in file.read().split()]
+
+
+def test_a_job_that_is_preempted_is_queued_again_and_goes_on_by_itself(tmp_path):
+    need("submitit_local")
+    command = ["-m", "hydra/launcher=submitit_local", "solver.seed=1", *BRIEF, "hydra.sweep.dir=sweep"]
+    run = started(*command, cwd=tmp_path)
+    job, victim = searching(run, tmp_path / "sweep" / ".submitit")
+    os.kill(victim, signal.SIGUSR2)  # what Slurm sends before the limit
+    _, err = run.communicate()
+    assert run.returncode == 0, err
+    assert "designs of this search are known" in job.read_text()
+    assert json.loads((tmp_path / "sweep" / "0" / "result.json").read_text())["reused"] > 0
