@@ -33,6 +33,7 @@ HALVINGS = 3  # of a step under control, at most
 MAX_REPEATS = 3  # of a walk that diverged, each with a quarter of the time step before
 CHUNK = 4096  # designs whose plates are in memory at once
 BLOCK = 16  # designs that a thread takes at a time
+POSES = 64  # scenes whose poses are kept: about 1 MB each, and a third of the time of 100 walks
 
 
 @dataclass(frozen=True)
@@ -333,7 +334,7 @@ def time_grid(scene: Scene, accuracy: Accuracy) -> Array:
     )
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=POSES)
 def poses(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ...]]:
     """Time grid, pose at t = 0, (2, 7), and at every step's nodes, (steps, nodes, 2, 7).
 
