@@ -17,14 +17,18 @@ from footopt.report.heat_map import ROW, draw_heat_map
 def regrets(values: ArrayLike, feet: Sequence[str], scenarios: Sequence[str]) -> Figure:
     """What each foot (row) loses in each scenario (column) relative to the best known there, %."""
     table = 100.0 * np.asarray(values, float)
-    shown = np.column_stack([table, np.full(len(table), np.nan), table.mean(axis=1), table.max(axis=1)])
-    texts = [["" if np.isnan(v) else f"{v:.1f}" for v in row] for row in shown]
+    summary = np.stack([table.mean(axis=1), table.max(axis=1)], axis=1)
     many = len(scenarios) > 6
-    figure = _figure(PAGE if many else COLUMN, 0.8 + ROW * len(feet))
-    axes = figure.subplots()
+    figure = _figure(PAGE if many else COLUMN, 0.95 + ROW * len(feet))
+    left, right = figure.subplots(1, 2, sharey=True, width_ratios=[len(scenarios), 2])
+    norm = Normalize(0.0, max(1.0, float(np.nanmax(table, initial=0.0))))
     names = [name.removeprefix("draw ") if many else name for name in scenarios]
-    top = max(1.0, float(np.nanmax(table, initial=0.0)))
-    draw_heat_map(axes, shown, feet, [*names, "", "mean", "worst"], texts, Normalize(0.0, top), "Blues")
+    for axes, part, columns in ((left, table, names), (right, summary, ["mean", "worst"])):
+        texts = [[f"{v:.1f}" if np.isfinite(v) else "failed" for v in row] for row in part]
+        draw_heat_map(axes, part, feet, columns, texts, norm, "Blues")
+    right.tick_params(labelleft=False)
+    left.set_ylabel("foot made for")
+    figure.supxlabel("loss against the best specialist in each scenario (%)", fontsize=8)
     return figure
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from itertools import zip_longest
 
 import numpy as np
@@ -84,11 +84,10 @@ class Spread:
             check(0 <= value < math.inf, f"study.spread.{name}", value, "a standard deviation >= 0")
 
 
-#: Normal variables of a scenario, in the order of `vary`'s columns; angles have one per coefficient.
-COLUMNS = tuple(
-    name
-    for field in fields(Spread)
-    for name in [field.name] * (2 * (1 + 2 * DEFORMATION) if field.name == "angles" else 1)
+#: Standard normal variables that make a scenario, by what they move; an angle has one a coefficient.
+COLUMNS = (
+    *("zeta", "mass", "period", "stride", "ankle_x", "ankle_z"),
+    *(joint for joint in ("thigh", "knee") for _ in range(1 + 2 * DEFORMATION)),
 )
 
 
@@ -120,10 +119,9 @@ def vary(scene: Scene, spread: Spread, normals: Array, name: str = "varied") -> 
     def number(parameter: str) -> float:
         return float(normals[COLUMNS.index(parameter)])
 
-    first = COLUMNS.index("angles")
-    coefficients = normals[first : first + COLUMNS.count("angles")].reshape(2, -1)
     # a cosine and a sine of equal variance add up to that variance at every phase
-    thigh, knee = spread.angles / math.sqrt(1 + DEFORMATION) * coefficients
+    coefficients = spread.angles / math.sqrt(1 + DEFORMATION) * np.asarray(normals)
+    thigh, knee = (coefficients[[name == joint for name in COLUMNS]] for joint in ("thigh", "knee"))
     gait = deformed(scene.gait, 1.0 + spread.stride * number("stride"), thigh, knee)
     return Scenario(
         name,
