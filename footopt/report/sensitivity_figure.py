@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,13 +14,13 @@ from footopt.report.heat_map import ROW, draw_heat_map
 
 
 @styled
-def sensitivity(found: Mapping[str, Any], names: Sequence[str]) -> Figure:
+def sensitivity(found: Mapping[str, Any], names: Sequence[str], label: Callable[[str], str]) -> Figure:
     """Total Sobol indices, and the change that one standard deviation of each parameter makes, %.
 
     Parameters
     ----------
     found : of `studies.sensitivity.Indices`, by block; each block has indices of its own.
-    names : of the objectives.
+    names : of the objectives. label : of a parameter, with its standard deviation.
     """
     columns = [name.replace("_", "\n") for name in names]
     heights = [len(block.parameters) for block in found.values()]
@@ -28,16 +28,24 @@ def sensitivity(found: Mapping[str, Any], names: Sequence[str]) -> Figure:
     figure = _figure(PAGE, 1.0 + ROW * sum(heights))
     panels = figure.subplots(len(found), 2, height_ratios=heights, squeeze=False)
     for (left, right), (title, block) in zip(panels, found.items(), strict=True):
-        rows = [name.replace("_", " ") for name in block.parameters]
+        rows = [label(name) for name in block.parameters]
         totals = [[f"{value:.2f}" for value in row] for row in block.total]
         draw_heat_map(left, block.total, rows, columns, totals, Normalize(0.0, 1.0), "Blues")
         left.set_ylabel(title)
         change = 100.0 * block.change
-        texts = [[f"{value:+.1f}" if np.isfinite(value) else "" for value in row] for row in change]
+        texts = [[_signed(value) for value in row] for row in change]
         draw_heat_map(right, change, rows, columns, texts, Normalize(-largest, largest), "PuOr")
         right.tick_params(labelleft=False)
     for axes in panels[1:].flat:
         axes.tick_params(labeltop=False)
     panels[-1, 0].set_xlabel("total Sobol index")
     panels[-1, 1].set_xlabel("change by one standard deviation (%)")
+    figure.align_ylabels(panels[:, 0])
     return figure
+
+
+def _signed(value: float) -> str:
+    if not np.isfinite(value):
+        return ""
+    text = f"{value:+.1f}".replace("-", "\N{MINUS SIGN}")
+    return "0.0" if text[1:] == "0.0" else text

@@ -114,7 +114,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
                 name: dict(zip([s.name for s in scenarios], row, strict=True))
                 for name, row in zip(compared.names, compared.regrets.tolist(), strict=True)
             },
-            "held_out_ratio": None if fresh is None else fresh.tolist(),
+            "held_out_regret": None if fresh is None else fresh.tolist(),
             **scene_entry(scene, finer, judge.record),
             "search_accuracy": dataclasses.asdict(accuracy),
             "solver": dataclasses.asdict(solver),
@@ -261,8 +261,8 @@ def report(out: Console, judge: RobustProblem, compared: Comparison, foot: Foot,
     ]
     if beaten:
         out.print(
-            f"In {', '.join(beaten)} another specialist is better than the scenario's own: its search did "
-            "not find the best foot, and regrets are against the better one. More solver.n_gen may help."
+            f"{', '.join(beaten)}: another specialist is better than this scenario's own, whose search did "
+            "not find the best foot. Regrets are against the better one; a larger solver.n_gen may help."
         )
     if fresh is not None:
         good = fresh[np.isfinite(fresh)]

@@ -83,6 +83,18 @@ class Setting:
         }
         return {title: part for title, part in parts.items() if part}
 
+    def label(self, parameter: str) -> str:
+        """A parameter with its standard deviation."""
+        name = parameter.replace("_", " ")
+        if parameter in ("thigh", "knee"):
+            return f"{name}, {self.spread.angles:g}°"
+        if parameter.startswith("ankle"):
+            return f"{name}, {1e3 * getattr(self.spread, parameter):g} mm"
+        if parameter.startswith("waypoint"):
+            return f"{name}, {1e3 * self.waypoint:g} mm"
+        sigma = getattr(self if parameter in ("width", "creep") else self.spread, parameter)
+        return f"{name}, {100 * sigma:g} %"
+
     def walk(self, normals: Array) -> tuple[Array, str]:
         """Values (objectives,) for standard normal variables, (columns,), and why the walk failed."""
         scene, (width, creep), heights = np.split(normals, [len(COLUMNS), len(COLUMNS) + 2])
@@ -238,7 +250,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
             for name, numbers in zip(NAMES, rows, strict=True)
         ),
     )
-    save(sensitivity(found, NAMES), folder / "figures", "sensitivity")
+    save(sensitivity(found, NAMES, setting.label), folder / "figures", "sensitivity")
     files.write_json(
         folder / "result.json",
         {
@@ -255,7 +267,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
             "wall_time_s": clock(),
         },
     )
-    out.print(table(found))
+    out.print(table(found, setting))
     widest = max(float(block.total_error.max()) for block in found.values())
     out.print(
         f"{sum(block.walks for block in found.values())} walks; the widest interval is +- {widest:.2f}, and "
@@ -269,15 +281,15 @@ def _rows(block: Indices) -> Array:
     return np.stack([block.first, block.first_error, block.total, block.total_error, block.change], axis=-1)
 
 
-def table(found: Mapping[str, Indices]) -> RichTable:
+def table(found: Mapping[str, Indices], setting: Setting) -> RichTable:
     """Total indices with their intervals for the terminal."""
     shown = RichTable(title=f"total Sobol index ± half width of its {CONFIDENCE:.0%} interval")
-    shown.add_column("parameter")
+    shown.add_column("parameter, standard deviation")
     for name in NAMES:
         shown.add_column(name.replace("_", " "), justify="right")
     for block in found.values():
         for parameter, total, error in zip(block.parameters, block.total, block.total_error, strict=True):
             cells = [f"{t:.2f} ±{e:.2f}" for t, e in zip(total, error, strict=True)]
-            shown.add_row(parameter.replace("_", " "), *cells)
+            shown.add_row(setting.label(parameter), *cells)
         shown.add_section()
     return shown
