@@ -35,7 +35,7 @@ class Linear(Setting):
 @pytest.fixture(scope="module")
 def linear():
     s = setting(creep=0.5, kind=Linear)
-    return analyse(s, s.blocks["scene"], 1024, seed=1, threads=1)
+    return analyse(s, s.blocks["parameters"], 1024, seed=1, threads=1)
 
 
 class TestIndices:
@@ -51,12 +51,12 @@ class TestIndices:
 
     def test_more_samples_narrow_the_intervals(self, linear):
         s = setting(creep=0.5, kind=Linear)
-        few = analyse(s, s.blocks["scene"], 64, seed=1, threads=1)
+        few = analyse(s, s.blocks["parameters"], 64, seed=1, threads=1)
         assert few.total_error[:2].min() > 2 * linear.total_error[:2].max()
 
     def test_a_parameter_of_several_variables_has_an_index_and_no_sign(self):
         s = setting(spread=replace(NOTHING, zeta=0.1, angles=1.0))
-        found = analyse(s, s.blocks["scene"], 8, seed=1)
+        found = analyse(s, s.blocks["parameters"], 8, seed=1)
         assert found.parameters == ("zeta", "thigh", "knee")
         assert np.isfinite(found.total).all()
         assert np.isnan(found.change[1:]).all()
@@ -64,7 +64,7 @@ class TestIndices:
 
     def test_the_same_seed_gives_the_same_on_any_number_of_threads(self):
         s = setting()
-        one, two = (analyse(s, s.blocks["scene"], 4, seed=3, threads=n) for n in (1, 2))
+        one, two = (analyse(s, s.blocks["parameters"], 4, seed=3, threads=n) for n in (1, 2))
         np.testing.assert_array_equal(one.total, two.total)
         np.testing.assert_array_equal(one.total_error, two.total_error)
 
@@ -87,10 +87,10 @@ class TestSetting:
         )
 
     def test_only_what_is_spread_is_walked_with(self):
-        assert setting().blocks == {"scene": ("zeta", "mass")}
-        assert setting(waypoint=1e-3).blocks["sole"] == tuple(f"waypoint {i}" for i in range(1, 6))
+        assert setting().blocks == {"parameters": ("zeta", "mass")}
+        assert setting(waypoint=1e-3).blocks["waypoints"] == tuple(f"waypoint {i}" for i in range(1, 6))
         ellipse = setting(foot=fo.Foot.shape("ellipse"), waypoint=1e-3, width=0.1)
-        assert ellipse.blocks == {"scene": ("zeta", "mass", "width")}
+        assert ellipse.blocks == {"parameters": ("zeta", "mass", "width")}
 
     def test_labels_say_how_far_each_is_spread(self):
         s = setting(waypoint=1e-3, width=0.05, spread=fo.Spread())
@@ -139,7 +139,7 @@ def test_from_the_command_line(tmp_path):
                    "hydra.run.dir=run", cwd=tmp_path)  # fmt: skip
     assert done.returncode == 0, done.stderr
     result = json.loads((tmp_path / "run" / "result.json").read_text())
-    assert list(result["blocks"]) == ["scene", "sole"]
+    assert list(result["blocks"]) == ["parameters", "waypoints"]
     assert result["samples"] == study.QUICK_SAMPLES
     with open(tmp_path / "run" / "sensitivity.csv", newline="") as file:
         rows = list(csv.DictReader(file))

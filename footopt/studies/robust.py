@@ -265,11 +265,12 @@ def report(out: Console, judge: RobustProblem, compared: Comparison, foot: Foot,
             "not find the best foot. Regrets are against the better one; a larger solver.n_gen may help."
         )
     if fresh is not None:
-        good = fresh[np.isfinite(fresh)]
+        gain = -100.0 * fresh[np.isfinite(fresh)]
+        failed = f", {len(fresh) - len(gain)} with a failed walk" if len(gain) < len(fresh) else ""
         out.print(
-            f"In {len(fresh)} fresh scenarios the robust foot is better than the median scene's in "
-            f"{np.mean(fresh < 0.0):.0%}, by {-100 * np.median(good):.2f} % in the median and "
-            f"{-100 * good.max():.2f} % at worst ({len(fresh) - len(good)} with a failed walk)"
+            f"In {len(fresh)} fresh scenarios{failed} the robust foot is better than the median scene's in "
+            f"{np.mean(fresh < 0.0):.0%}: {np.median(gain):+.1f} % in the median, "
+            f"{gain.min():+.1f} % to {gain.max():+.1f} %"
         )
 
 

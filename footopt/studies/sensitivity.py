@@ -73,13 +73,13 @@ class Setting:
 
     @property
     def blocks(self) -> dict[str, tuple[str, ...]]:
-        """The parameters that are spread at all, those of what happens and those of the sole."""
+        """The parameters that are spread at all, the sole's waypoints apart."""
         sigma = vars(self.spread) | {name: getattr(self, name) for name in ("width", "creep")}
         sigma |= {"thigh": self.spread.angles, "knee": self.spread.angles}
         names = dict.fromkeys(self.columns)
         parts = {
-            "scene": tuple(n for n in names if sigma.get(n, 0.0) > 0.0),
-            "sole": tuple(n for n in names if n not in sigma and self.waypoint > 0.0),
+            "parameters": tuple(n for n in names if sigma.get(n, 0.0) > 0.0),
+            "waypoints": tuple(n for n in names if n not in sigma and self.waypoint > 0.0),
         }
         return {title: part for title, part in parts.items() if part}
 
