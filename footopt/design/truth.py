@@ -76,11 +76,10 @@ class Tabulated(FootProblem):
         self.front = self.scaled(front)
         self._volume = hypervolume(self.front, ref=REFERENCE)
 
-    def _evaluate(
-        self, x: NDArray[np.int64], out: dict[str, object], *args: object, **kwargs: object
-    ) -> None:
-        number = (self.space.check(x) - 1) @ self._powers
-        out.update({name: column[number] for name, column in self.table.items()})
+    def walk(self, k: NDArray[np.int64]) -> tuple[Array, NDArray[np.str_]]:
+        """What is in the table of the designs."""
+        number = (k - 1) @ self._powers
+        return self.table["values"][number], self.table["reasons"][number]
 
     def scaled(self, f: Array) -> Array:
         """F (designs, objectives) in units of the exact front's extent."""

@@ -280,6 +280,11 @@ def source() -> str:
     return _source(tuple(f for f in functions if not f.__module__.startswith("footopt.")))  # type: ignore[no-any-return]
 
 
+def compiled() -> Any:
+    """The loop as compiled code."""
+    return _compile(source())
+
+
 def walk_range(*arguments: Any) -> None:
     """The compiled loop; see there for its arguments."""
-    _compile(source())(*arguments)
+    compiled()(*arguments)

@@ -38,18 +38,15 @@ class Remembering(fo.FootProblem):
 
     def __init__(self, *args: object, **kwargs: object) -> None:
         super().__init__(*args, **kwargs)
-        self.known: dict[bytes, dict[str, object]] = {}
+        self.known: dict[bytes, tuple[NDArray[np.float64], np.str_]] = {}
 
-    def _evaluate(self, x: Ints, out: dict[str, object], *args: object, **kwargs: object) -> None:
-        x = np.asarray(x, np.int64)
-        keys = [k.tobytes() for k in x]
+    def walk(self, k: Ints) -> tuple[NDArray[np.float64], NDArray[np.str_]]:
+        keys = [heights.tobytes() for heights in k]
         if new := {key: i for i, key in enumerate(keys) if key not in self.known}:
-            fresh: dict[str, NDArray[np.generic]] = {}
-            super()._evaluate(x[list(new.values())], fresh)
-            for row, key in enumerate(new):
-                self.known[key] = {name: column[row] for name, column in fresh.items()}
-        rows = [self.known[key] for key in keys]
-        out.update({name: np.array([row[name] for row in rows]) for name in rows[0]})
+            values, reasons = super().walk(k[list(new.values())])
+            self.known.update(zip(new, zip(values, reasons, strict=True), strict=True))
+        found = [self.known[key] for key in keys]
+        return np.array([v for v, _ in found]), np.array([r for _, r in found], np.str_)
 
 
 class Counted:

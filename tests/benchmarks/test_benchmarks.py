@@ -9,6 +9,7 @@ import sys
 from dataclasses import replace
 
 import against_numpy
+import effects
 import equal_accuracy
 import growth
 import numpy as np
@@ -194,3 +195,29 @@ def test_the_shares_of_a_search_add_up(benchmark, full):
     benchmark.extra_info.update(shares, wall=wall)
     assert sum(shares.values()) == pytest.approx(1.0)
     assert all(share > -0.01 for share in shares.values())
+
+
+# effects
+
+
+@pytest.fixture(scope="module")
+def loops(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("deleted")
+    effects.write(folder)
+    return effects.load(folder)
+
+
+@pytest.mark.slow
+def test_the_walk_with_the_effects_code_deleted_is_the_bare_one(loops):
+    jobs = effects.jobs("regular", 3, loops)
+    np.testing.assert_array_equal(jobs[effects.DELETED]().raw, jobs["bare"]().raw)
+
+
+@pytest.mark.parametrize("name", [effects.DELETED, effects.COPY, *effects.SETS])
+def test_effects(benchmark, full, loops, name):
+    if not full:
+        pytest.skip("compiles a walk for each: run with --benchmark-enable")
+    benchmark.group = "30 designs on regular sand, one thread"
+    job = effects.jobs("regular", 30, loops)[name]
+    job()
+    benchmark(job)
