@@ -36,7 +36,7 @@ def draw_heat_map(
             column, row, texts[row][column],
             ha="center", va="center_baseline", fontsize=7, color="white" if dark else "black",
         )  # fmt: skip
-    axes.set_xticks(range(len(columns)), columns)
+    axes.set_xticks(range(len(columns)), columns, fontsize=7)
     axes.set_yticks(range(len(rows)), rows)
     axes.set_xticks(np.arange(len(columns) - 1) + 0.5, minor=True)
     axes.set_yticks(np.arange(len(rows) - 1) + 0.5, minor=True)
