@@ -27,13 +27,17 @@ _HOME = {
     "Layers": "footopt.sand.effects",
     "Patches": "footopt.sand.effects",
     "Slope": "footopt.sand.effects",
+    "RobustProblem": "footopt.design",
     "Sand": "footopt.sand",
+    "Scenario": "footopt.walker",
     "Scene": "footopt.walker",
+    "Spread": "footopt.walker",
     "StressMap": "footopt.sand",
     "Table": "footopt.walker",
     "Walk": "footopt.walker",
     "Walker": "footopt.walker",
     "Waypoints": "footopt.foot",
+    "draw": "footopt.walker",
     "estimate_error": "footopt.walker",
     "evaluate": "footopt.walker",
     "search": "footopt.design",
@@ -47,14 +51,18 @@ __all__ = [
     "FootProblem",
     "FootoptError",
     "Gait",
+    "RobustProblem",
     "Sand",
+    "Scenario",
     "Scene",
+    "Spread",
     "StressMap",
     "Table",
     "Walk",
     "Walker",
     "Waypoints",
     "__version__",
+    "draw",
     "estimate_error",
     "evaluate",
     "search",
@@ -63,12 +71,24 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from footopt.design import FootProblem, search
+    from footopt.design import FootProblem, RobustProblem, search
     from footopt.errors import FootoptError
     from footopt.foot import Foot, Waypoints
     from footopt.gait import Gait
     from footopt.sand import Sand, StressMap, stress
-    from footopt.walker import Accuracy, Scene, Table, Walk, Walker, estimate_error, evaluate, simulate
+    from footopt.walker import (
+        Accuracy,
+        Scenario,
+        Scene,
+        Spread,
+        Table,
+        Walk,
+        Walker,
+        draw,
+        estimate_error,
+        evaluate,
+        simulate,
+    )
 
 
 def __getattr__(name: str) -> Any:

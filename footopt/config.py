@@ -11,6 +11,28 @@ from typing import Optional  # OmegaConf resolves these annotations itself
 
 
 @dataclass
+class SpreadConfig:
+    """How far the parameters of a scene lie apart: see `footopt.Spread`."""
+
+    zeta: float = 0.3
+    mass: float = 0.1
+    period: float = 0.05
+    stride: float = 0.05
+    angles: float = 2.0
+    ankle_x: float = 0.005
+    ankle_z: float = 0.005
+
+
+@dataclass
+class FootSpreadConfig:
+    """How far feet lie apart that were to be the same: see `footopt.studies.sensitivity`."""
+
+    waypoint: float = 0.001
+    width: float = 0.05
+    creep: float = 0.7
+
+
+@dataclass
 class StudyConfig:
     """Which question is asked, and what only one study or the other needs to know."""
 
@@ -31,6 +53,12 @@ class StudyConfig:
     leading_edge: bool = False
     solvers: Optional[list[str]] = None  # noqa: UP045
     budget: int = 3000
+    scenarios: str = "sands"
+    draws: int = 16
+    measure: str = "worst"
+    tail: float = 0.25
+    spread: SpreadConfig = field(default_factory=SpreadConfig)
+    foot_spread: FootSpreadConfig = field(default_factory=FootSpreadConfig)
 
 
 @dataclass

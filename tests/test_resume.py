@@ -81,7 +81,7 @@ BAD = {
     "resume=a_file": "resume = 'a_file': not the folder of a run",
     "resume=empty": "resume = 'empty': not the folder of a run",
     "resume=broken": "resume = 'broken': not the folder of a run (its overrides.yaml is no list)",
-    "resume=simulate": "must be a run of study=optimize, not simulate",
+    "resume=simulate": "must be a run of study=optimize, robust, not simulate",
     "resume=sweep": "must be the folder of one job of this multirun. Jobs without a result: 1 (of 0, 1)",
     "resume=run -m solver.seed=1,2": "must be given without -m",
     "resume=run study=simulate": "must be given without study=simulate",

@@ -4,6 +4,7 @@ from footopt.design.cluster import Dask
 from footopt.design.engines import ENGINES, Local, make_engine
 from footopt.design.problem import FootProblem
 from footopt.design.processes import Processes
+from footopt.design.robust import RobustProblem
 from footopt.design.safely import evaluate_safely
 from footopt.design.search import Confirmation, Generation, SearchResult, confirm, search
 from footopt.design.solvers import EXHAUSTIVE, SINGLE, SOLVERS, Solver
@@ -22,6 +23,7 @@ __all__ = [
     "Generation",
     "Local",
     "Processes",
+    "RobustProblem",
     "SearchResult",
     "Solver",
     "Store",

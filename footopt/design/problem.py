@@ -79,6 +79,11 @@ class FootProblem(Problem):  # type: ignore[misc]
         """Name of the value that ranks designs: the single objective, or J_W when there are several."""
         return self.objectives[0].name if self.n_obj == 1 else "efficiency"
 
+    @property
+    def conditions(self) -> dict[str, Any]:
+        """What is walked through: a store keeps it with the designs."""
+        return {"scene": self.scene}
+
     def minimised(self, values: Array) -> Array:
         """Recorded values (designs, record), natural signs, as the F that is minimised."""
         columns = []

@@ -7,6 +7,7 @@ import time
 from collections import Counter
 from collections.abc import Callable
 from contextlib import nullcontext
+from copy import copy
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -26,7 +27,7 @@ from footopt.errors import FootoptError, check
 from footopt.foot import Foot
 from footopt.walker.objectives import OBJECTIVES
 from footopt.walker.scene import Accuracy
-from footopt.walker.simulate import evaluate, resolve
+from footopt.walker.simulate import resolve
 
 Array = NDArray[np.float64]
 
@@ -204,9 +205,9 @@ def confirm(result: SearchResult, accuracy: Accuracy | str, finalists: int = 20)
     sign = -1.0 if OBJECTIVES[problem.guide].maximise else 1.0
     pool = np.flatnonzero(result.feasible) if problem.n_obj == 1 else result.front
     chosen = pool[np.argsort(sign * result.values[pool, column], kind="stable")[:finalists]]
-    values = evaluate(
-        result.k[chosen], problem.scene, accuracy, problem.record, problem.space, problem.threads
-    ).values
+    finer = copy(problem)
+    finer.accuracy = accuracy
+    values, _ = finer.walk(result.k[chosen])
     order = np.argsort(sign * values[:, column], kind="stable")  # a walk that fails here comes last
     with np.errstate(invalid="ignore"):
         change = np.abs(values / result.values[chosen] - 1.0)

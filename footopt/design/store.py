@@ -233,7 +233,7 @@ def context(problem: FootProblem) -> dict[str, Any]:
     del space["box_tolerance"]
     return {
         "problem": type(problem).__name__,
-        "scene": plain(problem.scene),
+        **{name: plain(value) for name, value in problem.conditions.items()},
         "accuracy": plain(problem.accuracy),
         "space": space,
         "record": plain(problem.record),

@@ -11,10 +11,13 @@ from footopt.config import Config
 from footopt.errors import SettingError
 
 #: Studies by name: each is the function `run` of the module of that name, imported when asked for.
-STUDIES = ("optimize", "simulate", "accuracy", "stability", "effects", "shapes", "paper", "trust")
+STUDIES = (
+    "optimize", "simulate", "accuracy", "stability", "effects", "shapes", "paper", "trust", "robust",
+    "sensitivity",
+)  # fmt: skip
 
 #: Those that keep what they evaluate, so that `footopt resume=FOLDER` goes on where they stopped.
-RESUMABLE = ("optimize",)
+RESUMABLE = ("optimize", "robust")
 
 #: Those that walk where `engine` says; the others do so in this process.
 SPREAD = ("optimize",)

@@ -56,6 +56,16 @@ def make_space(config: FootConfig) -> Waypoints:
     )
 
 
+def check_searchable(config: FootConfig) -> None:
+    """Raise unless a configuration's foot is a space to search, not one sole."""
+    if config.shape != "waypoints":
+        raise SettingError("foot.shape", config.shape, "waypoints for a search", "Or use study=simulate.")
+    if config.k is not None:
+        raise SettingError(
+            "foot.k", config.k, "null for a search", "Use study=simulate to walk with one sole."
+        )
+
+
 def make_foot(config: FootConfig) -> Foot:
     """The one sole of a configuration: foot.k, a shape, or else the flat sole."""
     if config.shape == "waypoints":

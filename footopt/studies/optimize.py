@@ -20,7 +20,7 @@ from footopt.design import (
     search,
 )
 from footopt.design.exhaustive import Enumeration, check_size
-from footopt.errors import SettingError, check
+from footopt.errors import check
 from footopt.foot import Foot
 from footopt.foot.export import write_csv as write_contour
 from footopt.foot.export import write_dxf
@@ -37,14 +37,7 @@ LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
 def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     """Search, then walk with the best foot and write everything about it to `folder`."""
     out, clock = terminal.console(), terminal.clock()
-    if config.foot.shape != "waypoints":
-        raise SettingError(
-            "foot.shape", config.foot.shape, "waypoints for a search", "Or use study=simulate."
-        )
-    if config.foot.k is not None:
-        raise SettingError(
-            "foot.k", config.foot.k, "null for a search", "Use study=simulate to walk with one sole."
-        )
+    build.check_searchable(config.foot)
     c = config.solver
     solver = Solver(c.name, c.pop_size, c.n_gen, c.seed)
     scene, audits = settle(config, None, out)

@@ -37,7 +37,7 @@ from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walker import FIVE, STEPPERS, Accuracy, Scene, Walk, simulate
 from footopt.walker.kernels import CONTACT, FX, FZ, TALLY, contact
 from footopt.walker.objectives import FLOORS
-from footopt.walker.simulate import poses, sole, world
+from footopt.walker.simulate import pose_tables, sole, world
 
 Array = NDArray[np.float64]
 
@@ -547,7 +547,7 @@ def judge(case: Case, base: Setup, methods: Sequence[str]) -> list[Verdict]:
         accuracy = replace(setup.accuracy, stepper=stepper, dt=dt, control=control)
         trial = Trial(replace(setup, accuracy=accuracy), converged)
         found.append(Verdict(case, method, tuple(case.judge(trial)), trial.walk))
-    poses.cache_clear()  # ten minutes in short steps are many
+    pose_tables.cache_clear()  # ten minutes in short steps are many
     return found
 
 

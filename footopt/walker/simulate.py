@@ -19,7 +19,7 @@ from footopt.sand import affine_direction, effects
 from footopt.walker.kernels import EVALUATIONS, LANES, PLATES, REPEATS, RESCUES, SHORTENED, TALLY, Sole, World
 from footopt.walker.loop import BACKWARD, DIVERGED, OK, RAW, SUNK, TRACE, walk_range
 from footopt.walker.objectives import FIVE, OBJECTIVES, Raw, lookup
-from footopt.walker.scene import Accuracy, Scene
+from footopt.walker.scene import Accuracy, Scene, Walker
 from footopt.walker.steppers import STEPPERS
 
 Array = NDArray[np.float64]
@@ -33,6 +33,7 @@ HALVINGS = 3  # of a step under control, at most
 MAX_REPEATS = 3  # of a walk that diverged, each with a quarter of the time step before
 CHUNK = 4096  # designs whose plates are in memory at once
 BLOCK = 16  # designs that a thread takes at a time
+POSES = 64  # motions whose poses are kept: about 1 MB each, and the time of a few dozen walks
 
 
 @dataclass(frozen=True)
@@ -333,12 +334,18 @@ def time_grid(scene: Scene, accuracy: Accuracy) -> Array:
     )
 
 
-@lru_cache(maxsize=16)
 def poses(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ...]]:
     """Time grid, pose at t = 0, (2, 7), and at every step's nodes, (steps, nodes, 2, 7).
 
     Under control of the step there is a table more for each halving, with twice as many steps.
     """
+    # the same for every sand, mass and effect
+    motion = Scene(gait=scene.gait, walker=Walker(l1=scene.walker.l1, l2=scene.walker.l2), t_f=scene.t_f)
+    return pose_tables(motion, Accuracy(accuracy.stepper, accuracy.dt, control=accuracy.control))
+
+
+@lru_cache(maxsize=POSES)
+def pose_tables(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ...]]:
     times, nodes = time_grid(scene, accuracy), np.asarray(STEPPERS[accuracy.stepper].nodes)
     pose = partial(scene.gait.pose, l1=scene.walker.l1, l2=scene.walker.l2)
     tables = []
