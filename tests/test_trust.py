@@ -272,3 +272,13 @@ class TestStudy:
         config = OmegaConf.to_object(settings("foot.K=10", override))
         with pytest.raises(SettingError, match=message):
             run(config, tmp_path, {})
+
+
+def test_every_sole_is_kept_and_read_again(tmp_path):
+    """An enumeration goes on from its store, and its result is the same to the last bit."""
+    problem = fo.FootProblem(space=fo.Waypoints(n=4, K=3), accuracy="draft")
+    first = fo.search(problem, "exhaustive", pop_size=30, store=tmp_path / "feet.sqlite")
+    again = fo.search(problem, "exhaustive", pop_size=50, store=tmp_path / "feet.sqlite")
+    assert (first.reused, again.reused) == (0, first.evaluations)
+    np.testing.assert_array_equal(again.k, first.k)
+    np.testing.assert_array_equal(again.values, first.values)

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from footopt.design.problem import FootProblem
 from footopt.design.search import Generation, SearchResult
 from footopt.design.solvers import Solver
+from footopt.design.source import Source
 from footopt.errors import FootoptError, SettingError
 from footopt.foot import Waypoints
 
@@ -106,14 +107,17 @@ class _Best(NamedTuple):
 
 
 def enumerate_space(
-    problem: FootProblem, solver: Solver, progress: Callable[[Generation], None] | None = None
+    problem: FootProblem,
+    solver: Solver,
+    progress: Callable[[Generation], None] | None = None,
+    source: Source | None = None,
 ) -> Enumeration:
     """Walk with every design of a space that is inside its box.
 
     Parameters
     ----------
     solver : its pop_size is the number of designs in memory at a time.
-    progress : called after every batch.
+    progress : called after every batch. source : of the evaluations; by default they are walked.
 
     Returns
     -------
@@ -124,6 +128,7 @@ def enumerate_space(
     SettingError : the space has more than `LIMIT` designs. FootoptError : none of them is feasible.
     """
     check_size(problem)
+    source = source or Source(problem)
     started, space = time.perf_counter(), problem.space
     column, nan = problem.record.index(problem.guide), float("nan")
     best = _Best(
@@ -141,10 +146,10 @@ def enumerate_space(
             inside = violation <= space.box_tolerance * space.H
             reasons = np.full(len(k), "box", dtype=object)
             if inside.any():
-                out = problem.evaluate(k[inside], return_as_dictionary=True)
-                reasons[inside] = out["reasons"]
-                walked = _Best(k[inside], out["values"], violation[inside], np.full(inside.sum(), number))
-                feasible = walked.take(out["reasons"] == "")
+                values, why = source(k[inside])
+                reasons[inside] = why
+                walked = _Best(k[inside], values, violation[inside], np.full(inside.sum(), number))
+                feasible = walked.take(why == "")
                 best = best.joined(feasible, problem)
                 median = float(np.median(feasible.values[:, column])) if len(feasible.k) else nan
             counts.update(reasons)
@@ -183,5 +188,6 @@ def enumerate_space(
         evaluations=history[-1].evaluations,
         seconds=time.perf_counter() - started,
         interrupted=interrupted,
+        reused=source.reused,
         counts=dict(counts),
     )

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import logging
 import time
 from collections import Counter
 from collections.abc import Callable
 from contextlib import nullcontext
 from copy import copy
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,11 +15,10 @@ from numpy.typing import NDArray
 from pymoo.core.problem import Problem
 from pymoo.problems.static import StaticProblem
 
-from footopt.design.engines import Local
 from footopt.design.problem import FootProblem
-from footopt.design.safely import evaluate_safely
 from footopt.design.solvers import EXHAUSTIVE, Solver
-from footopt.design.store import Evaluation, Store
+from footopt.design.source import Source
+from footopt.design.store import Store
 from footopt.design.workers import Engine
 from footopt.errors import FootoptError, check
 from footopt.foot import Foot
@@ -30,8 +27,6 @@ from footopt.walker.scene import Accuracy
 from footopt.walker.simulate import resolve
 
 Array = NDArray[np.float64]
-
-log = logging.getLogger("footopt")
 
 
 @dataclass(frozen=True)
@@ -146,20 +141,19 @@ def search(
     if not isinstance(solver, Solver):
         default = "memetic" if problem.n_obj == 1 else "nsga2"
         solver = Solver(name=solver or default, **budget)
+    opened = Store(store, problem) if isinstance(store, (str, Path)) else nullcontext(store)
     if solver.name == EXHAUSTIVE:
         from footopt.design.exhaustive import enumerate_space
 
-        return enumerate_space(problem, solver, progress)
+        with opened as kept:
+            return enumerate_space(problem, solver, progress, Source(problem, kept, engine))
     algorithm = solver.build(problem.n_obj)
     algorithm.setup(problem, termination=("n_gen", solver.n_gen), seed=solver.seed, verbose=False)
     # pymoo copies what it is given, with all that belongs to it, in every generation
     shape = Problem(problem.n_var, problem.n_obj, problem.n_ieq_constr, xl=problem.xl, xu=problem.xu)
     started = time.perf_counter()
     interrupted = False
-    opened = Store(store, problem) if isinstance(store, (str, Path)) else nullcontext(store)
     with opened as kept:
-        if kept is not None and kept.problem is not problem:
-            raise ValueError("the store was opened for another problem than the one that is searched")
         archive = Archive(problem, kept, engine)
         try:
             while algorithm.has_next():
@@ -257,12 +251,12 @@ class Archive:
     def __init__(
         self, problem: FootProblem, store: Store | None = None, engine: Engine | None = None
     ) -> None:
-        self.problem, self.store, self.engine = problem, store, engine or Local()
+        self.problem, self.source = problem, Source(problem, store, engine)
         self.history: list[Generation] = []
         self.designs: list[Design] = []
         self._place: dict[bytes, int] = {}  # of a design in `designs`, by its heights
         self._front = np.empty(0, np.int64)
-        self._evaluations = self._reused = 0
+        self._evaluations = 0
         self._latest: list[int] = []
         self._guide = problem.guide
         self._sign = -1.0 if OBJECTIVES[self._guide].maximise else 1.0
@@ -273,7 +267,7 @@ class Archive:
         keys = [heights.tobytes() for heights in k]
         new = list({key: i for i, key in enumerate(keys) if key not in self._place}.values())
         if new:
-            values, reasons = self._recall(k[new])
+            values, reasons = self.source(k[new])
             out = self.problem.judge(k[new], values, reasons)
             for row, i in enumerate(new):
                 g = np.asarray(out["G"][row], float)
@@ -345,40 +339,8 @@ class Archive:
             evaluations=closed.evaluations,
             seconds=seconds,
             interrupted=interrupted,
-            reused=self._reused,
+            reused=self.source.reused,
         )
-
-    def _recall(self, k: NDArray[np.int64]) -> tuple[Array, NDArray[np.str_]]:
-        """Values and reasons of designs that this run has not seen: from the store, or by walking."""
-        known: list[Evaluation | None] = [None] * len(k)
-        if self.store is not None:
-            known = self.store.get(k.tolist())
-        unknown = [i for i, evaluation in enumerate(known) if evaluation is None]
-        self._reused += len(k) - len(unknown)
-        if unknown:
-            walked = self._walk(k[unknown])
-            if self.store is not None:
-                self.store.add(k[unknown].tolist(), walked)
-            for i, evaluation in zip(unknown, walked, strict=True):
-                known[i] = evaluation
-        found = [evaluation for evaluation in known if evaluation is not None]
-        return np.array([e.values for e in found]), np.array([e.reason for e in found])
-
-    def _walk(self, k: NDArray[np.int64]) -> list[Evaluation]:
-        """Walk with designs; one that breaks the program has failed, with what it raised."""
-        walk = partial(self.engine.walk, self.problem)
-        values, reasons, messages = evaluate_safely(walk, k, len(self.problem.record))
-        if len(messages) == len(k) and not self.designs:
-            raise FootoptError(
-                f"All {len(k)} designs of the first generation break the program ({messages[0]}). "
-                "The fault is not in one of them."
-            )
-        for i, message in messages.items():
-            log.warning("design %s has failed and is left out: %s", k[i].tolist(), message)
-        return [
-            Evaluation(v, str(reason), messages.get(i, ""))
-            for i, (v, reason) in enumerate(zip(values, reasons, strict=True))
-        ]
 
     def _extend_front(self, new: int) -> None:
         """Let the newest designs join the front of all feasible ones."""
