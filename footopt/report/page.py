@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from footopt.design import Confirmation, SearchResult
 from footopt.foot import Foot, Waypoints
+from footopt.foot.export import MM
 from footopt.report.figures import groups
 from footopt.report.files import plain, write_text
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
@@ -78,19 +79,27 @@ def walk_content(walk: Walk, entry: dict[str, Any]) -> dict[str, Any]:
     ----------
     entry : what result.json says of the run.
     """
+    foot = walk.foot
+    if foot.space is not None and foot.k is not None:
+        shape: dict[str, Any] = {"k": packed(np.array(foot.k))}
+    else:
+        shape = {"soles": [packed(foot.contour, exact=True)]}
     return {
         **_common(entry, walk.scene, tuple(OBJECTIVES)),
-        "title": f"{walk.foot.name} on {walk.scene.sand.name} sand",
-        "headline": [f"{describe_scene(walk.scene)}; {describe_foot(walk.foot)}"],
+        "title": f"{foot.name} on {walk.scene.sand.name} sand",
+        "headline": [f"{describe_scene(walk.scene)}; {describe_foot(foot)}"],
+        "space": _splines(foot.space) if "k" in shape and foot.space else None,
+        "top": foot.top,
+        "width": foot.width,
         "designs": {
             "values": packed(np.array([list(walk.objectives.values())]), exact=True),
-            "labels": [walk.foot.name],
+            "labels": [foot.name],
             "feasible": [int(walk.feasible)],
             "reasons": [walk.reason],
-            "soles": [packed(walk.foot.contour, exact=True)],
+            **shape,
         },
         "best": 0,
-        "walks": [{"design": 0, "label": walk.foot.name, **_traces(walk, FINE_FRAMES)}],
+        "walks": [{"design": 0, "label": foot.name, **_traces(walk, FINE_FRAMES)}],
     }
 
 
@@ -141,6 +150,8 @@ def search_content(
             "reason": packed(np.array([reasons.index(str(r)) for r in result.reasons])),
         },
         "space": _splines(problem.space),
+        "top": problem.space.top,
+        "width": problem.space.width,
         "best": chosen,
         "bestValues": confirmed.values[0],
         "front": result.front if several else [],
@@ -150,6 +161,72 @@ def search_content(
             {"evaluations": g.evaluations, "best": g.best, "median": g.median, "front": g.front}
             for g in result.history
         ],
+    }
+
+
+def jobs_content(jobs: Sequence[dict[str, Any]], common: Sequence[str]) -> dict[str, Any]:
+    """The page over the jobs of a multirun: their soles, values and traces side by side.
+
+    Parameters
+    ----------
+    jobs : one a job: its `folder`, `settings`, `hollow` and `note`, and its `result` (what its
+        result.json says; None if it left none).
+    common : settings that all jobs share.
+    """
+    done = [job for job in jobs if job["result"] is not None]
+    names = [name for name in OBJECTIVES if any(name in job["result"]["objectives"] for job in done)]
+    values = [[job["result"]["objectives"].get(name) for name in names] for job in done]
+    feet = [job["result"]["settings"]["foot"] for job in done]
+    return {
+        "title": f"{len(jobs)} jobs",
+        "headline": [f"All with {' '.join(common)}"] if common else [],
+        "columns": _columns(names),
+        "jobs": [
+            {
+                "job": job["folder"].name,
+                "settings": job["settings"],
+                "hollow": job["hollow"],
+                "note": job["note"],
+                "design": done.index(job) if job in done else None,
+                "link": f"{job['folder'].name}/report.html" if job in done else None,
+            }
+            for job in jobs
+        ],
+        "designs": {
+            "values": packed(np.array(values, float).reshape(len(done), len(names)), exact=True),
+            "labels": [f"job {job['folder'].name}" for job in done],
+            # a walk that failed has no values to place it by
+            "feasible": [int(not job["result"].get("reason")) for job in done],
+            "reasons": [job["result"].get("reason", "") for job in done],
+            "soles": [packed(_read_contour(job["folder"] / "contour.csv"), exact=True) for job in done],
+        },
+        "top": [foot["top"] for foot in feet],
+        "width": [foot["width"] for foot in feet],
+        "best": 0,
+        "traces": [_read_traces(job["folder"] / "walk.nc") for job in done],
+    }
+
+
+def _read_contour(path: Path) -> Array:
+    """A sole as `foot.export.write_csv` left it, (m, 2), m."""
+    points: Array = np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2) / MM
+    return points
+
+
+def _read_traces(path: Path) -> dict[str, Any]:
+    """Traces of a walk as `files.write_walk` left it, both feet together."""
+    from scipy.io import netcdf_file
+
+    with netcdf_file(path, mmap=False) as file:
+        t, com, velocity, power, work = (
+            np.array(file.variables[name][:]) for name in ("t", "com", "velocity", "power", "work")
+        )
+    return {
+        "t": packed(t, exact=True),
+        "height": packed(com[:, 1], exact=True),
+        "speed": packed(velocity[:, 0], exact=True),
+        "power": packed(power.sum(axis=1), exact=True),
+        "work": packed(work.sum(axis=1), exact=True),
     }
 
 

@@ -15,8 +15,8 @@ const guide = columnOf(data.guide ?? "efficiency") ?? COLUMNS[0];
 
 const label = (i) => data.designs.labels ? data.designs.labels[i] : i === data.best ? `design ${i}, the best` : `design ${i}`;
 
-/** The explorer; `choose(i)` is called when a design is picked. */
-function explorer(choose) {
+/** The explorer; `choose(i)` is called when a design is picked, `beside` is shown beside the scatter. */
+function explorer(choose, beside) {
   const all = Array.from({ length: COUNT }, (_, i) => i).filter((i) => feasible[i]);
   const state = { limits: new Map(), frontOnly: front.size > 0, chosen: data.best, shown: [], passing: [] };
   const parallel = COLUMNS.filter((c) => c.name !== "generation");
@@ -50,16 +50,16 @@ function explorer(choose) {
   });
   const section = el("section", { id: "explore" },
     el("h2", {}, data.jobs ? "The jobs' best designs" : "The designs"),
-    el("p", { class: "note" }, "Drag along an axis, or across the scatter, to set limits: both show what is within them. ",
+    el("p", { class: "note" }, "Drag along an axis, or across the scatter, to set limits: both then show what is within them. ",
       "Click a line or a point to choose that design. Better is up on every axis of the parallel coordinates."),
     el("div", { class: "bar" }, front.size ? only : null, clear, count),
     el("figure", {}, wide),
     el("div", { class: "grid wide" },
       el("figure", {},
         el("div", { class: "bar" }, el("label", {}, "across", across), el("label", {}, "up", up)), flat),
-      el("details", { id: "limits", open: true }, el("summary", {}, "Limits as numbers"),
-        el("div", {}, ...COLUMNS.map((c) => el("fieldset", {}, el("legend", {}, named(c)),
-          el("label", {}, "from ", fields.get(c.name)[0]), el("label", {}, "to ", fields.get(c.name)[1])))))),
+      beside),
+    el("details", { id: "limits" }, el("summary", {}, "The limits as numbers"),
+      table(["", "from", "to"], COLUMNS.map((c) => [named(c), ...fields.get(c.name)]))),
     rows);
 
   const within = (i) => {

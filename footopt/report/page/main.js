@@ -13,15 +13,15 @@ function headline() {
 /** The chosen design: its sole, its numbers, its files. */
 function designSection() {
   const drawing = el("div", { class: "plot" }), numbers = el("div", { class: "scroll" }), words = el("p", { id: "design-words" });
-  const title = el("h2", { id: "design-title" });
+  const title = el(COUNT > 1 ? "h3" : "h2", { id: "design-title" });
   let chosen = data.best;
-  const top = () => data.tops?.[chosen] ?? data.walks?.[0]?.top ?? 0;
   const buttons = Object.entries(FORMATS).map(([ending, { text, type }]) => el("button", {
     type: "button", id: `download-${ending}`,
-    click: () => download(`sole-${label(chosen).replace(/[^\w.-]+/g, "-")}.${ending}`, text(sole(chosen), top()), type),
-  }, `Contour as ${ending.toUpperCase()}`));
+    click: () => download(`sole-${label(chosen).replace(/[^\w.-]+/g, "-")}.${ending}`, text({ points: sole(chosen), top: own("top", chosen), width: own("width", chosen) }), type),
+  }, ending.toUpperCase()));
   const section = el("section", { id: "design" }, title, words,
-    el("div", { class: "grid wide" }, el("figure", {}, drawing), el("div", {}, numbers, el("div", { class: "bar" }, ...buttons))));
+    el("div", COUNT > 1 ? {} : { class: "grid wide" }, el("figure", {}, drawing),
+      el("div", {}, numbers, el("div", { class: "bar" }, "Download it as", ...buttons))));
   function redraw() {
     const points = sole(chosen), k = heights(chosen), best = chosen === data.best;
     const others = data.walks?.find((walk) => walk.label === "flat");
@@ -32,7 +32,7 @@ function designSection() {
       generation ? `generation ${generation[chosen]}` : "",
       feasible[chosen] ? "" : `infeasible: ${reason(chosen)}`,
     ].filter(Boolean).join("; ");
-    drawing.replaceChildren(soleDrawing(points, { width: Math.max(drawing.clientWidth, 200), k, top: top(),
+    drawing.replaceChildren(soleDrawing(points, { width: Math.max(drawing.clientWidth, 200), k, top: own("top", chosen),
       ghost: others ? pairs(unpack(others.sole)) : null }));
     const exact = best && data.bestValues, value = (c) => (exact ? data.bestValues[c] : values[chosen * WIDTH + c]);
     const errors = best && entry.error_estimate;
@@ -73,7 +73,7 @@ function searchSection(choose) {
       svg("path", { d: path(bests.flatMap((v, i) => (i ? [[X(i), a.Y(bests[i - 1])], [X(i), a.Y(v)]] : [[X(i), a.Y(v)]]))), fill: "none", stroke: BLUE, "stroke-width": 2.2 }));
   };
   const buttons = data.lineage.map((i) => el("button", { type: "button", "aria-pressed": String(i === data.best), "data-design": i, click: () => choose(i) },
-    soleDrawing(sole(i), { width: 136, height: 44, plain: true }),
+    soleDrawing(sole(i), { width: 136, height: 32, plain: true }),
     el("div", {}, `generation ${generation[i]}`), el("div", {}, quantity(guide.of(i), guide.unit))));
   const section = el("section", { id: "search" }, el("h2", {}, "The search"),
     el("figure", {}, holder),
@@ -85,6 +85,9 @@ function searchSection(choose) {
   return { section, draw, mark };
 }
 
+/** A text that may run over several lines of a table. */
+const words = (text) => el("span", { class: "words" }, text);
+
 /** A multirun: its jobs in a table with their soles. */
 function jobsSection(choose) {
   const differ = data.columns;
@@ -92,12 +95,30 @@ function jobsSection(choose) {
     el("div", { class: "scroll", style: "max-height:none" }, table(["job", "settings", "sole", ...differ.map(named), "hollow (mm)", "note"],
       data.jobs.map((job) => [
         job.link ? el("a", { href: job.link }, `job ${job.job}`) : `job ${job.job}`,
-        job.settings,
+        words(job.settings),
         job.design === null ? "" : el("button", { type: "button", "aria-label": `Choose the sole of job ${job.job}`, click: () => choose(job.design) },
           soleDrawing(sole(job.design), { width: 120, height: 36, plain: true })),
         ...differ.map((_, c) => (job.design === null ? "–" : number(values[job.design * WIDTH + c]))),
-        job.hollow, job.note]))),
+        job.hollow, words(job.note)]))),
     el("p", { class: "note" }, "A job's link opens its own page, with its walk."));
+}
+
+/** What the jobs' walks have in common to look at: traces over time, a colour and a dash for each job. */
+function tracesSection() {
+  const jobs = data.traces.map((raw, i) => ({ label: data.designs.labels[i], t: unpack(raw.t),
+    ...Object.fromEntries(["height", "speed", "power", "work"].map((name) => [name, unpack(raw[name])])),
+    line: { stroke: COLOURS[i % COLOURS.length], "stroke-dasharray": [null, "7 3", "2 2", "9 3 2 3"][Math.floor(i / COLOURS.length) % 4] } }));
+  const titles = { height: "height of the COM (m)", speed: "forward speed (m/s)", power: "power of the sand, both feet (W)", work: "work of the sand, both feet (J)" };
+  const plots = Object.keys(titles).map((name) => [name, el("div", { class: "plot" })]);
+  const draw = () => plots.forEach(([name, holder]) => {
+    const a = axes(holder, { x: range(jobs.flatMap((job) => [0, job.t.at(-1) ?? 0]), 0), y: range(jobs.flatMap((job) => Array.from(job[name]))),
+      xlabel: "time (s)", ylabel: titles[name], height: 230, label: `${titles[name]} over time, of every job` });
+    for (const job of jobs) a.svg.append(svg("path", { d: path(Array.from(job.t, (t, i) => [a.X(t), a.Y(job[name][i])])), fill: "none", "stroke-width": 1.5, ...job.line }));
+  });
+  const section = el("section", { id: "traces" }, el("h2", {}, "Their walks"),
+    el("p", { class: "note" }, ...jobs.flatMap((job) => [key(job.line), ` ${job.label}  `])),
+    el("div", { class: "grid", style: "--columns:2" }, ...plots.map(([, holder]) => el("figure", {}, holder))));
+  return { section, draw };
 }
 
 /** Config, seed, versions, errors, time: what a reader needs to make the same page again. */
@@ -111,8 +132,7 @@ function footer() {
   const block = (title, value) => value === undefined ? null : folded(title, () => el("pre", {}, JSON.stringify(value, null, 2)));
   return [el("h2", {}, "How it was made"),
     el("p", {}, facts.map(([name, value]) => `${name}: ${value}`).join("; ")),
-    ...(entry.validity ? [el("h3", {}, "Validity of the walk"),
-      table(["", "value"], Object.entries(entry.validity).map(([name, value]) => [name, number(value)]))] : []),
+    ...(entry.validity ? [el("p", {}, `validity of the walk: ${Object.entries(entry.validity).map(([name, value]) => `${name} ${number(value)}`).join("; ")}`)] : []),
     ...[block("Error estimates", entry.error_estimate), block("Settings", entry.settings), block("Scene", entry.scene),
       block("Accuracy", entry.accuracy)].filter(Boolean)];
 }
@@ -134,12 +154,15 @@ function build() {
   const sections = [];
   if (data.jobs) sections.push(jobsSection((i) => choose(i)));
   if (data.history?.length) sections.push((found = searchSection((i) => choose(i))).section);
-  if (COUNT > 1) sections.push((explore = explorer((i) => choose(i))).section);
+  if (COUNT > 1) sections.push((explore = explorer((i) => choose(i), design.section)).section);
   if (explore && data.objectives?.length > 1) sections.reverse(); // the front comes before how it was found
   main.append(...sections);
-  if (COUNT) main.append(design.section, unwalked);
+  if (COUNT === 1) main.append(design.section);
+  main.append(unwalked);
   if (walks) main.append(walks.section);
-  document.getElementById("footer").append(...footer());
+  const traces = data.traces?.length ? tracesSection() : null;
+  if (traces) { main.append(traces.section); drawn(traces.draw); }
+  if (data.entry) document.getElementById("footer").append(...footer());
   if (found) drawn(found.draw);
   if (explore) { explore.filter(); drawings.push(explore.redraw); }
   if (COUNT) drawn(design.redraw);

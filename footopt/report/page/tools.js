@@ -72,7 +72,7 @@ function axes(holder, { x, y, xlabel, ylabel, height, label, left = 58 }) {
     fromX: place(left, width - right, ...x), fromY: place(height - bottom, top, ...y),
     inside: { left, right: width - right, top, bottom: height - bottom },
   };
-  const across = ticks(...x, Math.max(2, width / 110)), up = ticks(...y, Math.max(2, height / 55));
+  const across = ticks(...x, Math.max(3, width / 90)), up = ticks(...y, Math.max(3, height / 45));
   for (const v of up.values) {
     drawing.append(
       svg("line", { class: "gridline", x1: left, x2: width - right, y1: made.Y(v), y2: made.Y(v) }),
@@ -152,6 +152,9 @@ const kOf = data.designs.k && unpack(data.designs.k);
 /** The waypoints' heights of a design. */
 const heights = (i) => kOf ? Array.from(kOf.subarray(i * space.n, (i + 1) * space.n)) : null;
 
+/** The width of a design's foot, or the height of its top, m: the same for all, or one each. */
+const own = (name, i) => (Array.isArray(data[name]) ? data[name][i] : data[name]);
+
 /** The sole of a design from heel to toe, [[x, z], ...], m: its own, or a spline linear in its heights. */
 function sole(i) {
   if (!space) return pairs(unpack(data.designs.soles[i]));
@@ -202,10 +205,10 @@ const MM = 1000;
 const mm = (value) => (MM * value).toFixed(4).replace(/^-(0\.0*)$/, "$1");
 
 /** The sole as a table, as contour.csv. */
-const toCsv = (points) => "x_mm,z_mm\n" + points.map(([x, z]) => `${mm(x)},${mm(z)}\n`).join("");
+const toCsv = ({ points }) => "x_mm,z_mm\n" + points.map(([x, z]) => `${mm(x)},${mm(z)}\n`).join("");
 
 /** Outline and sole as polylines in mm, in the DXF of release 12, which every CAD program reads. */
-function toDxf(points, top) {
+function toDxf({ points, top }) {
   const polyline = (layer, closed, line) => [
     [0, "POLYLINE"], [8, layer], [66, 1], [10, "0.0"], [20, "0.0"], [30, "0.0"], [70, closed ? 1 : 0],
     ...line.flatMap(([x, z]) => [[0, "VERTEX"], [8, layer], [10, mm(x)], [20, mm(z)], [30, "0.0"]]),
@@ -222,10 +225,46 @@ function toDxf(points, top) {
   ].map(([code, value]) => `${code}\n${value}\n`).join("");
 }
 
-/** Files of a sole by ending: the text, and what kind of file it is. */
+/** The triangles of a simple polygon that runs counter-clockwise, by cutting ears: [[i, j, k], ...]. */
+function triangles(polygon) {
+  const left = polygon.map((_, i) => i), found = [];
+  const turn = (a, b, c) => (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+  while (left.length > 3) {
+    let ear = left.findIndex((j, at) => {
+      const i = left.at(at - 1), k = left[(at + 1) % left.length], [a, b, c] = [i, j, k].map((p) => polygon[p]);
+      return turn(a, b, c) > 0 && !left.some((p) => p !== i && p !== j && p !== k &&
+        turn(a, b, polygon[p]) >= 0 && turn(b, c, polygon[p]) >= 0 && turn(c, a, polygon[p]) >= 0);
+    });
+    if (ear < 0) ear = 0; // only points in one line are left
+    found.push([left.at(ear - 1), left[ear], left[(ear + 1) % left.length]]);
+    left.splice(ear, 1);
+  }
+  return [...found, left];
+}
+
+/** The outline extruded to the foot's width, in mm: x to the toe, y to the left, z up. */
+function toStl({ points, top, width }) {
+  const shape = outline(points, top), n = shape.length, caps = triangles(shape);
+  const at = (i, y) => [MM * shape[i % n][0], MM * y, MM * shape[i % n][1]];
+  const solid = [
+    ...caps.map((t) => t.map((i) => at(i, 0))), // seen from the side of -y they run counter-clockwise
+    ...caps.map((t) => t.map((i) => at(i, width)).reverse()),
+    ...shape.flatMap((_, i) => [[at(i, 0), at(i, width), at(i + 1, width)], [at(i, 0), at(i + 1, width), at(i + 1, 0)]]),
+  ];
+  const facets = solid.map(([a, b, c]) => {
+    const u = b.map((v, i) => v - a[i]), w = c.map((v, i) => v - a[i]);
+    const cross = [u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]];
+    const long = Math.hypot(...cross) || 1, vertex = (p) => `vertex ${p.map((v) => v.toFixed(4)).join(" ")}\n`;
+    return `facet normal ${cross.map((v) => (v / long).toFixed(6)).join(" ")}\nouter loop\n${[a, b, c].map(vertex).join("")}endloop\nendfacet\n`;
+  });
+  return `solid sole\n${facets.join("")}endsolid sole\n`;
+}
+
+/** Files of a sole by ending: its text, and what kind of file it is. */
 const FORMATS = {
   dxf: { text: toDxf, type: "image/vnd.dxf" },
   csv: { text: toCsv, type: "text/csv" },
+  stl: { text: toStl, type: "model/stl" },
 };
 
 /** A sole in its box with its waypoints, in mm, as a drawing of a given width. */
@@ -234,7 +273,7 @@ function soleDrawing(points, { width, k = null, height = null, ghost = null, pla
   const xs = [...shape, ...(ghost || [])].map((p) => p[0]), zs = [...shape, ...(ghost || [])].map((p) => p[1]);
   if (space && !plain) { xs.push(-space.L, space.L); zs.push(-space.H, 0); }
   const [x0, x1] = range(xs, 0.02), [z0, z1] = range(zs, 0.1);
-  const edge = plain ? 4 : 44, below = plain ? 4 : 42;
+  const edge = plain ? 4 : 40, below = plain ? 4 : 52;
   const scale = Math.min((width - edge - 8) / (x1 - x0), height ? (height - below) / (z1 - z0) : Infinity);
   const high = height || (z1 - z0) * scale + below;
   const X = (x) => edge + (x - x0) * scale, Z = (z) => 4 + (z1 - z) * scale;

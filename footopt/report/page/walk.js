@@ -89,8 +89,8 @@ function arrow([x0, y0], [x1, y1]) {
 /** A picture of the walker; returns what moves it to an instant. `close` follows the soles. */
 function stage(holder, walk, { close, x, z, label }) {
   const width = Math.max(holder.clientWidth, 200);
-  const scale = Math.min(width / (x[1] - x[0]), 400 / (z[1] - z[0]));
-  const height = scale * (z[1] - z[0]), Z = (v) => (z[1] - v) * scale;
+  const height = Math.min(330, (width / (x[1] - x[0])) * (z[1] - z[0]) + 60);
+  const scale = Math.min(width / (x[1] - x[0]), height / (z[1] - z[0])), Z = (v) => height - (v - z[0]) * scale;
   let middle = 0.5 * (x[0] + x[1]);
   const X = (v) => width / 2 + (v - middle) * scale;
   const drawing = svg("svg", { viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": label });
@@ -247,7 +247,7 @@ function walkSection() {
     state.movers = [
       stage(whole, walk, { x: [x[0] - 0.55, x[1] + 0.55], z: [Math.min(low, -0.16), Math.max(...com.map((p) => p[1])) + 0.12],
         label: "Stick figure of the walker at one instant" }),
-      stage(near, walk, { close: true, x: [-0.42, 0.42], z: [low - 0.07, 0.28],
+      stage(near, walk, { close: true, x: [-0.36, 0.36], z: [low - 0.08, 0.27],
         label: "Close-up of both soles in the sand with the forces on them" }),
       ...plots.map((plot, i) => tracePlot(plot, PLOTS[i], walk, other?.t.length > 1 ? other : null, (t) => { stop(); move(t); })),
     ];
@@ -259,14 +259,14 @@ function walkSection() {
     state.t = Math.min(Math.max(t, 0), state.walk.t.at(-1));
     state.movers.forEach((mover) => mover(state.t));
     scrubber.value = state.t;
-    clock.textContent = `t = ${state.t.toFixed(2)} s of ${number(gait.end)} s`;
+    clock.textContent = `t = ${state.t.toFixed(2)} s of ${gait.end.toFixed(2)} s`;
     scrubber.setAttribute("aria-valuetext", clock.textContent);
     const get = (name, width) => at(state.walk, name, width, state.t);
     const com = get("com", 2), v = get("velocity", 2), f = get("force", 4), p = get("power", 2), w = get("work", 2);
     numbers.replaceChildren(table(["at this instant", "x (m)", "z (m)", "Vx (m/s)", "Vz (m/s)", "forward force (N)", "vertical force (N)", "power (W)", "work (J)"], [
       ["COM", com[0].toFixed(3), com[1].toFixed(3), v[0].toFixed(3), v[1].toFixed(3), "", "", "", ""],
       ...SIDES.map((side, i) => [`${side} foot`, "", "", "", "", f[2 * i].toFixed(0), f[2 * i + 1].toFixed(0), p[i].toFixed(1), w[i].toFixed(1)]),
-    ].map((row) => row.map((text) => text.replace(/^-/, "−")))));
+    ].map((row) => row.map((text) => text.replace(/^-(0(\.0*)?)$/, "$1").replace(/^-/, "−")))));
   }
   function start() {
     state.playing = true;
