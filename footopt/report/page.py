@@ -187,6 +187,8 @@ def jobs_content(jobs: Sequence[dict[str, Any]], common: Sequence[str]) -> dict[
                 "settings": job["settings"],
                 "hollow": job["hollow"],
                 "note": job["note"],
+                "seed": (job["result"] or {}).get("seed"),
+                "seconds": (job["result"] or {}).get("wall_time_s"),
                 "design": done.index(job) if job in done else None,
                 "link": f"{job['folder'].name}/report.html" if job in done else None,
             }
@@ -203,6 +205,7 @@ def jobs_content(jobs: Sequence[dict[str, Any]], common: Sequence[str]) -> dict[
         "top": [foot["top"] for foot in feet],
         "width": [foot["width"] for foot in feet],
         "best": 0,
+        "entry": {"versions": done[0]["result"]["versions"]} if done else {},
         "traces": [_read_traces(job["folder"] / "walk.nc") for job in done],
     }
 
@@ -313,7 +316,9 @@ def _traces(walk: Walk, frames: int) -> dict[str, Any]:
     return {
         **shared,
         "t": packed(walk.t[index], exact=True),
-        **{name: packed(getattr(walk, name)[index]) for name in ("com", "velocity", "force", "power", "work")},
+        **{
+            name: packed(getattr(walk, name)[index]) for name in ("com", "velocity", "force", "power", "work")
+        },
         "at": packed(np.stack(at, axis=-1)),
         "arrows": packed(force),
     }

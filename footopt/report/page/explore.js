@@ -15,6 +15,9 @@ const guide = columnOf(data.guide ?? "efficiency") ?? COLUMNS[0];
 
 const label = (i) => data.designs.labels ? data.designs.labels[i] : i === data.best ? `design ${i}, the best` : `design ${i}`;
 
+/** A limit as short as it is shown. */
+const tidy = (v) => (Number.isFinite(v) ? +v.toPrecision(5) : v);
+
 /** The explorer; `choose(i)` is called when a design is picked, `beside` is shown beside the scatter. */
 function explorer(choose, beside) {
   const all = Array.from({ length: COUNT }, (_, i) => i).filter((i) => feasible[i]);
@@ -80,7 +83,7 @@ function explorer(choose, beside) {
     count.textContent = `${state.passing.length} of ${state.shown.length} designs within the limits`;
     for (const [name, pair] of fields) pair.forEach((field, end) => {
       const limit = state.limits.get(name)?.[end] ?? NaN;
-      field.value = Number.isFinite(limit) ? String(+limit.toPrecision(5)) : "";
+      field.value = Number.isFinite(limit) ? String(limit) : "";
     });
     rows.refresh();
     redraw();
@@ -164,7 +167,7 @@ function explorer(choose, beside) {
     pen.globalAlpha = opacity(state.passing.length);
     for (const i of state.passing) line(i, colour(i), data.jobs ? 1.8 : 0.9);
     pen.globalAlpha = 1;
-    if (feasible[state.chosen]) line(state.chosen, VERMILLION, 2.5);
+    if (feasible[state.chosen]) line(state.chosen, data.jobs ? colour(state.chosen) : VERMILLION, data.jobs ? 4 : 2.5);
     parallel.forEach((c, j) => {
       const [worst, best] = ends[j];
       const [name, unit] = [c.title, c.unit];
@@ -186,7 +189,7 @@ function explorer(choose, beside) {
         if (j < 0) return null;
         // beyond the end of an axis there is no limit
         const end = (y) => (y < top ? (parallel[j].maximise ? Infinity : -Infinity) : y > bottom ? (parallel[j].maximise ? -Infinity : Infinity) : fromY(j, y));
-        if (done) setLimit(parallel[j].name, end(Math.min(y0, y1)), end(Math.max(y0, y1)));
+        if (done) setLimit(parallel[j].name, tidy(end(y0)), tidy(end(y1)));
         return rectangle(X(j) - 9, y0, X(j) + 9, y1);
       },
       click: ([x, y]) => {
@@ -199,6 +202,18 @@ function explorer(choose, beside) {
         nearest((i) => Math.abs(Y(k, parallel[k].of(i)) * (1 - part) + Y(next, parallel[next].of(i)) * part - y), 12);
       },
     });
+  }
+
+  /** Each job's name beside its point, moved to the middle from that of a neighbour where they would cover each other. */
+  function nameJobs(a, place) {
+    const taken = [];
+    for (const i of state.shown) {
+      let [x, y] = place(i);
+      const step = y > a.height / 2 ? -14 : 14;
+      while (taken.some(([u, v]) => Math.abs(u - x) < 60 && Math.abs(v - y) < 14)) y += step;
+      taken.push([x, y]);
+      a.svg.append(svg("text", { class: "halo", x: x + 10, y: y + 4 }, label(i)));
+    }
   }
 
   /** Pick the design that a measure of distance in pixels calls the nearest, if it is near. */
@@ -231,9 +246,9 @@ function explorer(choose, beside) {
     const mark = (i, text, attributes) => Number.isFinite(cx.of(i)) && Number.isFinite(cy.of(i)) && a.svg.append(
       svg("circle", { cx: a.X(cx.of(i)), cy: a.Y(cy.of(i)), r: 6, fill: "none", "stroke-width": 2.5, ...attributes }),
       svg("text", { class: "halo", x: a.X(cx.of(i)) + 10, y: a.Y(cy.of(i)) - 8 }, text));
-    if (data.jobs) state.shown.forEach((i) => mark(i, label(i), { stroke: "none" }));
+    if (data.jobs) nameJobs(a, (i) => [a.X(cx.of(i)), a.Y(cy.of(i))]);
     else if (state.chosen !== data.best) mark(data.best, "best", { stroke: "#1a1a1a", "stroke-width": 1.5 });
-    if (feasible[state.chosen]) mark(state.chosen, data.jobs ? "" : state.chosen === data.best ? "best, chosen" : "chosen", { stroke: VERMILLION });
+    if (feasible[state.chosen]) mark(state.chosen, data.jobs ? "" : state.chosen === data.best ? "best, chosen" : "chosen", { stroke: data.jobs ? "#1a1a1a" : VERMILLION });
     const limits = [cx, cy].map((c) => state.limits.get(c.name));
     if (limits.some(Boolean)) {
       const clip = (v, low, high) => Math.min(Math.max(v, low), high), b = a.inside;
@@ -244,8 +259,8 @@ function explorer(choose, beside) {
     gestures(a, {
       drag: ([x0, y0], [x1, y1], done) => {
         if (done) {
-          state.limits.set(cx.name, [a.fromX(Math.min(x0, x1)), a.fromX(Math.max(x0, x1))]);
-          setLimit(cy.name, a.fromY(y0), a.fromY(y1));
+          state.limits.set(cx.name, [x0, x1].sort((u, v) => u - v).map(a.fromX).map(tidy));
+          setLimit(cy.name, tidy(a.fromY(y0)), tidy(a.fromY(y1)));
         }
         return rectangle(x0, y0, x1, y1);
       },

@@ -24,7 +24,7 @@ function designSection() {
       el("div", {}, numbers, el("div", { class: "bar" }, "Download it as", ...buttons))));
   function redraw() {
     const points = sole(chosen), k = heights(chosen), best = chosen === data.best;
-    const others = data.walks?.find((walk) => walk.label === "flat");
+    const others = data.walks?.find((walk) => walk.design === null);
     title.textContent = COUNT > 1 ? `The chosen sole: ${label(chosen)}` : `The sole: ${label(chosen)}`;
     words.textContent = [
       k ? `k = ${k.join(", ")}` : "",
@@ -92,14 +92,14 @@ const words = (text) => el("span", { class: "words" }, text);
 function jobsSection(choose) {
   const differ = data.columns;
   return el("section", { id: "jobs" }, el("h2", {}, "The jobs"),
-    el("div", { class: "scroll", style: "max-height:none" }, table(["job", "settings", "sole", ...differ.map(named), "hollow (mm)", "note"],
+    el("div", { class: "scroll", style: "max-height:none" }, table(["job", "settings", "sole", ...differ.map(named), "hollow (mm)", "seed", "time (s)"],
       data.jobs.map((job) => [
         job.link ? el("a", { href: job.link }, `job ${job.job}`) : `job ${job.job}`,
-        words(job.settings),
+        el("div", {}, words(job.settings), job.note ? el("div", { class: "words warning" }, job.note) : ""),
         job.design === null ? "" : el("button", { type: "button", "aria-label": `Choose the sole of job ${job.job}`, click: () => choose(job.design) },
           soleDrawing(sole(job.design), { width: 120, height: 36, plain: true })),
         ...differ.map((_, c) => (job.design === null ? "–" : number(values[job.design * WIDTH + c]))),
-        job.hollow, words(job.note)]))),
+        job.hollow, job.seed ?? "–", number(job.seconds)]))),
     el("p", { class: "note" }, "A job's link opens its own page, with its walk."));
 }
 

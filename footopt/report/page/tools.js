@@ -1,7 +1,6 @@
 // What every part of the page needs: the data, elements, scales, tables, downloads.
 
 const data = JSON.parse(document.getElementById("data").textContent);
-const STILL = matchMedia("(prefers-reduced-motion: reduce)").matches;
 const BLUE = "#0072b2", VERMILLION = "#d55e00", GREEN = "#00795a", GREY = "#8c8c8c";
 const COLOURS = [BLUE, VERMILLION, "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000"];
 
@@ -31,7 +30,7 @@ function number(value) {
   if (value === null || !Number.isFinite(value)) return "–";
   if (Math.abs(value) < 1e-12) return "0";
   const power = Math.floor(Math.log10(Math.abs(value)) + 1e-12);
-  const text = power < -4 || power >= 5 ? value.toExponential(3) : value.toFixed(Math.max(3 - power, 0));
+  const text = power < -3 || power >= 5 ? value.toExponential(3) : value.toFixed(Math.max(3 - power, 0));
   return text.replace("-", "−");
 }
 const quantity = (value, unit) => number(value) + (unit ? ` ${unit}` : "");
@@ -63,7 +62,7 @@ function range(values, room = 0.05) {
 
 /** Axes in a holder: an empty drawing with scales from numbers to pixels and back. */
 function axes(holder, { x, y, xlabel, ylabel, height, label, left = 58 }) {
-  const width = Math.max(holder.clientWidth, 200), right = 12, top = 22, bottom = xlabel ? 40 : 22;
+  const width = Math.max(holder.clientWidth, 200), right = 26, top = 22, bottom = xlabel ? 40 : 22;
   const place = (low, high, from, to) => (v) => from + ((v - low) / (high - low || 1)) * (to - from);
   const drawing = svg("svg", { viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": label });
   const made = {

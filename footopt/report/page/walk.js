@@ -123,7 +123,7 @@ function stage(holder, walk, { close, x, z, label }) {
     const to = ([u, v]) => [X(u), Z(v)], line = (points) => path(points.map(to));
     marks.replaceChildren(...ticks(middle - width / 2 / scale, middle + width / 2 / scale, width / 110).values.flatMap((v) => [
       svg("line", { x1: X(v), x2: X(v), y1: Z(0), y2: Z(0) + 6, stroke: "var(--orange)" }),
-      svg("text", { x: X(v), y: Z(0) + 19, "text-anchor": "middle" }, `${+v.toFixed(2)} m`.replace("-", "−"))]));
+      ...(X(v) > 24 && X(v) < width - 24 ? [svg("text", { x: X(v), y: Z(0) + 19, "text-anchor": "middle" }, `${+v.toFixed(2)} m`.replace("-", "−"))] : [])]));
     now.feet.forEach((foot, side) => {
       const part = body[side], ankle = to(foot.leg[2]);
       part.shape.setAttribute("d", line(foot.shape) + "Z");
@@ -200,7 +200,7 @@ function walkSection() {
   const state = { walk: null, other: null, t: 0, playing: false, movers: [] };
   const choices = (extra) => [...extra, ...data.walks.map((walk, i) => el("option", { value: i }, walk.label))];
   const pick = el("select", { id: "walk-choice", change: () => show(+pick.value, true) }, ...choices([]));
-  const flat = data.walks.findIndex((walk) => walk.label === "flat");
+  const flat = data.walks.findIndex((walk) => walk.design === null);
   const compare = el("select", { id: "walk-compare", change: () => { state.other = compare.value; redraw(); } },
     ...choices([el("option", { value: "" }, "none")]));
   if (flat >= 0) compare.value = String(flat);
