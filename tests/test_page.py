@@ -37,9 +37,9 @@ FLAGS = (
 LIMIT = 8e6  # bytes of a page
 
 
-def searched(objective, solver):
+def searched(objective, solver, space=None):
     """A small search, and what its page is made of."""
-    problem = fo.FootProblem(objective=objective, accuracy="draft")
+    problem = fo.FootProblem(objective=objective, space=space, accuracy="draft")
     result = fo.search(problem, solver, pop_size=24, n_gen=6, seed=1)
     confirmed = confirm(result, "standard", 5)
     best = fo.simulate(fo.Foot.from_waypoints(result.k[confirmed.designs[0]], problem.space), problem.scene)
@@ -84,6 +84,10 @@ def pages(front, single, tmp_path_factory):
     (folder / "2").mkdir()
     (folder / "2" / "error.txt").write_text("sand.zeta = 0: must be a number > 0\n")
     assert summary.report(folder, "error.txt") == 1
+    contents["exact"] = page.search_content(*searched("work", "exhaustive", fo.Waypoints(n=4, K=3)))
+    contents["no jobs"] = page.jobs_content(
+        [{"folder": folder / "9", "result": None, "settings": "", "hollow": "-", "note": "no result"}], []
+    )
     written = {name: page.write(folder / f"{name}.html", content) for name, content in contents.items()}
     return written | {"jobs": folder / "report.html"}
 
@@ -102,7 +106,7 @@ def leave_job(folder, walk):
     files.write_json(folder / "result.json", result)
 
 
-KINDS = ["front", "single", "walk", "sunk", "jobs"]
+KINDS = ["front", "single", "exact", "walk", "sunk", "jobs", "no jobs"]
 
 
 @pytest.fixture(scope="module")
@@ -120,6 +124,7 @@ def browser(downloads, tmp_path_factory):
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     options.add_experimental_option("prefs", {"download.default_directory": str(downloads)})
     driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    driver.implicitly_wait(1)  # what opens on demand is filled a moment later
     yield driver
     driver.quit()
 
@@ -292,14 +297,14 @@ class TestExplorer:
         kept = [i for i in result.front if result.column("peak_power")[i] <= middle]
         first = min(kept, key=lambda i: result.column("efficiency")[i])
         assert f"design {first}" in shown.text("#design-title")
-        shown["#front-only"].send_keys(Keys.SPACE)
+        shown["#which"].send_keys("all")
         shown["#clear"].send_keys(Keys.ENTER)
         assert shown.counts() == (result.feasible.sum(),) * 2
 
     def test_a_design_without_a_walk_says_how_to_walk_it(self, front, pages, browser):
         result = front[0]
         shown = Page(browser, pages["front"])
-        shown["#front-only"].click()
+        shown['#which option[value="all"]'].click()
         shown["#explore > details:last-of-type summary"].click()
         listed = {int(button.text): button for button in shown.all("#explore table button")}
         beside = next(i for i in listed if i not in result.front)
@@ -439,6 +444,15 @@ class TestFile:
         content = page.search_content(many, *rest)
         assert len({w["design"] for w in content["walks"]}) == page.WALKS + 2  # the best one, the flat sole
         assert page.write(tmp_path / "report.html", content).stat().st_size < LIMIT
+
+    def test_of_very_many_designs_the_front_and_an_even_selection_are_shown(self, front, monkeypatch):
+        result = front[0]
+        monkeypatch.setattr(page, "DESIGNS", 10)
+        content = page.search_content(*front)
+        (count,) = content["designs"]["rows"]["shape"]
+        assert len(result.front) <= count <= len(result.front) + 10 < result.designs
+        assert len(set(content["front"])) == len(result.front)
+        assert f"{count} of the designs are on this page" in content["headline"]
 
     @pytest.mark.parametrize("exact", [True, False])
     def test_packed_numbers_come_back(self, exact):

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.design import Confirmation, SearchResult
+from footopt.design.exhaustive import Enumeration
 from footopt.foot import Foot, Waypoints
 from footopt.foot.export import MM
 from footopt.report.figures import groups
@@ -31,6 +32,8 @@ Array = NDArray[np.float64]
 STYLES = ("page.css",)
 SCRIPTS = ("tools.js", "walk.js", "explore.js", "main.js")  # in this order: each uses those before it
 
+DESIGNS = 20_000  # besides the front that are on the page
+LEADERS = 20  # best designs of an enumerated space whose walks are on the page
 WALKS = 200  # designs of a front whose walks are on the page
 FRAMES = 90  # samples of each of their walks
 FINE_FRAMES = 500  # of the walk that the page is about
@@ -108,6 +111,7 @@ def search_content(
 ) -> dict[str, Any]:
     """The page of a search.
 
+    Designs beyond `DESIGNS` are thinned out evenly, the front and the lineage never.
     Walks are those of the front, evenly spread over its ranks where it is larger than `WALKS`, or of
     the designs that were the best so far, at the search's accuracy; the best one and the flat sole
     come as they are given.
@@ -118,19 +122,25 @@ def search_content(
     """
     problem = result.problem
     record, chosen = problem.record, int(confirmed.designs[0])
-    several = problem.n_obj > 1
-    lineage = [] if several else successive_bests(result)
-    shown = _spread(result.front.tolist(), WALKS) if several else lineage
+    several, exact = problem.n_obj > 1, isinstance(result, Enumeration)
+    front = result.front.tolist() if several else []
+    # of a space that was enumerated the best are kept, best first: no search came to them
+    lineage = [] if several or exact else successive_bests(result)
+    shown = _spread(front, WALKS) if several else lineage or list(range(min(LEADERS, len(result.k))))
+    rows = np.unique([*front, *lineage, chosen, *_spread(list(range(len(result.k))), DESIGNS)])
+    place = {row: i for i, row in enumerate(rows.tolist())}
     walks = [
-        {"design": chosen, "label": "best", **_traces(best, FINE_FRAMES)},
+        {"design": place[chosen], "label": "best", **_traces(best, FINE_FRAMES)},
         {"design": None, "label": "flat", **_traces(flat, FINE_FRAMES), "sole": packed(flat.foot.contour)},
     ]
     for i in shown:
         if i != chosen:
             foot = Foot.from_waypoints(result.k[i], problem.space)
             walk = simulate(foot, problem.scene, problem.accuracy)
-            walks.append({"design": i, "label": f"design {i}", **_traces(walk, FRAMES)})
+            walks.append({"design": place[i], "label": f"design {i}", **_traces(walk, FRAMES)})
     reasons = [*dict.fromkeys(map(str, result.reasons))]
+    codes = np.array([reasons.index(str(r)) for r in result.reasons])
+    generations = [] if exact else result.history
     return {
         **_common(entry, problem.scene, record),
         "title": f"{result.solver.name} on {problem.scene.sand.name} sand",
@@ -138,28 +148,30 @@ def search_content(
             f"Soles for {', '.join(problem.names)} on {describe_scene(problem.scene)}",
             describe_search(result),
             describe_confirmation(confirmed),
+            *([f"{len(rows)} of the designs are on this page"] if len(rows) < result.designs else []),
         ],
         "guide": problem.guide,
         "objectives": list(problem.names),
         "designs": {
-            "values": packed(result.values, exact=True),
-            "k": packed(result.k),
-            "generation": packed(result.generation),
-            "feasible": packed(result.feasible.astype(int)),
+            "rows": packed(rows, exact=True),
+            "values": packed(result.values[rows], exact=True),
+            "k": packed(result.k[rows]),
+            "generation": None if exact else packed(result.generation[rows]),
+            "feasible": packed(result.feasible[rows].astype(int)),
             "reasons": reasons,
-            "reason": packed(np.array([reasons.index(str(r)) for r in result.reasons])),
+            "reason": packed(codes[rows]),
         },
         "space": _splines(problem.space),
         "top": problem.space.top,
         "width": problem.space.width,
-        "best": chosen,
+        "best": place[chosen],
         "bestValues": confirmed.values[0],
-        "front": result.front if several else [],
+        "front": [place[i] for i in front],
         "walks": walks,
-        "lineage": lineage,
+        "lineage": [place[i] for i in lineage],
         "history": [
             {"evaluations": g.evaluations, "best": g.best, "median": g.median, "front": g.front}
-            for g in result.history
+            for g in generations
         ],
     }
 

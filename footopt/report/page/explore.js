@@ -13,7 +13,9 @@ if (generation) COLUMNS.push({ name: "generation", title: "generation", unit: ""
 const columnOf = (name) => COLUMNS.find((c) => c.name === name);
 const guide = columnOf(data.guide ?? "efficiency") ?? COLUMNS[0];
 
-const label = (i) => data.designs.labels ? data.designs.labels[i] : i === data.best ? `design ${i}, the best` : `design ${i}`;
+/** A design's number is its row in designs.csv, from 0. */
+const numbers = data.designs.rows && unpack(data.designs.rows);
+const label = (i) => data.designs.labels ? data.designs.labels[i] : `design ${numbers[i]}${i === data.best ? ", the best" : ""}`;
 
 /** A limit as short as it is shown. */
 const tidy = (v) => (Number.isFinite(v) ? +v.toPrecision(5) : v);
@@ -21,7 +23,7 @@ const tidy = (v) => (Number.isFinite(v) ? +v.toPrecision(5) : v);
 /** The explorer; `choose(i)` is called when a design is picked, `beside` is shown beside the scatter. */
 function explorer(choose, beside) {
   const all = Array.from({ length: COUNT }, (_, i) => i).filter((i) => feasible[i]);
-  const state = { limits: new Map(), frontOnly: front.size > 0, chosen: data.best, shown: [], passing: [] };
+  const state = { limits: new Map(), chosen: data.best, shown: [], passing: [] };
   const parallel = COLUMNS.filter((c) => c.name !== "generation");
   const wide = el("div", { class: "plot brush", id: "parallel" });
   const flat = el("div", { class: "plot brush", id: "scatter" });
@@ -35,11 +37,16 @@ function explorer(choose, beside) {
   const several = data.objectives?.length > 1 ? data.objectives : ["work", "peak_power"];
   const across = choice("scatter-x", columnOf(several[0]) ? several[0] : COLUMNS[0].name);
   const up = choice("scatter-y", columnOf(several[1]) ? several[1] : COLUMNS.at(-1).name);
-  const only = el("button", { type: "button", id: "front-only", "aria-pressed": String(state.frontOnly), click: () => {
-    state.frontOnly = !state.frontOnly;
-    only.setAttribute("aria-pressed", String(state.frontOnly));
-    filter();
-  } }, "Pareto front only");
+  const walked = new Set((data.walks ?? []).map((walk) => walk.design));
+  const SETS = {
+    all: { title: "all feasible ones", has: () => true },
+    front: { title: "the Pareto front", has: (i) => front.has(i) },
+    walked: { title: "those whose walk is on this page", has: (i) => walked.has(i) },
+  };
+  const which = el("select", { id: "which", change: () => filter() }, ...Object.entries(SETS)
+    .filter(([name]) => (name !== "front" || front.size) && (name !== "walked" || walked.size))
+    .map(([value, { title }]) => el("option", { value }, title)));
+  if (front.size) which.value = "front";
   const clear = el("button", { type: "button", id: "clear", click: () => { state.limits.clear(); filter(); } }, "Clear limits");
   const fields = new Map(COLUMNS.map((c) => [c.name, [0, 1].map((end) => el("input", {
     type: "number", step: "any", "aria-label": `${end ? "largest" : "smallest"} ${named(c)}`,
@@ -48,14 +55,14 @@ function explorer(choose, beside) {
   const rows = folded("The designs within the limits as a table (the first 50, best first)", () => {
     const best = state.passing.slice().sort((a, b) => (guide.of(a) - guide.of(b)) * (guide.maximise ? -1 : 1));
     return table(["", ...COLUMNS.map(named), ...(kOf ? ["k"] : [])], best.slice(0, 50).map((i) => [
-      el("button", { type: "button", click: () => pick(i) }, data.designs.labels ? label(i) : String(i)),
+      el("button", { type: "button", click: () => pick(i) }, data.designs.labels ? label(i) : String(numbers[i])),
       ...COLUMNS.map((c) => number(c.of(i))), ...(kOf ? [heights(i).join(" ")] : [])]));
   });
   const section = el("section", { id: "explore" },
     el("h2", {}, data.jobs ? "The jobs' best designs" : "The designs"),
     el("p", { class: "note" }, "Drag along an axis, or across the scatter, to set limits: both then show what is within them. ",
       "Click a line or a point to choose that design. Better is up on every axis of the parallel coordinates."),
-    el("div", { class: "bar" }, front.size ? only : null, clear, count),
+    el("div", { class: "bar" }, data.jobs ? null : el("label", {}, "designs", which), clear, count),
     el("figure", {}, wide),
     el("div", { class: "grid wide" },
       el("figure", {},
@@ -78,7 +85,7 @@ function explorer(choose, beside) {
     filter();
   }
   function filter() {
-    state.shown = state.frontOnly ? all.filter((i) => front.has(i)) : all;
+    state.shown = all.filter(SETS[which.value].has);
     state.passing = state.shown.filter(within);
     count.textContent = `${state.passing.length} of ${state.shown.length} designs within the limits`;
     for (const [name, pair] of fields) pair.forEach((field, end) => {
@@ -97,8 +104,7 @@ function explorer(choose, beside) {
 
   /** A canvas under a drawing, for what is too much for elements. */
   function canvas(holder, a) {
-    const made = el("canvas", { "aria-hidden": "true", width: a.width * devicePixelRatio, height: a.height * devicePixelRatio,
-      style: `width:${a.width}px;height:${a.height}px` });
+    const made = el("canvas", { "aria-hidden": "true", width: a.width * devicePixelRatio, height: a.height * devicePixelRatio });
     holder.prepend(made);
     const pen = made.getContext("2d");
     pen.scale(devicePixelRatio, devicePixelRatio);
@@ -255,6 +261,7 @@ function explorer(choose, beside) {
       const [x0, x1] = (limits[0] ?? [-Infinity, Infinity]).map((v) => clip(a.X(v), b.left, b.right));
       const [y0, y1] = (limits[1] ?? [-Infinity, Infinity]).map((v) => clip(a.Y(v), b.top, b.bottom));
       a.svg.append(rectangle(x0, y0, x1, y1));
+      a.svg.lastChild.style.fillOpacity = 0.1; // the points are seen through it
     }
     gestures(a, {
       drag: ([x0, y0], [x1, y1], done) => {

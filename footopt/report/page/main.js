@@ -150,7 +150,7 @@ function build() {
     if (walks && place >= 0) walks.show(place);
     unwalked.textContent = walks && place < 0 ? `No walk of ${label(i)} is on this page (${data.walks.length - 2} of the designs beside the best are); footopt study=simulate foot.k=[${heights(i)}] walks with it.` : "";
   };
-  const unwalked = el("p", { class: "note", id: "unwalked" });
+  const unwalked = design.section.appendChild(el("p", { class: "note", id: "unwalked" }));
   const sections = [];
   if (data.jobs) sections.push(jobsSection((i) => choose(i)));
   if (data.history?.length) sections.push((found = searchSection((i) => choose(i))).section);
@@ -158,7 +158,6 @@ function build() {
   if (explore && data.objectives?.length > 1) sections.reverse(); // the front comes before how it was found
   main.append(...sections);
   if (COUNT === 1) main.append(design.section);
-  main.append(unwalked);
   if (walks) main.append(walks.section);
   const traces = data.traces?.length ? tracesSection() : null;
   if (traces) { main.append(traces.section); drawn(traces.draw); }
