@@ -474,6 +474,12 @@ class TestFile:
         data = re.search(r'<script type="application/json" id="data">(.*?)</script>', text)[1]
         assert json.loads(data)["note"] == evil
 
+    def test_a_multirun_of_a_study_without_one_best_foot_has_a_page_too(self, tmp_path):
+        (tmp_path / "0").mkdir()
+        (tmp_path / "0" / "result.json").write_text('{"study": "shapes"}')
+        assert summary.report(tmp_path, "error.txt") == 0
+        assert "study=shapes: see its own folder" in (tmp_path / "report.html").read_text()
+
     def test_a_folder_that_cannot_be_written_is_named(self, tmp_path):
         with pytest.raises(FileError, match="nowhere"):
             page.write(tmp_path / "nowhere" / "report.html", {"title": ""})
