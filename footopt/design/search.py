@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from pymoo.core.problem import Problem
 from pymoo.problems.static import StaticProblem
 
 from footopt.design.problem import FootProblem
@@ -145,6 +146,8 @@ def search(
         return enumerate_space(problem, solver, progress)
     algorithm = solver.build(problem.n_obj)
     algorithm.setup(problem, termination=("n_gen", solver.n_gen), seed=solver.seed, verbose=False)
+    # pymoo copies what it is given, with all that belongs to it, in every generation
+    shape = Problem(problem.n_var, problem.n_obj, problem.n_ieq_constr, xl=problem.xl, xu=problem.xu)
     started = time.perf_counter()
     interrupted = False
     opened = Store(store, problem) if isinstance(store, (str, Path)) else nullcontext(store)
@@ -158,7 +161,7 @@ def search(
                 if infills is None:  # nothing is left that was not tried
                     break
                 f, g = archive.evaluate(np.round(infills.get("X").astype(float)).astype(np.int64))
-                algorithm.evaluator.eval(StaticProblem(problem, F=f, G=g), infills)
+                algorithm.evaluator.eval(StaticProblem(shape, F=f, G=g), infills)
                 algorithm.tell(infills=infills)
                 archive.close_generation(time.perf_counter() - started)
                 if progress is not None:

@@ -28,7 +28,7 @@ class Waypoints:
     """A space of soles: n waypoints, uniform in x over [-L, L], at z_i = -k_i H / K.
 
     The heights k_i are whole numbers from 1 (high) to K (low); a cubic spline with not-a-knot ends
-    joins the points. The paper's eq. 11 gives x_i = (i-1)(3-n)L/(n-1), which does not span
+    joins the points. The paper's eq. 8 gives x_i = (i-1)(3-n)L/(n-1), which does not span
     the box; x_i = -L + 2L(i-1)/(n-1) does, and is used here.
 
     Parameters

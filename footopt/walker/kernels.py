@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 FAST = effects.FAST
 MAX_NEWTON = 20  # contact evaluations of one implicit stage at one creep speed, back-tracking included
 MAX_RESCUE = 1000  # ... and in all, if it has to be approached from a larger creep speed
+GATED = 2.0  # last step of Newton's method over the creep speed, where an effect's gate is
 LANES = 8  # plates are padded to a multiple of this, and summed in such blocks
 
 # columns of a contact, (2 feet, 7): force, power, and dF/dV (x by x, x by z, z by x, z by z)
@@ -232,6 +233,14 @@ def leaning(value, tilt, time):
     return value + time * tilt
 
 
+@njit(forceinline=True)
+def small_step(step, creep, gates):
+    """A step of Newton's method on which the law is smooth, m/s: a gate turns within the creep speed."""
+    if gates is None:
+        return step
+    return min(step, GATED * creep)
+
+
 @njit(error_model="numpy", forceinline=True)
 def solve_stage(out, tally, sole, world, pose, x0, z0, vx0, vz0, c, vx, vz):
     """Velocity V of an implicit stage: V = v0 + c a(r0 + c V, V), by Newton's method.
@@ -296,7 +305,8 @@ def solve_stage(out, tally, sole, world, pose, x0, z0, vx0, vz0, c, vx, vz):
         rounding = 1e-13 * (1.0 + abs(vx) + abs(vz))
         # a rescue follows the plate that sticks, whatever the mean speed of the others
         speed = creep if rescue or force == 0.0 else creep + power / force
-        if size <= rounding or (force > 0.0 and size <= world.tolerance * speed + rounding):
+        enough = small_step(world.tolerance * speed, creep, world.gates)
+        if size <= rounding or (force > 0.0 and size <= enough + rounding):
             if creep == world.creep:
                 for foot in range(2):
                     out[foot, FX] += out[foot, JXX] * dvx + out[foot, JXZ] * dvz

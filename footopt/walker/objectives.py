@@ -94,7 +94,7 @@ def mean_height(raw: Raw, scene: Scene) -> Array:
 
 @objective("$|W(t_f)|$", "J", maximise=False, worst=1e6)
 def work(raw: Raw, scene: Scene) -> Array:
-    """|W(t_f)|, W the time integral of sum f.v over all plates of both feet, J (the paper's eq. 9).
+    """|W(t_f)|, W the time integral of sum f.v over all plates of both feet, J (the paper's eq. 7).
 
     The force is that of the sand on the plates, so W is negative: what the walker must compensate.
     """
@@ -126,7 +126,7 @@ def speed_loss(raw: Raw, scene: Scene) -> Array:
 
 @objective("$J_W$", "", maximise=False, worst=0.0)
 def efficiency(raw: Raw, scene: Scene) -> Array:
-    """J_W = -(distance * mean height) / (|W| p_max dV_x), the paper's eqs. 12-13; most negative is best.
+    """J_W = -(distance * mean height) / (|W| p_max dV_x), the paper's eqs. 9-10; most negative is best.
 
     Factors of the denominator are floored (`FLOORS`), so that a walk that loses nothing is not
     infinitely good. The unit is m^2 / (J W m/s), which the paper does not state.

@@ -88,7 +88,7 @@ def add(quad, weight, z, vx, vz, at):
 
 @njit(forceinline=True)
 def acceleration(at, world):
-    """Of the hip, from a contact: a_x, a_z in m/s^2 (the paper's eq. 7)."""
+    """Of the hip, from a contact: a_x, a_z in m/s^2 (the paper's eq. 5)."""
     ax = leaning((at[0, FX] + at[1, FX]) / world.mass, world.tilt, 1.0)
     return ax, (at[0, FZ] + at[1, FZ]) / world.mass - world.g
 
@@ -98,7 +98,7 @@ class ExplicitEuler(NamedTuple):
 
 
 def explicit_euler(stepper, y, now, quad, tally, h, poses, sole, world, work):
-    """The paper's stepper (its eq. 8): position and velocity both from the old state. Order 1."""
+    """The paper's stepper (its eq. 6): position and velocity both from the old state. Order 1."""
     ax, az = acceleration(now, world)
     add(quad, h, y[1], y[2], y[3], now)
     y[0] += h * y[2]

@@ -1,4 +1,4 @@
-"""What a method costs at a given error: its cheapest time step, found by bisection."""
+"""What a method costs at a given error: its cheapest time step, or step control, found by bisection."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ import footopt as fo
 Array = NDArray[np.float64]
 
 COARSEST = 0.05  # s
+LONGEST = (2e-2, 1e-2, 5e-3)  # s, steps under control
+CONTROLS = (1e-1, 1e-7)  # m/s, from the loosest to the tightest
 
 
 def converged(k: Array, scene: fo.Scene, plates: int) -> Array:
@@ -46,15 +48,39 @@ def cheapest(
     return replace(start, dt=scene.duration / many)
 
 
+def controlled(k: Array, scene: fo.Scene, target: float, plates: int = 64, halvings: int = 5) -> fo.Accuracy:
+    """The default stepper under the step control that meets the target (%) with the fewest evaluations."""
+    exact = converged(k, scene, plates)
+    found: list[tuple[float, fo.Accuracy]] = []
+    for dt in LONGEST:
+        loose, tight = CONTROLS
+        for _ in range(halvings + 3):
+            middle = float(np.sqrt(loose * tight))
+            accuracy = fo.Accuracy(dt=dt, plates=plates, control=middle)
+            table = fo.evaluate(k, scene, accuracy)
+            if error(table.values, exact) <= target:
+                tight = middle
+                found.append((float(table.evaluations.mean()), accuracy))
+            else:
+                loose = middle
+    return min(found, key=lambda pair: pair[0])[1]
+
+
 def compare(
     sand_scene: fo.Scene, k: Array, target: float, repeats: int = 5, halvings: int = 5
 ) -> tuple[dict[str, fo.Accuracy], dict[str, float]]:
-    """Explicit Euler and the default stepper at one target error (%): settings, and s per design."""
+    """Explicit Euler, the default stepper, and that one under control, at one target error (%).
+
+    Returns
+    -------
+    settings, and s per design, by method: "explicit", "fixed" and "controlled".
+    """
     default = fo.Accuracy.named("standard").stepper
     found = {
         name: cheapest(stepper, k, sand_scene, target, halvings=halvings)
-        for name, stepper in (("explicit", "explicit_euler"), ("default", default))
+        for name, stepper in (("explicit", "explicit_euler"), ("fixed", default))
     }
+    found["controlled"] = controlled(k, sand_scene, target, halvings=halvings)
     jobs = {
         name: (lambda accuracy=accuracy: fo.evaluate(k, sand_scene, accuracy, threads=1))
         for name, accuracy in found.items()
