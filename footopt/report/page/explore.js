@@ -167,7 +167,7 @@ function explorer(choose, beside) {
       pen.lineWidth = thick;
       pen.stroke();
     };
-    const opacity = (n) => Math.max(0.06, Math.min(0.8, 25 / n));
+    const opacity = (n) => Math.max(0.025, Math.min(0.8, 25 / n));
     const passing = new Set(state.passing);
     pen.globalAlpha = opacity(state.shown.length);
     for (const i of state.shown) if (!passing.has(i)) line(i, "#aaa", 0.7);
