@@ -52,7 +52,7 @@ class TestOptimize:
         figures = ("contour", "convergence", "com", "forces", "power_work", "step")
         assert files >= {
             *(f".hydra/{name}.yaml" for name in ("config", "hydra", "overrides")),
-            *("result.json", "designs.csv", "walk.nc", "contour.csv", "contour.dxf"),
+            *("result.json", "designs.csv", "walk.nc", "contour.csv", "contour.dxf", "report.html"),
             *(f"figures/{name}.{end}" for name in figures for end in ("png", "pdf")),
         }
         assert folder.parts[-3:-1] == ("outputs", "optimize")
@@ -203,6 +203,7 @@ class TestMultirun:
         with open(summary, newline="") as file:
             rows = list(csv.DictReader(file))
         assert [r["job"] for r in rows] == [str(i) for i in range(4)]
+        assert (summary.parent / "report.html").is_file()
         failed = [r for r in rows if "foot.n=3" in r["overrides"]]
         assert all("foot.n = 3: must be" in r["note"] for r in failed)
         good = [r for r in rows if "foot.n=5" in r["overrides"]]

@@ -21,6 +21,7 @@ def test_a_wheel_in_a_new_environment_runs_a_small_job(tmp_path):
     names = zipfile.ZipFile(wheel).namelist()
     assert "footopt/conf/config.yaml" in names
     assert "footopt/gait/data/human_walk.json" in names
+    assert "footopt/report/page/template.html" in names
     assert "footopt/py.typed" in names
     assert not [n for n in names if n.startswith(("tests/", "conf/", "outputs/"))]
 

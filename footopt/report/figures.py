@@ -488,12 +488,16 @@ def _arrows(walk: Walk, index: NDArray[np.int64]) -> tuple[Array, Array]:
     """Where forces act and what they are, summed over neighbouring plates, each (M, arrows, 2)."""
     plates = walk.plates(index)
     position, force = plates.position[:, RIGHT], plates.force[:, RIGHT]
-    count = position.shape[1]
-    arrows = min(ARROWS, count)
-    begin = count * np.arange(arrows) // arrows
-    size = np.diff(np.append(begin, count))
+    begin, size = groups(position.shape[1], ARROWS)
     middle = np.add.reduceat(position, begin, axis=1) / size[:, None]
     return middle, np.add.reduceat(force, begin, axis=1)
+
+
+def groups(count: int, parts: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Where groups of neighbours begin, for `np.add.reduceat`, and how many are in each: `parts` at most."""
+    parts = min(parts, count)
+    begin = count * np.arange(parts) // parts
+    return begin, np.diff(np.append(begin, count))
 
 
 def draw_sand(axes: Axes, left: float, right: float, low: float) -> None:

@@ -8,12 +8,13 @@ from typing import Any
 
 from rich.table import Table as RichTable
 
+from footopt.report import page
 from footopt.report.files import write_csv
 from footopt.report.terminal import console, number
 
 
 def report(folder: Path, error_file: str) -> int:
-    """Print and write (summary.csv) what the jobs below `folder` found; the number that failed.
+    """Print and write (summary.csv, report.html) what the jobs below `folder` found; the number that failed.
 
     Each job is a folder with its result.json, or with `error_file` if it failed; one that has
     neither died.
@@ -49,6 +50,8 @@ def report(folder: Path, error_file: str) -> int:
             for row in rows
         ),
     )
+    shown = [row | {"settings": " ".join(o for o in row["overrides"] if o not in common)} for row in rows]
+    page.write(folder / "report.html", page.jobs_content(shown, sorted(common)))
     return sum(bool(row["failed"]) for row in rows)
 
 
@@ -56,6 +59,8 @@ def _read(job: Path, error_file: str) -> dict[str, Any]:
     overrides = job / ".hydra" / "overrides.yaml"
     row: dict[str, Any] = {
         "job": job.name,
+        "folder": job,
+        "result": None,
         "overrides": [
             line.removeprefix("- ") for line in overrides.read_text(encoding="utf-8").splitlines() if line
         ]
@@ -73,7 +78,10 @@ def _read(job: Path, error_file: str) -> dict[str, Any]:
         row |= {"note": "no result", "failed": True}
     else:
         result = json.loads((job / "result.json").read_text(encoding="utf-8"))
+        if "design" not in result:  # a study of many feet or of none
+            return row | {"note": f"study={result['study']}: see its own folder"}
         row |= {
+            "result": result,
             "objectives": result["objectives"],
             "hollow": number(result["design"]["hollow_mm"]),
             "k": result["design"]["k"],

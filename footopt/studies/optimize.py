@@ -24,7 +24,7 @@ from footopt.errors import check
 from footopt.foot import Foot
 from footopt.foot.export import write_csv as write_contour
 from footopt.foot.export import write_dxf
-from footopt.report import figures, files, terminal
+from footopt.report import figures, files, page, terminal
 from footopt.studies import build
 from footopt.studies.auto import settle
 from footopt.studies.simulate import foot_entry, scene_entry
@@ -116,6 +116,8 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     files.write_json(folder / "result.json", entry | {"wall_time_s": clock()})
     marked = int(np.argmax(result.front == confirmed.designs[0]))
     draw(result, marked, best, walk, base, folder / "figures")
+    shown = page.search_content(result, confirmed, walk, base, entry | {"wall_time_s": clock()})
+    page.write(folder / "report.html", shown)
 
     out.print(terminal.describe_search(result))
     out.print(terminal.describe_confirmation(confirmed))

@@ -11,7 +11,7 @@ from footopt.config import Config
 from footopt.foot import Foot
 from footopt.foot.export import write_csv as write_contour
 from footopt.foot.export import write_dxf
-from footopt.report import figures, files, terminal
+from footopt.report import figures, files, page, terminal
 from footopt.studies import build
 from footopt.studies.auto import settle
 from footopt.walker import OBJECTIVES, Accuracy, Scene, estimate_error, simulate
@@ -58,6 +58,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     files.write_json(folder / "result.json", entry)
     for name, figure in drawn.items():
         figures.save(figure, folder / "figures", name)
+    page.write(folder / "report.html", page.walk_content(walk, entry))
 
     out.print(f"{terminal.describe_scene(scene)}; {terminal.describe_foot(foot)}")
     if not walk.feasible:

@@ -1,0 +1,357 @@
+"""report.html: one self-contained file a run, to look at its walks and designs in a browser.
+
+This module gathers what the page shows; what it looks like and how it moves is in the folder
+``page`` beside it: plain HTML, CSS and JavaScript without a library. Arrays travel as base64 of
+16-bit whole numbers or 32-bit floats, so that ten thousand designs and two hundred walks stay small.
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+from collections.abc import Sequence
+from importlib.resources import files as resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from footopt.design import Confirmation, SearchResult
+from footopt.design.exhaustive import Enumeration
+from footopt.foot import Foot, Waypoints
+from footopt.foot.export import MM
+from footopt.report.figures import groups
+from footopt.report.files import plain, write_text
+from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
+from footopt.walker import OBJECTIVES, Scene, Walk, simulate
+
+Array = NDArray[np.float64]
+
+STYLES = ("page.css",)
+SCRIPTS = ("tools.js", "walk.js", "explore.js", "main.js")  # in this order: each uses those before it
+
+DESIGNS = 20_000  # besides the front that are on the page
+LEADERS = 20  # best designs of an enumerated space whose walks are on the page
+WALKS = 200  # designs of a front whose walks are on the page
+FRAMES = 90  # samples of each of their walks
+FINE_FRAMES = 500  # of the walk that the page is about
+ARROWS = 10  # force arrows along a sole
+POSE_STEP = 0.01  # s, between the poses of the gait
+
+
+def write(path: Path, content: dict[str, Any]) -> Path:
+    """Write a page.
+
+    Parameters
+    ----------
+    content : of `search_content`, `walk_content` or `jobs_content`.
+
+    Raises
+    ------
+    FileError : the file cannot be written.
+    """
+    parts = resources("footopt.report") / "page"
+
+    def read(name: str) -> str:
+        return (parts / name).read_text(encoding="utf-8")
+
+    data = json.dumps(plain(content), separators=(",", ":"), allow_nan=False)
+    filled = {
+        "TITLE": html.escape(content["title"]),
+        "STYLE": "\n".join(map(read, STYLES)),
+        # "</script>" in a name would end the element
+        "DATA": data.replace("<", "\\u003c"),
+        "SCRIPT": "\n".join(map(read, SCRIPTS)),
+    }
+    text = read("template.html")
+    for name, value in filled.items():
+        text = text.replace(f"<!--{name}-->", value)
+    write_text(path, text)
+    return path
+
+
+# --- what a page is about -------------------------------------------------------------------------
+
+
+def walk_content(walk: Walk, entry: dict[str, Any]) -> dict[str, Any]:
+    """The page of one walk.
+
+    Parameters
+    ----------
+    entry : what result.json says of the run.
+    """
+    foot = walk.foot
+    if foot.space is not None and foot.k is not None:
+        shape: dict[str, Any] = {"k": packed(np.array(foot.k))}
+    else:
+        shape = {"soles": [packed(foot.contour, exact=True)]}
+    return {
+        **_common(entry, walk.scene, tuple(OBJECTIVES)),
+        "title": f"{foot.name} on {walk.scene.sand.name} sand",
+        "headline": [f"{describe_scene(walk.scene)}; {describe_foot(foot)}"],
+        "space": _splines(foot.space) if "k" in shape and foot.space else None,
+        "top": foot.top,
+        "width": foot.width,
+        "designs": {
+            "values": packed(np.array([list(walk.objectives.values())]), exact=True),
+            "labels": [foot.name],
+            "feasible": [int(walk.feasible)],
+            "reasons": [walk.reason],
+            **shape,
+        },
+        "best": 0,
+        "walks": [{"design": 0, "label": foot.name, **_traces(walk, FINE_FRAMES)}],
+    }
+
+
+def search_content(
+    result: SearchResult, confirmed: Confirmation, best: Walk, flat: Walk, entry: dict[str, Any]
+) -> dict[str, Any]:
+    """The page of a search.
+
+    Designs beyond `DESIGNS` are thinned out evenly, the front and the lineage never.
+    Walks are those of the front, evenly spread over its ranks where it is larger than `WALKS`, or of
+    the designs that were the best so far, at the search's accuracy; the best one and the flat sole
+    come as they are given.
+
+    Parameters
+    ----------
+    best, flat : walks of the best design and of the flat sole. entry : what result.json says.
+    """
+    problem = result.problem
+    record, chosen = problem.record, int(confirmed.designs[0])
+    several, exact = problem.n_obj > 1, isinstance(result, Enumeration)
+    front = result.front.tolist() if several else []
+    # of a space that was enumerated the best are kept, best first: no search came to them
+    lineage = [] if several or exact else successive_bests(result)
+    shown = _spread(front, WALKS) if several else lineage or list(range(min(LEADERS, len(result.k))))
+    rows = np.unique([*front, *lineage, chosen, *_spread(list(range(len(result.k))), DESIGNS)])
+    place = {row: i for i, row in enumerate(rows.tolist())}
+    walks = [
+        {"design": place[chosen], "label": "best", **_traces(best, FINE_FRAMES)},
+        {"design": None, "label": "flat", **_traces(flat, FINE_FRAMES), "sole": packed(flat.foot.contour)},
+    ]
+    for i in shown:
+        if i != chosen:
+            foot = Foot.from_waypoints(result.k[i], problem.space)
+            walk = simulate(foot, problem.scene, problem.accuracy)
+            walks.append({"design": place[i], "label": f"design {i}", **_traces(walk, FRAMES)})
+    reasons = [*dict.fromkeys(map(str, result.reasons))]
+    codes = np.array([reasons.index(str(r)) for r in result.reasons])
+    generations = [] if exact else result.history
+    return {
+        **_common(entry, problem.scene, record),
+        "title": f"{result.solver.name} on {problem.scene.sand.name} sand",
+        "headline": [
+            f"Soles for {', '.join(problem.names)} on {describe_scene(problem.scene)}",
+            describe_search(result),
+            describe_confirmation(confirmed),
+            *([f"{len(rows)} of the designs are on this page"] if len(rows) < result.designs else []),
+        ],
+        "guide": problem.guide,
+        "objectives": list(problem.names),
+        "designs": {
+            "rows": packed(rows, exact=True),
+            "values": packed(result.values[rows], exact=True),
+            "k": packed(result.k[rows]),
+            "generation": None if exact else packed(result.generation[rows]),
+            "feasible": packed(result.feasible[rows].astype(int)),
+            "reasons": reasons,
+            "reason": packed(codes[rows]),
+        },
+        "space": _splines(problem.space),
+        "top": problem.space.top,
+        "width": problem.space.width,
+        "best": place[chosen],
+        "bestValues": confirmed.values[0],
+        "front": [place[i] for i in front],
+        "walks": walks,
+        "lineage": [place[i] for i in lineage],
+        "history": [
+            {"evaluations": g.evaluations, "best": g.best, "median": g.median, "front": g.front}
+            for g in generations
+        ],
+    }
+
+
+def jobs_content(jobs: Sequence[dict[str, Any]], common: Sequence[str]) -> dict[str, Any]:
+    """The page over the jobs of a multirun: their soles, values and traces side by side.
+
+    Parameters
+    ----------
+    jobs : one a job: its `folder`, `settings`, `hollow` and `note`, and its `result` (what its
+        result.json says; None if it left none).
+    common : settings that all jobs share.
+    """
+    done = [job for job in jobs if job["result"] is not None]
+    names = [name for name in OBJECTIVES if any(name in job["result"]["objectives"] for job in done)]
+    values = [[job["result"]["objectives"].get(name) for name in names] for job in done]
+    feet = [job["result"]["settings"]["foot"] for job in done]
+    return {
+        "title": f"{len(jobs)} jobs",
+        "headline": [f"All with {' '.join(common)}"] if common else [],
+        "columns": _columns(names),
+        "jobs": [
+            {
+                "job": job["folder"].name,
+                "settings": job["settings"],
+                "hollow": job["hollow"],
+                "note": job["note"],
+                "seed": (job["result"] or {}).get("seed"),
+                "seconds": (job["result"] or {}).get("wall_time_s"),
+                "design": done.index(job) if job in done else None,
+                "link": f"{job['folder'].name}/report.html" if job in done else None,
+            }
+            for job in jobs
+        ],
+        "designs": {
+            "values": packed(np.array(values, float).reshape(len(done), len(names)), exact=True),
+            "labels": [f"job {job['folder'].name}" for job in done],
+            # a walk that failed has no values to place it by
+            "feasible": [int(not job["result"].get("reason")) for job in done],
+            "reasons": [job["result"].get("reason", "") for job in done],
+            "soles": [packed(_read_contour(job["folder"] / "contour.csv"), exact=True) for job in done],
+        },
+        "top": [foot["top"] for foot in feet],
+        "width": [foot["width"] for foot in feet],
+        "best": 0,
+        "entry": {"versions": done[0]["result"]["versions"]} if done else {},
+        "traces": [_read_traces(job["folder"] / "walk.nc") for job in done],
+    }
+
+
+def _read_contour(path: Path) -> Array:
+    """A sole as `foot.export.write_csv` left it, (m, 2), m."""
+    points: Array = np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2) / MM
+    return points
+
+
+def _read_traces(path: Path) -> dict[str, Any]:
+    """Traces of a walk as `files.write_walk` left it, both feet together."""
+    from scipy.io import netcdf_file
+
+    with netcdf_file(path, mmap=False) as file:
+        t, com, velocity, power, work = (
+            np.array(file.variables[name][:]) for name in ("t", "com", "velocity", "power", "work")
+        )
+    return {
+        "t": packed(t, exact=True),
+        "height": packed(com[:, 1], exact=True),
+        "speed": packed(velocity[:, 0], exact=True),
+        "power": packed(power.sum(axis=1), exact=True),
+        "work": packed(work.sum(axis=1), exact=True),
+    }
+
+
+def _common(entry: dict[str, Any], scene: Scene, names: Sequence[str]) -> dict[str, Any]:
+    """What every page of walks holds: the columns of values, the scene's gait, the run's own facts."""
+    t = np.linspace(0.0, scene.duration, int(np.ceil(scene.duration / POSE_STEP)) + 1)
+    thigh, shank, pitch = (angle for angle, _ in scene.gait.angles(t))
+    return {
+        "columns": _columns(names),
+        # the designs are on the page anyway
+        "entry": {name: value for name, value in entry.items() if name not in ("front", "confirmed")},
+        "gait": {
+            "end": scene.duration,
+            "angles": packed(np.stack([thigh, shank, pitch], axis=-1)),
+            "strikes": scene.gait.heel_strikes(scene.duration),
+            "l1": scene.walker.l1,
+            "l2": scene.walker.l2,
+        },
+    }
+
+
+def _columns(names: Sequence[str]) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": name,
+            "title": "efficiency J_W" if name == "efficiency" else name.replace("_", " "),
+            "unit": OBJECTIVES[name].unit,
+            "maximise": OBJECTIVES[name].maximise,
+        }
+        for name in names
+    ]
+
+
+def successive_bests(result: SearchResult) -> list[int]:
+    """The designs that were the best so far at the end of a generation, in order; the last is the best."""
+    f = np.where(result.feasible, result.problem.minimised(result.values)[:, 0], np.inf)
+    before = np.concatenate([[np.inf], np.minimum.accumulate(f)[:-1]])
+    better = np.flatnonzero(f < before)
+    last = np.append(result.generation[better][1:] != result.generation[better][:-1], True)
+    return [int(i) for i in better[last]]
+
+
+def _spread(ranked: list[int], most: int) -> list[int]:
+    """At most so many of a ranking, evenly spread, the first and the last among them."""
+    picks = np.unique(np.linspace(0, len(ranked) - 1, min(most, len(ranked))).round().astype(int))
+    return [ranked[i] for i in picks]
+
+
+def _splines(space: Waypoints) -> dict[str, Any]:
+    """Every sole of a space at once: a spline is linear in its heights.
+
+    contour(k) = base + sum_i (k_i - 1) columns_i, in z; x is the same for all.
+    """
+    one = np.ones((1, space.n), int)
+    base = space.contour(one)[0]
+    raised = one + np.eye(space.n, dtype=int) if space.K > 1 else np.tile(one, (space.n, 1))
+    columns = space.contour(raised)[:, :, 1] - base[:, 1]
+    return {
+        "n": space.n,
+        "x": packed(base[:, 0], exact=True),
+        "base": packed(base[:, 1], exact=True),
+        "columns": packed(columns, exact=True),
+        "waypoints": packed(space.x, exact=True),
+        "step": space.H / space.K,
+        "L": space.L,
+        "H": space.H,
+    }
+
+
+def _traces(walk: Walk, frames: int) -> dict[str, Any]:
+    """A walk at some of its samples, its peaks among them, and the forces along its sole."""
+    foot = walk.foot
+    shared = {"ankle": foot.ankle, "top": foot.top, "reason": walk.reason}
+    if len(walk.t) == 0:
+        return {**shared, "t": packed(walk.t)}
+    peaks = [np.abs(walk.power).argmax(axis=0), np.abs(walk.force).reshape(len(walk.t), -1).argmax(axis=0)]
+    even = np.searchsorted(walk.t, np.linspace(walk.t[0], walk.t[-1], frames))
+    index = np.unique(np.concatenate([even, *peaks]))
+    sole = foot.plates(walk.accuracy.plates, walk.accuracy.rule)
+    begin, size = groups(sole.x.shape[1], ARROWS)
+    # relative to the ankle, as plates are; the page turns and carries them
+    at = [np.add.reduceat(part[0], begin) / size for part in (sole.x, sole.z)]
+    force = np.add.reduceat(walk.plates(index).force, begin, axis=2)
+    return {
+        **shared,
+        "t": packed(walk.t[index], exact=True),
+        **{
+            name: packed(getattr(walk, name)[index]) for name in ("com", "velocity", "force", "power", "work")
+        },
+        "at": packed(np.stack(at, axis=-1)),
+        "arrows": packed(force),
+    }
+
+
+# --- numbers --------------------------------------------------------------------------------------
+
+
+def packed(values: ArrayLike, exact: bool = False) -> dict[str, Any]:
+    """An array as the page reads it.
+
+    Whole numbers that fit 16 bits stay exact; other values are rounded to 1/65535 of their range, or,
+    with `exact`, to 32-bit floats (which keep a NaN).
+    """
+    array = np.asarray(values)
+    if exact:
+        whole, low, step = array.astype("<f4"), 0.0, 0.0
+    else:
+        low, high = (float(array.min()), float(array.max())) if array.size else (0.0, 0.0)
+        fits = np.issubdtype(array.dtype, np.integer) and high - low <= 65535
+        step = 1.0 if fits or high == low else (high - low) / 65535
+        whole = np.round((array - low) / step).astype("<u2")
+    data = base64.b64encode(whole.tobytes()).decode("ascii")
+    return {"shape": array.shape, "low": low, "step": step, "data": data}
