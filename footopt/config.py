@@ -31,6 +31,7 @@ class StudyConfig:
     leading_edge: bool = False
     solvers: Optional[list[str]] = None  # noqa: UP045
     budget: int = 3000
+    run: Optional[str] = None  # noqa: UP045
 
 
 @dataclass
@@ -72,7 +73,7 @@ class GaitConfig:
 
 @dataclass
 class FootConfig:
-    """The foot: a space of waypoints (and one sole k in it, to simulate), or one of the shapes."""
+    """The foot: a space of waypoints (and one sole k in it, to simulate), a shape, or a drawing."""
 
     shape: str = "waypoints"
     width: float = 0.10
@@ -88,6 +89,13 @@ class FootConfig:
     upright: str = "toe"
     closed: bool = False
     top: float = 0.0
+    path: Optional[str] = None  # noqa: UP045
+    units: Optional[str] = None  # noqa: UP045
+    scale: float = 1.0
+    layer: Optional[str] = None  # noqa: UP045
+    toe: str = "right"
+    origin: str = "file"
+    block: Optional[list[float]] = None  # noqa: UP045
 
 
 @dataclass

@@ -52,7 +52,8 @@ class TestOptimize:
         figures = ("contour", "convergence", "com", "forces", "power_work", "step")
         assert files >= {
             *(f".hydra/{name}.yaml" for name in ("config", "hydra", "overrides")),
-            *("result.json", "designs.csv", "walk.nc", "contour.csv", "contour.dxf"),
+            *("result.json", "designs.csv", "walk.nc"),
+            *(f"contour.{end}" for end in ("csv", "dxf", "svg", "stl", "step")),
             *(f"figures/{name}.{end}" for name in figures for end in ("png", "pdf")),
         }
         assert folder.parts[-3:-1] == ("outputs", "optimize")
@@ -250,6 +251,12 @@ BAD = {
     "accuracy.tolerance=1e-9": "accuracy.tolerance = 1e-09: must be at least",
     "study.finalists=0": "study.finalists = 0: must be a whole number >= 1",
     "study.confirm=best": "accuracy = 'best': must be one of",
+    "study=export": "study.run = None: must be the folder of a run",
+    "study=export run=a_file": "study.run = 'a_file': not the folder of a run with one foot",
+    "study=simulate foot=outline": "foot.path = None: must be a drawing",
+    "study=simulate foot.path=sole.dxf": "foot.path = 'sole.dxf': must be null without foot=outline",
+    "study=simulate foot=outline foot.path=a.doc": "foot.path = 'a.doc': must be a file that ends in .dxf",
+    "foot=outline foot.path=sole.dxf": "foot.shape = 'outline': must be waypoints for a search",
     "engine.threads=0": "engine.threads = 0: must be a whole number >= 1",
 }
 
@@ -296,7 +303,8 @@ def test_every_yaml_file_composes_and_builds(choice):
     if choice not in ("gait=file", "effects=auto"):
         build.make_scene(config)
     build.make_accuracy(config.accuracy)
-    build.make_foot(config.foot)
+    if choice != "foot=outline":
+        build.make_foot(config.foot)
     if group in ("study", "sand", "gait", "scene", "accuracy", "solver"):
         assert getattr(config, group).name == name
 

@@ -57,17 +57,24 @@ def make_space(config: FootConfig) -> Waypoints:
 
 
 def make_foot(config: FootConfig) -> Foot:
-    """The one sole of a configuration: foot.k, a shape, or else the flat sole."""
+    """The one sole of a configuration: foot.k, a shape, a drawing, or else the flat sole."""
+    if config.path is not None and config.shape != "outline":
+        raise SettingError("foot.path", config.path, "null without foot=outline", "Add foot=outline.")
     if config.shape == "waypoints":
         space = make_space(config)
         return Foot.flat(space) if config.k is None else Foot.from_waypoints(config.k, space)
     if config.k is not None:
         raise SettingError("foot.k", config.k, f"null with foot.shape={config.shape}")
+    ankle = _point(config.ankle)
+    if config.shape == "outline":
+        if config.path is None:
+            raise SettingError("foot.path", None, "a drawing, with foot=outline", "Try foot.path=sole.dxf.")
+        drawing = {name: getattr(config, name) for name in ("units", "scale", "layer", "toe", "origin")}
+        return Foot.from_file(config.path, config.width, ankle, config.closed, config.top, **drawing)
     options = {
         "reversed_triangle": {"apex": config.apex},
         "reversed_l": {"upright": config.upright},
     }.get(config.shape, {})
-    ankle = _point(config.ankle)
     return Foot.shape(config.shape, config.length, config.width, ankle, config.closed, config.top, **options)
 
 

@@ -9,8 +9,7 @@ from typing import Any
 
 from footopt.config import Config
 from footopt.foot import Foot
-from footopt.foot.export import write_csv as write_contour
-from footopt.foot.export import write_dxf
+from footopt.foot.solid import write_all
 from footopt.report import figures, files, terminal
 from footopt.studies import build
 from footopt.studies.auto import settle
@@ -30,8 +29,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     errors = estimate_error(foot, scene, accuracy)
     diagnostics = diagnose(walk)
     files.write_walk(folder / "walk.nc", walk)
-    write_contour(foot, folder / "contour.csv")
-    write_dxf(foot, folder / "contour.dxf")
+    write_all(foot, folder, config.foot.block)
     walks = {foot.name: walk}
     drawn = {
         "contour": figures.contour(foot),
