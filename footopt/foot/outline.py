@@ -197,12 +197,17 @@ def _dxf(path: Path, units: str | None) -> Iterator[Line]:
     unit = _unit(path, units, DXF_UNITS.get(document.units))
     space = document.modelspace()
     for entity in recursive_decompose(e for e in space if e.dxftype() in ("INSERT", *DXF_LINES)):
-        if entity.dxftype() not in DXF_LINES:
-            continue
-        points = unit * np.array([(v.x, v.y) for v in curves.make_path(entity).flattening(FLATTEN / unit)])
-        closed = len(points) > 3 and bool(np.linalg.norm(points[0] - points[-1]) <= SAME)
-        if len(points) > 1:
-            yield Line(points[:-1] if closed else points, closed, entity.dxf.layer)
+        bulged = "POLYLINE" in entity.dxftype() and entity.has_arc
+        for piece in entity.virtual_entities() if bulged else (entity,):
+            if piece.dxftype() not in DXF_LINES:
+                continue
+            curved = piece.dxftype() in ("ARC", "CIRCLE", "ELLIPSE", "SPLINE")
+            # a path's arcs are cubics, .03 % off
+            flattened = (piece if curved else curves.make_path(piece)).flattening(FLATTEN / unit)
+            points = unit * np.array([(v.x, v.y) for v in flattened]).reshape(-1, 2)
+            closed = len(points) > 3 and bool(np.linalg.norm(points[0] - points[-1]) <= SAME)
+            if len(points) > 1:
+                yield Line(points[:-1] if closed else points, closed, entity.dxf.layer)
 
 
 def _svg(path: Path, units: str | None) -> Iterator[Line]:
