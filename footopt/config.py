@@ -60,6 +60,21 @@ class SandConfig:
 
 
 @dataclass
+class NamesConfig:
+    """A gait file's own names of markers and columns, where they are not usual."""
+
+    hip: Optional[str] = None  # noqa: UP045
+    knee: Optional[str] = None  # noqa: UP045
+    ankle: Optional[str] = None  # noqa: UP045
+    heel: Optional[str] = None  # noqa: UP045
+    toe: Optional[str] = None  # noqa: UP045
+    pelvis: Optional[str] = None  # noqa: UP045
+    time: Optional[str] = None  # noqa: UP045
+    thigh: Optional[str] = None  # noqa: UP045
+    foot: Optional[str] = None  # noqa: UP045
+
+
+@dataclass
 class GaitConfig:
     """The gait: the built-in human walk or a file."""
 
@@ -69,6 +84,9 @@ class GaitConfig:
     harmonics: int = 6
     pitch: str = "shank"
     start: float = 0.5
+    side: Optional[str] = None  # noqa: UP045
+    max_gap: float = 0.2
+    names: NamesConfig = field(default_factory=NamesConfig)
 
 
 @dataclass

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import asdict, replace
+from pathlib import Path
 
 from footopt.config import AccuracyConfig, Config, EffectsConfig, FootConfig, GaitConfig, SandConfig
 from footopt.errors import SettingError
 from footopt.foot import Foot, Waypoints
 from footopt.gait import Gait
-from footopt.gait.files import read
+from footopt.gait.files import Strides, read, read_strides
 from footopt.sand import Sand, StressMap
 from footopt.sand.effects import EFFECTS, Effect
 from footopt.walker import PRESETS, Accuracy, Scene, Walker
@@ -32,13 +33,25 @@ def make_gait(config: GaitConfig) -> Gait:
     if config.name == "file":
         if config.path is None:
             raise SettingError("gait.path", None, "a file, with gait=file", "Try gait.path=walk.csv.")
-        gait = read(config.path, config.harmonics)
+        gait = read(config.path, config.harmonics, *_reading(config))
         period = gait.period if config.period is None else config.period
         return replace(gait, period=period, pitch=config.pitch, start=config.start)
     if config.path is not None:
         raise SettingError("gait.path", config.path, "null with gait=human", "Use gait=file with a path.")
     period = 1.2 if config.period is None else config.period
     return Gait.human(period, config.harmonics, config.pitch, config.start)
+
+
+def make_strides(config: GaitConfig) -> Strides | None:
+    """The strides that a gait was fitted to; None where there are none."""
+    if config.name != "file" or config.path is None or Path(config.path).suffix.lower() == ".json":
+        return None
+    return read_strides(config.path, *_reading(config))
+
+
+def _reading(config: GaitConfig) -> tuple[dict[str, str], str | None, float]:
+    names = {key: name for key, name in vars(config.names).items() if name is not None}
+    return names, config.side, config.max_gap
 
 
 def make_space(config: FootConfig) -> Waypoints:

@@ -11,6 +11,7 @@ from footopt.config import Config
 from footopt.foot import Foot
 from footopt.foot.solid import write_all
 from footopt.report import figures, files, terminal
+from footopt.report.gait_figure import gait_fit
 from footopt.studies import build
 from footopt.studies.auto import settle
 from footopt.walker import OBJECTIVES, Accuracy, Scene, estimate_error, simulate
@@ -38,6 +39,9 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "power_work": figures.power_work(walks),
         "step": figures.step(walk),
     }
+    strides = build.make_strides(config.gait)
+    if strides is not None:
+        drawn["gait"] = gait_fit(strides, scene.gait)
     entry = {
         "study": "simulate",
         "design": foot_entry(foot),
@@ -48,6 +52,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         **scene_entry(scene, accuracy, tuple(OBJECTIVES)),
         "validity": {d.name: d.value for d in diagnostics},
         "warnings": [f"{d.name}: {d.why}" for d in diagnostics if d.outside],
+        "gait_file": strides.notes if strides is not None else [],
         "effects_audit": audits,
         "settings": settings,
         "versions": files.versions(),
@@ -58,6 +63,9 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         figures.save(figure, folder / "figures", name)
 
     out.print(f"{terminal.describe_scene(scene)}; {terminal.describe_foot(foot)}")
+    if strides is not None:
+        fitted = ", ".join(f"{joint} {rms:.2f}" for joint, rms in scene.gait.residual)
+        out.print(f"Gait from {config.gait.path}: {'; '.join(strides.notes)}. Misfit (rms, deg): {fitted}")
     if not walk.feasible:
         out.print(f"[yellow]The walk failed: {walk.reason}[/] after {len(walk.t)} steps of time.")
     out.print(terminal.objective_table([(foot.name, walk.objectives)], tuple(OBJECTIVES), errors))
