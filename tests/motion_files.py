@@ -28,19 +28,20 @@ def record(gait, dialect="opensim", strides=5.3, rate=100.0, speed=1.0, noise=0.
     places = {}
     for side, p in ((-1.0, right), (1.0, right + 0.5)):
         thigh, knee, foot = (series.at(p)[0] for series in (gait.thigh, gait.knee, gait.foot))
-        at = hip + [0.0, side * 0.09, 0.0]
+        at = hip + np.array([0.0, side * 0.09, 0.0])
         joints = [at]
         for length, angle in ((L1, thigh), (L2, thigh - knee)):
             at = at + length * np.stack([np.sin(angle), 0 * t, -np.cos(angle)], axis=1)
             joints.append(at)
         along = np.stack([np.cos(foot), 0 * t, np.sin(foot)], axis=1)
-        joints += [at - 0.05 * along - [0, 0, 0.05], at + 0.13 * along - [0, 0, 0.06]]
+        down = np.stack([np.sin(foot), 0 * t, -np.cos(foot)], axis=1)
+        joints += [at - 0.05 * along + 0.05 * down, at + 0.13 * along + 0.06 * down]
         for name, place in zip(names, joints, strict=False):
             if name is not None:
                 places[name if side < 0 else left_name(name)] = place
     if dialect in PELVIS:
         # Harrington's regression backwards: markers whose hip centre is the joint's
-        front = hip + [0.24 * DEPTH + 0.0099, 0, 0.30 * WIDTH + 0.0109]
+        front = hip + np.array([0.24 * DEPTH + 0.0099, 0, 0.30 * WIDTH + 0.0109])
         aside = np.array([0, WIDTH / 2, 0])
         back = front - [DEPTH, 0, 0]
         corners = (front - aside, front + aside, back - aside / 4, back + aside / 4)

@@ -27,5 +27,6 @@ def gait_fit(strides: Strides, gait: Gait) -> Figure:
         axes.set_ylabel(f"{joint} (deg), {SIGNS[joint]}")
         axes.set_title(f"misfit {residual[joint]:.2f}° rms", loc="right", pad=2)
     rows[-1].set(xlabel="stride (%), from heel strike", xlim=(0, 100))
+    figure.align_ylabels(rows)
     _legend_above(figure, *rows[0].get_legend_handles_labels())
     return figure

@@ -177,10 +177,11 @@ def _unswap(leg: dict[str, Array], other: dict[str, Array]) -> dict[str, int]:
     done = {}
     hips = np.nanmean(leg["hip"] - other["hip"], axis=0)
     for part in leg.keys() & other.keys() - {"hip"}:
-        aside = (leg[part] - other[part]) @ (hips / np.linalg.norm(hips))
-        wrong: NDArray[np.bool_] = aside * float(np.sign(np.nanmedian(aside))) < -APART
+        aside: Array = (leg[part] - other[part]) @ (hips / np.linalg.norm(hips))
+        turn = 1.0 if np.nanmedian(aside) >= 0 else -1.0
+        wrong = (turn * aside < -APART)[:, None]
         if wrong.any():
-            exchanged = np.where(wrong[:, None], other[part], leg[part])
+            exchanged = np.where(wrong, other[part], leg[part])
             leg[part] = exchanged
             done[part] = int(wrong.sum())
     return done

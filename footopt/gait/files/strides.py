@@ -90,7 +90,9 @@ def heel_strikes(recording: Recording) -> Array:
     first_low = int(np.argmax(again < 0)) or 1
     period = first_low + int(np.argmax(again[first_low:]))
     peaks, _ = find_peaks(ahead, distance=max(0.6 * period, 1), prominence=0.3 * np.ptp(ahead))
-    found: Array = t[peaks]
+    before, at, after = ahead[peaks - 1], ahead[peaks], ahead[peaks + 1]
+    between = 0.5 * (before - after) / (before - 2.0 * at + after)  # of the parabola through the three
+    found: Array = t[peaks] + between / rate
     return found
 
 
