@@ -17,7 +17,9 @@ import footopt as fo
 from footopt.cli import CONF
 from footopt.config import Config
 from footopt.errors import SettingError
+from footopt.foot.export import body_outline, enclosed_area
 from footopt.studies import STUDIES, build
+from footopt.studies.export import foot_of
 from footopt.walker import STEPPERS
 from footopt.walker.scene import MARGIN, measured_settings
 
@@ -154,6 +156,40 @@ class TestSimulate:
         result = json.loads((only_folder(tmp_path) / "result.json").read_text())
         assert (result["feasible"], result["reason"]) == (False, "sunk")
         assert "sunk" in done.stdout
+
+
+class TestExport:
+    """study=export, of runs of either kind that are over."""
+
+    def test_the_best_of_a_search_with_a_block(self, run_ga, tmp_path):
+        done = footopt("study=export", f"run={run_ga[1]}", "foot.block=[0.06,0.02]", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        folder = only_folder(tmp_path)
+        result = json.loads((folder / "result.json").read_text())
+        design = json.loads((run_ga[1] / "result.json").read_text())["design"]
+        assert result["design"] == design
+        bare = enclosed_area(body_outline(fo.Foot.from_waypoints(design["k"])))
+        assert result["area_mm2"] == pytest.approx(1e6 * bare + 1200.0)
+        assert result["volume_mm3"] == pytest.approx(100.0 * result["area_mm2"])
+        for ending in ("csv", "dxf", "svg", "stl", "step"):
+            assert (folder / f"contour.{ending}").is_file()
+        assert (folder / "contour.csv").read_text() == (run_ga[1] / "contour.csv").read_text()
+
+    def test_another_sole_of_the_same_space(self, run_ga):
+        k = [1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 8]
+        np.testing.assert_array_equal(foot_of(run_ga[1], k).contour, fo.Foot.from_waypoints(k).contour)
+
+    def test_a_drawings_sole_even_when_the_drawing_is_gone(self, tmp_path):
+        (tmp_path / "it's.csv").write_text("x_mm,z_mm\n-100,-10\n0,-20\n110,-5\n")
+        given = ["foot=outline", 'foot.path="it\'s.csv"', "foot.width=0.07", "foot.ankle=[0.01,0.02]"]
+        done = footopt("study=simulate", *given, "accuracy=draft", 'hydra.run.dir="it\'s"', cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        (tmp_path / "it's.csv").unlink()
+        done = footopt("study=export", "run=it's", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        foot = foot_of(tmp_path / "it's")
+        np.testing.assert_allclose(foot.contour, [(-0.1, -0.01), (0, -0.02), (0.11, -0.005)], atol=1e-12)
+        assert (foot.width, foot.ankle, foot.name) == (0.07, (0.01, 0.02), "it's")
 
 
 class TestAccuracy:

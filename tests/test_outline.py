@@ -73,6 +73,13 @@ class TestDxf:
             read(path), [(-0.1, 0), (0, -0.02), (0.05, -0.02), (0.1, 0.01)], atol=1e-12
         )
 
+    def test_bulges_of_a_polyline_are_arcs(self, tmp_path):
+        half = [(-100, 0, 1.0), (100, 0, 0.0)]  # a bulge of 1 is half a circle, here below its chord
+        path = drawing(tmp_path / "a.dxf", lambda space: space.add_lwpolyline(half, "xyb", close=True))
+        sole = read(path)
+        np.testing.assert_allclose(np.hypot(*sole.T), 0.1, atol=1e-9)
+        assert sole[:, 1].min() == pytest.approx(-0.1, abs=2e-5)
+
     def test_arcs_and_splines_are_flattened_on_themselves(self, tmp_path):
         def draw(space):
             space.add_arc((0, 0), 100, 180, 270)

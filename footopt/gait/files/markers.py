@@ -179,7 +179,7 @@ def _unswap(leg: dict[str, Array], other: dict[str, Array]) -> dict[str, int]:
     for part in leg.keys() & other.keys() - {"hip"}:
         aside: Array = (leg[part] - other[part]) @ (hips / np.linalg.norm(hips))
         turn = 1.0 if np.nanmedian(aside) >= 0 else -1.0
-        wrong = (turn * aside < -APART)[:, None]
+        wrong = np.reshape(turn * aside < -APART, (-1, 1))
         if wrong.any():
             exchanged = np.where(wrong, other[part], leg[part])
             leg[part] = exchanged
