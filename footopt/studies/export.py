@@ -75,8 +75,10 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
         ) from None
     if k is not None and saved.shape != "waypoints":
         raise SettingError("foot.k", k, f"null: the run's foot is {saved.shape}")
-    if k is not None or heights is not None:
-        return build.make_foot(dataclasses.replace(saved, k=heights if k is None else k))
-    # the contour itself: a drawing that it came from may have changed
-    foot = Foot.from_file(folder / "contour.csv", width, ankle, saved.closed, saved.top)
+    if k is not None:
+        return build.make_foot(dataclasses.replace(saved, k=k))
+    if heights is not None:
+        foot = build.make_foot(dataclasses.replace(saved, k=heights))
+    else:  # the contour itself: a drawing that it came from may have changed
+        foot = Foot.from_file(folder / "contour.csv", width, ankle, saved.closed, saved.top)
     return dataclasses.replace(foot, name=design["name"])

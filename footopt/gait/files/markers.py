@@ -179,9 +179,9 @@ def _unswap(leg: dict[str, Array], other: dict[str, Array]) -> dict[str, int]:
     for part in leg.keys() & other.keys() - {"hip"}:
         aside: Array = (leg[part] - other[part]) @ (hips / np.linalg.norm(hips))
         turn = 1.0 if np.nanmedian(aside) >= 0 else -1.0
-        wrong = np.reshape(turn * aside < -APART, (-1, 1))
+        wrong = turn * aside < -APART
         if wrong.any():
-            exchanged = np.where(wrong, other[part], leg[part])
+            exchanged = np.where(wrong[:, None], other[part], leg[part])
             leg[part] = exchanged
             done[part] = int(wrong.sum())
     return done
@@ -193,7 +193,7 @@ def _filled(
     """Short gaps filled by a spline, from the first to the last frame in which every marker is seen."""
     from scipy.interpolate import CubicSpline
 
-    seen = {part: np.isfinite(place).all(axis=1) for part, place in places.items()}
+    seen = {part: np.isfinite(place.sum(axis=1)) for part, place in places.items()}
     for part in ("heel", "toe"):  # these are not needed
         if part in seen and not seen[part].any():
             del seen[part], places[part]
