@@ -103,6 +103,15 @@ class TestMarkers:
             read(path)
         assert misfit(read(path, max_gap=0.6)) < 8.0
 
+    def test_a_toe_that_is_lost_costs_only_the_pitch_of_the_foot(self, tmp_path):
+        def hide(t, places):
+            places["R_MT2"][(t > 2.0) & (t < 2.5)] = np.nan
+
+        path = trc(tmp_path / "walk.trc", hide)
+        assert read(path).foot is None
+        assert misfit(read(path)) < 0.3
+        assert any("the toe is not seen from" in note for note in read_strides(path).notes)
+
     def test_a_marker_that_comes_late_and_goes_early_shortens_the_walk(self, tmp_path):
         def hide(t, places):
             places["R_AJC"][(t < 0.7) | (t > 5.0)] = np.nan

@@ -100,7 +100,7 @@ def test_what_is_no_such_file_is_named(tmp_path, ending):
 
 
 def test_a_step_file_names_only_what_it_holds(tmp_path):
-    text = write_step(HOLLOW, tmp_path / "foot.step").read_text()
+    text = write_step(HOLLOW, tmp_path / "Müller's foot.step").read_text()
     defined = re.findall(r"^#(\d+)=", text, flags=re.MULTILINE)
     used = re.findall(r"#(\d+)[,)]", text)
     assert defined == [str(i + 1) for i in range(len(defined))]

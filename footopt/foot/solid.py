@@ -75,7 +75,7 @@ def write_step(foot: Foot, path: str | Path, block: Sequence[float] | None = Non
     Parameters, returns and errors are those of `write_stl`.
     """
     path, outline = Path(path), MM * body_outline(foot, block)
-    write_file(path, "\n".join(_step(outline, foot.width, path.stem)) + "\n")
+    write_file(path, "\n".join(_step(outline, foot.width)) + "\n")
     _verify(path, read_step(path), outline, foot.width, STEP_TOLERANCE)
     return path
 
@@ -162,7 +162,7 @@ def _across(outline: Array, width: float) -> tuple[Array, Array]:
     return np.stack([x, -y, z], axis=1), np.stack([x, y, z], axis=1)
 
 
-def _step(outline: Array, width: float, name: str) -> Iterator[str]:
+def _step(outline: Array, width: float) -> Iterator[str]:
     """The lines of a STEP file of the prism; every edge is made once and used by two faces."""
     left, right = _across(outline, width)
     count = len(outline)
@@ -211,12 +211,12 @@ def _step(outline: Array, width: float, name: str) -> Iterator[str]:
         loop = [(cross[i], True), (on_right[i], True), (cross[after[i]], False), (on_left[i], False)]
         faces.append(face(loop, i, np.cross(y, along), y))
     shell = new(f"CLOSED_SHELL('',({','.join(faces)}))")
-    body = new(f"MANIFOLD_SOLID_BREP('{name}',{shell})")
+    body = new(f"MANIFOLD_SOLID_BREP('foot',{shell})")
 
     application = new("APPLICATION_CONTEXT('core data for automotive mechanical design processes')")
     new(f"APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2000,{application})")
     context = new(f"PRODUCT_CONTEXT('',{application},'mechanical')")
-    product = new(f"PRODUCT('{name}','{name}','',({context}))")
+    product = new(f"PRODUCT('foot','foot','',({context}))")
     new(f"PRODUCT_RELATED_PRODUCT_CATEGORY('part','',({product}))")
     formation = new(f"PRODUCT_DEFINITION_FORMATION('','',{product})")
     stage = new(f"PRODUCT_DEFINITION_CONTEXT('part definition',{application},'design')")
@@ -235,7 +235,7 @@ def _step(outline: Array, width: float, name: str) -> Iterator[str]:
         "REPRESENTATION_CONTEXT('',''))"
     )
     world = frame(triple("CARTESIAN_POINT", 0.0 * x), np.cross(x, y), x)
-    representation = new(f"ADVANCED_BREP_SHAPE_REPRESENTATION('{name}',({world},{body}),{space})")
+    representation = new(f"ADVANCED_BREP_SHAPE_REPRESENTATION('foot',({world},{body}),{space})")
     new(f"SHAPE_DEFINITION_REPRESENTATION({shape},{representation})")
 
     now = time.strftime("%Y-%m-%dT%H:%M:%S")
@@ -243,7 +243,7 @@ def _step(outline: Array, width: float, name: str) -> Iterator[str]:
         "ISO-10303-21;",
         "HEADER;",
         "FILE_DESCRIPTION(('sole extruded to the width of the foot'),'2;1');",
-        f"FILE_NAME('{name}.step','{now}',(''),(''),'footopt','footopt','');",
+        f"FILE_NAME('foot.step','{now}',(''),(''),'footopt','footopt','');",
         "FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));",
         "ENDSEC;",
         "DATA;",

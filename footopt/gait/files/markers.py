@@ -194,7 +194,7 @@ def _filled(
     from scipy.interpolate import CubicSpline
 
     seen = {part: np.isfinite(place.sum(axis=1)) for part, place in places.items()}
-    for part in ("heel", "toe"):  # these are not needed
+    for part in ("heel", "toe"):
         if part in seen and not seen[part].any():
             del seen[part], places[part]
     never = [part for part, ok in seen.items() if not ok.any()]
@@ -211,10 +211,13 @@ def _filled(
         known = times[ok]
         longest = int(np.argmax(np.diff(known))) if len(known) > 1 else 0
         if known[longest + 1] - known[longest] > max_gap + 1.5 * np.median(np.diff(t)):
+            place_in_time = f"the {part} is not seen from {known[longest]:.3f} to {known[longest + 1]:.3f} s"
+            if part in ("heel", "toe"):  # these are not needed
+                notes.append(f"{place_in_time}: no pitch of the foot")
+                continue
             raise FileError(
-                f"gait.path = {str(path)!r}: the {part} is not seen from {known[longest]:.3f} to "
-                f"{known[longest + 1]:.3f} s, longer than gait.max_gap = {max_gap:g} s. Fill the gap in the "
-                "program that recorded it, or cut the file there."
+                f"gait.path = {str(path)!r}: {place_in_time}, longer than gait.max_gap = {max_gap:g} s. Fill "
+                "the gap in the program that recorded it, or cut the file there."
             )
         if not ok.all():
             notes.append(f"{part}: {np.sum(~ok)} frames in gaps of at most {max_gap:g} s filled")

@@ -71,7 +71,8 @@ def cut(recording: Recording) -> Strides:
     curves = {joint: np.interp(times, t, angle) for joint, angle in recording.angles.items()}
     spread = f", {lengths[good].min():.3f} to {lengths[good].max():.3f} s" if good.sum() > 1 else ""
     left_out = f"; {np.sum(~good)} of another length left out" if not good.all() else ""
-    notes.append(f"{good.sum()} strides of {lengths[good].mean():.3f} s{spread}{left_out}")
+    many = "s" if good.sum() > 1 else ""
+    notes.append(f"{good.sum()} stride{many} of {lengths[good].mean():.3f} s{spread}{left_out}")
     return Strides(phase, curves, float(lengths[good].mean()), tuple(notes))
 
 
