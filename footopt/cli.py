@@ -93,7 +93,7 @@ def main() -> None:
     """Entry point. Errors a user can mend end with one message and exit code 1."""
     os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra passes errors on instead of printing them itself
     try:
-        sys.argv[1:] = resumed(sys.argv[1:])
+        sys.argv[1:] = [named_run(word) for word in resumed(sys.argv[1:])]
         _job()
     except KeyboardInterrupt:
         sys.exit(STOPPED)
@@ -145,6 +145,13 @@ def resumed(given: Sequence[str]) -> list[str]:
     place = str(folder).replace("'", "\\'")
     # Hydra would truncate the settings before it writes them: a kill then could lose them
     return [*map(str, saved), *new, f"hydra.run.dir='{place}'", "hydra.output_subdir=null"]
+
+
+def named_run(word: str) -> str:
+    """``run=FOLDER`` as the setting that it is short for, with any character in the folder's name."""
+    if not word.startswith("run="):
+        return word
+    return "study.run='{}'".format(word.removeprefix("run=").replace("'", "\\'"))
 
 
 @contextmanager

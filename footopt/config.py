@@ -59,6 +59,7 @@ class StudyConfig:
     tail: float = 0.25
     spread: SpreadConfig = field(default_factory=SpreadConfig)
     foot_spread: FootSpreadConfig = field(default_factory=FootSpreadConfig)
+    run: Optional[str] = None  # noqa: UP045
 
 
 @dataclass
@@ -87,6 +88,21 @@ class SandConfig:
 
 
 @dataclass
+class NamesConfig:
+    """A gait file's own names of markers and columns, where they are not usual."""
+
+    hip: Optional[str] = None  # noqa: UP045
+    knee: Optional[str] = None  # noqa: UP045
+    ankle: Optional[str] = None  # noqa: UP045
+    heel: Optional[str] = None  # noqa: UP045
+    toe: Optional[str] = None  # noqa: UP045
+    pelvis: Optional[str] = None  # noqa: UP045
+    time: Optional[str] = None  # noqa: UP045
+    thigh: Optional[str] = None  # noqa: UP045
+    foot: Optional[str] = None  # noqa: UP045
+
+
+@dataclass
 class GaitConfig:
     """The gait: the built-in human walk or a file."""
 
@@ -96,11 +112,14 @@ class GaitConfig:
     harmonics: int = 6
     pitch: str = "shank"
     start: float = 0.5
+    side: Optional[str] = None  # noqa: UP045
+    max_gap: float = 0.2
+    names: NamesConfig = field(default_factory=NamesConfig)
 
 
 @dataclass
 class FootConfig:
-    """The foot: a space of waypoints (and one sole k in it, to simulate), or one of the shapes."""
+    """The foot: a space of waypoints (and one sole k in it, to simulate), a shape, or a drawing."""
 
     shape: str = "waypoints"
     width: float = 0.10
@@ -116,6 +135,13 @@ class FootConfig:
     upright: str = "toe"
     closed: bool = False
     top: float = 0.0
+    path: Optional[str] = None  # noqa: UP045
+    units: Optional[str] = None  # noqa: UP045
+    scale: float = 1.0
+    layer: Optional[str] = None  # noqa: UP045
+    toe: str = "right"
+    origin: str = "file"
+    block: Optional[list[float]] = None  # noqa: UP045
 
 
 @dataclass

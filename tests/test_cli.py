@@ -17,7 +17,9 @@ import footopt as fo
 from footopt.cli import CONF
 from footopt.config import Config
 from footopt.errors import SettingError
+from footopt.foot.export import body_outline, enclosed_area
 from footopt.studies import STUDIES, build
+from footopt.studies.export import foot_of
 from footopt.walker import STEPPERS
 from footopt.walker.scene import MARGIN, measured_settings
 
@@ -52,7 +54,8 @@ class TestOptimize:
         figures = ("contour", "convergence", "com", "forces", "power_work", "step")
         assert files >= {
             *(f".hydra/{name}.yaml" for name in ("config", "hydra", "overrides")),
-            *("result.json", "designs.csv", "walk.nc", "contour.csv", "contour.dxf", "report.html"),
+            *("result.json", "designs.csv", "walk.nc", "report.html"),
+            *(f"contour.{end}" for end in ("csv", "dxf", "svg", "stl", "step")),
             *(f"figures/{name}.{end}" for name in figures for end in ("png", "pdf")),
         }
         assert folder.parts[-3:-1] == ("outputs", "optimize")
@@ -155,6 +158,40 @@ class TestSimulate:
         assert "sunk" in done.stdout
 
 
+class TestExport:
+    """study=export, of runs of either kind that are over."""
+
+    def test_the_best_of_a_search_with_a_block(self, run_ga, tmp_path):
+        done = footopt("study=export", f"run={run_ga[1]}", "foot.block=[0.06,0.02]", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        folder = only_folder(tmp_path)
+        result = json.loads((folder / "result.json").read_text())
+        design = json.loads((run_ga[1] / "result.json").read_text())["design"]
+        assert result["design"] == design
+        bare = enclosed_area(body_outline(fo.Foot.from_waypoints(design["k"])))
+        assert result["area_mm2"] == pytest.approx(1e6 * bare + 1200.0)
+        assert result["volume_mm3"] == pytest.approx(100.0 * result["area_mm2"])
+        for ending in ("csv", "dxf", "svg", "stl", "step"):
+            assert (folder / f"contour.{ending}").is_file()
+        assert (folder / "contour.csv").read_text() == (run_ga[1] / "contour.csv").read_text()
+
+    def test_another_sole_of_the_same_space(self, run_ga):
+        k = [1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 8]
+        np.testing.assert_array_equal(foot_of(run_ga[1], k).contour, fo.Foot.from_waypoints(k).contour)
+
+    def test_a_drawings_sole_even_when_the_drawing_is_gone(self, tmp_path):
+        (tmp_path / "it's.csv").write_text("x_mm,z_mm\n-100,-10\n0,-20\n110,-5\n")
+        given = ["foot=outline", 'foot.path="it\'s.csv"', "foot.width=0.07", "foot.ankle=[0.01,0.02]"]
+        done = footopt("study=simulate", *given, "accuracy=draft", 'hydra.run.dir="it\'s"', cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        (tmp_path / "it's.csv").unlink()
+        done = footopt("study=export", "run=it's", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        foot = foot_of(tmp_path / "it's")
+        np.testing.assert_allclose(foot.contour, [(-0.1, -0.01), (0, -0.02), (0.11, -0.005)], atol=1e-12)
+        assert (foot.width, foot.ankle, foot.name) == (0.07, (0.01, 0.02), "it's")
+
+
 class TestAccuracy:
     @pytest.mark.slow
     def test_a_first_look_measures_errors_costs_and_orders(self, tmp_path):
@@ -251,6 +288,12 @@ BAD = {
     "accuracy.tolerance=1e-9": "accuracy.tolerance = 1e-09: must be at least",
     "study.finalists=0": "study.finalists = 0: must be a whole number >= 1",
     "study.confirm=best": "accuracy = 'best': must be one of",
+    "study=export": "study.run = None: must be the folder of a run",
+    "study=export run=a_file": "study.run = 'a_file': not the folder of a run with one foot",
+    "study=simulate foot=outline": "foot.path = None: must be a drawing",
+    "study=simulate foot.path=sole.dxf": "foot.path = 'sole.dxf': must be null without foot=outline",
+    "study=simulate foot=outline foot.path=a.doc": "foot.path = 'a.doc': must be a file that ends in .dxf",
+    "foot=outline foot.path=sole.dxf": "foot.shape = 'outline': must be waypoints for a search",
     "engine.threads=0": "engine.threads = 0: must be a whole number >= 1",
 }
 
@@ -297,7 +340,8 @@ def test_every_yaml_file_composes_and_builds(choice):
     if choice not in ("gait=file", "effects=auto"):
         build.make_scene(config)
     build.make_accuracy(config.accuracy)
-    build.make_foot(config.foot)
+    if choice != "foot=outline":
+        build.make_foot(config.foot)
     if group in ("study", "sand", "gait", "scene", "accuracy", "solver"):
         assert getattr(config, group).name == name
 

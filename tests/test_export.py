@@ -1,28 +1,83 @@
 """Files to make a foot from hold the foot, in millimetres, or say why they cannot be written."""
 
 import csv
+from xml.etree import ElementTree
 
 import ezdxf
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import footopt as fo
 from footopt.errors import FileError, SettingError
-from footopt.foot import SHAPES, export
-from footopt.foot.export import closed_contour, enclosed_area, read_dxf, write_csv, write_dxf
+from footopt.foot import SHAPES, outline
+from footopt.foot.export import (
+    WALL,
+    body_outline,
+    closed_contour,
+    enclosed_area,
+    write_csv,
+    write_dxf,
+    write_svg,
+)
+from footopt.foot.solid import write_step, write_stl
 
 heights = st.lists(st.integers(1, 10), min_size=4, max_size=15)
+DRAWINGS = {"dxf": write_dxf, "svg": write_svg}
+
+
+def lines(path):
+    """The lines of a drawing by layer, m."""
+    return {line.layer: line for line in outline.lines_of(path)}
+
+
+@pytest.mark.parametrize(("ending", "exact"), [("dxf", 1e-12), ("svg", 1e-9)])
+@settings(max_examples=20)
+@given(k=heights)
+def test_the_outline_of_any_waypoint_sole_survives_the_file(tmp_path_factory, ending, exact, k):
+    foot = fo.Foot.from_waypoints(k)
+    path = DRAWINGS[ending](foot, tmp_path_factory.getbasetemp() / f"any.{ending}")
+    found = lines(path)
+    np.testing.assert_allclose(found["OUTLINE"].points, body_outline(foot), rtol=0, atol=exact)
+    np.testing.assert_allclose(found["SOLE"].points, foot.contour, rtol=0, atol=exact)
+    assert (found["OUTLINE"].closed, found["SOLE"].closed) == (True, False)
 
 
 @given(k=heights)
-def test_the_outline_of_any_waypoint_sole_survives_the_file(tmp_path_factory, k):
+def test_a_body_is_in_one_piece(k):
+    """Its top keeps a distance from the sole's humps, and is otherwise the closed contour's."""
     foot = fo.Foot.from_waypoints(k)
-    path = write_dxf(foot, tmp_path_factory.getbasetemp() / "any.dxf")
-    outline = 1e3 * closed_contour(foot)
-    np.testing.assert_allclose(read_dxf(path), outline, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(read_dxf(path, "SOLE"), 1e3 * foot.contour, rtol=0, atol=1e-9)
+    body, closed = body_outline(foot), closed_contour(foot)
+    sole = foot.contour[:, 1]
+    if sole.max() < -WALL:
+        np.testing.assert_array_equal(body, closed)
+    inside = sole[1:-1].max()
+    if inside >= max(sole[0], sole[-1]):
+        assert body[:, 1].max() >= inside + WALL - 1e-12
+
+
+def test_a_block_stands_on_the_top_over_the_ankle():
+    foot = fo.Foot(fo.Foot.flat().contour, ankle=(0.02, 0.05))
+    body = body_outline(foot, (0.06, 0.025))
+    assert enclosed_area(body) == pytest.approx(0.26 * 0.03 + 0.06 * 0.025)
+    top = body[body[:, 1] == body[:, 1].max()]
+    np.testing.assert_allclose(sorted(top[:, 0]), [-0.01, 0.05])
+    whole = body_outline(fo.Foot.flat(), (0.26, 0.01))  # as long as the foot: no twin corners
+    assert enclosed_area(whole) == pytest.approx(0.26 * 0.04)
+    assert np.linalg.norm(np.roll(whole, -1, axis=0) - whole, axis=1).min() > 1e-6
+
+
+@pytest.mark.parametrize("block", [(0.3, 0.02), (0.06, 0.0), (-0.1, 0.1), (0.06,), (0.06, float("nan"))])
+def test_a_block_that_does_not_fit_is_refused(block):
+    with pytest.raises(SettingError, match=r"foot\.block = .*must be"):
+        body_outline(fo.Foot.flat(), block)
+
+
+def test_an_overhanging_sole_that_its_sides_would_cut_is_refused():
+    curl = np.array([[-0.1, -0.02], [0.1, -0.02], [0.1, 0.02], [0.05, 0.02], [0.05, -0.01]])
+    with pytest.raises(SettingError, match=r"foot\.top = .*They meet at x 50\.00, z 20\.00 mm"):
+        body_outline(fo.Foot(curl))
 
 
 @given(k=heights)
@@ -78,18 +133,25 @@ def test_the_file_has_millimetres_layers_and_a_closed_and_an_open_line(tmp_path)
     assert not document.audit().has_errors
 
 
-def test_a_file_that_does_not_hold_the_outline_is_refused(tmp_path, monkeypatch):
-    shrunk = 0.999 * 1e3 * closed_contour(fo.Foot.flat())
-    monkeypatch.setattr(export, "read_dxf", lambda path: shrunk)
-    with pytest.raises(FileError, match=r"encloses 7784\.4\d* mm\^2 instead of 7800 mm\^2"):
-        write_dxf(fo.Foot.flat(), tmp_path / "flat.dxf")
+def test_an_svg_is_at_full_size(tmp_path):
+    root = ElementTree.parse(write_svg(fo.Foot.flat(), tmp_path / "flat.svg")).getroot()
+    assert root.get("width") == "262.000000mm"  # a millimetre of margin
+    assert root.get("viewBox") == "-131.000000 -1.000000 262.000000 32.000000"
 
 
-def test_a_line_of_no_area_is_refused(tmp_path):
+@pytest.mark.parametrize("ending", DRAWINGS)
+def test_a_file_that_does_not_hold_the_outline_is_refused(tmp_path, monkeypatch, ending):
+    shrunk = outline.Line(0.999 * closed_contour(fo.Foot.flat()), True, "OUTLINE")
+    monkeypatch.setattr(outline, "lines_of", lambda path: [shrunk])
+    with pytest.raises(FileError, match=r"area is 7784\.4\d* mm\^2 instead of 7800 mm\^2"):
+        DRAWINGS[ending](fo.Foot.flat(), tmp_path / f"flat.{ending}")
+
+
+def test_a_line_of_no_area_is_refused():
     with pytest.raises(SettingError, match=r"foot\.top"):
         closed_contour(fo.Foot(np.array([[-0.1, 0.0], [0.1, 0.0]])))
     with pytest.raises(SettingError, match="finite"):
-        write_dxf(fo.Foot.flat(), tmp_path / "flat.dxf", top=float("nan"))
+        closed_contour(fo.Foot.flat(), float("nan"))
 
 
 def test_the_sole_as_csv_runs_from_heel_to_toe_in_millimetres(tmp_path):
@@ -108,21 +170,10 @@ def test_a_zero_has_no_sign(tmp_path):
     assert "-0.000000" not in path.read_text()
 
 
-@pytest.mark.parametrize("write", [write_csv, write_dxf])
+@pytest.mark.parametrize("write", [write_csv, write_dxf, write_svg, write_stl, write_step])
 def test_a_path_that_cannot_be_written_is_named(write, tmp_path):
     (tmp_path / "file").write_text("")
     for path in (tmp_path / "nowhere" / "sole", tmp_path / "file" / "sole", tmp_path):
         with pytest.raises(FileError, match="cannot be written") as caught:
             write(fo.Foot.flat(), path)
         assert str(path) in str(caught.value)
-
-
-def test_a_file_that_is_no_dxf_is_named(tmp_path):
-    path = tmp_path / "sole.dxf"
-    path.write_text("x_mm,z_mm\n0,0\n")
-    with pytest.raises(FileError, match=r"sole\.dxf"):
-        read_dxf(path)
-    with pytest.raises(FileError, match=r"none\.dxf"):
-        read_dxf(tmp_path / "none.dxf")
-    with pytest.raises(FileError, match="holds 0"):
-        read_dxf(write_dxf(fo.Foot.flat(), tmp_path / "flat.dxf"), layer="HEEL")

@@ -366,7 +366,7 @@ class TestFiles:
             read(tmp_path / name)
 
     def test_an_unknown_ending_is_refused(self, tmp_path):
-        with pytest.raises(SettingError, match=r"gait\.path = .*\.json or \.csv"):
+        with pytest.raises(SettingError, match=r"gait\.path = .*\.json, \.csv, .*\.sto or \.c3d"):
             read(tmp_path / "gait.xlsx")
 
     def test_endings_are_read_in_any_case(self, tmp_path):

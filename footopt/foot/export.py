@@ -1,23 +1,28 @@
-"""A foot as a file to make it from: the sole as CSV, the closed outline as DXF, both in millimetres."""
+"""A foot as files to make it from: the sole as CSV, its closed outline as DXF and SVG, in millimetres.
+
+`footopt.foot.solid` writes the body that the outline spans across the foot's width.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import FileError, check
+from footopt.errors import FileError, SettingError, check
 from footopt.foot.foot import Foot
+from footopt.foot.polygon import SAME, crossing, enclosed_area, without_twins
 from footopt.foot.waypoints import check_top
 
 Array = NDArray[np.float64]
 
 MM = 1e3  # millimetres in a metre
-SAME = 1e-9  # points closer than this are one, m
+WALL = 2e-3  # least material above a sole's hump, m: a body must not fall in two
 AREA_TOLERANCE = 1e-6  # relative, of an outline read back
 
-SOLE, OUTLINE = "SOLE", "OUTLINE"  # layers of the DXF file
+SOLE, OUTLINE = "SOLE", "OUTLINE"  # layers of the DXF file, groups of the SVG file
 
 
 def closed_contour(foot: Foot, top: float | None = None) -> Array:
@@ -55,15 +60,66 @@ def closed_contour(foot: Foot, top: float | None = None) -> Array:
     return outline
 
 
-def enclosed_area(outline: Array) -> float:
-    """Area inside a closed polygon (shoelace), positive when it runs counter-clockwise.
+def body_outline(foot: Foot, block: Sequence[float] | None = None) -> Array:
+    """The outline that is made: `closed_contour`, in one piece, with a mounting block on its top.
+
+    Where a hump of the sole comes nearer to the top than `WALL`, the top is raised to that distance:
+    the body would fall in two there.
 
     Parameters
     ----------
-    outline : (m, 2), the first point not repeated
+    foot : whose sole is closed.
+    block : length and height (m) of a rectangle on the top, its middle above the ankle; None: no block.
+
+    Returns
+    -------
+    outline : (m, 2), m, counter-clockwise from the heel, the first point not repeated.
+
+    Raises
+    ------
+    SettingError : the block does not fit on the top, the outline crosses itself, or see `closed_contour`.
     """
-    x, z = (outline - outline[0]).T  # near the origin the products cancel less
-    return float(0.5 * np.sum(x * np.roll(z, -1) - np.roll(x, -1) * z))
+    sole, top = foot.contour, foot.top
+    hump = sole[1:-1, 1].max(initial=-np.inf)
+    if hump > max(sole[0, 1], sole[-1, 1]) - SAME:
+        top = max(top, hump + WALL)
+    outline = closed_contour(foot, top)
+    if block is not None:
+        level = outline[:, 1].max()
+        toe, heel = [(sole[-1, 0], level)], [(sole[0, 0], level)]
+        outline = np.concatenate([sole, toe, _block(foot, level, block), heel])
+        outline = without_twins(outline, closed=True)
+    place = crossing(outline, closed=True)
+    if place is not None:
+        x, z = MM * place
+        raise SettingError(
+            "foot.top",
+            foot.top,
+            "such that the sole, two vertical sides and the top do not cross",
+            f"They meet at x {x:.2f}, z {z:.2f} mm: the sole overhangs, or crosses itself there.",
+        )
+    return outline
+
+
+def _block(foot: Foot, level: float, block: Sequence[float]) -> Array:
+    """The corners of a block on a top at `level`, from toe to heel, (4, 2), m."""
+    check(
+        len(block) == 2 and all(0 < size < np.inf for size in block),
+        "foot.block",
+        list(block),
+        "a length and a height > 0, in m, or null",
+    )
+    (length, height), middle = block, foot.ankle[0]
+    heel, toe = foot.contour[0, 0], foot.contour[-1, 0]
+    check(
+        heel - SAME <= middle - length / 2 and middle + length / 2 <= toe + SAME,
+        "foot.block",
+        list(block),
+        f"on the top, which reaches from {MM * heel:g} to {MM * toe:g} mm",
+        f"Its middle is above the ankle, at {MM * middle:g} mm.",
+    )
+    ahead, behind, high = middle + length / 2, middle - length / 2, level + height
+    return np.array([(ahead, level), (ahead, high), (behind, high), (behind, level)])
 
 
 def write_csv(foot: Foot, path: str | Path) -> Path:
@@ -82,18 +138,18 @@ def write_csv(foot: Foot, path: str | Path) -> Path:
     try:
         np.savetxt(path, rows, fmt="%.6f", delimiter=",", header="x_mm,z_mm", comments="")
     except OSError as error:
-        raise _unwritable(path, error) from error
+        raise unwritable(path, error) from error
     return path
 
 
-def write_dxf(foot: Foot, path: str | Path, top: float | None = None) -> Path:
-    """Write the closed outline (layer OUTLINE) and the sole alone (layer SOLE) as polylines, in mm.
+def write_dxf(foot: Foot, path: str | Path, block: Sequence[float] | None = None) -> Path:
+    """Write the outline (layer OUTLINE) and the sole alone (layer SOLE) as polylines, in mm.
 
     The file is read back, and its outline's area compared with the contour's own.
 
     Parameters
     ----------
-    top : z_p of the flat top, m (see `closed_contour`).
+    block : length and height of a mounting block, m (see `body_outline`).
 
     Returns
     -------
@@ -102,12 +158,12 @@ def write_dxf(foot: Foot, path: str | Path, top: float | None = None) -> Path:
     Raises
     ------
     FileError : the file cannot be written, or does not hold the outline when read back.
-    SettingError : see `closed_contour`.
+    SettingError : see `body_outline`.
     """
     import ezdxf
 
     path = Path(path)
-    outline = MM * closed_contour(foot, top)
+    outline = MM * body_outline(foot, block)
     document = ezdxf.new("R2010")
     document.units = ezdxf.units.MM  # $INSUNITS 4
     document.header["$MEASUREMENT"] = 1  # metric
@@ -119,41 +175,72 @@ def write_dxf(foot: Foot, path: str | Path, top: float | None = None) -> Path:
     try:
         document.saveas(path)
     except OSError as error:
-        raise _unwritable(path, error) from error
-    _compare(read_dxf(path), outline, path)
+        raise unwritable(path, error) from error
+    _compare(path, outline)
     return path
 
 
-def read_dxf(path: str | Path, layer: str = OUTLINE) -> Array:
-    """The one polyline on a layer of a file that `write_dxf` made, (m, 2), mm.
+def write_svg(foot: Foot, path: str | Path, block: Sequence[float] | None = None) -> Path:
+    """Write the outline and the sole as paths of a drawing at full size, one unit a millimetre.
 
-    Raises
-    ------
-    FileError : the file cannot be read, or does not hold exactly one such polyline.
+    The y-axis of an SVG points down: z_p = -y. The file is read back, and its outline's area compared.
+
+    Parameters, returns and errors are those of `write_dxf`.
     """
-    import ezdxf
+    path = Path(path)
+    outline = MM * body_outline(foot, block)
+    (left, low), (right, high) = outline.min(axis=0) - 1.0, outline.max(axis=0) + 1.0
+    wide, tall = right - left, high - low
+    lines = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide:.6f}mm" height="{tall:.6f}mm" '
+        f'viewBox="{left:.6f} {-high:.6f} {wide:.6f} {tall:.6f}">',
+        *(
+            f'<g id="{name}"><path d="M {_pairs(points)}{end}" fill="none" stroke="{colour}" '
+            'stroke-width="0.1"/></g>'
+            for name, points, end, colour in (
+                (OUTLINE, outline, " Z", "black"),
+                (SOLE, MM * foot.contour, "", "red"),
+            )
+        ),
+        "</svg>",
+    ]
+    write_file(path, "\n".join(lines) + "\n")
+    _compare(path, outline)
+    return path
 
+
+def _pairs(points: Array) -> str:
+    return " L ".join(f"{x:.6f} {-z:.6f}" for x, z in points)
+
+
+def write_file(path: Path, content: str | bytes) -> None:
+    """Write a whole file, or raise `FileError`."""
     try:
-        document = ezdxf.readfile(path)
-    except (OSError, ezdxf.DXFError) as error:
-        raise FileError(f"{path}: cannot be read as DXF ({error}).") from error
-    lines = document.modelspace().query(f'LWPOLYLINE[layer=="{layer}"]')
-    if len(lines) != 1:
-        raise FileError(f"{path}: must hold one LWPOLYLINE on layer {layer}; it holds {len(lines)}.")
-    return np.array(lines[0].get_points("xy"), float)
+        path.write_bytes(content.encode() if isinstance(content, str) else content)
+    except OSError as error:
+        raise unwritable(path, error) from error
 
 
-def _compare(found: Array, outline: Array, path: Path) -> None:
-    """Raise unless an outline read back encloses what was written."""
-    area, expected = enclosed_area(found), enclosed_area(outline)
-    if not abs(area - expected) <= AREA_TOLERANCE * abs(expected):
+def _compare(path: Path, outline: Array) -> None:
+    """Raise unless the outline in a file encloses what was written, mm."""
+    from footopt.foot.outline import lines_of
+
+    found = [line for line in lines_of(path) if line.layer == OUTLINE and line.closed]
+    area = MM * MM * abs(sum(enclosed_area(line.points) for line in found))
+    compare(path, "area", area, enclosed_area(outline), AREA_TOLERANCE, "mm^2")
+
+
+def compare(path: Path, what: str, found: float, written: float, tolerance: float, unit: str) -> None:
+    """Raise `FileError` unless what was read back from a file is what was written."""
+    if not abs(found - written) <= tolerance * abs(written):
         raise FileError(
-            f"{path}: the outline read back encloses {area:.6g} mm^2 instead of {expected:.6g} mm^2. "
+            f"{path}: read back, its {what} is {found:.6g} {unit} instead of {written:.6g} {unit}. "
             "The file is damaged: write it again, to another disk if it stays so."
         )
 
 
-def _unwritable(path: Path, error: OSError) -> FileError:
+def unwritable(path: Path, error: OSError) -> FileError:
+    """What to say of a file that cannot be written."""
     return FileError(
         f"{path}: cannot be written ({error.strerror or error}). "
         "Choose a folder that exists and may be written to."

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,7 +23,7 @@ Array = NDArray[np.float64]
 class Foot:
     """A sole in the foot frame (origin at the centre of the foot's box, x_p to the toe, z_p up).
 
-    Make one with `from_waypoints` or `shape`.
+    Make one with `from_waypoints`, `shape` or `from_file`.
 
     Parameters
     ----------
@@ -92,6 +94,24 @@ class Foot:
         """One of the paper's five shapes by name (`footopt.foot.shapes`), with a contact length in m."""
         contour = shape(name, length, **options)
         return cls(contour, width, (ankle[0], ankle[1]), name, closed=closed, top=top)
+
+    @classmethod
+    def from_file(
+        cls,
+        path: str | Path,
+        width: float = 0.10,
+        ankle: tuple[float, float] = (0.0, 0.0),
+        closed: bool = False,
+        top: float = 0.0,
+        **options: Any,
+    ) -> Foot:
+        """The sole in a DXF, SVG or CSV file; `options` (units, scale, layer, toe, origin) as in
+        `footopt.foot.outline.read`.
+        """
+        from footopt.foot.outline import read
+
+        contour = read(path, **options)
+        return cls(contour, width, (ankle[0], ankle[1]), Path(path).stem, closed=closed, top=top)
 
     def points(self, steps: int) -> Array:
         """Points at equal steps along the arc, (steps + 1, 2), m."""

@@ -13,7 +13,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -105,6 +106,15 @@ class Gait:
 
         gait = read_json(HUMAN, harmonics)
         return replace(gait, name="human", period=period, pitch=pitch, start=start)
+
+    @classmethod
+    def from_file(cls, path: str | Path, harmonics: int = 6, **options: Any) -> Gait:
+        """The gait in a file of markers or angles; `options` (names, side, max_gap) as in
+        `footopt.gait.files.read`.
+        """
+        from footopt.gait.files import read
+
+        return read(path, harmonics, **options)
 
     @property
     def heel_strike(self) -> float:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import asdict, replace
+from pathlib import Path
 
 from footopt.config import AccuracyConfig, Config, EffectsConfig, FootConfig, GaitConfig, SandConfig
 from footopt.errors import SettingError
 from footopt.foot import Foot, Waypoints
 from footopt.gait import Gait
-from footopt.gait.files import read
+from footopt.gait.files import Strides, read, read_strides
 from footopt.sand import Sand, StressMap
 from footopt.sand.effects import EFFECTS, Effect
 from footopt.walker import PRESETS, Accuracy, Scene, Walker
@@ -32,13 +33,25 @@ def make_gait(config: GaitConfig) -> Gait:
     if config.name == "file":
         if config.path is None:
             raise SettingError("gait.path", None, "a file, with gait=file", "Try gait.path=walk.csv.")
-        gait = read(config.path, config.harmonics)
+        gait = read(config.path, config.harmonics, *_reading(config))
         period = gait.period if config.period is None else config.period
         return replace(gait, period=period, pitch=config.pitch, start=config.start)
     if config.path is not None:
         raise SettingError("gait.path", config.path, "null with gait=human", "Use gait=file with a path.")
     period = 1.2 if config.period is None else config.period
     return Gait.human(period, config.harmonics, config.pitch, config.start)
+
+
+def make_strides(config: GaitConfig) -> Strides | None:
+    """The strides that a gait was fitted to; None where there are none."""
+    if config.name != "file" or config.path is None or Path(config.path).suffix.lower() == ".json":
+        return None
+    return read_strides(config.path, *_reading(config))
+
+
+def _reading(config: GaitConfig) -> tuple[dict[str, str], str | None, float]:
+    names = {key: name for key, name in vars(config.names).items() if name is not None}
+    return names, config.side, config.max_gap
 
 
 def make_space(config: FootConfig) -> Waypoints:
@@ -67,17 +80,24 @@ def check_searchable(config: FootConfig) -> None:
 
 
 def make_foot(config: FootConfig) -> Foot:
-    """The one sole of a configuration: foot.k, a shape, or else the flat sole."""
+    """The one sole of a configuration: foot.k, a shape, a drawing, or else the flat sole."""
+    if config.path is not None and config.shape != "outline":
+        raise SettingError("foot.path", config.path, "null without foot=outline", "Add foot=outline.")
     if config.shape == "waypoints":
         space = make_space(config)
         return Foot.flat(space) if config.k is None else Foot.from_waypoints(config.k, space)
     if config.k is not None:
         raise SettingError("foot.k", config.k, f"null with foot.shape={config.shape}")
+    ankle = _point(config.ankle)
+    if config.shape == "outline":
+        if config.path is None:
+            raise SettingError("foot.path", None, "a drawing, with foot=outline", "Try foot.path=sole.dxf.")
+        drawing = {name: getattr(config, name) for name in ("units", "scale", "layer", "toe", "origin")}
+        return Foot.from_file(config.path, config.width, ankle, config.closed, config.top, **drawing)
     options = {
         "reversed_triangle": {"apex": config.apex},
         "reversed_l": {"upright": config.upright},
     }.get(config.shape, {})
-    ankle = _point(config.ankle)
     return Foot.shape(config.shape, config.length, config.width, ankle, config.closed, config.top, **options)
 
 

@@ -22,8 +22,7 @@ from footopt.design import (
 from footopt.design.exhaustive import Enumeration, check_size
 from footopt.errors import check
 from footopt.foot import Foot
-from footopt.foot.export import write_csv as write_contour
-from footopt.foot.export import write_dxf
+from footopt.foot.solid import write_all
 from footopt.report import figures, files, page, terminal
 from footopt.studies import build
 from footopt.studies.auto import settle
@@ -111,8 +110,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     }
     files.write_designs(folder / "designs.csv", result)
     files.write_walk(folder / "walk.nc", walk)
-    write_contour(best, folder / "contour.csv")
-    write_dxf(best, folder / "contour.dxf")
+    write_all(best, folder, config.foot.block)
     files.write_json(folder / "result.json", entry | {"wall_time_s": clock()})
     marked = int(np.argmax(result.front == confirmed.designs[0]))
     draw(result, marked, best, walk, base, folder / "figures")

@@ -9,9 +9,9 @@ from typing import Any
 
 from footopt.config import Config
 from footopt.foot import Foot
-from footopt.foot.export import write_csv as write_contour
-from footopt.foot.export import write_dxf
+from footopt.foot.solid import write_all
 from footopt.report import figures, files, page, terminal
+from footopt.report.gait_figure import gait_fit
 from footopt.studies import build
 from footopt.studies.auto import settle
 from footopt.walker import OBJECTIVES, Accuracy, Scene, estimate_error, simulate
@@ -30,8 +30,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     errors = estimate_error(foot, scene, accuracy)
     diagnostics = diagnose(walk)
     files.write_walk(folder / "walk.nc", walk)
-    write_contour(foot, folder / "contour.csv")
-    write_dxf(foot, folder / "contour.dxf")
+    write_all(foot, folder, config.foot.block)
     walks = {foot.name: walk}
     drawn = {
         "contour": figures.contour(foot),
@@ -40,6 +39,9 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "power_work": figures.power_work(walks),
         "step": figures.step(walk),
     }
+    strides = build.make_strides(config.gait)
+    if strides is not None:
+        drawn["gait"] = gait_fit(strides, scene.gait)
     entry = {
         "study": "simulate",
         "design": foot_entry(foot),
@@ -50,6 +52,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         **scene_entry(scene, accuracy, tuple(OBJECTIVES)),
         "validity": {d.name: d.value for d in diagnostics},
         "warnings": [f"{d.name}: {d.why}" for d in diagnostics if d.outside],
+        "gait_file": strides.notes if strides is not None else [],
         "effects_audit": audits,
         "settings": settings,
         "versions": files.versions(),
@@ -61,6 +64,9 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     page.write(folder / "report.html", page.walk_content(walk, entry))
 
     out.print(f"{terminal.describe_scene(scene)}; {terminal.describe_foot(foot)}")
+    if strides is not None:
+        fitted = ", ".join(f"{joint} {rms:.2f}" for joint, rms in scene.gait.residual)
+        out.print(f"Gait from {config.gait.path}: {'; '.join(strides.notes)}. Misfit (rms, deg): {fitted}")
     if not walk.feasible:
         out.print(f"[yellow]The walk failed: {walk.reason}[/] after {len(walk.t)} steps of time.")
     out.print(terminal.objective_table([(foot.name, walk.objectives)], tuple(OBJECTIVES), errors))

@@ -27,7 +27,7 @@ from footopt.config import Config
 from footopt.errors import FileError, SettingError
 from footopt.foot import Foot
 from footopt.gait import Fourier, Gait
-from footopt.gait.files import read_csv
+from footopt.gait.files import read
 from footopt.report import files, terminal
 from footopt.report.figures import save
 from footopt.report.stability_figure import Cell, verdicts
@@ -276,7 +276,7 @@ def judge_leap(trial: Trial) -> list[Measure]:
             rows.writerow(["time", "thigh", "knee"])
             rows.writerows(np.stack([phase * gait.period, thigh, knee], axis=1).tolist())
         try:
-            read_csv(path)
+            read(path)
         except FileError:
             return [Measure("refused", 0.0, 0.0)]
     return [Measure("accepted", 1.0, 0.0)]

@@ -1,0 +1,155 @@
+"""Files of motion laboratories: markers (TRC, C3D) and angles (OpenSim's MOT and STO)."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.errors import FileError, SettingError
+from footopt.gait.files.angles import text_of
+from footopt.gait.files.strides import Recording
+
+Array = NDArray[np.float64]
+
+UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "dm": 0.1, "in": 0.0254, "inch": 0.0254, "inches": 0.0254}
+UNITS |= {"millimeters": 1e-3, "centimeters": 1e-2, "meters": 1.0}
+
+
+@dataclass(frozen=True, eq=False)
+class Markers:
+    """Markers over time: t (n,), s; places by name, each (n, 3), m, NaN where a marker is not seen."""
+
+    t: Array
+    places: dict[str, Array]
+
+
+def read_trc(path: str | Path) -> Markers:
+    """Markers from TRC (OpenSim; Motion Analysis' Cortex): tabs, three columns a marker, any units.
+
+    The header's third line holds the units; names stand over the first of a marker's columns.
+    A cell that is empty, or a marker at exactly 0, 0, 0, is a gap.
+    """
+    lines = text_of(path).splitlines()
+    at = next((i for i, line in enumerate(lines[:12]) if re.match(r"\s*frame#?\b", line, re.I)), None)
+    if at is None or at < 1:
+        raise _not(path, "TRC", "no line begins with Frame#")
+    words = dict(zip(_cells(lines[at - 2]), _cells(lines[at - 1]), strict=False))
+    unit = _length(path, next((v for k, v in words.items() if k.lower() == "units"), ""))
+    names = [cell for cell in _cells(lines[at])[2:] if cell]
+    rows = []
+    for number, line in enumerate(lines[at + 2 :], start=at + 3):
+        cells = _cells(line)
+        if not any(cells):
+            continue
+        try:
+            row = [float(cell) if cell else np.nan for cell in cells[1:]]
+        except ValueError:
+            raise _not(path, "TRC", f"line {number} is not numbers: {line[:60]!r}") from None
+        rows.append((row + [np.nan] * (1 + 3 * len(names)))[: 1 + 3 * len(names)])
+    if not rows or not names:
+        raise _not(path, "TRC", "it holds no markers")
+    table = np.array(rows, float)
+    return _markers(table[:, 0], names, unit * table[:, 1:].reshape(len(rows), -1, 3))
+
+
+def read_c3d(path: str | Path) -> Markers:
+    """Markers from C3D, with the library ezc3d; one whose residual is negative is not seen."""
+    try:
+        import ezc3d
+    except ImportError:
+        raise FileError(
+            f"gait.path = {str(path)!r}: C3D files need ezc3d: pip install footopt[c3d]."
+        ) from None
+
+    if not Path(path).is_file():
+        raise _not(path, "C3D", "there is no such file")
+    try:
+        file = ezc3d.c3d(str(path))
+        point = file["parameters"]["POINT"]
+        names = [name.strip() for name in point["LABELS"]["value"]]
+        places = np.asarray(file["data"]["points"], float)[:3].transpose(2, 1, 0)
+        seen = np.asarray(file["data"]["meta_points"]["residuals"], float)[0].T >= 0
+        rate, first = float(point["RATE"]["value"][0]), file["header"]["points"]["first_frame"]
+        unit = _length(path, point["UNITS"]["value"][0])
+    except (OSError, RuntimeError, ValueError, KeyError, IndexError) as error:
+        raise _not(path, "C3D", str(error)) from error
+    places = np.where(seen[..., None], places, np.nan)[:, : len(names)]
+    return _markers((first + np.arange(len(places))) / rate, names, unit * places)
+
+
+def read_mot(path: str | Path, names: Mapping[str, str], side: str | None) -> Recording:
+    """Angles from OpenSim's MOT or STO: pelvis_tilt, hip_flexion_r, knee_angle_r, ankle_angle_r.
+
+    thigh = pelvis tilt + hip flexion, foot = thigh - knee + ankle. Models differ in the sign of the
+    knee: it is taken so that the knee bends.
+    """
+    lines = text_of(path).splitlines()
+    end = next((i for i, line in enumerate(lines) if line.strip().lower() == "endheader"), None)
+    if end is None or len(lines) < end + 3:
+        raise _not(path, "MOT/STO", "no line says endheader, or nothing is after it")
+    head = "\n".join(lines[:end]).lower()
+    rows = [line.split() for line in lines[end + 1 :] if line.strip()]
+    try:
+        table = dict(zip(rows[0], np.array(rows[1:], float).T, strict=True))
+    except ValueError as error:
+        raise _not(path, "MOT/STO", str(error)) from None
+
+    def find(what: str, usual: str) -> str | None:
+        # OpenSim 4 writes whole paths: /jointset/knee_r/knee_angle_r/value
+        own = names.get(what)
+        return next((c for c in table if (c == own if own else usual in c.lower().split("/"))), None)
+
+    def need(what: str, usual: str) -> Array:
+        name = find(what, usual)
+        if name is None:
+            raise FileError(
+                f"gait.path = {str(path)!r}: no column for the {what}; looked for "
+                f"{names.get(what, usual)}, the file has {', '.join(table)}. "
+                f"Name it with gait.names.{what}=..."
+            )
+        return np.asarray(table[name])
+
+    leg = side or next((s for s in ("right", "left") if find("hip", f"hip_flexion_{s[0]}")), "right")
+    time, hip = need("time", "time"), need("hip", f"hip_flexion_{leg[0]}")
+    knee = need("knee", f"knee_angle_{leg[0]}")
+    tilt, bend = find("pelvis", "pelvis_tilt"), find("ankle", f"ankle_angle_{leg[0]}")
+    said = re.search(r"indegrees\s*=\s*(\w+)", head)
+    radians = said[1] == "no" if said else bool(np.ptp(knee) < np.pi)
+    to_deg = np.degrees(1.0) if radians else 1.0
+    flexion = to_deg * knee * (1.0 if abs(np.max(knee)) >= abs(np.min(knee)) else -1.0)
+    thigh = to_deg * (hip + (table[tilt] if tilt else 0.0))
+    rows_out = [time, thigh, flexion]
+    notes = [f"the {leg} leg; angles in {'rad' if radians else 'deg'}"]
+    if tilt is None:
+        notes.append("no pelvis_tilt: the pelvis is taken to be level")
+    if bend is not None:
+        rows_out.append(thigh - flexion + to_deg * table[bend])
+    return Recording.checked(path, np.array(rows_out), tuple(notes))
+
+
+def _markers(t: Array, names: list[str], places: Array) -> Markers:
+    """Markers by name; at exactly 0, 0, 0 none is."""
+    places = np.where(np.all(places == 0.0, axis=-1, keepdims=True), np.nan, places)
+    return Markers(t, {name: places[:, i] for i, name in enumerate(names[: places.shape[1]])})
+
+
+def _cells(line: str) -> list[str]:
+    """Cells of a line with tabs, or else spaces, between them."""
+    return [cell.strip() for cell in line.rstrip("\t\r\n").split("\t")] if "\t" in line else line.split()
+
+
+def _length(path: str | Path, unit: str) -> float:
+    if unit.strip().lower() not in UNITS:
+        raise SettingError(
+            "gait.path", str(path), f"a file whose units are one of {', '.join(UNITS)}", f"It says {unit!r}."
+        )
+    return UNITS[unit.strip().lower()]
+
+
+def _not(path: str | Path, kind: str, why: str) -> FileError:
+    return FileError(f"gait.path = {str(path)!r}: cannot be read as {kind} ({why}).")

@@ -1,0 +1,154 @@
+"""From a recording to a gait: strides are found, averaged, closed and fitted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.errors import FileError, check
+from footopt.gait.cycle import Fourier, Gait
+
+Array = NDArray[np.float64]
+
+MISFIT = 10.0  # deg; a larger one anywhere means a jump, or not one period
+ODD = 0.2  # a stride that is so much longer or shorter than the median is left out
+POINTS = 100  # steps of a stride's phase
+L1, L2 = 0.47, 0.45  # leg, m; only the ankle's forward extreme is taken from it
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Angles of one leg over time, with signs as in `footopt.gait.cycle`.
+
+    Parameters
+    ----------
+    t : (n,), s. angles : by joint (thigh, knee and perhaps foot), each (n,), deg.
+    notes : what was recognised, mended or assumed, in words.
+    """
+
+    t: Array
+    angles: dict[str, Array]
+    notes: tuple[str, ...] = ()
+
+    @classmethod
+    def checked(cls, path: str | Path, rows: Array, notes: tuple[str, ...] = ()) -> Recording:
+        """From rows of time, thigh, knee and perhaps foot, (3 or 4, n)."""
+        t = rows[0]
+        if len(t) < 4 or not np.isfinite(rows).all() or (np.diff(t) <= 0).any():
+            raise FileError(
+                f"gait.path = {str(path)!r}: needs at least 4 rows, finite, with the time increasing."
+            )
+        return cls(t, dict(zip(("thigh", "knee", "foot"), rows[1:], strict=False)), notes)
+
+
+class Strides(NamedTuple):
+    """Strides of a recording over their phase, from heel strike to heel strike."""
+
+    phase: Array  # (POINTS + 1,) of a found stride, or as many as the file has
+    curves: dict[str, Array]  # by joint, each (strides, phases), deg
+    period: float  # s, the mean
+    notes: tuple[str, ...]
+
+
+def cut(recording: Recording) -> Strides:
+    """The strides of a recording; a table without two heel strikes inside is one stride as it is."""
+    t, notes = recording.t, list(recording.notes)
+    begins = heel_strikes(recording)
+    if len(begins) < 2:
+        phase = (t - t[0]) / (t[-1] - t[0])
+        notes.append("one stride, from the first row to the last")
+        return Strides(
+            phase, {j: v[None] for j, v in recording.angles.items()}, float(t[-1] - t[0]), tuple(notes)
+        )
+    lengths = np.diff(begins)
+    good = abs(lengths / np.median(lengths) - 1.0) <= ODD
+    phase = np.arange(POINTS + 1) / POINTS
+    times = begins[:-1][good][:, None] + lengths[good][:, None] * phase
+    curves = {joint: np.interp(times, t, angle) for joint, angle in recording.angles.items()}
+    spread = f", {lengths[good].min():.3f} to {lengths[good].max():.3f} s" if good.sum() > 1 else ""
+    left_out = f"; {np.sum(~good)} of another length left out" if not good.all() else ""
+    many = "s" if good.sum() > 1 else ""
+    notes.append(f"{good.sum()} stride{many} of {lengths[good].mean():.3f} s{spread}{left_out}")
+    return Strides(phase, curves, float(lengths[good].mean()), tuple(notes))
+
+
+def heel_strikes(recording: Recording) -> Array:
+    """Times at which the ankle is farthest ahead of the hip (Zeni et al., Gait & Posture 27, 2008), s."""
+    from scipy.signal import butter, find_peaks, sosfiltfilt
+
+    t = np.linspace(recording.t[0], recording.t[-1], len(recording.t))
+    rate = (len(t) - 1) / (t[-1] - t[0])
+    thigh, knee = (np.radians(np.interp(t, recording.t, recording.angles[j])) for j in ("thigh", "knee"))
+    ahead = L1 * np.sin(thigh) + L2 * np.sin(thigh - knee)
+    if rate > 20.0 and len(t) > 30:  # noise has peaks of its own; walking is below 6 Hz
+        ahead = sosfiltfilt(butter(2, min(6.0, 0.4 * rate), fs=rate, output="sos"), ahead)
+    ahead = ahead - ahead.mean()
+    again = np.correlate(ahead, ahead, "full")[len(t) - 1 :]
+    first_low = int(np.argmax(again < 0)) or 1
+    period = first_low + int(np.argmax(again[first_low:]))
+    peaks, _ = find_peaks(ahead, distance=max(0.6 * period, 1), prominence=0.3 * np.ptp(ahead))
+    before, at, after = ahead[peaks - 1], ahead[peaks], ahead[peaks + 1]
+    between = 0.5 * (before - after) / (before - 2.0 * at + after)  # of the parabola through the three
+    found: Array = t[peaks] + between / rate
+    return found
+
+
+def average(strides: Strides) -> dict[str, Array]:
+    """The mean curve of each joint, closed: what its ends differ by is spread over the stride."""
+    means = {joint: curve.mean(axis=0) for joint, curve in strides.curves.items()}
+    return {j: mean - (strides.phase - 0.5) * (mean[-1] - mean[0]) for j, mean in means.items()}
+
+
+def to_gait(strides: Strides, path: str | Path, harmonics: int) -> Gait:
+    """The gait of some strides; its residual is against their mean, as measured.
+
+    Raises
+    ------
+    FileError : the strides are too short, or not periodic.
+    """
+    check(harmonics >= 1, "gait.harmonics", harmonics, "a whole number >= 1")
+    if len(strides.phase) < 2 * harmonics + 2:
+        raise FileError(
+            f"gait.path = {str(path)!r}: needs at least {2 * harmonics + 2} rows for {harmonics} harmonics, "
+            "from one heel strike to the next."
+        )
+    fits, residual = {}, []
+    for joint, closed in average(strides).items():
+        # the last point is the first one again
+        series, *_ = fit(strides.phase[:-1], closed[:-1], harmonics)
+        misfit = np.degrees(series.at(strides.phase)[0]) - strides.curves[joint].mean(axis=0)
+        if abs(misfit).max() > MISFIT:
+            raise FileError(
+                f"gait.path = {str(path)!r}: {joint} misses its periodic fit by up to "
+                f"{abs(misfit).max():.0f} deg. The curve jumps or is not one whole stride; give one heel "
+                "strike to the next of one leg, or several strides."
+            )
+        fits[joint] = series
+        residual.append((joint, float(np.sqrt(np.mean(misfit**2)))))
+    return Gait(
+        thigh=fits["thigh"],
+        knee=fits["knee"],
+        foot=fits.get("foot"),
+        period=strides.period,
+        name=Path(path).stem,
+        source=str(path),
+        residual=tuple(residual),
+    )
+
+
+def fit(phase: Array, degrees: Array, harmonics: int) -> tuple[Fourier, float, float]:
+    """Least-squares series through a curve: the series, rms and largest misfit in degrees."""
+    w = 2.0 * np.pi * np.outer(phase, np.arange(1, harmonics + 1))
+    design = np.concatenate([np.ones((len(phase), 1)), np.cos(w), np.sin(w)], axis=1)
+    solution, *_ = np.linalg.lstsq(design, degrees, rcond=None)
+    misfit = design @ solution - degrees
+    series = Fourier(
+        float(solution[0]),
+        tuple(map(float, solution[1 : harmonics + 1])),
+        tuple(map(float, solution[harmonics + 1 :])),
+    )
+    return series, float(np.sqrt(np.mean(misfit**2))), float(np.max(np.abs(misfit)))

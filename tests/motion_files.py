@@ -1,0 +1,93 @@
+"""Files as motion laboratories write them, made from a gait by forward kinematics."""
+
+import numpy as np
+
+L1, L2 = 0.43, 0.41
+WIDTH, DEPTH = 0.24, 0.14  # of the pelvis between its front markers, and from front to back, m
+#: Names of (hip, knee, ankle, heel, toe) for the right leg, and how a left name is made of it.
+DIALECTS = {
+    "opensim": (("R_HJC", "R_KJC", "R_AJC", "R_Heel", "R_MT2"), lambda n: "L" + n[1:]),
+    "plug_in_gait": ((None, "RKNE", "RANK", "RHEE", "RTOE"), lambda n: "L" + n[1:]),
+    "helen_hayes": ((None, "R.Knee.Lat", "R.Ankle.Lat", "R.Heel", "R.Toe.Tip"), lambda n: "L" + n[1:]),
+    "words": (("Subject 1:hip_right", "Subject 1:knee_right", "Subject 1:ankle_right"),
+              lambda n: n.replace("right", "left")),
+}  # fmt: skip
+PELVIS = {
+    "plug_in_gait": ("RASI", "LASI", "RPSI", "LPSI"),
+    "helen_hayes": ("R.ASIS", "L.ASIS", "V.Sacral", None),
+}
+
+
+def record(gait, dialect="opensim", strides=5.3, rate=100.0, speed=1.0, noise=0.0, phase=0.37, seed=1):
+    """Markers of a walk: t (n,) and places by name, each (n, 3) = forward, left, up, m."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(round(strides * gait.period * rate)) / rate
+    right = phase + t / gait.period
+    hip = np.stack([speed * t, 0 * t, 0.82 + 0.02 * np.cos(4 * np.pi * right)], axis=1)
+    names, left_name = DIALECTS[dialect]
+    places = {}
+    for side, p in ((-1.0, right), (1.0, right + 0.5)):
+        thigh, knee, foot = (series.at(p)[0] for series in (gait.thigh, gait.knee, gait.foot))
+        at = hip + np.array([0.0, side * 0.09, 0.0])
+        joints = [at]
+        for length, angle in ((L1, thigh), (L2, thigh - knee)):
+            at = at + length * np.stack([np.sin(angle), 0 * t, -np.cos(angle)], axis=1)
+            joints.append(at)
+        along = np.stack([np.cos(foot), 0 * t, np.sin(foot)], axis=1)
+        down = np.stack([np.sin(foot), 0 * t, -np.cos(foot)], axis=1)
+        joints += [at - 0.05 * along + 0.05 * down, at + 0.13 * along + 0.06 * down]
+        for name, place in zip(names, joints, strict=False):
+            if name is not None:
+                places[name if side < 0 else left_name(name)] = place
+    if dialect in PELVIS:
+        # Harrington's regression backwards: markers whose hip centre is the joint's
+        front = hip + np.array([0.24 * DEPTH + 0.0099, 0, 0.30 * WIDTH + 0.0109])
+        aside = np.array([0, WIDTH / 2, 0])
+        back = front - [DEPTH, 0, 0]
+        corners = (front - aside, front + aside, back - aside / 4, back + aside / 4)
+        if dialect == "helen_hayes":
+            corners = (*corners[:2], back)
+        places = dict(zip(PELVIS[dialect], corners, strict=False)) | places
+    return t, {name: p + noise * rng.standard_normal(p.shape) for name, p in places.items()}
+
+
+def turned(places, heading=0.0, up="z"):
+    """Laboratory axes: walking at `heading` (deg) in the floor's plane, with y or z up."""
+    c, s = np.cos(np.radians(heading)), np.sin(np.radians(heading))
+    found = {name: p @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) for name, p in places.items()}
+    return (
+        found if up == "z" else {name: np.stack([p[:, 0], p[:, 2], -p[:, 1]], 1) for name, p in found.items()}
+    )
+
+
+def write_trc(path, t, places, unit=1000.0, units="mm", blank=True, empty=""):
+    """TRC as OpenSim's documentation has it; NaN is an empty cell (or `empty`)."""
+    rate, n = 1 / np.median(np.diff(t)), len(t)
+    lines = [
+        f"PathFileType\t4\t(X/Y/Z)\t{path.name}",
+        "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames",
+        f"{rate:.2f}\t{rate:.2f}\t{n}\t{len(places)}\t{units}\t{rate:.2f}\t1\t{n}",
+        "Frame#\tTime\t" + "\t\t\t".join(places) + "\t\t",
+        "\t\t" + "\t".join(f"{axis}{i + 1}" for i in range(len(places)) for axis in "XYZ"),
+        *([""] if blank else []),
+    ]
+    for i, now in enumerate(t):
+        cells = [empty if np.isnan(v) else f"{unit * v:.5f}" for p in places.values() for v in p[i]]
+        lines.append("\t".join([str(i + 1), f"{now:.5f}", *cells]))
+    path.write_text("\r\n".join(lines) + "\r\n")
+    return path
+
+
+def write_mot(path, gait, names, knee_sign=1.0, degrees=True, said=True, strides=4.3, rate=100.0, tilt=5.0):
+    """Angles as OpenSim's inverse kinematics writes them, for the right leg."""
+    t = np.arange(round(strides * gait.period * rate)) / rate
+    p = 0.2 + t / gait.period
+    thigh, knee, foot = (np.degrees(s.at(p)[0]) for s in (gait.thigh, gait.knee, gait.foot))
+    columns = [np.full_like(t, tilt), thigh - tilt, knee_sign * knee, foot - thigh + knee]
+    rows = np.stack([t, *(c if degrees else np.radians(c) for c in columns)], axis=1)
+    head = ["Coordinates", "version=1", f"nRows={len(t)}", "nColumns=5"]
+    if said:
+        head.append(f"inDegrees={'yes' if degrees else 'no'}")
+    table = ["\t".join(f"{v:.8f}" for v in row) for row in rows]
+    path.write_text("\n".join([*head, "endheader", "\t".join(["time", *names]), *table]) + "\n")
+    return path
