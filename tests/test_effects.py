@@ -636,6 +636,10 @@ class TestAnEffectOfOnesOwn:
             done = subprocess.run(run, env=environment, capture_output=True, check=True, text=True)
             found.append(float(done.stdout))
         assert found[0] != found[1]
+        # ... and is no trap for a process that does not know the effect
+        code = "import footopt as fo; print(fo.simulate(fo.Foot.flat(), fo.Scene(t_f=1.2), 'draft').reason)"
+        run, alone = [sys.executable, "-c", code], environment | {"PYTHONPATH": ""}
+        assert subprocess.run(run, env=alone, capture_output=True, check=True).stdout.strip() == b""
 
     def test_a_law_without_hooks_is_refused(self, own):
         class Loose(own.Damp):

@@ -51,11 +51,12 @@ Hook = Callable[..., Any]
 LOADS: dict[type, Hook] = {}
 GATES: dict[type, Hook] = {}
 PUSHES: dict[type, Hook] = {}
+HOOKS = (LOADS, GATES, PUSHES)
 
 
 def register(law: type, load: Hook | None = None, gate: Hook | None = None, push: Hook | None = None) -> None:
     """Join the type of a law, a NamedTuple of numbers, to what it does; see the top of this module."""
-    for hooks, function in ((LOADS, load), (GATES, gate), (PUSHES, push)):
+    for hooks, function in zip(HOOKS, (load, gate, push), strict=True):
         if function is not None:
             hooks[law] = function
 
@@ -371,9 +372,9 @@ def laws(effects: Sequence[Effect]) -> Laws:
     """What the compiled loop gets of a scene's effects."""
     found = [effect.law for effect in effects if effect.law is not None]
     for law in found:
-        if not any(type(law) in hooks for hooks in (LOADS, GATES, PUSHES)):
+        if not any(type(law) in hooks for hooks in HOOKS):
             raise SettingError("effects", type(law).__name__, "a law for which effects.register was called")
-    picked = (tuple(law for law in found if type(law) in hooks) for hooks in (LOADS, GATES, PUSHES))
+    picked = (tuple(law for law in found if type(law) in hooks) for hooks in HOOKS)
     return Laws(*(chosen or None for chosen in picked))
 
 

@@ -114,8 +114,8 @@ def _source(own):
 
 
 @lru_cache(maxsize=8)
-def _compile(source: str):
-    @cached_njit(nogil=True, error_model="numpy")
+def _compile(source: str, compiler: Any):
+    @compiler(nogil=True, error_model="numpy")
     def walk_range(
         stepper,
         plates,
@@ -273,18 +273,34 @@ def _compile(source: str):
     return walk_range
 
 
+#: Where types and functions come from that every process can import.
+HOME = ("footopt.", __name__.rpartition(".")[0] + ".")
+
+
+def _is_own(thing: Any) -> bool:
+    return not thing.__module__.startswith(HOME)
+
+
 def source() -> str:
-    """Of all that is compiled into a walk now, every stepper and effect registered included."""
-    hooks = (steppers.STEPS, effects.LOADS, effects.GATES, effects.PUSHES)
+    """A digest of all that is compiled into a walk now, every stepper and effect registered included."""
+    hooks = (steppers.STEPS, *effects.HOOKS)
     functions = (function for registered in hooks for function in registered.values())
-    return _source(tuple(f for f in functions if not f.__module__.startswith("footopt.")))  # type: ignore[no-any-return]
+    return _source(tuple(filter(_is_own, functions)))  # type: ignore[no-any-return]
 
 
-def compiled() -> Any:
-    """The loop as compiled code."""
-    return _compile(source())
+def compiled(own: bool = False) -> Any:
+    """The loop as compiled code; with a user's own stepper or effect it is not kept on disk.
+
+    What is kept there is read by every process, and not all of them can import a user's types.
+    """
+    return _compile(source(), njit) if own else _compile(_source(()), cached_njit)
 
 
-def walk_range(*arguments: Any) -> None:
+def walk_range(
+    stepper: Any, plates: Any, blocks: Any, reach: Any, tangents: Any, world: kernels.World, *rest: Any
+) -> None:
     """The compiled loop; see there for its arguments."""
-    compiled()(*arguments)
+    laws = [law for chosen in (world.loads, world.gates, world.pushes) for law in chosen or ()]
+    hooks = [hooks[type(law)] for law in laws for hooks in effects.HOOKS if type(law) in hooks]
+    own = any(map(_is_own, (type(stepper), *map(type, laws), *hooks)))
+    compiled(own)(stepper, plates, blocks, reach, tangents, world, *rest)
