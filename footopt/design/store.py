@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from footopt.design.problem import FootProblem
 from footopt.errors import FileError
 from footopt.walker.loop import source
+from footopt.walker.steppers import STEPPERS
 
 Array = NDArray[np.float64]
 
@@ -231,6 +232,8 @@ def context(problem: FootProblem) -> dict[str, Any]:
     """
     space = plain(problem.space)
     del space["box_tolerance"]
+    stepper = STEPPERS[problem.accuracy.stepper].parameters
+    laws = [effect.law for effect in problem.scene.effects if effect.law is not None]
     return {
         "problem": type(problem).__name__,
         **{name: plain(value) for name, value in problem.conditions.items()},
@@ -238,7 +241,7 @@ def context(problem: FootProblem) -> dict[str, Any]:
         "space": space,
         "record": plain(problem.record),
         "sources": _sources(),
-        "compiled": source(),  # with a user's own steppers and effects
+        "compiled": source(stepper, laws),  # with a user's own stepper and effects
         "versions": {name: version(name) for name in ("numpy", "scipy", "numba", "llvmlite")},
         "machine": machine(),
     }

@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 import inspect
 import marshal
+from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -281,19 +282,25 @@ def _is_own(thing: Any) -> bool:
     return not thing.__module__.startswith(HOME)
 
 
-def source() -> str:
-    """A digest of all that is compiled into a walk now, every stepper and effect registered included."""
-    hooks = (steppers.STEPS, *effects.HOOKS)
-    functions = (function for registered in hooks for function in registered.values())
-    return _source(tuple(filter(_is_own, functions)))  # type: ignore[no-any-return]
+def _own(stepper: Any, laws: Sequence[Any]) -> tuple[Any, ...]:
+    """A user's own types and functions among those that a walk needs."""
+    hooks = [hooks[type(law)] for law in laws for hooks in effects.HOOKS if type(law) in hooks]
+    needed = (type(stepper), steppers.STEPS[type(stepper)], *map(type, laws), *hooks)
+    return tuple(filter(_is_own, needed))
 
 
-def compiled(own: bool = False) -> Any:
+def source(stepper: Any, laws: Sequence[Any]) -> str:
+    """A digest of all that is compiled into a walk with this stepper and these laws of effects."""
+    functions = (thing for thing in _own(stepper, laws) if not isinstance(thing, type))
+    return _source(tuple(functions))  # type: ignore[no-any-return]
+
+
+def compiled(stepper: Any, laws: Sequence[Any] = ()) -> Any:
     """The loop as compiled code; with a user's own stepper or effect it is not kept on disk.
 
     What is kept there is read by every process, and not all of them can import a user's types.
     """
-    return _compile(source(), njit) if own else _compile(_source(()), cached_njit)
+    return _compile(source(stepper, laws), njit if _own(stepper, laws) else cached_njit)
 
 
 def walk_range(
@@ -301,6 +308,4 @@ def walk_range(
 ) -> None:
     """The compiled loop; see there for its arguments."""
     laws = [law for chosen in (world.loads, world.gates, world.pushes) for law in chosen or ()]
-    hooks = [hooks[type(law)] for law in laws for hooks in effects.HOOKS if type(law) in hooks]
-    own = any(map(_is_own, (type(stepper), *map(type, laws), *hooks)))
-    compiled(own)(stepper, plates, blocks, reach, tangents, world, *rest)
+    compiled(stepper, laws)(stepper, plates, blocks, reach, tangents, world, *rest)
