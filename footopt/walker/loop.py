@@ -100,7 +100,7 @@ def embedded(v0, v1, a0, a1, h):
 
 
 @lru_cache(maxsize=8)
-def _source(own):
+def _source(own: tuple[Any, ...]) -> str:
     """A digest of the compiled sources, with a user's own functions: code cached of others is not used."""
     digest = hashlib.sha256()
     for module in (effects, kernels, steppers):
@@ -292,7 +292,7 @@ def _own(stepper: Any, laws: Sequence[Any]) -> tuple[Any, ...]:
 def source(stepper: Any, laws: Sequence[Any]) -> str:
     """A digest of all that is compiled into a walk with this stepper and these laws of effects."""
     functions = (thing for thing in _own(stepper, laws) if not isinstance(thing, type))
-    return _source(tuple(functions))  # type: ignore[no-any-return]
+    return _source(tuple(functions))
 
 
 def compiled(stepper: Any, laws: Sequence[Any] = ()) -> Any:
