@@ -7,7 +7,7 @@ that `footopt --help` is quick.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Optional  # OmegaConf resolves these annotations itself
+from typing import Any, Optional  # OmegaConf resolves these annotations itself
 
 
 @dataclass
@@ -60,6 +60,7 @@ class StudyConfig:
     spread: SpreadConfig = field(default_factory=SpreadConfig)
     foot_spread: FootSpreadConfig = field(default_factory=FootSpreadConfig)
     run: Optional[str] = None  # noqa: UP045
+    video: Optional[str] = None  # noqa: UP045
 
 
 @dataclass
@@ -184,13 +185,16 @@ class PatchesConfig:
 
 @dataclass
 class EffectsConfig:
-    """Effects beyond the plain law; null: not simulated. auto: those that matter at the accuracy."""
+    """Effects beyond the plain law; null: not simulated. own: a plugin's effects with their parameters,
+    by name. auto: those that matter at the accuracy.
+    """
 
     layers: Optional[LayersConfig] = None  # noqa: UP045
     patches: Optional[PatchesConfig] = None  # noqa: UP045
     leading_edge: Optional[LeadingEdgeConfig] = None  # noqa: UP045
     inertia: Optional[InertiaConfig] = None  # noqa: UP045
     slope: Optional[SlopeConfig] = None  # noqa: UP045
+    own: Any = None
     auto: bool = False
     tolerance: Optional[float] = None  # noqa: UP045
 
@@ -257,8 +261,9 @@ class EngineConfig:
 
 @dataclass
 class Config:
-    """All settings of a run, one group each."""
+    """All settings of a run, one group each; plugins are files or modules of the user's own."""
 
+    plugins: list[str] = field(default_factory=list)
     study: StudyConfig = field(default_factory=StudyConfig)
     sand: SandConfig = field(default_factory=SandConfig)
     gait: GaitConfig = field(default_factory=GaitConfig)

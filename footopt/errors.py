@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+from typing import Any
+
 
 class FootoptError(Exception):
     """Base of every error that footopt raises on purpose."""
@@ -29,6 +32,20 @@ class SettingError(FootoptError, ValueError):
 
 class FileError(FootoptError, OSError):
     """A file or folder cannot be read, understood or written."""
+
+
+class MissingError(FootoptError, ImportError):
+    """A library is not installed that only some need."""
+
+
+def needed(library: str, what: str, extra: str) -> Any:
+    """Import a library that `what` needs; without it, say which extra of footopt brings it."""
+    try:
+        return import_module(library)
+    except ImportError as error:
+        raise MissingError(
+            f'{what} needs {library} ({error}). Install it with: pip install "footopt[{extra}]"'
+        ) from None
 
 
 def check(condition: object, setting: str, value: object, allowed: str, hint: str = "") -> None:

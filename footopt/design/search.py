@@ -9,6 +9,7 @@ from contextlib import nullcontext
 from copy import copy
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +21,9 @@ from footopt.design.solvers import EXHAUSTIVE, Solver
 from footopt.design.source import Source
 from footopt.design.store import Store
 from footopt.design.workers import Engine
-from footopt.errors import FootoptError, check
+from footopt.errors import FootoptError, check, needed
 from footopt.foot import Foot
+from footopt.shown import Shown
 from footopt.walker.objectives import OBJECTIVES
 from footopt.walker.scene import Accuracy
 from footopt.walker.simulate import resolve
@@ -47,7 +49,7 @@ class Generation:
 
 
 @dataclass(frozen=True, eq=False)
-class SearchResult:
+class SearchResult(Shown):
     """Every design that a search evaluated, in order, and which are best.
 
     Parameters
@@ -99,6 +101,31 @@ class SearchResult:
     def column(self, name: str) -> Array:
         """A recorded value of every design, (designs,), natural sign."""
         return np.asarray(self.values[:, self.problem.record.index(name)])
+
+    @property
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Every evaluated design, (designs,) by the names of designs.csv: SI, natural signs."""
+        return {
+            "generation": self.generation,
+            **{f"k{i + 1}": column for i, column in enumerate(self.k.T)},
+            **dict(zip(self.problem.record, self.values.T, strict=True)),
+            "box_violation": self.violation,
+            "feasible": self.feasible,
+            "reason": self.reasons,
+            "on_front": np.isin(np.arange(len(self.k)), self.front),
+        }
+
+    def to_frame(self) -> Any:
+        """A pandas DataFrame with a row for each evaluated design and the columns of designs.csv.
+
+        Units are in ``frame.attrs["units"]``. Needs pandas: ``pip install "footopt[pandas]"``.
+        """
+        pandas = needed("pandas", "SearchResult.to_frame", "pandas")
+        columns = {name: v.astype(object) if v.dtype.kind == "U" else v for name, v in self.columns.items()}
+        frame = pandas.DataFrame(columns).rename_axis("design")
+        units = {name: OBJECTIVES[name].unit for name in self.problem.record if name in OBJECTIVES}
+        frame.attrs["units"] = units | {"box_violation": "m"}
+        return frame
 
     @property
     def failures(self) -> dict[str, int]:

@@ -184,10 +184,25 @@ SOLVERS: dict[str, Callable[[Solver, int], Any]] = {
 }
 
 #: Solvers of one objective; the others want two or more.
-SINGLE = ("memetic", "ga", "de")
+SINGLE = ["memetic", "ga", "de"]
 
 #: Walks with every design of a small space, for any objectives: `footopt.design.exhaustive`.
 EXHAUSTIVE = "exhaustive"
+
+
+def register(build: Callable[[Solver, int], Any], single: bool = False) -> Callable[[Solver, int], Any]:
+    """Offer a builder of a pymoo algorithm as the solver of its name, of one objective or of several.
+
+    Parameters
+    ----------
+    build : from a `Solver` (pop_size, seed, ...) and the number of objectives. Designs are whole numbers:
+        what the algorithm asks for is rounded.
+    single : whether it is for one objective.
+    """
+    SOLVERS[build.__name__] = build
+    if single and build.__name__ not in SINGLE:
+        SINGLE.append(build.__name__)
+    return build
 
 
 @lru_cache(maxsize=8)

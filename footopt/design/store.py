@@ -28,7 +28,8 @@ from numpy.typing import NDArray
 
 from footopt.design.problem import FootProblem
 from footopt.errors import FileError
-from footopt.walker.loop import source
+from footopt.walker.loop import is_own, source, text_of
+from footopt.walker.objectives import OBJECTIVES
 from footopt.walker.steppers import STEPPERS
 
 Array = NDArray[np.float64]
@@ -240,6 +241,11 @@ def context(problem: FootProblem) -> dict[str, Any]:
         "accuracy": plain(problem.accuracy),
         "space": space,
         "record": plain(problem.record),
+        "judges": {  # a user's own objectives
+            name: hashlib.sha256(text_of(OBJECTIVES[name].value)).hexdigest()
+            for name in problem.record
+            if name in OBJECTIVES and is_own(OBJECTIVES[name].value)
+        },
         "sources": _sources(),
         "compiled": source(stepper, laws),  # with a user's own stepper and effects
         "versions": {name: version(name) for name in ("numpy", "scipy", "numba", "llvmlite")},

@@ -15,12 +15,13 @@ from footopt.errors import check
 from footopt.foot.plates import RULES, Plates, along_arc, hollow
 from footopt.foot.shapes import shape
 from footopt.foot.waypoints import Waypoints, check_ankle, check_top
+from footopt.shown import Shown
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Foot:
+class Foot(Shown):
     """A sole in the foot frame (origin at the centre of the foot's box, x_p to the toe, z_p up).
 
     Make one with `from_waypoints`, `shape` or `from_file`.

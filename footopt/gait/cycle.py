@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import SettingError, check
 from footopt.gait import start
+from footopt.shown import Shown
 
 Array = NDArray[np.float64]
 
@@ -66,7 +67,7 @@ class Pose(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Gait:
+class Gait(Shown):
     """A walk from standing: cyclic joint angles and how they begin (`footopt.gait.start`).
 
     Parameters

@@ -25,8 +25,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import FileError, check
 from footopt.foot import Foot, lower_hull
-from footopt.foot.export import MM, closed_contour
+from footopt.foot.export import MM
 from footopt.gait.cycle import LEFT, RIGHT
+from footopt.report.body import body
+from footopt.report.body import forces as forces_along
 from footopt.walker.objectives import lookup
 from footopt.walker.simulate import Walk
 
@@ -68,7 +70,6 @@ STYLE: dict[str, Any] = {
 }
 
 CONTACT = 1.0  # vertical force above which a foot stands on the sand, N
-ARROWS = 20  # force arrows along a sole
 SHANK = 0.14  # of the shank is drawn, m
 
 P = ParamSpec("P")
@@ -371,7 +372,7 @@ def steps(walks: Mapping[str, Walk], frames: int = 6) -> Figure:
     """The right foot's first step in walks by label, a row each: the sole in the sand and its forces.
 
     Snapshots at equal intervals, those of a row all in the same place, and all in the same scale.
-    Each arrow is the force on one of `ARROWS` parts of the sole and ends there; titles are times
+    Each arrow is the force on one of `body.ARROWS` parts of the sole and ends there; titles are times
     since touch-down (see `stance`).
     """
     check(frames >= 1, "frames", frames, "a whole number >= 1")
@@ -452,7 +453,7 @@ def _frames(label: str, walk: Walk, frames: int) -> _Frames | None:
     share = np.linspace(0.05, 0.95, frames) if frames > 1 else np.array([0.5])
     begin, end = walk.t[contact.first], walk.t[contact.last]
     index = np.searchsorted(walk.t, begin + share * (end - begin))  # steps of time are not equally long
-    at, force = _arrows(walk, index)
+    at, force = (part[:, RIGHT] for part in forces_along(walk, index))
     began = f"t = {walk.t[contact.first]:.2f} s"
     since = f"heel strike ({began}; dragged through the sand until then)"
     since = since if contact.dragged else f"touch-down ({began})"
@@ -468,36 +469,10 @@ class _Placed(NamedTuple):
 
 def _placed(walk: Walk, index: NDArray[np.int64]) -> _Placed:
     """The right foot in the world at some samples."""
-    t, walker = walk.t[index], walk.scene.walker
-    pose = walk.scene.gait.pose(t, walker.l1, walker.l2)
-    ankle = walk.com[index] + np.stack([pose.x[:, RIGHT], pose.z[:, RIGHT]], axis=-1)
-    c, s = np.cos(pose.pitch[:, RIGHT]), np.sin(pose.pitch[:, RIGHT])
-    turn = np.array([[c, -s], [s, c]]).transpose(2, 0, 1)
-
-    def place(points: Array) -> Array:
-        placed: Array = (points - walk.foot.ankle) @ turn.transpose(0, 2, 1) + ankle[:, None]
-        return placed
-
-    shank = walk.scene.gait.angles(t)[1][0][:, RIGHT]
-    knee = ankle + SHANK * np.stack([-np.sin(shank), np.cos(shank)], axis=-1)
-    outline = closed_contour(walk.foot, max(0.0, walk.foot.contour[:, 1].max() + 0.005))
-    return _Placed(place(outline), place(walk.foot.contour), np.stack([ankle, knee], axis=1))
-
-
-def _arrows(walk: Walk, index: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Where forces act and what they are, summed over neighbouring plates, each (M, arrows, 2)."""
-    plates = walk.plates(index)
-    position, force = plates.position[:, RIGHT], plates.force[:, RIGHT]
-    begin, size = groups(position.shape[1], ARROWS)
-    middle = np.add.reduceat(position, begin, axis=1) / size[:, None]
-    return middle, np.add.reduceat(force, begin, axis=1)
-
-
-def groups(count: int, parts: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Where groups of neighbours begin, for `np.add.reduceat`, and how many are in each: `parts` at most."""
-    parts = min(parts, count)
-    begin = count * np.arange(parts) // parts
-    return begin, np.diff(np.append(begin, count))
+    placed = body(walk, walk.t[index])
+    knee, ankle = placed.legs[:, RIGHT, 1], placed.legs[:, RIGHT, 2]
+    point = ankle + SHANK / walk.scene.walker.l2 * (knee - ankle)
+    return _Placed(placed.outline[:, RIGHT], placed.sole[:, RIGHT], np.stack([ankle, point], axis=1))
 
 
 def draw_sand(axes: Axes, left: float, right: float, low: float) -> None:
@@ -606,15 +581,24 @@ def parallel(values: ArrayLike, names: Sequence[str], marked: int | None = None)
     ----------
     values, names, marked : as for `scatter_matrix`.
     """
-    chosen, good, star, note = _designs(values, names, marked)
     figure = _figure(PAGE, 2.8)
     axes = figure.subplots()
+    title = draw_parallel(axes, values, names, marked)
+    _legend_above(figure, *axes.get_legend_handles_labels(), title=title)
+    return figure
+
+
+def draw_parallel(
+    axes: Axes, values: ArrayLike, names: Sequence[str], marked: int | None = None
+) -> str | None:
+    """Parallel coordinates on one axes, see `parallel`; returns how many designs, None if there are none."""
+    chosen, good, star, note = _designs(values, names, marked)
     axes.set_axis_off()
     n = len(chosen)
     axes.set(xlim=(-0.35, n - 0.4), ylim=(-0.44, 1.16))
     if len(good) == 0:
         _say(axes, f"no design to show: {note}")
-        return figure
+        return None
     sign = np.array([1.0 if o.maximise else -1.0 for o in chosen])
     low, high = (sign * good).min(axis=0), (sign * good).max(axis=0)
     span = np.where(high > low, high - low, 1.0)
@@ -629,26 +613,22 @@ def parallel(values: ArrayLike, names: Sequence[str], marked: int | None = None)
         axes.text(i, 1.07, _number(sign[i] * high[i]), ha="center", va="bottom")
         axes.text(i, -0.07, _number(sign[i] * low[i]), ha="center", va="top")
         axes.text(i, -0.2, _two_lines(o), ha="center", va="top")
+    _entry_of(axes, "design", color=BLUE, lw=0.6)
     if star is not None:
         y = place(star)
-        axes.plot(x, y, color=VERMILLION, lw=2, zorder=4, label="best in $J_W$")
-        axes.plot(x, y, **_STAR)
+        axes.plot(x, y, **_STAR | {"color": VERMILLION, "lw": 2, "ls": "-"}, label="best in $J_W$")
         box = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": VERMILLION, "lw": 0.5}
         for i in range(n):
             axes.text(i + 0.06, y[i], _number(star[i]), va="center", bbox=box, zorder=6)
     up = {"arrowstyle": "<-", "lw": 0.8}
     axes.annotate("", (-0.25, 0.2), (-0.25, 0.8), arrowprops=up)
     axes.text(-0.29, 0.5, "better", rotation=90, ha="right", va="center")
-    handles = [Line2D([], [], color=BLUE, lw=0.6, label="design")]
-    if star is not None:
-        handles.append(Line2D([], [], color=VERMILLION, lw=2, **_line_star(), label="best in $J_W$"))
-    title = f"{len(good)} designs" + (f" ({note})" if note else "")
-    _legend_above(figure, handles, [str(h.get_label()) for h in handles], title=title)
-    return figure
+    return f"{len(good)} designs" + (f" ({note})" if note else "")
 
 
-def _line_star() -> dict[str, Any]:
-    return {key: value for key, value in _STAR.items() if key != "ls"}
+def _entry_of(axes: Axes, label: str, **looks: Any) -> None:
+    """An entry of the legend that is not drawn."""
+    axes.plot([], [], label=label, **looks)[0].set_in_layout(False)
 
 
 def _designs(
@@ -714,13 +694,17 @@ def _legend_above(
 ) -> None:
     """One legend above all axes, with as many columns as fit beside each other."""
     short = [textwrap.fill(label, 40) for label in labels]
-    longest = max((len(line) for label in short for line in label.split("\n")), default=0)
-    # an 8 pt letter is about 0.062 inches wide, a line and the gaps beside it 0.45
-    columns = int(figure.get_figwidth() / (0.45 + 0.062 * longest))
-    columns = min(max(columns, 1), max(len(short), 1))
+    columns = _columns(short, figure.get_figwidth())
     rows = -(-len(short) // columns) + (title is not None)
     figure.set_figheight(figure.get_figheight() + 0.17 * rows)  # the legend takes nothing from the axes
     figure.legend(handles, short, loc="outside upper center", ncols=columns, title=title)
+
+
+def _columns(labels: Sequence[str], width: float) -> int:
+    """How many columns of a legend with these labels fit into a width, inches."""
+    longest = max((len(line) for label in labels for line in label.split("\n")), default=0)
+    # an 8 pt letter is about 0.062 inches wide, a line and the gaps beside it 0.45
+    return min(max(int(width / (0.45 + 0.062 * longest)), 1), max(len(labels), 1))
 
 
 def _number(value: float) -> str:

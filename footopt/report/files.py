@@ -63,40 +63,15 @@ def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]
 
 def write_designs(path: Path, result: SearchResult) -> None:
     """Every evaluated design: generation, heights, values in natural signs (SI), feasibility."""
-    header = ["generation", *(f"k{i + 1}" for i in range(result.k.shape[1])), *result.problem.record]
-    front = set(result.front.tolist())
-    write_csv(
-        path,
-        [*header, "box_violation", "feasible", "reason", "on_front"],
-        (
-            [
-                int(result.generation[i]),
-                *result.k[i].tolist(),
-                *result.values[i].tolist(),
-                float(result.violation[i]),
-                int(result.feasible[i]),
-                str(result.reasons[i]),
-                int(i in front),
-            ]
-            for i in range(len(result.k))
-        ),
-    )
+    columns = result.columns
+    whole = [v.astype(int) if v.dtype == bool else v for v in columns.values()]
+    write_csv(path, list(columns), zip(*(v.tolist() for v in whole), strict=True))
 
 
 def write_walk(path: Path, walk: Walk) -> None:
     """The traces of a walk as NetCDF 3 (readable by xarray, MATLAB, ncdump), SI units."""
     from scipy.io import netcdf_file
 
-    variables: dict[str, tuple[tuple[str, ...], str, Any]] = {
-        "t": (("time",), "s", walk.t),
-        "com": (("time", "axis"), "m", walk.com),
-        "velocity": (("time", "axis"), "m s-1", walk.velocity),
-        "force": (("time", "foot", "axis"), "N", walk.force),
-        "power": (("time", "foot"), "W", walk.power),
-        "work": (("time", "foot"), "J", walk.work),
-        "start": (("axis",), "m", walk.start),
-        "sole": (("point", "axis"), "m", walk.foot.contour),
-    }
     try:
         with netcdf_file(path, "w", version=2) as file:
             file.footopt = __version__
@@ -106,7 +81,7 @@ def write_walk(path: Path, walk: Walk) -> None:
             sizes = {"time": len(walk.t), "axis": 2, "foot": 2, "point": len(walk.foot.contour)}
             for name, size in sizes.items():
                 file.createDimension(name, size)
-            for name, (dimensions, unit, values) in variables.items():
+            for name, (dimensions, unit, values) in walk.variables.items():
                 variable = file.createVariable(name, "d", dimensions)
                 if len(values):  # a walk that sank at once has no samples
                     variable[...] = values

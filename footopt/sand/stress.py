@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import FileError, SettingError, check
+from footopt.shown import Shown
 
 PER_CM3 = 1e6  # N/cm^3 in N/m^3
 
@@ -179,7 +180,7 @@ MEDIA: dict[str, float] = {
 
 
 @dataclass(frozen=True)
-class Sand:
+class Sand(Shown):
     """A dry granular medium: a stress map and its scale.
 
     Parameters

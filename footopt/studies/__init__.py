@@ -30,5 +30,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         raise SettingError("study.name", name, f"one of {', '.join(STUDIES)}")
     if config.engine.name != "local" and name not in SPREAD:
         raise SettingError("engine.name", config.engine.name, f"local for study={name}")
+    if config.plugins:
+        import_module("footopt.studies.build").load_plugins(config.plugins)
     study: Callable[[Config, Path, dict[str, Any]], None] = import_module(f"footopt.studies.{name}").run
     study(config, folder, settings)

@@ -2,17 +2,50 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Sequence
 from dataclasses import asdict, replace
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 from footopt.config import AccuracyConfig, Config, EffectsConfig, FootConfig, GaitConfig, SandConfig
-from footopt.errors import SettingError
+from footopt.errors import SettingError, check
 from footopt.foot import Foot, Waypoints
 from footopt.gait import Gait
 from footopt.gait.files import Strides, read, read_strides
 from footopt.sand import Sand, StressMap
 from footopt.sand.effects import EFFECTS, Effect
 from footopt.walker import PRESETS, Accuracy, Scene, Walker
+
+
+def load_plugins(plugins: Sequence[str]) -> None:
+    """Import files (of the user's own, .py) and modules, which register what they bring.
+
+    A file's folder joins the module path, which worker processes are given too, and its name there is
+    that of the file.
+
+    Raises
+    ------
+    SettingError : a file or module is not there, fails, or has the name of another module.
+    """
+    for plugin in plugins:
+        path = Path(plugin).absolute()
+        name = path.stem if path.suffix == ".py" else plugin
+        if path.suffix == ".py":
+            check(path.is_file(), "plugins", plugin, "a file that is there, or an importable module")
+            if str(path.parent) not in sys.path:
+                sys.path.append(str(path.parent))
+        try:
+            module = import_module(name)
+        except Exception as error:
+            why = f"something that can be imported ({type(error).__name__}: {error})"
+            raise SettingError("plugins", plugin, why) from error
+        file = getattr(module, "__file__", None)
+        if path.suffix == ".py" and (file is None or not path.samefile(file)):
+            raise SettingError(
+                "plugins", plugin, "a file whose name is not that of another module", f"Rename {path.name}."
+            )
 
 
 def make_sand(config: SandConfig) -> Sand:
@@ -103,8 +136,22 @@ def make_foot(config: FootConfig) -> Foot:
 
 def make_effects(config: EffectsConfig) -> tuple[Effect, ...]:
     """The effects that a configuration names; what `auto` adds is up to the effect audit."""
-    found = {name: getattr(config, name) for name in EFFECTS}
-    return tuple(EFFECTS[name](**vars(values)) for name, values in found.items() if values is not None)
+    named = {name: getattr(config, name, None) for name in EFFECTS}
+    chosen: dict[str, Any] = {name: vars(v) for name, v in named.items() if v is not None}
+    own: dict[str, Any] = config.own or {}
+    check(isinstance(own, dict), "effects.own", own, "effects by name: {my_effect: {size: 1.0}}")
+    for name in own:
+        if name not in EFFECTS or hasattr(config, name):
+            known = [other for other in EFFECTS if not hasattr(config, other)]
+            raise SettingError(
+                "effects.own", name, f"an effect of a plugin ({', '.join(known) or 'none is loaded'})",
+                "Give its file: plugins=[my_effect.py]; it has to add its class to effects.EFFECTS.",
+            )  # fmt: skip
+    try:
+        return tuple(EFFECTS[name](**(v or {})) for name, v in (chosen | own).items())
+    except TypeError as error:
+        allowed = f"made of parameters that the effect has ({error})"
+        raise SettingError("effects.own", own, allowed) from None
 
 
 def make_scene(config: Config) -> Scene:

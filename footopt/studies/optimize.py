@@ -23,7 +23,7 @@ from footopt.design.exhaustive import Enumeration, check_size
 from footopt.errors import check
 from footopt.foot import Foot
 from footopt.foot.solid import write_all
-from footopt.report import figures, files, page, terminal
+from footopt.report import figures, files, film, page, terminal
 from footopt.studies import build
 from footopt.studies.auto import settle
 from footopt.studies.simulate import foot_entry, scene_entry
@@ -37,6 +37,8 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     """Search, then walk with the best foot and write everything about it to `folder`."""
     out, clock = terminal.console(), terminal.clock()
     build.check_searchable(config.foot)
+    if config.study.video is not None:
+        film.check_film(folder / config.study.video)
     c = config.solver
     solver = Solver(c.name, c.pop_size, c.n_gen, c.seed)
     scene, audits = settle(config, None, out)
@@ -118,6 +120,8 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     draw(result, marked, best, walk, base, folder / "figures")
     shown = page.search_content(result, confirmed, walk, base, entry | {"wall_time_s": clock()})
     page.write(folder / "report.html", shown)
+    if config.study.video is not None:
+        film.write(walk, folder / config.study.video)
 
     out.print(terminal.describe_search(result))
     out.print(terminal.describe_confirmation(confirmed))

@@ -10,7 +10,7 @@ from typing import Any
 from footopt.config import Config
 from footopt.foot import Foot
 from footopt.foot.solid import write_all
-from footopt.report import figures, files, page, terminal
+from footopt.report import figures, files, film, page, terminal
 from footopt.report.gait_figure import gait_fit
 from footopt.studies import build
 from footopt.studies.auto import settle
@@ -22,6 +22,8 @@ from footopt.walker.validity import diagnose
 def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     """Walk with one foot and write everything about it to `folder`."""
     out, clock = terminal.console(), terminal.clock()
+    if config.study.video is not None:
+        film.check_film(folder / config.study.video)
     foot = build.make_foot(config.foot)
     accuracy = build.make_accuracy(config.accuracy)
     scene, audits = settle(config, foot, out)
@@ -62,6 +64,8 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     for name, figure in drawn.items():
         figures.save(figure, folder / "figures", name)
     page.write(folder / "report.html", page.walk_content(walk, entry))
+    if config.study.video is not None and len(walk.t):
+        film.write(walk, folder / config.study.video)
 
     out.print(f"{terminal.describe_scene(scene)}; {terminal.describe_foot(foot)}")
     if strides is not None:

@@ -107,11 +107,16 @@ def _source(own: tuple[Any, ...]) -> str:
         digest.update(Path(str(module.__file__)).read_bytes())
     digest.update(Path(__file__).read_bytes())
     for function in own:
-        try:
-            digest.update(Path(inspect.getfile(function)).read_bytes())  # with what it may call
-        except OSError:  # typed into a session
-            digest.update(marshal.dumps(function.__code__))
+        digest.update(text_of(function))
     return digest.hexdigest()
+
+
+def text_of(function: Any) -> bytes:
+    """The file that a function is in, with what it may call; its code if it was typed into a session."""
+    try:
+        return Path(inspect.getfile(function)).read_bytes()
+    except OSError:
+        return marshal.dumps(function.__code__)
 
 
 @lru_cache(maxsize=8)
@@ -278,7 +283,8 @@ def _compile(source: str, compiler: Any):
 HOME = ("footopt.", __name__.rpartition(".")[0] + ".")
 
 
-def _is_own(thing: Any) -> bool:
+def is_own(thing: Any) -> bool:
+    """Whether a type or function is a user's, not footopt's."""
     return not thing.__module__.startswith(HOME)
 
 
@@ -286,7 +292,7 @@ def _own(stepper: Any, laws: Sequence[Any]) -> tuple[Any, ...]:
     """A user's own types and functions among those that a walk needs."""
     hooks = [hooks[type(law)] for law in laws for hooks in effects.HOOKS if type(law) in hooks]
     needed = (type(stepper), steppers.STEPS[type(stepper)], *map(type, laws), *hooks)
-    return tuple(filter(_is_own, needed))
+    return tuple(filter(is_own, needed))
 
 
 def source(stepper: Any, laws: Sequence[Any]) -> str:

@@ -15,6 +15,7 @@ from footopt.foot.plates import RULES
 from footopt.gait import Gait
 from footopt.sand import Sand
 from footopt.sand.effects import Effect, Slope, ordered
+from footopt.shown import Shown
 from footopt.walker.steppers import STEPPERS
 
 
@@ -44,7 +45,7 @@ class Walker:
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(Shown):
     """The physics of a walk: which sand, which gait, which walker, how long.
 
     Parameters

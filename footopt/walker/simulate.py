@@ -8,14 +8,15 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.errors import SettingError, check
+from footopt.errors import SettingError, check, needed
 from footopt.foot import Foot, Plates, Waypoints, as_plates
 from footopt.sand import affine_direction, effects
+from footopt.shown import Animated, Shown
 from footopt.walker.kernels import EVALUATIONS, LANES, PLATES, REPEATS, RESCUES, SHORTENED, TALLY, Sole, World
 from footopt.walker.loop import BACKWARD, DIVERGED, OK, RAW, SUNK, TRACE, walk_range
 from footopt.walker.objectives import FIVE, OBJECTIVES, Raw, lookup
@@ -37,7 +38,7 @@ POSES = 64  # motions whose poses are kept: about 1 MB each, and the time of a f
 
 
 @dataclass(frozen=True)
-class Table:
+class Table(Shown):
     """Objectives of many feet, in natural signs.
 
     Parameters
@@ -82,9 +83,20 @@ class Table:
         """The paper's scalar J_W, (designs,); most negative is best."""
         return self.column("efficiency")
 
+    def to_frame(self) -> Any:
+        """A pandas DataFrame with a row for each foot: its objectives, `feasible` and `reason`.
+
+        Units are in ``frame.attrs["units"]``. Needs pandas: ``pip install "footopt[pandas]"``.
+        """
+        pandas = needed("pandas", "Table.to_frame", "pandas")
+        columns = dict(zip(self.names, self.values.T, strict=True))
+        frame = pandas.DataFrame(columns | {"feasible": self.feasible, "reason": self.reasons.astype(object)})
+        frame.attrs["units"] = {name: OBJECTIVES[name].unit for name in self.names}
+        return frame.rename_axis("foot")
+
 
 @dataclass(frozen=True, eq=False)
-class Walk:
+class Walk(Animated):
     """One simulated walk: traces at the end of every step, T of them, and what they add up to.
 
     Parameters
@@ -128,6 +140,53 @@ class Walk:
         raw = Raw(np.array([[self.totals[name] if self.feasible else np.nan for name in RAW]]))
         return {name: float(o.value(raw, self.scene)[0]) for name, o in OBJECTIVES.items()}
 
+    @property
+    def variables(self) -> dict[str, Variable]:
+        """Everything traced, by the names that files give it."""
+        return {
+            "t": Variable(("time",), "s", self.t),
+            "com": Variable(("time", "axis"), "m", self.com),
+            "velocity": Variable(("time", "axis"), "m s-1", self.velocity),
+            "force": Variable(("time", "foot", "axis"), "N", self.force),
+            "power": Variable(("time", "foot"), "W", self.power),
+            "work": Variable(("time", "foot"), "J", self.work),
+            "start": Variable(("axis",), "m", self.start),
+            "sole": Variable(("point", "axis"), "m", self.foot.contour),
+        }
+
+    def to_dataset(self) -> Any:
+        """An xarray Dataset with the variables of walk.nc; times (s), feet and axes select by their names.
+
+        Units are in each variable's attributes. Needs xarray: ``pip install "footopt[xarray]"``.
+        """
+        xarray = needed("xarray", "Walk.to_dataset", "xarray")
+        parts = self.variables
+        t = parts.pop("t")
+        times = {name: ("time", t.values, {"units": t.unit}) for name in ("time", "t")}
+        return xarray.Dataset(
+            {name: (v.dimensions, v.values, {"units": v.unit}) for name, v in parts.items()},
+            times | {name: list(places) for name, places in PLACES.items()},
+            {"reason": self.reason},
+        )
+
+    def to_frame(self) -> Any:
+        """A pandas DataFrame with a row for each sample of the traces, indexed by time, s.
+
+        Columns are com_x, velocity_z, force_left_x, power_right and so on; units are in
+        ``frame.attrs["units"]``. Needs pandas: ``pip install "footopt[pandas]"``.
+        """
+        pandas = needed("pandas", "Walk.to_frame", "pandas")
+        columns, units = {}, {}
+        for name, (dimensions, unit, values) in self.variables.items():
+            if dimensions[0] == "time" and name != "t":
+                for place in np.ndindex(values.shape[1:]):
+                    words = [PLACES[d][i] for d, i in zip(dimensions[1:], place, strict=True)]
+                    column = "_".join([name, *words])
+                    columns[column], units[column] = values[(slice(None), *place)], unit
+        frame = pandas.DataFrame(columns, index=pandas.Index(self.t, name="t"))
+        frame.attrs["units"] = {"t": "s"} | units
+        return frame
+
     def plates(self, index: ArrayLike) -> PlateStates:
         """Every plate's place, motion and force at some samples, by the law in its readable form."""
         i = np.asarray(index)
@@ -167,6 +226,18 @@ class Walk:
         force = pull[..., None] * (a - np.einsum("...ij,...j->...i", m, h))
         force = force - (push * sole.area[0])[..., None] * normal
         return PlateStates(position, velocity, force, normal, sole.area[0])
+
+
+class Variable(NamedTuple):
+    """A traced quantity: the names of its dimensions, its unit, its values."""
+
+    dimensions: tuple[str, ...]
+    unit: str
+    values: Array
+
+
+#: What the places along a dimension are called.
+PLACES = {"foot": ("left", "right"), "axis": ("x", "z")}
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,144 @@
+"""A film of a walk, GIF or MP4: legs, soles, sand, the force on each foot, and the time."""
+
+from __future__ import annotations
+
+import math
+import os
+import subprocess
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.animation import FFMpegWriter, PillowWriter
+from numpy.typing import NDArray
+
+from footopt.errors import FileError, FootoptError, SettingError, check
+from footopt.report.body import body, forces
+from footopt.report.figures import CONTACT, PAGE, _entry_of, _figure, _legend_above, styled
+from footopt.report.show import ARROW, SIDES, bounds, draw_arrows, draw_body, draw_ground, round_newtons
+from footopt.walker import Walk
+
+Array = NDArray[np.float64]
+
+WIDEST = 3.0  # times its height: a longer walk is followed by the camera
+
+
+def check_film(path: str | Path, fps: int = 25, speed: float = 0.5, dpi: int = 120) -> Path:
+    """Raise unless such a film can be written; see `footopt.Walk.animate`. Its folder is made.
+
+    Raises
+    ------
+    SettingError : another ending, or a number that cannot be used.
+    FileError : ffmpeg is missing, or there can be no such folder.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in (".gif", ".mp4"):
+        raise SettingError("video", str(path), "a name that ends in .gif or .mp4", "Try walk.gif.")
+    check(0 < fps <= 100, "fps", fps, "a number of frames per second > 0 and <= 100")
+    check(0 < speed < math.inf, "speed", speed, "a number > 0: 1 is as in life, 0.25 four times slower")
+    check(20 <= dpi <= 600, "dpi", dpi, "a number of dots per inch from 20 to 600")
+    if path.suffix.lower() == ".mp4" and not FFMpegWriter.isAvailable():
+        raise FileError(
+            f"{path}: an .mp4 needs the program ffmpeg, which is not installed (on Debian or Ubuntu: apt "
+            "install ffmpeg; conda install ffmpeg; brew install ffmpeg). A .gif needs nothing: try "
+            f"{path.with_suffix('.gif').name}."
+        )
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FileError(f"{path}: there can be no such folder ({error.strerror or error}).") from None
+    if not os.access(path.parent, os.W_OK) or path.is_dir():
+        raise FileError(f"{path}: cannot be written. Choose a file in a folder that can.")
+    return path
+
+
+@styled
+def write(walk: Walk, path: str | Path, fps: int = 25, speed: float = 0.5, dpi: int = 120) -> Path:
+    """Write a film; see `footopt.Walk.animate`. The file is there as a whole or as it was before."""
+    path = check_film(path, fps, speed, dpi)
+    if len(walk.t) == 0:
+        raise FootoptError(f"{path}: there is nothing to film, the walk failed at once: {walk.reason}.")
+    figure, show = scene_of(walk, speed)
+    writer: Any = PillowWriter(fps) if path.suffix.lower() == ".gif" else FFMpegWriter(fps)
+    unfinished = path.with_name(f".unfinished-{path.name}")  # the writers go by the ending
+    try:
+        with writer.saving(figure, str(unfinished), dpi):
+            for t in times(walk, fps, speed):
+                show(t)
+                writer.grab_frame()
+        os.replace(unfinished, path)
+    except (OSError, subprocess.CalledProcessError) as error:
+        raise FileError(f"{path}: the film cannot be written ({_why(error)}).") from None
+    finally:
+        with suppress(OSError):
+            unfinished.unlink(missing_ok=True)
+    return path
+
+
+def times(walk: Walk, fps: int, speed: float) -> Array:
+    """Times of the frames, s: as many as a film of the walk at a speed has, the last at its end."""
+    begin, end = float(walk.t[0]), float(walk.t[-1])
+    frames = max(1, math.ceil((end - begin) * fps / speed - 1e-9))
+    t: Array = np.minimum(begin + np.arange(frames + 1) * speed / fps, end)
+    return t
+
+
+def scene_of(walk: Walk, speed: float) -> tuple[Any, Callable[[float], None]]:
+    """A figure, and what moves the walker in it to a time."""
+    all_of_it = body(walk, walk.t)
+    left, right, low, high = bounds(all_of_it)
+    at, force = forces(walk, np.arange(len(walk.t))).resultant()
+    wide = min(right - left, WIDEST * (high - low))
+    newtons = round_newtons(walk)
+    figure = _figure(PAGE, (PAGE - 0.6) * (high - low) / wide + 0.5)
+    axes = figure.subplots()
+    draw_ground(axes, walk.scene, left, right, low, 0.9 * high)
+    axes.set(xlabel="$x$ (m)", ylabel="$z$ (m)", xlim=(left, left + wide), ylim=(low, high), aspect="equal")
+    axes.plot(*walk.com.T, color="black", lw=0.6, ls=":")
+    for side, colour in SIDES:
+        _entry_of(axes, f"{side} leg", color=colour, lw=2)
+    label = f"force of the sand, {ARROW * high:.2g} m for {newtons:g} N"
+    _entry_of(axes, label, color="black", ls="", marker=r"$\uparrow$", ms=8)
+    title = f"{walk.foot.name} on {walk.scene.sand.name} sand, {speed:g} × real time"
+    _legend_above(figure, *axes.get_legend_handles_labels(), title=title)
+    clock = axes.set_title(" ", loc="right", fontsize=10)
+    for _ in range(2):  # each pass of the layout moves things a little
+        figure.draw_without_rendering()
+    figure.set_layout_engine("none")  # a layout of each frame's own would tremble
+    shown: list[Any] = []
+
+    def between(samples: Array, t: float) -> Array:
+        """Values (T, 2 feet, 2) at a time, in a straight line between samples."""
+        last = min(int(np.searchsorted(walk.t, t)), len(walk.t) - 1)
+        first = max(last - 1, 0)
+        length = walk.t[last] - walk.t[first]
+        part = (t - walk.t[first]) / length if length > 0 else 1.0
+        mixed: Array = (1.0 - part) * samples[first] + part * samples[last]
+        return mixed
+
+    def show(t: float) -> None:
+        while shown:
+            shown.pop().remove()
+        placed = body(walk, [t])
+        shown.extend(draw_body(axes, placed, 0))
+        place, push = between(at, t), between(force, t)
+        seen = np.isfinite(place).all(axis=-1) & (np.linalg.norm(push, axis=-1) > CONTACT)
+        if seen.any():
+            shown.append(draw_arrows(axes, place[seen], push[seen], ARROW * high / newtons))
+        middle = float(np.clip(placed.hip[0, 0], left + 0.5 * wide, right - 0.5 * wide))
+        axes.set_xlim(middle - 0.5 * wide, middle + 0.5 * wide)
+        ended = f", failed: {walk.reason}" if walk.reason and t >= walk.t[-1] else ""
+        clock.set_text(f"{t:.2f} s{ended}")
+
+    return figure, show
+
+
+def _why(error: OSError | subprocess.CalledProcessError) -> str:
+    """What a writer says, in a line."""
+    if isinstance(error, OSError):
+        return error.strerror or str(error)
+    said = error.stderr or b""
+    lines = (said.decode(errors="replace") if isinstance(said, bytes) else said).strip().splitlines()
+    return f"ffmpeg ends with {error.returncode}: {lines[-1] if lines else 'it does not say why'}"

@@ -1,0 +1,156 @@
+"""Films of walks: as long as they say, whole or not there, and clear words where they cannot be."""
+
+import itertools
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from matplotlib.animation import FFMpegWriter
+from PIL import Image
+
+import footopt as fo
+from footopt.errors import FileError, FootoptError, SettingError
+from footopt.report import body, film
+
+needs_ffmpeg = pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")
+
+
+@pytest.fixture(scope="module")
+def walk():
+    return fo.simulate(fo.Foot.flat(), fo.Scene(t_f=1.3), "draft")
+
+
+def test_a_gif_has_the_frames_and_the_pace_that_were_asked_for(walk, tmp_path):
+    path = walk.animate(tmp_path / "new" / "walk.gif", fps=10, speed=0.5, dpi=40)
+    assert path == tmp_path / "new" / "walk.gif"
+    assert [p.name for p in path.parent.iterdir()] == ["walk.gif"]
+    with Image.open(path) as image:
+        assert image.n_frames == len(film.times(walk, 10, 0.5)) == pytest.approx(1.3 * 10 / 0.5 + 1, abs=1)
+        assert image.info["duration"] == 100  # ms
+        assert image.info["loop"] == 0  # for ever
+        frames = []
+        for i in range(image.n_frames):
+            image.seek(i)
+            frames.append(np.asarray(image.convert("L"), float))
+    moved = [abs(a - b).mean() for a, b in itertools.pairwise(frames)]
+    assert max(moved[:5]) < 0.5  # it stands until .5 s but for the clock
+    assert min(moved[14:-1]) > 0.5  # and then it walks
+
+
+def test_times_end_with_the_walk(walk):
+    t = film.times(walk, 25, 0.5)
+    assert t[0] == walk.t[0]
+    assert t[-1] == walk.t[-1]
+    np.testing.assert_allclose(np.diff(t)[:-1], 0.02)
+
+
+def test_a_frame_shows_legs_soles_force_and_time(walk):
+    figure, show = film.scene_of(walk, speed=1.0)
+    show(1.15)
+    axes = figure.axes[0]
+    drawn = [line.get_xydata() for line in axes.lines]
+    placed = body.body(walk, [1.15])
+    for foot in range(2):
+        assert any(np.array_equal(points, placed.legs[0, foot]) for points in drawn)
+        assert any(np.array_equal(points, placed.sole[0, foot]) for points in drawn)
+    (arrows,) = (c for c in axes.collections if hasattr(c, "U"))
+    now = np.array(
+        [[np.interp(1.15, walk.t, walk.force[:, foot, axis]) for axis in range(2)] for foot in range(2)]
+    )
+    np.testing.assert_allclose(np.stack([arrows.U, arrows.V], axis=-1), now, rtol=1e-3, atol=0.1)
+    assert axes.get_title(loc="right") == "1.15 s"
+    count = len(axes.get_children())
+    show(1.2)
+    assert len(axes.get_children()) == count  # what was drawn before is gone
+
+
+def test_the_camera_follows_a_long_walk():
+    walk = fo.simulate(fo.Foot.flat(), fo.Scene(t_f=6.0), "draft")
+    figure, show = film.scene_of(walk, 1.0)
+    axes = figure.axes[0]
+    seen = []
+    for t in (0.1, 3.0, 6.0):
+        show(t)
+        seen.append(axes.get_xlim())
+        assert seen[-1][0] < np.interp(t, walk.t, walk.com[:, 0]) < seen[-1][1]
+    widths = np.diff(seen, axis=1)
+    assert widths.min() == pytest.approx(widths.max())
+    assert seen[0][0] < seen[1][0] < seen[2][0]
+    assert widths.max() < np.ptp(walk.com[:, 0])
+
+
+def test_a_failed_walk_is_filmed_to_its_end_and_one_without_a_step_is_refused(tmp_path):
+    walk = fo.simulate(fo.Foot.flat(), fo.Scene(sand=fo.Sand(zeta=0.02)), "draft")
+    assert walk.reason == "sunk"
+    figure, show = film.scene_of(walk, 1.0)
+    show(walk.t[-1])
+    assert figure.axes[0].get_title(loc="right").endswith("failed: sunk")
+    void = fo.simulate(fo.Foot.flat(), fo.Scene(sand=fo.Sand(zeta=1e-3)), "draft")
+    with pytest.raises(FootoptError, match="failed at once: sunk"):
+        void.animate(tmp_path / "walk.gif")
+
+
+@needs_ffmpeg
+def test_an_mp4_is_what_players_play(walk, tmp_path):
+    path = walk.animate(tmp_path / "walk.mp4", fps=10, speed=1.0, dpi=61)
+    probe = ["ffprobe", "-v", "error", "-select_streams", "v", "-of", "csv=p=0", "-count_frames",
+             "-show_entries", "stream=codec_name,width,height,pix_fmt,nb_read_frames", path]  # fmt: skip
+    found = subprocess.run(probe, capture_output=True, text=True, check=True, timeout=60).stdout
+    codec, width, height, pixels, frames = found.strip().split(",")
+    assert (codec, pixels) == ("h264", "yuv420p")
+    assert int(width) % 2 == int(height) % 2 == 0
+    assert int(frames) == len(film.times(walk, 10, 1.0))
+
+
+@needs_ffmpeg
+def test_what_ffmpeg_says_is_passed_on_and_no_half_a_film_is_left(walk, tmp_path, monkeypatch):
+    monkeypatch.setattr(film, "FFMpegWriter", lambda fps: FFMpegWriter(fps, codec="no_such_codec"))
+    monkeypatch.setattr(film.FFMpegWriter, "isAvailable", lambda: True, raising=False)
+    with pytest.raises(FileError, match="cannot be written"):
+        walk.animate(tmp_path / "walk.mp4", fps=5, speed=1, dpi=40)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_ffmpeg_it_says_what_to_install_and_that_a_gif_needs_nothing(walk, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(FileError, match=r"ffmpeg, which is not installed .*try walk\.gif"):
+        walk.animate(tmp_path / "walk.mp4")
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "words"),
+    [
+        ("walk.avi", {}, r"ends in \.gif or \.mp4"),
+        ("walk", {}, r"ends in \.gif or \.mp4"),
+        ("walk.gif", {"fps": 0}, "fps = 0"),
+        ("walk.gif", {"speed": -1.0}, r"speed = -1\.0"),
+        ("walk.gif", {"dpi": 5}, "dpi = 5"),
+    ],
+)
+def test_what_cannot_be_is_said_before_anything_is_drawn(walk, tmp_path, name, options, words):
+    with pytest.raises(SettingError, match=words):
+        walk.animate(tmp_path / name, **options)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_place_that_cannot_be_written_is_named(walk, tmp_path):
+    (tmp_path / "file").write_text("")
+    (tmp_path / "walk.gif").mkdir()
+    for place in (tmp_path / "file" / "walk.gif", tmp_path / "walk.gif"):
+        with pytest.raises(FileError, match=str(place)):
+            walk.animate(place)
+
+
+@pytest.mark.slow
+def test_the_command_line_leaves_a_film_or_says_at_once_why_not(tmp_path):
+    run = [sys.executable, "-W", "error", "-m", "footopt", "study=simulate", "accuracy=draft",
+           "scene.t_f=1.2", f"hydra.run.dir={tmp_path / 'run'}"]  # fmt: skip
+    done = subprocess.run([*run, "study.video=walk.gif"], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    with Image.open(tmp_path / "run" / "walk.gif") as image:
+        assert image.n_frames == pytest.approx(1.2 * 25 / 0.5 + 1, abs=1)
+    done = subprocess.run([*run, "study.video=walk.mov"], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 1
+    assert "ends in .gif or .mp4" in done.stderr
