@@ -6,10 +6,13 @@ import errno
 import logging
 import os
 import shlex
+import signal
 import sys
+import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 import hydra
@@ -50,17 +53,16 @@ def _job(settings: DictConfig) -> None:
 
     here = HydraConfig.get()
     folder = Path(here.runtime.output_dir)
+    resume = f"footopt resume={shlex.quote(str(folder))}"
+    hint = f"; go on with: {resume}" if settings.study.name in studies.RESUMABLE else ""
     try:
         (folder / ERROR_FILE).unlink(missing_ok=True)  # of a job that is resumed
         config: Any = OmegaConf.to_object(settings)
         plain: Any = OmegaConf.to_container(settings, resolve=True)
-        with settings_kept(settings, folder):
+        with settings_kept(settings, folder), one_ctrl_c(f"footopt: stopped{hint}"):
             studies.run(config, folder, plain)
     except KeyboardInterrupt as stop:
-        words = " ".join(["footopt: stopped", *map(str, stop.args)])
-        if settings.study.name in studies.RESUMABLE:
-            words += f"; go on with: footopt resume={shlex.quote(str(folder))}"
-        print(words, file=sys.stderr)
+        print(" ".join(["footopt: stopped", *map(str, stop.args)]) + hint, file=sys.stderr)
         sys.exit(STOPPED)
     except (FootoptError, OmegaConfBaseException, OSError) as error:
         if here.mode != RunMode.MULTIRUN:
@@ -152,6 +154,36 @@ def named_run(word: str) -> str:
     if not word.startswith("run="):
         return word
     return "study.run='{}'".format(word.removeprefix("run=").replace("'", "\\'"))
+
+
+@contextmanager
+def one_ctrl_c(last_words: str) -> Iterator[None]:
+    """The first Ctrl-C ends a search with its report; the second ends the process, wherever it is.
+
+    A second `KeyboardInterrupt` would break into what cleans up after the first, and could be lost or
+    leave a lock behind. All that is known is in the store by then, and workers end with their parent.
+    """
+    heard = False
+
+    def handle(signum: int, frame: FrameType | None) -> None:
+        nonlocal heard
+        if heard:
+            os.write(2, f"{last_words}\n".encode())
+            os._exit(STOPPED)
+        heard = True
+        raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread():  # a launcher's: signals are not for it
+        yield
+        return
+    before = signal.getsignal(signal.SIGINT)
+    if before is signal.default_int_handler:  # not where whoever started this wants it ignored
+        signal.signal(signal.SIGINT, handle)
+    try:
+        yield
+    finally:
+        if not heard and before is signal.default_int_handler:
+            signal.signal(signal.SIGINT, before)
 
 
 @contextmanager

@@ -30,7 +30,12 @@ GROUPS = sorted(p.name for p in CONF.iterdir() if p.is_dir())
 def footopt(*arguments, cwd, full_error=False):
     env = {**os.environ, "PYTHONWARNINGS": "error", "HYDRA_FULL_ERROR": "1" if full_error else "0"}
     return subprocess.run(
-        [sys.executable, "-m", "footopt", *arguments], cwd=cwd, env=env, capture_output=True, text=True
+        [sys.executable, "-m", "footopt", *arguments],
+        cwd=cwd,
+        env=env,
+        capture_output=True,
+        text=True,
+        timeout=300,
     )
 
 

@@ -18,7 +18,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from test_cli import footopt
-from test_resume import BRIEF, outcome, started, wait_for
+from test_resume import BRIEF, ended, outcome, started, wait_for
 from test_store import SMALL, assert_same, problem, stop_after
 
 import footopt as fo
@@ -325,7 +325,9 @@ class Cluster:
         self.env = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
         self.scheduler = self.start("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard")
         self.workers = [self.add() for _ in range(count)]
+        deadline = time.monotonic() + 60
         while not (self.file.is_file() and self.file.stat().st_size):
+            assert time.monotonic() < deadline
             time.sleep(0.05)
         self.address = json.loads(self.file.read_text())["address"]
 
@@ -443,7 +445,7 @@ class TestCommandLine:
         wait_for(run, "generation 4/25")
         family = descendants(run.pid)
         os.killpg(run.pid, signal.SIGINT)  # as a terminal does
-        _, err = run.communicate()
+        _, err = ended(run)
         assert run.returncode == 130
         assert err.startswith("footopt: stopped after generation ")
         assert "Traceback" not in err
@@ -461,7 +463,7 @@ class TestCommandLine:
         family = descendants(run.pid)
         assert len(family) >= 2
         run.kill()
-        run.communicate()
+        ended(run)
         assert_gone(family)
 
 

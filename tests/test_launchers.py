@@ -7,7 +7,7 @@ import time
 
 import pytest
 from test_cli import footopt
-from test_resume import BRIEF, outcome, started
+from test_resume import BRIEF, ended, outcome, started
 
 pytestmark = pytest.mark.slow
 
@@ -43,12 +43,14 @@ def test_a_job_that_is_killed_leaves_the_others_and_is_resumed(tmp_path):
     run = started(*command, cwd=tmp_path)
     _, victim = searching(run, tmp_path / "sweep" / ".submitit")
     os.kill(victim, signal.SIGKILL)
-    _, err = run.communicate()
+    _, err = ended(run)
     assert run.returncode == 1
     assert "footopt: error: a job of this multirun was lost" in err
     assert "`footopt resume=sweep` lists the jobs without a result" in err
     assert "Traceback" not in err
+    deadline = time.monotonic() + 120
     while footopt("resume=sweep", cwd=tmp_path).stderr.count(",") > 1:  # the other job goes on by itself
+        assert time.monotonic() < deadline
         time.sleep(0.5)
     missing = [n for n in "01" if not (tmp_path / "sweep" / n / "result.json").is_file()]
     assert len(missing) == 1
@@ -59,8 +61,10 @@ def test_a_job_that_is_killed_leaves_the_others_and_is_resumed(tmp_path):
 
 def searching(run, folder):
     """The log and the process of a sweep's job that has begun to search."""
+    deadline = time.monotonic() + 120
     while not (found := [log for log in folder.glob("*/*_0_log.out") if "generation 4/" in log.read_text()]):
         assert run.poll() is None
+        assert time.monotonic() < deadline
         time.sleep(0.05)
     (process,) = children(int(found[0].parent.name))
     return found[0], process
@@ -78,7 +82,7 @@ def test_a_job_that_is_preempted_is_queued_again_and_goes_on_by_itself(tmp_path)
     run = started(*command, cwd=tmp_path)
     job, victim = searching(run, tmp_path / "sweep" / ".submitit")
     os.kill(victim, signal.SIGUSR2)  # what Slurm sends before the limit
-    _, err = run.communicate()
+    _, err = ended(run)
     assert run.returncode == 0, err
     assert "designs of this search are known" in job.read_text()
     assert json.loads((tmp_path / "sweep" / "0" / "result.json").read_text())["reused"] > 0

@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import pytest
@@ -29,17 +30,33 @@ def started(*arguments, cwd, **options):
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        env={**os.environ, "HYDRA_FULL_ERROR": "0"},
+        env={**os.environ, "HYDRA_FULL_ERROR": "0", "PYTHONFAULTHANDLER": "1"},
         **options,
     )
 
 
-def wait_for(run, words):
+def wait_for(run, words, limit=300):
     """Read the run's output up to a line with these words."""
-    for line in run.stdout:
-        if words in line:
-            return
-    raise AssertionError(f"no {words!r}: {run.stderr.read()}")
+    alarm = threading.Timer(
+        limit, run.send_signal, [signal.SIGABRT]
+    )  # Python's faulthandler writes the stack
+    alarm.start()
+    try:
+        for line in run.stdout:
+            if words in line:
+                return
+    finally:
+        alarm.cancel()
+    raise AssertionError(f"no {words!r}: {ended(run)[1]}")
+
+
+def ended(run, limit=300):
+    """What a run says until it ends; if it does not, where it hangs."""
+    try:
+        return run.communicate(timeout=limit)
+    except subprocess.TimeoutExpired:
+        run.send_signal(signal.SIGABRT)  # Python's faulthandler writes the stack
+        raise AssertionError(f"hangs: {run.communicate()[1]}") from None
 
 
 def outcome(folder):
@@ -170,7 +187,7 @@ class TestKilled:
     def test_at_random_moments_the_resumed_run_ends_like_one_never_stopped(self, undisturbed, tmp_path):
         rng, kills, rounds = random.Random(time.time_ns()), 0, 0
         while kills < self.KILLS:
-            solver = ("ga", "nsga2", "de")[rounds % 3]
+            solver = ("memetic", "nsga2", "de")[rounds % 3]
             rounds += 1
             folder = tmp_path / str(rounds)
             first = [*BRIEF, f"solver={solver}", f"hydra.run.dir={folder.name}"]
@@ -183,7 +200,7 @@ class TestKilled:
                 if run.poll() is None:
                     run.kill()
                     kills += 1
-                run.communicate()
+                ended(run)
             done = footopt(f"resume={folder.name}", cwd=tmp_path)
             assert done.returncode == 0, done.stderr
             assert outcome(folder) == outcome(undisturbed(solver))
@@ -193,11 +210,11 @@ class TestKilled:
         run = started("resume=run", "solver.n_gen=2000", cwd=tmp_path)
         wait_for(run, "generation 200/2000")
         run.kill()
-        run.communicate()
+        ended(run)
         run = started("resume=run", cwd=tmp_path)
         wait_for(run, "generation 200/2000")
         run.kill()
-        run.communicate()
+        ended(run)
 
 
 @pytest.mark.slow
@@ -206,7 +223,7 @@ class TestInterrupted:
         run = started(*BRIEF, "solver=nsga2", "hydra.run.dir=run", cwd=tmp_path)
         wait_for(run, "generation 4/25")
         run.send_signal(signal.SIGINT)
-        out, err = run.communicate()
+        out, err = ended(run)
         assert run.returncode == 130
         assert err.startswith("footopt: stopped after generation ")
         assert f"with a full report; go on with: footopt resume={tmp_path / 'run'}" in err
@@ -227,14 +244,14 @@ class TestInterrupted:
         run.send_signal(signal.SIGINT)
         time.sleep(pause)
         run.send_signal(signal.SIGINT)
-        _, err = run.communicate()
+        _, err = ended(run)
         assert run.returncode == 130
         assert "footopt: stopped" in err
         assert "footopt resume=" in err
         assert "Traceback" not in err
         done = footopt("resume=run", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
-        assert outcome(tmp_path / "run") == outcome(undisturbed("ga"))
+        assert outcome(tmp_path / "run") == outcome(undisturbed("memetic"))
         assert json.loads((tmp_path / "run" / "result.json").read_text())["reused"] > 100
 
 
@@ -247,7 +264,7 @@ class TestSharedStore:
             for s in solvers
         ]
         for run in runs:
-            _, err = run.communicate()
+            _, err = ended(run)
             assert run.returncode == 0, err
         for solver in solvers:
             shared, alone = outcome(tmp_path / solver), outcome(undisturbed(solver))
@@ -284,7 +301,7 @@ def test_a_full_disk_is_said_and_what_was_kept_is_used(undisturbed, tmp_path):
             cwd=tmp_path,
             preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (kilobytes << 10,) * 2),
         )
-        _, err = run.communicate()
+        _, err = ended(run)
         assert run.returncode == 1
         assert err.startswith("footopt: error: ")
         assert "Traceback" not in err
@@ -294,7 +311,7 @@ def test_a_full_disk_is_said_and_what_was_kept_is_used(undisturbed, tmp_path):
     def resume():
         done = footopt("resume=run", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
-        assert outcome(tmp_path / "run") == outcome(undisturbed("ga"))
+        assert outcome(tmp_path / "run") == outcome(undisturbed("memetic"))
 
     assert "Make room on the disk" in failing(0, *BRIEF, "hydra.run.dir=nothing")
     store = f"study.store = '{tmp_path}/run/designs.sqlite': cannot be written"

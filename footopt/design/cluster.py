@@ -63,6 +63,7 @@ class Dask(Spread):
                     processes=True,
                     dashboard_address=":0",
                     memory_limit=0,
+                    silence_logs=logging.ERROR,  # it warns of every chunk that a Ctrl-C takes back
                 )
         try:
             self._client = distributed.Client(self._cluster or address, timeout=timeout, set_as_default=False)

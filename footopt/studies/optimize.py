@@ -69,6 +69,8 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
             out.print(known)
         with terminal.search_progress(out, solver.generations(problem.space), problem.guide) as progress:
             result = search(problem, solver, progress, store, engine)
+    if result.interrupted:
+        out.print("Stopped: reporting what was found so far (Ctrl-C again: not even that)")
     confirmed = confirm(result, finer, config.study.finalists)
     best = dataclasses.replace(
         Foot.from_waypoints(result.k[confirmed.designs[0]], problem.space), name=f"best of {solver.name}"
