@@ -438,8 +438,10 @@ def test_the_command_runs(arguments, place, monkeypatch, request):
         assert "Each run writes to its own folder" in text
         return
     left = {path for path in place.rglob("*") if path.is_file()} - before
-    if "resume" not in " ".join(words):
-        assert any(path.suffix in (".json", ".dxf") for path in left), words
+    results = [json.loads(path.read_text()) for path in left if path.name == "result.json"]
+    assert all(result.get("feasible", True) for result in results)
+    if not any(word.startswith("resume=") for word in words):
+        assert any(path.suffix == ".json" for path in left), words
 
 
 @pytest.fixture(scope="module")

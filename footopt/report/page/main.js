@@ -100,7 +100,7 @@ function jobsSection(choose) {
           soleDrawing(sole(job.design), { width: 120, height: 36, plain: true })),
         ...differ.map((_, c) => (job.design === null ? "–" : number(values[job.design * WIDTH + c]))),
         job.hollow, job.seed ?? "–", number(job.seconds)]))),
-    el("p", { class: "note" }, "A job's link opens its own page, with its walk."));
+    ...(data.jobs.some((job) => job.link) ? [el("p", { class: "note" }, "A job's link opens its own page, with its walk.")] : []));
 }
 
 /** What the jobs' walks have in common to look at: traces over time, a colour and a dash for each job. */
