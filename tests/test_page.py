@@ -81,6 +81,8 @@ def pages(front, single, tmp_path_factory):
     }
     for i, zeta in enumerate([1.0, 5.0]):
         leave_job(folder / str(i), fo.simulate(fo.Foot.flat(), fo.Scene(sand=fo.Sand(zeta=zeta)), "draft"))
+    (folder / "0" / "walk.nc").unlink()  # a study of many scenarios leaves neither walk nor page
+    (folder / "1" / "report.html").touch()
     (folder / "2").mkdir()
     (folder / "2" / "error.txt").write_text("sand.zeta = 0: must be a number > 0\n")
     assert summary.report(folder, "error.txt") == 1
@@ -418,7 +420,9 @@ def test_a_multirun_shows_every_job_the_failed_ones_too(pages, browser):
     rows = shown.all("#jobs tbody tr")
     assert len(rows) == 3
     assert "must be a number > 0" in rows[2].text
-    assert [a.get_attribute("href").rsplit("/", 2)[1] for a in shown.all("#jobs a")] == ["0", "1"]
+    assert [a.get_attribute("href").rsplit("/", 2)[1] for a in shown.all("#jobs a")] == ["1"]
+    assert "job 1" in shown.text("#traces")
+    assert "job 0" not in shown.text("#traces")
     rows[1].find_element("css selector", "button").click()
     assert "job 1" in shown.text("#design-title")
 

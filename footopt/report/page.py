@@ -202,7 +202,9 @@ def jobs_content(jobs: Sequence[dict[str, Any]], common: Sequence[str]) -> dict[
                 "seed": (job["result"] or {}).get("seed"),
                 "seconds": (job["result"] or {}).get("wall_time_s"),
                 "design": done.index(job) if job in done else None,
-                "link": f"{job['folder'].name}/report.html" if job in done else None,
+                "link": f"{job['folder'].name}/report.html"
+                if (job["folder"] / "report.html").is_file()
+                else None,
             }
             for job in jobs
         ],
@@ -218,7 +220,11 @@ def jobs_content(jobs: Sequence[dict[str, Any]], common: Sequence[str]) -> dict[
         "width": [foot["width"] for foot in feet],
         "best": 0,
         "entry": {"versions": done[0]["result"]["versions"]} if done else {},
-        "traces": [_read_traces(job["folder"] / "walk.nc") for job in done],
+        "traces": [  # a study of many scenarios leaves no walk
+            {"design": i} | _read_traces(job["folder"] / "walk.nc")
+            for i, job in enumerate(done)
+            if (job["folder"] / "walk.nc").is_file()
+        ],
     }
 
 

@@ -100,12 +100,12 @@ function jobsSection(choose) {
           soleDrawing(sole(job.design), { width: 120, height: 36, plain: true })),
         ...differ.map((_, c) => (job.design === null ? "–" : number(values[job.design * WIDTH + c]))),
         job.hollow, job.seed ?? "–", number(job.seconds)]))),
-    el("p", { class: "note" }, "A job's link opens its own page, with its walk."));
+    ...(data.jobs.some((job) => job.link) ? [el("p", { class: "note" }, "A job's link opens its own page, with its walk.")] : []));
 }
 
 /** What the jobs' walks have in common to look at: traces over time, a colour and a dash for each job. */
 function tracesSection() {
-  const jobs = data.traces.map((raw, i) => ({ label: data.designs.labels[i], t: unpack(raw.t),
+  const jobs = data.traces.map((raw, i) => ({ label: data.designs.labels[raw.design], t: unpack(raw.t),
     ...Object.fromEntries(["height", "speed", "power", "work"].map((name) => [name, unpack(raw[name])])),
     line: { stroke: COLOURS[i % COLOURS.length], "stroke-dasharray": [null, "7 3", "2 2", "9 3 2 3"][Math.floor(i / COLOURS.length) % 4] } }));
   const titles = { height: "height of the COM (m)", speed: "forward speed (m/s)", power: "power of the sand, both feet (W)", work: "work of the sand, both feet (J)" };
