@@ -23,6 +23,7 @@ from omegaconf.errors import OmegaConfBaseException
 
 from footopt.config import Config
 from footopt.errors import FileError, FootoptError, SettingError
+from footopt.reading import read_yaml
 
 log = logging.getLogger("footopt")
 
@@ -131,8 +132,9 @@ def resumed(given: Sequence[str]) -> list[str]:
         if word in ("-m", "--multirun") or word.partition("=")[0] in FIXED:
             raise SettingError("resume", folders[-1], f"given without {word}", "It goes on as it began.")
     try:
-        study = OmegaConf.load(folder / ".hydra" / "config.yaml").study.name
-        saved = OmegaConf.to_container(OmegaConf.load(folder / ".hydra" / "overrides.yaml"))
+        texts = [read_yaml(folder / ".hydra" / f"{name}.yaml", "resume") for name in ("config", "overrides")]
+        study = OmegaConf.create(texts[0]).study.name
+        saved = OmegaConf.to_container(OmegaConf.create(texts[1]))
         if not isinstance(saved, list):
             raise ValueError("its overrides.yaml is no list")
     except Exception as error:  # whatever can be wrong with a folder and its files

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+LONGEST = 480  # characters of a message; a longer one loses its middle
+
 
 class FootoptError(Exception):
     """Base of every error that footopt raises on purpose."""
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(one_line(message))
 
 
 class SettingError(FootoptError, ValueError):
@@ -20,7 +25,7 @@ class SettingError(FootoptError, ValueError):
 
     def __init__(self, setting: str, value: object, allowed: str, hint: str = "") -> None:
         self.setting, self.value, self.allowed, self.hint = setting, value, allowed, hint
-        message = f"{setting} = {value!r}: must be {allowed}."
+        message = f"{setting} = {shortened(repr(value), 160)}: must be {allowed}."
         super().__init__(f"{message} {hint}" if hint else message)
 
     def __reduce__(self) -> tuple[object, ...]:
@@ -29,6 +34,18 @@ class SettingError(FootoptError, ValueError):
 
 class FileError(FootoptError, OSError):
     """A file or folder cannot be read, understood or written."""
+
+
+def one_line(message: str) -> str:
+    """A message without the line breaks and control characters that names in files may hold, not too long."""
+    plain = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in message)
+    return shortened(plain, LONGEST)
+
+
+def shortened(text: str, most: int) -> str:
+    """A text without its middle if it has more characters than `most`."""
+    keep = (most - 5) // 2
+    return text if len(text) <= most else f"{text[:keep]} ... {text[-keep:]}"
 
 
 def check(condition: object, setting: str, value: object, allowed: str, hint: str = "") -> None:

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from footopt.design.problem import FootProblem
 from footopt.errors import FileError
+from footopt.reading import named
 from footopt.walker.loop import source
 from footopt.walker.steppers import STEPPERS
 
@@ -92,6 +93,9 @@ class Store:
         self._context = context(problem)
         self._digest = digest(self._context)
         self._connection: sqlite3.Connection | None = None
+        if self.path.exists() and not (self.path.is_file() or self.path.is_dir()):
+            # SQLite would wait for a pipe's other end
+            raise self._error("is not a store of footopt", "Choose another study.store.", "no file")
         with self._explained():
             self._connection = sqlite3.connect(self.path, timeout=PATIENCE, isolation_level=None)
         try:
@@ -222,7 +226,7 @@ class Store:
             raise self._error(*meaning, str(error)) from None
 
     def _error(self, what: str, hint: str, detail: str) -> FileError:
-        return FileError(f"study.store = {str(self.path)!r}: {what} ({detail}). {hint}")
+        return FileError(f"{named(self.path, 'study.store')}: {what} ({detail}). {hint}")
 
 
 def context(problem: FootProblem) -> dict[str, Any]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from footopt.foot import Foot
 from footopt.foot.export import MM, body_outline
 from footopt.foot.polygon import enclosed_area
 from footopt.foot.solid import write_all
+from footopt.reading import read_json_file
 from footopt.report import files, terminal
 from footopt.studies import build
 from footopt.studies.simulate import foot_entry
@@ -60,7 +60,7 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
     FileError : the folder does not hold such a run.
     """
     try:
-        result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+        result = read_json_file(folder / "result.json", "run", "study.run")
         design, known = result["design"], {f.name for f in dataclasses.fields(FootConfig)}
         saved = FootConfig(**{key: v for key, v in result["settings"]["foot"].items() if key in known})
         heights, width, ankle = (
@@ -68,7 +68,7 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
             float(design["width_m"]),
             (float(design["ankle_m"][0]), float(design["ankle_m"][1])),
         )
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+    except (OSError, ValueError, OverflowError, LookupError, TypeError, AttributeError) as error:
         raise FileError(
             f"study.run = {str(folder)!r}: not the folder of a run with one foot "
             f"({type(error).__name__}: {error}). Give one of study=optimize or simulate."
