@@ -143,6 +143,13 @@ def read_yaml(path: str | Path, setting: str) -> str:
     return text
 
 
+def number(cell: str) -> float:
+    """A cell of a table as a number; not underscores and other scripts, which Python allows."""
+    if "_" in cell or not cell.isascii():
+        raise ValueError(f"could not convert string to float: {cell[:40]!r}")
+    return float(cell)
+
+
 def named(path: str | Path, setting: str) -> str:
     """How a message begins: the setting and the file, of a long path its end."""
     text = str(path)

@@ -8,6 +8,7 @@ leftmost and its rightmost points. x is to the toe and z up, and the file's orig
 from __future__ import annotations
 
 import io
+import logging
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import islice
@@ -21,18 +22,28 @@ from numpy.typing import NDArray
 from footopt.errors import FileError, SettingError, check
 from footopt.foot.export import MM, SOLE
 from footopt.foot.polygon import SAME, crossing, enclosed_area, without_twins
-from footopt.reading import DEPTH, named, read_bytes, read_table, read_text
+from footopt.reading import DEPTH, named, number, read_bytes, read_table, read_text
 
 Array = NDArray[np.float64]
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "pt": 0.0254 / 72, "px": 0.0254 / 96}  # m
 FLATTEN = 2e-5  # largest distance of a flattened curve from itself, m
 JOIN = 1e-5  # ends of lines nearer than this are one point, m
-LENGTHS = (5e-3, 5.0)  # of a sole, m; anything else is a mistake in the units
+LENGTHS = (5e-3, 1.5)  # of a sole, m; anything else is a mistake in the units
 STEEPEST = 2.0  # a sole's height over its length; the paper's steepest shape has 1/2
 PIECES = 10_000  # lines of a drawing, and points of a sole: a drawing of more would take minutes
+SPIKE = 20.0  # deg; a sharper angle inside a sole is a wrong point
+WORLD = 1e9  # m; no drawing has a point farther from its origin
 FAR = 1e4  # m; a circle of a larger radius has more points than any sole
 DXF_UNITS = {1: "in", 4: "mm", 5: "cm", 6: "m"}  # of $INSUNITS
+
+#: SVG's numbers, paths and transforms: a drawing program leaves out silently what is none of them.
+NUMBER = r"[+-]?(?:\d++\.?\d*+|\.\d++)(?:[eE][+-]?\d++)?"
+PATH_DATA = re.compile(rf"\s*(?:[Mm](?:[MmZzLlHhVvCcSsQqTtAa\s,]|{NUMBER})*+)?")
+TRANSFORM = re.compile(
+    r"(?:\s*(?:matrix|translate|scale|rotate|skewX|skewY)\s*"
+    rf"\((?:[\s,]|{NUMBER}(?:mm|cm|in|pt|px|deg|rad)?)*+\)[\s,]*+)*+"
+)
 
 DXF_LINES = ("LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE")
 
@@ -82,7 +93,7 @@ def read(
             f"({', '.join(UNITS)}), or foot.scale."
         )
     height, far = np.ptp(points[:, 1]), float(np.abs(points[:, 1]).max())
-    if height > STEEPEST * length or (origin == "file" and far > STEEPEST * LENGTHS[1]):
+    if height > STEEPEST * length or (origin == "file" and far > 10.0 * length):
         raise FileError(
             f"{_named(path)}: the line is {length:.4g} m long, {height:.4g} m high and reaches {far:.4g} m "
             "from the origin's height, which no sole does. Is a point wrong, or the place of the origin?"
@@ -103,7 +114,17 @@ def read(
             f"{high:.4g} mm. The ankle is measured from there: move the drawing, or set "
             "foot.origin=centre for the middle of the line's box."
         )
-    return lower_edge(points) if chain.closed else _from_heel(points, path)
+    sole = lower_edge(points) if chain.closed else _from_heel(points, path)
+    steps = np.diff(sole, axis=0)
+    along = steps / np.linalg.norm(steps, axis=1, keepdims=True)
+    turn = -np.sum(along[1:] * along[:-1], axis=1)  # the cosine of the angle inside
+    if turn.max(initial=-1.0) > np.cos(np.radians(SPIKE)):
+        tip = sole[1 + int(np.argmax(turn))]
+        raise FileError(
+            f"{_named(path)}: the sole has a spike at {_where(tip)}, sharper than {SPIKE:g} deg: is a "
+            "point wrong?"
+        )
+    return sole
 
 
 def lower_edge(outline: Array) -> Array:
@@ -191,8 +212,8 @@ def lines_of(path: str | Path, units: str | None = None) -> list[Line]:
         raise SettingError("foot.path", str(path), f"a file that ends in {', '.join(readers)}")
     lines, points = [], 0
     for line in readers[suffix](Path(path), units):
-        if not np.isfinite(line.points).all():
-            raise FileError(f"{_named(path)}: a line has points that are not finite numbers.")
+        if not (abs(line.points) < WORLD).all():
+            raise FileError(f"{_named(path)}: a line has a point that is not a finite number, or far away.")
         lines.append(line)
         points += len(line.points)
         if len(lines) > PIECES or points > 10 * PIECES:
@@ -239,6 +260,7 @@ def _dxf_document(path: Path) -> Any:
         raise FileError(f"{_named(path)}: is a binary DXF file. Save it as text (ASCII) DXF.")
     if content.rstrip()[-3:] != b"EOF":
         raise FileError(f"{_named(path)}: cannot be read as DXF (it does not end with EOF: is it cut off?).")
+    logging.getLogger("ezdxf").setLevel(logging.ERROR)  # it tells what it mends: not the user's concern
     try:
         return ezdxf.readfile(path)
     except Exception as error:  # of damage, the library raises what it meets
@@ -303,6 +325,15 @@ def _svg(path: Path, units: str | None) -> Iterator[Line]:
 
 def _check_svg(path: Path, root: ElementTree.Element) -> None:
     """Raise if a drawing is too large once its uses are followed, or nests too deeply."""
+    for element in root.iter():
+        for name, form in (("d", PATH_DATA), ("transform", TRANSFORM)):
+            given = element.get(name, "")
+            if not form.fullmatch(given):
+                begin = form.match(given)
+                at = begin.end() if begin else 0
+                raise FileError(
+                    f"{_named(path)}: cannot be read as SVG ({name} has {given[at : at + 30]!r})."
+                )
     by_id = {element.get("id", ""): element for element in root.iter()}
     known: dict[ElementTree.Element, float] = {}
 
@@ -353,15 +384,22 @@ def _svg_unit(path: Path, root: ElementTree.Element, units: str | None) -> float
     """Metres in one user unit of a drawing: its width in units of length over its viewBox's."""
     if units is not None:
         return UNITS[units]
-    sizes = [re.fullmatch(r"\s*([\d.eE+-]+)\s*([a-z]*)\s*", root.get(n, "")) for n in ("width", "height")]
+    sizes = [re.fullmatch(rf"\s*({NUMBER})\s*([a-z]*)\s*", root.get(n, "")) for n in ("width", "height")]
     # a size in px is one on a screen: programs print 72, 90 or 96 of them to an inch
     own = [float(size[1]) * _unit(path, None, size[2]) for size in sizes if size and size[2] != "px"]
     if not own:
         return _unit(path, None, None)
     if "viewBox" not in root.attrib:
         return UNITS["px"]
-    box = [float(v) for v in re.split(r"[\s,]+", root.attrib["viewBox"].strip())]
-    return min(length / side for length, side in zip(own, box[2:], strict=False))
+    given = root.attrib["viewBox"]
+    box = re.fullmatch(rf"\s*{NUMBER}[\s,]+{NUMBER}[\s,]+({NUMBER})[\s,]+({NUMBER})\s*", given)
+    sides = [float(side) for side in box.groups()] if box else []
+    if not sides or not all(0 < value < np.inf for value in (*own, *sides)):
+        raise FileError(
+            f"{_named(path)}: its size is no size: width {root.get('width')!r}, height "
+            f"{root.get('height')!r}, viewBox {given[:60]!r}. Set foot.units to the drawing's unit."
+        )
+    return min(length / side for length, side in zip(own, sides, strict=False))
 
 
 def _csv(path: Path, units: str | None) -> Iterator[Line]:
@@ -382,10 +420,11 @@ def _csv(path: Path, units: str | None) -> Iterator[Line]:
     own = {match[2] for match in found if match and match[2]}
     unit = _unit(path, units, own.pop() if len(own) == 1 else None)
     places = [column["x"], column.get("z", column.get("y", 1))] if names else [0, 1]
-    points = []
+    points, wide = [], len(names)
     for i, row in enumerate(rows[1:] if names else rows, start=1):
         numbers = _numbers(row)
-        if len(numbers) <= max(places) or not np.isfinite(numbers).all():
+        wide = len(numbers) if i == 1 and not names else wide
+        if len(numbers) <= max(places) or len(numbers) != wide or not np.isfinite(numbers).all():
             raise FileError(f"{_named(path)}: row {i} of the table is not numbers: {row.strip()[:60]!r}.")
         points.append([numbers[place] for place in places])
     line = unit * np.array(points, float).reshape(-1, 2)
@@ -398,7 +437,7 @@ def _numbers(row: str) -> list[float]:
     """The numbers of a row, or none; a semicolon between them allows a decimal comma."""
     cells = row.replace(",", ".").split(";") if ";" in row else re.split(r"[,\s]+", row.strip().strip(","))
     try:
-        return [float(cell) for cell in cells]
+        return [number(cell) for cell in cells]
     except ValueError:
         return []
 

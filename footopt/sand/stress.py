@@ -21,13 +21,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import FileError, SettingError, check
-from footopt.reading import named, read_table
+from footopt.reading import named, number, read_table
 
 PER_CM3 = 1e6  # N/cm^3 in N/m^3
 
-MISFIT = 0.5  # of a column's rms; no law of this form is in such a table
+MISFIT = 0.35  # of a column's rms; no law of this form is in such a table
 GAIN = 0.1  # of the table's rms; more power than noise explains comes out of such a sand
-STRESSES = (1e-3, 1e3)  # largest stress of a table, N/cm^3; the hardest sand in the literature has 2
+STRESSES = (1e-3, 50.0)  # largest stress of a table, N/cm^3; the hardest sand in the literature has 2
 
 Array = NDArray[np.float64]
 
@@ -263,9 +263,11 @@ def fit_table(path: str | Path) -> tuple[StressMap, tuple[float, float]]:
             raise _wrong(path, f"two columns are called {twice!r}. Which one is it?")
         for line in reader:
             try:
-                rows.append([float(line[c]) for c in columns])
+                rows.append([number(line[c]) for c in columns])
+                if None in line:  # more cells than the header has, as with decimal commas
+                    raise ValueError
             except (TypeError, ValueError):
-                shown = {c: line[c] for c in columns}
+                shown = [*(line[c] for c in columns), *(line.get(None) or [])][:8]
                 raise _wrong(path, f"line {reader.line_num}: not four numbers: {shown}.") from None
     except csv.Error as error:
         raise _wrong(path, f"not a table ({error}).") from None
@@ -306,6 +308,13 @@ def fit_table(path: str | Path) -> tuple[StressMap, tuple[float, float]]:
             path,
             f"such a sand would push a plate along (by {-least:.3g} N/cm^3 in some direction). Check the "
             "columns and the signs: a plate that moves down has gamma > 0 and alpha_z > 0.",
+        )
+    aside = D10 - C11 + Cm11  # alpha_x of a plate at 45 deg that moves down
+    if aside < -GAIN * typical:
+        raise _wrong(
+            path,
+            f"such a sand would push a plate that moves down to its upper side (alpha_x = {aside:.3g} "
+            "N/cm^3 at beta = 45, gamma = 90 deg). Check the sign of beta: counter-clockwise, + toe up.",
         )
     return found_map, (errors[0], errors[1])
 

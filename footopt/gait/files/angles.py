@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from footopt.errors import check
 from footopt.gait.cycle import Fourier, Gait
 from footopt.gait.files.strides import Recording, check_angles, check_period, wrong
-from footopt.reading import read_json_file, read_table
+from footopt.reading import number, read_json_file, read_table
 
 Array = NDArray[np.float64]
 
@@ -29,14 +29,14 @@ def read_json(path: str | Path, harmonics: int = 6) -> Gait:
     try:
         joints = {
             name: Fourier(
-                float(data[name]["a0"]),
-                tuple(map(float, data[name]["a"])),
-                tuple(map(float, data[name]["b"])),
+                _finite(data[name]["a0"]),
+                tuple(map(_finite, data[name]["a"])),
+                tuple(map(_finite, data[name]["b"])),
             )
             for name in ("thigh", "knee", "foot")
             if name in data or name != "foot"
         }
-        period = float(data["period_s"])
+        period = _finite(data["period_s"])
         fitted = data.get("rms_residual_deg_by_harmonics", {}).get(str(harmonics), {})
         residual = tuple((str(joint), float(rms)) for joint, rms in fitted.items())
         source = str(data.get("source", ""))
@@ -94,7 +94,21 @@ def read_csv(path: str | Path, names: Mapping[str, str] | None = None) -> Record
         raise wrong(path, f"two columns are called {twice!r}. Which one is it?")
     columns = [own["time"], own["thigh"], own["knee"]] + ([own["foot"]] if own["foot"] in header else [])
     try:
-        table = np.array([[float(row[c]) for c in columns] for row in reader], float)
+        table = np.array([_row(row, columns) for row in reader], float)
     except (TypeError, ValueError, csv.Error) as error:
         raise wrong(path, f"not a table of numbers ({error}).") from None
     return Recording.checked(path, table.reshape(-1, len(columns)).T)
+
+
+def _row(row: dict[str | None, str], columns: list[str]) -> list[float]:
+    """A row's numbers; one with more cells than the header has is read wrongly, as with decimal commas."""
+    if None in row:
+        raise ValueError(f"a row has more cells than the header: {row[None]} are left over")
+    return [number(row[c]) for c in columns]
+
+
+def _finite(value: object) -> float:
+    """A number of a JSON file."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) < np.inf:
+        raise ValueError(f"{str(value)[:40]} is not a finite number")
+    return float(value)

@@ -86,6 +86,12 @@ def to_recording(
                 "in the file and the markers' names (gait.names).",
             )
     _check_rigid(markers.t, recorded, path)
+    swing = [np.std(_steady(t, place @ forward)) for place in (hip, ankle)]
+    if swing[0] > swing[1]:
+        raise wrong(
+            path,
+            f"the hip swings by {swing[0]:.3f} m (rms), the ankle by {swing[1]:.3f} m: exchanged?",
+        )
     notes.append(
         f"in the file, thigh {l1.mean():.3f} m and shank {l2.mean():.3f} m long: walker.l1, walker.l2"
     )
@@ -184,6 +190,8 @@ def _unswap(leg: dict[str, Array], other: dict[str, Array]) -> dict[str, int]:
     hips = np.nanmean(leg["hip"] - other["hip"], axis=0)
     for part in leg.keys() & other.keys() - {"hip"}:
         aside: Array = (leg[part] - other[part]) @ (hips / np.linalg.norm(hips))
+        if not np.isfinite(aside).any():
+            continue  # never seen together
         turn = 1.0 if np.nanmedian(aside) >= 0 else -1.0
         wrong = turn * aside < -APART
         if wrong.any():
@@ -273,6 +281,12 @@ def _forward(hip: Array, knee: Array, ankle: Array, up: Array) -> Array:
     forward = forward / np.linalg.norm(forward)
     bend = ((knee - hip) - 0.5 * (ankle - hip)) @ forward
     return forward if np.mean(bend) > 0 else -forward
+
+
+def _steady(t: Array, way: Array) -> Array:
+    """What is left of a way without its mean speed, m."""
+    left: Array = way - np.polynomial.Polynomial.fit(t, way, 1)(t)
+    return left
 
 
 def _segment(begin: Array, end: Array, forward: Array, up: Array) -> tuple[Array, Array]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from footopt.errors import FileError, SettingError
 from footopt.gait.files.c3d import load
 from footopt.gait.files.strides import Recording, wrong
-from footopt.reading import read_text
+from footopt.reading import number, read_text
 
 Array = NDArray[np.float64]
 
@@ -45,16 +45,20 @@ def read_trc(path: str | Path) -> Markers:
     names = [cell for cell in _cells(lines[at])[2:] if cell]
     rows = []
     wide = 1 + 3 * len(names)
-    for number, line in enumerate(lines[at + 2 :], start=at + 3):
+    for row_number, line in enumerate(lines[at + 2 :], start=at + 3):
         cells = _cells(line)
         if not any(cells):
             continue
         try:
-            row = [float(cell) if cell else np.nan for cell in cells[1:]]
+            row = [number(cell) if cell else np.nan for cell in cells[1:]]
+            if np.inf in row or -np.inf in row:
+                raise ValueError
         except ValueError:
-            raise _not(path, "TRC", f"line {number} is not numbers: {line[:60]!r}") from None
+            raise _not(path, "TRC", f"line {row_number} is not numbers: {line[:60]!r}") from None
         if len(row) > wide and not np.isnan(row[wide:]).all():
-            raise _not(path, "TRC", f"line {number} has numbers for more than the {len(names)} markers named")
+            raise _not(
+                path, "TRC", f"line {row_number} has numbers for more than the {len(names)} markers named"
+            )
         rows.append((row + [np.nan] * wide)[:wide])
     if not rows or not names:
         raise _not(path, "TRC", "it holds no markers")
@@ -100,7 +104,7 @@ def read_mot(path: str | Path, names: Mapping[str, str], side: str | None) -> Re
     if rows and len(set(rows[0])) < len(rows[0]):
         raise _not(path, "MOT/STO", "two columns have the same name")
     try:
-        table = dict(zip(rows[0], np.array(rows[1:], float).T, strict=True))
+        table = dict(zip(rows[0], np.array([list(map(number, row)) for row in rows[1:]]).T, strict=True))
     except ValueError as error:
         raise _not(path, "MOT/STO", str(error)) from None
 
@@ -146,7 +150,7 @@ def _check_rate(path: str | Path, t: Array, said: str) -> None:
         rate, own = float(said), 1.0 / float(np.median(np.diff(t)))
     except (ValueError, ZeroDivisionError):  # not stated, or times that are refused later
         return
-    if not abs(own / rate - 1.0) < RATE:
+    if not (rate > 0 and abs(own / rate - 1.0) < RATE):
         raise _not(
             path, "TRC", f"its header says {rate:g} frames a second, and its times {own:.4g}: must be in s"
         )
@@ -156,6 +160,8 @@ def _markers(path: str | Path, t: Array, names: list[str], places: Array) -> Mar
     """Markers by name; at exactly 0, 0, 0 none is."""
     if twice := next((name for name in names if name and names.count(name) > 1), None):
         raise wrong(path, f"two markers are called {twice!r}. Which one is it?")
+    if len(t) < 2 or not (np.isfinite(t).all() and (np.diff(t) > 0).all()):
+        raise wrong(path, "needs several frames, with the time increasing.")
     places = np.where(np.all(places == 0.0, axis=-1, keepdims=True), np.nan, places)
     return Markers(t, {name: places[:, i] for i, name in enumerate(names[: places.shape[1]])})
 
