@@ -9,6 +9,7 @@ import shlex
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,9 @@ log = logging.getLogger("footopt")
 PACKAGE = Path(__file__).parent
 #: conf/ inside the installed package, or at the top of a checkout.
 CONF = PACKAGE / "conf" if (PACKAGE / "conf").is_dir() else PACKAGE.parent / "conf"
+
+CONFIG_DIR = ("--config-dir", "-cd", "--config-path", "-cp")
+OWN_FILES = 1000  # YAML files in a user's own folder that are looked at
 
 #: What a resumed run cannot change.
 FIXED = ("study", "study.name", "hydra.run.dir", "hydra.mode", "hydra.output_subdir")
@@ -94,6 +98,7 @@ def main() -> None:
     """Entry point. Errors a user can mend end with one message and exit code 1."""
     os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra passes errors on instead of printing them itself
     try:
+        check_own_yaml(sys.argv[1:])
         sys.argv[1:] = [named_run(word) for word in resumed(sys.argv[1:])]
         _job()
     except KeyboardInterrupt:
@@ -135,8 +140,8 @@ def resumed(given: Sequence[str]) -> list[str]:
         texts = [read_yaml(folder / ".hydra" / f"{name}.yaml", "resume") for name in ("config", "overrides")]
         study = OmegaConf.create(texts[0]).study.name
         saved = OmegaConf.to_container(OmegaConf.create(texts[1]))
-        if not isinstance(saved, list):
-            raise ValueError("its overrides.yaml is no list")
+        if not (isinstance(saved, list) and all(isinstance(word, str) for word in saved)):
+            raise ValueError("its overrides.yaml is no list of settings")
     except Exception as error:  # whatever can be wrong with a folder and its files
         raise FileError(
             f"resume = {folders[-1]!r}: not the folder of a run ({str(error).partition(chr(10))[0]}). "
@@ -154,6 +159,18 @@ def named_run(word: str) -> str:
     if not word.startswith("run="):
         return word
     return "study.run='{}'".format(word.removeprefix("run=").replace("'", "\\'"))
+
+
+def check_own_yaml(given: Sequence[str]) -> None:
+    """Raise a `FileError` for a YAML file in a user's own ``--config-dir`` that Hydra could not load."""
+    for i, word in enumerate(given):
+        name, _, folder = word.partition("=")
+        if name not in CONFIG_DIR:
+            continue
+        top = Path(folder or (given[i + 1] if i + 1 < len(given) else ""))
+        files = sorted(islice((path for end in ("*.yaml", "*/*.yaml") for path in top.glob(end)), OWN_FILES))
+        for path in files:
+            read_yaml(path, name)
 
 
 @contextmanager

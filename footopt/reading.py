@@ -23,6 +23,7 @@ LIMITS = {
     "run": 50 * MB,  # result.json with a front of 100,000 designs
     "settings": 1 * MB,  # YAML: all settings of footopt are 5 kB
 }
+LARGEST = 1e12  # of a cell of a table, in any unit
 DEPTH = 50  # of nested lists and maps in YAML; settings have three levels
 NODES = 10_000  # values in YAML once its aliases are followed: nine short lines can mean 1e9
 
@@ -147,7 +148,10 @@ def number(cell: str) -> float:
     """A cell of a table as a number; not underscores and other scripts, which Python allows."""
     if "_" in cell or not cell.isascii():
         raise ValueError(f"could not convert string to float: {cell[:40]!r}")
-    return float(cell)
+    value = float(cell)
+    if abs(value) > LARGEST:
+        raise ValueError(f"{cell[:40]!r} is no measured number")
+    return value
 
 
 def named(path: str | Path, setting: str) -> str:

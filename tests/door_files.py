@@ -1,7 +1,8 @@
 """Bad files made from good ones: a generator that gives the same ones every time.
 
 A case is (name, content, kind of change). Kinds: SAME, nothing that a reader looks at has changed; LESS,
-part of the file is missing or there twice; OTHER, the file says something else now.
+part of the file is missing or there twice; OTHER, the file says something else now; TOLD, what is missing is taken to be
+level, and the notes say so.
 """
 
 import gzip
@@ -19,7 +20,7 @@ import footopt as fo
 from footopt.foot.export import write_csv, write_dxf, write_svg
 from footopt.gait.files import HUMAN
 
-SAME, LESS, OTHER = "same", "less", "other"
+SAME, LESS, OTHER, TOLD = "same", "less", "other", "told"
 EXAMPLES = Path(fo.__file__).parents[1] / "examples"
 OPENSIM = ("pelvis_tilt", "hip_flexion_r", "knee_angle_r", "ankle_angle_r")
 FOOT = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
@@ -116,7 +117,8 @@ def of_any_text(content, good, kind, rounds=1):
     yield Case("a long cell", content + b"1" * 300_000 + b"\n", OTHER)
     yield Case("many columns", content + b"1," * 100_000 + b"1\n", OTHER)
     yield Case("noise", bytes(rng.randrange(256) for _ in range(3000)), OTHER)
-    yield Case("larger than any limit", content + b"#" * 51_000_000, OTHER)
+    if kind in ("trc", "dxf", "csv sand"):
+        yield Case("larger than any limit", content + b"#" * 51_000_000, OTHER)
     for other, foreign in good.items():
         if other.split()[0] != kind.split()[0] or (other.split()[-1] != kind.split()[-1] and "csv" in other):
             yield Case(f"a {other} file", foreign, OTHER)
@@ -176,14 +178,14 @@ def of_any_bytes(content, good, kind, rounds=1):
             yield Case(f"a {other} file", foreign, OTHER)
     for i in range(14 * rounds):
         yield Case(f"cut at a byte {i}", content[: rng.randrange(1, len(content) - 3)], LESS)
-    for i in range(8 * rounds):
+    for i in range(4 * rounds):
         for what, end in (("the header", 24), ("the parameters", 1500), ("the data", len(content))):
             at, bit = rng.randrange(end), rng.randrange(8)
             flipped = bytearray(content)
             flipped[at] ^= 1 << bit
             yield Case(f"{what}: bit {bit} of byte {at} {i}", bytes(flipped), OTHER)
-    for word in range(1, 12):
-        for value in (0, 1, 0x7FFF, 0xFFFF):
+    for word in range(1, 12 if rounds > 1 else 6):
+        for value in (0, 1, 0x7FFF, 0xFFFF)[:: 1 if rounds > 1 else 3]:
             changed = bytearray(content)
             changed[2 * word : 2 * word + 2] = value.to_bytes(2, "little")
             yield Case(f"word {word + 1} of the header is {value}", bytes(changed), OTHER)
@@ -293,7 +295,11 @@ def own_of_mot(content):
         ("time", "zeit"), ("knee_angle_r", "knee_angle_l"), ("\t", ","), ("pelvis_tilt", "tilt"),
         ("pelvis_tilt\thip_flexion_r", "hip_flexion_r\tpelvis_tilt"),
     ):  # fmt: skip
-        yield Case(f"{new!r} for {old!r}", text.replace(old, new).encode(), SAME if new in ("",) else OTHER)
+        yield Case(
+            f"{new!r} for {old!r}",
+            text.replace(old, new).encode(),
+            SAME if new == "" else TOLD if new == "tilt" else OTHER,
+        )
     radians = "\n".join(
         "\t".join([row.split("\t")[0], *(f"{np.radians(float(c)):.8f}" for c in row.split("\t")[1:])])
         for row in text.splitlines()[7:]

@@ -13,7 +13,9 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+import os
 import sqlite3
+import stat
 import time
 import zlib
 from collections.abc import Iterator, Sequence
@@ -93,9 +95,7 @@ class Store:
         self._context = context(problem)
         self._digest = digest(self._context)
         self._connection: sqlite3.Connection | None = None
-        if self.path.exists() and not (self.path.is_file() or self.path.is_dir()):
-            # SQLite would wait for a pipe's other end
-            raise self._error("is not a store of footopt", "Choose another study.store.", "no file")
+        self._check_place()
         with self._explained():
             self._connection = sqlite3.connect(self.path, timeout=PATIENCE, isolation_level=None)
         try:
@@ -162,6 +162,17 @@ class Store:
         """Let go of the file."""
         if self._connection is not None:
             self._connection.close()
+
+    def _check_place(self) -> None:
+        """Raise where no store can be; of a pipe, SQLite would wait for the other end."""
+        try:
+            mode = os.stat(self.path).st_mode
+        except FileNotFoundError:
+            return
+        except (OSError, ValueError) as error:  # a name that is too long, or has a NUL in it
+            raise self._error(*MEANING[sqlite3.SQLITE_CANTOPEN], str(error)) from None
+        if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
+            raise self._error(*MEANING[sqlite3.SQLITE_NOTADB], "no file")
 
     def _identify(self, connection: sqlite3.Connection) -> None:
         """Make the tables in an empty file; refuse any other that is not a store of this layout."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from footopt.errors import check
 from footopt.foot.plates import RULES, Plates, along_arc, hollow
 from footopt.foot.shapes import shape
-from footopt.foot.waypoints import Waypoints, check_ankle, check_top
+from footopt.foot.waypoints import Waypoints, check_ankle, check_length, check_top
 
 Array = NDArray[np.float64]
 
@@ -50,7 +49,7 @@ class Foot:
             contour.shape,
             "at least two points (x_p, z_p), finite, in m",
         )
-        check(0 < self.width < math.inf, "foot.width", self.width, "a length > 0, in m")
+        check_length("foot.width", self.width)
         check_ankle(self.ankle)
         check_top(self.top)
         object.__setattr__(self, "contour", contour)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from footopt.errors import check
 from footopt.gait.cycle import Fourier, Gait
 from footopt.gait.files.strides import Recording, check_angles, check_period, wrong
-from footopt.reading import number, read_json_file, read_table
+from footopt.reading import LARGEST, number, read_json_file, read_table
 
 Array = NDArray[np.float64]
 
@@ -109,6 +109,6 @@ def _row(row: dict[str | None, str], columns: list[str]) -> list[float]:
 
 def _finite(value: object) -> float:
     """A number of a JSON file."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) < np.inf:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) < LARGEST:
         raise ValueError(f"{str(value)[:40]} is not a finite number")
     return float(value)

@@ -186,8 +186,11 @@ def _hip_of_pelvis(markers: Markers, side: str) -> Array | None:
 
 def _unswap(leg: dict[str, Array], other: dict[str, Array]) -> dict[str, int]:
     """Put markers back that changed sides for some frames; how many frames, by part."""
-    done = {}
-    hips = np.nanmean(leg["hip"] - other["hip"], axis=0)
+    done: dict[str, int] = {}
+    between = leg["hip"] - other["hip"]
+    if not np.isfinite(between.sum(axis=1)).any():
+        return done
+    hips = np.nanmean(between, axis=0)
     for part in leg.keys() & other.keys() - {"hip"}:
         aside: Array = (leg[part] - other[part]) @ (hips / np.linalg.norm(hips))
         if not np.isfinite(aside).any():

@@ -18,6 +18,7 @@ from footopt.reading import number, read_text
 Array = NDArray[np.float64]
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "dm": 0.1, "in": 0.0254, "inch": 0.0254, "inches": 0.0254}
+FAR = 1e4  # m; no laboratory is so large
 RATE = 0.02  # relative, that a frame rate may differ from the times, which are rounded
 UNITS |= {"millimeters": 1e-3, "centimeters": 1e-2, "meters": 1.0}
 
@@ -51,8 +52,6 @@ def read_trc(path: str | Path) -> Markers:
             continue
         try:
             row = [number(cell) if cell else np.nan for cell in cells[1:]]
-            if np.inf in row or -np.inf in row:
-                raise ValueError
         except ValueError:
             raise _not(path, "TRC", f"line {row_number} is not numbers: {line[:60]!r}") from None
         if len(row) > wide and not np.isnan(row[wide:]).all():
@@ -162,6 +161,10 @@ def _markers(path: str | Path, t: Array, names: list[str], places: Array) -> Mar
         raise wrong(path, f"two markers are called {twice!r}. Which one is it?")
     if len(t) < 2 or not (np.isfinite(t).all() and (np.diff(t) > 0).all()):
         raise wrong(path, "needs several frames, with the time increasing.")
+    if np.nanmax(abs(places), initial=0.0) > FAR:
+        raise wrong(
+            path, f"a marker lies {np.nanmax(abs(places)):.3g} m from the origin. Check it and the units."
+        )
     places = np.where(np.all(places == 0.0, axis=-1, keepdims=True), np.nan, places)
     return Markers(t, {name: places[:, i] for i, name in enumerate(names[: places.shape[1]])})
 
