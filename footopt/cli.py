@@ -23,7 +23,7 @@ from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from footopt.config import Config
-from footopt.errors import FileError, FootoptError, SettingError
+from footopt.errors import FileError, FootoptError, SettingError, one_line
 from footopt.reading import read_yaml
 
 log = logging.getLogger("footopt")
@@ -204,13 +204,13 @@ def explain(error: BaseException) -> str:
         return str(error)
     if isinstance(error, OmegaConfBaseException):
         key = f"{error.full_key}: " if error.full_key else ""
-        return f"{key}{str(error).splitlines()[0]}"
+        return one_line(f"{key}{str(error).splitlines()[0]}")
     if isinstance(error, HydraException):
         lines = [str(error).partition("\nConfig search path:")[0].strip()]
         cause = error.__cause__
         if cause is not None and str(cause).splitlines():
             lines.append(str(cause).splitlines()[0])
-        return "\n  ".join(lines)
+        return "\n  ".join(one_line(line) for line in "\n".join(lines).splitlines()[:4])
     if type(error).__module__.partition(".")[0] in LAUNCHERS and Summary.folder:
         folder = shlex.quote(Summary.folder)
         return (

@@ -12,7 +12,6 @@ map as published; the compiled kernels use `affine`, the same law without an ang
 from __future__ import annotations
 
 import csv
-import math
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import NamedTuple
@@ -23,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from footopt.errors import FileError, SettingError, check
 from footopt.reading import named, number, read_table
 
+LARGEST = 1e4  # of a coefficient, N/cm^3; concrete has less
 PER_CM3 = 1e6  # N/cm^3 in N/m^3
 
 MISFIT = 0.35  # of a column's rms; no law of this form is in such a table
@@ -53,7 +53,12 @@ class StressMap:
     def __post_init__(self) -> None:
         for f in fields(self):
             value = getattr(self, f.name)
-            check(math.isfinite(value), f"sand coefficient {f.name}", value, "a finite number, N/cm^3")
+            check(
+                abs(value) <= LARGEST,
+                f"sand.coefficients.{f.name}",
+                value,
+                f"from -{LARGEST:g} to {LARGEST:g}, in N/cm^3",
+            )
 
     @property
     def law(self) -> Law:
@@ -203,10 +208,10 @@ class Sand:
 
     def __post_init__(self) -> None:
         check(
-            isinstance(self.zeta, (int, float, np.number)) and 0 < self.zeta < math.inf,
+            isinstance(self.zeta, (int, float, np.number)) and 1e-6 <= self.zeta <= 1e6,
             "sand.zeta",
             self.zeta,
-            "a number > 0 (soft sand .2, the generic material 1, hard sand 5)",
+            "a number > 0, from 1e-6 to 1e6 (soft sand .2, the generic material 1, hard sand 5)",
             "Try sand=regular or sand.zeta=1.",
         )
 

@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, is_dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from footopt.config import AccuracyConfig, Config, EffectsConfig, FootConfig, GaitConfig, SandConfig
-from footopt.errors import SettingError
+from footopt.errors import SettingError, check
 from footopt.foot import Foot, Waypoints
 from footopt.gait import Gait
 from footopt.gait.files import Strides, read, read_strides
 from footopt.sand import Sand, StressMap
 from footopt.sand.effects import EFFECTS, Effect
 from footopt.walker import PRESETS, Accuracy, Scene, Walker
+
+
+def check_lists(config: Any, name: str = "") -> None:
+    """Raise unless lists hold plain values: OmegaConf lets lists in lists and interpolations through."""
+    for field in fields(config):
+        value, key = getattr(config, field.name), f"{name}{field.name}"
+        if is_dataclass(value):
+            check_lists(value, f"{key}.")
+        if "list" in str(field.type) and value is not None:
+            plain = isinstance(value, list) and all(isinstance(v, (int, float, str)) for v in value)
+            check(plain, key, value, "a list of plain values")
 
 
 def make_sand(config: SandConfig) -> Sand:
