@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import logging
 import os
+import re
 import shlex
 import sys
 from collections.abc import Iterator, Sequence
@@ -106,7 +107,7 @@ def main() -> None:
     except Exception as error:
         if _wants_traceback:
             raise
-        sys.exit(f"footopt: error: {explain(error)}")
+        sys.exit(f"footopt: error: {explain(unchosen(error, sys.argv[1:]))}")
     if Summary.failed:
         sys.exit(f"footopt: error: {Summary.failed} of the jobs failed; see the table above.")
 
@@ -198,6 +199,16 @@ def settings_kept(settings: DictConfig, folder: Path) -> Iterator[None]:
         raise
 
 
+def unchosen(error: Exception, given: Sequence[str]) -> Exception:
+    """What OmegaConf means when it cannot assign a setting of an effect that is not chosen."""
+    word = next((word for word in given if re.match(r"\+*effects\.\w+\.", word)), None)
+    if word is None or not isinstance(error, AssertionError):
+        return error
+    setting, _, value = word.partition("=")
+    effect = setting.split(".")[1]
+    return SettingError(setting, value, "a setting of an effect that is chosen", f"Add effects={effect}.")
+
+
 def explain(error: BaseException) -> str:
     """An error in the user's terms."""
     if isinstance(error, FootoptError):
@@ -206,7 +217,9 @@ def explain(error: BaseException) -> str:
         key = f"{error.full_key}: " if error.full_key else ""
         return one_line(f"{key}{str(error).splitlines()[0]}")
     if isinstance(error, HydraException):
-        lines = [str(error).partition("\nConfig search path:")[0].strip()]
+        word = getattr(error, "override", None)  # that the grammar of overrides does not know
+        said = str(error).partition("\nConfig search path:")[0].strip()
+        lines = [f"{word}: {said}" if isinstance(word, str) else said]
         cause = error.__cause__
         if cause is not None and str(cause).splitlines():
             lines.append(str(cause).splitlines()[0])

@@ -20,7 +20,7 @@ from omegaconf.errors import OmegaConfBaseException
 
 import footopt as fo
 from footopt import studies
-from footopt.cli import CONF, explain
+from footopt.cli import CONF, explain, unchosen
 from footopt.config import Config, EffectsConfig
 from footopt.design import Solver
 from footopt.design.engines import make_engine
@@ -53,7 +53,8 @@ WITH = {
     **{f"effects.{effect}.": [f"effects={effect}"] for effect in EFFECTS},
     "foot.length": ["foot=ellipse"], "foot.apex": ["foot=reversed_triangle"], "foot.upright": ["foot=reversed_l"],
     "sand.": ["sand=custom"], "gait.path": ["gait=file"], "foot.path": ["foot=outline"],
-    "study.tail": ["study=robust"], "study.draws": ["study=robust"],
+    "study.tail": ["study=robust"], "study.draws": ["study=robust", "study.scenarios=drawn"],
+    "study.spread": ["study=robust", "study.scenarios=drawn"],
 }  # fmt: skip
 ABSURD = (
     "0", "-1", "1", "3", "0.5", "1e-12", "1e-300", "1e9", "1e300", "-1e300", "1000000", "1000000000", "10" * 40, "nan",
@@ -173,7 +174,7 @@ def test_any_value_of_any_setting_in_larger_number(key, value):
 
 
 #: Settings that are numbers, none of them so that a walk takes long.
-NUMBERS = [key for key in KEYS if key.partition(".")[0] in ("foot", "gait", "sand", "walker", "effects")]
+NUMBERS = [key for key in KEYS if key.partition(".")[0] in ("foot", "gait", "sand", "walker")]
 
 
 @settings(max_examples=60, suppress_health_check=list(HealthCheck))
@@ -185,7 +186,7 @@ NUMBERS = [key for key in KEYS if key.partition(".")[0] in ("foot", "gait", "san
 )
 def test_several_at_once(chosen):
     """They may clash, and then one of them is named."""
-    words = sorted({word for key, _ in chosen for word in context(key) if "=" in word})
+    words = sorted({word for key, _ in chosen for word in context(key)})
     try:
         walk, _ = used(composed(words, *(f"{key}={value}" for key, value in chosen)))
     except (FootoptError, HydraException, OmegaConfBaseException) as error:
@@ -210,9 +211,12 @@ HUGE = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("study", "word"), HUGE, ids=" ".join)
+DRAWN = {"robust": ["study.scenarios=drawn"]}
+
+
+@pytest.mark.parametrize(("study", "word"), HUGE, ids=lambda name: name)
 def test_what_would_take_years_or_all_memory_is_refused_at_once(study, word, tmp_path):
-    config = composed([f"study={study}"], word)
+    config = composed([f"study={study}", *DRAWN.get(study, [])], word)
     started = time.perf_counter()
     with pytest.raises(SettingError) as caught:
         studies.run(config, tmp_path, {})
@@ -220,6 +224,16 @@ def test_what_would_take_years_or_all_memory_is_refused_at_once(study, word, tmp
     allowed = ("accuracy.dt", "scene.t_f") if word.startswith(("scene.t_f", "gait.period")) else ()
     assert any(name in str(caught.value) for name in (word.partition("=")[0], *allowed))
     assert not list(tmp_path.glob("*.json"))
+
+
+@pytest.mark.parametrize("word", ["effects.layers.depths=[0.1]", "effects.slope.angle=3"])
+def test_a_setting_of_an_effect_that_is_not_chosen(word):
+    with pytest.raises(AssertionError) as caught:  # OmegaConf's own
+        composed([], word)
+    effect = word.split(".")[1]
+    said = explain(unchosen(caught.value, ["study=simulate", word]))
+    assert said.startswith(f"{word.partition('=')[0]} = ")
+    assert said.endswith(f"Add effects={effect}.")
 
 
 def test_reference_directions_for_very_many_are_refused():

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.errors import check
+from footopt.errors import check, one_line
 from footopt.foot.plates import RULES, Plates, along_arc, hollow
 from footopt.foot.shapes import shape
 from footopt.foot.waypoints import Waypoints, check_ankle, check_length, check_top
@@ -42,6 +42,7 @@ class Foot:
     top: float = 0.0
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "name", one_line(self.name))
         contour = np.asarray(self.contour, float)
         check(
             contour.ndim == 2 and contour.shape[1] == 2 and len(contour) >= 2 and np.isfinite(contour).all(),

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.errors import SettingError, check
+from footopt.errors import SettingError, check, one_line
 from footopt.gait import start
 
 Array = NDArray[np.float64]
@@ -90,6 +90,7 @@ class Gait:
     residual: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "name", one_line(self.name))
         check(0.01 <= self.period <= 1e3, "gait.period", self.period, "a time from .01 to 1000, in s")
         check(
             0 <= self.start <= 1e5 or self.start == math.inf,

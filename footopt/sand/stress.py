@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.errors import FileError, SettingError, check
+from footopt.errors import FileError, SettingError, check, one_line
 from footopt.reading import named, number, read_table
 
 LARGEST = 1e4  # of a coefficient, N/cm^3; concrete has less
@@ -207,6 +207,7 @@ class Sand:
     fit_error: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "name", one_line(self.name))
         check(
             isinstance(self.zeta, (int, float, np.number)) and 1e-6 <= self.zeta <= 1e6,
             "sand.zeta",
