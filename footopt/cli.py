@@ -5,12 +5,14 @@ from __future__ import annotations
 import errno
 import logging
 import os
+import re
 import shlex
 import signal
 import sys
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from itertools import islice
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -25,13 +27,17 @@ from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from footopt.config import Config
-from footopt.errors import FileError, FootoptError, SettingError
+from footopt.errors import FileError, FootoptError, SettingError, one_line
+from footopt.reading import read_yaml
 
 log = logging.getLogger("footopt")
 
 PACKAGE = Path(__file__).parent
 #: conf/ inside the installed package, or at the top of a checkout.
 CONF = PACKAGE / "conf" if (PACKAGE / "conf").is_dir() else PACKAGE.parent / "conf"
+
+CONFIG_DIR = ("--config-dir", "-cd", "--config-path", "-cp")
+OWN_FILES = 1000  # YAML files in a user's own folder that are looked at
 
 #: What a resumed run cannot change.
 FIXED = ("study", "study.name", "hydra.run.dir", "hydra.mode", "hydra.output_subdir")
@@ -95,6 +101,7 @@ def main() -> None:
     """Entry point. Errors a user can mend end with one message and exit code 1."""
     os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra passes errors on instead of printing them itself
     try:
+        check_own_yaml(sys.argv[1:])
         sys.argv[1:] = [named_run(word) for word in resumed(sys.argv[1:])]
         _job()
     except KeyboardInterrupt:
@@ -102,7 +109,7 @@ def main() -> None:
     except Exception as error:
         if _wants_traceback:
             raise
-        sys.exit(f"footopt: error: {explain(error)}")
+        sys.exit(f"footopt: error: {explain(unchosen(error, sys.argv[1:]))}")
     if Summary.failed:
         sys.exit(f"footopt: error: {Summary.failed} of the jobs failed; see the table above.")
 
@@ -133,10 +140,11 @@ def resumed(given: Sequence[str]) -> list[str]:
         if word in ("-m", "--multirun") or word.partition("=")[0] in FIXED:
             raise SettingError("resume", folders[-1], f"given without {word}", "It goes on as it began.")
     try:
-        study = OmegaConf.load(folder / ".hydra" / "config.yaml").study.name
-        saved = OmegaConf.to_container(OmegaConf.load(folder / ".hydra" / "overrides.yaml"))
-        if not isinstance(saved, list):
-            raise ValueError("its overrides.yaml is no list")
+        texts = [read_yaml(folder / ".hydra" / f"{name}.yaml", "resume") for name in ("config", "overrides")]
+        study = OmegaConf.create(texts[0]).study.name
+        saved = OmegaConf.to_container(OmegaConf.create(texts[1]))
+        if not (isinstance(saved, list) and all(isinstance(word, str) for word in saved)):
+            raise ValueError("its overrides.yaml is no list of settings")
     except Exception as error:  # whatever can be wrong with a folder and its files
         raise FileError(
             f"resume = {folders[-1]!r}: not the folder of a run ({str(error).partition(chr(10))[0]}). "
@@ -154,6 +162,18 @@ def named_run(word: str) -> str:
     if not word.startswith("run="):
         return word
     return "study.run='{}'".format(word.removeprefix("run=").replace("'", "\\'"))
+
+
+def check_own_yaml(given: Sequence[str]) -> None:
+    """Raise a `FileError` for a YAML file in a user's own ``--config-dir`` that Hydra could not load."""
+    for i, word in enumerate(given):
+        name, _, folder = word.partition("=")
+        if name not in CONFIG_DIR:
+            continue
+        top = Path(folder or (given[i + 1] if i + 1 < len(given) else ""))
+        files = sorted(islice((path for end in ("*.yaml", "*/*.yaml") for path in top.glob(end)), OWN_FILES))
+        for path in files:
+            read_yaml(path, name)
 
 
 @contextmanager
@@ -211,19 +231,31 @@ def settings_kept(settings: DictConfig, folder: Path) -> Iterator[None]:
         raise
 
 
+def unchosen(error: Exception, given: Sequence[str]) -> Exception:
+    """What OmegaConf means when it cannot assign a setting of an effect that is not chosen."""
+    word = next((word for word in given if re.match(r"\+*effects\.\w+\.", word)), None)
+    if word is None or not isinstance(error, AssertionError):
+        return error
+    setting, _, value = word.partition("=")
+    effect = setting.split(".")[1]
+    return SettingError(setting, value, "a setting of an effect that is chosen", f"Add effects={effect}.")
+
+
 def explain(error: BaseException) -> str:
     """An error in the user's terms."""
     if isinstance(error, FootoptError):
         return str(error)
     if isinstance(error, OmegaConfBaseException):
         key = f"{error.full_key}: " if error.full_key else ""
-        return f"{key}{str(error).splitlines()[0]}"
+        return one_line(f"{key}{str(error).splitlines()[0]}")
     if isinstance(error, HydraException):
-        lines = [str(error).partition("\nConfig search path:")[0].strip()]
+        word = getattr(error, "override", None)  # that the grammar of overrides does not know
+        said = str(error).partition("\nConfig search path:")[0].strip()
+        lines = [f"{word}: {said}" if isinstance(word, str) else said]
         cause = error.__cause__
         if cause is not None and str(cause).splitlines():
             lines.append(str(cause).splitlines()[0])
-        return "\n  ".join(lines)
+        return "\n  ".join(one_line(line) for line in "\n".join(lines).splitlines()[:4])
     if type(error).__module__.partition(".")[0] in LAUNCHERS and Summary.folder:
         folder = shlex.quote(Summary.folder)
         return (

@@ -5,9 +5,14 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
+LONGEST = 480  # characters of a message; a longer one loses its middle
+
 
 class FootoptError(Exception):
     """Base of every error that footopt raises on purpose."""
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(one_line(message))
 
 
 class SettingError(FootoptError, ValueError):
@@ -23,7 +28,7 @@ class SettingError(FootoptError, ValueError):
 
     def __init__(self, setting: str, value: object, allowed: str, hint: str = "") -> None:
         self.setting, self.value, self.allowed, self.hint = setting, value, allowed, hint
-        message = f"{setting} = {value!r}: must be {allowed}."
+        message = f"{setting} = {shortened(repr(value), 160)}: must be {allowed}."
         super().__init__(f"{message} {hint}" if hint else message)
 
     def __reduce__(self) -> tuple[object, ...]:
@@ -46,6 +51,18 @@ def needed(library: str, what: str, extra: str) -> Any:
         raise MissingError(
             f'{what} needs {library} ({error}). Install it with: pip install "footopt[{extra}]"'
         ) from None
+
+
+def one_line(message: str) -> str:
+    """A message without the line breaks and control characters that names in files may hold, not too long."""
+    plain = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in message)
+    return shortened(plain, LONGEST)
+
+
+def shortened(text: str, most: int) -> str:
+    """A text without its middle if it has more characters than `most`."""
+    keep = (most - 5) // 2
+    return text if len(text) <= most else f"{text[:keep]} ... {text[-keep:]}"
 
 
 def check(condition: object, setting: str, value: object, allowed: str, hint: str = "") -> None:

@@ -294,7 +294,7 @@ class TestFromCsv:
         path = write_stride(tmp_path / "g.csv", fo.Gait.human())
         lines = path.read_text().splitlines()
         path.write_text("\n".join(lines[:45]))
-        with pytest.raises(FileError, match=r"misses its periodic fit by up to \d+ deg"):
+        with pytest.raises(FileError, match=r"the thigh is 32\.1 deg from where it began"):
             read(path)
 
     def test_too_few_rows_are_refused(self, tmp_path):
@@ -342,7 +342,10 @@ class TestFromJson:
     )
     def test_anything_else_is_refused(self, tmp_path, text):
         (tmp_path / "g.json").write_text(text)
-        with pytest.raises(FileError, match=r"g\.json.*not a gait in JSON.*period_s, and thigh and knee"):
+        with pytest.raises(
+            FileError,
+            match=r"g\.json.*(cannot be read as JSON|not a gait in JSON.*period_s, and thigh and knee)",
+        ):
             read(tmp_path / "g.json")
 
     def test_a_joint_must_be_there(self, tmp_path):
@@ -355,7 +358,7 @@ class TestFromJson:
     def test_impossible_numbers_are_refused(self, tmp_path):
         data = json.loads(HUMAN.read_text()) | {"period_s": -1.0}
         (tmp_path / "g.json").write_text(json.dumps(data))
-        with pytest.raises(SettingError, match=r"gait\.period"):
+        with pytest.raises(FileError, match=r"g\.json.*a stride would take -1 s"):
             read(tmp_path / "g.json")
 
 

@@ -179,7 +179,7 @@ class TestMarkers:
             (lambda s: s.replace("mm", "furlong"), "units are one of mm, .*says 'furlong'"),
             (lambda s: s.replace("\n10\t", "\n10\tx"), "TRC .line 16 is not numbers"),
             (lambda s: "\n".join(s.splitlines()[:6]), "holds no markers"),
-            (lambda s: "\n".join(s.splitlines()[:60]), "misses its periodic fit|needs at least"),
+            (lambda s: "\n".join(s.splitlines()[:60]), "its header says numframes 636, and it holds 54"),
         ],
     )
     def test_what_is_no_such_file_is_named(self, tmp_path, spoil, message):
@@ -222,7 +222,7 @@ class TestC3d:
         pytest.importorskip("ezc3d")
         if content is not None:
             (tmp_path / "walk.c3d").write_bytes(content)
-        with pytest.raises(FileError, match=r"walk\.c3d.*cannot be read as C3D"):
+        with pytest.raises(FileError, match=r"walk\.c3d.*cannot be read"):
             read(tmp_path / "walk.c3d")
 
 

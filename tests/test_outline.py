@@ -251,7 +251,7 @@ class TestWhatIsNoSole:
     @pytest.mark.parametrize("ending", ["dxf", "svg", "csv"])
     def test_a_file_that_is_not_there_or_something_else(self, tmp_path, ending):
         path = tmp_path / f"a.{ending}"
-        with pytest.raises(FileError, match=rf"a\.{ending}.*cannot be read as {ending.upper()}"):
+        with pytest.raises(FileError, match=rf"a\.{ending}.*cannot be read .No such file"):
             read(path)
         path.write_bytes(b"\x00\xff\xfe not a drawing")
         with pytest.raises(FileError, match=rf"a\.{ending}"):

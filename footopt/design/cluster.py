@@ -36,8 +36,13 @@ class Dask(Spread):
 
     def __init__(self, address: str | None = None, workers: int | None = None, timeout: float = 10.0) -> None:
         super().__init__()
-        check(workers is None or workers >= 1, "engine.workers", workers, "a whole number >= 1 (null: all)")
-        check(timeout > 0, "engine.timeout", timeout, "a time > 0, in s")
+        check(
+            workers is None or 1 <= workers <= 4096,
+            "engine.workers",
+            workers,
+            "a whole number >= 1 and <= 4096 (null: all)",
+        )
+        check(0 < timeout <= 1e5, "engine.timeout", timeout, "a time > 0 and <= 1e5, in s")
         try:
             import dask
             import distributed

@@ -51,7 +51,12 @@ class Processes(Spread):
 
     def __init__(self, workers: int | None = None) -> None:
         super().__init__()
-        check(workers is None or workers >= 1, "engine.workers", workers, "a whole number >= 1 (null: all)")
+        check(
+            workers is None or 1 <= workers <= 4096,
+            "engine.workers",
+            workers,
+            "a whole number >= 1 and <= 4096 (null: all)",
+        )
         self._slots = workers or available_threads()
         self._idle: list[_Worker] = []
 

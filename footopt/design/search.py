@@ -220,7 +220,7 @@ def confirm(result: SearchResult, accuracy: Accuracy | str, finalists: int = 20)
 
     The finalists are the best feasible designs by the single objective, or by J_W on the front.
     """
-    check(finalists >= 1, "study.finalists", finalists, "a whole number >= 1")
+    check(1 <= finalists <= 10_000, "study.finalists", finalists, "a whole number >= 1 and <= 10,000")
     accuracy, problem = resolve(accuracy), result.problem
     column = problem.record.index(problem.guide)
     sign = -1.0 if OBJECTIVES[problem.guide].maximise else 1.0

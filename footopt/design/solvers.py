@@ -41,8 +41,13 @@ class Solver:
     def __post_init__(self) -> None:
         if self.name not in (*SOLVERS, EXHAUSTIVE):
             raise SettingError("solver.name", self.name, f"one of {', '.join((*SOLVERS, EXHAUSTIVE))}")
-        check(self.pop_size >= 4, "solver.pop_size", self.pop_size, "a whole number >= 4")
-        check(self.n_gen >= 1, "solver.n_gen", self.n_gen, "a whole number >= 1")
+        check(
+            4 <= self.pop_size <= 100_000,
+            "solver.pop_size",
+            self.pop_size,
+            "a whole number >= 4 and <= 100,000",
+        )
+        check(1 <= self.n_gen <= 10**6, "solver.n_gen", self.n_gen, "a whole number >= 1 and <= 1e6")
         check(0 <= self.seed < 2**32, "solver.seed", self.seed, "a whole number from 0 to 2^32 - 1")
 
     def generations(self, space: Waypoints) -> int:
@@ -86,6 +91,9 @@ class SameHeights(DuplicateElimination):  # type: ignore[misc]
 
     def _rows(self, pop: Any) -> list[bytes]:
         return [row.tobytes() for row in np.round(self.func(pop).astype(float)).astype(np.int64)]
+
+
+DIRECTIONS = 1000  # of reference, at most
 
 
 def _operators() -> dict[str, Any]:
@@ -208,6 +216,13 @@ def register(build: Callable[[Solver, int], Any], single: bool = False) -> Calla
 @lru_cache(maxsize=8)
 def reference_directions(n_obj: int, count: int) -> Array:
     """`count` directions spread evenly over the simplex, (count, n_obj), by Riesz energy."""
+    check(
+        count <= DIRECTIONS,
+        "solver.pop_size",
+        count,
+        f"at most {DIRECTIONS} for a solver with reference directions",
+        "Their places take minutes to find for more. Try solver=nsga2.",
+    )
     from pymoo.util.ref_dirs import get_reference_directions
 
     directions: Array = get_reference_directions("energy", n_obj, count, seed=1)

@@ -13,7 +13,9 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+import os
 import sqlite3
+import stat
 import time
 import zlib
 from collections.abc import Iterator, Sequence
@@ -28,6 +30,7 @@ from numpy.typing import NDArray
 
 from footopt.design.problem import FootProblem
 from footopt.errors import FileError
+from footopt.reading import named
 from footopt.walker.loop import is_own, source, text_of
 from footopt.walker.objectives import OBJECTIVES
 from footopt.walker.steppers import STEPPERS
@@ -93,6 +96,7 @@ class Store:
         self._context = context(problem)
         self._digest = digest(self._context)
         self._connection: sqlite3.Connection | None = None
+        self._check_place()
         with self._explained():
             self._connection = sqlite3.connect(self.path, timeout=PATIENCE, isolation_level=None)
         try:
@@ -160,6 +164,17 @@ class Store:
         if self._connection is not None:
             self._connection.close()
 
+    def _check_place(self) -> None:
+        """Raise where no store can be; of a pipe, SQLite would wait for the other end."""
+        try:
+            mode = os.stat(self.path).st_mode
+        except FileNotFoundError:
+            return
+        except (OSError, ValueError) as error:  # a name that is too long, or has a NUL in it
+            raise self._error(*MEANING[sqlite3.SQLITE_CANTOPEN], str(error)) from None
+        if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
+            raise self._error(*MEANING[sqlite3.SQLITE_NOTADB], "no file")
+
     def _identify(self, connection: sqlite3.Connection) -> None:
         """Make the tables in an empty file; refuse any other that is not a store of this layout."""
         with _transaction(connection):
@@ -223,7 +238,7 @@ class Store:
             raise self._error(*meaning, str(error)) from None
 
     def _error(self, what: str, hint: str, detail: str) -> FileError:
-        return FileError(f"study.store = {str(self.path)!r}: {what} ({detail}). {hint}")
+        return FileError(f"{named(self.path, 'study.store')}: {what} ({detail}). {hint}")
 
 
 def context(problem: FootProblem) -> dict[str, Any]:

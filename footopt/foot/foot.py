@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.errors import check
+from footopt.errors import check, one_line
 from footopt.foot.plates import RULES, Plates, along_arc, hollow
 from footopt.foot.shapes import shape
-from footopt.foot.waypoints import Waypoints, check_ankle, check_top
+from footopt.foot.waypoints import Waypoints, check_ankle, check_length, check_top
 from footopt.shown import Shown
 
 Array = NDArray[np.float64]
@@ -44,6 +43,7 @@ class Foot(Shown):
     top: float = 0.0
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "name", one_line(self.name))
         contour = np.asarray(self.contour, float)
         check(
             contour.ndim == 2 and contour.shape[1] == 2 and len(contour) >= 2 and np.isfinite(contour).all(),
@@ -51,7 +51,7 @@ class Foot(Shown):
             contour.shape,
             "at least two points (x_p, z_p), finite, in m",
         )
-        check(0 < self.width < math.inf, "foot.width", self.width, "a length > 0, in m")
+        check_length("foot.width", self.width)
         check_ankle(self.ankle)
         check_top(self.top)
         object.__setattr__(self, "contour", contour)

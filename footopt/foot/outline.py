@@ -8,8 +8,10 @@ leftmost and its rightmost points. x is to the toe and z up, and the file's orig
 from __future__ import annotations
 
 import io
+import logging
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
@@ -20,14 +22,28 @@ from numpy.typing import NDArray
 from footopt.errors import FileError, SettingError, check
 from footopt.foot.export import MM, SOLE
 from footopt.foot.polygon import SAME, crossing, enclosed_area, without_twins
+from footopt.reading import DEPTH, named, number, read_bytes, read_table, read_text
 
 Array = NDArray[np.float64]
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "pt": 0.0254 / 72, "px": 0.0254 / 96}  # m
 FLATTEN = 2e-5  # largest distance of a flattened curve from itself, m
 JOIN = 1e-5  # ends of lines nearer than this are one point, m
-LENGTHS = (5e-3, 5.0)  # of a sole, m; anything else is a mistake in the units
+LENGTHS = (5e-3, 1.5)  # of a sole, m; anything else is a mistake in the units
+STEEPEST = 2.0  # a sole's height over its length; the paper's steepest shape has 1/2
+PIECES = 10_000  # lines of a drawing, and points of a sole: a drawing of more would take minutes
+SPIKE = 20.0  # deg; a sharper angle inside a sole is a wrong point
+WORLD = 1e9  # m; no drawing has a point farther from its origin
+FAR = 1e4  # m; a circle of a larger radius has more points than any sole
 DXF_UNITS = {1: "in", 4: "mm", 5: "cm", 6: "m"}  # of $INSUNITS
+
+#: SVG's numbers, paths and transforms: a drawing program leaves out silently what is none of them.
+NUMBER = r"[+-]?(?:\d++\.?\d*+|\.\d++)(?:[eE][+-]?\d++)?"
+PATH_DATA = re.compile(rf"\s*(?:[Mm](?:[MmZzLlHhVvCcSsQqTtAa\s,]|{NUMBER})*+)?")
+TRANSFORM = re.compile(
+    r"(?:\s*(?:matrix|translate|scale|rotate|skewX|skewY)\s*"
+    rf"\((?:[\s,]|{NUMBER}(?:mm|cm|in|pt|px|deg|rad)?)*+\)[\s,]*+)*+"
+)
 
 DXF_LINES = ("LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE")
 
@@ -76,6 +92,16 @@ def read(
             f"{_named(path)}: the sole would be {length:.4g} m long. Set foot.units to the unit of the file "
             f"({', '.join(UNITS)}), or foot.scale."
         )
+    height, far = np.ptp(points[:, 1]), float(np.abs(points[:, 1]).max())
+    if height > STEEPEST * length or (origin == "file" and far > 10.0 * length):
+        raise FileError(
+            f"{_named(path)}: the line is {length:.4g} m long, {height:.4g} m high and reaches {far:.4g} m "
+            "from the origin's height, which no sole does. Is a point wrong, or the place of the origin?"
+        )
+    if len(points) > PIECES:
+        raise FileError(
+            f"{_named(path)}: the line has {len(points)} points, and must have at most {PIECES}. Thin it out."
+        )
     place = crossing(points, chain.closed)
     if place is not None:
         raise FileError(f"{_named(path)}: the line crosses itself at {_where(place)}.")
@@ -88,7 +114,17 @@ def read(
             f"{high:.4g} mm. The ankle is measured from there: move the drawing, or set "
             "foot.origin=centre for the middle of the line's box."
         )
-    return lower_edge(points) if chain.closed else _from_heel(points, path)
+    sole = lower_edge(points) if chain.closed else _from_heel(points, path)
+    steps = np.diff(sole, axis=0)
+    along = steps / np.linalg.norm(steps, axis=1, keepdims=True)
+    turn = -np.sum(along[1:] * along[:-1], axis=1)  # the cosine of the angle inside
+    if turn.max(initial=-1.0) > np.cos(np.radians(SPIKE)):
+        tip = sole[1 + int(np.argmax(turn))]
+        raise FileError(
+            f"{_named(path)}: the sole has a spike at {_where(tip)}, sharper than {SPIKE:g} deg: is a "
+            "point wrong?"
+        )
+    return sole
 
 
 def lower_edge(outline: Array) -> Array:
@@ -133,36 +169,29 @@ def the_line(lines: Sequence[Line], path: str | Path, layer: str | None = None) 
 
 def join(lines: Sequence[Line]) -> list[Line]:
     """Lines joined where their ends, and no third line's, meet within `JOIN`."""
-    left = list(lines)
+    ends = np.array([line.points[[0, -1]] for line in lines]).reshape(-1, 2, 2)
+    left = np.ones(len(lines), bool)
+    left[[i for i, line in enumerate(lines) if line.closed]] = False  # to be joined with
     done: list[Line] = []
-    while left:
-        line = left.pop(0)
-        if (
-            not line.closed
-            and np.linalg.norm(line.points[0] - line.points[-1]) <= JOIN
-            and len(line.points) > 3
-        ):
-            line = Line(line.points[:-1], True, line.layer)
-        partner = None if line.closed else _partner(line, left)
-        if partner is None:
-            points = without_twins(line.points, line.closed, 0.1 * JOIN)
-            if len(points) > (2 if line.closed else 1):
-                done.append(line._replace(points=points))
+    for i, line in enumerate(lines):
+        if not (line.closed or left[i]):
             continue
-        other = left.pop(partner)
-        left.insert(0, Line(_chained(line.points, other.points), False, line.layer))
+        left[i] = False
+        while not line.closed:
+            first, last = line.points[0], line.points[-1]
+            if np.linalg.norm(first - last) <= JOIN and len(line.points) > 3:
+                line = Line(line.points[:-1], True, line.layer)
+                break
+            gaps = np.min([np.linalg.norm(ends - end, axis=2).min(axis=1) for end in (first, last)], axis=0)
+            near = np.flatnonzero(left & (gaps <= JOIN))
+            if len(near) == 0:
+                break
+            left[near[0]] = False
+            line = Line(_chained(line.points, lines[near[0]].points), False, line.layer)
+        points = without_twins(line.points, line.closed, 0.1 * JOIN)
+        if len(points) > (2 if line.closed else 1):
+            done.append(line._replace(points=points))
     return done
-
-
-def _partner(line: Line, others: Sequence[Line]) -> int | None:
-    """The first open line that begins or ends where this one does."""
-    ends = line.points[[0, -1]]
-    for i, other in enumerate(others):
-        if not other.closed:
-            gaps = np.linalg.norm(ends[:, None] - other.points[[0, -1]], axis=-1)
-            if gaps.min() <= JOIN:
-                return i
-    return None
 
 
 def _chained(a: Array, b: Array) -> Array:
@@ -181,33 +210,87 @@ def lines_of(path: str | Path, units: str | None = None) -> list[Line]:
     suffix = Path(path).suffix.lower()
     if suffix not in readers:
         raise SettingError("foot.path", str(path), f"a file that ends in {', '.join(readers)}")
-    return list(readers[suffix](Path(path), units))
+    lines, points = [], 0
+    for line in readers[suffix](Path(path), units):
+        if not (abs(line.points) < WORLD).all():
+            raise FileError(f"{_named(path)}: a line has a point that is not a finite number, or far away.")
+        lines.append(line)
+        points += len(line.points)
+        if len(lines) > PIECES or points > 10 * PIECES:
+            raise _too_many(path)
+    return lines
 
 
 def _dxf(path: Path, units: str | None) -> Iterator[Line]:
     """Lines of a drawing's model space, those in blocks too."""
-    import ezdxf
     from ezdxf import path as curves
     from ezdxf.disassemble import recursive_decompose
 
-    try:
-        document = ezdxf.readfile(path)
-    except (OSError, UnicodeDecodeError, ezdxf.DXFError) as error:
-        raise _unreadable(path, error) from error
+    document = _dxf_document(path)
     unit = _unit(path, units, DXF_UNITS.get(document.units))
-    space = document.modelspace()
-    for entity in recursive_decompose(e for e in space if e.dxftype() in ("INSERT", *DXF_LINES)):
-        bulged = "POLYLINE" in entity.dxftype() and entity.has_arc
-        for piece in entity.virtual_entities() if bulged else (entity,):
-            if piece.dxftype() not in DXF_LINES:
-                continue
-            curved = piece.dxftype() in ("ARC", "CIRCLE", "ELLIPSE", "SPLINE")
-            # a path's arcs are cubics, .03 % off
-            flattened = (piece if curved else curves.make_path(piece)).flattening(FLATTEN / unit)
-            points = unit * np.array([(v.x, v.y) for v in flattened]).reshape(-1, 2)
-            closed = len(points) > 3 and bool(np.linalg.norm(points[0] - points[-1]) <= SAME)
-            if len(points) > 1:
-                yield Line(points[:-1] if closed else points, closed, entity.dxf.layer)
+    drawn = [e for e in document.modelspace() if e.dxftype() in ("INSERT", *DXF_LINES)]
+    if _weight(document, drawn, {}) > PIECES:
+        raise _too_many(path)
+    try:
+        for entity in recursive_decompose(drawn):
+            bulged = "POLYLINE" in entity.dxftype() and entity.has_arc
+            for piece in entity.virtual_entities() if bulged else (entity,):
+                if piece.dxftype() not in DXF_LINES:
+                    continue
+                curved = piece.dxftype() in ("ARC", "CIRCLE", "ELLIPSE", "SPLINE")
+                if curved and not _reach(piece) * unit <= FAR:
+                    raise ValueError(f"a {piece.dxftype().lower()} is larger than {FAR:g} m")
+                # a path's arcs are cubics, .03 % off
+                flattened = (piece if curved else curves.make_path(piece)).flattening(FLATTEN / unit)
+                few = islice(flattened, 10 * PIECES + 1)
+                points = unit * np.array([(v.x, v.y) for v in few]).reshape(-1, 2)
+                closed = len(points) > 3 and bool(np.linalg.norm(points[0] - points[-1]) <= SAME)
+                if len(points) > 1:
+                    yield Line(points[:-1] if closed else points, closed, entity.dxf.layer)
+    except Exception as error:  # of a spline without knots, a line without an end, ...
+        raise _unreadable(path, error) from error
+
+
+def _dxf_document(path: Path) -> Any:
+    """A drawing that is whole."""
+    import ezdxf
+
+    content = read_bytes(path, "sole", "foot.path")
+    if content.startswith(b"AutoCAD Binary DXF"):
+        raise FileError(f"{_named(path)}: is a binary DXF file. Save it as text (ASCII) DXF.")
+    if content.rstrip()[-3:] != b"EOF":
+        raise FileError(f"{_named(path)}: cannot be read as DXF (it does not end with EOF: is it cut off?).")
+    logging.getLogger("ezdxf").setLevel(logging.ERROR)  # it tells what it mends: not the user's concern
+    try:
+        return ezdxf.readfile(path)
+    except Exception as error:  # of damage, the library raises what it meets
+        raise _unreadable(path, error) from error
+
+
+def _weight(document: Any, entities: Iterable[Any], known: dict[str, float]) -> float:
+    """Entities that a drawing has once its blocks are inserted; those in themselves have no end."""
+    total = 0.0
+    for entity in entities:
+        if entity.dxftype() != "INSERT":
+            total += 1
+            continue
+        name = str(entity.dxf.name)
+        if name not in known:
+            known[name] = np.inf
+            block = document.blocks.get(name)
+            known[name] = 1 + (0 if block is None else _weight(document, block, known))
+        total += abs(entity.mcount) * known[name]
+    return total
+
+
+def _reach(curve: Any) -> float:
+    """The size of a curve's numbers, in the drawing's unit."""
+    if curve.dxftype() == "SPLINE":
+        points = [*curve.control_points, *curve.fit_points]
+        return float(np.abs(np.array(points, float)).max(initial=0.0))
+    if curve.dxftype() == "ELLIPSE":
+        return float(curve.dxf.major_axis.magnitude)
+    return abs(float(curve.dxf.radius))
 
 
 def _svg(path: Path, units: str | None) -> Iterator[Line]:
@@ -216,9 +299,12 @@ def _svg(path: Path, units: str | None) -> Iterator[Line]:
     from svgelements import Path as Curve
 
     try:
-        root = ElementTree.fromstring(_text(path))
-    except ElementTree.ParseError as error:
+        root = ElementTree.fromstring(read_text(path, "sole", "foot.path"))
+    except (ElementTree.ParseError, ValueError) as error:  # an encoding that it names and does not have
         raise _unreadable(path, error) from error
+    if root.tag.rpartition("}")[2] != "svg":
+        raise FileError(f"{_named(path)}: cannot be read as SVG (its root is {root.tag[:60]!r}, not svg).")
+    _check_svg(path, root)
     unit = _svg_unit(path, root, units)
     for name in ("width", "height", "viewBox"):  # what is left are the drawing's own units
         root.attrib.pop(name, None)
@@ -232,10 +318,39 @@ def _svg(path: Path, units: str | None) -> Iterator[Line]:
                     yield from _svg_line(Curve(piece), unit, layer)
 
     try:
-        drawing = SVG.parse(io.BytesIO(ElementTree.tostring(root)), reify=True)
-    except (ValueError, TypeError, KeyError, AttributeError) as error:  # of a path that is no path
+        yield from lines(SVG.parse(io.BytesIO(ElementTree.tostring(root)), reify=True), "")
+    except Exception as error:  # of a path that is no path, the library raises what it meets
         raise _unreadable(path, error) from error
-    yield from lines(drawing, "")
+
+
+def _check_svg(path: Path, root: ElementTree.Element) -> None:
+    """Raise if a drawing is too large once its uses are followed, or nests too deeply."""
+    for element in root.iter():
+        for name, form in (("d", PATH_DATA), ("transform", TRANSFORM)):
+            given = element.get(name, "")
+            if not form.fullmatch(given):
+                begin = form.match(given)
+                at = begin.end() if begin else 0
+                raise FileError(
+                    f"{_named(path)}: cannot be read as SVG ({name} has {given[at : at + 30]!r})."
+                )
+    by_id = {element.get("id", ""): element for element in root.iter()}
+    known: dict[ElementTree.Element, float] = {}
+
+    def weight(element: ElementTree.Element, depth: int) -> float:
+        if depth > DEPTH:
+            raise FileError(f"{_named(path)}: cannot be read as SVG (it nests deeper than {DEPTH} levels).")
+        if element not in known:
+            known[element] = np.inf  # what uses itself has no end
+            numbers = len(re.findall(r"\d+", element.get("d", "") + element.get("points", "")))
+            link = next((v for k, v in element.items() if k.rpartition("}")[2] == "href"), "")
+            used = by_id.get(link.lstrip("#")) if element.tag.rpartition("}")[2] == "use" else None
+            parts = [*element] if used is None else [*element, used]
+            known[element] = 1 + numbers / 20 + sum(weight(part, depth + 1) for part in parts)
+        return known[element]
+
+    if weight(root, 0) > PIECES:
+        raise _too_many(path)
 
 
 def _svg_line(piece: Any, unit: float, layer: str) -> Iterator[Line]:
@@ -269,20 +384,31 @@ def _svg_unit(path: Path, root: ElementTree.Element, units: str | None) -> float
     """Metres in one user unit of a drawing: its width in units of length over its viewBox's."""
     if units is not None:
         return UNITS[units]
-    sizes = [re.fullmatch(r"\s*([\d.eE+-]+)\s*([a-z]*)\s*", root.get(n, "")) for n in ("width", "height")]
+    sizes = [re.fullmatch(rf"\s*({NUMBER})\s*([a-z]*)\s*", root.get(n, "")) for n in ("width", "height")]
     # a size in px is one on a screen: programs print 72, 90 or 96 of them to an inch
     own = [float(size[1]) * _unit(path, None, size[2]) for size in sizes if size and size[2] != "px"]
     if not own:
         return _unit(path, None, None)
     if "viewBox" not in root.attrib:
         return UNITS["px"]
-    box = [float(v) for v in re.split(r"[\s,]+", root.attrib["viewBox"].strip())]
-    return min(length / side for length, side in zip(own, box[2:], strict=False))
+    given = root.attrib["viewBox"]
+    box = re.fullmatch(rf"\s*{NUMBER}[\s,]+{NUMBER}[\s,]+({NUMBER})[\s,]+({NUMBER})\s*", given)
+    sides = [float(side) for side in box.groups()] if box else []
+    if not sides or not all(0 < value < np.inf for value in (*own, *sides)):
+        raise FileError(
+            f"{_named(path)}: its size is no size: width {root.get('width')!r}, height "
+            f"{root.get('height')!r}, viewBox {given[:60]!r}. Set foot.units to the drawing's unit."
+        )
+    return min(length / side for length, side in zip(own, sides, strict=False))
 
 
 def _csv(path: Path, units: str | None) -> Iterator[Line]:
     """One line: columns x and z (or y), or the first two; a closed one ends where it began."""
-    rows = [line for line in _text(path).splitlines() if line.strip() and not line.startswith("#")]
+    rows = [
+        line
+        for line in read_table(path, "sole", "foot.path").splitlines()
+        if line.strip() and not line.startswith("#")
+    ]
     names = [] if not rows or _numbers(rows[0]) else [w.strip().lower() for w in re.split(r"[,;\t]", rows[0])]
     found = [re.fullmatch(r"([xzy])(?:[_ ]*[(\[]?([a-z]+)[)\]]?)?", name) for name in names]
     column = {match[1]: i for i, match in enumerate(found) if match}
@@ -294,10 +420,11 @@ def _csv(path: Path, units: str | None) -> Iterator[Line]:
     own = {match[2] for match in found if match and match[2]}
     unit = _unit(path, units, own.pop() if len(own) == 1 else None)
     places = [column["x"], column.get("z", column.get("y", 1))] if names else [0, 1]
-    points = []
+    points, wide = [], len(names)
     for i, row in enumerate(rows[1:] if names else rows, start=1):
         numbers = _numbers(row)
-        if len(numbers) <= max(places) or not np.isfinite(numbers).all():
+        wide = len(numbers) if i == 1 and not names else wide
+        if len(numbers) <= max(places) or len(numbers) != wide or not np.isfinite(numbers).all():
             raise FileError(f"{_named(path)}: row {i} of the table is not numbers: {row.strip()[:60]!r}.")
         points.append([numbers[place] for place in places])
     line = unit * np.array(points, float).reshape(-1, 2)
@@ -310,7 +437,7 @@ def _numbers(row: str) -> list[float]:
     """The numbers of a row, or none; a semicolon between them allows a decimal comma."""
     cells = row.replace(",", ".").split(";") if ";" in row else re.split(r"[,\s]+", row.strip().strip(","))
     try:
-        return [float(cell) for cell in cells]
+        return [number(cell) for cell in cells]
     except ValueError:
         return []
 
@@ -338,19 +465,20 @@ def _unit(path: Path, units: str | None, own: str | None) -> float:
     return UNITS[unit]
 
 
-def _text(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise _unreadable(path, error) from error
+def _too_many(path: str | Path) -> FileError:
+    return FileError(
+        f"{_named(path)}: holds more than {PIECES} lines or {10 * PIECES} points. Leave only the sole."
+    )
 
 
 def _unreadable(path: Path, error: Exception) -> FileError:
+    if isinstance(error, FileError):
+        return error
     return FileError(f"{_named(path)}: cannot be read as {path.suffix[1:].upper()} ({error}).")
 
 
 def _named(path: str | Path) -> str:
-    return f"foot.path = {str(path)!r}"
+    return named(path, "foot.path")
 
 
 def _where(place: Array) -> str:

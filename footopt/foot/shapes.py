@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.errors import SettingError, check
+from footopt.foot.waypoints import check_length
 
 Array = NDArray[np.float64]
 ARC = 2000  # chords of a curved contact line
@@ -71,7 +72,7 @@ def shape(name: str, length: float = 0.26, **options: str) -> Array:
     """Contact line of a shape by name, (m, 2), m; `options` are that shape's own."""
     if name not in SHAPES:
         raise SettingError("foot.shape", name, f"one of {', '.join(SHAPES)}")
-    check(0 < length < np.inf, "foot.length", length, "a contact length > 0, in m")
+    check_length("foot.length", length)
     return SHAPES[name](length, **options)
 
 

@@ -6,7 +6,6 @@ so that a sole does not depend, to the last bit, on the batch it is computed in.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -58,10 +57,10 @@ class Waypoints:
             "a whole number from 4 to 200",
             "A not-a-knot cubic spline needs four points; the paper's feet have 11.",
         )
-        check(_is_int(self.K) and self.K >= 1, "foot.K", self.K, "a whole number >= 1")
+        check(_is_int(self.K) and 1 <= self.K <= 10**6, "foot.K", self.K, "a whole number from 1 to 1e6")
         for name in ("L", "H", "width"):
             value = getattr(self, name)
-            check(0 < value < math.inf, f"foot.{name}", value, "a length > 0, in m")
+            check_length(f"foot.{name}", value)
         check_ankle(self.ankle)
         check_top(self.top)
         check(
@@ -146,19 +145,24 @@ class Waypoints:
         )
 
 
+def check_length(setting: str, value: float) -> None:
+    """Raise unless a length can be one of a foot."""
+    check(1e-4 <= value <= 10.0, setting, value, "a length from 1e-4 to 10, in m")
+
+
 def check_ankle(ankle: tuple[float, float]) -> None:
     """Raise unless the ankle is a point."""
     check(
-        len(ankle) == 2 and all(map(math.isfinite, ankle)),
+        len(ankle) == 2 and all(abs(at) <= 10.0 for at in ankle),
         "foot.ankle",
         ankle,
-        "two finite numbers [x_p, z_p], in m",
+        "two numbers [x_p, z_p] from -10 to 10, in m",
     )
 
 
 def check_top(top: float) -> None:
     """Raise unless the top's height is a number."""
-    check(math.isfinite(top), "foot.top", top, "a height in the foot frame, finite, in m")
+    check(abs(top) <= 10.0, "foot.top", top, "a height in the foot frame from -10 to 10, in m")
 
 
 def _is_int(value: object) -> bool:

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.errors import SettingError, check
+from footopt.errors import SettingError, check, one_line
 from footopt.gait import start
 from footopt.shown import Shown
 
@@ -91,8 +91,14 @@ class Gait(Shown):
     residual: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
-        check(0 < self.period < math.inf, "gait.period", self.period, "a time > 0, in s")
-        check(self.start >= 0, "gait.start", self.start, "a time >= 0, in s (.inf: stand still)")
+        object.__setattr__(self, "name", one_line(self.name))
+        check(0.01 <= self.period <= 1e3, "gait.period", self.period, "a time from .01 to 1000, in s")
+        check(
+            0 <= self.start <= 1e5 or self.start == math.inf,
+            "gait.start",
+            self.start,
+            "a time >= 0 and <= 1e5, in s (.inf: stand still)",
+        )
         check(self.pitch in ("shank", "measured"), "gait.pitch", self.pitch, "shank or measured")
         if self.pitch == "measured" and self.foot is None:
             raise SettingError("gait.pitch", "measured", "shank: this gait has no measured pitch of the foot")

@@ -144,7 +144,7 @@ def contours(feet: Mapping[str, Foot]) -> Figure:
     figure = _figure(COLUMN, _foot_height(np.concatenate([foot.contour for foot in feet.values()])))
     axes = figure.subplots()
     for i, (label, foot) in enumerate(feet.items()):
-        axes.plot(*(MM * foot.contour).T, **_line(i), label=label)
+        axes.plot(*(MM * foot.contour).T, **_line(i), label=as_text(label))
     _foot_axes(axes)
     _legend_above(figure, *axes.get_legend_handles_labels())
     return figure
@@ -302,8 +302,15 @@ def draw_traces(axes: Axes, walks: Mapping[str, Walk], get: Callable[[Walk], Arr
         _say(axes, "no samples: " + ", ".join(sorted({w.reason for w in walks.values()})))
 
 
+def as_text(name: str) -> str:
+    """A user's name as a label: no formula between dollars, and no "_" before it, which would hide it."""
+    plain = name.replace("$", r"\$")
+    return f" {plain}" if plain.startswith("_") else plain
+
+
 def walk_label(label: str, walk: Walk) -> str:
     """A walk's label, with the reason if it failed."""
+    label = as_text(label)
     return label if walk.feasible else f"{label} (failed: {walk.reason})"
 
 

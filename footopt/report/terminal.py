@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table as RichTable
+from rich.text import Text
 
 from footopt.design import Confirmation, Generation, SearchResult
 from footopt.foot import Foot
@@ -20,9 +21,12 @@ from footopt.walker.validity import Diagnostic
 
 
 def console() -> Console:
-    """Standard output; wide enough for a table when it is not a terminal, long lines unbroken."""
-    out = Console(highlight=False, soft_wrap=True)
-    return out if out.is_terminal else Console(highlight=False, soft_wrap=True, width=130)
+    """Standard output; wide enough for a table when it is not a terminal, long lines unbroken.
+
+    Brackets are no markup: a user's names and folders may hold them.
+    """
+    out = Console(highlight=False, soft_wrap=True, markup=False)
+    return out if out.is_terminal else Console(highlight=False, soft_wrap=True, markup=False, width=130)
 
 
 @contextmanager
@@ -163,7 +167,12 @@ def print_validity(out: Console, diagnostics: Sequence[Diagnostic]) -> None:
     for d in diagnostics:
         if d.outside:
             limit = f"{number(d.limit)}{' ' + d.unit if d.unit else ''}"
-            out.print(f"  [yellow]warning:[/] {d.name} {number(d.value)} is above {limit}: {d.why}.")
+            warn(out, f"{d.name} {number(d.value)} is above {limit}: {d.why}.")
+
+
+def warn(out: Console, words: str) -> None:
+    """One line that begins with a coloured "warning"."""
+    out.print(Text.assemble("  ", ("warning:", "yellow"), f" {words}"))
 
 
 def number(value: float) -> str:

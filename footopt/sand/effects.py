@@ -68,6 +68,9 @@ class LeadingEdgeLaw(NamedTuple):
     """It has no parameters."""
 
 
+MOST = 100  # layers, or patches: a walk looks at each
+
+
 @dataclass(frozen=True)
 class LeadingEdge:
     """Only faces that lead, n.v > 0, feel sand: what trails leaves a gap behind and is not pulled.
@@ -120,8 +123,8 @@ class Inertia:
     rho: float = 1600.0
 
     def __post_init__(self) -> None:
-        check(0 <= self.factor < math.inf, "effects.inertia.factor", self.factor, "a number >= 0")
-        check(0 <= self.rho < math.inf, "effects.inertia.rho", self.rho, "a density >= 0, in kg/m^3")
+        check(0 <= self.factor <= 1e3, "effects.inertia.factor", self.factor, "a number >= 0 and <= 1000")
+        check(0 <= self.rho <= 1e5, "effects.inertia.rho", self.rho, "a density >= 0 and <= 1e5, in kg/m^3")
 
     @property
     def law(self) -> InertiaLaw:
@@ -221,10 +224,13 @@ class Layers:
         object.__setattr__(self, "factors", factors)
         rising = all(a < b for a, b in zip((0.0, *depths), (*depths, math.inf), strict=True))
         check(
-            rising and len(depths) >= 1, "effects.layers.depths", list(depths), "increasing depths > 0, in m"
+            rising and 1 <= len(depths) <= MOST,
+            "effects.layers.depths",
+            list(depths),
+            f"1 to {MOST} increasing depths > 0, in m",
         )
         check(
-            len(factors) == len(depths) and all(0 < f < math.inf for f in factors),
+            len(factors) == len(depths) and all(1e-6 <= f <= 1e6 for f in factors),
             "effects.layers.factors",
             list(factors),
             f"{len(depths)} numbers > 0: zeta under each interface over the sand's",
@@ -285,7 +291,9 @@ class Patches:
             object.__setattr__(self, name, tuple(map(float, getattr(self, name))))
         count = len(self.begins)
         check(
-            count >= 1 and len(self.ends) == count and all(map(math.isfinite, self.begins + self.ends)),
+            1 <= count <= MOST
+            and len(self.ends) == count
+            and all(abs(at) <= 1e6 for at in (*self.begins, *self.ends)),
             "effects.patches.ends",
             list(self.ends),
             f"as many as effects.patches.begins ({count}), in m",
@@ -293,12 +301,12 @@ class Patches:
         for begin, end in zip(self.begins, self.ends, strict=True):
             check(begin < end, "effects.patches.ends", end, f"beyond the patch's begin at {begin:g} m")
         check(
-            len(self.factors) == count and all(0 < f < math.inf for f in self.factors),
+            len(self.factors) == count and all(1e-6 <= f <= 1e6 for f in self.factors),
             "effects.patches.factors",
             list(self.factors),
             f"{count} numbers > 0: zeta of each patch over the sand's",
         )
-        check(0 < self.blur < math.inf, "effects.patches.blur", self.blur, "a length > 0, in m")
+        check(1e-4 <= self.blur <= 1e3, "effects.patches.blur", self.blur, "a length from 1e-4 to 1000, in m")
 
     @property
     def law(self) -> PatchesLaw:

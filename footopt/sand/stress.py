@@ -12,7 +12,6 @@ map as published; the compiled kernels use `affine`, the same law without an ang
 from __future__ import annotations
 
 import csv
-import math
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import NamedTuple
@@ -20,10 +19,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.errors import FileError, SettingError, check
+from footopt.errors import FileError, SettingError, check, one_line
+from footopt.reading import named, number, read_table
 from footopt.shown import Shown
 
+LARGEST = 1e4  # of a coefficient, N/cm^3; concrete has less
 PER_CM3 = 1e6  # N/cm^3 in N/m^3
+
+MISFIT = 0.35  # of a column's rms; no law of this form is in such a table
+GAIN = 0.1  # of the table's rms; more power than noise explains comes out of such a sand
+STRESSES = (1e-3, 50.0)  # largest stress of a table, N/cm^3; the hardest sand in the literature has 2
 
 Array = NDArray[np.float64]
 
@@ -49,7 +54,12 @@ class StressMap:
     def __post_init__(self) -> None:
         for f in fields(self):
             value = getattr(self, f.name)
-            check(math.isfinite(value), f"sand coefficient {f.name}", value, "a finite number, N/cm^3")
+            check(
+                abs(value) <= LARGEST,
+                f"sand.coefficients.{f.name}",
+                value,
+                f"from -{LARGEST:g} to {LARGEST:g}, in N/cm^3",
+            )
 
     @property
     def law(self) -> Law:
@@ -198,11 +208,12 @@ class Sand(Shown):
     fit_error: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "name", one_line(self.name))
         check(
-            isinstance(self.zeta, (int, float, np.number)) and 0 < self.zeta < math.inf,
+            isinstance(self.zeta, (int, float, np.number)) and 1e-6 <= self.zeta <= 1e6,
             "sand.zeta",
             self.zeta,
-            "a number > 0 (soft sand .2, the generic material 1, hard sand 5)",
+            "a number > 0, from 1e-6 to 1e6 (soft sand .2, the generic material 1, hard sand 5)",
             "Try sand=regular or sand.zeta=1.",
         )
 
@@ -244,30 +255,33 @@ def fit_table(path: str | Path) -> tuple[StressMap, tuple[float, float]]:
         has too few different angles to determine nine coefficients.
     """
     columns = ("beta", "gamma", "alpha_x", "alpha_z")
+    reader = csv.DictReader(read_table(path, "sand", "sand.table").splitlines(), skipinitialspace=True)
+    rows = []
     try:
-        with open(path, newline="", encoding="utf-8-sig") as file:
-            reader = csv.DictReader(file, skipinitialspace=True)
-            missing = [c for c in columns if c not in (reader.fieldnames or [])]
-            if missing:
-                raise FileError(
-                    f"sand.table = {str(path)!r}: the header lacks {', '.join(missing)}; "
-                    f"the columns must be {', '.join(columns)} (deg, deg, N/cm^3, N/cm^3)."
-                )
-            rows = []
-            for line in reader:
-                try:
-                    rows.append([float(line[c]) for c in columns])
-                except (TypeError, ValueError):
-                    raise FileError(
-                        f"sand.table = {str(path)!r}, line {reader.line_num}: not four numbers: {line}."
-                    ) from None
-    except (OSError, UnicodeDecodeError) as error:
-        if isinstance(error, FileError):
-            raise
-        raise FileError(f"sand.table = {str(path)!r}: cannot be read ({error}).") from None
+        header = list(reader.fieldnames or [])
+        missing = [c for c in columns if c not in header]
+        if missing:
+            raise _wrong(
+                path,
+                f"the header lacks {', '.join(missing)}; "
+                f"the columns must be {', '.join(columns)} (deg, deg, N/cm^3, N/cm^3).",
+            )
+        if twice := next((c for c in columns if header.count(c) > 1), None):
+            raise _wrong(path, f"two columns are called {twice!r}. Which one is it?")
+        for line in reader:
+            try:
+                rows.append([number(line[c]) for c in columns])
+                if None in line:  # more cells than the header has, as with decimal commas
+                    raise ValueError
+            except (TypeError, ValueError):
+                shown = [*(line[c] for c in columns), *(line.get(None) or [])][:8]
+                raise _wrong(path, f"line {reader.line_num}: not four numbers: {shown}.") from None
+    except csv.Error as error:
+        raise _wrong(path, f"not a table ({error}).") from None
     table = np.array(rows, float).reshape(-1, 4)
     if not np.isfinite(table).all():
-        raise FileError(f"sand.table = {str(path)!r}: holds a value that is not finite.")
+        raise _wrong(path, "holds a value that is not finite.")
+    _check_units(path, table)
     b, g = np.radians(table[:, 0]), np.radians(table[:, 1])
     design_z = np.stack(
         [np.ones_like(b), np.cos(2 * b), np.sin(2 * b + g), np.sin(g), np.sin(-2 * b + g)], axis=1
@@ -278,13 +292,58 @@ def fit_table(path: str | Path) -> tuple[StressMap, tuple[float, float]]:
     for design, target in ((design_x, table[:, 2]), (design_z, table[:, 3])):
         solution, _, rank, _ = np.linalg.lstsq(design, target, rcond=1e-8)
         if rank < design.shape[1]:
-            raise FileError(
-                f"sand.table = {str(path)!r}: {len(b)} rows do not determine the nine coefficients; "
-                "give more combinations of beta and gamma."
+            raise _wrong(
+                path,
+                f"{len(b)} rows do not determine the nine coefficients; "
+                "give more combinations of beta and gamma.",
             )
         found.append(solution)
         misfit = float(np.sqrt(np.mean((design @ solution - target) ** 2)))
         scale = float(np.sqrt(np.mean(target**2)))
         errors.append(misfit / scale if scale > 0 else misfit)
+    if max(errors) > MISFIT:
+        raise _wrong(
+            path,
+            f"no stress map comes near it: the misfit is {100 * errors[0]:.0f} % of alpha_x and "
+            f"{100 * errors[1]:.0f} % of alpha_z (rms). Check the columns and the signs of the angles.",
+        )
     (C11, C01, Cm11, D10), (A00, A10, B11, B01, Bm11) = (map(float, f) for f in found)
-    return StressMap(A00, A10, B11, B01, Bm11, C11, C01, Cm11, D10), (errors[0], errors[1])
+    found_map = StressMap(A00, A10, B11, B01, Bm11, C11, C01, Cm11, D10)
+    typical = float(np.sqrt(np.mean(table[:, 2:] ** 2)))
+    if (least := found_map.dissipation()) < -GAIN * typical:
+        raise _wrong(
+            path,
+            f"such a sand would push a plate along (by {-least:.3g} N/cm^3 in some direction). Check the "
+            "columns and the signs: a plate that moves down has gamma > 0 and alpha_z > 0.",
+        )
+    aside = D10 - C11 + Cm11  # alpha_x of a plate at 45 deg that moves down
+    if aside < -GAIN * typical:
+        raise _wrong(
+            path,
+            f"such a sand would push a plate that moves down to its upper side (alpha_x = {aside:.3g} "
+            "N/cm^3 at beta = 45, gamma = 90 deg). Check the sign of beta: counter-clockwise, + toe up.",
+        )
+    return found_map, (errors[0], errors[1])
+
+
+def _check_units(path: str | Path, table: Array) -> None:
+    """Raise unless angles can be degrees and stresses N/cm^3; `table` is (rows, 4)."""
+    beta, gamma, stress = abs(table[:, 0]), abs(table[:, 1]), abs(table[:, 2:])
+    if len(table) == 0:
+        return
+    if beta.max() > 180 or gamma.max() > 360:
+        raise _wrong(
+            path, f"beta reaches {beta.max():.4g} and gamma {gamma.max():.4g} deg. Check the columns."
+        )
+    if gamma.max() <= 2 * np.pi:
+        raise _wrong(path, f"gamma reaches {gamma.max():.4g} deg only. Angles must be in degrees.")
+    if not STRESSES[0] <= stress.max() <= STRESSES[1]:
+        raise _wrong(
+            path,
+            f"its largest stress is {stress.max():.4g} N/cm^3, and that of sands {STRESSES[0]:g} to "
+            f"{STRESSES[1]:g}. Stresses must be per depth, in N/cm^3 (1 N/cm^3 = 1e6 N/m^3).",
+        )
+
+
+def _wrong(path: str | Path, why: str) -> FileError:
+    return FileError(f"{named(path, 'sand.table')}: {why}")

@@ -25,6 +25,9 @@ SPREAD = ("optimize",)
 
 def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     """Run the study that the configuration names; `settings` is the configuration as plain data."""
+    from footopt.studies.build import check_lists
+
+    check_lists(config)
     name = config.study.name
     if name not in STUDIES:
         raise SettingError("study.name", name, f"one of {', '.join(STUDIES)}")

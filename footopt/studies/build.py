@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, is_dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -46,6 +46,17 @@ def load_plugins(plugins: Sequence[str]) -> None:
             raise SettingError(
                 "plugins", plugin, "a file whose name is not that of another module", f"Rename {path.name}."
             )
+
+
+def check_lists(config: Any, name: str = "") -> None:
+    """Raise unless lists hold plain values: OmegaConf lets lists in lists and interpolations through."""
+    for field in fields(config):
+        value, key = getattr(config, field.name), f"{name}{field.name}"
+        if is_dataclass(value):
+            check_lists(value, f"{key}.")
+        if "list" in str(field.type) and value is not None:
+            plain = isinstance(value, list) and all(isinstance(v, (int, float, str)) for v in value)
+            check(plain, key, value, "a list of plain values")
 
 
 def make_sand(config: SandConfig) -> Sand:

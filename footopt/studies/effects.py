@@ -29,7 +29,7 @@ SANDS = ("soft", "regular", "hard")
 def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     """Audit every effect and write the verdicts to `folder`."""
     out, clock = terminal.console(), terminal.clock()
-    check(config.study.feet >= 2, "study.feet", config.study.feet, "at least 2, to rank them")
+    check(2 <= config.study.feet <= 10_000, "study.feet", config.study.feet, "2, to rank them, to 10,000")
     scene, space = build.make_scene(config), build.make_space(config.foot)
     accuracy, limit = build.make_accuracy(config.accuracy), tolerance(config)
     feet = space.random(config.study.feet, seed=config.solver.seed, inside=True)

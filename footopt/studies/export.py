@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 from pathlib import Path
 from typing import Any
 
 from footopt.config import Config, FootConfig
-from footopt.errors import FileError, SettingError
+from footopt.errors import FileError, FootoptError, SettingError
 from footopt.foot import Foot
 from footopt.foot.export import MM, body_outline
 from footopt.foot.polygon import enclosed_area
 from footopt.foot.solid import write_all
+from footopt.reading import named, read_json_file
 from footopt.report import files, terminal
 from footopt.studies import build
 from footopt.studies.simulate import foot_entry
+
+#: What damaged settings raise, our own refusals among them.
+DAMAGED = (FootoptError, ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
 
 
 def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
@@ -60,25 +63,30 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
     FileError : the folder does not hold such a run.
     """
     try:
-        result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+        result = read_json_file(folder / "result.json", "run", "study.run")
         design, known = result["design"], {f.name for f in dataclasses.fields(FootConfig)}
         saved = FootConfig(**{key: v for key, v in result["settings"]["foot"].items() if key in known})
-        heights, width, ankle = (
-            design["k"],
-            float(design["width_m"]),
-            (float(design["ankle_m"][0]), float(design["ankle_m"][1])),
-        )
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        own = design["k"]
+        if k is None or saved.shape != "waypoints":
+            found = _saved_foot(folder, design, saved)
+    except DAMAGED as error:
         raise FileError(
-            f"study.run = {str(folder)!r}: not the folder of a run with one foot "
+            f"{named(folder, 'study.run')}: not the folder of a run with one foot "
             f"({type(error).__name__}: {error}). Give one of study=optimize or simulate."
         ) from None
-    if k is not None and saved.shape != "waypoints":
+    if k is None:
+        return found
+    if saved.shape != "waypoints" or own is None:
         raise SettingError("foot.k", k, f"null: the run's foot is {saved.shape}")
-    if k is not None:
-        return build.make_foot(dataclasses.replace(saved, k=k))
-    if heights is not None:
-        foot = build.make_foot(dataclasses.replace(saved, k=heights))
+    return build.make_foot(dataclasses.replace(saved, k=k))
+
+
+def _saved_foot(folder: Path, design: dict[str, Any], saved: FootConfig) -> Foot:
+    """The foot that a run has kept."""
+    if design["k"] is not None:
+        foot = build.make_foot(dataclasses.replace(saved, k=design["k"]))
     else:  # the contour itself: a drawing that it came from may have changed
+        width, (x, z) = float(design["width_m"]), design["ankle_m"]
+        ankle = float(x), float(z)
         foot = Foot.from_file(folder / "contour.csv", width, ankle, saved.closed, saved.top)
-    return dataclasses.replace(foot, name=design["name"])
+    return dataclasses.replace(foot, name=str(design["name"]))

@@ -53,7 +53,12 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         check_size(problem)
     else:
         solver.build(problem.n_obj)
-    check(config.study.finalists >= 1, "study.finalists", config.study.finalists, "a whole number >= 1")
+    check(
+        1 <= config.study.finalists <= 10_000,
+        "study.finalists",
+        config.study.finalists,
+        "a whole number >= 1 and <= 10,000",
+    )
     finer = Accuracy.named(config.study.confirm) if config.study.confirm else problem.accuracy
     flat = Foot.flat(problem.space)
     e = config.engine

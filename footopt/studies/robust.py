@@ -70,7 +70,12 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     solver = Solver(c.name, c.pop_size, min(c.n_gen, QUICK_GENERATIONS) if study.quick else c.n_gen, c.seed)
     accuracy = build.make_accuracy(config.accuracy)
     finer = Accuracy.named(study.confirm) if study.confirm else accuracy
-    check(study.finalists >= 1, "study.finalists", study.finalists, "a whole number >= 1")
+    check(
+        1 <= study.finalists <= 10_000,
+        "study.finalists",
+        study.finalists,
+        "a whole number >= 1 and <= 10,000",
+    )
     judge = RobustProblem(
         scenarios, config.objective.names, build.make_space(config.foot), accuracy, config.engine.threads,
         study.measure, study.tail,
@@ -136,7 +141,7 @@ def make_scenarios(config: Config) -> tuple[Scene, tuple[Scenario, ...]]:
         raise SettingError("study.scenarios", study.scenarios, f"one of {', '.join(SOURCES)}")
     if study.scenarios == "sands":
         return scene, sands(scene)
-    check(study.draws >= 2, "study.draws", study.draws, "a whole number >= 2")
+    check(2 <= study.draws <= 10_000, "study.draws", study.draws, "a whole number >= 2 and <= 10,000")
     count = min(study.draws, QUICK_DRAWS) if study.quick else study.draws
     return scene, draw(scene, Spread(**vars(study.spread)), count, config.solver.seed)
 

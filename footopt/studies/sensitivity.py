@@ -63,7 +63,7 @@ class Setting:
     def __post_init__(self) -> None:
         for name in ("waypoint", "width", "creep"):
             value = getattr(self, name)
-            check(0 <= value < np.inf, f"study.foot_spread.{name}", value, "a standard deviation >= 0")
+            check(0 <= value <= 2.0, f"study.foot_spread.{name}", value, "a standard deviation >= 0 and <= 2")
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -149,7 +149,8 @@ def analyse(
     """
     sobol_sample, sobol_analyse = _salib()
     check(
-        samples >= 2 and samples & (samples - 1) == 0, "study.samples", samples, "a power of two, at least 2",
+        2 <= samples <= 2**16 and samples & (samples - 1) == 0, "study.samples", samples,
+        "a power of two, at least 2 and at most 65536",
         "Sobol's sequence is even only then.",
     )  # fmt: skip
     from scipy.special import ndtri

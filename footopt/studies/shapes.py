@@ -95,7 +95,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     outside = {w for entry in entries.values() for w in entry["warnings"]}
     for warning in sorted(outside):
         names = [name for name, entry in entries.items() if warning in entry["warnings"]]
-        out.print(f"  [yellow]warning:[/] {warning} ({', '.join(names)}).")
+        terminal.warn(out, f"{warning} ({', '.join(names)}).")
     out.print(f"Everything is in {folder} ({clock():.1f} s in all)")
 
 

@@ -72,7 +72,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         fitted = ", ".join(f"{joint} {rms:.2f}" for joint, rms in scene.gait.residual)
         out.print(f"Gait from {config.gait.path}: {'; '.join(strides.notes)}. Misfit (rms, deg): {fitted}")
     if not walk.feasible:
-        out.print(f"[yellow]The walk failed: {walk.reason}[/] after {len(walk.t)} steps of time.")
+        out.print(f"The walk failed: {walk.reason} after {len(walk.t)} steps of time.", style="yellow")
     out.print(terminal.objective_table([(foot.name, walk.objectives)], tuple(OBJECTIVES), errors))
     terminal.print_validity(out, diagnostics)
     out.print(f"Everything is in {folder} ({clock():.1f} s in all)")

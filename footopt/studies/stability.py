@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rich import box
 from rich.table import Table
+from rich.text import Text
 
 from footopt.config import Config
 from footopt.errors import FileError, SettingError
@@ -690,11 +691,10 @@ def table(cases: Sequence[Case], methods: Sequence[str], found: Sequence[Verdict
     return shown
 
 
-def _cell(v: Verdict) -> str:
+def _cell(v: Verdict) -> Text:
     words = ["ok" if v.stable else "NO", Cell(v.stable, v.decides.name, v.decides.value).text]
     if v.walk is not None and v.walk.rescues:
         words.append(f"r{v.walk.rescues}")
     if v.walk is not None and v.walk.repeats:
         words.append(f"x{v.walk.repeats}")
-    text = " ".join(words)
-    return text if v.stable else f"[bold red]{text}[/]"
+    return Text(" ".join(words), style="" if v.stable else "bold red")

@@ -48,9 +48,14 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     """Walk the space, let every solver search it, and write what each was worth."""
     out, clock = terminal.console(), terminal.clock()
     study = config.study
-    check(study.seeds >= 1, "study.seeds", study.seeds, "a whole number >= 1")
+    check(1 <= study.seeds <= 1000, "study.seeds", study.seeds, "a whole number >= 1 and <= 1000")
     size = config.solver.pop_size if config.solver.name != EXHAUSTIVE else 100
-    check(study.budget >= size, "study.budget", study.budget, f"at least one generation, {size}")
+    check(
+        size <= study.budget <= 10**7,
+        "study.budget",
+        study.budget,
+        f"at least one generation, {size}, and <= 1e7",
+    )
     names = list(SOLVERS) if study.solvers is None else study.solvers
     if unknown := [name for name in names if name not in SOLVERS]:
         raise SettingError("study.solvers", unknown, f"some of {', '.join(SOLVERS)}")

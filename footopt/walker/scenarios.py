@@ -81,7 +81,13 @@ class Spread:
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
-            check(0 <= value < math.inf, f"study.spread.{name}", value, "a standard deviation >= 0")
+            most = 30.0 if name == "angles" else 1.0
+            check(
+                0 <= value <= most,
+                f"study.spread.{name}",
+                value,
+                f"a standard deviation >= 0 and <= {most:g}",
+            )
 
 
 #: Standard normal variables that make a scenario, by what they move; an angle has one a coefficient.
@@ -106,7 +112,7 @@ def draw(scene: Scene, spread: Spread, count: int, seed: int = 1) -> tuple[Scena
     """
     from scipy.special import ndtri
 
-    check(count >= 1, "study.draws", count, "a whole number >= 1")
+    check(1 <= count <= 10_000, "study.draws", count, "a whole number >= 1 and <= 10,000")
     rng = np.random.default_rng(seed)
     strata = np.stack([rng.permutation(count) for _ in COLUMNS], axis=1)
     normals = ndtri((strata + rng.random(strata.shape)) / count)

@@ -18,6 +18,16 @@ from footopt.sand.effects import Effect, Slope, ordered
 from footopt.shown import Shown
 from footopt.walker.steppers import STEPPERS
 
+MOST_PLATES = 20_000  # 13 um each; beyond 1000 no objective changes by 1e-5
+
+#: What a walker can be: from a toy on an asteroid to a giant; beyond it numbers overflow.
+WALKERS = {
+    "mass": ("kg", 1e-3, 1e5),
+    "l1": ("m", 1e-3, 20.0),
+    "l2": ("m", 1e-3, 20.0),
+    "g": ("m/s^2", 1e-3, 1e3),
+}
+
 
 @dataclass(frozen=True)
 class Walker:
@@ -34,9 +44,14 @@ class Walker:
     g: float = 9.81
 
     def __post_init__(self) -> None:
-        for name, unit in (("mass", "kg"), ("l1", "m"), ("l2", "m"), ("g", "m/s^2")):
+        for name, (unit, low, high) in WALKERS.items():
             value = getattr(self, name)
-            check(0 < value < math.inf, f"walker.{name}", value, f"a number > 0, in {unit}")
+            check(
+                low <= value <= high,
+                f"walker.{name}",
+                value,
+                f"a number > 0, from {low:g} to {high:g}, in {unit}",
+            )
 
     @property
     def weight(self) -> float:
@@ -66,10 +81,13 @@ class Scene(Shown):
         if self.t_f is None:
             if math.isinf(self.gait.start):
                 raise SettingError(
-                    "scene.t_f", None, "given, in s, for a walker who stands still", "Try scene.t_f=10."
+                    "scene.t_f",
+                    None,
+                    "given, in s, for a walker who stands still",
+                    "Try scene.t_f=10, or a finite gait.start.",
                 )
         else:
-            check(0 < self.t_f < math.inf, "scene.t_f", self.t_f, "a time > 0, in s")
+            check(0 < self.t_f <= 1e5, "scene.t_f", self.t_f, "a time > 0 and <= 1e5, in s")
 
     @property
     def duration(self) -> float:
@@ -131,26 +149,26 @@ class Accuracy:
             raise SettingError("accuracy.rule", self.rule, f"one of {', '.join(RULES)}")
         if self.stepper not in STEPPERS:
             raise SettingError("accuracy.stepper", self.stepper, f"one of {', '.join(STEPPERS)}")
-        check(0 < self.dt <= 1.0, "accuracy.dt", self.dt, "a time step > 0 and <= 1, in s")
+        check(1e-9 <= self.dt <= 1.0, "accuracy.dt", self.dt, "a time step from 1e-9 to 1, in s")
         check(
-            isinstance(self.plates, int) and 2 <= self.plates <= 1_000_000,
+            isinstance(self.plates, int) and 2 <= self.plates <= MOST_PLATES,
             "accuracy.plates",
             self.plates,
-            "a whole number >= 2",
+            f"a whole number from 2 to {MOST_PLATES}",
             "The paper's is 100.",
         )
         check(
-            0 < self.creep <= 1.0,
+            1e-12 <= self.creep <= 1.0,
             "accuracy.creep",
             self.creep,
-            "a speed > 0 and <= 1, in m/s",
+            "a speed from 1e-12 to 1, in m/s",
             "At zero speed the law is set-valued; 1e-4 changes the distance by .002 %.",
         )
         check(
-            self.control is None or 0 < self.control <= 1.0,
+            self.control is None or 1e-12 <= self.control <= 1.0,
             "accuracy.control",
             self.control,
-            "null, or a speed > 0 and <= 1, in m/s",
+            "null, or a speed from 1e-12 to 1, in m/s",
             "Try 1e-4.",
         )
 

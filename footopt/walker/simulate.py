@@ -15,12 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import SettingError, check, needed
 from footopt.foot import Foot, Plates, Waypoints, as_plates
+from footopt.foot.plates import RULES
 from footopt.sand import affine_direction, effects
 from footopt.shown import Animated, Shown
 from footopt.walker.kernels import EVALUATIONS, LANES, PLATES, REPEATS, RESCUES, SHORTENED, TALLY, Sole, World
 from footopt.walker.loop import BACKWARD, DIVERGED, OK, RAW, SUNK, TRACE, walk_range
 from footopt.walker.objectives import FIVE, OBJECTIVES, Raw, lookup
-from footopt.walker.scene import Accuracy, Scene, Walker
+from footopt.walker.scene import MOST_PLATES, Accuracy, Scene, Walker
 from footopt.walker.steppers import STEPPERS
 
 Array = NDArray[np.float64]
@@ -33,6 +34,8 @@ REST = 4  # longer steps while the walker stands
 HALVINGS = 3  # of a step under control, at most
 MAX_REPEATS = 3  # of a walk that diverged, each with a quarter of the time step before
 CHUNK = 4096  # designs whose plates are in memory at once
+POINTS = 4_000_000  # along their soles, at most
+ROWS = 2_000_000  # poses of a walk that are tabulated, 112 bytes each; the reference accuracy has 30,000
 BLOCK = 16  # designs that a thread takes at a time
 POSES = 64  # motions whose poses are kept: about 1 MB each, and the time of a few dozen walks
 
@@ -353,7 +356,7 @@ def estimate_error(
         accuracy,
         dt=accuracy.dt / 2,
         control=None if accuracy.control is None else accuracy.control / 8,
-        plates=2 * accuracy.plates,
+        plates=min(2 * accuracy.plates, MOST_PLATES),
         creep=accuracy.creep / 2,
         name="refined",
     )
@@ -405,12 +408,26 @@ def time_grid(scene: Scene, accuracy: Accuracy) -> Array:
     )
 
 
+def pose_rows(scene: Scene, accuracy: Accuracy) -> float:
+    """How many poses a walk needs (`poses`), about."""
+    levels = 1 if accuracy.control is None else 2 ** (HALVINGS + 1) - 1
+    return scene.duration / accuracy.dt * levels * len(STEPPERS[accuracy.stepper].nodes)
+
+
 def poses(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ...]]:
     """Time grid, pose at t = 0, (2, 7), and at every step's nodes, (steps, nodes, 2, 7).
 
     Under control of the step there is a table more for each halving, with twice as many steps.
     """
     # the same for every sand, mass and effect
+    if pose_rows(scene, accuracy) > ROWS:
+        least = accuracy.dt * pose_rows(scene, accuracy) / ROWS
+        raise SettingError(
+            "accuracy.dt",
+            accuracy.dt,
+            f"at least {least:.2g} s for a walk of {scene.duration:g} s",
+            "Or shorten the walk: scene.t_f, gait.period, gait.start.",
+        )
     motion = Scene(gait=scene.gait, walker=Walker(l1=scene.walker.l1, l2=scene.walker.l2), t_f=scene.t_f)
     return pose_tables(motion, Accuracy(accuracy.stepper, accuracy.dt, control=accuracy.control))
 
@@ -440,13 +457,14 @@ def _chunks(feet: Any, scene: Scene, accuracy: Accuracy, space: Waypoints | None
             raise SettingError("feet", "plates without directions", "plates made with directed=True")
         yield from (feet.take(slice(i, i + CHUNK)) for i in range(0, len(feet.x), CHUNK))
         return
+    size = max(1, min(CHUNK, POINTS // (accuracy.plates * RULES[accuracy.rule])))
     if not isinstance(feet, Sequence):
         feet = np.atleast_2d(np.asarray(feet))
     if len(feet) == 0:
         raise SettingError("feet", "[]", "at least one foot")
     yield from (
-        as_plates(feet[i : i + CHUNK], accuracy.plates, accuracy.rule, space, directed)
-        for i in range(0, len(feet), CHUNK)
+        as_plates(feet[i : i + size], accuracy.plates, accuracy.rule, space, directed)
+        for i in range(0, len(feet), size)
     )
 
 
@@ -465,9 +483,9 @@ def _walk(
     raw, status, tallies, trace = _run(plates, scene, accuracy, sink, threads, traced)
     for repeat in range(1, MAX_REPEATS + 1):
         again = np.flatnonzero(status == DIVERGED)
-        if len(again) == 0:
-            break
         finer = replace(accuracy, dt=accuracy.dt / 4**repeat)
+        if len(again) == 0 or pose_rows(scene, finer) > ROWS:
+            break
         raw[again], status[again], more, trace = _run(plates.take(again), scene, finer, sink, threads, traced)
         tallies[again] += more
         tallies[again, REPEATS] = repeat
@@ -496,7 +514,7 @@ def _run(
         )  # fmt: skip
 
     workers = available_threads() if threads is None else threads
-    check(workers >= 1, "engine.threads", threads, "a whole number >= 1 (null: all)")
+    check(1 <= workers <= 4096, "engine.threads", threads, "a whole number >= 1 and <= 4096 (null: all)")
     blocks = range(0, designs, BLOCK)
     if workers == 1 or len(blocks) == 1:
         for begin in blocks:

@@ -13,9 +13,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import FileError
 from footopt.gait.files.motion import Markers
-from footopt.gait.files.strides import Recording
+from footopt.gait.files.strides import Recording, wrong
 
 Array = NDArray[np.float64]
 
@@ -31,6 +30,8 @@ ASIS, PSIS = ("asi", "asis", "ias"), ("psi", "psis", "ips")
 SACRUM = ("sacr", "sacral", "vsacral", "sacrum", "sac")
 SIDES = {"right": ("r", "right"), "left": ("l", "left")}
 SEGMENT = (0.1, 0.9)  # length of a thigh or shank, m; anything else is a mistake in the units
+STRETCH = 0.2  # a distance of hip and knee, or knee and ankle, farther from the median: no marker of a leg
+SPEED = 15.0  # m/s; a marker that is faster than a sprinter's foot has jumped
 APART = 0.05  # left and right markers that are nearer, m, cannot be told apart by their place
 
 
@@ -51,10 +52,11 @@ def to_recording(
     """
     leg = side or next((s for s in SIDES if not _missing(markers, names, s)), "right")
     if missing := _missing(markers, names, leg):
-        raise FileError(
-            f"gait.path = {str(path)!r}: no marker for the {leg} {' and '.join(missing)}. "
+        raise wrong(
+            path,
+            f"no marker for the {leg} {' and '.join(missing)}. "
             + " ".join(f"For the {part}, looked for {_looked_for(part, names, leg)}." for part in missing)
-            + f" The file has {', '.join(markers.places)}. Name it with gait.names.{missing[0]}=..."
+            + f" The file has {', '.join(markers.places)}. Name it with gait.names.{missing[0]}=...",
         )
     notes = [f"the {leg} leg"]
     places = _leg(markers, names, leg)
@@ -62,6 +64,7 @@ def to_recording(
     if not _missing(markers, {}, other) and not names:
         swapped = _unswap(places, _leg(markers, names, other))
         notes += [f"{part}: left and right exchanged in {n} frames, put back" for part, n in swapped.items()]
+    recorded = dict(places)
     t, places = _filled(markers.t, places, path, max_gap, notes)
     hip, knee, ankle = places["hip"], places["knee"], places["ankle"]
 
@@ -69,17 +72,26 @@ def to_recording(
     forward = _forward(hip, knee, ankle, up)
     travelled = float((hip[-1] - hip[0]) @ forward)
     if travelled < -0.3:
-        raise FileError(
-            f"gait.path = {str(path)!r}: the hip goes {-travelled:.2f} m backwards while the knee bends "
-            "forwards. Check the markers' names (gait.names), or that the subject walks forwards."
+        raise wrong(
+            path,
+            f"the hip goes {-travelled:.2f} m backwards while the knee bends "
+            "forwards. Check the markers' names (gait.names), or that the subject walks forwards.",
         )
     (thigh, l1), (shank, l2) = (_segment(a, b, forward, up) for a, b in ((hip, knee), (knee, ankle)))
     for part, length in (("thigh", l1), ("shank", l2)):
         if not SEGMENT[0] <= length.mean() <= SEGMENT[1]:
-            raise FileError(
-                f"gait.path = {str(path)!r}: the {part} would be {length.mean():.4g} m long. Check the units "
-                "in the file and the markers' names (gait.names)."
+            raise wrong(
+                path,
+                f"the {part} would be {length.mean():.4g} m long. Check the units "
+                "in the file and the markers' names (gait.names).",
             )
+    _check_rigid(markers.t, recorded, path)
+    swing = [np.std(_steady(t, place @ forward)) for place in (hip, ankle)]
+    if swing[0] > swing[1]:
+        raise wrong(
+            path,
+            f"the hip swings by {swing[0]:.3f} m (rms), the ankle by {swing[1]:.3f} m: exchanged?",
+        )
     notes.append(
         f"in the file, thigh {l1.mean():.3f} m and shank {l2.mean():.3f} m long: walker.l1, walker.l2"
     )
@@ -174,10 +186,15 @@ def _hip_of_pelvis(markers: Markers, side: str) -> Array | None:
 
 def _unswap(leg: dict[str, Array], other: dict[str, Array]) -> dict[str, int]:
     """Put markers back that changed sides for some frames; how many frames, by part."""
-    done = {}
-    hips = np.nanmean(leg["hip"] - other["hip"], axis=0)
+    done: dict[str, int] = {}
+    between = leg["hip"] - other["hip"]
+    if not np.isfinite(between.sum(axis=1)).any():
+        return done
+    hips = np.nanmean(between, axis=0)
     for part in leg.keys() & other.keys() - {"hip"}:
         aside: Array = (leg[part] - other[part]) @ (hips / np.linalg.norm(hips))
+        if not np.isfinite(aside).any():
+            continue  # never seen together
         turn = 1.0 if np.nanmedian(aside) >= 0 else -1.0
         wrong = turn * aside < -APART
         if wrong.any():
@@ -185,6 +202,32 @@ def _unswap(leg: dict[str, Array], other: dict[str, Array]) -> dict[str, int]:
             leg[part] = exchanged
             done[part] = int(wrong.sum())
     return done
+
+
+def _check_rigid(t: Array, places: dict[str, Array], path: str | Path) -> None:
+    """Raise where a leg's marker jumps: from the joint before it, or in time."""
+    for part, from_ in (("knee", "hip"), ("ankle", "knee")):
+        lengths = np.linalg.norm(places[part] - places[from_], axis=1)
+        usual = float(np.nanmedian(lengths))
+        worst = int(np.nanargmax(abs(lengths - usual)))
+        if abs(lengths[worst] - usual) > STRETCH * usual:
+            raise wrong(
+                path,
+                f"the {part} is {lengths[worst]:.4g} m from the {from_} at "
+                f"{t[worst]:.6g} s, and usually {usual:.4g} m. A marker has jumped or is mistaken: "
+                "mend it in the program that recorded it, or cut the file there.",
+            )
+    for part, place in places.items():
+        with np.errstate(divide="ignore", invalid="ignore"):
+            speeds = np.linalg.norm(np.diff(place, axis=0), axis=1) / np.diff(t)
+        speeds = np.where(np.isfinite(speeds), speeds, 0.0)
+        if speeds.max(initial=0.0) > SPEED:
+            at = int(np.argmax(speeds))
+            raise wrong(
+                path,
+                f"the {part} jumps by {speeds[at] * (t[at + 1] - t[at]):.4g} m at "
+                f"{t[at]:.6g} s. Mend the marker in the program that recorded it, or cut the file there.",
+            )
 
 
 def _filled(
@@ -200,9 +243,7 @@ def _filled(
     never = [part for part, ok in seen.items() if not ok.any()]
     together = np.flatnonzero(np.all(list(seen.values()), axis=0))
     if never or len(together) < 4:
-        raise FileError(
-            f"gait.path = {str(path)!r}: the {', '.join(never) or 'leg'} is never seen with the others."
-        )
+        raise wrong(path, f"the {', '.join(never) or 'leg'} is never seen with the others.")
     inside = slice(together[0], together[-1] + 1)
     filled = {}
     for part, place in places.items():
@@ -215,9 +256,10 @@ def _filled(
             if part in ("heel", "toe"):  # these are not needed
                 notes.append(f"{place_in_time}: no pitch of the foot")
                 continue
-            raise FileError(
-                f"gait.path = {str(path)!r}: {place_in_time}, longer than gait.max_gap = {max_gap:g} s. Fill "
-                "the gap in the program that recorded it, or cut the file there."
+            raise wrong(
+                path,
+                f"{place_in_time}, longer than gait.max_gap = {max_gap:g} s. Fill "
+                "the gap in the program that recorded it, or cut the file there.",
             )
         if not ok.all():
             notes.append(f"{part}: {np.sum(~ok)} frames in gaps of at most {max_gap:g} s filled")
@@ -242,6 +284,12 @@ def _forward(hip: Array, knee: Array, ankle: Array, up: Array) -> Array:
     forward = forward / np.linalg.norm(forward)
     bend = ((knee - hip) - 0.5 * (ankle - hip)) @ forward
     return forward if np.mean(bend) > 0 else -forward
+
+
+def _steady(t: Array, way: Array) -> Array:
+    """What is left of a way without its mean speed, m."""
+    left: Array = way - np.polynomial.Polynomial.fit(t, way, 1)(t)
+    return left
 
 
 def _segment(begin: Array, end: Array, forward: Array, up: Array) -> tuple[Array, Array]:

@@ -11,12 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.errors import FileError, SettingError
-from footopt.gait.files.angles import text_of
-from footopt.gait.files.strides import Recording
+from footopt.gait.files.c3d import load
+from footopt.gait.files.strides import Recording, wrong
+from footopt.reading import number, read_text
 
 Array = NDArray[np.float64]
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "dm": 0.1, "in": 0.0254, "inch": 0.0254, "inches": 0.0254}
+FAR = 1e4  # m; no laboratory is so large
+RATE = 0.02  # relative, that a frame rate may differ from the times, which are rounded
 UNITS |= {"millimeters": 1e-3, "centimeters": 1e-2, "meters": 1.0}
 
 
@@ -34,52 +37,48 @@ def read_trc(path: str | Path) -> Markers:
     The header's third line holds the units; names stand over the first of a marker's columns.
     A cell that is empty, or a marker at exactly 0, 0, 0, is a gap.
     """
-    lines = text_of(path).splitlines()
+    lines = read_text(path, "gait", "gait.path").splitlines()
     at = next((i for i, line in enumerate(lines[:12]) if re.match(r"\s*frame#?\b", line, re.I)), None)
     if at is None or at < 1:
         raise _not(path, "TRC", "no line begins with Frame#")
-    words = dict(zip(_cells(lines[at - 2]), _cells(lines[at - 1]), strict=False))
-    unit = _length(path, next((v for k, v in words.items() if k.lower() == "units"), ""))
+    words = dict(zip(map(str.lower, _cells(lines[at - 2])), _cells(lines[at - 1]), strict=False))
+    unit = _length(path, words.get("units", ""))
     names = [cell for cell in _cells(lines[at])[2:] if cell]
     rows = []
-    for number, line in enumerate(lines[at + 2 :], start=at + 3):
+    wide = 1 + 3 * len(names)
+    for row_number, line in enumerate(lines[at + 2 :], start=at + 3):
         cells = _cells(line)
         if not any(cells):
             continue
         try:
-            row = [float(cell) if cell else np.nan for cell in cells[1:]]
+            row = [number(cell) if cell else np.nan for cell in cells[1:]]
         except ValueError:
-            raise _not(path, "TRC", f"line {number} is not numbers: {line[:60]!r}") from None
-        rows.append((row + [np.nan] * (1 + 3 * len(names)))[: 1 + 3 * len(names)])
+            raise _not(path, "TRC", f"line {row_number} is not numbers: {line[:60]!r}") from None
+        if len(row) > wide and not np.isnan(row[wide:]).all():
+            raise _not(
+                path, "TRC", f"line {row_number} has numbers for more than the {len(names)} markers named"
+            )
+        rows.append((row + [np.nan] * wide)[:wide])
     if not rows or not names:
         raise _not(path, "TRC", "it holds no markers")
+    for key, found in (("numframes", len(rows)), ("nummarkers", len(names))):
+        if (said := words.get(key, "")) and said != str(found):
+            raise _not(
+                path, "TRC", f"its header says {key} {said}, and it holds {found}: is it cut off or changed?"
+            )
     table = np.array(rows, float)
-    return _markers(table[:, 0], names, unit * table[:, 1:].reshape(len(rows), -1, 3))
+    _check_rate(path, table[:, 0], words.get("datarate", ""))
+    return _markers(path, table[:, 0], names, unit * table[:, 1:].reshape(len(rows), -1, 3))
 
 
 def read_c3d(path: str | Path) -> Markers:
     """Markers from C3D, with the library ezc3d; one whose residual is negative is not seen."""
-    try:
-        import ezc3d
-    except ImportError:
-        raise FileError(
-            f"gait.path = {str(path)!r}: C3D files need ezc3d: pip install footopt[c3d]."
-        ) from None
-
-    if not Path(path).is_file():
-        raise _not(path, "C3D", "there is no such file")
-    try:
-        file = ezc3d.c3d(str(path))
-        point = file["parameters"]["POINT"]
-        names = [name.strip() for name in point["LABELS"]["value"]]
-        places = np.asarray(file["data"]["points"], float)[:3].transpose(2, 1, 0)
-        seen = np.asarray(file["data"]["meta_points"]["residuals"], float)[0].T >= 0
-        rate, first = float(point["RATE"]["value"][0]), file["header"]["points"]["first_frame"]
-        unit = _length(path, point["UNITS"]["value"][0])
-    except (OSError, RuntimeError, ValueError, KeyError, IndexError) as error:
-        raise _not(path, "C3D", str(error)) from error
-    places = np.where(seen[..., None], places, np.nan)[:, : len(names)]
-    return _markers((first + np.arange(len(places))) / rate, names, unit * places)
+    file = load(path)
+    if not 0 < file.rate < np.inf:
+        raise _not(path, "C3D", f"it says {file.rate:g} frames a second")
+    places = np.where((file.residuals >= 0)[..., None], file.places, np.nan)[:, : len(file.names)]
+    times = (file.first + np.arange(len(places))) / file.rate
+    return _markers(path, times, file.names, _length(path, file.unit) * places)
 
 
 def read_mot(path: str | Path, names: Mapping[str, str], side: str | None) -> Recording:
@@ -88,14 +87,23 @@ def read_mot(path: str | Path, names: Mapping[str, str], side: str | None) -> Re
     thigh = pelvis tilt + hip flexion, foot = thigh - knee + ankle. Models differ in the sign of the
     knee: it is taken so that the knee bends.
     """
-    lines = text_of(path).splitlines()
+    lines = read_text(path, "gait", "gait.path").splitlines()
     end = next((i for i, line in enumerate(lines) if line.strip().lower() == "endheader"), None)
     if end is None or len(lines) < end + 3:
         raise _not(path, "MOT/STO", "no line says endheader, or nothing is after it")
     head = "\n".join(lines[:end]).lower()
     rows = [line.split() for line in lines[end + 1 :] if line.strip()]
+    for key, held in (("nrows", len(rows) - 1), ("ncolumns", len(rows[0]) if rows else 0)):
+        if (said := re.search(rf"^\s*{key}\s*=\s*(\S+)", head, re.M)) and said[1] != str(held):
+            raise _not(
+                path,
+                "MOT/STO",
+                f"its header says {key} {said[1]}, and it holds {held}: is it cut off or changed?",
+            )
+    if rows and len(set(rows[0])) < len(rows[0]):
+        raise _not(path, "MOT/STO", "two columns have the same name")
     try:
-        table = dict(zip(rows[0], np.array(rows[1:], float).T, strict=True))
+        table = dict(zip(rows[0], np.array([list(map(number, row)) for row in rows[1:]]).T, strict=True))
     except ValueError as error:
         raise _not(path, "MOT/STO", str(error)) from None
 
@@ -107,10 +115,11 @@ def read_mot(path: str | Path, names: Mapping[str, str], side: str | None) -> Re
     def need(what: str, usual: str) -> Array:
         name = find(what, usual)
         if name is None:
-            raise FileError(
-                f"gait.path = {str(path)!r}: no column for the {what}; looked for "
+            raise wrong(
+                path,
+                f"no column for the {what}; looked for "
                 f"{names.get(what, usual)}, the file has {', '.join(table)}. "
-                f"Name it with gait.names.{what}=..."
+                f"Name it with gait.names.{what}=...",
             )
         return np.asarray(table[name])
 
@@ -119,6 +128,8 @@ def read_mot(path: str | Path, names: Mapping[str, str], side: str | None) -> Re
     knee = need("knee", f"knee_angle_{leg[0]}")
     tilt, bend = find("pelvis", "pelvis_tilt"), find("ankle", f"ankle_angle_{leg[0]}")
     said = re.search(r"indegrees\s*=\s*(\w+)", head)
+    if said and said[1] not in ("yes", "no"):
+        raise _not(path, "MOT/STO", f"inDegrees must be yes or no, and is {said[1]}")
     radians = said[1] == "no" if said else bool(np.ptp(knee) < np.pi)
     to_deg = np.degrees(1.0) if radians else 1.0
     flexion = to_deg * knee * (1.0 if abs(np.max(knee)) >= abs(np.min(knee)) else -1.0)
@@ -132,8 +143,28 @@ def read_mot(path: str | Path, names: Mapping[str, str], side: str | None) -> Re
     return Recording.checked(path, np.array(rows_out), tuple(notes))
 
 
-def _markers(t: Array, names: list[str], places: Array) -> Markers:
+def _check_rate(path: str | Path, t: Array, said: str) -> None:
+    """Raise unless the times are those of the frame rate that a header states."""
+    try:
+        rate, own = float(said), 1.0 / float(np.median(np.diff(t)))
+    except (ValueError, ZeroDivisionError):  # not stated, or times that are refused later
+        return
+    if not (rate > 0 and abs(own / rate - 1.0) < RATE):
+        raise _not(
+            path, "TRC", f"its header says {rate:g} frames a second, and its times {own:.4g}: must be in s"
+        )
+
+
+def _markers(path: str | Path, t: Array, names: list[str], places: Array) -> Markers:
     """Markers by name; at exactly 0, 0, 0 none is."""
+    if twice := next((name for name in names if name and names.count(name) > 1), None):
+        raise wrong(path, f"two markers are called {twice!r}. Which one is it?")
+    if len(t) < 2 or not (np.isfinite(t).all() and (np.diff(t) > 0).all()):
+        raise wrong(path, "needs several frames, with the time increasing.")
+    if np.nanmax(abs(places), initial=0.0) > FAR:
+        raise wrong(
+            path, f"a marker lies {np.nanmax(abs(places)):.3g} m from the origin. Check it and the units."
+        )
     places = np.where(np.all(places == 0.0, axis=-1, keepdims=True), np.nan, places)
     return Markers(t, {name: places[:, i] for i, name in enumerate(names[: places.shape[1]])})
 
@@ -152,4 +183,4 @@ def _length(path: str | Path, unit: str) -> float:
 
 
 def _not(path: str | Path, kind: str, why: str) -> FileError:
-    return FileError(f"gait.path = {str(path)!r}: cannot be read as {kind} ({why}).")
+    return wrong(path, f"cannot be read as {kind} ({why}).")

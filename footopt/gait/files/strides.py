@@ -11,12 +11,20 @@ from numpy.typing import NDArray
 
 from footopt.errors import FileError, check
 from footopt.gait.cycle import Fourier, Gait
+from footopt.reading import named
 
 Array = NDArray[np.float64]
 
 MISFIT = 10.0  # deg; a larger one anywhere means a jump, or not one period
 ODD = 0.2  # a stride that is so much longer or shorter than the median is left out
 POINTS = 100  # steps of a stride's phase
+OPEN = 0.1  # of a joint's range that the ends of a single stride may differ by
+PERIODS = (0.2, 5.0)  # of a stride, s: a sprinter's is .45; anything else is a mistake in the units
+#: What a joint of a walker can do, deg; a table in other units or with other columns leaves it.
+LIMITS = {"thigh": (-90.0, 120.0), "knee": (-12.0, 170.0), "foot": (-120.0, 120.0)}
+LEAST = 3.0  # range of the thigh in a walk, deg; in radians no walk reaches it
+JUMP, RARE = 5.0, 12.0  # deg from the mean of its neighbours, and so many times what is usual: a wrong value
+SKIP = 4.0  # a longer step of time than so many usual ones is a hole in a recording
 L1, L2 = 0.47, 0.45  # leg, m; only the ankle's forward extreme is taken from it
 
 
@@ -39,10 +47,61 @@ class Recording:
         """From rows of time, thigh, knee and perhaps foot, (3 or 4, n)."""
         t = rows[0]
         if len(t) < 4 or not np.isfinite(rows).all() or (np.diff(t) <= 0).any():
-            raise FileError(
-                f"gait.path = {str(path)!r}: needs at least 4 rows, finite, with the time increasing."
+            raise wrong(path, "needs at least 4 rows, finite, with the time increasing.")
+        steps = np.diff(t)
+        longest, usual = int(np.argmax(steps)), float(np.median(steps))
+        if steps[longest] > SKIP * usual:
+            raise wrong(
+                path,
+                f"nothing is recorded from {t[longest]:.6g} to "
+                f"{t[longest + 1]:.6g} s, where rows are usually {usual:.3g} s apart. Fill it, or cut there.",
             )
-        return cls(t, dict(zip(("thigh", "knee", "foot"), rows[1:], strict=False)), notes)
+        angles = dict(zip(("thigh", "knee", "foot"), rows[1:], strict=False))
+        check_angles(path, angles)
+        for joint, values in angles.items():
+            off = abs(values[1:-1] - 0.5 * (values[:-2] + values[2:]))
+            if off.max() > max(JUMP, RARE * float(np.median(off))):
+                at = 1 + int(np.argmax(off))
+                raise wrong(
+                    path,
+                    f"the {joint} jumps at {t[at]:.6g} s: {values[at]:.4g} deg between "
+                    f"{values[at - 1]:.4g} and {values[at + 1]:.4g} deg. Mend it, or cut the file there.",
+                )
+        return cls(t, angles, notes)
+
+
+def wrong(path: str | Path, why: str) -> FileError:
+    """What to say of a file that holds no gait."""
+    return FileError(f"{named(path, 'gait.path')}: {why}")
+
+
+def check_angles(path: str | Path, angles: dict[str, Array]) -> None:
+    """Raise a `FileError` unless these are the angles of a walk, in degrees."""
+    for joint, values in angles.items():
+        least, most, (low, high) = values.min(), values.max(), LIMITS[joint]
+        if not (low <= least and most <= high):
+            raise wrong(
+                path,
+                f"the {joint} goes from {least:.4g} to {most:.4g} deg, beyond "
+                f"{low:g} to {high:g} deg. Check the columns, their signs (a bent knee is +), and the units.",
+            )
+    moved = float(np.ptp(angles["thigh"]))
+    if moved < LEAST:
+        raise wrong(
+            path,
+            f"the thigh moves by {moved:.3g} deg only, which is no walk. "
+            "Angles must be in degrees; of MOT and STO files, inDegrees says which.",
+        )
+
+
+def check_period(path: str | Path, period: float) -> None:
+    """Raise a `FileError` unless a stride can take so long, s."""
+    if not PERIODS[0] <= period <= PERIODS[1]:
+        raise wrong(
+            path,
+            f"a stride would take {period:.4g} s, and must take {PERIODS[0]:g} to "
+            f"{PERIODS[1]:g} s. Check that the time is in s; gait.period sets another one for the walk.",
+        )
 
 
 class Strides(NamedTuple):
@@ -78,7 +137,7 @@ def cut(recording: Recording) -> Strides:
 
 def heel_strikes(recording: Recording) -> Array:
     """Times at which the ankle is farthest ahead of the hip (Zeni et al., Gait & Posture 27, 2008), s."""
-    from scipy.signal import butter, find_peaks, sosfiltfilt
+    from scipy.signal import butter, correlate, find_peaks, sosfiltfilt
 
     t = np.linspace(recording.t[0], recording.t[-1], len(recording.t))
     rate = (len(t) - 1) / (t[-1] - t[0])
@@ -87,7 +146,7 @@ def heel_strikes(recording: Recording) -> Array:
     if rate > 20.0 and len(t) > 30:  # noise has peaks of its own; walking is below 6 Hz
         ahead = sosfiltfilt(butter(2, min(6.0, 0.4 * rate), fs=rate, output="sos"), ahead)
     ahead = ahead - ahead.mean()
-    again = np.correlate(ahead, ahead, "full")[len(t) - 1 :]
+    again = correlate(ahead, ahead, "full", "fft")[len(t) - 1 :]
     first_low = int(np.argmax(again < 0)) or 1
     period = first_low + int(np.argmax(again[first_low:]))
     peaks, _ = find_peaks(ahead, distance=max(0.6 * period, 1), prominence=0.3 * np.ptp(ahead))
@@ -112,20 +171,31 @@ def to_gait(strides: Strides, path: str | Path, harmonics: int) -> Gait:
     """
     check(harmonics >= 1, "gait.harmonics", harmonics, "a whole number >= 1")
     if len(strides.phase) < 2 * harmonics + 2:
-        raise FileError(
-            f"gait.path = {str(path)!r}: needs at least {2 * harmonics + 2} rows for {harmonics} harmonics, "
-            "from one heel strike to the next."
+        raise wrong(
+            path,
+            f"needs at least {2 * harmonics + 2} rows for {harmonics} harmonics, "
+            "from one heel strike to the next.",
         )
+    check_period(path, strides.period)
     fits, residual = {}, []
     for joint, closed in average(strides).items():
+        curve = strides.curves[joint].mean(axis=0)
+        apart, moves = abs(curve[-1] - curve[0]), np.ptp(curve)
+        if len(strides.curves[joint]) == 1 and apart > max(OPEN * moves, 1.0):
+            raise wrong(
+                path,
+                f"at the end of the stride the {joint} is {apart:.1f} deg from where "
+                "it began: not one whole stride. Give one heel strike to the next, or several strides.",
+            )
         # the last point is the first one again
         series, *_ = fit(strides.phase[:-1], closed[:-1], harmonics)
-        misfit = np.degrees(series.at(strides.phase)[0]) - strides.curves[joint].mean(axis=0)
+        misfit = np.degrees(series.at(strides.phase)[0]) - curve
         if abs(misfit).max() > MISFIT:
-            raise FileError(
-                f"gait.path = {str(path)!r}: {joint} misses its periodic fit by up to "
+            raise wrong(
+                path,
+                f"{joint} misses its periodic fit by up to "
                 f"{abs(misfit).max():.0f} deg. The curve jumps or is not one whole stride; give one heel "
-                "strike to the next of one leg, or several strides."
+                "strike to the next of one leg, or several strides.",
             )
         fits[joint] = series
         residual.append((joint, float(np.sqrt(np.mean(misfit**2)))))

@@ -61,8 +61,10 @@ class Budget:
     def of(cls, config: Config) -> Budget:
         """The budget of the settings; smaller in a quick first look."""
         s, c = config.study, config.solver
-        check(s.seeds >= 1, "study.seeds", s.seeds, "a whole number >= 1")
-        check(s.samples >= 0, "study.samples", s.samples, "a whole number >= 0 (0: no sweep)")
+        check(1 <= s.seeds <= 1000, "study.seeds", s.seeds, "a whole number >= 1 and <= 1000")
+        check(
+            0 <= s.samples <= 10_000, "study.samples", s.samples, "a whole number from 0 (no sweep) to 10,000"
+        )
         if s.quick:
             return cls(*QUICK_BUDGET, 1, min(s.samples, QUICK_SAMPLES), QUICK_BUDGET)
         sweep = min(SWEEP_BUDGET[0], c.pop_size), min(SWEEP_BUDGET[1], c.n_gen)
