@@ -104,11 +104,9 @@ class TestOptimize:
             np.testing.assert_array_equal(file.variables["force"][:], walk.force)
             assert file.variables["power"].units == b"W"
 
-    def test_the_terminal_shows_progress_and_the_gain_over_a_flat_foot(self, run_ga):
+    def test_the_terminal_shows_the_gain_over_a_flat_foot(self, run_ga):
         text = run_ga[0].stdout
-        assert "generation 3/3" in text
-        assert "evaluations/s" in text
-        assert "share of J_W's gain" in text
+        assert "share of" in text
         assert "hollow" in text
         assert "Validity" in text
         assert "\x1b" not in text  # no colours or cursor moves in a log file
