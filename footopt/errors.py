@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import difflib
+import re
+from collections.abc import Iterable
+
 
 class FootoptError(Exception):
     """Base of every error that footopt raises on purpose."""
@@ -21,6 +25,10 @@ class SettingError(FootoptError, ValueError):
     def __init__(self, setting: str, value: object, allowed: str, hint: str = "") -> None:
         self.setting, self.value, self.allowed, self.hint = setting, value, allowed, hint
         message = f"{setting} = {value!r}: must be {allowed}."
+        _, listed, names = allowed.replace(" of: ", " of ").partition(" of ")
+        close = meant(value, re.split("[,;] ", names)) if listed and isinstance(value, str) else ""
+        if close and not hint:
+            hint = f"Did you mean {close}?"
         super().__init__(f"{message} {hint}" if hint else message)
 
     def __reduce__(self) -> tuple[object, ...]:
@@ -29,6 +37,15 @@ class SettingError(FootoptError, ValueError):
 
 class FileError(FootoptError, OSError):
     """A file or folder cannot be read, understood or written."""
+
+
+def meant(given: str, names: Iterable[str]) -> str:
+    """The name that was probably meant, or ""."""
+    lower = {name.lower(): name for name in names}
+    word = given.lower()
+    starts = [name for name in lower if len(word) > 2 and name.startswith(word)]
+    close = starts or difflib.get_close_matches(word, lower, n=1, cutoff=0.6)
+    return lower[close[0]] if close else ""
 
 
 def check(condition: object, setting: str, value: object, allowed: str, hint: str = "") -> None:

@@ -254,7 +254,7 @@ class TestInterrupted:
         assert "Traceback" not in err
         done = footopt("resume=run", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
-        assert outcome(tmp_path / "run") == outcome(undisturbed("ga"))
+        assert outcome(tmp_path / "run") == outcome(undisturbed("memetic"))
         assert json.loads((tmp_path / "run" / "result.json").read_text())["reused"] > 100
 
 
@@ -314,7 +314,7 @@ def test_a_full_disk_is_said_and_what_was_kept_is_used(undisturbed, tmp_path):
     def resume():
         done = footopt("resume=run", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
-        assert outcome(tmp_path / "run") == outcome(undisturbed("ga"))
+        assert outcome(tmp_path / "run") == outcome(undisturbed("memetic"))
 
     assert "Make room on the disk" in failing(0, *BRIEF, "hydra.run.dir=nothing")
     store = f"study.store = '{tmp_path}/run/designs.sqlite': cannot be written"

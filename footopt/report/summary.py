@@ -61,11 +61,7 @@ def _read(job: Path, error_file: str) -> dict[str, Any]:
         "job": job.name,
         "folder": job,
         "result": None,
-        "overrides": [
-            line.removeprefix("- ") for line in overrides.read_text(encoding="utf-8").splitlines() if line
-        ]
-        if overrides.is_file()
-        else [],
+        "overrides": _overrides(overrides),
         "objectives": {},
         "hollow": "-",
         "k": None,
@@ -88,3 +84,9 @@ def _read(job: Path, error_file: str) -> dict[str, Any]:
             "note": result.get("reason", "") or ("interrupted" if result.get("interrupted") else ""),
         }
     return row
+
+
+def _overrides(path: Path) -> list[str]:
+    """What a job was given on the command line, as Hydra writes it down: a list in YAML, "[]" if empty."""
+    lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
+    return [line.removeprefix("- ") for line in lines if line not in ("", "[]")]
