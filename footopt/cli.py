@@ -26,6 +26,7 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
+from footopt.command import check_words
 from footopt.config import Config
 from footopt.errors import FileError, FootoptError, SettingError, one_line
 from footopt.reading import read_yaml
@@ -101,6 +102,7 @@ def main() -> None:
     """Entry point. Errors a user can mend end with one message and exit code 1."""
     os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra passes errors on instead of printing them itself
     try:
+        check_words(sys.argv[1:], CONF)
         check_own_yaml(sys.argv[1:])
         sys.argv[1:] = [named_run(word) for word in resumed(sys.argv[1:])]
         _job()
@@ -266,7 +268,9 @@ def explain(error: BaseException) -> str:
     if isinstance(error, OSError):
         if error.errno in NO_ROOM:
             return f"a file cannot be written ({error.strerror}). Make room on the disk and run it again."
-        return f"{error.strerror or error}: {error.filename or ''}".rstrip(": ")
+        words = f"{error.strerror or error}: {error.filename or ''}".rstrip(": ")
+        blocked = error.errno in (errno.EACCES, errno.EROFS, errno.EPERM)
+        return f"{words}. Write to another folder with hydra.run.dir=FOLDER." if blocked else words
     return (
         f"unexpected {type(error).__name__}: {error}\n"
         "This is a bug in footopt; HYDRA_FULL_ERROR=1 shows where."

@@ -6,7 +6,7 @@ import logging
 from collections.abc import Callable
 from typing import Any
 
-from numba import njit
+from numba import config, njit
 
 
 def cached_njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
@@ -24,3 +24,24 @@ def cached_njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
             return njit(**options)(function)
 
     return decorate
+
+
+def processor() -> tuple[str, int]:
+    """What numba compiles for: the processor's name, and the bits that one instruction works on."""
+    import llvmlite.binding as llvm
+
+    features = llvm.get_host_cpu_features()
+    given = (config.CPU_FEATURES or "").split(",")  # numba's own setting, such as "-avx512f"
+    on = {name for name, there in features.items() if there and f"-{name}" not in given}
+    widths = {"avx512f": 512, "avx": 256, "sse2": 128, "neon": 128}
+    return config.CPU_NAME or llvm.get_host_cpu_name(), max((widths.get(f, 0) for f in on), default=0)
+
+
+def active() -> bool:
+    """Whether numba compiles at all; with NUMBA_DISABLE_JIT=1 everything runs as Python."""
+    return not config.DISABLE_JIT
+
+
+def kept(function: Any) -> tuple[str | None, int]:
+    """Where the code of a compiled function is kept on disk, and how often it was loaded from there."""
+    return function.stats.cache_path, sum(function.stats.cache_hits.values())

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import difflib
+import re
+from collections.abc import Iterable
 from importlib import import_module
 from typing import Any
 
@@ -29,6 +32,10 @@ class SettingError(FootoptError, ValueError):
     def __init__(self, setting: str, value: object, allowed: str, hint: str = "") -> None:
         self.setting, self.value, self.allowed, self.hint = setting, value, allowed, hint
         message = f"{setting} = {shortened(repr(value), 160)}: must be {allowed}."
+        _, listed, names = allowed.replace(" of: ", " of ").partition(" of ")
+        close = meant(value, re.split("[,;] ", names)) if listed and isinstance(value, str) else ""
+        if close and not hint:
+            hint = f"Did you mean {close}?"
         super().__init__(f"{message} {hint}" if hint else message)
 
     def __reduce__(self) -> tuple[object, ...]:
@@ -63,6 +70,15 @@ def shortened(text: str, most: int) -> str:
     """A text without its middle if it has more characters than `most`."""
     keep = (most - 5) // 2
     return text if len(text) <= most else f"{text[:keep]} ... {text[-keep:]}"
+
+
+def meant(given: str, names: Iterable[str]) -> str:
+    """The name that was probably meant, or ""."""
+    lower = {name.lower(): name for name in names}
+    word = given.lower()
+    starts = [name for name in lower if len(word) > 2 and name.startswith(word)]
+    close = starts or difflib.get_close_matches(word, lower, n=1, cutoff=0.6)
+    return lower[close[0]] if close else ""
 
 
 def check(condition: object, setting: str, value: object, allowed: str, hint: str = "") -> None:

@@ -4,12 +4,10 @@ import pytest
 from hypothesis import settings
 
 import footopt as fo
+from footopt.walker.independent import RAMP
 
 settings.register_profile("footopt", deadline=None, derandomize=True, database=None, max_examples=50)
 settings.load_profile("footopt")
-
-#: The foot whose walk an independent program computed (see test_walker.REFERENCE).
-RAMP = (1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 8)
 
 
 @pytest.fixture(scope="session")

@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -14,7 +15,8 @@ from omegaconf import OmegaConf
 from scipy.io import netcdf_file
 
 import footopt as fo
-from footopt.cli import CONF
+from footopt.cli import CONF, main
+from footopt.command import check_words
 from footopt.config import Config
 from footopt.errors import SettingError
 from footopt.foot.export import body_outline, enclosed_area
@@ -109,11 +111,9 @@ class TestOptimize:
             np.testing.assert_array_equal(file.variables["force"][:], walk.force)
             assert file.variables["power"].units == b"W"
 
-    def test_the_terminal_shows_progress_and_the_gain_over_a_flat_foot(self, run_ga):
+    def test_the_terminal_shows_the_gain_over_a_flat_foot(self, run_ga):
         text = run_ga[0].stdout
-        assert "generation 3/3" in text
-        assert "evaluations/s" in text
-        assert "share of J_W's gain" in text
+        assert "share of" in text
         assert "hollow" in text
         assert "Validity" in text
         assert "\x1b" not in text  # no colours or cursor moves in a log file
@@ -270,11 +270,8 @@ def test_three_sands_and_two_solvers_are_six_jobs(tmp_path):
 
 
 BAD = {
-    "sand=mud": "Could not find 'sand/mud'",
+    "sand=mud": "sand = 'mud': must be one of",
     "sand.zeta=0": "sand.zeta = 0.0: must be a number > 0",
-    "sand.zeta=much": "sand.zeta=much",
-    "sand.density=3": "Key 'density' not in",
-    "foot.n=3": "foot.n = 3: must be a whole number from 4",
     "accuracy.plates=1": "accuracy.plates = 1: must be a whole number >= 2",
     "accuracy.stepper=leapfrog": "accuracy.stepper = 'leapfrog': must be one of",
     "scene.t_f=0.9": "scene.t_f = 0.9: must be later than the first heel strike at 1.1 s",
@@ -313,6 +310,100 @@ def test_bad_input_gets_one_clear_message(arguments, tmp_path):
     assert BAD[arguments] in done.stderr
     assert "Traceback" not in done.stderr
     assert not list(tmp_path.rglob("result.json"))
+
+
+#: What newcomers type, and what they are told.
+MISTAKES = {
+    "snad=soft": "snad: there is no such setting. Did you mean sand=soft?",
+    "sand.zta=2": "sand.zta: there is no such setting. Did you mean sand.zeta=2?",
+    "sand.density=3": "sand.density: there is no such setting. Those of sand: name, zeta, ",
+    "zeta=2": "zeta: there is no such setting. Did you mean sand.zeta=2?",
+    "seed=3": "Did you mean solver.seed=3?",
+    "walker.zeta=2": "Did you mean sand.zeta=2?",
+    "sand=Hard": "sand = 'Hard': must be one of custom, glass_beads, hard, ",
+    "sand=Hard,soft": "Did you mean sand=hard?",
+    "sand=2.5": "A number needs its name, such as sand.zeta=2.5.",
+    "sand=soft,hard": "For a run of each: footopt -m sand=soft,hard",
+    "solver=nsga": "Did you mean solver=nsga2?",
+    "foot=elipse": "Did you mean foot=ellipse?",
+    "study=optimise": "Did you mean study=optimize?",
+    "accuracy=ultra": "accuracy = 'ultra': must be one of custom, draft, fine, reference, standard.",
+    "effects=[slop]": "Did you mean effects=slope?",
+    "effects=slope,inertia": "For both at once: effects=[slope,inertia]",
+    "effects.slope.angle=5": "Try effects=slope effects.slope.angle=5",
+    "sand soft": "sand: settings are given as name=value. Try sand=soft",
+    "soft": "soft: settings are given as name=value. Try sand=soft",
+    "optimize": "Try study=optimize",
+    "sotf": "Did you mean sand=soft?",
+    "help": "Try footopt --help",
+    "--sand=soft": "--sand=soft: settings have no dashes. Try sand=soft",
+    "--sand.zeta=2": "Try sand.zeta=2",
+    "sand.zeta=loose": "sand.zeta = 'loose': must be a number.",
+    "sand.zeta=": "sand.zeta = '': must be a number.",
+    "sand.zeta=2,5": "sand.zeta = '2,5': must be a number. Try sand.zeta=2.5",
+    "sand.zeta=-2": "sand.zeta = -2.0: must be a number > 0",
+    "solver.n_gen=ten": "solver.n_gen = 'ten': must be a whole number.",
+    "solver.n_gen=10.5": "solver.n_gen = '10.5': must be a whole number.",
+    "study.quick=maybe": "study.quick = 'maybe': must be true or false.",
+    "foot.n=2": "foot.n = 2: must be a whole number from 4 to 200.",
+    "study=simulate foot.k=[1,2,3": "Try 'foot.k=[1,2,3]'",
+    "study=simulate foot.k=[1, 2, 3]": "or quote it: 'foot.k=[1, 2, 3]'",
+    "study=simulate foot.k=1,2,3": "Try 'foot.k=[1,2,3]'",
+    "study=simulate foot.k=[1,2,3]": "These are 3: give 11 of 1 to 10, or change foot.n.",
+    "foot.path=a,b.dxf": "Try 'foot.path=\"a,b.dxf\"'",
+    "gait=file gait.path=mising.trc": "gait.path = 'mising.trc': cannot be read",
+    "objective.names=[speed]": "Did you mean speed_loss?",
+    "study.confirm=fien": "Did you mean fine?",
+    "study=stability study.cases=[spiky]": "Did you mean spiky soles?",
+}
+
+
+def refused(arguments, monkeypatch, cwd):
+    """What the program says on standard error when it ends, in this process."""
+    monkeypatch.chdir(cwd)
+    monkeypatch.setattr(sys, "argv", ["footopt", *arguments.split(" ")])
+    with pytest.raises(SystemExit) as end:
+        main()
+    return end.value.code
+
+
+@pytest.mark.parametrize("arguments", MISTAKES)
+def test_a_mistake_is_told_with_what_to_try(arguments, monkeypatch, tmp_path):
+    said = refused(arguments, monkeypatch, tmp_path)
+    assert said.startswith("footopt: error: ")
+    assert MISTAKES[arguments] in said
+    assert "hydra" not in said.lower()
+    assert not list(tmp_path.rglob("result.json"))
+
+
+GOOD = [
+    "sand=soft solver=nsga2 objective.names=[distance,work]",
+    "-m sand=soft,regular solver.seed=range(1,21) sand.zeta=1,2",
+    "effects=[leading_edge,inertia] effects.inertia.rho=1500",
+    "scene=incline effects.slope.angle=-5",
+    "effects=null study.confirm=null foot.k=null",
+    "foot.path='a,b[1.dxf' foot.box_tolerance=.inf sand.zeta=1e-3",
+    "sand.zeta=${walker.mass} +study.more=1 ~sand hydra.run.dir=x resume=a[b run=c",
+    "study.quick=yes --config-dir=mine",
+    "-cd mine sand=mine",
+    "--cfg job sand=soft",
+    "-sc query=bash",
+    "--help",
+]
+
+
+@pytest.mark.parametrize("arguments", GOOD)
+def test_what_can_be_meant_is_left_alone(arguments):
+    check_words(arguments.split(), CONF)
+
+
+def test_every_setting_of_the_documentation_is_left_alone():
+    """Each command of the README's list; what is not one word there is not one here."""
+    text = (CONF.parent / "README.md").read_text()
+    commands = [shlex.split(line, comments=True) for line in text.splitlines() if line.startswith("footopt ")]
+    assert len(commands) > 20
+    for command in commands:
+        check_words([word for word in command[1:] if word != "..."], CONF)
 
 
 def test_a_traceback_on_request(tmp_path):

@@ -18,7 +18,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from test_cli import footopt
-from test_resume import BRIEF, ended, outcome, started, wait_for
+from test_resume import BRIEF, ended, outcome, started, wait_for_designs
 from test_store import SMALL, assert_same, problem, stop_after
 
 import footopt as fo
@@ -442,7 +442,7 @@ class TestCommandLine:
             pytest.importorskip("distributed", reason="needs the extra footopt[dask]")
         settings = (*BRIEF, "solver=nsga2", f"engine={engine}", "engine.workers=2", "hydra.run.dir=run")
         run = started(*settings, cwd=tmp_path, start_new_session=True)
-        wait_for(run, "generation 4/25")
+        wait_for_designs(run, tmp_path / "run", 5 * 16)
         family = descendants(run.pid)
         os.killpg(run.pid, signal.SIGINT)  # as a terminal does
         _, err = ended(run)
@@ -459,7 +459,7 @@ class TestCommandLine:
         if engine == "dask":
             pytest.importorskip("distributed", reason="needs the extra footopt[dask]")
         run = started(*BRIEF, f"engine={engine}", "engine.workers=2", "hydra.run.dir=run", cwd=tmp_path)
-        wait_for(run, "generation 4/25")
+        wait_for_designs(run, tmp_path / "run", 5 * 16)
         family = descendants(run.pid)
         assert len(family) >= 2
         run.kill()

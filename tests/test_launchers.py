@@ -7,7 +7,7 @@ import time
 
 import pytest
 from test_cli import footopt
-from test_resume import BRIEF, ended, outcome, started
+from test_resume import BRIEF, ended, outcome, started, stored
 
 pytestmark = pytest.mark.slow
 
@@ -60,14 +60,18 @@ def test_a_job_that_is_killed_leaves_the_others_and_is_resumed(tmp_path):
 
 
 def searching(run, folder):
-    """The log and the process of a sweep's job that has begun to search."""
-    deadline = time.monotonic() + 120
-    while not (found := [log for log in folder.glob("*/*_0_log.out") if "generation 4/" in log.read_text()]):
+    """The log and the process of a sweep's job, when all of them are searching."""
+    end = time.monotonic() + 120
+    while True:
+        logs = list(folder.glob("*/*_0_log.out"))
+        jobs = [path.parent for path in folder.parent.glob("*/designs.sqlite")]
+        if len(jobs) == len(logs) > 0 and all(stored(job) >= 3 * 16 for job in jobs):
+            break
         assert run.poll() is None
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
-    (process,) = children(int(found[0].parent.name))
-    return found[0], process
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    (process,) = children(int(logs[0].parent.name))
+    return logs[0], process
 
 
 def children(pid):

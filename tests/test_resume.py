@@ -6,10 +6,12 @@ import random
 import resource
 import shutil
 import signal
+import sqlite3
 import subprocess
 import sys
 import threading
 import time
+from contextlib import closing
 
 import pytest
 from test_cli import QUICK, footopt
@@ -57,6 +59,24 @@ def ended(run, limit=300):
     except subprocess.TimeoutExpired:
         run.send_signal(signal.SIGABRT)  # Python's faulthandler writes the stack
         raise AssertionError(f"hangs: {run.communicate()[1]}") from None
+
+
+def stored(folder):
+    """How many designs the store of a run in that folder holds already."""
+    try:
+        with closing(sqlite3.connect(f"file:{folder / 'designs.sqlite'}?mode=ro", uri=True)) as store:
+            return store.execute("SELECT count(*) FROM design").fetchone()[0]
+    except sqlite3.OperationalError:  # not there yet, or just being made
+        return 0
+
+
+def wait_for_designs(run, folder, count):
+    """Let a run search until its store holds so many designs."""
+    end = time.monotonic() + 120
+    while stored(folder) < count:
+        assert run.poll() is None, run.stderr.read()
+        assert time.monotonic() < end
+        time.sleep(0.02)
 
 
 def outcome(folder):
@@ -208,11 +228,11 @@ class TestKilled:
     def test_a_killed_extension_is_extended_by_a_plain_resume(self, finished, tmp_path):
         shutil.copytree(finished, tmp_path / "run")
         run = started("resume=run", "solver.n_gen=2000", cwd=tmp_path)
-        wait_for(run, "generation 200/2000")
+        wait_for(run, "/2000")
         run.kill()
         ended(run)
         run = started("resume=run", cwd=tmp_path)
-        wait_for(run, "generation 200/2000")
+        wait_for(run, "/2000")
         run.kill()
         ended(run)
 
@@ -221,7 +241,7 @@ class TestKilled:
 class TestInterrupted:
     def test_ctrl_c_leaves_a_finished_report_and_resume_the_rest(self, undisturbed, tmp_path):
         run = started(*BRIEF, "solver=nsga2", "hydra.run.dir=run", cwd=tmp_path)
-        wait_for(run, "generation 4/25")
+        wait_for_designs(run, tmp_path / "run", 5 * 16)
         run.send_signal(signal.SIGINT)
         out, err = ended(run)
         assert run.returncode == 130
@@ -240,7 +260,7 @@ class TestInterrupted:
     @pytest.mark.parametrize("pause", [0.0, 0.3, 1.5])
     def test_a_second_ctrl_c_in_the_report_loses_no_design(self, undisturbed, tmp_path, pause):
         run = started(*BRIEF, "hydra.run.dir=run", cwd=tmp_path)
-        wait_for(run, "generation 10/25")
+        wait_for_designs(run, tmp_path / "run", 10 * 16)
         run.send_signal(signal.SIGINT)
         time.sleep(pause)
         run.send_signal(signal.SIGINT)

@@ -225,7 +225,7 @@ def test_the_exhaustive_solver_as_the_command_line_composes_it(tmp_path, capsys)
     assert result["confirmed"]["k"][0] in exact.k[:20].tolist()
     assert (tmp_path / "figures" / "contours.png").stat().st_size > 10_000
     assert not (tmp_path / "figures" / "convergence.png").exists()
-    assert "generation 3/3" in capsys.readouterr().out
+    assert "exhaustive, seed 1: 202 evaluations of 256 designs" in capsys.readouterr().out
 
 
 class TestStudy:

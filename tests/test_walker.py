@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import RAMP
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -17,6 +16,7 @@ from footopt.errors import SettingError
 from footopt.foot import Plates
 from footopt.gait import LEFT, RIGHT
 from footopt.walker import PRESETS, STEPPERS, kernels
+from footopt.walker.independent import LIMITS, RAMP, REFERENCE, SAME_PLATES
 from footopt.walker.kernels import CONTACT, FX, FZ, JXX, JZZ, POWER
 from footopt.walker.simulate import HALVINGS, NEWTON, sole, time_grid, world
 from footopt.walker.validity import diagnose
@@ -31,13 +31,6 @@ ORDERS = {
     "sdirk2": 2,
 }
 ALL = sorted(ORDERS)
-
-#: The walk of the foot RAMP by an independent program, 100 chords: zeta, start height, five objectives.
-REFERENCE = [
-    (0.2, 0.86572, (1.84941, 0.76065, 684.635, 606.292, 0.17711)),
-    (1.0, 0.91440, (2.08141, 0.88027, 364.225, 364.768, 0.23598)),
-    (5.0, 0.93425, (2.16852, 0.91860, 148.094, 502.316, 0.29326)),
-]
 
 SKY = (0.0, 10.0, 0.0, 0.0, 1.0, 0.0, 0.0)  # pose of a foot far above the sand
 
@@ -183,11 +176,11 @@ class TestForceOfAFoot:
 
 
 class TestStaticHeight:
-    @pytest.mark.parametrize(("zeta", "height", "_objectives"), REFERENCE)
-    def test_of_the_independent_program(self, zeta, height, _objectives, ramp_foot):
+    @pytest.mark.parametrize("published", REFERENCE)
+    def test_of_the_independent_program(self, published, ramp_foot):
         accuracy = fo.Accuracy(plates=100, rule="chord")
-        walk = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand(zeta)), accuracy)
-        assert walk.start[1] == pytest.approx(height, abs=5.1e-6)
+        walk = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand(published.zeta)), accuracy)
+        assert walk.start[1] == pytest.approx(published.start, abs=5.1e-6)
         assert walk.start[0] == 0.0
 
     @settings(max_examples=15)
@@ -222,17 +215,12 @@ class TestStaticHeight:
 
 
 class TestIndependentProgram:
-    @pytest.mark.parametrize(("zeta", "_height", "objectives"), REFERENCE)
-    def test_finely_resolved_walks_agree(self, zeta, _height, objectives):
-        accuracy = fo.Accuracy("sdirk2", 1e-4, 100, 1e-5, rule="chord")
-        table = fo.evaluate([RAMP], fo.Scene(sand=fo.Sand(zeta)), accuracy)
-        np.testing.assert_allclose(table.values[0], objectives, rtol=2e-4)
-
-    @pytest.mark.parametrize(("zeta", "_height", "objectives"), REFERENCE)
-    @pytest.mark.parametrize("accuracy", ["standard", "fine", "reference"])
-    def test_presets_agree(self, zeta, _height, objectives, accuracy):
-        table = fo.evaluate([RAMP], fo.Scene(sand=fo.Sand(zeta)), accuracy)
-        np.testing.assert_allclose(table.values[0], objectives, rtol=5e-3 if accuracy == "standard" else 2e-3)
+    @pytest.mark.parametrize("published", REFERENCE)
+    @pytest.mark.parametrize("accuracy", ["standard", "fine", "reference", SAME_PLATES], ids=str)
+    def test_walks_agree(self, published, accuracy):
+        table = fo.evaluate([RAMP], fo.Scene(sand=fo.Sand(published.zeta)), accuracy)
+        limit = LIMITS[accuracy if isinstance(accuracy, str) else accuracy.name]
+        np.testing.assert_allclose(table.values[0], published.objectives, rtol=limit)
 
 
 @pytest.fixture(scope="module")

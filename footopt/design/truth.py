@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,22 +16,26 @@ from footopt.errors import FootoptError
 
 Array = NDArray[np.float64]
 
+BATCH = 4096  # designs that are walked at a time
 CHECKPOINTS = 10  # of a run, at which the front that it has found is measured
 REFERENCE = 1.1  # of the hypervolume, where the exact front spans 0 to 1 in every objective
 REACHED = 0.95  # of the exact hypervolume: counts as having found the front
 
 
-def walk_all(problem: FootProblem) -> dict[str, NDArray[Any]]:
+def walk_all(problem: FootProblem, step: Callable[[], None] = lambda: None) -> dict[str, NDArray[Any]]:
     """Every design's recorded values, constraints, reason and violation: columns of a table.
 
-    Also of those outside their box, for which a solver may ask.
+    Also of those outside their box, for which a solver may ask. `step` is called after every `BATCH`.
 
     Raises
     ------
     SettingError : the space is too large. FootoptError : no design of it is feasible.
     """
     check_size(problem)
-    parts = [problem.evaluate(k, return_as_dictionary=True) for k in batches(problem.space, 4096)]
+    parts = []
+    for k in batches(problem.space, BATCH):
+        parts.append(problem.evaluate(k, return_as_dictionary=True))
+        step()
     table = {
         name: np.concatenate([part[name] for part in parts])
         for name in ("values", "G", "reasons", "violation")

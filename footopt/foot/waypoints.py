@@ -79,7 +79,12 @@ class Waypoints:
         """The heights as an integer array (designs, n), or a `SettingError` that says what is wrong."""
         given = np.atleast_2d(np.asarray(k))
         if given.ndim != 2 or given.shape[1] != self.n:
-            raise SettingError("foot.k", _short(k), f"{self.n} heights a design (foot.n = {self.n})")
+            raise SettingError(
+                "foot.k",
+                _short(k),
+                f"{self.n} heights a design (foot.n = {self.n})",
+                f"These are {given.shape[-1]}: give {self.n} of 1 to {self.K}, or change foot.n.",
+            )
         try:
             as_float = given.astype(float)
         except (TypeError, ValueError):

@@ -6,11 +6,9 @@ import json
 from pathlib import Path
 from typing import Any
 
-from rich.table import Table as RichTable
-
 from footopt.report import page
 from footopt.report.files import write_csv
-from footopt.report.terminal import console, number
+from footopt.report.terminal import console, number, table
 
 
 def report(folder: Path, error_file: str) -> int:
@@ -24,17 +22,17 @@ def report(folder: Path, error_file: str) -> int:
     common = set.intersection(*(set(row["overrides"]) for row in rows)) if len(rows) > 1 else set()
     names = list(dict.fromkeys(name for row in rows for name in row["objectives"]))
     out = console()
-    table = RichTable(title=f"{len(jobs)} jobs in {folder}")
-    table.add_column("job")
-    table.add_column("settings", no_wrap=True)
-    for title in (*(name.replace("_", "\n") for name in names), "hollow\n(mm)"):
-        table.add_column(title, no_wrap=True)
-    table.add_column("note", overflow="fold")
+    titles = (*(name.replace("_", " ") for name in names), "hollow (mm)")
+    shown = table(("job and settings", *titles), words=("job and settings",))
     for row in rows:
         values = [number(float(row["objectives"].get(name) or "nan")) for name in names]
         own = [override for override in row["overrides"] if override not in common]
-        table.add_row(row["job"], "\n".join(own), *values, row["hollow"], row["note"])
-    out.print(table)
+        shown.add_row("\n  ".join([f"{row['job']}: {''.join(own[:1])}", *own[1:]]), *values, row["hollow"])
+    out.print(f"{len(jobs)} jobs in {folder}", soft_wrap=True)
+    out.print(shown)
+    for row in rows:
+        if row["note"]:
+            out.print(f"job {row['job']}: {row['note']}")
     write_csv(
         folder / "summary.csv",
         ["job", "overrides", *names, "hollow_mm", "k", "note"],
@@ -50,8 +48,10 @@ def report(folder: Path, error_file: str) -> int:
             for row in rows
         ),
     )
-    shown = [row | {"settings": " ".join(o for o in row["overrides"] if o not in common)} for row in rows]
-    page.write(folder / "report.html", page.jobs_content(shown, sorted(common)))
+    rows_shown = [
+        row | {"settings": " ".join(o for o in row["overrides"] if o not in common)} for row in rows
+    ]
+    page.write(folder / "report.html", page.jobs_content(rows_shown, sorted(common)))
     return sum(bool(row["failed"]) for row in rows)
 
 
@@ -61,11 +61,7 @@ def _read(job: Path, error_file: str) -> dict[str, Any]:
         "job": job.name,
         "folder": job,
         "result": None,
-        "overrides": [
-            line.removeprefix("- ") for line in overrides.read_text(encoding="utf-8").splitlines() if line
-        ]
-        if overrides.is_file()
-        else [],
+        "overrides": _overrides(overrides),
         "objectives": {},
         "hollow": "-",
         "k": None,
@@ -88,3 +84,9 @@ def _read(job: Path, error_file: str) -> dict[str, Any]:
             "note": result.get("reason", "") or ("interrupted" if result.get("interrupted") else ""),
         }
     return row
+
+
+def _overrides(path: Path) -> list[str]:
+    """What a job was given on the command line, as Hydra writes it down: a list in YAML, "[]" if empty."""
+    lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
+    return [line.removeprefix("- ") for line in lines if line not in ("", "[]")]

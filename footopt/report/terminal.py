@@ -1,32 +1,65 @@
-"""What a run says on the terminal: progress, closing tables, warnings. Plain lines in a log file."""
+"""What a run says on the terminal: closing tables, warnings. Plain lines in a log file."""
 
 from __future__ import annotations
 
 import math
+import textwrap
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 
+from rich import box
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table as RichTable
 from rich.text import Text
 
-from footopt.design import Confirmation, Generation, SearchResult
+from footopt.design import Confirmation, SearchResult
 from footopt.foot import Foot
 from footopt.walker import OBJECTIVES, Scene, gain_shares
 from footopt.walker.audit import name_of, parameters
 from footopt.walker.validity import Diagnostic
 
+HEADER = 8  # letters of a line of a number's header
+WORDS = 10  # letters that a table's first column has in the narrowest terminal
+
 
 def console() -> Console:
-    """Standard output; wide enough for a table when it is not a terminal, long lines unbroken.
+    """Standard output; when it is not a terminal wide enough for a table, and long lines unbroken.
 
-    Brackets are no markup: a user's names and folders may hold them.
+    Colours only on a terminal, and not with NO_COLOR or TERM=dumb. Brackets are no markup: a user's names
+    and folders may hold them.
     """
-    out = Console(highlight=False, soft_wrap=True, markup=False)
+    out = Console(highlight=False, markup=False)
     return out if out.is_terminal else Console(highlight=False, soft_wrap=True, markup=False, width=130)
+
+
+def everything_is_in(out: Console, folder: Path, seconds: float) -> None:
+    """The last line: where a run has left what it found."""
+    long = len(str(folder)) > out.width  # no line break in what is to be copied
+    words = f"Everything is in {folder} ({seconds:.3g} s in all)"
+    out.print(words, soft_wrap=long or not out.is_terminal)
+
+
+def table(columns: Sequence[str], words: Collection[str] = (), title: str | None = None) -> RichTable:
+    """An empty table that fits into 80 columns if it can: columns of `words` wrap, numbers never."""
+    shown = RichTable(
+        title=title,
+        title_justify="left",
+        caption_justify="left",
+        box=box.SIMPLE,
+        show_edge=False,
+        pad_edge=False,
+        padding=(0, 1, 0, 0),
+    )
+    for i, name in enumerate(columns):
+        if name in words:
+            shown.add_column(name, overflow="fold", min_width=None if i else WORDS)
+        else:
+            broken = textwrap.fill(name, HEADER, break_long_words=False)
+            shown.add_column(broken, justify="right", no_wrap=True)
+    return shown
 
 
 @contextmanager
@@ -40,45 +73,6 @@ def told_if_slow(out: Console, message: str, patience: float = 1.5) -> Iterator[
         timer.cancel()
 
 
-@contextmanager
-def search_progress(out: Console, n_gen: int, guide: str) -> Iterator[Callable[[Generation], None]]:
-    """A bar on a terminal; elsewhere about ten plain lines."""
-    if not out.is_terminal:
-        yield _lines(out, n_gen, guide)
-        return
-    columns = (
-        TextColumn("generation {task.completed:.0f}/{task.total:.0f}"),
-        BarColumn(bar_width=30),
-        TextColumn("{task.fields[news]}"),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=out) as bar:
-        task = bar.add_task("search", total=n_gen, news="")
-
-        def show(g: Generation) -> None:
-            bar.update(task, completed=g.generation, news=_news(g, guide))
-
-        yield show
-
-
-def _lines(out: Console, n_gen: int, guide: str) -> Callable[[Generation], None]:
-    every = max(1, n_gen // 10)
-
-    def show(g: Generation) -> None:
-        if g.generation % every == 0 or g.generation == n_gen:
-            left = g.seconds / g.generation * (n_gen - g.generation)
-            out.print(f"generation {g.generation}/{n_gen}  {_news(g, guide)}  left {left:.0f} s")
-
-    return show
-
-
-def _news(g: Generation, guide: str) -> str:
-    front = f"  front {g.front}" if g.front > 1 else ""
-    best = f"best {OBJECTIVES[guide].name} {g.best:.4g}" if math.isfinite(g.best) else "none feasible yet"
-    return f"{g.evaluations / max(g.seconds, 1e-9):.0f} evaluations/s  {best}{front}"
-
-
 def objective_table(
     feet: Sequence[tuple[str, dict[str, float]]],
     names: Sequence[str],
@@ -90,18 +84,13 @@ def objective_table(
     `errors` are the estimates for the first foot. With `gain`, also the change from the second foot
     to the first and each factor's share in the gain of J_W.
     """
-    table = RichTable()
-    table.add_column("objective")
-    table.add_column("unit")
-    for i, (title, _) in enumerate(feet):
-        table.add_column(title, justify="right")
-        if i == 0:
-            table.add_column("error", justify="right")
+    (first_title, _), *rest = feet
+    titles = ["objective", "unit", first_title, "error", *(title for title, _ in rest)]
     shares: dict[str, float] = {}
     if gain:
-        table.add_column("change", justify="right")
-        table.add_column("share of J_W's gain", justify="right")
+        titles += ["change", "share of J_W's gain"]
         shares = gain_shares(feet[0][1], feet[1][1])
+    shown = table(titles, words=("objective", "unit"))
     for name in names:
         o = OBJECTIVES[name]
         cells = [f"{name.replace('_', ' ')} ({'max' if o.maximise else 'min'})", o.unit]
@@ -116,8 +105,8 @@ def objective_table(
             cells.append(times if math.isfinite(ratio) else "-")
             share = shares.get(name, float("nan"))
             cells.append(f"{100 * share + 0.0:.1f} %" if math.isfinite(share) else "")
-        table.add_row(*cells)
-    return table
+        shown.add_row(*cells)
+    return shown
 
 
 def describe_foot(foot: Foot) -> str:

@@ -18,16 +18,17 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from rich.table import Table as RichTable
 
 from footopt.config import Config
 from footopt.foot import Foot, Waypoints
 from footopt.report import figures, files, terminal
+from footopt.report.progress import progress
 from footopt.report.work_precision import work_precision
 from footopt.sand import Sand, alpha
 from footopt.studies import build
 from footopt.walker import FIVE, Accuracy, Scene, evaluate, simulate
 from footopt.walker.scene import PRESETS, TABLE_COLUMNS
+from footopt.walker.simulate import available_threads
 from footopt.walker.steppers import STEPPERS
 
 Array = NDArray[np.float64]
@@ -36,6 +37,7 @@ SANDS = ("soft", "regular", "hard")
 QUANTILE = 95.0  # of the feet: the error that this share of them does not exceed, %
 LIMIT = Accuracy("sdirk2", 1e-4, 800, 1e-5, "limit")
 PLATES = 64  # of settings that differ in time only
+LSODA, QUICK_LSODA = 8e3, 1e3  # ms that one of SciPy's walks takes, about
 
 IMPLICIT_DT = (
     2e-2,
@@ -94,23 +96,34 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     grid = quick_grid() if config.study.quick else full_grid()
     out.print(f"{len(grid)} settings, {len(feet)} feet inside their box, sands {', '.join(SANDS)}")
     limit = quick_limit() if config.study.quick else LIMIT
-    with terminal.told_if_slow(out, "Walking to the limit of small steps and many plates ..."):
-        references = [_values(feet, scene, limit, space, config.engine.threads) for scene in scenes]
-        in_time = replace(limit, plates=PLATES, creep=1e-4)
-        same_plates = [_values(feet, scene, in_time, space, config.engine.threads) for scene in scenes]
-    measured = []
-    for i, accuracy in enumerate(grid, start=1):
-        measured.append(measure(accuracy, feet, scenes, space, references, same_plates))
-        if i % max(1, len(grid) // 10) == 0:
-            out.print(f"setting {i}/{len(grid)}  {clock():.0f} s")
+    in_time = replace(limit, plates=PLATES, creep=1e-4)
+    threads = config.engine.threads
+    limits, measured, independent = [], [], []
+    # all at once: on all threads, or on one
+    spread = {a: effort(a) * len(feet) / (threads or available_threads()) for a in (limit, in_time)}
+    single = {a: effort(a) * len(feet) * len(scenes) for a in grid}
+    lsoda = QUICK_LSODA if config.study.quick else LSODA
+    work = len(scenes) * (sum(spread.values()) + lsoda) + sum(single.values())
+    with terminal.told_if_slow(out, "Compiling every stepper; this is done once and kept on disk ..."):
+        for stepper in STEPPERS:
+            _values(feet[:1], scenes[0], Accuracy(stepper), space, 1)
+    with progress(out, len(grid) + 3 * len(scenes), "measurement", work) as step:
+        for accuracy, cost in spread.items():
+            for scene in scenes:
+                limits.append(_values(feet, scene, accuracy, space, threads))
+                step(cost, "the limit of small steps and many plates")
+        references, same_plates = limits[: len(scenes)], limits[len(scenes) :]
+        for accuracy, cost in single.items():
+            measured.append(measure(accuracy, feet, scenes, space, references, same_plates))
+            step(cost, f"{accuracy.stepper}, dt {1e3 * accuracy.dt:g} ms, {accuracy.plates} plates")
+        for scene in scenes:
+            foot = Foot.from_waypoints(feet[0], space)
+            independent.append(check_against_scipy(foot, scene, quick=config.study.quick))
+            step(lsoda, "SciPy's LSODA")
     best = pareto(measured)
     write_table(folder / "accuracy.csv", measured)
     figures.save(work_precision(measured, list(PRESETS.values())), folder / "figures", "accuracy")
     orders = {name: order(measured, name) for name in STEPPERS}
-    independent = [
-        check_against_scipy(Foot.from_waypoints(feet[0], space), scene, quick=config.study.quick)
-        for scene in scenes
-    ]
     picks = {tolerance: cheapest(measured, tolerance) for tolerance in (0.02, 0.005, 0.0005)}
     files.write_json(
         folder / "result.json",
@@ -130,7 +143,17 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         out.print(
             f"{name} sand against SciPy's LSODA on the angle form: {100 * max(difference.values()):.4f} %"
         )
-    out.print(f"Everything is in {folder} ({clock():.0f} s in all)")
+    terminal.everything_is_in(out, folder, clock())
+
+
+def effort(accuracy: Accuracy) -> float:
+    """About how long one design takes, ms, to a factor of 2.5: enough to tell how much is left."""
+    stepper = STEPPERS[accuracy.stepper]
+    evaluations = len(stepper.nodes) * (3 if stepper.implicit else 1)
+    dt = accuracy.dt
+    if accuracy.control is not None:  # how long a step it allows, of the measured settings
+        dt = min(dt, 0.018 * accuracy.control**0.16)
+    return 2.8e-6 * evaluations * (accuracy.plates + 60) / dt
 
 
 def full_grid() -> list[Accuracy]:
@@ -333,16 +356,11 @@ def _print(
     orders: dict[str, float],
     picks: dict[float, Measurement | None],
 ) -> None:
-    table = RichTable(title="settings that no other beats (error: worst objective, 95 % of the feet)")
-    for title in (
-        "stepper",
-        "plates",
-        "dt (ms), control",
-        "creep (m/s)",
-        "error (%)",
-        "ms per design and core",
-    ):
-        table.add_column(title, justify="right")
+    table = terminal.table(
+        ("stepper", "plates", "dt (ms), control", "creep (m/s)", "error (%)", "ms per design and core"),
+        words=("stepper",),
+        title="settings that no other beats (error: worst objective, 95 % of the feet)",
+    )
     for m in best:
         a = m.accuracy
         table.add_row(

@@ -14,13 +14,14 @@ from footopt.errors import check
 from footopt.report import files, terminal
 from footopt.report.effects_figure import changes
 from footopt.report.figures import save
+from footopt.report.progress import progress
 from footopt.sand import Sand
 from footopt.sand.effects import EFFECTS, Effect, LeadingEdge
 from footopt.studies import build
 from footopt.studies.auto import COMPILING, entry, tolerance
 from footopt.studies.simulate import scene_entry
 from footopt.walker import FIVE, Scene
-from footopt.walker.audit import Audit, audit, name_of, percent
+from footopt.walker.audit import Audit, audit, percent
 
 #: The leading edge is always audited on these: faces that trail do a fifth to a half of the work.
 SANDS = ("soft", "regular", "hard")
@@ -35,10 +36,10 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     feet = space.random(config.study.feet, seed=config.solver.seed, inside=True)
     pairs = candidates(scene)
     found: list[Audit] = []
-    with out.status("") as status, terminal.told_if_slow(out, COMPILING):
-        for i, (effect, where) in enumerate(pairs, start=1):
-            status.update(f"{i} of {len(pairs)}: {name_of(effect)} on {where.sand.name} sand")
+    with progress(out, len(pairs), "effect") as step, terminal.told_if_slow(out, COMPILING):
+        for effect, where in pairs:
             found.append(audit(effect, where, feet, accuracy, limit, space))
+            step(news=f"{found[-1].name.replace('_', ' ')} on {where.sand.name} sand")
     header = ["effect", "sand", *(f"change_{n}" for n in FIVE), *(f"shift_{n}" for n in FIVE)]
     header += ["tau", "lost", "feet", "cost", "tolerance", "matters", "verdict"]
     files.write_csv(folder / "effects.csv", header, [_row(a) for a in found])
@@ -59,7 +60,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     out.print(table(found))
     for a in found:
         out.print(f"{a.name.replace('_', ' ')} on {a.scene.sand.name} sand {a.verdict}")
-    out.print(f"Everything is in {folder} ({clock():.0f} s in all)")
+    terminal.everything_is_in(out, folder, clock())
 
 
 def candidates(scene: Scene) -> list[tuple[Effect, Scene]]:
@@ -82,9 +83,11 @@ def _row(a: Audit) -> list[object]:
 
 def table(found: Sequence[Audit]) -> Table:
     """Audits for the terminal: changes in %, with the median's sign."""
-    shown = Table(title="change that 95 % of the feet do not exceed (%), + or -: the median's sign")
-    for title in ("effect", "sand", *(n.replace("_", " ") for n in FIVE), "tau", "time", "matters"):
-        shown.add_column(title, justify="left" if title in ("effect", "sand") else "right")
+    shown = terminal.table(
+        ("effect", "sand", *(n.replace("_", " ") for n in FIVE), "tau", "time", "keep"),
+        words=("effect", "sand"),
+        title="change that 95 % of the feet do not exceed (%), + or -: the median's sign",
+    )
     for a in found:
         pairs = zip(a.changes, a.shifts, strict=True)
         cells = [f"{'+' if shift > 0 else '-'}{percent(100 * change)}" for change, shift in pairs]

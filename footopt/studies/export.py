@@ -48,7 +48,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     )
     out.print(f"{terminal.describe_foot(foot)}: {area:.0f} mm^2, {MM * foot.width:g} mm wide")
     out.print(f"{', '.join(path.name for path in written)}: each read back; area and volume agree")
-    out.print(f"Everything is in {folder}")
+    terminal.everything_is_in(out, folder, clock())
 
 
 def foot_of(folder: Path, k: list[int] | None = None) -> Foot:

@@ -24,6 +24,7 @@ from footopt.errors import check
 from footopt.foot import Foot
 from footopt.foot.solid import write_all
 from footopt.report import figures, files, film, page, terminal
+from footopt.report.progress import progress, telling
 from footopt.studies import build
 from footopt.studies.auto import settle
 from footopt.studies.simulate import foot_entry, scene_entry
@@ -74,8 +75,9 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         )
         if known := store.describe():
             out.print(known)
-        with terminal.search_progress(out, solver.generations(problem.space), problem.guide) as progress:
-            result = search(problem, solver, progress, store, engine)
+        unit = "batch" if solver.name == EXHAUSTIVE else "generation"
+        with progress(out, solver.generations(problem.space), unit) as step:
+            result = search(problem, solver, telling(step, problem.guide), store, engine)
     if result.interrupted:
         out.print("Stopped: reporting what was found so far (Ctrl-C again: not even that)")
     confirmed = confirm(result, finer, config.study.finalists)
@@ -134,7 +136,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     feet = [("best", walk.objectives), ("flat", base.objectives)]
     out.print(terminal.objective_table(feet, problem.record, errors, gain=True))
     terminal.print_validity(out, diagnostics)
-    out.print(f"Everything is in {folder} ({clock():.0f} s in all)")
+    terminal.everything_is_in(out, folder, clock())
     if result.interrupted:
         raise KeyboardInterrupt(
             f"after generation {len(result.history)} of {solver.n_gen}, with a full report"

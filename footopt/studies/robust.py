@@ -9,6 +9,7 @@ the median scene takes part too, and both meet scenarios that neither was design
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,16 +17,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
-from rich.table import Table as RichTable
 
 from footopt.config import Config
-from footopt.design import EXHAUSTIVE, FootProblem, SearchResult, Solver, confirm, search
+from footopt.design import EXHAUSTIVE, FootProblem, Generation, SearchResult, Solver, confirm, search
 from footopt.design.robust import RobustProblem, regret
 from footopt.errors import FootoptError, SettingError, check
 from footopt.foot import Foot
 from footopt.foot.export import write_csv as write_contour
 from footopt.foot.export import write_dxf
 from footopt.report import figures, files, robust_figures, terminal
+from footopt.report.progress import progress, telling
 from footopt.studies import build
 from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walker import OBJECTIVES, Accuracy, Scene
@@ -85,16 +86,24 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
 
     feet = scenarios if study.scenarios == "sands" else (*scenarios, Scenario(MEDIAN, scene))
     found: dict[str, NDArray[np.int64]] = {}
-    for scenario in feet:
-        alone = FootProblem(scenario.scene, judge.names, scenario.space(judge.space), accuracy, judge.threads)
-        result = searched(alone, solver, config, folder, scenario.name, out)
-        found[scenario.name] = result.k[confirm(result, finer, study.finalists).designs[0]]
-        out.print(f"specialist, {scenario.name}: {terminal.describe_search(result)}")
-    problem = RobustProblem(
-        scenarios, judge.names, judge.space, accuracy, judge.threads, study.measure, study.tail,
-        references=compare(judge, found).references,
-    )  # fmt: skip
-    result = searched(problem, solver, config, folder, ROBUST, out)
+    each = solver.generations(judge.space)
+    work = float(each * (len(feet) + len(scenarios)))  # the robust foot walks in all scenarios
+    unit = "batch" if solver.name == EXHAUSTIVE else "generation"
+    with progress(out, each * (len(feet) + 1), unit, work) as step:
+        for scenario in feet:
+            alone = FootProblem(
+                scenario.scene, judge.names, scenario.space(judge.space), accuracy, judge.threads
+            )
+            tell = telling(step, judge.guide, about=f"{scenario.name}: ")
+            result = searched(alone, solver, config, folder, scenario.name, tell)
+            found[scenario.name] = result.k[confirm(result, finer, study.finalists).designs[0]]
+            out.print(f"specialist, {scenario.name}: {terminal.describe_search(result)}")
+        problem = RobustProblem(
+            scenarios, judge.names, judge.space, accuracy, judge.threads, study.measure, study.tail,
+            references=compare(judge, found).references,
+        )  # fmt: skip
+        tell = telling(step, judge.guide, len(scenarios), f"{ROBUST}: ")
+        result = searched(problem, solver, config, folder, ROBUST, tell)
     confirmed = confirm(result, finer, study.finalists)
     found[ROBUST] = result.k[confirmed.designs[0]]
     out.print(f"{ROBUST}: {terminal.describe_search(result)}")
@@ -131,7 +140,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         },
     )
     report(out, judge, compared, foot, fresh)
-    out.print(f"Everything is in {folder} ({clock():.0f} s in all)")
+    terminal.everything_is_in(out, folder, clock())
 
 
 def make_scenarios(config: Config) -> tuple[Scene, tuple[Scenario, ...]]:
@@ -147,18 +156,19 @@ def make_scenarios(config: Config) -> tuple[Scene, tuple[Scenario, ...]]:
 
 
 def searched(
-    problem: FootProblem, solver: Solver, config: Config, folder: Path, name: str, out: Console
+    problem: FootProblem,
+    solver: Solver,
+    config: Config,
+    folder: Path,
+    name: str,
+    tell: Callable[[Generation], None],
 ) -> SearchResult:
     """A search whose evaluations are kept; an interrupted one ends the study."""
     store = config.study.store or folder / "designs.sqlite"
-    with (
-        terminal.told_if_slow(out, f"Searching a foot for {name} ..."),
-        terminal.search_progress(out, solver.generations(problem.space), problem.guide) as progress,
-    ):
-        try:
-            result = search(problem, solver, progress if out.is_terminal else None, store)
-        except FootoptError as error:
-            raise FootoptError(f"{name}: {error}") from None
+    try:
+        result = search(problem, solver, tell, store)
+    except FootoptError as error:
+        raise FootoptError(f"{name}: {error}") from None
     if result.interrupted:
         raise KeyboardInterrupt(f"while searching a foot for {name}")
     return result
@@ -247,11 +257,12 @@ def report(out: Console, judge: RobustProblem, compared: Comparison, foot: Foot,
     """The regrets on the terminal, and what follows."""
     scenarios = [s.name for s in judge.scenarios]
     title = judge.guide.replace("_", " ")
-    table = RichTable(title=f"{title} lost against the best specialist in each scenario (%)")
-    table.add_column("foot")
     columns = scenarios if len(scenarios) <= SHOWN else []
-    for name in (*columns, "mean", "worst", "worst in"):
-        table.add_column(name, justify="right")
+    table = terminal.table(
+        ("foot", *columns, "mean", "worst", "worst in"),
+        words=("foot",),
+        title=f"{title} lost against the best specialist in each scenario (%)",
+    )
     for name, row in zip(compared.names, 100.0 * compared.regrets, strict=True):
         cells = [f"{v:.2f}" if np.isfinite(v) else "failed" for v in row[: len(columns)]]
         if np.isfinite(row).all():

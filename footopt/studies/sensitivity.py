@@ -11,9 +11,10 @@ parameter alone makes stands beside them, with its sign.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ from footopt.errors import FootoptError, check
 from footopt.foot import Foot
 from footopt.report import files, terminal
 from footopt.report.figures import save
+from footopt.report.progress import progress
 from footopt.report.sensitivity_figure import sensitivity
 from footopt.studies import build
 from footopt.studies.simulate import foot_entry, scene_entry
@@ -40,6 +42,7 @@ FINE = 1000  # levels that a waypoint's own one is divided into
 QUICK_SAMPLES = 16
 RESAMPLES = 200  # bootstrap, for the confidence intervals
 CONFIDENCE = 0.95
+COST = {"parameters": 6.0, "waypoints": 1.0}  # of a walk: another gait has other poses, which take longer
 
 
 @dataclass(frozen=True)
@@ -138,9 +141,16 @@ class Indices:
 
 
 def analyse(
-    setting: Setting, parameters: tuple[str, ...], samples: int, seed: int, threads: int | None = None
+    setting: Setting,
+    parameters: tuple[str, ...],
+    samples: int,
+    seed: int,
+    threads: int | None = None,
+    step: Callable[[], None] = lambda: None,
 ) -> Indices:
     """Walk with samples of some parameters, the others in the middle, and attribute the variance.
+
+    `step` is called after every walk.
 
     Raises
     ------
@@ -167,7 +177,7 @@ def analyse(
     normals = np.zeros((len(quantiles), len(columns)))
     normals[:, used] = ndtri(np.clip(quantiles, 1e-6, 1.0 - 1e-6))
     single = _single(columns, parameters)
-    values = _walk_all(setting, np.concatenate([single, normals]), threads)
+    values = _walk_all(setting, np.concatenate([single, normals]), threads, step)
     low, high = values[1 : len(single)].reshape(len(parameters), 2, -1).transpose(1, 0, 2)
     change = (high - low) / (2.0 * values[0])
     change[[columns.count(name) > 1 for name in parameters]] = np.nan
@@ -208,10 +218,15 @@ def _single(columns: tuple[str, ...], parameters: tuple[str, ...]) -> Array:
     return normals
 
 
-def _walk_all(setting: Setting, normals: Iterable[Array], threads: int | None) -> Array:
+def _walk_all(
+    setting: Setting, normals: Iterable[Array], threads: int | None, step: Callable[[], None]
+) -> Array:
     """Values of every row, (rows, objectives)."""
+    walked = []
     with ThreadPoolExecutor(threads or available_threads()) as pool:
-        walked = list(pool.map(setting.walk, normals))
+        for found in pool.map(setting.walk, normals):
+            walked.append(found)
+            step()
     if failed := Counter(reason for _, reason in walked if reason):
         why = ", ".join(f"{count} {reason}" for reason, count in failed.items())
         raise FootoptError(
@@ -237,10 +252,16 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     blocks = setting.blocks
     check(blocks, "study.spread", "all 0", "more than 0 for something")
     samples = min(study.samples, QUICK_SAMPLES) if study.quick else study.samples
-    walks = sum(samples * (len(part) + 2) + 2 * len(part) + 1 for part in blocks.values())
+    each = {title: samples * (len(part) + 2) + 2 * len(part) + 1 for title, part in blocks.items()}
+    walks = sum(each.values())
     out.print(f"{terminal.describe_scene(scene)}; {terminal.describe_foot(foot)}: {walks} walks")
     seed, threads = config.solver.seed, config.engine.threads
-    found = {title: analyse(setting, part, samples, seed, threads) for title, part in blocks.items()}
+    work = sum(count * COST[title] for title, count in each.items())
+    with progress(out, walks, "walk", work) as step:
+        found = {
+            title: analyse(setting, part, samples, seed, threads, partial(step, COST[title]))
+            for title, part in blocks.items()
+        }
     files.write_csv(
         folder / "sensitivity.csv",
         ["block", "parameter", "objective", "first", "first_error", "total", "total_error", "change"],
@@ -274,7 +295,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         f"{sum(block.walks for block in found.values())} walks; the widest interval is +- {widest:.2f}, and "
         "four times the study.samples halve it"
     )
-    out.print(f"Everything is in {folder} ({clock():.0f} s in all)")
+    terminal.everything_is_in(out, folder, clock())
 
 
 def _rows(block: Indices) -> Array:
@@ -284,13 +305,20 @@ def _rows(block: Indices) -> Array:
 
 def table(found: Mapping[str, Indices], setting: Setting) -> RichTable:
     """Total indices with their intervals for the terminal."""
-    shown = RichTable(title=f"total Sobol index ± half width of its {CONFIDENCE:.0%} interval")
-    shown.add_column("parameter, standard deviation")
-    for name in NAMES:
-        shown.add_column(name.replace("_", " "), justify="right")
+    first = "parameter, standard deviation"
+    shown = terminal.table(
+        (first, *(name.replace("_", " ") for name in NAMES)),
+        words=(first,),
+        title=f"total Sobol index ± half width of its {CONFIDENCE:.0%} interval",
+    )
     for block in found.values():
         for parameter, total, error in zip(block.parameters, block.total, block.total_error, strict=True):
-            cells = [f"{t:.2f} ±{e:.2f}" for t, e in zip(total, error, strict=True)]
+            cells = [f"{_short(t)} ±{_short(e)}" for t, e in zip(total, error, strict=True)]
             shown.add_row(setting.label(parameter), *cells)
         shown.add_section()
     return shown
+
+
+def _short(value: float) -> str:
+    """Two decimals without a leading zero: six of them with their intervals fit into 80 columns."""
+    return f"{value:.2f}".replace("0.", ".", 1) if abs(value) < 1.0 else f"{value:.2f}"

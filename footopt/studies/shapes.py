@@ -13,6 +13,7 @@ from footopt.config import Config
 from footopt.errors import SettingError, check
 from footopt.foot import SHAPES, Foot
 from footopt.report import figures, files, paper_figures, terminal
+from footopt.report.progress import progress
 from footopt.studies import build
 from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walker import OBJECTIVES, Accuracy, Scene, Walk, estimate_error, simulate
@@ -55,17 +56,19 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     with terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ..."):
         walks = walk_shapes(feet, scene, accuracy)
     entries: dict[str, dict[str, Any]] = {}
-    for name, walk in walks.items():
-        diagnostics = diagnose(walk)
-        entries[name] = {
-            "design": foot_entry(walk.foot),
-            "feasible": walk.feasible,
-            "reason": walk.reason,
-            "objectives": walk.objectives,
-            "error_estimate": estimate_error(walk.foot, scene, accuracy),
-            "validity": {d.name: d.value for d in diagnostics},
-            "warnings": [f"{d.name}: {d.why}" for d in diagnostics if d.outside],
-        }
+    with progress(out, len(walks), "shape") as step:
+        for name, walk in walks.items():
+            diagnostics = diagnose(walk)
+            entries[name] = {
+                "design": foot_entry(walk.foot),
+                "feasible": walk.feasible,
+                "reason": walk.reason,
+                "objectives": walk.objectives,
+                "error_estimate": estimate_error(walk.foot, scene, accuracy),
+                "validity": {d.name: d.value for d in diagnostics},
+                "warnings": [f"{d.name}: {d.why}" for d in diagnostics if d.outside],
+            }
+            step(news=name)
     files.write_csv(
         folder / "shapes.csv",
         ["shape", *OBJECTIVES, "reason"],
@@ -96,21 +99,19 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     for warning in sorted(outside):
         names = [name for name, entry in entries.items() if warning in entry["warnings"]]
         terminal.warn(out, f"{warning} ({', '.join(names)}).")
-    out.print(f"Everything is in {folder} ({clock():.1f} s in all)")
+    terminal.everything_is_in(out, folder, clock())
 
 
 def table(walks: Mapping[str, Walk]) -> RichTable:
     """Objectives (rows) of walks (columns), with the best of each row marked."""
-    shown = RichTable()
-    shown.add_column("objective")
-    shown.add_column("unit")
-    for name in walks:
-        shown.add_column(paper_figures.title(name), justify="right")
+    titles = [paper_figures.title(name) for name in walks]
+    shown = terminal.table(("objective", *titles), words=("objective",))
     for objective in OBJECTIVES.values():
         values = {name: walk.objectives[objective.name] for name, walk in walks.items()}
         good = [value for value in values.values() if value == value]
         best = (max if objective.maximise else min)(good, default=float("nan"))
-        cells = [terminal.number(v) + (" *" if v == best else "  ") for v in values.values()]
+        cells = [terminal.number(v) + ("*" if v == best else " ") for v in values.values()]
         sense = "max" if objective.maximise else "min"
-        shown.add_row(f"{objective.name.replace('_', ' ')} ({sense})", objective.unit, *cells)
+        unit = f", {objective.unit}" if objective.unit else ""
+        shown.add_row(f"{objective.name.replace('_', ' ')}{unit} ({sense})", *cells)
     return shown

@@ -75,7 +75,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         out.print(f"The walk failed: {walk.reason} after {len(walk.t)} steps of time.", style="yellow")
     out.print(terminal.objective_table([(foot.name, walk.objectives)], tuple(OBJECTIVES), errors))
     terminal.print_validity(out, diagnostics)
-    out.print(f"Everything is in {folder} ({clock():.1f} s in all)")
+    terminal.everything_is_in(out, folder, clock())
 
 
 def foot_entry(foot: Foot) -> dict[str, Any]:

@@ -14,13 +14,12 @@ import math
 import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from rich import box
 from rich.table import Table
 from rich.text import Text
 
@@ -31,6 +30,7 @@ from footopt.gait import Fourier, Gait
 from footopt.gait.files import read
 from footopt.report import files, terminal
 from footopt.report.figures import save
+from footopt.report.progress import progress
 from footopt.report.stability_figure import Cell, verdicts
 from footopt.sand import StressMap, affine, alpha, effects
 from footopt.studies import build
@@ -62,6 +62,7 @@ CONTROL = 1e-3  # m/s, of the method under step control
 LEAP = 30.0  # deg, the jump in the gait that must be refused
 UNJUDGED = math.inf
 
+JUDGING = 3.0  # s of walking that take as long as the rest of a verdict does
 BURIED = 0.02  # m, mean depth of the sole where the law is asked without a walk
 
 
@@ -523,13 +524,16 @@ CASES: tuple[Case, ...] = (
 # --- the study ------------------------------------------------------------------------------------
 
 
-def judge(case: Case, base: Setup, methods: Sequence[str]) -> list[Verdict]:
+def judge(
+    case: Case, base: Setup, methods: Sequence[str], step: Callable[[float], None] = lambda work: None
+) -> list[Verdict]:
     """One case with every method.
 
     Parameters
     ----------
     methods : names in `METHODS`.
     base : where the case starts from; its time step is that of the implicit steppers.
+    step : called with its `effort` after every method.
     """
     setup = case.build(base)
 
@@ -540,6 +544,8 @@ def judge(case: Case, base: Setup, methods: Sequence[str]) -> list[Verdict]:
 
     if not case.walks:
         measures = tuple(case.judge(Trial(setup, converged)))
+        for method in methods:
+            step(effort(setup, method))
         return [Verdict(case, method, measures, None) for method in methods]
     found = []
     for method in methods:
@@ -548,8 +554,16 @@ def judge(case: Case, base: Setup, methods: Sequence[str]) -> list[Verdict]:
         accuracy = replace(setup.accuracy, stepper=stepper, dt=dt, control=control)
         trial = Trial(replace(setup, accuracy=accuracy), converged)
         found.append(Verdict(case, method, tuple(case.judge(trial)), trial.walk))
+        step(effort(setup, method))
     pose_tables.cache_clear()  # ten minutes in short steps are many
     return found
+
+
+def effort(setup: Setup, method: str) -> float:
+    """About how long a verdict takes, as how many seconds of walking with an explicit stepper."""
+    stepper, control = METHODS[method]
+    share = 0.3 if STEPPERS[stepper].implicit else 1.0
+    return JUDGING + setup.scene.duration * (share if control is None else 4.0)
 
 
 def chosen(config: Config) -> tuple[list[Case], list[str]]:
@@ -575,11 +589,14 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     cases, methods = chosen(config)
     base = Setup(build.make_foot(config.foot), build.make_scene(config), build.make_accuracy(config.accuracy))
     found: list[Verdict] = []
-    slow = terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ...")
-    with out.status("") as status, slow:
-        for i, case in enumerate(cases, start=1):
-            status.update(f"case {i} of {len(cases)}: {case.name}")
-            found += judge(case, base, methods)
+    with terminal.told_if_slow(out, "Compiling every method; this is done once and kept on disk ..."):
+        for method in methods:
+            stepper, control = METHODS[method]
+            simulate(base.foot, base.scene, replace(base.accuracy, stepper=stepper, control=control))
+    work = sum(effort(case.build(base), method) for case in cases for method in methods)
+    with progress(out, len(cases) * len(methods), "walk", work) as step:
+        for case in cases:
+            found += judge(case, base, methods, partial(step, news=case.name))
     write_csv(folder / "stability.csv", found)
     cells = {(v.case.name, v.method): Cell(v.stable, v.decides.name, v.decides.value) for v in found}
     save(verdicts([case.name for case in cases], methods, cells), folder / "figures", "stability")
@@ -618,7 +635,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     else:
         explicit = ""
     out.print(f"Time step {1e3 * base.accuracy.dt:g} ms{explicit}.")
-    out.print(f"Everything is in {folder} ({clock():.1f} s in all)")
+    terminal.everything_is_in(out, folder, clock())
 
 
 def entry(v: Verdict) -> dict[str, Any]:
@@ -681,13 +698,12 @@ def table(cases: Sequence[Case], methods: Sequence[str], found: Sequence[Verdict
     """Cases (rows) and methods (columns) for the terminal."""
     by_name = {(v.case.name, v.method): v for v in found}
     good = {m: sum(v.stable for v in found if v.method == m) for m in methods}
-    shown = Table(show_footer=True, box=box.SIMPLE, pad_edge=False, show_edge=False, padding=(0, 1, 0, 0))
-    shown.add_column("case", footer="stable cases", no_wrap=True)
-    for method in methods:
-        title = "\n".join(method.rsplit("_", 1)).replace("_", " ")
-        shown.add_column(title, footer=f"{good[method]} of {len(cases)}")
+    names = {method: method.replace("_", " ") for method in methods}
+    shown = terminal.table(["case", *names.values()], words=["case", *names.values()])
     for case in cases:
         shown.add_row(case.name, *(_cell(by_name[case.name, method]) for method in methods))
+    shown.add_section()
+    shown.add_row("stable cases", *(f"{good[method]} of {len(cases)}" for method in methods))
     return shown
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,13 +17,16 @@ from rich.table import Table as RichTable
 
 from footopt.config import Config
 from footopt.design import EXHAUSTIVE, SINGLE, SOLVERS, FootProblem, Solver, search
-from footopt.design.truth import REACHED, Attempt, Tabulated, judge, walk_all
+from footopt.design.truth import BATCH, REACHED, Attempt, Tabulated, judge, walk_all
 from footopt.errors import SettingError, check
 from footopt.report import figures, files, terminal
+from footopt.report.progress import progress
 from footopt.report.trust_figure import trust
 from footopt.sand import Sand
 from footopt.studies import build
 from footopt.studies.accuracy import SANDS
+
+WALKED_IN_A_SEARCH = 2500  # designs that are walked in the time of one search, about
 
 
 @dataclass(frozen=True)
@@ -64,29 +68,35 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     seeds = 2 if study.quick else study.seeds
     solvers = [
         Solver(name, size, study.budget // size, seed)
+        for seed in range(config.solver.seed, config.solver.seed + seeds)  # each round has all of them
         for name in names
-        for seed in range(config.solver.seed, config.solver.seed + seeds)
     ]
     attempts: dict[str, list[Attempt]] = {}
     exact: dict[str, dict[str, Any]] = {}
-    for sand in SANDS:
-        problem = FootProblem(
-            replace(scene, sand=Sand.named(sand)), "pareto", space, accuracy, config.engine.threads
-        )
-        with terminal.told_if_slow(out, f"Walking with all {space.K}^{space.n} soles on {sand} sand ..."):
-            table = walk_all(problem)
-        truths = {True: Tabulated(problem, table, "efficiency"), False: Tabulated(problem, table, "pareto")}
-        exact[sand] = {
-            "efficiency": truths[True].optimum,
-            "k": truths[True].best_k.tolist(),
-            "front": len(truths[False].front),
-            "feasible": truths[True].feasible,
-        }
-        attempts[sand] = []
-        for solver in solvers:
-            truth = truths[solver.name in SINGLE]
-            attempts[sand].append(judge(search(truth, solver), truth))
-        out.print(f"{sand} sand: {len(solvers)} searches  {clock():.0f} s")
+    parts = -(-(space.K**space.n) // BATCH)
+    work = len(SANDS) * (parts * BATCH / WALKED_IN_A_SEARCH + len(solvers))
+    with progress(out, len(SANDS) * (parts + len(solvers)), "task", work) as step:
+        for sand in SANDS:
+            problem = FootProblem(
+                replace(scene, sand=Sand.named(sand)), "pareto", space, accuracy, config.engine.threads
+            )
+            all_soles = f"walking with all {space.K}^{space.n} soles on {sand} sand"
+            table = walk_all(problem, partial(step, BATCH / WALKED_IN_A_SEARCH, all_soles))
+            truths = {
+                True: Tabulated(problem, table, "efficiency"),
+                False: Tabulated(problem, table, "pareto"),
+            }
+            exact[sand] = {
+                "efficiency": truths[True].optimum,
+                "k": truths[True].best_k.tolist(),
+                "front": len(truths[False].front),
+                "feasible": truths[True].feasible,
+            }
+            attempts[sand] = []
+            for solver in solvers:
+                truth = truths[solver.name in SINGLE]
+                attempts[sand].append(judge(search(truth, solver), truth))
+                step(news=f"{solver.name}, seed {solver.seed}, on {sand} sand")
     scores = [score(sand, name, attempts[sand]) for sand in SANDS for name in names]
     files.write_csv(
         folder / "trust.csv",
@@ -120,7 +130,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
             f"{sand} sand: {e['feasible']} of {space.K**space.n} soles are feasible, {e['front']} on the "
             f"exact front; best J_W {terminal.number(e['efficiency'])} with k = {e['k']}"
         )
-    out.print(f"Everything is in {folder} ({clock():.0f} s in all)")
+    terminal.everything_is_in(out, folder, clock())
 
 
 def score(sand: str, solver: str, attempts: list[Attempt]) -> Score:
@@ -139,11 +149,19 @@ def score(sand: str, solver: str, attempts: list[Attempt]) -> Score:
 
 
 def _table(scores: list[Score], designs: int, seeds: int, evaluations: int) -> RichTable:
-    table = RichTable(title=f"{seeds} searches each among {designs} soles, {evaluations} evaluations")
-    table.add_column("sand")
-    table.add_column("solver")
-    for title in ("best J_W\nfound", "median\nregret", "evaluations\nuntil found", "hyper-\nvolume", "IGD+"):
-        table.add_column(title, justify="right")
+    table = terminal.table(
+        (
+            "sand",
+            "solver",
+            "best J_W found",
+            "median regret",
+            "evaluations until found",
+            "hypervolume",
+            "IGD+",
+        ),
+        words=("sand", "solver"),
+        title=f"{seeds} searches each among {designs} soles, {evaluations} evaluations",
+    )
     for i, s in enumerate(scores):
         single = s.solver in SINGLE
         found_at = f"{s.found_at:.0f}" if np.isfinite(s.found_at) else f"> {evaluations}"

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from rich.table import Table
 
 from footopt.foot import Foot
+from footopt.report import terminal
 from footopt.report.terminal import number
 from footopt.studies.paper.claims import CLAIMS, SANDS, Claim, Evidence, inward_turn, rms_curvature
 from footopt.studies.paper.errata import ERRATA
@@ -51,9 +52,11 @@ def kind(judged: Judgement) -> str:
 
 def table(judged: Mapping[str, Judgement]) -> Table:
     """The claims for the terminal."""
-    shown = Table(title="What the paper says, and what comes out")
-    for title in ("figure", "claim", "margin", "share", "verdict"):
-        shown.add_column(title, justify="right" if title in ("margin", "share") else "left")
+    shown = terminal.table(
+        ("figure", "claim", "margin", "share", "verdict"),
+        words=("figure", "claim", "verdict"),
+        title="What the paper says, and what comes out",
+    )
     for name, j in judged.items():
         c = CLAIMS[name]
         shown.add_row(c.place, c.says, margin(c, j.margin), share(j), j.verdict)
@@ -62,9 +65,10 @@ def table(judged: Mapping[str, Judgement]) -> Table:
 
 def sensitivity_table(judged: Mapping[str, Judgement], chosen: Sequence[Factor]) -> Table:
     """For each claim the three settings that explain most of its outcome."""
-    table = Table(title="Which setting decides: share of the outcome's variance that it explains")
-    for title in ("claim", "first", "second", "third", "single changes that turn it"):
-        table.add_column(title)
+    titles = ("claim", "first", "second", "third", "single changes that turn it")
+    table = terminal.table(
+        titles, words=titles, title="Which setting decides: share of the outcome's variance that it explains"
+    )
     for name, j in judged.items():
         if 0.0 < j.share < 1.0:
             table.add_row(name, *_first_three(j), ", ".join(j.flips))

@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ from footopt.design import Solver, search
 from footopt.errors import FootoptError, SettingError, check
 from footopt.foot import Foot
 from footopt.report import figures, files, paper_figures, terminal
+from footopt.report.progress import progress
 from footopt.sand import Sand
 from footopt.sand.effects import LeadingEdge
 from footopt.studies import build
@@ -45,6 +46,8 @@ Array = NDArray[np.float64]
 SOLVER = "ga"  # the paper's
 SWEEP_BUDGET = (40, 40)  # designs a generation and generations where the sweep searches again
 QUICK_BUDGET, QUICK_SAMPLES = (20, 6), 4
+#: How long it takes, in walks of a design, to ask pymoo for a generation; and to measure all claims.
+PYMOO, EVIDENCE = 40.0, 500.0
 
 
 @dataclass(frozen=True)
@@ -133,16 +136,18 @@ def measure(evidence: Evidence) -> Array:
         return np.array([claim.margin(evidence) for claim in CLAIMS.values()])
 
 
-def optimise(setup: Setup, budget: Budget, threads: int | None) -> dict[str, list[Walk]]:
+def optimise(
+    setup: Setup, budget: Budget, threads: int | None, step: Callable[[str], None]
+) -> dict[str, list[Walk]]:
     """For each sand a walk with the best foot of each seed, best first by J_W as it is read."""
     found = {}
     first = setup.config.solver.seed
     for sand in SANDS:
-        feet = [
-            setup.best(sand, budget.pop_size, budget.n_gen, seed, threads)
-            for seed in range(first, first + budget.seeds)
-        ]
-        walks = [setup.walk(foot, sand) for foot in feet]
+        walks = []
+        for seed in range(first, first + budget.seeds):
+            foot = setup.best(sand, budget.pop_size, budget.n_gen, seed, threads)
+            walks.append(setup.walk(foot, sand))
+            step(f"searched for {sand} sand, seed {seed}")
         found[sand] = sorted(walks, key=lambda walk: read(walk, setup.readings).objectives["efficiency"])
     return found
 
@@ -176,28 +181,58 @@ class Sweep:
         }
 
 
+Change = dict[str, Any]  # levels by the settings' names
+
+
+def plan(config: Config, budget: Budget) -> tuple[tuple[Factor, ...], list[Change], NDArray[np.int64]]:
+    """What is swept: the factors, single changes, and the levels of combinations, (samples, factors)."""
+    chosen = factors(config)
+    singles = one_at_a_time(chosen) if budget.samples else []
+    return chosen, singles, combinations(chosen, budget.samples, config.solver.seed)
+
+
+def jobs_of(chosen: Sequence[Factor], singles: list[Change], levels: NDArray[np.int64]) -> list[Change]:
+    """Single changes, then combinations."""
+    drawn = [{f.setting: f.levels[v] for f, v in zip(chosen, row, strict=True)} for row in levels]
+    return [*singles, *drawn]
+
+
+def moves_feet(chosen: Sequence[Factor], change: Change) -> bool:
+    """Whether feet are searched again."""
+    return any(f.setting in change and "optima" in f.moves for f in chosen)
+
+
+def searching(pop_size: int, n_gen: int, threads: int | None) -> float:
+    """About how long a search takes, in walks of a design: pymoo's part is not shared by threads."""
+    return n_gen * (pop_size / (threads or available_threads()) + PYMOO)
+
+
+def effort(budget: Budget, threads: int | None, searches: bool) -> float:
+    """About how long one change of the sweep takes, in walks of a design."""
+    fine = EVIDENCE / (threads or available_threads())
+    return fine + (len(SANDS) * searching(*budget.sweep, threads) if searches else 0.0)
+
+
 def sweep(
     config: Config,
     optima: Mapping[str, Foot],
     budget: Budget,
     threads: int | None,
-    progress: Callable[[int, int], None] | None = None,
+    step: Callable[[float], None] = lambda work: None,
 ) -> Sweep:
     """Measure the claims for single changes and random combinations.
 
     Feet are searched again wherever a change could move them, by one run of the GA with
     `SWEEP_BUDGET`; other changes keep `optima`. Threads work on different combinations, each walks on
-    one. A search that finds no foot at all leaves its margins undecided.
+    one. A search that finds no foot at all leaves its margins undecided. `step` is called with the
+    `effort` of every one that is done.
     """
-    chosen = factors(config)
-    singles = one_at_a_time(chosen) if budget.samples else []
-    levels = combinations(chosen, budget.samples, config.solver.seed)
-    drawn = [{f.setting: f.levels[v] for f, v in zip(chosen, row, strict=True)} for row in levels]
-    moves_feet = {f.setting for f in chosen if "optima" in f.moves}
+    chosen, singles, levels = plan(config, budget)
+    jobs = jobs_of(chosen, singles, levels)
 
-    def margins(settings: Mapping[str, Any]) -> Array:
+    def margins(settings: Change) -> Array:
         setup = Setup(changed(config, settings))
-        if moves_feet.isdisjoint(settings):
+        if not moves_feet(chosen, settings):
             return measure(setup.evidence(optima))
         seed = setup.config.solver.seed
         try:
@@ -206,15 +241,14 @@ def sweep(
             return np.full(len(CLAIMS), np.nan)
         return measure(setup.evidence(feet))
 
-    jobs = [*singles, *drawn]
     rows = np.full((len(jobs), len(CLAIMS)), np.nan)
     with ThreadPoolExecutor(threads or available_threads()) as pool:
         futures = {pool.submit(margins, job): i for i, job in enumerate(jobs)}
         try:
-            for done, future in enumerate(as_completed(futures), start=1):
-                rows[futures[future]] = future.result()
-                if progress is not None:
-                    progress(done, len(jobs))
+            for future in as_completed(futures):
+                i = futures[future]
+                rows[i] = future.result()
+                step(effort(budget, threads, moves_feet(chosen, jobs[i])))
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
@@ -239,18 +273,23 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     )
     with terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ..."):
         setup.shapes()
-    runs = optimise(setup, budget, threads)
-    for sand, walks in runs.items():
-        out.print(f"{sand:8s} {terminal.describe_foot(walks[0].foot)}")
-    feet = {sand: dataclasses.replace(walks[0].foot, name=sand) for sand, walks in runs.items()}
-    evidence = setup.evidence(feet)
-    drawn = paper_figures.all_figures(evidence.shapes, evidence.optima, evidence.crossed)
-    for name, figure in drawn.items():
-        figures.save(figure, folder / "figures", name)
-    out.print(f"Feet and figures after {clock():.0f} s")
+    chosen, singles, levels = plan(config, budget)
+    jobs = jobs_of(chosen, singles, levels)
+    once = searching(budget.pop_size, budget.n_gen, threads)
+    searches = len(SANDS) * budget.seeds
+    work = searches * once + sum(effort(budget, threads, moves_feet(chosen, job)) for job in jobs)
+    with progress(out, searches + len(jobs), "task", work) as step:
+        runs = optimise(setup, budget, threads, partial(step, once))
+        for sand, walks in runs.items():
+            out.print(f"{sand:8s} {terminal.describe_foot(walks[0].foot)}")
+        feet = {sand: dataclasses.replace(walks[0].foot, name=sand) for sand, walks in runs.items()}
+        evidence = setup.evidence(feet)
+        drawn = paper_figures.all_figures(evidence.shapes, evidence.optima, evidence.crossed)
+        for name, figure in drawn.items():
+            figures.save(figure, folder / "figures", name)
+        swept = sweep(config, feet, budget, threads, partial(step, news="sweep"))
 
     margins = measure(evidence)
-    swept = sweep(config, feet, budget, threads, _telling(out, clock))
     judged = swept.judgements(margins)
     rows = [
         paper_figures.Row(CLAIMS[name].says, j.holds, j.share, j.decides if 0.0 < j.share < 1.0 else "")
@@ -292,7 +331,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         out.print(f"The best foot for {sand} sand, on it:")
         terminal.print_validity(out, diagnose(evidence.optima[sand]))
     out.print(page.summary(judged))
-    out.print(f"Everything is in {folder} ({clock():.0f} s in all)")
+    terminal.everything_is_in(out, folder, clock())
 
 
 def _optimum(setup: Setup, walks: Sequence[Walk], first_seed: int) -> dict[str, Any]:
@@ -310,13 +349,3 @@ def _optimum(setup: Setup, walks: Sequence[Walk], first_seed: int) -> dict[str, 
             for walk in walks
         ],
     }
-
-
-def _telling(out: Any, clock: Callable[[], float]) -> Callable[[int, int], None]:
-    """Progress of the sweep in about ten lines."""
-
-    def tell(done: int, total: int) -> None:
-        if done % max(1, total // 10) == 0 or done == total:
-            out.print(f"sweep {done}/{total}  {clock():.0f} s")
-
-    return tell

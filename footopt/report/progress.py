@@ -1,0 +1,197 @@
+"""How far a study is, how fast it goes, and how long it will take yet: a bar, or about ten plain lines."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from bisect import bisect_left
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import NamedTuple, Protocol
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn
+from rich.table import Column
+from rich.text import Text
+
+from footopt.design import Generation
+from footopt.walker import OBJECTIVES
+
+PATIENCE = 2.0  # s; of what takes less nothing is shown
+LINES = 10  # where there is no terminal
+
+
+class Step(Protocol):
+    """Says that a unit is done, what it cost (in what `progress` was given as `work`), and news."""
+
+    def __call__(self, work: float = 1.0, news: str = "") -> None: ...
+
+
+class _Mark(NamedTuple):
+    seconds: float
+    units: int
+    work: float
+
+
+class Pace:
+    """How much is done of a piece of work, and how long the rest will take.
+
+    Parameters
+    ----------
+    work : all of it, in any unit.
+    clock : s.
+    """
+
+    def __init__(self, work: float, clock: Callable[[], float] = time.perf_counter) -> None:
+        self._work, self._clock, self._began = work, clock, clock()
+        self._marks = [_Mark(0.0, 0, 0.0)]
+
+    def step(self, work: float) -> None:
+        """A unit is done."""
+        last = self._marks[-1]
+        self._marks.append(_Mark(self.seconds, last.units + 1, last.work + work))
+
+    @property
+    def seconds(self) -> float:
+        """Since the beginning."""
+        return self._clock() - self._began
+
+    @property
+    def done(self) -> int:
+        """Units."""
+        return self._marks[-1].units
+
+    @property
+    def share(self) -> float:
+        """Of the work that is done, 0 to 1."""
+        return min(self._marks[-1].work / self._work, 1.0)
+
+    @property
+    def left(self) -> float:
+        """Seconds; NaN before the first unit is done."""
+        last, before = self._marks[-1], self._before()
+        if last.work <= before.work:
+            return math.nan
+        late = self._began + last.seconds - self._clock()
+        each = (last.seconds - before.seconds) / (last.work - before.work)
+        return max(each * (self._work - last.work) + late, 0.0)
+
+    @property
+    def rate(self) -> str:
+        """Units a second, or the seconds that each takes."""
+        last, before = self._marks[-1], self._before()
+        if last.seconds <= before.seconds:
+            return ""
+        rate = (last.units - before.units) / (last.seconds - before.seconds)
+        return f"{rate:.3g}/s" if rate >= 1.0 else f"{duration(1.0 / rate)} each"
+
+    def _before(self) -> _Mark:
+        """Where the pace is measured from: half of the time ago.
+
+        What came first may have been compiled, or read from a store, and tells little of the rest.
+        Where no unit ended about then, a few long ones make up the time, and all count.
+        """
+        now = self._marks[-1].seconds
+        mark = self._marks[bisect_left(self._marks, (now / 2,))]
+        return mark if mark.seconds <= 0.75 * now else self._marks[0]
+
+
+def duration(seconds: float) -> str:
+    """Seconds as one says them: .35 s, 45 s, 3 min 20 s, 2 h 5 min."""
+    if not math.isfinite(seconds):
+        return "?"
+    if seconds < 10.0:
+        return f"{seconds:.1f} s"
+    whole = round(seconds)
+    if whole < 120:
+        return f"{whole} s"
+    if whole < 7200:
+        return f"{whole // 60} min {whole % 60} s"
+    return f"{whole // 3600} h {whole % 3600 // 60} min"
+
+
+@contextmanager
+def progress(out: Console, total: int, unit: str, work: float | None = None) -> Iterator[Step]:
+    """Show how far a block is that calls what it is given after each of its units.
+
+    Parameters
+    ----------
+    total : how many units there are. unit : what they are, in the singular.
+    work : where they cost differently, what all of them cost together, in the same measure as what
+        each says that it did; by default they cost the same.
+    """
+    pace = Pace(float(total) if work is None else work)
+    shown = _bar(out, total, unit, pace) if out.is_interactive else _lines(out, total, unit, pace)
+    with shown as step:
+        yield step
+
+
+@contextmanager
+def _bar(out: Console, total: int, unit: str, pace: Pace) -> Iterator[Step]:
+    columns = (
+        TextColumn(unit + " {task.completed:.0f}/{task.total:.0f}", table_column=Column(no_wrap=True)),
+        BarColumn(bar_width=12),
+        _Words(pace),
+        TextColumn("{task.fields[news]}", table_column=Column(ratio=1, no_wrap=True, overflow="ellipsis")),
+    )
+    bar = Progress(*columns, console=out, expand=True)
+    task = bar.add_task(unit, total=total, news="")
+
+    def step(work: float = 1.0, news: str = "") -> None:
+        pace.step(work)
+        bar.update(task, completed=pace.done, news=news)
+
+    patience = threading.Timer(PATIENCE, bar.start)
+    patience.daemon = True
+    patience.start()
+    try:
+        yield step
+    finally:
+        patience.cancel()
+        patience.join()  # it may be about to start the bar
+        bar.stop()
+
+
+class _Words(ProgressColumn):
+    """Rate and time left, counting down between units."""
+
+    max_refresh = 0.5
+
+    def __init__(self, pace: Pace) -> None:
+        self._pace = pace
+        super().__init__(table_column=Column(no_wrap=True))
+
+    def render(self, task: Task) -> Text:
+        return Text(f"{self._pace.rate}  left {duration(self._pace.left)}".strip())
+
+
+@contextmanager
+def _lines(out: Console, total: int, unit: str, pace: Pace) -> Iterator[Step]:
+    def step(work: float = 1.0, news: str = "") -> None:
+        before = pace.share
+        pace.step(work)
+        last = pace.done == total
+        if pace.seconds > PATIENCE and (last or int(LINES * pace.share) > int(LINES * before)):
+            left = duration(0.0 if last else pace.left)
+            out.print(f"{unit} {pace.done}/{total}  {pace.rate}  left {left}  {news}".rstrip())
+
+    yield step
+
+
+def telling(step: Step, guide: str, work: float = 1.0, about: str = "") -> Callable[[Generation], None]:
+    """What a search calls after each generation.
+
+    Parameters
+    ----------
+    guide : the objective whose best value is told. work : of a generation. about : which search it is.
+    """
+
+    def show(g: Generation) -> None:
+        front = f", front {g.front}" if g.front > 1 else ""
+        name = OBJECTIVES[guide].name
+        best = f"best {name} {g.best:.4g}" if math.isfinite(g.best) else "none feasible yet"
+        speed = f"{g.evaluations / max(g.seconds, 1e-9):.0f} evaluations/s"
+        step(work, f"{about}{best}{front}, {speed}")
+
+    return show
