@@ -144,6 +144,13 @@ def test_the_cards_say_what_the_objects_hold(walked, many, searches):
     assert f"{best.values[best.best][0]:.4g} m" in text
 
 
+def test_the_card_of_a_robust_search_says_over_how_many_scenarios():
+    scenarios = fo.draw(fo.Scene(), fo.Spread(zeta=0.5), count=2, seed=1)
+    problem = fo.RobustProblem(scenarios, accuracy="draft", space=fo.Waypoints(n=4, K=3))
+    result = fo.search(problem, "ga", pop_size=8, n_gen=2, seed=1)
+    assert "worst of 2 scenarios" in Parsed(result._repr_html_()).text
+
+
 def test_a_failed_walk_says_why_and_has_no_objectives(things):
     for name in ("sunk", "void"):
         text = Parsed(things[name]._repr_html_()).text

@@ -29,7 +29,6 @@ def test_it_is_short_and_holds_no_outputs():
 
 
 @pytest.mark.slow
-@pytest.mark.filterwarnings("default::DeprecationWarning:jupyter_client", "default::DeprecationWarning:zmq")
 def test_it_runs_from_top_to_bottom(tmp_path):
     notebook = nbformat.read(TUTORIAL, as_version=4)
     NotebookClient(

@@ -530,6 +530,8 @@ def search_facts(result: Any) -> dict[str, str]:
         "solver": f"{result.solver.name}, seed {result.solver.seed}",
         "evaluations": f"{result.evaluations} of {result.designs} designs in {result.seconds:.1f} s",
     }
+    if hasattr(problem, "scenarios"):
+        found["judged by"] = f"{problem.measure} of {len(problem.scenarios)} scenarios"
     if result.infeasible:
         reasons = ", ".join(f"{count} {reason}" for reason, count in result.failures.items())
         found["infeasible"] = f"{result.infeasible} ({reasons})"
