@@ -167,7 +167,7 @@ def check_ankle(ankle: tuple[float, float]) -> None:
 
 def check_top(top: float) -> None:
     """Raise unless the top's height is a number."""
-    check(abs(top) <= 10.0, "foot.top", top, "a height in the foot frame from -10 to 10, in m")
+    check(abs(top) <= 10.0, "foot.top", top, "a finite height in the foot frame, from -10 to 10, in m")
 
 
 def _is_int(value: object) -> bool:

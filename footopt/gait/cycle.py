@@ -92,7 +92,7 @@ class Gait(Shown):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", one_line(self.name))
-        check(0.01 <= self.period <= 1e3, "gait.period", self.period, "a time from .01 to 1000, in s")
+        check(1e-3 <= self.period <= 1e3, "gait.period", self.period, "a time from .001 to 1000, in s")
         check(
             0 <= self.start <= 1e5 or self.start == math.inf,
             "gait.start",

@@ -20,12 +20,12 @@ from footopt.walker.steppers import STEPPERS
 
 MOST_PLATES = 20_000  # 13 um each; beyond 1000 no objective changes by 1e-5
 
-#: What a walker can be: from a toy on an asteroid to a giant; beyond it numbers overflow.
+#: What a walker can be, with room for limits that are taken on purpose; beyond it numbers overflow.
 WALKERS = {
-    "mass": ("kg", 1e-3, 1e5),
-    "l1": ("m", 1e-3, 20.0),
-    "l2": ("m", 1e-3, 20.0),
-    "g": ("m/s^2", 1e-3, 1e3),
+    "mass": ("kg", 1e-9, 1e9),
+    "l1": ("m", 1e-4, 1e3),
+    "l2": ("m", 1e-4, 1e3),
+    "g": ("m/s^2", 1e-6, 1e6),
 }
 
 

@@ -24,6 +24,7 @@ PERIODS = (0.2, 5.0)  # of a stride, s: a sprinter's is .45; anything else is a 
 LIMITS = {"thigh": (-90.0, 120.0), "knee": (-12.0, 170.0), "foot": (-120.0, 120.0)}
 LEAST = 3.0  # range of the thigh in a walk, deg; in radians no walk reaches it
 JUMP, RARE = 5.0, 12.0  # deg from the mean of its neighbours, and so many times what is usual: a wrong value
+FREQUENT = 0.02  # s; between rows farther apart a joint may turn by as much
 SKIP = 4.0  # a longer step of time than so many usual ones is a hole in a recording
 L1, L2 = 0.47, 0.45  # leg, m; only the ankle's forward extreme is taken from it
 
@@ -60,7 +61,7 @@ class Recording:
         check_angles(path, angles)
         for joint, values in angles.items():
             off = abs(values[1:-1] - 0.5 * (values[:-2] + values[2:]))
-            if off.max() > max(JUMP, RARE * float(np.median(off))):
+            if usual <= FREQUENT and off.max() > max(JUMP, RARE * float(np.median(off))):
                 at = 1 + int(np.argmax(off))
                 raise wrong(
                     path,
