@@ -270,7 +270,7 @@ BAD = {
     "sand.zeta=much": "sand.zeta=much",
     "sand.density=3": "Key 'density' not in",
     "foot.n=3": "foot.n = 3: must be a whole number from 4",
-    "accuracy.plates=1": "accuracy.plates = 1: must be a whole number >= 2",
+    "accuracy.plates=1": "accuracy.plates = 1: must be a whole number from 2 to 20000",
     "accuracy.stepper=leapfrog": "accuracy.stepper = 'leapfrog': must be one of",
     "scene.t_f=0.9": "scene.t_f = 0.9: must be later than the first heel strike at 1.1 s",
     "scene=stand": "stands still",
