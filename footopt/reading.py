@@ -17,8 +17,8 @@ from footopt.errors import FileError
 MB = 1_000_000
 #: The largest file of each kind, bytes. All are read at once; each is many times what its use needs.
 LIMITS = {
-    "gait": 50 * MB,  # four minutes of 40 markers at 200 Hz as TRC
-    "sole": 5 * MB,  # a polyline of 50,000 points as DXF; ezdxf takes some seconds for it
+    "gait": 40 * MB,  # three minutes of 40 markers at 200 Hz as TRC; a table of that size takes 4 to 7 s
+    "sole": 5 * MB,  # ten times what a drawing of as many points as `foot.outline` takes has as DXF
     "sand": 5 * MB,  # 100,000 rows of four numbers
     "run": 50 * MB,  # result.json with a front of 100,000 designs
     "settings": 1 * MB,  # YAML: all settings of footopt are 5 kB

@@ -272,7 +272,7 @@ def test_three_sands_and_two_solvers_are_six_jobs(tmp_path):
 BAD = {
     "sand=mud": "sand = 'mud': must be one of",
     "sand.zeta=0": "sand.zeta = 0.0: must be a number > 0",
-    "accuracy.plates=1": "accuracy.plates = 1: must be a whole number >= 2",
+    "accuracy.plates=1": "accuracy.plates = 1: must be a whole number from 2 to 20000",
     "accuracy.stepper=leapfrog": "accuracy.stepper = 'leapfrog': must be one of",
     "scene.t_f=0.9": "scene.t_f = 0.9: must be later than the first heel strike at 1.1 s",
     "scene=stand": "stands still",

@@ -32,7 +32,7 @@ KINDS = (*GAITS, *SOLES, "csv sand")
 #: Formats that say nothing twice: of a changed number, only what no walk or sole can be is told.
 PLAIN = ("json", *SOLES)
 #: Different bad files of each kind, at least.
-LEAST = {kind: 40 if kind == "c3d" else 90 for kind in KINDS}
+LEAST = {kind: 30 if kind == "c3d" else 75 for kind in KINDS}
 assert sum(LEAST.values()) >= 500
 
 
@@ -92,6 +92,8 @@ def mistake_in_gait(kind, found, true, case):
         return ""
     # a single stride that ends some rows too soon cannot be told from a shorter one
     off, longer = (8.0, 0.08) if kind == "csv stride" and case.change == LESS else (1.0, 0.02)
+    if kind == "csv stride" and case.change != LESS:
+        off = 2.5  # nothing averages one wrong value out
     if case.change == TOLD:
         off = 5.1  # the pelvis' tilt
     if abs(found.period / true.period - 1) > longer:
@@ -152,7 +154,7 @@ class TestBadFiles:
     @pytest.mark.slow
     @pytest.mark.parametrize("kind", KINDS)
     def test_of_chance_in_larger_number(self, kind, good, tmp_path):
-        _, _, slowest, wrong = judged(kind, good, tmp_path, rounds=4 if kind == "c3d" else 6)
+        _, _, slowest, wrong = judged(kind, good, tmp_path, rounds=2 if kind == "c3d" else 3)
         assert not wrong, "\n".join(wrong)
         assert slowest[0] < PATIENCE, slowest
 

@@ -150,7 +150,7 @@ class TestSand:
 
     @pytest.mark.parametrize("value", [math.nan, math.inf])
     def test_a_coefficient_must_be_finite(self, value):
-        with pytest.raises(SettingError, match="coefficients.B01"):
+        with pytest.raises(SettingError, match=r"coefficients\.B01"):
             StressMap(B01=value)
 
     def test_is_plain_frozen_data(self):

@@ -228,6 +228,6 @@ class TestNarrowTables:
 
     def test_a_folders_name_is_in_one_piece(self, tmp_path):
         folder = tmp_path / ("deep[er]" * 20)
-        out = Console(file=io.StringIO(), width=80, force_terminal=True, highlight=False)
+        out = Console(file=io.StringIO(), width=80, force_terminal=True, highlight=False, markup=False)
         terminal.everything_is_in(out, folder, 1.0)
         assert str(folder) in out.file.getvalue()
