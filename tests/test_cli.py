@@ -13,6 +13,7 @@ import pytest
 from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
 from scipy.io import netcdf_file
+from study_pages import check_page
 
 import footopt as fo
 from footopt.cli import CONF, main
@@ -218,6 +219,7 @@ class TestAccuracy:
         for difference in result["scipy_lsoda"].values():  # the law in its angle form, another solver
             assert max(difference.values()) < 2e-4
         assert (folder / "figures" / "accuracy.png").is_file()
+        check_page(folder)
 
     def test_a_tolerance_picks_the_cheapest_measured_setting(self):
         for tolerance in (0.02, 0.01, 0.005):

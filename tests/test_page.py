@@ -17,7 +17,7 @@ from footopt.design import confirm
 from footopt.errors import FileError
 from footopt.foot.export import closed_contour, enclosed_area
 from footopt.foot.export import write_csv as write_contour
-from footopt.report import files, page, summary
+from footopt.report import figures, files, page, summary, terminal
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 browser_needed = pytest.mark.skipif(
@@ -86,12 +86,19 @@ def pages(front, single, tmp_path_factory):
     (folder / "2").mkdir()
     (folder / "2" / "error.txt").write_text("sand.zeta = 0: must be a number > 0\n")
     assert summary.report(folder, "error.txt") == 1
+    (folder / "report.html").rename(folder / "jobs.html")
     contents["exact"] = page.search_content(*searched("work", "exhaustive", fo.Waypoints(n=4, K=3)))
     contents["no jobs"] = page.jobs_content(
         [{"folder": folder / "9", "result": None, "settings": "", "hollow": "-", "note": "no result"}], []
     )
+    (folder / "figures").mkdir()
+    walk = fo.simulate(fo.Foot.flat(), accuracy="draft")
+    figures.save(figures.contour(walk.foot), folder / "figures", "contour")
+    figures.save(figures.forces({"flat": walk}), folder / "figures", "wide")
+    page.write_study(folder, "A study", ["What <it> found"], SAYS, [study_table()], STUDY)
+    (folder / "report.html").rename(folder / "study.html")
     written = {name: page.write(folder / f"{name}.html", content) for name, content in contents.items()}
-    return written | {"jobs": folder / "report.html"}
+    return written | {"jobs": folder / "jobs.html", "study": folder / "study.html"}
 
 
 def leave_job(folder, walk):
@@ -108,7 +115,26 @@ def leave_job(folder, walk):
     files.write_json(folder / "result.json", result)
 
 
-KINDS = ["front", "single", "exact", "walk", "sunk", "jobs", "no jobs"]
+#: The figures of a page of a study, its table, and what result.json says.
+SAYS = {"contour": 'A flat sole, and a "quoted" <word>.', "wide": "Forces of a walk."}
+STUDY = {
+    "study": "shapes",
+    "wall_time_s": 12.3,
+    "settings": {"solver": {"seed": 7}, "sand": {"zeta": 5.0}},
+    "versions": {"footopt": fo.__version__},
+    "error_estimate": {"ellipse": {"distance": 0.001}},
+    "far too much": list(range(1000)),
+}
+
+
+def study_table():
+    shown = terminal.table(("name", "a number"), words=("name",), title="What came out")
+    shown.add_row("[bold red]bad[/]", "1.25 %")
+    shown.add_row("k = [1, 2, 3]", "-")
+    return shown
+
+
+KINDS = ["front", "single", "exact", "walk", "sunk", "jobs", "no jobs", "study"]
 
 
 @pytest.fixture(scope="module")
@@ -415,6 +441,29 @@ class TestDownloads:
 
 
 @browser_needed
+class TestAStudysPage:
+    def test_has_its_figures_and_tables_as_they_are(self, pages, browser):
+        shown = Page(browser, pages["study"])
+        images = shown.all("img")
+        assert [image.get_attribute("alt") for image in images] == list(SAYS.values())
+        natural = [shown.js(f"document.images[{i}].naturalWidth") for i in range(2)]
+        assert natural[1] > natural[0] > 300
+        cells = [cell.text for cell in shown.all("#tables th, #tables td")]
+        assert cells == ["name", "a number", "bad", "1.25 %", "k = [1, 2, 3]", "-"]
+        assert "What <it> found" in shown.text("#header")
+
+    def test_says_at_its_foot_how_it_was_made(self, pages, browser):
+        shown = Page(browser, pages["study"])
+        foot = shown.text("#footer")
+        assert "seed: 7" in foot
+        assert "wall time: 12.3 s" in foot
+        assert f"footopt {fo.__version__}" in foot
+        assert {"Settings", "Error estimates"} <= {s.text for s in shown.all("summary")}
+        assert pages["study"].stat().st_size < 8e6
+        assert "far too much" not in pages["study"].read_text()
+
+
+@browser_needed
 def test_a_multirun_shows_every_job_the_failed_ones_too(pages, browser):
     shown = Page(browser, pages["jobs"])
     rows = shown.all("#jobs tbody tr")
@@ -482,10 +531,13 @@ class TestFile:
         assert json.loads(data)["note"] == evil
 
     def test_a_multirun_of_a_study_without_one_best_foot_has_a_page_too(self, tmp_path):
-        (tmp_path / "0").mkdir()
-        (tmp_path / "0" / "result.json").write_text('{"study": "shapes"}')
+        results = {"shapes": {}, "sensitivity": {"design": {"k": None}, "objectives": ["work"]}}
+        for i, (name, more) in enumerate(results.items()):
+            (tmp_path / str(i)).mkdir()
+            (tmp_path / str(i) / "result.json").write_text(json.dumps({"study": name, **more}))
         assert summary.report(tmp_path, "error.txt") == 0
-        assert "study=shapes: see its own folder" in (tmp_path / "report.html").read_text()
+        text = (tmp_path / "report.html").read_text()
+        assert all(f"study={name}: see its own folder" in text for name in results)
 
     def test_a_folder_that_cannot_be_written_is_named(self, tmp_path):
         with pytest.raises(FileError, match="nowhere"):

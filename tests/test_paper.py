@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from study_pages import check_page
 
 import footopt as fo
 from footopt.config import Config, StudyConfig
@@ -487,6 +488,7 @@ def test_the_shapes_study_is_what_the_library_computes(tmp_path, capsys):
         walk = fo.simulate(fo.Foot.shape(name, 0.2), scene("soft"), "draft")
         assert entry["objectives"] == walk.objectives
         assert entry["error_estimate"]["distance"] < 0.02
+    check_page(tmp_path)
     drawn = {p.name for p in (path.parent / "figures").iterdir()}
     assert drawn == {f"{n}.{e}" for n in ("shapes", "states", "forces", "power_work") for e in ("png", "pdf")}
     with open(path.parent / "shapes.csv", newline="") as file:
@@ -503,6 +505,7 @@ def test_both_studies_from_the_command_line(tmp_path):
     assert len(list(tmp_path.rglob("shapes.csv"))) == 1
     (path,) = tmp_path.rglob("claims.json")
     assert len(json.loads(path.read_text())["sweep"]["factors"]) == len(FACTORS)
+    check_page(path.parent)
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from study_pages import check_page
 from test_cli import composed, footopt
 
 import footopt as fo
@@ -281,6 +282,7 @@ class TestStudy:
         config = composed(*BRIEF, "study.scenarios=drawn", "study.measure=tail", "solver=nsga2",
                           "objective.names=[distance,efficiency]")  # fmt: skip
         study.run(config, tmp_path, {})
+        check_page(tmp_path)
         result = json.loads((tmp_path / "result.json").read_text())
         assert list(result["feet"]) == ["draw 1", "draw 2", "draw 3", "median scene", "robust"]
         drawn = fo.draw(fo.Scene(), fo.Spread(), 3, 1)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
+from study_pages import check_page
 from test_cli import footopt, only_folder
 
 import footopt as fo
@@ -197,6 +198,7 @@ def test_the_study_from_the_command_line(tmp_path):
     assert all(
         (tmp_path / "out" / "figures" / f"effects.{end}").stat().st_size > 5000 for end in ("png", "pdf")
     )
+    check_page(tmp_path / "out")
     assert "leading edge on soft sand changes" in done.stdout
 
 

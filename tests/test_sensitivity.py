@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from study_pages import check_page
 from test_cli import composed, footopt
 from test_robust import COARSE, NOTHING
 
@@ -147,4 +148,5 @@ def test_from_the_command_line(tmp_path):
     by_zeta = {r["objective"]: float(r["change"]) for r in rows if r["parameter"] == "zeta"}
     assert by_zeta["mean_height"] > 0 > by_zeta["work"]  # harder sand: less sinkage, less work
     assert (tmp_path / "run" / "figures" / "sensitivity.png").stat().st_size > 20_000
+    check_page(tmp_path / "run")
     assert f"{14 * 16 + 2 * 16 * 2 + 2 * 14 + 2} walks" in done.stdout

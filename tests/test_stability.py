@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from study_pages import check_page
 
 import footopt as fo
 from footopt.errors import SettingError
@@ -246,6 +247,7 @@ class TestStudy:
         assert {"footopt", "numba"} <= set(result["versions"])
         for end in ("png", "pdf"):
             assert (tmp_path / "out" / "figures" / f"stability.{end}").stat().st_size > 5000
+        check_page(tmp_path / "out")
         assert "NO chatter 1.7" in done.stdout
         assert "ok sunk" in done.stdout
         assert "\x1b" not in done.stdout

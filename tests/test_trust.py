@@ -10,6 +10,7 @@ from hydra import compose, initialize_config_dir
 from hypothesis import given
 from hypothesis import strategies as st
 from omegaconf import OmegaConf
+from study_pages import check_page
 
 import footopt as fo
 from footopt.cli import CONF
@@ -257,6 +258,7 @@ class TestStudy:
         assert len(rows) == 3 * 3 * 2
         assert {r["hypervolume"] == "" for r in rows if r["solver"] == "ga"} == {True}
         assert (tmp_path / "figures" / "trust.png").stat().st_size > 10_000
+        check_page(tmp_path)
         assert "hypervolume" in capsys.readouterr().out
 
     @pytest.mark.parametrize(

@@ -10,13 +10,15 @@ from __future__ import annotations
 import base64
 import html
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.resources import files as resources
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from rich.table import Table as RichTable
+from rich.text import Text
 
 from footopt.design import Confirmation, SearchResult
 from footopt.design.exhaustive import Enumeration
@@ -46,7 +48,7 @@ def write(path: Path, content: dict[str, Any]) -> Path:
 
     Parameters
     ----------
-    content : of `search_content`, `walk_content` or `jobs_content`.
+    content : of `search_content`, `walk_content` or `jobs_content`; `write_study` makes its own.
 
     Raises
     ------
@@ -173,6 +175,66 @@ def search_content(
             {"evaluations": g.evaluations, "best": g.best, "median": g.median, "front": g.front}
             for g in generations
         ],
+    }
+
+
+SCALE = 0.75  # of a figure's pixels: a wide one then fills the page
+
+#: What the foot of a page says of a study, of all that is in its result.json.
+FOOTER = (
+    "wall_time_s", "accuracy", "evaluations", "designs", "versions", "error_estimate", "settings", "scene",
+)  # fmt: skip
+
+
+def write_study(
+    folder: Path,
+    title: str,
+    headline: Sequence[str],
+    figures: Mapping[str, str],
+    tables: Sequence[RichTable],
+    entry: Mapping[str, Any],
+) -> Path:
+    """Write the page of a study of many walks: its figures and tables as they are.
+
+    Parameters
+    ----------
+    folder : of the run; its folder "figures" holds the figures as PNG.
+    headline : what was found, a paragraph each.
+    figures : what each shows, in words, by its name. tables : as the terminal shows them.
+    entry : what result.json says of the run.
+    """
+    seed = entry.get("seed", entry["settings"].get("solver", {}).get("seed"))
+    content = {
+        "title": title,
+        "headline": list(headline),
+        "figures": [
+            {"says": says, **_inline(folder / "figures" / f"{name}.png")} for name, says in figures.items()
+        ],
+        "tables": [_plain_table(table) for table in tables],
+        "columns": [],
+        "designs": {"values": packed(np.empty((0, 0)), exact=True), "feasible": [], "reasons": []},
+        "entry": {name: entry[name] for name in FOOTER if name in entry} | {"seed": seed},
+    }
+    return write(folder / "report.html", content)
+
+
+def _inline(path: Path) -> dict[str, Any]:
+    """A PNG as the address of itself, and the width that gives the letters of all figures one size."""
+    picture = path.read_bytes()
+    width = int.from_bytes(picture[16:20], "big")
+    data = base64.b64encode(picture).decode("ascii")
+    return {"source": f"data:image/png;base64,{data}", "width": round(width * SCALE)}
+
+
+def _plain_table(table: RichTable) -> dict[str, Any]:
+    """A terminal's table without its colours."""
+    columns = [[Text.from_markup(str(cell)).plain for cell in column.cells] for column in table.columns]
+    return {
+        "title": table.title,
+        "head": [str(column.header).replace("\n", " ") for column in table.columns],
+        "words": [column.justify != "right" for column in table.columns],
+        "rows": list(zip(*columns, strict=True)),
+        "caption": table.caption,
     }
 
 

@@ -186,6 +186,23 @@ def waypoints(foot: Foot) -> Figure:
     return figure
 
 
+#: What each figure shows; "claims" is the one of `claims`.
+SAYS = {
+    "fig2b_gait": "The gait that drives the legs: thigh, knee and shank over time (the paper's figure 2b).",
+    "fig3_shapes": "The five shapes with their contact lines and the ankle (figure 3).",
+    "fig4a_shapes_states": "Position, height and speed of the COM over time, for each shape (figure 4a).",
+    "fig4b_shapes_power_work": "Power and work of the sand over time, for each shape (figure 4b).",
+    "fig5_waypoints": "The waypoints of a sole, their box, and the spline through them (figure 5).",
+    "fig6_contours": "The best soles for soft, regular and hard sand (figure 6).",
+    "fig7_steps": "A step on hard sand with force arrows along the sole: its own foot, and regular sand's "
+    "(figure 7).",
+    "fig8a_sands_states": "Position, height and speed of the COM on each sand, best foot (figure 8a).",
+    "fig8b_sands_forces": "Vertical and forward force of each foot on each sand (figure 8b).",
+    "fig8c_sands_power_work": "Power and work of each sand with its best foot (figure 8c).",
+    "claims": "Every claim: whether it holds at the settings, and in what share of the combinations.",
+}
+
+
 def all_figures(
     of_shapes: Mapping[str, Walk], optima: Mapping[str, Walk], crossed: Walk
 ) -> dict[str, Figure]:

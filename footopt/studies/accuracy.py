@@ -18,10 +18,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from rich.table import Table as RichTable
 
 from footopt.config import Config
 from footopt.foot import Foot, Waypoints
-from footopt.report import figures, files, terminal
+from footopt.report import figures, files, page, terminal
 from footopt.report.progress import progress
 from footopt.report.work_precision import work_precision
 from footopt.sand import Sand, alpha
@@ -125,24 +126,30 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     figures.save(work_precision(measured, list(PRESETS.values())), folder / "figures", "accuracy")
     orders = {name: order(measured, name) for name in STEPPERS}
     picks = {tolerance: cheapest(measured, tolerance) for tolerance in (0.02, 0.005, 0.0005)}
-    files.write_json(
-        folder / "result.json",
-        {
-            "study": "accuracy",
-            "feet": feet.tolist(),
-            "orders": orders,
-            "cheapest": {str(t): None if m is None else _row(m) for t, m in picks.items()},
-            "scipy_lsoda": dict(zip(SANDS, independent, strict=True)),
-            "settings": settings,
-            "versions": files.versions(),
-            "wall_time_s": clock(),
-        },
-    )
-    _print(out, best, orders, picks)
-    for name, difference in zip(SANDS, independent, strict=True):
-        out.print(
-            f"{name} sand against SciPy's LSODA on the angle form: {100 * max(difference.values()):.4f} %"
-        )
+    record = {
+        "study": "accuracy",
+        "feet": feet.tolist(),
+        "orders": orders,
+        "cheapest": {str(t): None if m is None else _row(m) for t, m in picks.items()},
+        "scipy_lsoda": dict(zip(SANDS, independent, strict=True)),
+        "settings": settings,
+        "versions": files.versions(),
+        "wall_time_s": clock(),
+    }
+    files.write_json(folder / "result.json", record)
+    shown, said = table(best), found_words(orders, picks)
+    said += [
+        f"{name} sand against SciPy's LSODA on the angle form: {100 * max(difference.values()):.4f} %"
+        for name, difference in zip(SANDS, independent, strict=True)
+    ]
+    says = {
+        "accuracy": "Error of the worst objective, for 95 % of the feet, against the time that a design "
+        "takes, for every stepper, time step and number of plates; the presets are marked."
+    }
+    page.write_study(folder, "What accuracy costs", said, says, [shown], record)
+    out.print(shown)
+    for line in said:
+        out.print(line)
     terminal.everything_is_in(out, folder, clock())
 
 
@@ -350,20 +357,16 @@ def _parts(t: Array) -> list[tuple[Array, slice]]:
     return [(t[place], place) for place in places]
 
 
-def _print(
-    out: Any,
-    best: Sequence[Measurement],
-    orders: dict[str, float],
-    picks: dict[float, Measurement | None],
-) -> None:
-    table = terminal.table(
+def table(best: Sequence[Measurement]) -> RichTable:
+    """The settings that no other beats, for the terminal."""
+    shown = terminal.table(
         ("stepper", "plates", "dt (ms), control", "creep (m/s)", "error (%)", "ms per design and core"),
         words=("stepper",),
         title="settings that no other beats (error: worst objective, 95 % of the feet)",
     )
     for m in best:
         a = m.accuracy
-        table.add_row(
+        shown.add_row(
             a.stepper,
             f"{a.plates} {a.rule}",
             f"{1e3 * a.dt:g}" if a.control is None else f"<= {1e3 * a.dt:g}, {a.control:g} m/s",
@@ -371,12 +374,17 @@ def _print(
             f"{100 * m.error:.3g}",
             f"{m.ms:.3g}",
         )
-    out.print(table)
-    out.print("Measured order: " + ", ".join(f"{name} {value:.1f}" for name, value in orders.items()))
+    return shown
+
+
+def found_words(orders: dict[str, float], picks: dict[float, Measurement | None]) -> list[str]:
+    """Measured orders, and the cheapest setting for each tolerance, a line each."""
+    said = ["Measured order: " + ", ".join(f"{name} {value:.1f}" for name, value in orders.items())]
     for tolerance, pick in picks.items():
         text = "none of these settings"
         if pick is not None:
             a = pick.accuracy
             control = "" if a.control is None else f", control {a.control:g} m/s"
             text = f"{a.stepper}, dt {a.dt:g} s{control}, {a.plates} {a.rule} plates, {pick.ms:.3g} ms"
-        out.print(f"Cheapest within {100 * tolerance:g} %: {text}")
+        said.append(f"Cheapest within {100 * tolerance:g} %: {text}")
+    return said

@@ -11,7 +11,7 @@ from rich.table import Table
 
 from footopt.config import Config
 from footopt.errors import check
-from footopt.report import files, terminal
+from footopt.report import files, page, terminal
 from footopt.report.effects_figure import changes
 from footopt.report.figures import save
 from footopt.report.progress import progress
@@ -44,22 +44,24 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     header += ["tau", "lost", "feet", "cost", "tolerance", "matters", "verdict"]
     files.write_csv(folder / "effects.csv", header, [_row(a) for a in found])
     save(changes(found), folder / "figures", "effects")
-    files.write_json(
-        folder / "result.json",
-        {
-            "study": "effects",
-            "feet": feet.tolist(),
-            **scene_entry(scene, accuracy, ()),
-            "audit": [entry(a) for a in found],
-            "called_for": sorted({a.name for a in found if a.matters and a.scene.sand == scene.sand}),
-            "settings": settings,
-            "versions": files.versions(),
-            "wall_time_s": clock(),
-        },
-    )
-    out.print(table(found))
-    for a in found:
-        out.print(f"{a.name.replace('_', ' ')} on {a.scene.sand.name} sand {a.verdict}")
+    record = {
+        "study": "effects",
+        "feet": feet.tolist(),
+        **scene_entry(scene, accuracy, ()),
+        "audit": [entry(a) for a in found],
+        "called_for": sorted({a.name for a in found if a.matters and a.scene.sand == scene.sand}),
+        "settings": settings,
+        "versions": files.versions(),
+        "wall_time_s": clock(),
+    }
+    files.write_json(folder / "result.json", record)
+    shown = table(found)
+    verdicts = [f"{a.name.replace('_', ' ')} on {a.scene.sand.name} sand {a.verdict}" for a in found]
+    says = {"effects": "What each effect changes in every objective, against the change that matters."}
+    page.write_study(folder, "What each effect changes", verdicts, says, [shown], record)
+    out.print(shown)
+    for line in verdicts:
+        out.print(line)
     terminal.everything_is_in(out, folder, clock())
 
 

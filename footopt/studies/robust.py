@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from rich.console import Console
+from rich.table import Table as RichTable
 
 from footopt.config import Config
 from footopt.design import EXHAUSTIVE, FootProblem, Generation, SearchResult, Solver, confirm, search
@@ -25,7 +25,7 @@ from footopt.errors import FootoptError, SettingError, check
 from footopt.foot import Foot
 from footopt.foot.export import write_csv as write_contour
 from footopt.foot.export import write_dxf
-from footopt.report import figures, files, robust_figures, terminal
+from footopt.report import figures, files, page, robust_figures, terminal
 from footopt.report.progress import progress, telling
 from footopt.studies import build
 from footopt.studies.simulate import foot_entry, scene_entry
@@ -39,6 +39,15 @@ HELD_OUT = 200  # fresh scenarios that test the robust foot
 QUICK_DRAWS, QUICK_GENERATIONS, QUICK_HELD_OUT = 3, 5, 8
 SHOWN = 6  # scenarios that a table on the terminal has columns for
 MEDIAN, ROBUST = "median scene", "robust"
+
+#: What each figure shows.
+SAYS = {
+    "contours": "The specialists' soles and the robust one, or the median scene's.",
+    "regrets": "What each foot loses in each scenario against the best specialist there.",
+    "convergence": "The regret of the best foot so far, over the evaluations of the robust search.",
+    "held_out": "Regret of the robust foot against the median scene's, in scenarios that neither knew.",
+    "scatter_matrix": "The Pareto front of the robust search, pair by pair of objectives.",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,33 +122,36 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     compared = compare(judge, found)
     foot = dataclasses.replace(Foot.from_waypoints(found[ROBUST].tolist(), judge.space), name=ROBUST)
     fresh = held_out(config, scene, judge, found) if study.scenarios == "drawn" else None
-    write(folder, judge, compared, foot, result, fresh)
+    names = write(folder, judge, compared, foot, result, fresh)
     objectives = judge.walk(found[ROBUST][None])[0][0]
-    files.write_json(
-        folder / "result.json",
-        {
-            "study": "robust",
-            "design": foot_entry(foot),
-            "objectives": dict(zip(judge.record, objectives.tolist(), strict=True)),
-            "measure": {"name": study.measure, "tail": study.tail, "of": judge.guide},
-            "feet": {name: k.tolist() for name, k in found.items()},
-            "scenarios": [scenario_entry(s) for s in scenarios],
-            "regrets": {
-                name: dict(zip([s.name for s in scenarios], row, strict=True))
-                for name, row in zip(compared.names, compared.regrets.tolist(), strict=True)
-            },
-            "held_out_regret": None if fresh is None else fresh.tolist(),
-            **scene_entry(scene, finer, judge.record),
-            "search_accuracy": dataclasses.asdict(accuracy),
-            "solver": dataclasses.asdict(solver),
-            "seed": solver.seed,
-            "evaluations": result.evaluations,
-            "settings": settings,
-            "versions": files.versions(),
-            "wall_time_s": clock(),
+    record = {
+        "study": "robust",
+        "design": foot_entry(foot),
+        "objectives": dict(zip(judge.record, objectives.tolist(), strict=True)),
+        "measure": {"name": study.measure, "tail": study.tail, "of": judge.guide},
+        "feet": {name: k.tolist() for name, k in found.items()},
+        "scenarios": [scenario_entry(s) for s in scenarios],
+        "regrets": {
+            name: dict(zip([s.name for s in scenarios], row, strict=True))
+            for name, row in zip(compared.names, compared.regrets.tolist(), strict=True)
         },
-    )
-    report(out, judge, compared, foot, fresh)
+        "held_out_regret": None if fresh is None else fresh.tolist(),
+        **scene_entry(scene, finer, judge.record),
+        "search_accuracy": dataclasses.asdict(accuracy),
+        "solver": dataclasses.asdict(solver),
+        "seed": solver.seed,
+        "evaluations": result.evaluations,
+        "settings": settings,
+        "versions": files.versions(),
+        "wall_time_s": clock(),
+    }
+    files.write_json(folder / "result.json", record)
+    shown, said = report(judge, compared, foot, fresh)
+    says = {name: SAYS[name] for name in names}
+    page.write_study(folder, "One foot for everything", said, says, [shown], record)
+    out.print(shown)
+    for line in said:
+        out.print(line)
     terminal.everything_is_in(out, folder, clock())
 
 
@@ -204,8 +216,8 @@ def write(
     foot: Foot,
     result: SearchResult,
     fresh: Array | None,
-) -> None:
-    """Tables, the robust foot's contour, and figures."""
+) -> list[str]:
+    """Tables, the robust foot's contour, and figures, whose names come back."""
     files.write_csv(
         folder / "regrets.csv",
         ["foot", "scenario", "zeta", "mass", "period", *judge.record, "reason", "regret"],
@@ -251,10 +263,13 @@ def write(
         )
     for name, figure in drawn.items():
         figures.save(figure, folder / "figures", name)
+    return list(drawn)
 
 
-def report(out: Console, judge: RobustProblem, compared: Comparison, foot: Foot, fresh: Array | None) -> None:
-    """The regrets on the terminal, and what follows."""
+def report(
+    judge: RobustProblem, compared: Comparison, foot: Foot, fresh: Array | None
+) -> tuple[RichTable, list[str]]:
+    """The regrets as a table, and what follows from them."""
     scenarios = [s.name for s in judge.scenarios]
     title = judge.guide.replace("_", " ")
     columns = scenarios if len(scenarios) <= SHOWN else []
@@ -270,24 +285,24 @@ def report(out: Console, judge: RobustProblem, compared: Comparison, foot: Foot,
         else:
             cells += ["failed", "failed", scenarios[int(np.argmin(np.isfinite(row)))]]
         table.add_row(name, *cells)
-    out.print(table)
-    out.print(f"Robust foot: {terminal.describe_foot(foot)}")
+    said = [f"Robust foot: {terminal.describe_foot(foot)}"]
     beaten = [
         name for i, name in enumerate(scenarios) if compared.regrets[compared.names.index(name), i] > 0.0
     ]
     if beaten:
-        out.print(
+        said.append(
             f"{', '.join(beaten)}: another specialist is better than this scenario's own, whose search did "
             "not find the best foot. Regrets are against the better one; a larger solver.n_gen may help."
         )
     if fresh is not None:
         gain = -100.0 * fresh[np.isfinite(fresh)]
         failed = f", {len(fresh) - len(gain)} with a failed walk" if len(gain) < len(fresh) else ""
-        out.print(
+        said.append(
             f"In {len(fresh)} fresh scenarios{failed} the robust foot is better than the median scene's in "
             f"{np.mean(fresh < 0.0):.0%}: {np.median(gain):+.1f} % in the median, "
             f"{gain.min():+.1f} % to {gain.max():+.1f} %"
         )
+    return table, said
 
 
 def scenario_entry(scenario: Scenario) -> dict[str, Any]:

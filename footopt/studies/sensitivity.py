@@ -25,7 +25,7 @@ from rich.table import Table as RichTable
 from footopt.config import Config
 from footopt.errors import FootoptError, check
 from footopt.foot import Foot
-from footopt.report import files, terminal
+from footopt.report import files, page, terminal
 from footopt.report.figures import save
 from footopt.report.progress import progress
 from footopt.report.sensitivity_figure import sensitivity
@@ -273,28 +273,31 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         ),
     )
     save(sensitivity(found, NAMES, setting.label), folder / "figures", "sensitivity")
-    files.write_json(
-        folder / "result.json",
-        {
-            "study": "sensitivity",
-            "design": foot_entry(foot),
-            "objectives": NAMES,
-            "blocks": {title: vars(block) for title, block in found.items()},
-            "confidence": CONFIDENCE,
-            "samples": samples,
-            "seed": seed,
-            **scene_entry(scene, setting.accuracy, NAMES),
-            "settings": settings,
-            "versions": files.versions(),
-            "wall_time_s": clock(),
-        },
-    )
-    out.print(table(found, setting))
+    record = {
+        "study": "sensitivity",
+        "design": foot_entry(foot),
+        "objectives": NAMES,
+        "blocks": {title: vars(block) for title, block in found.items()},
+        "confidence": CONFIDENCE,
+        "samples": samples,
+        "seed": seed,
+        **scene_entry(scene, setting.accuracy, NAMES),
+        "settings": settings,
+        "versions": files.versions(),
+        "wall_time_s": clock(),
+    }
+    files.write_json(folder / "result.json", record)
+    shown = table(found, setting)
     widest = max(float(block.total_error.max()) for block in found.values())
-    out.print(
+    said = (
         f"{sum(block.walks for block in found.values())} walks; the widest interval is +- {widest:.2f}, and "
         "four times the study.samples halve it"
     )
+    about = f"{terminal.describe_scene(scene)}; {terminal.describe_foot(foot)}"
+    says = {"sensitivity": "Total Sobol index of every parameter in every objective, with its interval."}
+    page.write_study(folder, "What the objectives depend on", [about, said], says, [shown], record)
+    out.print(shown)
+    out.print(said)
     terminal.everything_is_in(out, folder, clock())
 
 

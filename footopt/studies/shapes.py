@@ -12,7 +12,7 @@ from rich.table import Table as RichTable
 from footopt.config import Config
 from footopt.errors import SettingError, check
 from footopt.foot import SHAPES, Foot
-from footopt.report import figures, files, paper_figures, terminal
+from footopt.report import figures, files, page, paper_figures, terminal
 from footopt.report.progress import progress
 from footopt.studies import build
 from footopt.studies.simulate import foot_entry, scene_entry
@@ -20,6 +20,14 @@ from footopt.walker import OBJECTIVES, Accuracy, Scene, Walk, estimate_error, si
 from footopt.walker.validity import diagnose
 
 MOUNTS = ("centre", "top")
+
+#: What each figure shows.
+SAYS = {
+    "shapes": "The five shapes with their contact lines and the ankle.",
+    "states": "Position, height and speed of the COM over time, for each shape.",
+    "forces": "Vertical and forward force of each foot over time, for each shape.",
+    "power_work": "Power and work of the sand over time, for each shape.",
+}
 
 
 def make_shapes(config: Config) -> dict[str, Foot]:
@@ -74,17 +82,15 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         ["shape", *OBJECTIVES, "reason"],
         ([name, *walk.objectives.values(), walk.reason] for name, walk in walks.items()),
     )
-    files.write_json(
-        folder / "result.json",
-        {
-            "study": "shapes",
-            "shapes": entries,
-            **scene_entry(scene, accuracy, tuple(OBJECTIVES)),
-            "settings": settings,
-            "versions": files.versions(),
-            "wall_time_s": clock(),
-        },
-    )
+    record = {
+        "study": "shapes",
+        "shapes": entries,
+        **scene_entry(scene, accuracy, tuple(OBJECTIVES)),
+        "settings": settings,
+        "versions": files.versions(),
+        "wall_time_s": clock(),
+    }
+    files.write_json(folder / "result.json", record)
     shown = paper_figures.labelled(walks)
     for name, figure in {
         "shapes": paper_figures.shapes(feet),
@@ -93,12 +99,17 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "power_work": figures.power_work(shown),
     }.items():
         figures.save(figure, folder / "figures", name)
-    out.print(f"Five shapes on {scene.sand.name} sand (zeta {scene.sand.zeta:g})")
-    out.print(table(walks))
-    outside = {w for entry in entries.values() for w in entry["warnings"]}
-    for warning in sorted(outside):
+    compared, title = table(walks), f"Five shapes on {scene.sand.name} sand (zeta {scene.sand.zeta:g})"
+    out.print(title)
+    out.print(compared)
+    warnings = []
+    for warning in sorted({w for entry in entries.values() for w in entry["warnings"]}):
         names = [name for name, entry in entries.items() if warning in entry["warnings"]]
-        terminal.warn(out, f"{warning} ({', '.join(names)}).")
+        warnings.append(f"{warning} ({', '.join(names)}).")
+        terminal.warn(out, warnings[-1])
+    errors = {name: entry["error_estimate"] for name, entry in entries.items()}
+    said = [terminal.describe_scene(scene), *(f"Warning: {warning}" for warning in warnings)]
+    page.write_study(folder, title, said, SAYS, [compared], record | {"error_estimate": errors})
     terminal.everything_is_in(out, folder, clock())
 
 

@@ -28,7 +28,7 @@ from footopt.errors import FileError, SettingError
 from footopt.foot import Foot
 from footopt.gait import Fourier, Gait
 from footopt.gait.files import read
-from footopt.report import files, terminal
+from footopt.report import files, page, terminal
 from footopt.report.figures import save
 from footopt.report.progress import progress
 from footopt.report.stability_figure import Cell, verdicts
@@ -600,41 +600,47 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     write_csv(folder / "stability.csv", found)
     cells = {(v.case.name, v.method): Cell(v.stable, v.decides.name, v.decides.value) for v in found}
     save(verdicts([case.name for case in cases], methods, cells), folder / "figures", "stability")
-    files.write_json(
-        folder / "result.json",
-        {
-            "study": "stability",
-            "design": foot_entry(base.foot),
-            **scene_entry(base.scene, base.accuracy, ()),
-            "limits": {
-                "chatter": CHATTER,
-                "yielding": YIELDING,
-                "energy": ENERGY,
-                "error": ERROR,
-                "drift": DRIFT,
-                "law": LAW,
-                "jump": JUMP,
-            },
-            "explicit_share_of_dt": EXPLICIT_SHARE,
-            "stable": {m: sum(v.stable for v in found if v.method == m) for m in methods},
-            "cases": len(cases),
-            "verdicts": [entry(v) for v in found],
-            "settings": settings,
-            "versions": files.versions(),
-            "wall_time_s": clock(),
+    record = {
+        "study": "stability",
+        "design": foot_entry(base.foot),
+        **scene_entry(base.scene, base.accuracy, ()),
+        "limits": {
+            "chatter": CHATTER,
+            "yielding": YIELDING,
+            "energy": ENERGY,
+            "error": ERROR,
+            "drift": DRIFT,
+            "law": LAW,
+            "jump": JUMP,
         },
-    )
-    out.print(table(cases, methods, found))
-    out.print(
+        "explicit_share_of_dt": EXPLICIT_SHARE,
+        "stable": {m: sum(v.stable for v in found if v.method == m) for m in methods},
+        "cases": len(cases),
+        "verdicts": [entry(v) for v in found],
+        "settings": settings,
+        "versions": files.versions(),
+        "wall_time_s": clock(),
+    }
+    files.write_json(folder / "result.json", record)
+    said = [
         "Each cell: the measure nearest to its limit, or furthest beyond, and how often a stage was rescued "
         "(r) or the walk repeated with a shorter step (x). All the numbers: stability.csv, result.json."
-    )
+    ]
     steps = ", ".join(m for m in methods if not STEPPERS[METHODS[m][0]].implicit)
     if steps:
         explicit = f"; {steps}: {1e3 * EXPLICIT_SHARE * base.accuracy.dt:g} ms, for Euler the same effort"
     else:
         explicit = ""
-    out.print(f"Time step {1e3 * base.accuracy.dt:g} ms{explicit}.")
+    said.append(f"Time step {1e3 * base.accuracy.dt:g} ms{explicit}.")
+    shown = table(cases, methods, found)
+    says = {
+        "stability": "Which method is stable in which case, with the measure that decides; the table above "
+        "has the same in words."
+    }
+    page.write_study(folder, "What stays stable", said, says, [shown], record)
+    out.print(shown)
+    for line in said:
+        out.print(line)
     terminal.everything_is_in(out, folder, clock())
 
 

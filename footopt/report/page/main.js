@@ -121,10 +121,24 @@ function tracesSection() {
   return { section, draw };
 }
 
+/** A study of many walks: its figures and its tables, as they are on paper and on the terminal. */
+function studySections() {
+  const figures = data.figures.map(({ source, width, says }) =>
+    el("figure", { class: "printed" }, el("img", { src: source, width, alt: says }), el("figcaption", {}, says)));
+  const tables = data.tables.flatMap(({ title, head, words: wordy, rows, caption }) => {
+    const made = table(head.map((text, c) => (wordy[c] ? words(text) : text)), rows.map((row) => row.map((cell, c) => (wordy[c] ? words(cell) : cell))));
+    return [title ? el("h3", {}, title) : null, el("div", { class: "scroll" }, made), caption ? el("p", { class: "note" }, caption) : null];
+  });
+  return [
+    ...(tables.length ? [el("section", { id: "tables" }, el("h2", {}, "What was found"), ...tables)] : []),
+    ...(figures.length ? [el("section", { id: "figures" }, el("h2", {}, "Figures"), ...figures)] : []),
+  ];
+}
+
 /** Config, seed, versions, errors, time: what a reader needs to make the same page again. */
 function footer() {
   const facts = [
-    ["seed", entry.seed], ["wall time", entry.wall_time_s === undefined ? undefined : `${entry.wall_time_s.toFixed(1)} s`],
+    ["seed", entry.seed ?? undefined], ["wall time", entry.wall_time_s === undefined ? undefined : `${entry.wall_time_s.toFixed(1)} s`],
     ["accuracy", entry.accuracy?.name],
     ["evaluations", entry.evaluations], ["designs", entry.designs], ["infeasible", entry.infeasible],
     ["versions", entry.versions && Object.entries(entry.versions).map(([name, v]) => `${name} ${v}`).join(", ")],
@@ -152,6 +166,7 @@ function build() {
   };
   const unwalked = design.section.appendChild(el("p", { class: "note", id: "unwalked" }));
   const sections = [];
+  if (data.figures) main.append(...studySections());
   if (data.jobs) sections.push(jobsSection((i) => choose(i)));
   if (data.history?.length) sections.push((found = searchSection((i) => choose(i))).section);
   if (COUNT > 1) sections.push((explore = explorer((i) => choose(i), design.section)).section);

@@ -18,6 +18,7 @@ from footopt.design import Solver, search
 from footopt.errors import FootoptError, SettingError, check
 from footopt.foot import Foot
 from footopt.report import figures, files, paper_figures, terminal
+from footopt.report.page import write_study
 from footopt.report.progress import progress
 from footopt.sand import Sand
 from footopt.sand.effects import LeadingEdge
@@ -306,27 +307,30 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "errata": page.erratum_entries(),
     }
     files.write_json(folder / "claims.json", content)
-    files.write_json(
-        folder / "result.json",
-        {
-            "study": "paper",
-            "optima": {sand: _optimum(setup, walks, config.solver.seed) for sand, walks in runs.items()},
-            "shapes": {
-                name: {"objectives": read(walk, setup.readings).objectives, "reason": walk.reason}
-                for name, walk in evidence.shapes.items()
-            },
-            **scene_entry(setup.scene(config.study.shape_sand), setup.accuracy, tuple(OBJECTIVES)),
-            "readings": setup.readings._asdict(),
-            "settings": settings,
-            "versions": files.versions(),
-            "wall_time_s": clock(),
+    record = {
+        "study": "paper",
+        "optima": {sand: _optimum(setup, walks, config.solver.seed) for sand, walks in runs.items()},
+        "shapes": {
+            name: {"objectives": read(walk, setup.readings).objectives, "reason": walk.reason}
+            for name, walk in evidence.shapes.items()
         },
-    )
+        **scene_entry(setup.scene(config.study.shape_sand), setup.accuracy, tuple(OBJECTIVES)),
+        "readings": setup.readings._asdict(),
+        "settings": settings,
+        "versions": files.versions(),
+        "wall_time_s": clock(),
+    }
+    files.write_json(folder / "result.json", record)
     text = page.markdown(evidence, judged, swept.chosen, budget.samples, budget.sweep)
     files.write_text(folder / "claims.md", text)
-    out.print(page.table(judged))
+    tables = [page.table(judged)]
     if budget.samples:
-        out.print(page.sensitivity_table(judged, swept.chosen))
+        tables.append(page.sensitivity_table(judged, swept.chosen))
+    says = {name: paper_figures.SAYS[name] for name in (*drawn, "claims")}
+    said = [page.summary(judged), "All of it in words, with the feet and the errata: claims.md."]
+    write_study(folder, "The paper, judged", said, says, tables, record | {"seed": config.solver.seed})
+    for table in tables:
+        out.print(table)
     for sand in SANDS:
         out.print(f"The best foot for {sand} sand, on it:")
         terminal.print_validity(out, diagnose(evidence.optima[sand]))
