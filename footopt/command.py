@@ -1,7 +1,7 @@
 """The command line as it is typed: each word is a setting that there is, or the error says what to try.
 
-Hydra would refuse the same words, in its own terms. What only Hydra knows (its flags, sweeps, +key,
-~key, groups of a user's own) is left to it.
+Hydra would refuse the same words, in its own terms. What only Hydra knows (its flags, sweeps, ~key,
+groups of a user's own) is left to it.
 """
 
 from __future__ import annotations
@@ -41,7 +41,11 @@ def check_words(words: Sequence[str], conf: Path) -> None:
             _check_flag(word, groups)
         elif "=" not in word and not word.startswith("~"):
             raise FootoptError(f"{word}: settings are given as name=value. {_instead(word, after, groups)}")
-        elif word[0] not in "+~" and not word.startswith(("hydra.", "hydra/")):
+        elif word.startswith("+"):
+            name, _, value = word.lstrip("+").partition("=")
+            if name.partition(".")[0] in groups and "." in name:  # nothing would read another one
+                _check_value(name, value, sweeps, groups)
+        elif word[0] != "~" and not word.startswith(("hydra.", "hydra/")):
             name, _, value = word.partition("=")
             if name not in SHORT and "'" not in word and '"' not in word:
                 _check_closed(word, after)
@@ -189,6 +193,6 @@ def _check_effects(words: Sequence[str], conf: Path) -> None:
     for word in words:
         name, _, value = word.partition("=")
         parts = name.split(".")
-        if len(parts) == 3 and parts[0] == "effects" and parts[1] not in chosen:
+        if len(parts) == 3 and parts[0] == "effects" and parts[1] not in f"own {chosen}":
             effect = parts[1]
             raise SettingError(name, value, f"given with the effect {effect}", f"Try effects={effect} {word}")

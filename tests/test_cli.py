@@ -319,6 +319,7 @@ MISTAKES = {
     "snad=soft": "snad: there is no such setting. Did you mean sand=soft?",
     "sand.zta=2": "sand.zta: there is no such setting. Did you mean sand.zeta=2?",
     "sand.density=3": "sand.density: there is no such setting. Those of sand: name, zeta, ",
+    "+sand.density=1600": "sand.density: there is no such setting. Those of sand: name, zeta, ",
     "zeta=2": "zeta: there is no such setting. Did you mean sand.zeta=2?",
     "seed=3": "Did you mean solver.seed=3?",
     "walker.zeta=2": "Did you mean sand.zeta=2?",

@@ -411,7 +411,7 @@ RUN = {
 @pytest.mark.parametrize("arguments", RUN.values(), ids=" ".join)
 def test_the_command_runs(arguments, place, monkeypatch, request):
     study = next((word for word in arguments if word.startswith("study=")), "")
-    if study in RENDERED:
+    if study in RENDERED and not any(word.startswith("study.video=") for word in arguments):
         unrender(monkeypatch)
     RENDERED.add(study)
     if "gait.path=walk.c3d" in arguments:

@@ -278,6 +278,15 @@ class TestStudy:
         after = json.loads((run_sands[1] / "result.json").read_text())
         assert after["regrets"] == before["regrets"]
 
+    @pytest.mark.slow
+    def test_worker_processes_find_the_same(self, run_sands, tmp_path):
+        done = footopt(*BRIEF, "engine=processes", "engine.workers=2", "hydra.run.dir=run", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        here, there = (
+            json.loads((folder / "result.json").read_text()) for folder in (run_sands[1], tmp_path / "run")
+        )
+        assert {name for name in here if here[name] != there[name]} == {"settings", "wall_time_s"}
+
     def test_drawn_scenarios_are_tested_on_fresh_ones(self, tmp_path, capsys):
         config = composed(*BRIEF, "study.scenarios=drawn", "study.measure=tail", "solver=nsga2",
                           "objective.names=[distance,efficiency]")  # fmt: skip

@@ -20,7 +20,7 @@ STUDIES = (
 RESUMABLE = ("optimize", "robust")
 
 #: Those that walk where `engine` says; the others do so in this process.
-SPREAD = ("optimize",)
+SPREAD = ("optimize", "robust")
 
 
 def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:

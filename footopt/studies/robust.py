@@ -19,8 +19,18 @@ from numpy.typing import NDArray
 from rich.table import Table as RichTable
 
 from footopt.config import Config
-from footopt.design import EXHAUSTIVE, FootProblem, Generation, SearchResult, Solver, confirm, search
+from footopt.design import (
+    EXHAUSTIVE,
+    FootProblem,
+    Generation,
+    SearchResult,
+    Solver,
+    confirm,
+    make_engine,
+    search,
+)
 from footopt.design.robust import RobustProblem, regret
+from footopt.design.workers import Engine
 from footopt.errors import FootoptError, SettingError, check
 from footopt.foot import Foot
 from footopt.foot.export import write_csv as write_contour
@@ -98,13 +108,17 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     each = solver.generations(judge.space)
     work = float(each * (len(feet) + len(scenarios)))  # the robust foot walks in all scenarios
     unit = "batch" if solver.name == EXHAUSTIVE else "generation"
-    with progress(out, each * (len(feet) + 1), unit, work) as step:
+    store, e = config.study.store or folder / "designs.sqlite", config.engine
+    with (
+        make_engine(e.name, e.workers, e.address, e.timeout) as engine,
+        progress(out, each * (len(feet) + 1), unit, work) as step,
+    ):
         for scenario in feet:
             alone = FootProblem(
                 scenario.scene, judge.names, scenario.space(judge.space), accuracy, judge.threads
             )
             tell = telling(step, judge.guide, about=f"{scenario.name}: ")
-            result = searched(alone, solver, config, folder, scenario.name, tell)
+            result = searched(alone, solver, scenario.name, tell, store, engine)
             found[scenario.name] = result.k[confirm(result, finer, study.finalists).designs[0]]
             out.print(f"specialist, {scenario.name}: {terminal.describe_search(result)}")
         problem = RobustProblem(
@@ -112,7 +126,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
             references=compare(judge, found).references,
         )  # fmt: skip
         tell = telling(step, judge.guide, len(scenarios), f"{ROBUST}: ")
-        result = searched(problem, solver, config, folder, ROBUST, tell)
+        result = searched(problem, solver, ROBUST, tell, store, engine)
     confirmed = confirm(result, finer, study.finalists)
     found[ROBUST] = result.k[confirmed.designs[0]]
     out.print(f"{ROBUST}: {terminal.describe_search(result)}")
@@ -170,15 +184,14 @@ def make_scenarios(config: Config) -> tuple[Scene, tuple[Scenario, ...]]:
 def searched(
     problem: FootProblem,
     solver: Solver,
-    config: Config,
-    folder: Path,
     name: str,
     tell: Callable[[Generation], None],
+    store: str | Path,
+    engine: Engine,
 ) -> SearchResult:
     """A search whose evaluations are kept; an interrupted one ends the study."""
-    store = config.study.store or folder / "designs.sqlite"
     try:
-        result = search(problem, solver, tell, store)
+        result = search(problem, solver, tell, store, engine)
     except FootoptError as error:
         raise FootoptError(f"{name}: {error}") from None
     if result.interrupted:
