@@ -386,7 +386,7 @@ GOOD = [
     "scene=incline effects.slope.angle=-5",
     "effects=null study.confirm=null foot.k=null",
     "foot.path='a,b[1.dxf' foot.box_tolerance=.inf sand.zeta=1e-3",
-    "sand.zeta=${walker.mass} +study.more=1 ~sand hydra.run.dir=x resume=a[b run=c",
+    "sand.zeta=${walker.mass} +mine.more=1 ~sand hydra.run.dir=x resume=a[b run=c",
     "study.quick=yes --config-dir=mine",
     "-cd mine sand=mine",
     "--cfg job sand=soft",

@@ -465,6 +465,7 @@ def test_the_study_leaves_figures_claims_and_a_page(small, tmp_path, capsys):
 
 def test_without_a_sweep_claims_are_judged_at_the_settings(small, tmp_path, monkeypatch):
     monkeypatch.setattr(figures, "save", lambda figure, folder, name: None)  # drawn above
+    monkeypatch.setattr(study, "write_study", lambda *page: None)
     study.run(config(study__quick=True, study__confirm="draft", study__samples=0), tmp_path, {})
     entries = json.loads((tmp_path / "claims.json").read_text())["claims"]
     assert all(e["verdict"] == ("holds" if e["margin"] > 0.0 else "does not hold") for e in entries)
@@ -512,7 +513,7 @@ def test_both_studies_from_the_command_line(tmp_path):
     ("settings", "message"),
     [
         ({"study__seeds": 0}, "study.seeds = 0: must be a whole number >= 1"),
-        ({"study__samples": -1}, "study.samples = -1: must be a whole number >= 0"),
+        ({"study__samples": -1}, "study.samples = -1: must be a whole number from 0"),
         ({"study__shape_sand": "mud"}, "study.shape_sand = 'mud': must be one of soft, regular, hard"),
         ({"foot__shape": "circle"}, "foot.shape = 'circle': must be waypoints"),
         ({"foot__k": [1, 2]}, "foot.k = [1, 2]: must be None"),

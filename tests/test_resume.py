@@ -117,7 +117,7 @@ BAD = {
     "resume=": "resume = '': not the folder of a run",
     "resume=a_file": "resume = 'a_file': not the folder of a run",
     "resume=empty": "resume = 'empty': not the folder of a run",
-    "resume=broken": "resume = 'broken': not the folder of a run (its overrides.yaml is no list)",
+    "resume=broken": "resume = 'broken': not the folder of a run (its overrides.yaml is no list of settings)",
     "resume=simulate": "must be a run of study=optimize, robust, not simulate",
     "resume=sweep": "must be the folder of one job of this multirun. Jobs without a result: 1 (of 0, 1)",
     "resume=run -m solver.seed=1,2": "must be given without -m",
@@ -335,7 +335,7 @@ def test_a_full_disk_is_said_and_what_was_kept_is_used(undisturbed, tmp_path):
 
     assert "Make room on the disk" in failing(0, *BRIEF, "hydra.run.dir=nothing")
     store = f"study.store = '{tmp_path}/run/designs.sqlite': cannot be written"
-    assert store in failing(6, *BRIEF, "hydra.run.dir=run")
+    assert store in failing(8, *BRIEF, "hydra.run.dir=run")
     assert store in failing(60, "resume=run")  # some generations later
     resume()
     result = (tmp_path / "run" / "result.json").read_bytes()

@@ -74,7 +74,8 @@ def _read(job: Path, error_file: str) -> dict[str, Any]:
         row |= {"note": "no result", "failed": True}
     else:
         result = json.loads((job / "result.json").read_text(encoding="utf-8"))
-        if not (job / "walk.nc").is_file():  # a study of many walks or of none
+        if not (isinstance(result.get("objectives"), dict) and (job / "contour.csv").is_file()):
+            # a study of many feet or of none
             return row | {"note": f"study={result['study']}: see its own folder"}
         row |= {
             "result": result,
