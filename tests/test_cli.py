@@ -119,6 +119,7 @@ class TestOptimize:
         assert "Validity" in text
         assert "\x1b" not in text  # no colours or cursor moves in a log file
 
+    @pytest.mark.slow
     def test_several_objectives_give_a_front_and_its_figures(self, tmp_path):
         done = footopt(*QUICK, "sand=soft", "solver=nsga2", "objective.names=[distance,work,peak_power]",
                        cwd=tmp_path)  # fmt: skip
@@ -149,6 +150,7 @@ class TestSimulate:
         assert result["objectives"]["distance"] > 1.5
         assert result["scene"]["sand"]["zeta"] == 2.5
 
+    @pytest.mark.slow
     def test_standing_still_has_no_peak_power(self, tmp_path):
         done = footopt("study=simulate", "scene=stand", "scene.t_f=0.5", "accuracy=draft", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
@@ -156,6 +158,7 @@ class TestSimulate:
         assert result["objectives"]["peak_power"] is None
         assert abs(result["objectives"]["distance"]) < 1e-9
 
+    @pytest.mark.slow
     def test_a_walk_that_sinks_is_a_result_with_a_reason(self, tmp_path):
         done = footopt("study=simulate", "sand.zeta=0.001", "accuracy=draft", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
@@ -185,6 +188,7 @@ class TestExport:
         k = [1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 8]
         np.testing.assert_array_equal(foot_of(run_ga[1], k).contour, fo.Foot.from_waypoints(k).contour)
 
+    @pytest.mark.slow
     def test_a_drawings_sole_even_when_the_drawing_is_gone(self, tmp_path):
         (tmp_path / "it's.csv").write_text("x_mm,z_mm\n-100,-10\n0,-20\n110,-5\n")
         given = ["foot=outline", 'foot.path="it\'s.csv"', "foot.width=0.07", "foot.ankle=[0.01,0.02]"]
@@ -239,6 +243,7 @@ class TestAccuracy:
 
 
 class TestMultirun:
+    @pytest.mark.slow
     def test_every_job_has_a_folder_and_a_row_and_a_failed_one_stops_no_other(self, tmp_path):
         done = footopt("-m", "solver=ga,nsga2", "foot.n=5,3", *QUICK, cwd=tmp_path)
         assert done.returncode == 1

@@ -418,6 +418,7 @@ class TestPatchesOnTheWay:
 
 
 class TestSlope:
+    @pytest.mark.slow
     def test_uphill_shortens_downhill_lengthens_alike_to_first_order(self, regular, ramp_foot):
         """What differs is of second order: its share doubles with the angle."""
 

@@ -157,6 +157,7 @@ def test_figures_leave_no_trace_in_the_process(foot):
     assert plt.get_fignums() == []
 
 
+@pytest.mark.slow
 def test_figures_can_be_drawn_from_threads(foot, hard, tmp_path):
     before, failed = dict(matplotlib.rcParams), []
 

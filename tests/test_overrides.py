@@ -160,6 +160,7 @@ ANY_VALUE = st.one_of(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=120, suppress_health_check=list(HealthCheck))
 @given(st.sampled_from(KEYS), ANY_VALUE)
 def test_any_value_of_any_setting(key, value):

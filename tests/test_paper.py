@@ -435,6 +435,7 @@ def small(monkeypatch):
     monkeypatch.setattr(figures, "DPI", 50)
 
 
+@pytest.mark.slow
 def test_the_study_leaves_figures_claims_and_a_page(small, tmp_path, capsys):
     study.run(config(study__quick=True, study__confirm="draft"), tmp_path, {"study": {"quick": True}})
     drawn = {p.name for p in (tmp_path / "figures").iterdir()}
@@ -479,6 +480,7 @@ def footopt(*arguments, cwd):
     return subprocess.run(command, cwd=cwd, env=env, capture_output=True, text=True)
 
 
+@pytest.mark.slow
 def test_the_shapes_study_is_what_the_library_computes(tmp_path, capsys):
     settings = config(sand__zeta=0.2, foot__length=0.2, accuracy__name="draft")
     shapes_study.run(settings, tmp_path, {})

@@ -270,6 +270,7 @@ class TestStudy:
         assert (folder / "contour.dxf").is_file()
         assert "worst in" in done.stdout
 
+    @pytest.mark.slow
     def test_it_is_resumed_without_walking_again(self, run_sands):
         before = json.loads((run_sands[1] / "result.json").read_text())
         done = footopt("resume=run", cwd=run_sands[1].parent)
@@ -287,6 +288,7 @@ class TestStudy:
         )
         assert {name for name in here if here[name] != there[name]} == {"settings", "wall_time_s"}
 
+    @pytest.mark.slow
     def test_drawn_scenarios_are_tested_on_fresh_ones(self, tmp_path, capsys):
         config = composed(*BRIEF, "study.scenarios=drawn", "study.measure=tail", "solver=nsga2",
                           "objective.names=[distance,efficiency]")  # fmt: skip

@@ -178,6 +178,7 @@ class TestAudit:
         found = audit(fo.Inertia(rho=8000.0), scene, FEET[:3], "draft", repeats=1)
         assert found.scene.effects == ()
 
+    @pytest.mark.slow
     def test_walks_that_fail_with_it_are_counted_and_matter(self):
         found = audit(fo.Layers((1e-3,), (1e-4,)), fo.Scene(), FEET[:3], "draft", repeats=1)
         assert (found.lost, found.feet, found.matters) == (3, 0, True)

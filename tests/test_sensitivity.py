@@ -135,6 +135,7 @@ class TestErrors:
                 study.run(composed("study=sensitivity", *settings), tmp_path, {})
 
 
+@pytest.mark.slow
 def test_from_the_command_line(tmp_path):
     done = footopt("study=sensitivity", "study.quick=true", "foot.n=4", "foot.k=[3,5,4,2]", "accuracy=draft",
                    "hydra.run.dir=run", cwd=tmp_path)  # fmt: skip

@@ -222,6 +222,7 @@ class TestStudy:
         pushed = replace(walk, velocity=1.5 * walk.velocity)
         assert energy_gap(pushed) > stability.ENERGY
 
+    @pytest.mark.slow
     def test_from_the_command_line_in_a_reduced_form(self, tmp_path):
         cases = ["standing, zeta 5", "spiky soles", "sinking to the hip", "a gait with a jump"]
         methods = ["sdirk2", "explicit_euler"]

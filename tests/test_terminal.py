@@ -162,6 +162,7 @@ with progress(console(), {units}, "walk") as step:
 
 
 class TestATerminal:
+    @pytest.mark.slow
     def test_has_a_bar_that_stays_within_its_width(self):
         text, code = on_a_terminal([sys.executable, "-c", PIECE.format(units=28, seconds=0.1)], 60)
         assert code == 0
@@ -174,6 +175,7 @@ class TestATerminal:
         text, code = on_a_terminal([sys.executable, "-c", PIECE.format(units=5, seconds=0.1)])
         assert (code, text.strip()) == (0, "")
 
+    @pytest.mark.slow
     def test_that_is_dumb_has_lines(self):
         command = [sys.executable, "-c", PIECE.format(units=28, seconds=0.1)]
         text, code = on_a_terminal(command, TERM="dumb")
@@ -191,6 +193,7 @@ class TestColours:
         assert code == 0
         assert COLOUR.search(text)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("environment", [{"NO_COLOR": "1"}, {"TERM": "dumb"}], ids=str)
     def test_not_where_they_are_not_wanted(self, environment, tmp_path):
         text, code = on_a_terminal(SINKING, cwd=tmp_path, **environment)
@@ -198,6 +201,7 @@ class TestColours:
         assert "The walk failed" in text
         assert not COLOUR.search(text)
 
+    @pytest.mark.slow
     def test_not_in_a_pipe(self, tmp_path):
         done = subprocess.run(SINKING, cwd=tmp_path, capture_output=True, text=True, timeout=60)
         assert "The walk failed" in done.stdout
@@ -216,6 +220,7 @@ class TestNarrowTables:
         assert "…" not in text
         assert {"rather", "long", "name", "objective"} <= set(text.split())
 
+    @pytest.mark.slow
     def test_the_closing_table_of_a_search_fits_into_80_columns(self, tmp_path):
         command = [*FOOTOPT, "accuracy=draft", "solver.pop_size=10", "solver.n_gen=3"]
         text, code = on_a_terminal(command, 80, cwd=tmp_path)

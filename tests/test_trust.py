@@ -214,6 +214,7 @@ class TestTruth:
         assert np.isnan(poor.found_at)
 
 
+@pytest.mark.slow
 def test_the_exhaustive_solver_as_the_command_line_composes_it(tmp_path, capsys):
     overrides = ["solver=exhaustive", "foot.n=4", "foot.K=4", "accuracy=draft", "solver.pop_size=100"]
     with initialize_config_dir(str(CONF), version_base="1.3"):
