@@ -12,13 +12,13 @@ from typing import Any, Optional  # OmegaConf resolves these annotations itself
 
 @dataclass
 class SpreadConfig:
-    """How far the parameters of a scene lie apart: see `footopt.Spread`."""
+    """How far the parameters of a scene lie apart: see `footopt.Spread`; null is measured from gait.path."""
 
     zeta: float = 0.3
     mass: float = 0.1
-    period: float = 0.05
+    period: Optional[float] = 0.05  # noqa: UP045
     stride: float = 0.05
-    angles: float = 2.0
+    angles: Optional[float] = 2.0  # noqa: UP045
     ankle_x: float = 0.005
     ankle_z: float = 0.005
 

@@ -8,7 +8,7 @@ from motion_files import L1, L2, record, turned, write_mot, write_trc
 
 import footopt as fo
 from footopt.errors import FileError, SettingError
-from footopt.gait.files import read, read_strides
+from footopt.gait.files import Strides, read, read_strides
 
 HUMAN = fo.Gait.human()
 OPENSIM = ("pelvis_tilt", "hip_flexion_r", "knee_angle_r", "ankle_angle_r")
@@ -281,6 +281,12 @@ class TestCsv:
     def test_own_names(self, tmp_path):
         path = self.write(tmp_path / "a.csv", 6.4, ("t", "theta_1", "theta_2"))
         assert misfit(read(path, names={"time": "t", "thigh": "theta_1", "knee": "theta_2"})) < 0.3
+
+    def test_how_they_differ_is_measured(self):
+        apart = np.array([-1.0, 0.0, 1.0])[:, None]
+        curves = {"thigh": 20.0 + apart * np.ones(5), "knee": 40.0 + 2.0 * apart * np.ones(5)}
+        strides = Strides(np.linspace(0.0, 1.0, 5), curves, 1.2 * np.exp([-0.1, 0.0, 0.1]), ())
+        assert strides.variation() == pytest.approx((0.1, np.sqrt((1.0 + 4.0) / 2.0)))
 
     def test_a_stride_of_another_length_is_left_out(self, tmp_path):
         """As where the subject hesitates: the fourth stride takes half as long again."""

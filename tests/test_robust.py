@@ -3,6 +3,7 @@
 import csv
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,7 +18,9 @@ from footopt.design import Solver, Store, confirm, search
 from footopt.design.robust import regret
 from footopt.design.store import context, digest
 from footopt.errors import FootoptError, SettingError
+from footopt.gait.files import read_strides
 from footopt.studies import robust as study
+from footopt.studies.build import make_spread
 from footopt.walker.scenarios import COLUMNS, MEASURES, measured, sands, vary
 
 COARSE = fo.Accuracy(dt=1e-2, plates=20)
@@ -300,6 +303,17 @@ class TestStudy:
         assert [s["zeta"] for s in result["scenarios"]] == [s.scene.sand.zeta for s in drawn]
         assert len(result["held_out_regret"]) == study.QUICK_HELD_OUT
         assert "fresh scenarios" in capsys.readouterr().out
+
+    def test_what_is_null_is_measured_from_the_strides_of_the_gait(self):
+        path = Path(__file__).parent.parent / "examples" / "gait" / "walk.trc"
+        null = ("study.spread.angles=null", "study.spread.period=null")
+        spread = make_spread(composed(*BRIEF, "gait=file", f"gait.path={path}", *null))
+        period, angles = read_strides(path).variation()
+        assert spread == fo.Spread(period=period, angles=angles)
+        assert 0.1 < angles < 1.0
+        for gait in ((), ("gait=file", f"gait.path={path.with_suffix('.mot')}")):  # two strides
+            with pytest.raises(SettingError, match=r"study\.spread\.period = None: must be a number, unless"):
+                make_spread(composed(*BRIEF, *gait, *null))
 
     @pytest.mark.parametrize(
         ("setting", "message"),

@@ -16,7 +16,7 @@ from footopt.gait import Gait
 from footopt.gait.files import Strides, read, read_strides
 from footopt.sand import Sand, StressMap
 from footopt.sand.effects import EFFECTS, Effect
-from footopt.walker import PRESETS, Accuracy, Scene, Walker
+from footopt.walker import PRESETS, Accuracy, Scene, Spread, Walker
 
 
 def load_plugins(plugins: Sequence[str]) -> None:
@@ -91,6 +91,25 @@ def make_strides(config: GaitConfig) -> Strides | None:
     if config.name != "file" or config.path is None or Path(config.path).suffix.lower() == ".json":
         return None
     return read_strides(config.path, *_reading(config))
+
+
+def make_spread(config: Config) -> Spread:
+    """How far a configuration's scenarios lie apart. A period or angles that are null are measured: how the
+    strides of the gait's file differ.
+    """
+    values = vars(config.study.spread)
+    unknown = [name for name, value in values.items() if value is None]
+    if not unknown:
+        return Spread(**values)
+    strides = make_strides(config.gait)
+    if strides is None or len(strides.periods) < 3:
+        raise SettingError(
+            f"study.spread.{unknown[0]}",
+            None,
+            "a number, unless gait.path records three strides or more",
+        )
+    period, angles = strides.variation()
+    return Spread(**values | {name: {"period": period, "angles": angles}[name] for name in unknown})
 
 
 def _reading(config: GaitConfig) -> tuple[dict[str, str], str | None, float]:

@@ -40,7 +40,7 @@ from footopt.report.progress import progress, telling
 from footopt.studies import build
 from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walker import OBJECTIVES, Accuracy, Scene
-from footopt.walker.scenarios import Scenario, Spread, draw, sands
+from footopt.walker.scenarios import Scenario, draw, sands
 
 Array = NDArray[np.float64]
 
@@ -178,7 +178,7 @@ def make_scenarios(config: Config) -> tuple[Scene, tuple[Scenario, ...]]:
         return scene, sands(scene)
     check(2 <= study.draws <= 10_000, "study.draws", study.draws, "a whole number >= 2 and <= 10,000")
     count = min(study.draws, QUICK_DRAWS) if study.quick else study.draws
-    return scene, draw(scene, Spread(**vars(study.spread)), count, config.solver.seed)
+    return scene, draw(scene, build.make_spread(config), count, config.solver.seed)
 
 
 def searched(
@@ -215,7 +215,7 @@ def held_out(
 ) -> Array:
     """Regret of the robust foot against the median scene's in fresh scenarios; NaN if one fails."""
     count = QUICK_HELD_OUT if config.study.quick else HELD_OUT
-    fresh = draw(scene, Spread(**vars(config.study.spread)), count, config.solver.seed + 1)
+    fresh = draw(scene, build.make_spread(config), count, config.solver.seed + 1)
     problem = RobustProblem(fresh, judge.names, judge.space, judge.accuracy, judge.threads)
     values, _ = problem.walk_each(np.array([found[MEDIAN], found[ROBUST]]))
     guide = values[..., judge.record.index(judge.guide)]

@@ -246,7 +246,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         foot,
         scene,
         build.make_accuracy(config.accuracy),
-        Spread(**vars(study.spread)),
+        build.make_spread(config),
         **vars(study.foot_spread),
     )
     blocks = setting.blocks

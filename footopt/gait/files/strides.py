@@ -110,8 +110,20 @@ class Strides(NamedTuple):
 
     phase: Array  # (POINTS + 1,) of a found stride, or as many as the file has
     curves: dict[str, Array]  # by joint, each (strides, phases), deg
-    period: float  # s, the mean
+    periods: Array  # (strides,), s
     notes: tuple[str, ...]
+
+    @property
+    def period(self) -> float:
+        """The mean, s."""
+        return float(self.periods.mean())
+
+    def variation(self) -> tuple[float, float]:
+        """How strides differ, one standard deviation: of the logarithm of the period, and of thigh and knee
+        at a phase, rms over both and all phases, deg.
+        """
+        apart = [np.var(self.curves[joint], axis=0, ddof=1) for joint in ("thigh", "knee")]
+        return float(np.std(np.log(self.periods), ddof=1)), float(np.sqrt(np.mean(apart)))
 
 
 def cut(recording: Recording) -> Strides:
@@ -121,9 +133,7 @@ def cut(recording: Recording) -> Strides:
     if len(begins) < 2:
         phase = (t - t[0]) / (t[-1] - t[0])
         notes.append("one stride, from the first row to the last")
-        return Strides(
-            phase, {j: v[None] for j, v in recording.angles.items()}, float(t[-1] - t[0]), tuple(notes)
-        )
+        return Strides(phase, {j: v[None] for j, v in recording.angles.items()}, t[-1:] - t[0], tuple(notes))
     lengths = np.diff(begins)
     good = abs(lengths / np.median(lengths) - 1.0) <= ODD
     phase = np.arange(POINTS + 1) / POINTS
@@ -133,7 +143,7 @@ def cut(recording: Recording) -> Strides:
     left_out = f"; {np.sum(~good)} of another length left out" if not good.all() else ""
     many = "s" if good.sum() > 1 else ""
     notes.append(f"{good.sum()} stride{many} of {lengths[good].mean():.3f} s{spread}{left_out}")
-    return Strides(phase, curves, float(lengths[good].mean()), tuple(notes))
+    return Strides(phase, curves, lengths[good], tuple(notes))
 
 
 def heel_strikes(recording: Recording) -> Array:
