@@ -1,6 +1,6 @@
 """footopt's solvers against optimisers of other libraries, at the same number of evaluations.
 
-`python tests/benchmarks/other_optimisers.py` prints the table (about ten minutes on two cores); it needs
+`python tests/benchmarks/other_optimisers.py` prints the table (17 minutes of processor time); it needs
 `pip install -e ".[benchmark]"`. An evaluation is a design asked for, also one that came up before. What
 lies outside its box is worse than anything inside, by how far it is outside. The optimisers of real
 numbers see every design rounded.
