@@ -8,6 +8,7 @@ a file is missing what is left must be what was there.
 import json
 import os
 import time
+from contextlib import contextmanager
 
 import door_files
 import numpy as np
@@ -189,30 +190,40 @@ def in_the_way(folder, what, name):
     return path
 
 
+NOBODY = 65534
 NO_FILES = ("folder", "pipe", "loop", "device", "secret", "long", "zero byte", "line break", "nothing")
 
 
+@contextmanager
+def somebody(what):
+    """A secret is read as a user who may not read everything, should it be root who tests."""
+    root = what == "secret" and os.geteuid() == 0
+    if root:
+        os.seteuid(NOBODY)
+    try:
+        yield
+    finally:
+        if root:
+            os.seteuid(0)
+
+
+@pytest.mark.timeout(10)  # a hang
 class TestWhatIsNoFile:
     @pytest.mark.parametrize("what", NO_FILES)
     @pytest.mark.parametrize(
         "name", ["a.trc", "a.mot", "a.c3d", "a.csv", "a.json", "sole.dxf", "sole.svg", "sole.csv"]
     )
     def test_is_named_at_once(self, what, name, tmp_path):
-        if what == "secret" and os.geteuid() == 0:
-            pytest.skip("root reads everything")
         path = in_the_way(tmp_path, what, name)
-        started = time.perf_counter()
-        with pytest.raises(FileError, match="cannot be read") as caught:
+        with somebody(what), pytest.raises(FileError, match="cannot be read") as caught:
             outline.read(path) if name.startswith("sole") else read_gait(path)
-        assert time.perf_counter() - started < 1.0
         assert not refusal(caught.value, name)
 
     @pytest.mark.parametrize("what", NO_FILES)
     def test_as_a_table_of_stresses(self, what, tmp_path):
-        if what == "secret" and os.geteuid() == 0:
-            pytest.skip("root reads everything")
-        with pytest.raises(FileError, match=r"sand\.table = .*cannot be read") as caught:
-            fo.Sand.from_table(in_the_way(tmp_path, what, "a.csv"))
+        path = in_the_way(tmp_path, what, "a.csv")
+        with somebody(what), pytest.raises(FileError, match=r"sand\.table = .*cannot be read") as caught:
+            fo.Sand.from_table(path)
         assert not refusal(caught.value, "a.csv")
 
     @pytest.mark.parametrize("what", ["folder", "pipe", "loop", "device", "long", "zero byte"])
@@ -224,11 +235,12 @@ class TestWhatIsNoFile:
 
     @pytest.mark.parametrize("what", NO_FILES)
     def test_as_the_result_of_a_run(self, what, tmp_path):
-        if what == "secret" and os.geteuid() == 0:
-            pytest.skip("root reads everything")
         if what not in ("long", "zero byte", "line break"):
             in_the_way(tmp_path, what, "result.json")
-        with pytest.raises(FileError, match=r"study\.run = .*not the folder of a run") as caught:
+        with (
+            somebody(what),
+            pytest.raises(FileError, match=r"study\.run = .*not the folder of a run") as caught,
+        ):
             foot_of(tmp_path)
         assert not refusal(caught.value, tmp_path.name)
 
@@ -336,6 +348,7 @@ YAML = {
 }
 
 
+@pytest.mark.timeout(10)  # a bomb of aliases
 class TestYaml:
     @pytest.mark.parametrize("name", YAML)
     @pytest.mark.parametrize("file", ["config", "overrides"])
@@ -347,10 +360,8 @@ class TestYaml:
         good = {"config": "study: {name: optimize}\n", "overrides": "[]\n"}
         for part, text in (good | {file: YAML[name]}).items():
             (tmp_path / ".hydra" / f"{part}.yaml").write_text(text)
-        started = time.perf_counter()
         with pytest.raises((FileError, SettingError), match=r"resume = ") as caught:
             resumed([f"resume={tmp_path}"])
-        assert time.perf_counter() - started < 2.0
         assert str(caught.value).isprintable()
         assert len(str(caught.value)) < 500
         assert not (tmp_path / "made").exists()
