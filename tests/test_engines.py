@@ -447,7 +447,7 @@ class TestCommandLine:
         os.killpg(run.pid, signal.SIGINT)  # as a terminal does
         _, err = ended(run)
         assert run.returncode == 130
-        assert "footopt: stopped after generation " in err  # dask may have a word of its own before
+        assert err.startswith("footopt: stopped after generation ")
         assert "Traceback" not in err
         assert len(family) >= 2
         assert_gone(family)
