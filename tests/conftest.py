@@ -1,5 +1,7 @@
 """Feet and scenes that several test modules share."""
 
+import signal
+
 import pytest
 from hypothesis import settings
 
@@ -8,6 +10,9 @@ from footopt.walker.independent import RAMP
 
 settings.register_profile("footopt", deadline=None, derandomize=True, database=None, max_examples=50)
 settings.load_profile("footopt")
+
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell has what it starts with "&" ignore Ctrl-C
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # ... and so would all that tests start
 
 
 @pytest.fixture(scope="session")
