@@ -1,6 +1,6 @@
 """The walk: one compiled loop over the steps, for one foot with traces or for a whole population.
 
-Both are the same function; without a trace the code that writes one is not compiled.
+Both are the same compiled code, which asks once a step whether there is a trace to write.
 """
 
 from __future__ import annotations
@@ -165,14 +165,14 @@ def _compile(source: str, compiler: Any):
         halves, quarters, ... of them. control: the largest `embedded` error of a step, m/s, or None
         for steps that are never shortened. strike: first heel strike, s.
         Filled: raw (designs, len(RAW)), status (designs,), tallies (designs, TALLY), and trace
-        (shortest steps + 1, TRACE) or None, for one design: its row 0 is the start, rows inside
-        longer steps are left as they were.
-        sink: 1 to follow the maximum sinkage, None to leave that out.
+        (shortest steps + 1, TRACE) for one design: its row 0 is the start, rows inside longer steps
+        are left as they were; without rows, nothing is traced.
+        sink: whether to follow the maximum sinkage.
         """
         source  # noqa: B018  a free variable is part of the cache's key
         steps = len(times) - 1
         t_f = times[steps]
-        finest = len(poses) - 1
+        finest, traced = len(poses) - 1, len(trace) > 0
         y, quad = np.empty(4), np.empty(7)
         now, work = np.zeros((2, CONTACT)), np.zeros((2, CONTACT))
         y_old, quad_old, now_old = np.empty(4), np.empty(7), np.zeros((2, CONTACT))
@@ -202,7 +202,7 @@ def _compile(source: str, compiler: Any):
             z_start = y[1]
             quad[:] = 0.0
             contact(now, tally, sole, world, pose0, 0.0, y[1], 0.0, 0.0, world.creep, None)
-            if trace is not None:
+            if traced:
                 trace[0, :] = 0.0
                 trace[0, 2] = z_start
             p_max = fall = f_max = sinkage = 0.0
@@ -241,7 +241,7 @@ def _compile(source: str, compiler: Any):
                     n, place = n + 1, 0
                     t = times[n]
                 f_max = max(f_max, now[0, FZ] + now[1, FZ])
-                if sink is not None:
+                if sink:
                     sinkage = max(sinkage, deepest(sole, poses[level][index, -1], y[1]))
                 when[0], when[1], when[2] = when[1], when[2], t
                 for foot in range(2):
@@ -261,7 +261,7 @@ def _compile(source: str, compiler: Any):
                         p_max = max(p_max, c)
                         if b > a and b >= c and t - h > strike - 1e-9:
                             p_max = max(p_max, vertex(a, b, c, when[1] - when[0], when[2] - when[1]))
-                if trace is not None:
+                if traced:
                     trace[row, 0] = t
                     for j in range(4):
                         trace[row, 1 + j] = y[j]

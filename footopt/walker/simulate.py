@@ -502,15 +502,14 @@ def _run(
     tangents = _tangents(plates)
     raw = np.empty((designs, len(RAW)))
     status, tallies = np.empty(designs, np.int64), np.zeros((designs, TALLY), np.int64)
-    trace = np.full((len(tables[-1]) + 1, TRACE), np.nan) if traced else None
+    trace = np.full((len(tables[-1]) + 1 if traced else 0, TRACE), np.nan)
     constants = world(scene, accuracy)
 
     def run(begin: int) -> None:
         end = min(begin + BLOCK, designs)
         walk_range(
             stepper.parameters, padded, circles, reach, tangents, constants, pose0, tables, times,
-            accuracy.control, scene.gait.heel_strike, begin, end, raw, status, tallies, trace,
-            1 if sink else None,
+            accuracy.control, scene.gait.heel_strike, begin, end, raw, status, tallies, trace, sink,
         )  # fmt: skip
 
     workers = available_threads() if threads is None else threads
@@ -522,7 +521,7 @@ def _run(
     else:
         with ThreadPoolExecutor(min(workers, len(blocks))) as pool:
             list(pool.map(run, blocks))
-    return raw, status, tallies, np.empty(0) if trace is None else trace
+    return raw, status, tallies, trace
 
 
 def _blocks(plates: Plates) -> tuple[tuple[Array, ...], tuple[Array, ...], Array]:
