@@ -54,7 +54,8 @@ class Animated(Shown):
         Parameters
         ----------
         path : ends in .gif, or in .mp4, which needs the program ffmpeg.
-        fps : frames per second. speed : of the walk in the film; 1 is as in life, 0.25 four times slower.
+        fps : frames per second; a GIF gets the nearest rate that it can have, 50 at most.
+        speed : of the walk in the film; 1 is as in life, 0.25 four times slower.
         dpi : dots per inch of a picture 7 inches wide.
 
         Returns

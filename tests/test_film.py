@@ -39,6 +39,24 @@ def test_a_gif_has_the_frames_and_the_pace_that_were_asked_for(walk, tmp_path):
     assert min(moved[14:-1]) > 0.5  # and then it walks
 
 
+def test_a_gif_is_as_fast_as_it_says(walk, tmp_path):
+    """Its frames last whole hundredths of a second; browsers show what lasts one for ten."""
+    path = walk.animate(tmp_path / "walk.gif", fps=60, speed=2.0, dpi=20)
+    lasts = []
+    with Image.open(path) as image:
+        for i in range(image.n_frames):
+            image.seek(i)
+            lasts.append(image.info["duration"])  # ms
+    assert min(lasts) >= 20
+    assert sum(lasts[:-1]) == pytest.approx(0.5e3 * (walk.t[-1] - walk.t[0]), abs=2 * lasts[0])
+
+
+def test_a_gif_has_the_nearest_rate_that_it_can_have():
+    assert [1000 / film.gif_rate(fps) // 1 for fps in (10, 24, 25, 30, 33, 50, 60, 100)] == [
+        100, 40, 40, 30, 30, 20, 20, 20,
+    ]  # fmt: skip
+
+
 def test_times_end_with_the_walk(walk):
     t = film.times(walk, 25, 0.5)
     assert t[0] == walk.t[0]

@@ -61,11 +61,13 @@ def write(walk: Walk, path: str | Path, fps: int = 25, speed: float = 0.5, dpi: 
     if len(walk.t) == 0:
         raise FootoptError(f"{path}: there is nothing to film, the walk failed at once: {walk.reason}.")
     figure, show = scene_of(walk, speed)
-    writer: Any = PillowWriter(fps) if path.suffix.lower() == ".gif" else FFMpegWriter(fps)
+    kind: Any
+    kind, rate = (PillowWriter, gif_rate(fps)) if path.suffix.lower() == ".gif" else (FFMpegWriter, fps)
+    writer = kind(rate)
     unfinished = path.with_name(f".unfinished-{path.name}")  # the writers go by the ending
     try:
         with writer.saving(figure, str(unfinished), dpi):
-            for t in times(walk, fps, speed):
+            for t in times(walk, rate, speed):
                 show(t)
                 writer.grab_frame()
         os.replace(unfinished, path)
@@ -77,7 +79,16 @@ def write(walk: Walk, path: str | Path, fps: int = 25, speed: float = 0.5, dpi: 
     return path
 
 
-def times(walk: Walk, fps: int, speed: float) -> Array:
+def gif_rate(fps: float) -> float:
+    """Frames per second of a GIF: its frames last whole hundredths of a second, and at least two.
+
+    What lasts one only is slowed down to ten frames per second by browsers.
+    """
+    # just below: the writer cuts off what 1000 / rate has behind the point
+    return math.nextafter(100.0 / max(round(100.0 / fps), 2), 0.0)
+
+
+def times(walk: Walk, fps: float, speed: float) -> Array:
     """Times of the frames, s: as many as a film of the walk at a speed has, the last at its end."""
     begin, end = float(walk.t[0]), float(walk.t[-1])
     frames = max(1, math.ceil((end - begin) * fps / speed - 1e-9))
