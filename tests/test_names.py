@@ -1,5 +1,6 @@
 """Names that a user chooses stay names: in drawings, pages, figures and on the terminal."""
 
+import csv
 import io
 import json
 import re
@@ -9,6 +10,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from omegaconf import OmegaConf
 from rich.console import Console
 
 import footopt as fo
@@ -137,6 +139,24 @@ def test_on_the_terminal_a_name_is_one_line_without_control(name, walk, monkeypa
     assert all(line.isprintable() for line in lines)
     assert changed.scene.sand.name in lines[0]
     assert isinstance(out, Console)
+
+
+def test_the_table_over_jobs_has_a_long_setting_whole_and_a_value_of_zero(walk, tmp_path, capsys):
+    setting = f"foot.path='{' '.join(['drawings of soles'] * 8)}/sole.dxf'"
+    (tmp_path / "0" / ".hydra").mkdir(parents=True)
+    write_all(walk.foot, tmp_path / "0")
+    (tmp_path / "0" / ".hydra" / "overrides.yaml").write_text(OmegaConf.to_yaml([setting, "sand=soft"]))
+    result = {
+        "study": "simulate", "design": foot_entry(walk.foot), "objectives": {"speed_loss": 0.0, "work": None},
+        "settings": {"foot": {"top": 0.0, "width": 0.1}}, "versions": {},
+    }  # fmt: skip
+    (tmp_path / "0" / "result.json").write_text(json.dumps(result))
+    assert summary.report(tmp_path, "error.txt") == 0
+    with open(tmp_path / "summary.csv", newline="") as file:
+        (row,) = csv.DictReader(file)
+    assert row["overrides"] == f"{setting} sand=soft"
+    assert (row["speed_loss"], row["work"]) == ("0.0", "")
+    assert re.search(r" 0 +- +\d", capsys.readouterr().out)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,8 @@ def report(folder: Path, error_file: str) -> int:
     titles = (*(name.replace("_", " ") for name in names), "hollow (mm)")
     shown = table(("job and settings", *titles), words=("job and settings",))
     for row in rows:
-        values = [number(float(row["objectives"].get(name) or "nan")) for name in names]
+        found = [row["objectives"].get(name) for name in names]
+        values = [number(math.nan if value is None else value) for value in found]
         own = [override for override in row["overrides"] if override not in common]
         shown.add_row("\n  ".join([f"{row['job']}: {''.join(own[:1])}", *own[1:]]), *values, row["hollow"])
     out.print(f"{len(jobs)} jobs in {folder}", soft_wrap=True)
@@ -88,6 +90,7 @@ def _read(job: Path, error_file: str) -> dict[str, Any]:
 
 
 def _overrides(path: Path) -> list[str]:
-    """What a job was given on the command line, as Hydra writes it down: a list in YAML, "[]" if empty."""
-    lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
-    return [line.removeprefix("- ") for line in lines if line not in ("", "[]")]
+    """What a job was given on the command line, as Hydra writes it down: a list in YAML."""
+    import yaml
+
+    return list(map(str, yaml.safe_load(path.read_bytes()) or [])) if path.is_file() else []
