@@ -161,6 +161,8 @@ def as_plates(
     if isinstance(feet, Plates):
         return feet
     if isinstance(feet, Sequence) and any(isinstance(foot, Foot) for foot in feet):
-        return stack_plates([foot for foot in feet if isinstance(foot, Foot)], plates, rule, directed)
+        whole = [foot for foot in feet if isinstance(foot, Foot)]
+        check(len(whole) == len(feet), "feet", "Foot and other things", "all Foot, or all waypoint heights")
+        return stack_plates(whole, plates, rule, directed)
     heights = np.atleast_2d(np.asarray(feet))
     return (space or Waypoints(n=heights.shape[-1])).plates(heights, plates, rule, directed)

@@ -293,7 +293,7 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
 
 
 def evaluate(
-    feet: Sequence[Foot] | Plates | ArrayLike,
+    feet: Foot | Sequence[Foot] | Plates | ArrayLike,
     scene: Scene | None = None,
     accuracy: Accuracy | str = "standard",
     objectives: Sequence[str] = FIVE,
@@ -306,7 +306,8 @@ def evaluate(
 
     Parameters
     ----------
-    feet : a sequence of `Foot`; or waypoint heights (designs, n) in `space` (default: the paper's).
+    feet : a `Foot` or a sequence of them; or waypoint heights (designs, n) in `space` (default: the
+        paper's).
     scene, accuracy : as in `simulate`.
     objectives : names from `footopt.walker.objectives.OBJECTIVES`.
     threads : how many to use; by default as many as the process may run on.
@@ -349,7 +350,8 @@ def estimate_error(
 
     The difference to the walk with half the time step (under control: an eighth of the error that a
     step may have), twice the plates and half the creep speed, times 4/3: what is left of an error that
-    falls with the square of the first two. NaN where the walk or its refinement fails.
+    falls with the square of the first two. NaN where the walk or its refinement fails, and for a walk
+    that is too long to be refined (`ROWS`).
     """
     scene, accuracy = scene or Scene(), resolve(accuracy)
     finer = replace(
@@ -360,6 +362,8 @@ def estimate_error(
         creep=accuracy.creep / 2,
         name="refined",
     )
+    if pose_rows(scene, finer) > ROWS:
+        return dict.fromkeys(OBJECTIVES, math.nan)
     coarse, fine = (simulate(foot, scene, a).objectives for a in (accuracy, finer))
     return {name: 4.0 / 3.0 * abs(coarse[name] - fine[name]) for name in coarse}
 
@@ -458,6 +462,8 @@ def _chunks(feet: Any, scene: Scene, accuracy: Accuracy, space: Waypoints | None
         yield from (feet.take(slice(i, i + CHUNK)) for i in range(0, len(feet.x), CHUNK))
         return
     size = max(1, min(CHUNK, POINTS // (accuracy.plates * RULES[accuracy.rule])))
+    if isinstance(feet, Foot):
+        feet = [feet]
     if not isinstance(feet, Sequence):
         feet = np.atleast_2d(np.asarray(feet))
     if len(feet) == 0:
