@@ -236,6 +236,11 @@ class TestAccuracy:
             for name in ("stepper", "dt", "control", "plates", "creep", "rule"):
                 assert getattr(picked, name) == row[name]
 
+    def test_an_accuracy_is_called_what_it_is(self):
+        picked = build.make_accuracy(composed("accuracy.tolerance=0.02").accuracy)  # beside the default name
+        assert picked == fo.Accuracy.within(0.02)
+        assert picked.name == "within 0.02"
+
     def test_parts_of_an_accuracy_are_set_by_hand_over_a_preset(self):
         fine = fo.Accuracy.named("fine")
         mine = build.make_accuracy(composed("accuracy=fine", "accuracy.plates=300").accuracy)
@@ -294,6 +299,8 @@ BAD = {
     "study=simulate foot.k=[1,2,3]": "foot.k = '[1, 2, 3]': must be 11 heights",
     "hydra.run.dir=a_file": "a_file",
     "hydra.run.dir=a_file/below": "a_file",
+    "accuracy.name=fein": "accuracy.name = 'fein': must be one of draft, standard, fine, reference, custom.",
+    "study=accuracy study.feet=-60": "study.feet = -60: must be a whole number, 1 to 10,000",
     "accuracy.tolerance=1e-9": "accuracy.tolerance = 1e-09: must be at least",
     "study.finalists=0": "study.finalists = 0: must be a whole number >= 1",
     "study.confirm=best": "accuracy = 'best': must be one of",

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from rich.table import Table as RichTable
 
 from footopt.config import Config
+from footopt.errors import check
 from footopt.foot import Foot, Waypoints
 from footopt.report import figures, files, page, terminal
 from footopt.report.progress import progress
@@ -90,6 +91,7 @@ class Measurement:
 def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     """Measure all settings, write the table, the figure and the presets that follow."""
     out, clock = terminal.console(), terminal.clock()
+    check(1 <= config.study.feet <= 10_000, "study.feet", config.study.feet, "a whole number, 1 to 10,000")
     space = build.make_space(config.foot)
     base = build.make_scene(config)
     scenes = [replace(base, sand=Sand.named(name)) for name in SANDS]

@@ -205,18 +205,18 @@ def make_scene(config: Config) -> Scene:
 
 def make_accuracy(config: AccuracyConfig) -> Accuracy:
     """The accuracy of a configuration: a preset or a tolerance, and what is set by hand over it."""
+    names = (*PRESETS, "custom")
+    check(config.name in names, "accuracy.name", config.name, f"one of {', '.join(names)}")
     if config.tolerance is not None:
         accuracy = Accuracy.within(config.tolerance)
-    elif config.name in PRESETS:
-        accuracy = Accuracy.named(config.name)
     else:
-        accuracy = Accuracy()
+        accuracy = PRESETS.get(config.name, Accuracy())
     by_hand = {
         name: getattr(config, name)
         for name in ("stepper", "dt", "control", "plates", "creep", "rule")
         if getattr(config, name) is not None
     }
-    return replace(accuracy, **by_hand, name=config.name if not by_hand else "custom")
+    return replace(accuracy, **by_hand, name="custom") if by_hand else accuracy
 
 
 def _point(values: list[float]) -> tuple[float, float]:
