@@ -20,8 +20,8 @@ from footopt.sand.effects import EFFECTS, Effect, LeadingEdge
 from footopt.studies import build
 from footopt.studies.auto import COMPILING, entry, tolerance
 from footopt.studies.simulate import scene_entry
-from footopt.walker import FIVE, Scene
-from footopt.walker.audit import Audit, audit, percent
+from footopt.walker import FIVE, Scene, evaluate
+from footopt.walker.audit import Audit, audit, percent, switched
 
 #: The leading edge is always audited on these: faces that trail do a fifth to a half of the work.
 SANDS = ("soft", "regular", "hard")
@@ -36,7 +36,10 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     feet = space.random(config.study.feet, seed=config.solver.seed, inside=True)
     pairs = candidates(scene)
     found: list[Audit] = []
-    with progress(out, len(pairs), "effect") as step, terminal.told_if_slow(out, COMPILING):
+    with terminal.told_if_slow(out, COMPILING):
+        for walked in dict.fromkeys(scene for pair in pairs for scene in switched(*pair)):
+            evaluate(feet[:1], walked, accuracy, space=space)
+    with progress(out, len(pairs), "effect") as step:
         for effect, where in pairs:
             found.append(audit(effect, where, feet, accuracy, limit, space))
             step(news=f"{found[-1].name.replace('_', ' ')} on {where.sand.name} sand")

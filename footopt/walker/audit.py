@@ -114,9 +114,7 @@ def audit(
     tolerance : the relative change of an objective that matters.
     repeats : of the walks, alternating, of which the median time counts.
     """
-    accuracy = resolve(accuracy)
-    others = tuple(e for e in scene.effects if not isinstance(e, type(effect)))
-    scenes = replace(scene, effects=others), replace(scene, effects=(*others, effect))
+    accuracy, scenes = resolve(accuracy), switched(effect, scene)
     tables = [evaluate(feet, s, accuracy, space=space) for s in scenes]  # compiled, poses made
     seconds: list[list[float]] = [[], []]
     for _ in range(repeats):
@@ -142,6 +140,12 @@ def audit(
         cost=statistics.median(b / a for a, b in zip(*seconds, strict=True)),
         tolerance=tolerance,
     )
+
+
+def switched(effect: Effect, scene: Scene) -> tuple[Scene, Scene]:
+    """A scene without an effect, and with it in place of one of its kind."""
+    others = tuple(e for e in scene.effects if not isinstance(e, type(effect)))
+    return replace(scene, effects=others), replace(scene, effects=(*others, effect))
 
 
 def _tau(a: Array, b: Array) -> float:
