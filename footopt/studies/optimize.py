@@ -138,9 +138,8 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     terminal.print_validity(out, diagnostics)
     terminal.everything_is_in(out, folder, clock())
     if result.interrupted:
-        raise KeyboardInterrupt(
-            f"after generation {len(result.history)} of {solver.n_gen}, with a full report"
-        )
+        done, every = len(result.history), solver.generations(problem.space)
+        raise KeyboardInterrupt(f"after {unit} {done} of {every}, with a full report")
 
 
 def draw(result: SearchResult, marked: int, best: Foot, walk: Walk, flat: Walk, folder: Path) -> None:
