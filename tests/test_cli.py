@@ -300,6 +300,7 @@ BAD = {
     "hydra.run.dir=a_file": "a_file",
     "hydra.run.dir=a_file/below": "a_file",
     "accuracy.name=fein": "accuracy.name = 'fein': must be one of draft, standard, fine, reference, custom.",
+    "study=sensitivity engine.threads=-1": "engine.threads = -1: must be a whole number >= 1 and <= 4096",
     "study=accuracy study.feet=-60": "study.feet = -60: must be a whole number, 1 to 10,000",
     "accuracy.tolerance=1e-9": "accuracy.tolerance = 1e-09: must be at least",
     "study.finalists=0": "study.finalists = 0: must be a whole number >= 1",

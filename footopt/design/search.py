@@ -220,7 +220,7 @@ def confirm(result: SearchResult, accuracy: Accuracy | str, finalists: int = 20)
 
     The finalists are the best feasible designs by the single objective, or by J_W on the front.
     """
-    check(1 <= finalists <= 10_000, "study.finalists", finalists, "a whole number >= 1 and <= 10,000")
+    check_finalists(finalists)
     accuracy, problem = resolve(accuracy), result.problem
     column = problem.record.index(problem.guide)
     sign = -1.0 if OBJECTIVES[problem.guide].maximise else 1.0
@@ -239,6 +239,11 @@ def confirm(result: SearchResult, accuracy: Accuracy | str, finalists: int = 20)
         agrees=bool(chosen[order][0] == result.best),
         largest_change=float(np.nanmax(change)),
     )
+
+
+def check_finalists(finalists: int) -> None:
+    """Raise unless so many designs can be walked again: `confirm`, before the search that it follows."""
+    check(1 <= finalists <= 10_000, "study.finalists", finalists, "a whole number >= 1 and <= 10,000")
 
 
 @dataclass(frozen=True)

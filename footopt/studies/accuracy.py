@@ -30,7 +30,7 @@ from footopt.sand import Sand, alpha
 from footopt.studies import build
 from footopt.walker import FIVE, Accuracy, Scene, evaluate, simulate
 from footopt.walker.scene import PRESETS, TABLE_COLUMNS
-from footopt.walker.simulate import available_threads
+from footopt.walker.simulate import at_once
 from footopt.walker.steppers import STEPPERS
 
 Array = NDArray[np.float64]
@@ -103,7 +103,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     threads = config.engine.threads
     limits, measured, independent = [], [], []
     # all at once: on all threads, or on one
-    spread = {a: effort(a) * len(feet) / (threads or available_threads()) for a in (limit, in_time)}
+    spread = {a: effort(a) * len(feet) / at_once(threads) for a in (limit, in_time)}
     single = {a: effort(a) * len(feet) * len(scenes) for a in grid}
     lsoda = QUICK_LSODA if config.study.quick else LSODA
     work = len(scenes) * (sum(spread.values()) + lsoda) + sum(single.values())

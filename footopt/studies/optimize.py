@@ -20,7 +20,7 @@ from footopt.design import (
     search,
 )
 from footopt.design.exhaustive import Enumeration, check_size
-from footopt.errors import check
+from footopt.design.search import check_finalists
 from footopt.foot import Foot
 from footopt.foot.solid import write_all
 from footopt.report import figures, files, film, page, terminal
@@ -54,12 +54,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         check_size(problem)
     else:
         solver.build(problem.n_obj)
-    check(
-        1 <= config.study.finalists <= 10_000,
-        "study.finalists",
-        config.study.finalists,
-        "a whole number >= 1 and <= 10,000",
-    )
+    check_finalists(config.study.finalists)
     finer = Accuracy.named(config.study.confirm) if config.study.confirm else problem.accuracy
     flat = Foot.flat(problem.space)
     e = config.engine

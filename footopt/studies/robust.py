@@ -30,6 +30,7 @@ from footopt.design import (
     search,
 )
 from footopt.design.robust import RobustProblem, regret
+from footopt.design.search import check_finalists
 from footopt.design.workers import Engine
 from footopt.errors import FootoptError, SettingError, check
 from footopt.foot import Foot
@@ -90,12 +91,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     solver = Solver(c.name, c.pop_size, min(c.n_gen, QUICK_GENERATIONS) if study.quick else c.n_gen, c.seed)
     accuracy = build.make_accuracy(config.accuracy)
     finer = Accuracy.named(study.confirm) if study.confirm else accuracy
-    check(
-        1 <= study.finalists <= 10_000,
-        "study.finalists",
-        study.finalists,
-        "a whole number >= 1 and <= 10,000",
-    )
+    check_finalists(study.finalists)
     judge = RobustProblem(
         scenarios, config.objective.names, build.make_space(config.foot), accuracy, config.engine.threads,
         study.measure, study.tail,

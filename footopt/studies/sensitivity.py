@@ -33,7 +33,7 @@ from footopt.studies import build
 from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walker import FIVE, Accuracy, Scene, evaluate
 from footopt.walker.scenarios import COLUMNS, Spread, vary
-from footopt.walker.simulate import available_threads
+from footopt.walker.simulate import at_once
 
 Array = NDArray[np.float64]
 
@@ -223,7 +223,7 @@ def _walk_all(
 ) -> Array:
     """Values of every row, (rows, objectives)."""
     walked = []
-    with ThreadPoolExecutor(threads or available_threads()) as pool:
+    with ThreadPoolExecutor(at_once(threads)) as pool:
         for found in pool.map(setting.walk, normals):
             walked.append(found)
             step()

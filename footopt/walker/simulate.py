@@ -453,6 +453,12 @@ def available_threads() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+def at_once(given: int | None, setting: str = "engine.threads") -> int:
+    """How many threads or workers there are to be; None: as many as the process may run on."""
+    check(given is None or 1 <= given <= 4096, setting, given, "a whole number >= 1 and <= 4096 (null: all)")
+    return available_threads() if given is None else given
+
+
 def _chunks(feet: Any, scene: Scene, accuracy: Accuracy, space: Waypoints | None) -> Iterator[Plates]:
     """The feet's plates, a bounded number of designs at a time."""
     directed = effects.laws(scene.effects).directed
@@ -519,8 +525,7 @@ def _run(
             1 if sink else None,
         )  # fmt: skip
 
-    workers = available_threads() if threads is None else threads
-    check(1 <= workers <= 4096, "engine.threads", threads, "a whole number >= 1 and <= 4096 (null: all)")
+    workers = at_once(threads)
     blocks = range(0, designs, BLOCK)
     if workers == 1 or len(blocks) == 1:
         for begin in blocks:

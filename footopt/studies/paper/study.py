@@ -39,7 +39,7 @@ from footopt.studies.paper.sweep import (
 from footopt.studies.shapes import make_shapes, walk_shapes
 from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walker import OBJECTIVES, Accuracy, Scene, Walk, simulate
-from footopt.walker.simulate import available_threads
+from footopt.walker.simulate import at_once
 from footopt.walker.validity import diagnose
 
 Array = NDArray[np.float64]
@@ -205,12 +205,12 @@ def moves_feet(chosen: Sequence[Factor], change: Change) -> bool:
 
 def searching(pop_size: int, n_gen: int, threads: int | None) -> float:
     """About how long a search takes, in walks of a design: pymoo's part is not shared by threads."""
-    return n_gen * (pop_size / (threads or available_threads()) + PYMOO)
+    return n_gen * (pop_size / at_once(threads) + PYMOO)
 
 
 def effort(budget: Budget, threads: int | None, searches: bool) -> float:
     """About how long one change of the sweep takes, in walks of a design."""
-    fine = EVIDENCE / (threads or available_threads())
+    fine = EVIDENCE / at_once(threads)
     return fine + (len(SANDS) * searching(*budget.sweep, threads) if searches else 0.0)
 
 
@@ -243,7 +243,7 @@ def sweep(
         return measure(setup.evidence(feet))
 
     rows = np.full((len(jobs), len(CLAIMS)), np.nan)
-    with ThreadPoolExecutor(threads or available_threads()) as pool:
+    with ThreadPoolExecutor(at_once(threads)) as pool:
         futures = {pool.submit(margins, job): i for i, job in enumerate(jobs)}
         try:
             for future in as_completed(futures):
