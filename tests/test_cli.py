@@ -236,6 +236,13 @@ class TestAccuracy:
             for name in ("stepper", "dt", "control", "plates", "creep", "rule"):
                 assert getattr(picked, name) == row[name]
 
+    def test_a_sand_is_called_what_it_is(self):
+        for words, name in (
+            ("sand=hard", "hard"), ("sand=hard sand.zeta=5", "hard"), ("sand.zeta=2.5", "custom"),
+            ("sand=soft sand.coefficients.A00=0.3", "custom"), ("sand.name=dune sand.zeta=1.4", "dune"),
+        ):  # fmt: skip
+            assert build.make_sand(composed(*words.split()).sand).name == name
+
     def test_an_accuracy_is_called_what_it_is(self):
         picked = build.make_accuracy(composed("accuracy.tolerance=0.02").accuracy)  # beside the default name
         assert picked == fo.Accuracy.within(0.02)

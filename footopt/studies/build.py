@@ -14,7 +14,7 @@ from footopt.errors import SettingError, check
 from footopt.foot import Foot, Waypoints
 from footopt.gait import Gait
 from footopt.gait.files import Strides, read, read_strides
-from footopt.sand import Sand, StressMap
+from footopt.sand import GENERIC, MEDIA, Sand, StressMap
 from footopt.sand.effects import EFFECTS, Effect
 from footopt.walker import PRESETS, Accuracy, Scene, Spread, Walker
 
@@ -63,11 +63,13 @@ def make_sand(config: SandConfig) -> Sand:
     """The sand of a configuration."""
     stress_map = StressMap(**asdict(config.coefficients))
     if config.table is None:
-        return Sand(zeta=config.zeta, stress_map=stress_map, name=config.name)
-    if stress_map != StressMap():
+        own = MEDIA.get(config.name, config.zeta) != config.zeta or stress_map != GENERIC
+        name = "custom" if own and config.name in MEDIA else config.name
+        return Sand(zeta=config.zeta, stress_map=stress_map, name=name)
+    if stress_map != GENERIC:
         raise SettingError("sand.table", config.table, "null when sand.coefficients are changed")
     fitted = Sand.from_table(config.table, zeta=config.zeta)
-    return fitted if config.name == "custom" else replace(fitted, name=config.name)
+    return fitted if config.name in ("custom", *MEDIA) else replace(fitted, name=config.name)
 
 
 def make_gait(config: GaitConfig) -> Gait:
