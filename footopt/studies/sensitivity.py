@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from rich.table import Table as RichTable
 
 from footopt.config import Config
-from footopt.errors import FootoptError, check
+from footopt.errors import FootoptError, check, needed
 from footopt.foot import Foot
 from footopt.report import files, page, terminal
 from footopt.report.figures import save
@@ -199,13 +199,10 @@ def analyse(
 
 
 def _salib() -> tuple[Any, Any]:
-    try:
-        from SALib.analyze import sobol as analyse_sobol
-        from SALib.sample import sobol as sample_sobol
-    except ImportError:
-        raise FootoptError(
-            'study=sensitivity needs SALib, which is not installed. Try: pip install "footopt[sensitivity]"'
-        ) from None
+    needed("SALib.sample", "study=sensitivity", "sensitivity")
+    from SALib.analyze import sobol as analyse_sobol
+    from SALib.sample import sobol as sample_sobol
+
     return sample_sobol.sample, analyse_sobol.analyze
 
 

@@ -162,7 +162,7 @@ function build() {
     found?.mark(i);
     const place = data.walks ? data.walks.findIndex((walk) => walk.design === i) : -1;
     if (walks && place >= 0) walks.show(place);
-    unwalked.textContent = walks && place < 0 ? `No walk of ${label(i)} is on this page (${data.walks.length - 2} of the designs beside the best are); footopt study=simulate foot.k=[${heights(i)}] walks with it.` : "";
+    unwalked.textContent = walks && place < 0 ? `No walk of ${label(i)} is on this page (${data.walks.length - 2} of the designs beside the best are); footopt study=simulate foot.k=[${heights(i)}] walks with it, with this run's own sand and other settings beside.` : "";
   };
   const unwalked = design.section.appendChild(el("p", { class: "note", id: "unwalked" }));
   const sections = [];
