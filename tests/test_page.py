@@ -522,6 +522,9 @@ class TestFile:
         np.testing.assert_allclose(back.reshape(packed["shape"]), values, rtol=0, atol=error)
         whole = page.packed(np.arange(-5, 300))
         assert (whole["low"], whole["step"]) == (-5, 1)
+        large = page.packed(np.array([1, 70_000, 99_999, 1_000_000]))  # heights of foot.K = 1e6
+        kept = np.frombuffer(base64.b64decode(large["data"]), "<f4")
+        assert (large["step"], kept.tolist()) == (0.0, [1, 70_000, 99_999, 1_000_000])
 
     def test_a_name_cannot_break_out_of_the_page(self, tmp_path):
         evil = "</script><script>alert(1)</script>"

@@ -410,16 +410,17 @@ def _traces(walk: Walk, frames: int) -> dict[str, Any]:
 def packed(values: ArrayLike, exact: bool = False) -> dict[str, Any]:
     """An array as the page reads it.
 
-    Whole numbers that fit 16 bits stay exact; other values are rounded to 1/65535 of their range, or,
-    with `exact`, to 32-bit floats (which keep a NaN).
+    Whole numbers stay exact up to 2^24; other values are rounded to 1/65535 of their range, or, with
+    `exact`, to 32-bit floats (which keep a NaN).
     """
     array = np.asarray(values)
-    if exact:
+    large = array.size and np.issubdtype(array.dtype, np.integer) and np.ptp(array) > 65535
+    if exact or large:
         whole, low, step = array.astype("<f4"), 0.0, 0.0
     else:
         low, high = (float(array.min()), float(array.max())) if array.size else (0.0, 0.0)
-        fits = np.issubdtype(array.dtype, np.integer) and high - low <= 65535
-        step = 1.0 if fits or high == low else (high - low) / 65535
+        fits = np.issubdtype(array.dtype, np.integer) or high == low
+        step = 1.0 if fits else (high - low) / 65535
         whole = np.round((array - low) / step).astype("<u2")
     data = base64.b64encode(whole.tobytes()).decode("ascii")
     return {"shape": array.shape, "low": low, "step": step, "data": data}
