@@ -10,7 +10,6 @@ the law, which shares no code with the compiled walk.
 from __future__ import annotations
 
 import itertools
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -29,6 +28,7 @@ from footopt.report.work_precision import work_precision
 from footopt.sand import Sand, alpha
 from footopt.studies import build
 from footopt.walker import FIVE, Accuracy, Scene, evaluate, simulate
+from footopt.walker.audit import own_time
 from footopt.walker.scene import PRESETS, TABLE_COLUMNS
 from footopt.walker.simulate import at_once
 from footopt.walker.steppers import STEPPERS
@@ -211,9 +211,9 @@ def measure(
     errors, worst, in_time, seconds = [], [], [], 0.0
     evaluate(feet[:1], scenes[0], accuracy, space=space, threads=1)  # compiled, pose table made
     for scene, reference, other in zip(scenes, references, same_plates, strict=True):
-        started = time.thread_time()  # of this thread alone, whatever else the machine does
+        started = own_time()
         values = _values(feet, scene, accuracy, space, 1)
-        seconds += time.thread_time() - started
+        seconds += own_time() - started
         error = _error(values, reference)
         errors.append(np.percentile(error, QUANTILE, axis=0))
         worst.append(np.percentile(error.max(axis=1), QUANTILE))
