@@ -57,6 +57,12 @@ def test_a_gif_has_the_nearest_rate_that_it_can_have():
     ]  # fmt: skip
 
 
+def test_a_gif_that_would_fill_the_memory_is_refused(walk, tmp_path):
+    with pytest.raises(SettingError, match=r"speed = 0\.001: .* at most 2000 frames, not 32"):
+        walk.animate(tmp_path / "walk.gif", speed=0.001)
+    assert not list(tmp_path.iterdir())
+
+
 def test_times_end_with_the_walk(walk):
     t = film.times(walk, 25, 0.5)
     assert t[0] == walk.t[0]

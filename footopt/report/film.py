@@ -22,6 +22,7 @@ from footopt.walker import Walk
 
 Array = NDArray[np.float64]
 
+FRAMES = 2000  # of a GIF, at most: they are in memory until it is written, about a megabyte each
 WIDEST = 3.0  # times its height: a longer walk is followed by the camera
 
 
@@ -60,14 +61,21 @@ def write(walk: Walk, path: str | Path, fps: int = 25, speed: float = 0.5, dpi: 
     path = check_film(path, fps, speed, dpi)
     if len(walk.t) == 0:
         raise FootoptError(f"{path}: there is nothing to film, the walk failed at once: {walk.reason}.")
-    figure, show = scene_of(walk, speed)
     kind: Any
     kind, rate = (PillowWriter, gif_rate(fps)) if path.suffix.lower() == ".gif" else (FFMpegWriter, fps)
-    writer = kind(rate)
+    at = times(walk, rate, speed)
+    check(
+        len(at) <= FRAMES or kind is not PillowWriter,
+        "speed",
+        speed,
+        f"such that a GIF has at most {FRAMES} frames, not {len(at)}",
+        "Make an .mp4, or film a shorter walk.",
+    )
+    (figure, show), writer = scene_of(walk, speed), kind(rate)
     unfinished = path.with_name(f".unfinished-{path.name}")  # the writers go by the ending
     try:
         with writer.saving(figure, str(unfinished), dpi):
-            for t in times(walk, rate, speed):
+            for t in at:
                 show(t)
                 writer.grab_frame()
         os.replace(unfinished, path)
