@@ -235,9 +235,11 @@ def settings_kept(settings: DictConfig, folder: Path) -> Iterator[None]:
 
 def unchosen(error: Exception, given: Sequence[str]) -> Exception:
     """What OmegaConf means when it cannot assign a setting of an effect that is not chosen."""
-    word = next((word for word in given if re.match(r"\+*effects\.\w+\.", word)), None)
-    if word is None or not isinstance(error, AssertionError):
+    words = [word for word in given if re.match(r"\+*effects\.\w+\.", word)]
+    if not words or not isinstance(error, AssertionError):
         return error
+    chosen = " ".join(word for word in given if re.match(r"\+*effects=", word))
+    word = next((word for word in words if word.split(".")[1] not in chosen), words[0])
     setting, _, value = word.partition("=")
     effect = setting.split(".")[1]
     return SettingError(setting, value, "a setting of an effect that is chosen", f"Add effects={effect}.")

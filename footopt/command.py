@@ -53,7 +53,8 @@ def check_words(words: Sequence[str], conf: Path) -> None:
                 _check_choice(name, value, groups[name], sweeps)
             elif name not in SHORT and "@" not in name and "/" not in name:
                 _check_value(name, value, sweeps, groups)
-    _check_effects(words, conf)
+    if not any(word.startswith("resume=") for word in words):  # its effects are those of that run
+        _check_effects(words, conf)
 
 
 def _check_flag(word: str, groups: Mapping[str, Sequence[str]]) -> None:
@@ -136,6 +137,10 @@ def _settings(kind: Any = Config, prefix: str = "") -> dict[str, Any]:
 
 def _check_value(name: str, value: str, sweeps: bool, groups: Mapping[str, Sequence[str]]) -> None:
     known = _settings()
+    if inside := [key for key in known if key.startswith(f"{name}.")]:
+        if value == "null" or "$" in value or (value.startswith("{") and not name.startswith("effects.")):
+            return
+        raise FootoptError(f"{name}: holds several settings. Try {inside[0]}=...; all: {', '.join(inside)}.")
     if name not in known:
         raise FootoptError(f"{name}: there is no such setting. {_other_name(name, value, known, groups)}")
     kind = _bare(known[name])
@@ -178,7 +183,7 @@ def _other_name(name: str, value: str, known: Mapping[str, Any], groups: Mapping
     if close := meant(last, own):
         return f"Did you mean {own[close]}={value}?"
     if own:
-        return f"Those of {group}: {', '.join(own)}."
+        return f"Those of {group}: {', '.join(key.removeprefix(f'{group}.') for key in own.values())}."
     close = meant(name, known)
     return f"Did you mean {close}={value}?" if close else "footopt --help lists all settings."
 
