@@ -96,7 +96,7 @@ class Panel(PlainAxes):
     """Axes that a notebook shows with their figure, which pyplot does not know of."""
 
     def _repr_png_(self) -> bytes:
-        return _png(self.get_figure(root=True))
+        return _png(self.get_figure())
 
 
 def plot(shown: Any, axes: Axes | None = None, what: str | None = None) -> Axes:
