@@ -51,6 +51,7 @@ SMALL = {
     "optimize": SEARCH,
     "simulate": {"accuracy": "draft"},
     "export": {},
+    "compare": {},
     "doctor": {},
     "shapes": {"accuracy": "draft"},
     "accuracy": {"study.feet": "2", "study.quick": "true"},
@@ -379,6 +380,8 @@ def real(word, place):
     key, _, value = word.partition("=")
     if key == "run":
         return f"run={place / 'earlier'}"
+    if key == "study.runs":
+        return f"study.runs=[{place / 'earlier'},{place / 'sweep1'}/*]"
     if key == "resume":
         parts = re.search(r"(sweep1)(/\d+)?$", value)
         return f"resume={place / ('sweep1' + ('/1' if parts[2] else '') if parts else 'earlier')}"

@@ -159,7 +159,7 @@ def test_the_page_over_jobs_keeps_their_names_as_text(name, walk, tmp_path, caps
         }  # fmt: skip
         (top / "0" / "result.json").write_text(json.dumps(result), encoding="utf-8")
         (top / "1" / "error.txt").write_text(f"footopt: {text}", encoding="utf-8")
-        assert summary.report(top, "error.txt") == 1
+        assert summary.report(top) == 1
         found = Elements((top / "report.html").read_text(encoding="utf-8"))
         tags.append(found.tags)
         assert not found.handlers

@@ -85,11 +85,23 @@ def pages(front, single, tmp_path_factory):
     (folder / "1" / "report.html").touch()
     (folder / "2").mkdir()
     (folder / "2" / "error.txt").write_text("sand.zeta = 0: must be a number > 0\n")
-    assert summary.report(folder, "error.txt") == 1
+    assert summary.report(folder) == 1
     (folder / "report.html").rename(folder / "jobs.html")
     contents["exact"] = page.search_content(*searched("work", "exhaustive", fo.Waypoints(n=4, K=3)))
     contents["no jobs"] = page.jobs_content(
-        [{"folder": folder / "9", "result": None, "settings": "", "hollow": "-", "note": "no result"}], []
+        folder,
+        [
+            {
+                "name": "job 9",
+                "place": "",
+                "folder": folder / "9",
+                "result": None,
+                "settings": "",
+                "hollow": "-",
+                "note": "no result",
+            }
+        ],
+        [],
     )
     (folder / "figures").mkdir()
     walk = fo.simulate(fo.Foot.flat(), accuracy="draft")
@@ -535,7 +547,7 @@ class TestFile:
         for i, (name, more) in enumerate(results.items()):
             (tmp_path / str(i)).mkdir()
             (tmp_path / str(i) / "result.json").write_text(json.dumps({"study": name, **more}))
-        assert summary.report(tmp_path, "error.txt") == 0
+        assert summary.report(tmp_path) == 0
         text = (tmp_path / "report.html").read_text()
         assert all(f"study={name}: see its own folder" in text for name in results)
 

@@ -10,10 +10,12 @@ from __future__ import annotations
 import base64
 import html
 import json
+import os
 from collections.abc import Mapping, Sequence
 from importlib.resources import files as resources
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -238,41 +240,42 @@ def _plain_table(table: RichTable) -> dict[str, Any]:
     }
 
 
-def jobs_content(jobs: Sequence[dict[str, Any]], common: Sequence[str]) -> dict[str, Any]:
-    """The page over the jobs of a multirun: their soles, values and traces side by side.
+def jobs_content(folder: Path, jobs: Sequence[dict[str, Any]], common: Sequence[str]) -> dict[str, Any]:
+    """The page over the jobs of a multirun, or other runs: soles, values and traces side by side.
 
     Parameters
     ----------
-    jobs : one a job: its `folder`, `settings`, `hollow` and `note`, and its `result` (what its
-        result.json says; None if it left none).
+    folder : that the page is for.
+    jobs : one a job: its `name` ("job 3"), `folder`, `place` (where it is, in words), `settings`,
+        `hollow` and `note`, and its `result` (what its result.json says; None if it left none).
     common : settings that all jobs share.
     """
     done = [job for job in jobs if job["result"] is not None]
-    names = [name for name in OBJECTIVES if any(name in job["result"]["objectives"] for job in done)]
+    # what not all have could not be compared
+    names = [name for name in OBJECTIVES if done and all(name in job["result"]["objectives"] for job in done)]
     values = [[job["result"]["objectives"].get(name) for name in names] for job in done]
     feet = [job["result"]["settings"]["foot"] for job in done]
     return {
-        "title": f"{len(jobs)} jobs",
+        "title": f"{len(jobs)} {jobs[0]['name'].split()[0]}s",
         "headline": [f"All with {' '.join(common)}"] if common else [],
         "columns": _columns(names),
         "jobs": [
             {
-                "job": job["folder"].name,
+                "name": job["name"],
+                "place": job["place"],
                 "settings": job["settings"],
                 "hollow": job["hollow"],
                 "note": job["note"],
                 "seed": (job["result"] or {}).get("seed"),
                 "seconds": (job["result"] or {}).get("wall_time_s"),
                 "design": done.index(job) if job in done else None,
-                "link": f"{job['folder'].name}/report.html"
-                if (job["folder"] / "report.html").is_file()
-                else None,
+                "link": _link(job["folder"] / "report.html", folder),
             }
             for job in jobs
         ],
         "designs": {
             "values": packed(np.array(values, float).reshape(len(done), len(names)), exact=True),
-            "labels": [f"job {job['folder'].name}" for job in done],
+            "labels": [job["name"] for job in done],
             # a walk that failed has no values to place it by
             "feasible": [int(not job["result"].get("reason")) for job in done],
             "reasons": [job["result"].get("reason", "") for job in done],
@@ -288,6 +291,11 @@ def jobs_content(jobs: Sequence[dict[str, Any]], common: Sequence[str]) -> dict[
             if (job["folder"] / "walk.nc").is_file()
         ],
     }
+
+
+def _link(path: Path, folder: Path) -> str | None:
+    """The address of a file, from a page in a folder; None if there is no such file."""
+    return quote(Path(os.path.relpath(path, folder)).as_posix()) if path.is_file() else None
 
 
 def _read_contour(path: Path) -> Array:

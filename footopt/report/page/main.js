@@ -88,19 +88,19 @@ function searchSection(choose) {
 /** A text that may run over several lines of a table. */
 const words = (text) => el("span", { class: "words" }, text);
 
-/** A multirun: its jobs in a table with their soles. */
+/** A multirun, or runs to compare: its jobs in a table with their soles. */
 function jobsSection(choose) {
-  const differ = data.columns;
-  return el("section", { id: "jobs" }, el("h2", {}, "The jobs"),
-    el("div", { class: "scroll", style: "max-height:none" }, table(["job", "settings", "sole", ...differ.map(named), "hollow (mm)", "seed", "time (s)"],
+  const differ = data.columns, what = data.jobs[0].name.split(" ")[0];
+  return el("section", { id: "jobs" }, el("h2", {}, `The ${what}s`),
+    el("div", { class: "scroll", style: "max-height:none" }, table([what, "settings", "sole", ...differ.map(named), "hollow (mm)", "seed", "time (s)"],
       data.jobs.map((job) => [
-        job.link ? el("a", { href: job.link }, `job ${job.job}`) : `job ${job.job}`,
-        el("div", {}, words(job.settings), job.note ? el("div", { class: "words warning" }, job.note) : ""),
-        job.design === null ? "" : el("button", { type: "button", "aria-label": `Choose the sole of job ${job.job}`, click: () => choose(job.design) },
+        job.link ? el("a", { href: job.link }, job.name) : job.name,
+        el("div", {}, words(job.settings), job.place ? el("div", { class: "words note" }, job.place) : "", job.note ? el("div", { class: "words warning" }, job.note) : ""),
+        job.design === null ? "" : el("button", { type: "button", "aria-label": `Choose the sole of ${job.name}`, click: () => choose(job.design) },
           soleDrawing(sole(job.design), { width: 120, height: 36, plain: true })),
         ...differ.map((_, c) => (job.design === null ? "–" : number(values[job.design * WIDTH + c]))),
         job.hollow, job.seed ?? "–", number(job.seconds)]))),
-    ...(data.jobs.some((job) => job.link) ? [el("p", { class: "note" }, "A job's link opens its own page, with its walk.")] : []));
+    ...(data.jobs.some((job) => job.link) ? [el("p", { class: "note" }, `A ${what}'s link opens its own page.`)] : []));
 }
 
 /** What the jobs' walks have in common to look at: traces over time, a colour and a dash for each job. */
