@@ -291,7 +291,7 @@ def jobs_content(folder: Path, jobs: Sequence[dict[str, Any]], common: Sequence[
         "top": [foot["top"] for foot in feet],
         "width": [foot["width"] for foot in feet],
         "best": 0,
-        "entry": {"versions": done[0]["result"]["versions"]} if done else {},
+        "entry": {"versions": done[0]["result"]["versions"]} if done else None,
         "traces": [  # a study of many scenarios leaves no walk
             {"design": i} | _read_traces(job["folder"] / "walk.nc")
             for i, job in enumerate(done)
