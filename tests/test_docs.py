@@ -410,6 +410,13 @@ RUN = {
 }
 
 
+def test_every_study_is_run_and_a_multirun():
+    """Each has to leave report.html there."""
+    studies = {word.partition("=")[2] for arguments in RUN for word in arguments if word.startswith("study=")}
+    assert studies | {"optimize"} == {*STUDIES}  # the one that needs no name
+    assert any("-m" in arguments for arguments in RUN)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("arguments", RUN.values(), ids=" ".join)
 def test_the_command_runs(arguments, place, monkeypatch, request):
@@ -441,6 +448,8 @@ def test_the_command_runs(arguments, place, monkeypatch, request):
         assert "Each run writes to its own folder" in text
         return
     left = {path for path in place.rglob("*") if path.is_file()} - before
+    ended = {path.parent for path in left if path.name in ("result.json", "summary.csv")}
+    assert all((folder / "report.html").is_file() for folder in ended)
     results = [json.loads(path.read_text()) for path in left if path.name == "result.json"]
     assert all(result.get("feasible", True) for result in results)
     if not any(word.startswith("resume=") for word in words):

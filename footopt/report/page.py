@@ -11,7 +11,7 @@ import base64
 import html
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from importlib.resources import files as resources
 from pathlib import Path
 from typing import Any
@@ -184,7 +184,8 @@ SCALE = 0.75  # of a figure's pixels: a wide one then fills the page
 
 #: What the foot of a page says of a study, of all that is in its result.json.
 FOOTER = (
-    "wall_time_s", "accuracy", "evaluations", "designs", "versions", "error_estimate", "settings", "scene",
+    "seed", "wall_time_s", "accuracy", "evaluations", "designs", "versions", "error_estimate", "settings",
+    "scene",
 )  # fmt: skip
 
 
@@ -195,27 +196,31 @@ def write_study(
     figures: Mapping[str, str],
     tables: Sequence[RichTable],
     entry: Mapping[str, Any],
+    warnings: Sequence[str] = (),
 ) -> Path:
     """Write the page of a study of many walks: its figures and tables as they are.
+
+    A cell of a table that is the name of a file in the folder is a link to it.
 
     Parameters
     ----------
     folder : of the run; its folder "figures" holds the figures as PNG.
     headline : what was found, a paragraph each.
     figures : what each shows, in words, by its name. tables : as the terminal shows them.
-    entry : what result.json says of the run.
+    entry : what result.json says of the run. warnings : a marked paragraph each.
     """
-    seed = entry.get("seed", entry["settings"].get("solver", {}).get("seed"))
+    files = {path.name for path in folder.iterdir() if path.is_file()}
     content = {
         "title": title,
         "headline": list(headline),
+        "warnings": list(warnings),
         "figures": [
             {"says": says, **_inline(folder / "figures" / f"{name}.png")} for name, says in figures.items()
         ],
-        "tables": [_plain_table(table) for table in tables],
+        "tables": [_plain_table(table, files) for table in tables],
         "columns": [],
         "designs": {"values": packed(np.empty((0, 0)), exact=True), "feasible": [], "reasons": []},
-        "entry": {name: entry[name] for name in FOOTER if name in entry} | {"seed": seed},
+        "entry": {name: entry[name] for name in FOOTER if name in entry},
     }
     return write(folder / "report.html", content)
 
@@ -228,14 +233,16 @@ def _inline(path: Path) -> dict[str, Any]:
     return {"source": f"data:image/png;base64,{data}", "width": round(width * SCALE)}
 
 
-def _plain_table(table: RichTable) -> dict[str, Any]:
-    """A terminal's table without its colours."""
-    columns = [[Text.from_markup(str(cell)).plain for cell in column.cells] for column in table.columns]
+def _plain_table(table: RichTable, files: Collection[str]) -> dict[str, Any]:
+    """A terminal's table as plain text; `bad`: which cells are bold there, `links`: which name a file."""
+    rows = list(zip(*(column.cells for column in table.columns), strict=True))
     return {
         "title": table.title,
         "head": [str(column.header).replace("\n", " ") for column in table.columns],
         "words": [column.justify != "right" for column in table.columns],
-        "rows": list(zip(*columns, strict=True)),
+        "rows": [[str(cell) for cell in row] for row in rows],
+        "bad": [[isinstance(cell, Text) and "bold" in str(cell.style) for cell in row] for row in rows],
+        "links": [[str(cell) in files for cell in row] for row in rows],
         "caption": table.caption,
     }
 
@@ -284,7 +291,7 @@ def jobs_content(folder: Path, jobs: Sequence[dict[str, Any]], common: Sequence[
         "top": [foot["top"] for foot in feet],
         "width": [foot["width"] for foot in feet],
         "best": 0,
-        "entry": {"versions": done[0]["result"]["versions"]} if done else {},
+        "entry": {"versions": done[0]["result"]["versions"]} if done else None,
         "traces": [  # a study of many scenarios leaves no walk
             {"design": i} | _read_traces(job["folder"] / "walk.nc")
             for i, job in enumerate(done)

@@ -1,16 +1,48 @@
-"""The table over the jobs of a multirun, or over any runs."""
+"""The end of a study of many walks, of a multirun, and of runs that are compared: printed and written."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
+
+from rich.table import Table
 
 from footopt.errors import ERROR_FILE, FileError
 from footopt.reading import read_json_file
 from footopt.report import page
-from footopt.report.files import write_csv
-from footopt.report.terminal import console, number, table
+from footopt.report.files import write_csv, write_json
+from footopt.report.terminal import console, everything_is_in, number, table
+
+
+def conclude(
+    folder: Path,
+    title: str,
+    said: Sequence[str],
+    figures: Mapping[str, str],
+    tables: Sequence[Table],
+    record: dict[str, Any],
+    about: Sequence[str] = (),
+    warnings: Sequence[str] = (),
+) -> None:
+    """Write result.json and report.html, print the tables and what is said of them, and where all is.
+
+    Parameters
+    ----------
+    figures : what each shows, in words, by its name in the folder "figures".
+    record : all of result.json, its `wall_time_s` among it.
+    about, warnings : for the page alone: what the terminal has shown before, or shows as an error.
+
+    Raises
+    ------
+    FileError : a file cannot be written; nothing is printed then.
+    """
+    write_json(folder / "result.json", record)
+    page.write_study(folder, title, [*about, *said], figures, tables, record, warnings)
+    out = console()
+    for part in (*tables, *said):
+        out.print(part)
+    everything_is_in(out, folder, record["wall_time_s"])
 
 
 def report(folder: Path) -> int:

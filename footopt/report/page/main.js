@@ -7,7 +7,8 @@ const flatEntry = entry.flat;
 function headline() {
   const lines = (data.headline ?? []).map((text) => el("p", {}, text));
   const warnings = (entry.warnings ?? []).map((text) => el("p", { class: "warning" }, `Outside what the theory is tested for: ${text}.`));
-  return [...lines, ...warnings];
+  const faults = (data.warnings ?? []).map((text) => el("p", { class: "warning" }, text));
+  return [...lines, ...warnings, ...faults];
 }
 
 /** The chosen design: its sole, its numbers, its files. */
@@ -85,8 +86,9 @@ function searchSection(choose) {
   return { section, draw, mark };
 }
 
-/** A text that may run over several lines of a table. */
-const words = (text) => el("span", { class: "words" }, text);
+/** A text (or an element) that may run over several lines of a table; a path breaks after a slash. */
+const words = (text) => el("span", { class: "words" },
+  ...(typeof text === "string" ? text.split(/(?<=\/)/).flatMap((part, i) => (i ? [el("wbr"), part] : [part])) : [text]));
 
 /** A multirun, or runs to compare: its jobs in a table with their soles. */
 function jobsSection(choose) {
@@ -125,8 +127,10 @@ function tracesSection() {
 function studySections() {
   const figures = data.figures.map(({ source, width, says }) =>
     el("figure", { class: "printed" }, el("img", { src: source, width, alt: says }), el("figcaption", {}, says)));
-  const tables = data.tables.flatMap(({ title, head, words: wordy, rows, caption }) => {
-    const made = table(head.map((text, c) => (wordy[c] ? words(text) : text)), rows.map((row) => row.map((cell, c) => (wordy[c] ? words(cell) : cell))));
+  const tables = data.tables.flatMap(({ title, head, words: wordy, rows, bad, links, caption }) => {
+    const shown = (cell, r, c) => links[r][c] ? el("a", { href: encodeURIComponent(cell) }, cell) : bad[r][c] ? el("strong", { class: "bad" }, cell) : cell;
+    const made = table(head.map((text, c) => (wordy[c] ? words(text) : text)),
+      rows.map((row, r) => row.map((cell, c) => (wordy[c] ? words(shown(cell, r, c)) : shown(cell, r, c)))));
     return [title ? el("h3", {}, title) : null, el("div", { class: "scroll" }, made), caption ? el("p", { class: "note" }, caption) : null];
   });
   return [
