@@ -28,7 +28,7 @@ from omegaconf.errors import OmegaConfBaseException
 
 from footopt.command import check_words
 from footopt.config import Config
-from footopt.errors import FileError, FootoptError, SettingError, one_line
+from footopt.errors import ERROR_FILE, FileError, FootoptError, SettingError, one_line
 from footopt.reading import read_yaml
 
 log = logging.getLogger("footopt")
@@ -45,7 +45,6 @@ FIXED = ("study", "study.name", "hydra.run.dir", "hydra.mode", "hydra.output_sub
 
 _wants_traceback = os.environ.get("HYDRA_FULL_ERROR") == "1"
 
-ERROR_FILE = "error.txt"  # left in the folder of a job of a multirun that failed
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 LAUNCHERS = ("submitit", "joblib")  # what their errors come from
 STOPPED = 130  # exit code after Ctrl-C, as of any program that a shell stops
@@ -95,7 +94,7 @@ class Summary(Callback):
         """Read what the jobs left in their folders."""
         from footopt.report import summary
 
-        Summary.failed = summary.report(Path(config.hydra.sweep.dir), ERROR_FILE)
+        Summary.failed = summary.report(Path(config.hydra.sweep.dir))
 
 
 def main() -> None:

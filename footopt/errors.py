@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from importlib import import_module
 from typing import Any
 
+ERROR_FILE = "error.txt"  # left in the folder of a job of a multirun that failed, with the message
 LONGEST = 480  # characters of a message; a longer one loses its middle
 
 

@@ -99,11 +99,13 @@ def read_text(path: str | Path, kind: str, setting: str) -> str:
 def read_table(path: str | Path, kind: str, setting: str) -> str:
     """The text of a table; also refused if its last number is cut off, as by a copy that broke off.
 
-    That is so where no line break ends the file, and its last cell has fewer decimals than any above it.
+    That is so where no line break ends the file, and its last cell has fewer decimals than any above it in
+    the file's second half.
     """
     text = read_text(path, kind, setting)
     decimals = [_decimals(line) for line in text.splitlines() if line.strip() and not line.startswith("#")]
-    if not text.endswith(("\n", "\r")) and len(decimals) > 3 and decimals[-1] < min(decimals[1:-1]):
+    above = decimals[max(len(decimals) // 2, 1) : -1]
+    if not text.endswith(("\n", "\r")) and len(decimals) > 3 and decimals[-1] < min(above):
         raise FileError(
             f"{named(path, setting)}: may be cut off: its last number has fewer decimals than all above it, "
             "and no line break ends it. Add one if the file is whole."

@@ -1,10 +1,15 @@
 """Feet and scenes that several test modules share."""
 
+import signal
+
 import pytest
 from hypothesis import settings
 
 import footopt as fo
 from footopt.walker.independent import RAMP
+
+# a shell that starts the tests in the background has them ignore Ctrl-C, and what they start inherits that
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 settings.register_profile("footopt", deadline=None, derandomize=True, database=None, max_examples=50)
 settings.load_profile("footopt")

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import ezdxf
 import numpy as np
-from motion_files import record, turned, write_mot, write_trc
+from motion_files import record, turned, write_mot, write_nexus, write_trc
 
 import footopt as fo
 from footopt.foot.export import write_csv, write_dxf, write_svg
@@ -61,6 +61,7 @@ def good_files(folder):
         "mot": write_mot(folder / "walk.mot", gait, OPENSIM, rate=60.0),
         "c3d": write_c3d(folder / "walk.c3d", t, places),
         "csv gait": write_gait_csv(folder / "walk.csv", gait, 4.4),
+        "csv markers": write_nexus(folder / "markers.csv", t, places),
         "csv stride": write_gait_csv(folder / "stride.csv", gait, 1.0),
         "json": Path(HUMAN),
         "dxf": write_dxf(FOOT, folder / "sole.dxf"),
@@ -284,6 +285,22 @@ def own_of_trc(content):
             ),
             OTHER,
         )
+
+
+def own_of_csv_markers(content):
+    text = content.decode()
+    for old, new in (
+        ("mm", "m"), ("mm", "cm"), ("mm", "MM"), ("mm", ""), ("Trajectories", "Model Outputs"), ("Frame", "Bild"),
+        ("Trajectories\r\n60", "Trajectories\r\n0"), ("Trajectories\r\n60", "Trajectories\r\n6000"),
+        ("Trajectories\r\n60", "Trajectories"), ("Sub Frame", "Subframe"), ("Sandra:", ""), ("X,Y,Z", "Y,X,Z"),
+        ("Sandra:R_", "Sandra:S_"), ("R_KJC", "R_AJC"), ("R_KJC", "R_HJC_"), ("R_HJC", "knee?"), (",", ";"),
+        (",", "\t"), (".", ","),
+    ):  # fmt: skip
+        change = SAME if new in ("MM", "Subframe") or old == "Sandra:" else OTHER
+        yield Case(f"{new!r} for {old!r}", text.replace(old, new).encode(), change)
+    for a, b in (("R_HJC", "R_AJC"), ("R_KJC", "R_AJC"), ("R_HJC", "R_KJC"), ("R_KJC", "R_Heel")):
+        exchanged = text.replace(a, "*").replace(b, a).replace("*", b)
+        yield Case(f"{a} and {b} exchanged", exchanged.encode(), OTHER)
 
 
 def own_of_mot(content):
@@ -536,7 +553,8 @@ def own_of_csv_sand(content):
 
 
 OWN = {
-    "csv gait": own_of_csv_gait, "csv stride": own_of_csv_gait, "trc": own_of_trc, "mot": own_of_mot,
+    "csv gait": own_of_csv_gait, "csv stride": own_of_csv_gait, "csv markers": own_of_csv_markers,
+    "trc": own_of_trc, "mot": own_of_mot,
     "json": own_of_json, "svg": own_of_svg, "dxf": own_of_dxf, "csv sole": own_of_csv_sole,
     "csv sand": own_of_csv_sand,
 }  # fmt: skip

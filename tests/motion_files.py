@@ -9,6 +9,11 @@ DIALECTS = {
     "opensim": (("R_HJC", "R_KJC", "R_AJC", "R_Heel", "R_MT2"), lambda n: "L" + n[1:]),
     "plug_in_gait": ((None, "RKNE", "RANK", "RHEE", "RTOE"), lambda n: "L" + n[1:]),
     "helen_hayes": ((None, "R.Knee.Lat", "R.Ankle.Lat", "R.Heel", "R.Toe.Tip"), lambda n: "L" + n[1:]),
+    "opencap": (("RHJC_study", "r_knee_study", "r_ankle_study", "r_calc_study", "r_toe_study"),
+                lambda n: n.replace("r_", "L_").replace("RHJC", "LHJC")),
+    "hbm": (("RGTRO", "RLEK", "RLM", "RHEE", "RMT2"), lambda n: "L" + n[1:]),
+    "bts": (("RHip", "RKneLat", "RAnkLat", "RHee", "RToe"), lambda n: "L" + n[1:]),
+    "ior": (("RGT", "RLE", "RLM", "RCA", "RSM"), lambda n: "L" + n[1:]),
     "words": (("Subject 1:hip_right", "Subject 1:knee_right", "Subject 1:ankle_right"),
               lambda n: n.replace("right", "left")),
 }  # fmt: skip
@@ -90,4 +95,42 @@ def write_mot(path, gait, names, knee_sign=1.0, degrees=True, said=True, strides
         head.append(f"inDegrees={'yes' if degrees else 'no'}")
     table = ["\t".join(f"{v:.8f}" for v in row) for row in rows]
     path.write_text("\n".join([*head, "endheader", "\t".join(["time", *names]), *table]) + "\n")
+    return path
+
+
+def write_nexus(path, t, places, before="", after=""):
+    """CSV as Vicon Nexus exports it: sections, names with the subject before a colon, mm."""
+    rate = round(1 / np.median(np.diff(t)))
+    lines = [
+        "Trajectories",
+        f"{rate}",
+        ",," + ",".join(f"Sandra:{name},," for name in places),
+        "Frame,Sub Frame," + ",".join("X,Y,Z" for _ in places),
+        ",," + ",".join("mm,mm,mm" for _ in places),
+    ]
+    for i in range(len(t)):
+        cells = ["" if np.isnan(v) else f"{1e3 * v:.6g}" for p in places.values() for v in p[i]]
+        lines.append(",".join([str(i + 101), "0", *cells]))
+    path.write_text(before + "\r\n".join([*lines, "", after]))
+    return path
+
+
+def write_motive(path, t, places, unit=("Meters", 1.0)):
+    """CSV as OptiTrack Motive exports it, with a solved rigid body before the measured markers."""
+    body, n = 7 * [""], len(places)
+    names = [name for name in places for _ in range(3)]
+    lines = [
+        f"Format Version,1.23,Take Name,walk,Capture Frame Rate,100.000000,Length Units,{unit[0]},"
+        "Coordinate Space,Global",
+        "",
+        ",".join(["", "", *(7 * ["Rigid Body"]), *(3 * ["Rigid Body Marker"]), *(3 * n * ["Marker"])]),
+        ",".join(["", "", *(7 * ["Pelvis"]), *(3 * ["Pelvis:Marker1"]), *(f'"{name}"' for name in names)]),
+        ",".join(["", "", *(7 * ["A1"]), *(3 * ["B2"]), *(f"C{i}" for i in range(3 * n))]),
+        ",".join(["", "", *(4 * ["Rotation"]), *((3 + 3 + 3 * n) * ["Position"])]),
+        ",".join(["Frame", "Time (Seconds)", *"XYZW", *((2 + n) * list("XYZ"))]),
+    ]
+    for i, now in enumerate(t):
+        cells = ["" if np.isnan(v) else f"{unit[1] * v:.6f}" for p in places.values() for v in p[i]]
+        lines.append(",".join([str(i), f"{now:.6f}", *body, "9", "9", "9", *cells]))
+    path.write_text("\n".join(lines) + "\n")
     return path

@@ -27,7 +27,7 @@ from footopt.gait.files.strides import LIMITS, PERIODS
 from footopt.studies.export import foot_of
 
 PATIENCE = 10.0  # s a file
-GAITS = ("trc", "mot", "c3d", "csv gait", "csv stride", "json")
+GAITS = ("trc", "mot", "c3d", "csv gait", "csv stride", "csv markers", "json")
 SOLES = ("dxf", "dxf lines", "svg", "csv sole")
 KINDS = (*GAITS, *SOLES, "csv sand")
 #: Formats that say nothing twice: of a changed number, only what no walk or sole can be is told.

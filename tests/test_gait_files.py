@@ -1,16 +1,20 @@
 """Gaits from a laboratory: the angles come back, whatever the file's dialect, or a message says why."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
-from motion_files import L1, L2, record, turned, write_mot, write_trc
+from motion_files import DIALECTS, L1, L2, record, turned, write_mot, write_motive, write_nexus, write_trc
 
 import footopt as fo
 from footopt.errors import FileError, SettingError
 from footopt.gait.files import Strides, read, read_strides
+from footopt.gait.files.markers import to_recording
+from footopt.gait.files.motion import read_c3d
 
 HUMAN = fo.Gait.human()
+TREADMILL = Path(__file__).parents[1] / "examples" / "gait" / "treadmill.c3d"
 OPENSIM = ("pelvis_tilt", "hip_flexion_r", "knee_angle_r", "ankle_angle_r")
 PATHS = tuple(
     f"/jointset/{joint}/{name}/value"
@@ -44,7 +48,7 @@ def trc(path, change=None, heading=0.0, up="y", unit=1000.0, units="mm", **optio
 
 
 class TestMarkers:
-    @pytest.mark.parametrize("dialect", ["opensim", "plug_in_gait", "helen_hayes", "words"])
+    @pytest.mark.parametrize("dialect", DIALECTS)
     def test_angles_come_back_in_every_dialect(self, tmp_path, dialect):
         gait = read(trc(tmp_path / "walk.trc", dialect=dialect))
         assert misfit(gait) < 0.3
@@ -172,6 +176,21 @@ class TestMarkers:
         path.write_text("\n".join([*lines, "", ""]))
         assert read(path).thigh == one.thigh
 
+    def test_a_part_cut_out_of_a_longer_recording_keeps_its_header(self, tmp_path):
+        """As OpenSim's own examples have it: 60 Hz, times to the millisecond, frames 185 to 402 of 900."""
+        path = trc(tmp_path / "walk.trc", rate=60.0)
+        lines = path.read_text().splitlines()
+        lines[2] = "60.00\t60.00\t       900\t41\tmm\t60.00\t1\t       900"
+        for i, line in enumerate(lines[6:], start=6):
+            frame, time, *cells = line.split("\t")
+            lines[i] = "\t".join([f"{int(frame) + 184}", f"{float(time) + 3.067:.3f}000", *cells, ""])
+        path.write_text("\n".join(lines) + "\n")
+        assert misfit(read(path)) < 0.5
+        assert read_strides(path).notes[:2] == (
+            "the header says 900 frames, and there are 382",
+            "the header says 41 markers, and there are 10",
+        )
+
     @pytest.mark.parametrize(
         ("spoil", "message"),
         [
@@ -179,7 +198,8 @@ class TestMarkers:
             (lambda s: s.replace("mm", "furlong"), "units are one of mm, .*says 'furlong'"),
             (lambda s: s.replace("\n10\t", "\n10\tx"), "TRC .line 16 is not numbers"),
             (lambda s: "\n".join(s.splitlines()[:6]), "holds no markers"),
-            (lambda s: "\n".join(s.splitlines()[:60]), "its header says numframes 636, and it holds 54"),
+            (lambda s: "\n".join(s.splitlines()[:60]), "not one whole stride"),
+            (lambda s: s[: s.rindex(".") + 3], "may be cut off: its last number"),
         ],
     )
     def test_what_is_no_such_file_is_named(self, tmp_path, spoil, message):
@@ -224,6 +244,105 @@ class TestC3d:
             (tmp_path / "walk.c3d").write_bytes(content)
         with pytest.raises(FileError, match=r"walk\.c3d.*cannot be read"):
             read(tmp_path / "walk.c3d")
+
+
+@pytest.fixture(scope="module")
+def markers():
+    pytest.importorskip("ezc3d")
+    return read_c3d(TREADMILL)
+
+
+class TestRealRecording:
+    """A person on a treadmill (examples/gait), against the angles that the laboratory's program computed."""
+
+    @pytest.mark.parametrize("side", ["right", "left"])
+    def test_angles_are_those_of_the_laboratory(self, markers, side):
+        """Vicon's model has centres of joints and turns about their axes; here are markers in a plane."""
+        found = to_recording(markers, TREADMILL, {}, side, 0.2)
+        knee, hip, pelvis = (
+            1e3 * markers.places[f"{side[0].upper()}{joint}Angles"][:, 0]
+            for joint in ("Knee", "Hip", "Pelvis")
+        )
+        for ours, theirs, sd, mean in (
+            (found.angles["knee"], knee, 1.5, 1.0),
+            (found.angles["thigh"], hip - pelvis, 1.2, 4.0),  # where a pelvis is level is a convention
+        ):
+            assert np.std(ours - theirs) < sd
+            assert abs(np.mean(ours - theirs)) < mean
+            assert np.ptp(theirs) > 35.0
+
+    @pytest.mark.parametrize(("side", "many"), [("right", 4), ("left", 5)])
+    def test_its_strides(self, side, many):
+        pytest.importorskip("ezc3d")
+        strides = read_strides(TREADMILL, side=side)
+        assert len(strides.periods) == many
+        assert strides.periods == pytest.approx(np.full(many, 1.135), abs=0.02)
+        gait = read(TREADMILL, side=side)
+        assert gait.foot is not None
+        assert all(rms < 1.0 for _, rms in gait.residual)
+
+    def test_both_legs_walk_alike(self):
+        pytest.importorskip("ezc3d")
+        phase = np.arange(100) / 100
+        right, left = (read(TREADMILL, side=side) for side in ("right", "left"))
+        for joint in ("thigh", "knee"):
+            apart = getattr(right, joint).at(phase)[0] - getattr(left, joint).at(phase)[0]
+            assert np.degrees(abs(apart)).max() < 6.0
+
+
+class TestCaptures:
+    """CSV of motion capture programs."""
+
+    def hidden(self):
+        t, places = record(HUMAN, "plug_in_gait")
+        places = turned(places, 180)
+        places["RKNE"][100:110] = np.nan
+        return t, places
+
+    @pytest.mark.parametrize(
+        ("before", "after"),
+        [
+            ("", ""),
+            ("Devices\n1000\n,,Force\nFrame,Sub Frame,Fx,Fy,Fz\n,,N,N,N\n1,0,1,2,3\n\n", ""),
+            (
+                "\n\n",
+                "Model Outputs\n100\n,,Sandra:LHipAngles\nFrame,Sub Frame,X,Y,Z\n,,deg,deg,deg\n1,0,1,2,3\n",
+            ),
+        ],
+    )
+    def test_vicon_nexus(self, tmp_path, before, after):
+        path = write_nexus(tmp_path / "walk.csv", *self.hidden(), before, after)
+        assert misfit(read(path)) < 0.4
+        assert read(path).period == pytest.approx(HUMAN.period, rel=2e-3)
+        assert any("knee: 10 frames in gaps" in note for note in read_strides(path).notes)
+
+    @pytest.mark.parametrize("unit", [("Meters", 1.0), ("Millimeters", 1e3)])
+    def test_optitrack_motive(self, tmp_path, unit):
+        path = write_motive(tmp_path / "walk.csv", *self.hidden(), unit)
+        assert misfit(read(path)) < 0.4
+        assert any("knee: 10 frames in gaps" in note for note in read_strides(path).notes)
+
+    @pytest.mark.parametrize(
+        ("spoil", "message"),
+        [
+            (lambda s: s.replace("Trajectories", "Model Outputs"), "no line is Trajectories"),
+            (lambda s: s.replace("\n100\n", "\nfast\n"), "could not convert string to float: 'fast'"),
+            (lambda s: s.replace("\n100\n", "\n0\n"), "it says 0 frames a second"),
+            (lambda s: s.replace("mm,mm,mm", "mm,cm,mm"), "lengths in mm and in cm"),
+            (lambda s: s.replace("mm,mm,mm", ",,"), "units are one of mm"),
+            (lambda s: "\n".join(s.splitlines()[:5]) + "\n", "it holds no frames"),
+            (lambda s: "\n".join(s.splitlines()[:4]) + "\n", "its header is not whole"),
+            (lambda s: s.replace("\n110,0,", "\n110,0,x"), "line 15: could not convert"),
+            (lambda s: s.replace("KNE", "4711"), "no marker for the right knee"),
+            (lambda s: s.replace("\n110,0,", "\n109,0,"), "with the time increasing"),
+        ],
+    )
+    def test_what_is_wrong_with_one_is_named(self, tmp_path, spoil, message):
+        path = write_nexus(tmp_path / "walk.csv", *self.hidden())
+        path.write_text(spoil(path.read_text()))
+        with pytest.raises((FileError, SettingError), match=message) as caught:
+            read(path)
+        assert "walk.csv" in str(caught.value)
 
 
 class TestMot:

@@ -151,7 +151,7 @@ def test_the_table_over_jobs_has_a_long_setting_whole_and_a_value_of_zero(walk, 
         "settings": {"foot": {"top": 0.0, "width": 0.1}}, "versions": {},
     }  # fmt: skip
     (tmp_path / "0" / "result.json").write_text(json.dumps(result))
-    assert summary.report(tmp_path, "error.txt") == 0
+    assert summary.report(tmp_path) == 0
     with open(tmp_path / "summary.csv", newline="") as file:
         (row,) = csv.DictReader(file)
     assert row["overrides"] == f"{setting} sand=soft"
@@ -179,7 +179,7 @@ def test_the_page_over_jobs_keeps_their_names_as_text(name, walk, tmp_path, caps
         }  # fmt: skip
         (top / "0" / "result.json").write_text(json.dumps(result), encoding="utf-8")
         (top / "1" / "error.txt").write_text(f"footopt: {text}", encoding="utf-8")
-        assert summary.report(top, "error.txt") == 1
+        assert summary.report(top) == 1
         found = Elements((top / "report.html").read_text(encoding="utf-8"))
         tags.append(found.tags)
         assert not found.handlers

@@ -22,7 +22,7 @@ from rich.table import Table as RichTable
 from footopt.config import Config
 from footopt.errors import check
 from footopt.foot import Foot, Waypoints
-from footopt.report import figures, files, page, terminal
+from footopt.report import figures, files, summary, terminal
 from footopt.report.progress import progress
 from footopt.report.work_precision import work_precision
 from footopt.sand import Sand, alpha
@@ -97,7 +97,8 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     scenes = [replace(base, sand=Sand.named(name)) for name in SANDS]
     feet = space.random(config.study.feet, seed=config.solver.seed, inside=True)
     grid = quick_grid() if config.study.quick else full_grid()
-    out.print(f"{len(grid)} settings, {len(feet)} feet inside their box, sands {', '.join(SANDS)}")
+    about = f"{len(grid)} settings, {len(feet)} feet inside their box, sands {', '.join(SANDS)}"
+    out.print(about)
     limit = quick_limit() if config.study.quick else LIMIT
     in_time = replace(limit, plates=PLATES, creep=1e-4)
     threads = config.engine.threads
@@ -130,6 +131,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     picks = {tolerance: cheapest(measured, tolerance) for tolerance in (0.02, 0.005, 0.0005)}
     record = {
         "study": "accuracy",
+        "seed": config.solver.seed,
         "feet": feet.tolist(),
         "orders": orders,
         "cheapest": {str(t): None if m is None else _row(m) for t, m in picks.items()},
@@ -138,7 +140,6 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "versions": files.versions(),
         "wall_time_s": clock(),
     }
-    files.write_json(folder / "result.json", record)
     shown, said = table(best), found_words(orders, picks)
     said += [
         f"{name} sand against SciPy's LSODA on the angle form: {100 * max(difference.values()):.4f} %"
@@ -148,11 +149,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "accuracy": "Error of the worst objective, for 95 % of the feet, against the time that a design "
         "takes, for every stepper, time step and number of plates; the presets are marked."
     }
-    page.write_study(folder, "What accuracy costs", said, says, [shown], record)
-    out.print(shown)
-    for line in said:
-        out.print(line)
-    terminal.everything_is_in(out, folder, clock())
+    summary.conclude(folder, "What accuracy costs", said, says, [shown], record, about=[about])
 
 
 def effort(accuracy: Accuracy) -> float:

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rich.table import Table
 from rich.text import Text
 
 from footopt.compiled import active, kept, processor
 from footopt.config import Config
 from footopt.errors import FileError, FootoptError
 from footopt.foot import Waypoints
-from footopt.report import files, terminal
+from footopt.report import files, summary, terminal
 from footopt.sand import Sand
 from footopt.walker import FIVE, STEPPERS, Scene, evaluate
 from footopt.walker.independent import LIMITS, RAMP, REFERENCE, SAME_PLATES
@@ -60,30 +61,35 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         for ask in (compiled_code, self_test):
             found += safely(ask, config)
     found += extras()
+    bad = [f for f in found if f.good is False]
+    record = {
+        "study": "doctor",
+        "findings": [asdict(f) for f in found],
+        "settings": settings,
+        "versions": files.versions(),
+        "wall_time_s": clock(),
+    }
+    title = f"{len(bad)} of {len(found)} findings {FAILED}" if bad else "Is all as it should be?"
+    said = [] if bad else ["All is as it should be."]
+    wrong = [f"{f.what}: {f.found}. {f.advice}" for f in bad]
     try:
-        files.write_json(
-            folder / "result.json",
-            {
-                "study": "doctor",
-                "findings": [asdict(f) for f in found],
-                "settings": settings,
-                "versions": files.versions(),
-                "wall_time_s": clock(),
-            },
-        )
+        summary.conclude(folder, title, said, {}, [table(found)], record, warnings=wrong)
     except FileError as error:
         advice = "Choose a folder that can be written: hydra.run.dir=..."
         found.append(Finding("results", str(error), False, advice))
+        wrong.append(f"results: {error}. {advice}")
+        out.print(table(found))
+    if wrong:
+        raise FootoptError(f"study=doctor: {len(wrong)} of {len(found)} findings {FAILED}: {' '.join(wrong)}")
+
+
+def table(found: Sequence[Finding]) -> Table:
+    """Findings for the terminal and the page."""
     words = ("", "found", "verdict")
     shown = terminal.table(words, words)
     for f in found:
         shown.add_row(f.what, f.found, Text(FAILED, style="bold red") if f.good is False else f.verdict)
-    out.print(shown)
-    if bad := [f for f in found if f.good is False]:
-        lines = "\n".join(f"  {f.what}: {f.found}. {f.advice}" for f in bad)
-        raise FootoptError(f"study=doctor: {len(bad)} of {len(found)} findings {FAILED}:\n{lines}")
-    out.print("All is as it should be.")
-    terminal.everything_is_in(out, folder, clock())
+    return shown
 
 
 def safely(ask: Callable[[Config], Iterator[Finding]], config: Config) -> Iterator[Finding]:
@@ -153,10 +159,12 @@ def self_test(config: Config) -> Iterator[Finding]:
     if not active():
         yield Finding("self-test", "skipped: it needs compiled code")
         return
+    started, walks = time.perf_counter(), 0
     for accuracy in ("standard", "reference", SAME_PLATES):
         name = accuracy if isinstance(accuracy, str) else accuracy.name
         for published in REFERENCE:
             walked = evaluate([RAMP], Scene(sand=Sand.named(published.sand)), accuracy, threads=1)
+            walks += 1
             difference = np.abs(walked.values[0] / np.array(published.objectives) - 1.0)
             worst, limit = float(difference.max()), LIMITS[name]
             where = FIVE[int(difference.argmax())].replace("_", " ")
@@ -167,3 +175,4 @@ def self_test(config: Config) -> Iterator[Finding]:
                 "Results cannot be trusted: install numba and numpy anew, clear the cache folder, or "
                 "report it with result.json.",
             )
+    yield Finding("self-test", f"{walks} walks in {time.perf_counter() - started:.2g} s")

@@ -11,7 +11,7 @@ from rich.table import Table
 
 from footopt.config import Config
 from footopt.errors import check
-from footopt.report import files, page, terminal
+from footopt.report import files, summary, terminal
 from footopt.report.effects_figure import changes
 from footopt.report.figures import save
 from footopt.report.progress import progress
@@ -49,6 +49,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     save(changes(found), folder / "figures", "effects")
     record = {
         "study": "effects",
+        "seed": config.solver.seed,
         "feet": feet.tolist(),
         **scene_entry(scene, accuracy, ()),
         "audit": [entry(a) for a in found],
@@ -57,15 +58,9 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "versions": files.versions(),
         "wall_time_s": clock(),
     }
-    files.write_json(folder / "result.json", record)
-    shown = table(found)
     verdicts = [f"{a.name.replace('_', ' ')} on {a.scene.sand.name} sand {a.verdict}" for a in found]
     says = {"effects": "What each effect changes in every objective, against the change that matters."}
-    page.write_study(folder, "What each effect changes", verdicts, says, [shown], record)
-    out.print(shown)
-    for line in verdicts:
-        out.print(line)
-    terminal.everything_is_in(out, folder, clock())
+    summary.conclude(folder, "What each effect changes", verdicts, says, [table(found)], record)
 
 
 def candidates(scene: Scene) -> list[tuple[Effect, Scene]]:

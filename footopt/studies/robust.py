@@ -36,7 +36,7 @@ from footopt.errors import FootoptError, SettingError, check
 from footopt.foot import Foot
 from footopt.foot.export import write_csv as write_contour
 from footopt.foot.export import write_dxf
-from footopt.report import figures, files, page, robust_figures, terminal
+from footopt.report import figures, files, robust_figures, summary, terminal
 from footopt.report.progress import progress, telling
 from footopt.studies import build
 from footopt.studies.simulate import foot_entry, scene_entry
@@ -155,14 +155,9 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "versions": files.versions(),
         "wall_time_s": clock(),
     }
-    files.write_json(folder / "result.json", record)
     shown, said = report(judge, compared, foot, fresh)
     says = {name: SAYS[name] for name in names}
-    page.write_study(folder, "One foot for everything", said, says, [shown], record)
-    out.print(shown)
-    for line in said:
-        out.print(line)
-    terminal.everything_is_in(out, folder, clock())
+    summary.conclude(folder, "One foot for everything", said, says, [shown], record)
 
 
 def make_scenarios(config: Config) -> tuple[Scene, tuple[Scenario, ...]]:

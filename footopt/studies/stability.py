@@ -28,7 +28,7 @@ from footopt.errors import FileError, SettingError
 from footopt.foot import Foot
 from footopt.gait import Fourier, Gait
 from footopt.gait.files import read
-from footopt.report import files, page, terminal
+from footopt.report import files, summary, terminal
 from footopt.report.figures import save
 from footopt.report.progress import progress
 from footopt.report.stability_figure import Cell, verdicts
@@ -621,7 +621,6 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "versions": files.versions(),
         "wall_time_s": clock(),
     }
-    files.write_json(folder / "result.json", record)
     said = [
         "Each cell: the measure nearest to its limit, or furthest beyond, and how often a stage was rescued "
         "(r) or the walk repeated with a shorter step (x). All the numbers: stability.csv, result.json."
@@ -637,11 +636,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "stability": "Which method is stable in which case, with the measure that decides; the table above "
         "has the same in words."
     }
-    page.write_study(folder, "What stays stable", said, says, [shown], record)
-    out.print(shown)
-    for line in said:
-        out.print(line)
-    terminal.everything_is_in(out, folder, clock())
+    summary.conclude(folder, "What stays stable", said, says, [shown], record)
 
 
 def entry(v: Verdict) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Gaits from files: coefficients (JSON), angles (CSV, MOT, STO) or markers (TRC, C3D)."""
+"""Gaits from files: coefficients (JSON), angles (CSV, MOT, STO) or markers (TRC, C3D, CSV)."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ from pathlib import Path
 from footopt.errors import SettingError, check
 from footopt.gait.cycle import Gait
 from footopt.gait.files.angles import HUMAN, read_csv, read_json
+from footopt.gait.files.captures import holds_markers, read_capture
 from footopt.gait.files.markers import to_recording
 from footopt.gait.files.motion import read_c3d, read_mot, read_trc
 from footopt.gait.files.strides import Strides, cut, fit, to_gait
 
 __all__ = ["HUMAN", "Strides", "fit", "read", "read_json", "read_strides", "to_gait"]
 
+MARKERS = {".trc": read_trc, ".c3d": read_c3d, ".csv": read_capture}
 ENDINGS = (".json", ".csv", ".trc", ".mot", ".sto", ".c3d")
 
 
@@ -52,13 +54,12 @@ def read_strides(
     check(side in (None, "right", "left"), "gait.side", side, "right, left or null")
     check(max_gap >= 0, "gait.max_gap", max_gap, "a time >= 0, in s")
     names, suffix = names or {}, Path(path).suffix.lower()
-    if suffix == ".csv":
-        return cut(read_csv(path, names))
     if suffix in (".mot", ".sto"):
-        return cut(read_mot(path, names, side))
-    if suffix in (".trc", ".c3d"):
-        markers = read_trc(path) if suffix == ".trc" else read_c3d(path)
-        return cut(to_recording(markers, path, names, side, max_gap))
+        return cut(read_mot(path, names, side), path)
+    if suffix == ".csv" and not holds_markers(path):
+        return cut(read_csv(path, names), path)
+    if suffix in MARKERS:
+        return cut(to_recording(MARKERS[suffix](path), path, names, side, max_gap), path)
     raise SettingError(
         "gait.path", str(path), f"a file that ends in {', '.join(ENDINGS[:-1])} or {ENDINGS[-1]}"
     )

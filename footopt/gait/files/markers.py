@@ -18,14 +18,16 @@ from footopt.gait.files.strides import Recording, wrong
 
 Array = NDArray[np.float64]
 
-#: Usual names without their side: Plug-in Gait, OpenSim, Helen Hayes, and of joint centres.
+#: Usual names without their side: joint centres, Plug-in Gait, OpenSim, OpenCap, Helen Hayes, HBM, CAST, IOR.
 USUAL = {
-    "hip": ("hjc", "hip", "hipjc", "hipcenter", "gtr", "gtroc", "gt", "troch", "trochanter"),
-    "knee": ("kjc", "kneejc", "kneecenter", "kne", "knee", "kneelat", "lfc", "lek", "fle"),
-    "ankle": ("ajc", "anklejc", "anklecenter", "ank", "ankle", "anklelat", "lmal", "lm", "fal"),
-    "heel": ("hee", "heel", "cal", "calc", "fcc"),
-    "toe": ("toe", "toetip", "mt2", "met2", "toemed", "fm2", "mt1", "mt5", "toelat", "fm1", "fm5"),
-}
+    "hip": ("hjc", "hip", "hipjc", "hipcenter", "gtr", "gtro", "gtroc", "gt", "ftc", "troch", "trochanter",
+            "greattrochanter"),
+    "knee": ("kjc", "kneejc", "kneecenter", "kne", "knee", "kneelat", "knelat", "lfc", "lek", "fle", "le"),
+    "ankle": ("ajc", "anklejc", "anklecenter", "ank", "ankle", "anklelat", "anklat", "lmal", "lm", "fal"),
+    "heel": ("hee", "heel", "cal", "calc", "fcc", "ca"),
+    "toe": ("toe", "toetip", "bigtoe", "mt2", "met2", "toemed", "fm2", "sm", "mt1", "mt5", "toelat", "fm1",
+            "fm5"),
+}  # fmt: skip
 ASIS, PSIS = ("asi", "asis", "ias"), ("psi", "psis", "ips")
 SACRUM = ("sacr", "sacral", "vsacral", "sacrum", "sac")
 SIDES = {"right": ("r", "right"), "left": ("l", "left")}
@@ -58,7 +60,7 @@ def to_recording(
             + " ".join(f"For the {part}, looked for {_looked_for(part, names, leg)}." for part in missing)
             + f" The file has {', '.join(markers.places)}. Name it with gait.names.{missing[0]}=...",
         )
-    notes = [f"the {leg} leg"]
+    notes = [*markers.notes, f"the {leg} leg"]
     places = _leg(markers, names, leg)
     other = "left" if leg == "right" else "right"
     if not _missing(markers, {}, other) and not names:
@@ -134,8 +136,10 @@ def _find(markers: Markers, prefixed: list[str], usual: tuple[str, ...], side: s
 
 
 def _plain(name: str) -> str:
-    """Letters and digits in lower case, without the subject that some programs put before a colon."""
-    return re.sub(r"[^a-z0-9]", "", name.rpartition(":")[2].lower())
+    """Letters and digits in lower case, without the subject that some programs put before a colon, or the
+    study that OpenCap puts at the end.
+    """
+    return re.sub(r"_study$|[^a-z0-9]", "", name.rpartition(":")[2].lower())
 
 
 def _looked_for(part: str, names: Mapping[str, str], side: str) -> str:

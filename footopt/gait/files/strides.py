@@ -19,6 +19,9 @@ MISFIT = 10.0  # deg; a larger one anywhere means a jump, or not one period
 ODD = 0.2  # a stride that is so much longer or shorter than the median is left out
 POINTS = 100  # steps of a stride's phase
 OPEN = 0.1  # of a joint's range that the ends of a single stride may differ by
+BENT = 0.4  # of a joint's largest speed that its speeds at the ends of a single stride may differ by
+LATE = 0.1  # of a single stride; a heel strike that is farther inside is where it ought to begin
+ENDS = 0.05  # of a single stride over which these speeds are taken
 PERIODS = (0.2, 5.0)  # of a stride, s: a sprinter's is .45; anything else is a mistake in the units
 #: What a joint of a walker can do, deg; a table in other units or with other columns leaves it.
 LIMITS = {"thigh": (-90.0, 120.0), "knee": (-12.0, 170.0), "foot": (-120.0, 120.0)}
@@ -126,14 +129,31 @@ class Strides(NamedTuple):
         return float(np.std(np.log(self.periods), ddof=1)), float(np.sqrt(np.mean(apart)))
 
 
-def cut(recording: Recording) -> Strides:
-    """The strides of a recording; a table without two heel strikes inside is one stride as it is."""
+def cut(recording: Recording, path: str | Path) -> Strides:
+    """The strides of a recording; one without two heel strikes inside must be one whole stride.
+
+    Raises
+    ------
+    FileError : it is less than one.
+    """
     t, notes = recording.t, list(recording.notes)
     begins = heel_strikes(recording)
     if len(begins) < 2:
-        phase = (t - t[0]) / (t[-1] - t[0])
+        phase, angles = (t - t[0]) / (t[-1] - t[0]), recording.angles
+        for joint, angle in angles.items():
+            if why := _open(phase, angle):
+                raise wrong(
+                    path,
+                    f"at the end of the stride the {joint} {why}: not one whole stride. Give one heel strike "
+                    "to the next, or several strides.",
+                )
         notes.append("one stride, from the first row to the last")
-        return Strides(phase, {j: v[None] for j, v in recording.angles.items()}, t[-1:] - t[0], tuple(notes))
+        strike = int(np.argmax(_ankle_ahead(*(np.radians(angles[j][:-1]) for j in ("thigh", "knee")))))
+        if LATE < phase[strike] < 1.0 - LATE:
+            notes.append(f"the heel strikes at {100 * phase[strike]:.0f} % of it, where it now begins")
+            phase = np.append(np.roll((phase[:-1] - phase[strike]) % 1.0, -strike), 1.0)
+            angles = {j: np.append(np.roll(v[:-1], -strike), v[strike]) for j, v in angles.items()}
+        return Strides(phase, {j: v[None] for j, v in angles.items()}, t[-1:] - t[0], tuple(notes))
     lengths = np.diff(begins)
     good = abs(lengths / np.median(lengths) - 1.0) <= ODD
     phase = np.arange(POINTS + 1) / POINTS
@@ -153,7 +173,7 @@ def heel_strikes(recording: Recording) -> Array:
     t = np.linspace(recording.t[0], recording.t[-1], len(recording.t))
     rate = (len(t) - 1) / (t[-1] - t[0])
     thigh, knee = (np.radians(np.interp(t, recording.t, recording.angles[j])) for j in ("thigh", "knee"))
-    ahead = L1 * np.sin(thigh) + L2 * np.sin(thigh - knee)
+    ahead = _ankle_ahead(thigh, knee)
     if rate > 20.0 and len(t) > 30:  # noise has peaks of its own; walking is below 6 Hz
         ahead = sosfiltfilt(butter(2, min(6.0, 0.4 * rate), fs=rate, output="sos"), ahead)
     ahead = ahead - ahead.mean()
@@ -167,6 +187,12 @@ def heel_strikes(recording: Recording) -> Array:
     return found
 
 
+def _ankle_ahead(thigh: Array, knee: Array) -> Array:
+    """How far the ankle is ahead of the hip, m, of angles in rad."""
+    ahead: Array = L1 * np.sin(thigh) + L2 * np.sin(thigh - knee)
+    return ahead
+
+
 def average(strides: Strides) -> dict[str, Array]:
     """The mean curve of each joint, closed: what its ends differ by is spread over the stride."""
     means = {joint: curve.mean(axis=0) for joint, curve in strides.curves.items()}
@@ -178,7 +204,7 @@ def to_gait(strides: Strides, path: str | Path, harmonics: int) -> Gait:
 
     Raises
     ------
-    FileError : the strides are too short, or not periodic.
+    FileError : the strides have too few rows, or no periodic curve follows them.
     """
     check(harmonics >= 1, "gait.harmonics", harmonics, "a whole number >= 1")
     if len(strides.phase) < 2 * harmonics + 2:
@@ -191,13 +217,6 @@ def to_gait(strides: Strides, path: str | Path, harmonics: int) -> Gait:
     fits, residual = {}, []
     for joint, closed in average(strides).items():
         curve = strides.curves[joint].mean(axis=0)
-        apart, moves = abs(curve[-1] - curve[0]), np.ptp(curve)
-        if len(strides.curves[joint]) == 1 and apart > max(OPEN * moves, 1.0):
-            raise wrong(
-                path,
-                f"at the end of the stride the {joint} is {apart:.1f} deg from where "
-                "it began: not one whole stride. Give one heel strike to the next, or several strides.",
-            )
         # the last point is the first one again
         series, *_ = fit(strides.phase[:-1], closed[:-1], harmonics)
         misfit = np.degrees(series.at(strides.phase)[0]) - curve
@@ -219,6 +238,21 @@ def to_gait(strides: Strides, path: str | Path, harmonics: int) -> Gait:
         source=str(path),
         residual=tuple(residual),
     )
+
+
+def _open(phase: Array, curve: Array) -> str:
+    """How the end of a joint's single stride differs from its begin, deg; "" if it is one period."""
+    apart, moves = abs(curve[-1] - curve[0]), np.ptp(curve)
+    if apart > max(OPEN * moves, 1.0):
+        return f"is {apart:.1f} deg from where it began"
+    if len(phase) * ENDS < 1:  # too few rows to tell speeds
+        return ""
+    at = np.linspace(0.0, 1.0, round(1 / ENDS) + 1)
+    speeds = np.diff(np.interp(at, phase, curve)) / np.diff(at)
+    begin, end = 1.5 * speeds[0] - 0.5 * speeds[1], 1.5 * speeds[-1] - 0.5 * speeds[-2]
+    if abs(end - begin) > BENT * abs(speeds).max():
+        return f"turns by {end:.0f} deg a stride, and at its begin by {begin:.0f}"
+    return ""
 
 
 def fit(phase: Array, degrees: Array, harmonics: int) -> tuple[Fourier, float, float]:

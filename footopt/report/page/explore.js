@@ -59,7 +59,7 @@ function explorer(choose, beside) {
       ...COLUMNS.map((c) => number(c.of(i))), ...(kOf ? [heights(i).join(" ")] : [])]));
   });
   const section = el("section", { id: "explore" },
-    el("h2", {}, data.jobs ? "The jobs' best designs" : "The designs"),
+    el("h2", {}, data.jobs ? "Their best designs" : "The designs"),
     el("p", { class: "note" }, "Drag along an axis, or across the scatter, to set limits: both then show what is within them. ",
       "Click a line or a point to choose that design. Better is up on every axis of the parallel coordinates.",
       numbers ? " A design's number is its row in designs.csv, from 0." : ""),

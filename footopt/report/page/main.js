@@ -7,7 +7,8 @@ const flatEntry = entry.flat;
 function headline() {
   const lines = (data.headline ?? []).map((text) => el("p", {}, text));
   const warnings = (entry.warnings ?? []).map((text) => el("p", { class: "warning" }, `Outside what the theory is tested for: ${text}.`));
-  return [...lines, ...warnings];
+  const faults = (data.warnings ?? []).map((text) => el("p", { class: "warning" }, text));
+  return [...lines, ...warnings, ...faults];
 }
 
 /** The chosen design: its sole, its numbers, its files. */
@@ -85,22 +86,23 @@ function searchSection(choose) {
   return { section, draw, mark };
 }
 
-/** A text that may run over several lines of a table. */
-const words = (text) => el("span", { class: "words" }, text);
+/** A text (or an element) that may run over several lines of a table; a path breaks after a slash. */
+const words = (text) => el("span", { class: "words" },
+  ...(typeof text === "string" ? text.split(/(?<=\/)/).flatMap((part, i) => (i ? [el("wbr"), part] : [part])) : [text]));
 
-/** A multirun: its jobs in a table with their soles. */
+/** A multirun, or runs to compare: its jobs in a table with their soles. */
 function jobsSection(choose) {
-  const differ = data.columns;
-  return el("section", { id: "jobs" }, el("h2", {}, "The jobs"),
-    el("div", { class: "scroll", style: "max-height:none" }, table(["job", "settings", "sole", ...differ.map(named), "hollow (mm)", "seed", "time (s)"],
+  const differ = data.columns, what = data.jobs[0].name.split(" ")[0];
+  return el("section", { id: "jobs" }, el("h2", {}, `The ${what}s`),
+    el("div", { class: "scroll", style: "max-height:none" }, table([what, "settings", "sole", ...differ.map(named), "hollow (mm)", "seed", "time (s)"],
       data.jobs.map((job) => [
-        job.link ? el("a", { href: job.link }, `job ${job.job}`) : `job ${job.job}`,
-        el("div", {}, words(job.settings), job.note ? el("div", { class: "words warning" }, job.note) : ""),
-        job.design === null ? "" : el("button", { type: "button", "aria-label": `Choose the sole of job ${job.job}`, click: () => choose(job.design) },
+        job.link ? el("a", { href: job.link }, job.name) : job.name,
+        el("div", {}, words(job.settings), job.place ? el("div", { class: "words note" }, job.place) : "", job.note ? el("div", { class: "words warning" }, job.note) : ""),
+        job.design === null ? "" : el("button", { type: "button", "aria-label": `Choose the sole of ${job.name}`, click: () => choose(job.design) },
           soleDrawing(sole(job.design), { width: 120, height: 36, plain: true })),
         ...differ.map((_, c) => (job.design === null ? "–" : number(values[job.design * WIDTH + c]))),
         job.hollow, job.seed ?? "–", number(job.seconds)]))),
-    ...(data.jobs.some((job) => job.link) ? [el("p", { class: "note" }, "A job's link opens its own page, with its walk.")] : []));
+    ...(data.jobs.some((job) => job.link) ? [el("p", { class: "note" }, `A ${what}'s link opens its own page.`)] : []));
 }
 
 /** What the jobs' walks have in common to look at: traces over time, a colour and a dash for each job. */
@@ -125,8 +127,10 @@ function tracesSection() {
 function studySections() {
   const figures = data.figures.map(({ source, width, says }) =>
     el("figure", { class: "printed" }, el("img", { src: source, width, alt: says }), el("figcaption", {}, says)));
-  const tables = data.tables.flatMap(({ title, head, words: wordy, rows, caption }) => {
-    const made = table(head.map((text, c) => (wordy[c] ? words(text) : text)), rows.map((row) => row.map((cell, c) => (wordy[c] ? words(cell) : cell))));
+  const tables = data.tables.flatMap(({ title, head, words: wordy, rows, bad, links, caption }) => {
+    const shown = (cell, r, c) => links[r][c] ? el("a", { href: encodeURIComponent(cell) }, cell) : bad[r][c] ? el("strong", { class: "bad" }, cell) : cell;
+    const made = table(head.map((text, c) => (wordy[c] ? words(text) : text)),
+      rows.map((row, r) => row.map((cell, c) => (wordy[c] ? words(shown(cell, r, c)) : shown(cell, r, c)))));
     return [title ? el("h3", {}, title) : null, el("div", { class: "scroll" }, made), caption ? el("p", { class: "note" }, caption) : null];
   });
   return [

@@ -309,6 +309,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     files.write_json(folder / "claims.json", content)
     record = {
         "study": "paper",
+        "seed": config.solver.seed,
         "optima": {sand: _optimum(setup, walks, config.solver.seed) for sand, walks in runs.items()},
         "shapes": {
             name: {"objectives": read(walk, setup.readings).objectives, "reason": walk.reason}
@@ -328,7 +329,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         tables.append(page.sensitivity_table(judged, swept.chosen))
     says = {name: paper_figures.SAYS[name] for name in (*drawn, "claims")}
     said = [page.summary(judged), "All of it in words, with the feet and the errata: claims.md."]
-    write_study(folder, "The paper, judged", said, says, tables, record | {"seed": config.solver.seed})
+    write_study(folder, "The paper, judged", said, says, tables, record)
     for table in tables:
         out.print(table)
     for sand in SANDS:
