@@ -7,11 +7,12 @@ import pytest
 from pymoo.core.problem import Problem
 
 import footopt as fo
-from footopt.design import SINGLE, SOLVERS, Solver, search
+from footopt.design import SINGLE, SOLVERS, Solver, confirm, search
 from footopt.design.problem import RECORD
 from footopt.design.search import Archive
 from footopt.design.solvers import SameHeights, less_violation, reference_directions
 from footopt.errors import FootoptError, SettingError
+from footopt.report.terminal import describe_confirmation
 
 QUICK = fo.Accuracy(dt=1e-2, plates=20)
 SMALL = fo.Waypoints(n=5, K=4)
@@ -207,3 +208,16 @@ def test_ties_in_a_tournament_are_decided_by_the_runs_own_generator():
     assert draw[0] == draw[1] != draw[2]
     assert set(draw[0][:64]) == {0, 1}
     assert draw[0][64:] == [2, 2]
+
+
+def test_finalists_that_cannot_be_walked_finely_are_said_and_the_search_s_order_stays(monkeypatch):
+    found = search(problem(), "ga", pop_size=8, n_gen=2, seed=1)
+
+    def fails(self, k):
+        return np.full((len(k), len(self.record)), np.nan), np.full(len(k), "no convergence")
+
+    monkeypatch.setattr(fo.FootProblem, "walk", fails)
+    confirmed = confirm(found, "fine", 3)
+    assert np.isnan(confirmed.largest_change)
+    assert confirmed.designs[0] == found.best
+    assert describe_confirmation(confirmed) == "None of 3 finalists can be walked at accuracy fine"

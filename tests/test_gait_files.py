@@ -281,6 +281,12 @@ class TestRealRecording:
         assert gait.foot is not None
         assert all(rms < 1.0 for _, rms in gait.residual)
 
+    def test_no_module_of_the_working_folder_is_run(self, tmp_path, monkeypatch):
+        pytest.importorskip("ezc3d")
+        (tmp_path / "json.py").write_text("raise SystemExit('mine')")
+        monkeypatch.chdir(tmp_path)
+        assert read_c3d(TREADMILL).places
+
     def test_both_legs_walk_alike(self):
         pytest.importorskip("ezc3d")
         phase = np.arange(100) / 100

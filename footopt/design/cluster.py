@@ -68,6 +68,8 @@ class Dask(Spread):
         try:
             self._client = distributed.Client(self._cluster or address, timeout=timeout, set_as_default=False)
         except OSError:
+            if self._cluster is not None:
+                self._cluster.close()
             raise FootoptError(
                 f"{self._name}: no scheduler answers within {timeout:g} s (engine.timeout). Is it running "
                 "(`dask scheduler`), and can this machine reach it?"

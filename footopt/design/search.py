@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections import Counter
 from collections.abc import Callable
@@ -205,7 +206,7 @@ class Confirmation:
     designs : (finalists,), indices into the search's designs, best first by the finer values.
     values : (finalists, record), natural signs. accuracy : of the finer walks.
     agrees : whether the search's own best is still the best.
-    largest_change : relative, of any recorded value of any finalist.
+    largest_change : relative, of any recorded value of any finalist; NaN if none can be walked.
     """
 
     designs: NDArray[np.int64]
@@ -232,12 +233,13 @@ def confirm(result: SearchResult, accuracy: Accuracy | str, finalists: int = 20)
     order = np.argsort(sign * values[:, column], kind="stable")  # a walk that fails here comes last
     with np.errstate(invalid="ignore"):
         change = np.abs(values / result.values[chosen] - 1.0)
+    change = change[np.isfinite(change)]
     return Confirmation(
         designs=chosen[order],
         values=values[order],
         accuracy=accuracy,
         agrees=bool(chosen[order][0] == result.best),
-        largest_change=float(np.nanmax(change)),
+        largest_change=float(change.max()) if len(change) else math.nan,
     )
 
 

@@ -143,6 +143,10 @@ def describe_search(result: SearchResult) -> str:
 def describe_confirmation(confirmed: Confirmation) -> str:
     """What walking the finalists again has shown, in one line."""
     verdict = "the best stays the best" if confirmed.agrees else "another one is now the best"
+    if math.isnan(confirmed.largest_change):
+        return (
+            f"None of {len(confirmed.designs)} finalists can be walked at accuracy {confirmed.accuracy.name}"
+        )
     return (
         f"{len(confirmed.designs)} finalists walked again at accuracy {confirmed.accuracy.name}: "
         f"values change by up to {100 * confirmed.largest_change:.2g} %, {verdict}"

@@ -21,6 +21,7 @@ from footopt.foot import Waypoints
 from footopt.report import files, summary, terminal
 from footopt.sand import Sand
 from footopt.walker import FIVE, STEPPERS, Scene, evaluate
+from footopt.walker.audit import own_time
 from footopt.walker.independent import LIMITS, RAMP, REFERENCE, SAME_PLATES
 from footopt.walker.loop import compiled
 from footopt.walker.simulate import available_threads
@@ -29,6 +30,8 @@ from footopt.walker.simulate import available_threads
 EXTRAS = {
     "SALib": ("sensitivity", "study=sensitivity"),
     "ezc3d": ("c3d", "gaits in C3D files"),
+    "pandas": ("pandas", "to_frame()"),
+    "xarray": ("xarray", "to_dataset()"),
     "distributed": ("dask", "engine=dask"),
     "hydra-joblib-launcher": ("joblib", "hydra/launcher=joblib"),
     "hydra-submitit-launcher": ("submitit", "hydra/launcher=submitit_slurm"),
@@ -56,7 +59,7 @@ class Finding:
 def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     """Look at everything, say what is wrong and what to do about it."""
     out, clock = terminal.console(), terminal.clock()
-    found = [*libraries(), *machine()]
+    found = [*libraries(), *safely(machine, config)]
     with terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ..."):
         for ask in (compiled_code, self_test):
             found += safely(ask, config)
@@ -116,7 +119,7 @@ def extras() -> Iterator[Finding]:
             yield Finding(name, f'not installed; only for {purpose}: pip install "footopt[{extra}]"')
 
 
-def machine() -> Iterator[Finding]:
+def machine(config: Config) -> Iterator[Finding]:
     """What it runs on."""
     name, bits = processor()
     yield Finding("processor", f"{name}, vectors of {bits} bits")
@@ -139,9 +142,9 @@ def compiled_code(config: Config) -> Iterator[Finding]:
     warm = "loaded from the cache folder" if loaded else "compiled now"
     yield Finding("compiled code", f"{warm}; the first walk took {first:.2g} s", True)
 
-    started = time.thread_time()
+    started = own_time()
     evaluate(feet, scene, threads=1)
-    ms = 1e3 * (time.thread_time() - started) / FEET
+    ms = 1e3 * (own_time() - started) / FEET
     found = f"{ms:.2g} ms per design and core at accuracy standard"
     advice = f"Compiled code takes about .3, and less than {SLOW:g} on any machine: is something emulated?"
     yield Finding("speed", found, ms < SLOW, advice)

@@ -28,7 +28,7 @@ own_time = time.perf_counter if os.name == "nt" else time.thread_time
 QUANTILE = 95.0  # of the feet: the change that this share of them does not exceed, as for accuracy, %
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Audit:
     """What one effect does in a scene.
 

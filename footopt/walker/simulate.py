@@ -40,7 +40,7 @@ BLOCK = 16  # designs that a thread takes at a time
 POSES = 64  # motions whose poses are kept: about 1 MB each, and the time of a few dozen walks
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Table(Shown):
     """Objectives of many feet, in natural signs.
 
@@ -243,7 +243,7 @@ class Variable(NamedTuple):
 PLACES = {"foot": ("left", "right"), "axis": ("x", "z")}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PlateStates:
     """Plates of both feet at M samples; vectors are (M, 2 feet, N, 2), in x, z."""
 
