@@ -18,7 +18,17 @@ from footopt.gait import LEFT, RIGHT
 from footopt.walker import PRESETS, STEPPERS, kernels
 from footopt.walker.independent import LIMITS, RAMP, REFERENCE, SAME_PLATES
 from footopt.walker.kernels import CONTACT, FX, FZ, JXX, JZZ, POWER
-from footopt.walker.simulate import HALVINGS, NEWTON, pose_rows, sole, time_grid, world
+from footopt.walker.simulate import (
+    HALVINGS,
+    NEWTON,
+    long_pose_tables,
+    pose_rows,
+    pose_tables,
+    poses,
+    sole,
+    time_grid,
+    world,
+)
 from footopt.walker.validity import diagnose
 
 #: Order of every stepper where forces are smooth.
@@ -692,3 +702,14 @@ class TestSettings:
             fo.evaluate([])
         with pytest.raises(SettingError, match=r"engine\.threads = 0"):
             fo.evaluate([flat_foot], threads=0)
+
+
+def test_poses_of_long_motions_do_not_pile_up():
+    """A motion of ten minutes takes 290 MB: of such ones two are kept, of short ones many."""
+    gaits = [fo.Gait.human(period=period) for period in (1.0, 1.1, 1.2, 1.3)]
+    for duration, kept in ((4.0, pose_tables), (60.0, long_pose_tables)):
+        kept.cache_clear()
+        for gait in gaits:
+            poses(fo.Scene(gait=gait, t_f=duration), fo.Accuracy.named("standard"))
+        assert kept.cache_info().currsize == min(len(gaits), kept.cache_info().maxsize)
+    assert long_pose_tables.cache_info().maxsize < len(gaits)

@@ -38,7 +38,7 @@ from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walker import FIVE, STEPPERS, Accuracy, Scene, Walk, simulate
 from footopt.walker.kernels import CONTACT, FX, FZ, TALLY, contact
 from footopt.walker.objectives import FLOORS
-from footopt.walker.simulate import pose_tables, sole, world
+from footopt.walker.simulate import sole, world
 
 Array = NDArray[np.float64]
 
@@ -555,7 +555,6 @@ def judge(
         trial = Trial(replace(setup, accuracy=accuracy), converged)
         found.append(Verdict(case, method, tuple(case.judge(trial)), trial.walk))
         step(effort(setup, method))
-    pose_tables.cache_clear()  # ten minutes in short steps are many
     return found
 
 

@@ -38,6 +38,8 @@ POINTS = 4_000_000  # along their soles, at most
 ROWS = 5_000_000  # poses of a walk that are tabulated, 112 bytes each; ten minutes take 2.6 million
 BLOCK = 16  # designs that a thread takes at a time
 POSES = 64  # motions whose poses are kept: about 1 MB each, and the time of a few dozen walks
+LONG = ROWS // POSES  # poses of a motion of which only `LONG_ONES` are kept
+LONG_ONES = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -433,11 +435,11 @@ def poses(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, 
             "Or shorten the walk: scene.t_f, gait.period, gait.start.",
         )
     motion = Scene(gait=scene.gait, walker=Walker(l1=scene.walker.l1, l2=scene.walker.l2), t_f=scene.t_f)
-    return pose_tables(motion, Accuracy(accuracy.stepper, accuracy.dt, control=accuracy.control))
+    kept = long_pose_tables if pose_rows(scene, accuracy) > LONG else pose_tables
+    return kept(motion, Accuracy(accuracy.stepper, accuracy.dt, control=accuracy.control))
 
 
-@lru_cache(maxsize=POSES)
-def pose_tables(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ...]]:
+def _pose_tables(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ...]]:
     times, nodes = time_grid(scene, accuracy), np.asarray(STEPPERS[accuracy.stepper].nodes)
     pose = partial(scene.gait.pose, l1=scene.walker.l1, l2=scene.walker.l2)
     tables = []
@@ -446,6 +448,10 @@ def pose_tables(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[A
         t = (times[:-1, None, None] + np.diff(times)[:, None, None] * parts).ravel()
         tables.append(pose(t).table().reshape(-1, len(nodes), 2, 7))
     return times, pose(np.zeros(1)).table()[0], tuple(tables)
+
+
+pose_tables = lru_cache(maxsize=POSES)(_pose_tables)
+long_pose_tables = lru_cache(maxsize=LONG_ONES)(_pose_tables)
 
 
 def available_threads() -> int:
