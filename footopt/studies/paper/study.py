@@ -91,11 +91,16 @@ class Setup:
         confirm = self.config.study.confirm
         return Accuracy.named(confirm) if confirm else build.make_accuracy(self.config.accuracy)
 
+    @cached_property
+    def base(self) -> Scene:
+        """The walk of the settings, read from their files once."""
+        return build.make_scene(self.config)
+
     def scene(self, sand: str) -> Scene:
         """The walk on one of the sands."""
         if sand not in SANDS:
             raise SettingError("study.shape_sand", sand, f"one of {', '.join(SANDS)}")
-        scene = dataclasses.replace(build.make_scene(self.config), sand=Sand.named(sand))
+        scene = dataclasses.replace(self.base, sand=Sand.named(sand))
         if not self.config.study.leading_edge:
             return scene
         return dataclasses.replace(scene, effects=(*scene.effects, LeadingEdge()))
