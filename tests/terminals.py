@@ -10,15 +10,16 @@ import subprocess
 import termios
 import time
 
+from running import environment as variables
+
 
 def on_a_terminal(command, columns=80, timeout=60, cwd=None, **environment):
     """Everything that a command writes to its terminal, and its exit code.
 
     `environment` replaces or, where None, removes variables.
     """
-    kept = {k: v for k, v in os.environ.items() if k not in ("NO_COLOR", "FORCE_COLOR", "COLUMNS", "LINES")}
-    changed = {"TERM": "xterm-256color", **environment}
-    env = {**kept, **{k: v for k, v in changed.items() if v is not None}}
+    unset = dict.fromkeys(("NO_COLOR", "FORCE_COLOR", "COLUMNS", "LINES"))
+    env = variables(**(unset | {"TERM": "xterm-256color"} | environment))
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 50, columns, 0, 0))
     with subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=theirs, cwd=cwd, env=env) as run:

@@ -1,10 +1,8 @@
-"""The command line end to end, as a user runs it: in its own process, in an empty folder."""
+"""The command line end to end, as a user runs it, in an empty folder."""
 
 import csv
 import json
-import os
 import shlex
-import subprocess
 import sys
 from pathlib import Path
 
@@ -12,6 +10,7 @@ import numpy as np
 import pytest
 from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
+from running import LIMIT, footopt, program, started
 from scipy.io import netcdf_file
 from study_pages import check_page
 
@@ -30,18 +29,6 @@ QUICK = ["accuracy=draft", "solver.pop_size=10", "solver.n_gen=3"]
 GROUPS = sorted(p.name for p in CONF.iterdir() if p.is_dir())
 
 
-def footopt(*arguments, cwd, full_error=False):
-    env = {**os.environ, "PYTHONWARNINGS": "error", "HYDRA_FULL_ERROR": "1" if full_error else "0"}
-    return subprocess.run(
-        [sys.executable, "-m", "footopt", *arguments],
-        cwd=cwd,
-        env=env,
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
-
-
 def only_folder(root: Path) -> Path:
     (result,) = root.rglob("result.json")
     return result.parent
@@ -50,7 +37,7 @@ def only_folder(root: Path) -> Path:
 @pytest.fixture(scope="module")
 def run_ga(tmp_path_factory):
     cwd = tmp_path_factory.mktemp("ga")
-    done = footopt(*QUICK, cwd=cwd)
+    done = program(*QUICK, cwd=cwd, drawn=True)
     assert done.returncode == 0, done.stderr
     return done, only_folder(cwd)
 
@@ -122,7 +109,7 @@ class TestOptimize:
     @pytest.mark.slow
     def test_several_objectives_give_a_front_and_its_figures(self, tmp_path):
         done = footopt(*QUICK, "sand=soft", "solver=nsga2", "objective.names=[distance,work,peak_power]",
-                       cwd=tmp_path)  # fmt: skip
+                       cwd=tmp_path, drawn=True)  # fmt: skip
         assert done.returncode == 0, done.stderr
         folder = only_folder(tmp_path)
         result = json.loads((folder / "result.json").read_text())
@@ -134,9 +121,10 @@ class TestOptimize:
 
     @pytest.mark.slow
     def test_two_runs_at_once_do_not_share_a_folder(self, tmp_path):
-        command = [sys.executable, "-m", "footopt", "study=simulate", "accuracy=draft"]
-        runs = [subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL) for _ in range(2)]
-        assert [run.wait() for run in runs] == [0, 0]
+        runs = [started("study=simulate", "accuracy=draft", cwd=tmp_path) for _ in range(2)]
+        for run in runs:
+            _, err = run.communicate(timeout=LIMIT)
+            assert run.returncode == 0, err
         assert len(list(tmp_path.rglob("result.json"))) == 2
 
 
@@ -322,11 +310,18 @@ BAD = {
 }
 
 
-@pytest.mark.parametrize("arguments", BAD)
-def test_bad_input_gets_one_clear_message(arguments, tmp_path):
+#: ... by the program itself too: before Hydra begins, by Hydra, and by a study.
+IN_A_PROCESS = ("sand=mud", "hydra.run.dir=a_file", "gait=file gait.path=broken.csv")
+
+
+@pytest.mark.parametrize(
+    ("run", "arguments"),
+    [*((footopt, words) for words in BAD), *((program, words) for words in IN_A_PROCESS)],
+)
+def test_bad_input_gets_one_clear_message(run, arguments, tmp_path):
     (tmp_path / "a_file").write_text("in the way\n")
     (tmp_path / "broken.csv").write_text("time,hip\n0,1\n")
-    done = footopt(*arguments.split(), cwd=tmp_path)
+    done = run(*arguments.split(), cwd=tmp_path)
     assert done.returncode == 1
     assert done.stderr.startswith("footopt: error: ")
     assert BAD[arguments] in done.stderr
@@ -435,7 +430,7 @@ def test_every_setting_of_the_documentation_is_left_alone():
 
 
 def test_a_traceback_on_request(tmp_path):
-    assert "Traceback" in footopt("sand.zeta=0", cwd=tmp_path, full_error=True).stderr
+    assert "Traceback" in program("sand.zeta=0", cwd=tmp_path, HYDRA_FULL_ERROR="1").stderr
 
 
 def test_help_explains_the_groups(tmp_path):
@@ -446,9 +441,7 @@ def test_help_explains_the_groups(tmp_path):
 
 
 def test_shell_completion_knows_groups_and_options(tmp_path):
-    env = {**os.environ, "COMP_LINE": "footopt sand=", "COMP_POINT": "13"}
-    command = [sys.executable, "-m", "footopt", "-sc", "query=bash"]
-    done = subprocess.run(command, cwd=tmp_path, env=env, capture_output=True, text=True)
+    done = program("-sc", "query=bash", cwd=tmp_path, COMP_LINE="footopt sand=", COMP_POINT="13")
     assert {"sand=soft", "sand=regular", "sand=hard"} <= set(done.stdout.split())
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from running import footopt
 
 import footopt as fo
 from footopt.config import EffectsConfig
@@ -169,20 +170,21 @@ def test_the_yaml_s_sand_is_the_script_s():
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("clean")
 def test_worker_processes_load_plugins_too(tmp_path):
     """With an effect and an objective of one's own, to the same last bit as in this process."""
     found = []
     for engine in ("local", "processes"):
         folder = tmp_path / engine
-        run = [
-            sys.executable, "-W", "error", "-m", "footopt", f"engine={engine}", "accuracy=draft", "sand=soft",
+        words = [
+            f"engine={engine}", "accuracy=draft", "sand=soft",
             f"plugins=[{CUSTOM / 'effect.py'},{CUSTOM / 'objective.py'}]",
             "effects.own={floor: {depth: 0.08}}", "objective.names=[work_per_metre]", "solver.n_gen=2",
-            "solver.pop_size=8", "study.confirm=null", "study.finalists=2", f"hydra.run.dir={folder}",
+            "solver.pop_size=8", "study.confirm=null", "study.finalists=2", f"hydra.run.dir={engine}",
         ]  # fmt: skip
         if engine == "processes":
-            run.append("engine.workers=1")  # each compiles the effect anew
-        done = subprocess.run(run, capture_output=True, text=True, cwd=tmp_path, timeout=500)
+            words.append("engine.workers=1")  # each compiles the effect anew
+        done = footopt(*words, cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         found.append((folder / "designs.csv").read_text())
         result = json.loads((folder / "result.json").read_text())

@@ -1,13 +1,11 @@
 """The pages keep their word: every command and every block of Python runs, every link leads somewhere.
 
 Commands are those of the `sh` blocks, of code in running text, and of `footopt --help`. They run as they
-stand but for `SMALL`, which makes their studies small, and `real`, which puts files for names that are only
-examples.
+stand but for `SMALL`, which makes their studies small, `real`, which puts files for names that are only
+examples, and what `OTHERS` says of programs that are not footopt.
 """
 
-import io
 import json
-import logging
 import os
 import re
 import shlex
@@ -16,16 +14,16 @@ import subprocess
 import sys
 import time
 import tomllib
-from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import fields, is_dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import get_args, get_type_hints
 
-import matplotlib.figure
 import numpy as np
 import pytest
-from hydra.core.global_hydra import GlobalHydra
 from motion_files import record
+from running import LIMIT, footopt, program
+from test_custom import EXAMPLES
 
 import footopt as fo
 from footopt import cli
@@ -42,7 +40,8 @@ PAGES = sorted(
 )
 TEXTS = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in PAGES}
 HELP = "conf/config.yaml"
-LIMIT = 240  # s, for what runs in a process of its own
+#: Extras that are not installed with footopt[test].
+NOT_INSTALLED = {"cad", "benchmark"}
 
 #: What makes each study small: put for the same key of its command, or else added. The choice of a group
 #: (a key without a dot) is added only where the command makes none.
@@ -70,11 +69,13 @@ SMALL_TOO = {
     "solver=exhaustive": {"foot.K": "3"},
     "engine=processes": {"engine.workers": "2"},
     "hydra/launcher=joblib": {"hydra.launcher.n_jobs": "2"},
+    "study.video=walk.gif": {"scene.t_f": "1.2"},
 }
 #: Programs of other people, and what stands for running them. Besides, what needs Slurm is composed only.
 OTHERS = {
-    "pip": "the extras that it names exist; .ci/run installs",
-    "pytest": "the files that it names exist",
+    "python": "benchmarks run with --quick, and print their tables; `test_custom` runs examples",
+    "pip": "runs with --dry-run, where what it names is installed already; .ci/run installs",
+    "pytest": "runs with --collect-only, and finds tests",
     "sbatch": "needs Slurm; the command that it would run is run",
     "dask": "run by the fixture `cluster`, with a free port and one worker",
 }
@@ -285,8 +286,6 @@ def test_every_command_is_known():
         arguments = footopt_words(words)
         if arguments is not None:
             assert small(arguments) is not None, f"{page}: {words}: add its study to SMALL"
-        elif words[0] == "python":
-            assert (ROOT / words[1]).is_file(), f"{page}: {words}"
         else:
             assert words[0] in OTHERS, f"{page}: {' '.join(words)}"
     assert {*SMALL} >= {*STUDIES}
@@ -297,36 +296,23 @@ def test_every_block_has_a_language_that_is_tested():
         assert {language for language, _, _ in blocks(text)} <= {"", "sh", "python", "yaml", "console"}, page
 
 
-def test_what_others_are_asked_for_exists():
-    extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+def extras(text):
+    """The extras of footopt that a text names."""
+    return {
+        name for named in re.findall(r"(?:footopt|\.)\[([a-z0-9,]+)\]", text) for name in named.split(",")
+    }
+
+
+def test_every_extra_exists():
+    known = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
     for page, text in TEXTS.items():
-        for named in re.findall(r"(?:footopt|\.)\[([a-z0-9,]+)\]", text):
-            assert set(named.split(",")) <= set(extras), f"{page}: [{named}]"
-    for words, page in COMMANDS.items():
-        if words[0] == "pytest":
-            assert all((ROOT / word).exists() for word in words if "/" in word), f"{page}: {words}"
+        assert extras(text) <= set(known), page
 
 
-def run(words, cwd, monkeypatch):
-    """Run footopt in this process: exit code or message, and what it printed."""
-    GlobalHydra.instance().clear()
-    monkeypatch.chdir(cwd)
-    monkeypatch.setattr(sys, "argv", ["footopt", *words])
-    monkeypatch.setenv("HYDRA_FULL_ERROR", "0")
-    root = logging.getLogger()
-    before, code, out, err = list(root.handlers), 0, io.StringIO(), io.StringIO()
-    try:
-        with redirect_stdout(out), redirect_stderr(err):
-            cli.main()
-    except SystemExit as end:
-        code = end.code or 0
-    finally:
-        for handler in root.handlers:
-            if handler not in before:
-                handler.close()
-        root.handlers[:] = before
-        cli.Summary.failed = 0
-    return code, out.getvalue() + err.getvalue()
+def test_the_readme_installs_as_the_check_does():
+    lines = [shlex.split(line) for line in (ROOT / ".ci" / "run").read_text().splitlines()]
+    (installed,) = [words for words in lines if words[:2] == ["pip", "install"]]
+    assert COMMANDS[tuple(word for word in installed if word != "--quiet")] == "README.md"
 
 
 @pytest.fixture(scope="module")
@@ -344,12 +330,10 @@ def ground(tmp_path_factory):
                 name = re.findall(r"`(?:mine/)?([\w/]+\.yaml)`", before)[-1]
                 (folder / "mine" / name).parent.mkdir(parents=True, exist_ok=True)
                 (folder / "mine" / name).write_text(content)
-    with pytest.MonkeyPatch.context() as monkeypatch:
-        words = [f"{key}={value}" for key, value in SEARCH.items()]
-        assert run([*words, "hydra.run.dir=earlier"], folder, monkeypatch)[0] == 0
-        unrender(monkeypatch)
-        sweep = ["-m", "sand=regular,hard", "hydra.sweep.dir=sweep1", *words]
-        assert run(sweep, folder, monkeypatch)[0] == 0
+    words = [f"{key}={value}" for key, value in SEARCH.items()]
+    assert footopt(*words, "hydra.run.dir=earlier", cwd=folder, drawn=True).returncode == 0
+    sweep = ["-m", "sand=regular,hard", "hydra.sweep.dir=sweep1", *words]
+    assert footopt(*sweep, cwd=folder).returncode == 0
     return folder
 
 
@@ -390,12 +374,6 @@ def real(word, place):
     return word
 
 
-def unrender(monkeypatch):
-    """Figures are made but not rendered, which is most of a small run's time."""
-    monkeypatch.setattr(matplotlib.figure.Figure, "savefig", lambda figure, path, **_: Path(path).touch())
-    monkeypatch.setattr(matplotlib.figure.Figure, "draw_without_rendering", lambda figure: None)
-
-
 #: Studies whose figures have been rendered: each does so once, the default one in `ground`. Every figure is
 #: looked at by `test_figures`.
 RENDERED = {""}
@@ -419,10 +397,9 @@ def test_every_study_is_run_and_a_multirun():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("arguments", RUN.values(), ids=" ".join)
-def test_the_command_runs(arguments, place, monkeypatch, request):
+def test_the_command_runs(arguments, place, request):
     study = next((word for word in arguments if word.startswith("study=")), "")
-    if study in RENDERED and not any(word.startswith("study.video=") for word in arguments):
-        unrender(monkeypatch)
+    drawn = study not in RENDERED or any(word.startswith("study.video=") for word in arguments)
     RENDERED.add(study)
     if "gait.path=walk.c3d" in arguments:
         request.getfixturevalue("c3d")
@@ -434,18 +411,14 @@ def test_the_command_runs(arguments, place, monkeypatch, request):
     if any(word.startswith("hydra/launcher=") for word in words):
         pytest.importorskip("hydra_plugins", reason="needs footopt[joblib,submitit]")
     # launchers leave processes behind, and plugins what they register
-    if any(word.startswith(("hydra/launcher=", "plugins=")) for word in words):
-        command = [sys.executable, "-m", "footopt", *words]
-        done = subprocess.run(command, cwd=place, capture_output=True, text=True, timeout=LIMIT)
-        code, text = done.returncode, done.stdout + done.stderr
-    else:
-        code, text = run(words, place, monkeypatch)
+    away = any(word.startswith(("hydra/launcher=", "plugins=")) for word in words)
+    done = (program if away else footopt)(*words, cwd=place, drawn=drawn)
     if any(word.endswith("/sweep1") and word.startswith("resume=") for word in words):
-        assert "Jobs without a result: 1 (of 0, 1)" in code
+        assert "Jobs without a result: 1 (of 0, 1)" in done.stderr
         return
-    assert code == 0, f"{FOOTOPT[arguments]}: footopt {' '.join(words)}\n{code}\n{text}"
+    assert done.returncode == 0, f"{FOOTOPT[arguments]}: footopt {' '.join(words)}\n{done.stderr}"
     if "--help" in words:
-        assert "Each run writes to its own folder" in text
+        assert "Each run writes to its own folder" in done.stdout
         return
     left = {path for path in place.rglob("*") if path.is_file()} - before
     ended = {path.parent for path in left if path.name in ("result.json", "summary.csv")}
@@ -487,32 +460,75 @@ def cluster(ground):
 
 
 @pytest.mark.slow
-def test_what_needs_a_cluster_composes(place, monkeypatch):
+def test_what_needs_a_cluster_composes(place):
     pytest.importorskip("hydra_plugins.hydra_submitit_launcher", reason="needs footopt[submitit]")
     found = []
     for arguments in COMPOSED:
         words = [first_values(word, 1) for word in arguments if word not in ("-m", "...")]
-        code, text = run([*words, "--cfg", "all"], place, monkeypatch)
-        assert code == 0, code
-        found += re.findall(r"_target_: hydra_plugins\.hydra_(\w+)_launcher|(mem_gb: 4)", text)
+        done = footopt(*words, "--cfg", "all", cwd=place)
+        assert done.returncode == 0, done.stderr
+        found += re.findall(r"_target_: hydra_plugins\.hydra_(\w+)_launcher|(mem_gb: 4)", done.stdout)
     assert ("submitit", "") in found
     assert ("", "mem_gb: 4") in found  # the page's own launcher
 
 
+def of(name):
+    """Commands of a program that is not footopt."""
+    return [words for words in COMMANDS if words[0] == name and footopt_words(words) is None]
+
+
+def other(*words):
+    """Run a Python program at the top of the checkout, as no part of these tests: what it printed."""
+    plain = {key: value for key, value in os.environ.items() if not key.startswith("PYTEST_")}
+    done = subprocess.run(
+        [sys.executable, *words], cwd=ROOT, env=plain, capture_output=True, text=True, timeout=LIMIT
+    )
+    assert done.returncode == 0, f"{' '.join(words)}\n{done.stdout}\n{done.stderr}"
+    return done.stdout, done.stderr
+
+
+#: The rows that a benchmark's table has at least: what is compared, on each sand.
+ROWS = {"report.py": 36, "search_accuracy.py": 9, "engines.py": 5, "effects.py": 9, "other_optimisers.py": 9}
+
+
 @pytest.mark.slow
-def test_scripts_of_python_commands_load():
-    """Benchmarks take minutes: here they are loaded with all that they import, not run; others run."""
-    scripts = [words for words in COMMANDS if words[0] == "python" and words[1] != "-m"]
-    benchmarks = [words[1] for words in scripts if words[1].startswith("tests/benchmarks/")]
-    assert benchmarks
-    load = "import runpy, sys\nfor path in sys.argv[1:]: runpy.run_path(path, run_name='loaded')"
-    for command in (["-c", load, *benchmarks], *(w[1:] for w in scripts if w[1] not in benchmarks)):
-        environment = {**os.environ, "PYTHONPATH": str(ROOT / "tests" / "benchmarks")}
-        done = subprocess.run([sys.executable, *command], cwd=ROOT, env=environment, capture_output=True,
-                              text=True, timeout=LIMIT)  # fmt: skip
-        assert done.returncode == 0, done.stderr
-    for path in benchmarks:
-        assert '__name__ == "__main__"' in (ROOT / path).read_text(), path
+@pytest.mark.parametrize("words", of("python"), ids=" ".join)
+def test_a_script_runs_and_prints_its_table(words):
+    path = Path(words[1])
+    if path.parts[0] == "examples":
+        assert path.stem in EXAMPLES  # run by `test_custom`
+        return
+    said, _ = other(*words[1:], "--quick")
+    _, _, *rows = [line.strip("| ").split(" | ") for line in said.splitlines() if line.startswith("|")]
+    assert len(rows) >= ROWS[path.name], said
+    for name, *cells in rows:
+        assert name
+        assert re.search(r"\d|skipped", " ".join(cells)), said
+        assert not re.search(r"\b(nan|inf)\b", " ".join(cells)), said
+    if path.name == "other_optimisers.py":
+        missing = [library for library in ("cma", "nevergrad", "pygmo") if find_spec(library) is None]
+        assert all(library in said.partition("|")[0] for library in missing)
+        assert len({name for name, *_ in rows}) == 6 - len(missing)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", of("pip"), ids=" ".join)
+def test_pip_knows_what_it_is_asked_for(words):
+    """Offline: what is asked for is installed, or pip would end with an error; the rest is named only."""
+    if extras(words[-1]) & NOT_INSTALLED:
+        pytest.skip("not installed with footopt[test]")
+    said, warned = other("-m", *words, "--dry-run", "--no-index", "--no-build-isolation")
+    assert "does not provide the extra" not in said + warned
+    assert "footopt" in said
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", of("pytest"), ids=" ".join)
+def test_pytest_finds_tests(words):
+    """The run that this test is part of runs them."""
+    said, _ = other("-m", *words, "--collect-only")
+    found = int(re.search(r"^(\d+)(?:/\d+)? tests? collected", said, flags=re.M)[1])
+    assert found >= (1 if words[1:] else 1000)
 
 
 # --- Python ---------------------------------------------------------------------------------------
@@ -545,6 +561,8 @@ def test_the_python_of_a_page_runs_from_top_to_bottom(page, place):
         [sys.executable, "-W", "error", "block.py"], cwd=place, capture_output=True, text=True, timeout=LIMIT
     )
     assert done.returncode == 0, done.stderr
+    if page == "docs/python.md":
+        assert all((place / name).stat().st_size > 1000 for name in ("mine.pdf", "foot.png", "walk.gif"))
 
 
 # --- messages -------------------------------------------------------------------------------------
@@ -566,7 +584,7 @@ MESSAGES = list(messages())
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("page", "typed", "answer"), MESSAGES, ids=[typed for _, typed, _ in MESSAGES])
-def test_a_quoted_message_is_what_footopt_says(page, typed, answer, place, monkeypatch):
+def test_a_quoted_message_is_what_footopt_says(page, typed, answer, place):
     """All of an error; of what a run prints, the lines that are quoted. `...` is anything."""
     pattern = re.escape(answer).replace(re.escape("..."), ".*")
     if typed.startswith(">>> "):
@@ -578,13 +596,13 @@ def test_a_quoted_message_is_what_footopt_says(page, typed, answer, place, monke
         return
     words = shlex.split(typed)
     assert words[:2] == ["$", "footopt"], page
-    unrender(monkeypatch)
-    code, text = run(words[2:], place, monkeypatch)
-    if isinstance(code, str):
-        assert re.fullmatch(pattern, " ".join(code.split())), f"{page}: {code}"
+    done = footopt(*words[2:], cwd=place)
+    if done.returncode == 1:
+        assert re.fullmatch(pattern, " ".join(done.stderr.split())), f"{page}: {done.stderr}"
     else:  # what a run prints, or Hydra's own parser
+        text = done.stdout + done.stderr
         assert re.search(pattern, " ".join(text.split())), f"{page}: {text}"
-        assert code == (2 if "error:" in answer else 0)
+        assert done.returncode == (2 if "error:" in answer else 0)
 
 
 # --- numbers --------------------------------------------------------------------------------------

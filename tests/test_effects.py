@@ -627,7 +627,7 @@ class TestAnEffectOfOnesOwn:
     @pytest.mark.slow
     def test_that_was_edited_is_compiled_again(self, tmp_path):
         """Compiled code on disk never outlives the hook that it was compiled from."""
-        environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(tmp_path)}
+        environment = os.environ | {"PYTHONPATH": str(tmp_path)}
         code = "import own_effect as o, footopt as fo; s = fo.Scene(effects=(o.Damp(),), t_f=1.2)\n"
         code += "print(fo.simulate(fo.Foot.flat(), s, 'draft').totals['work'])"
         found = []

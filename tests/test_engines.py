@@ -17,8 +17,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from test_cli import footopt
-from test_resume import BRIEF, ended, outcome, started, wait_for_designs
+from running import footopt, program, started
+from test_resume import BRIEF, ended, outcome, wait_for_designs
 from test_store import SMALL, assert_same, problem, stop_after
 
 import footopt as fo
@@ -428,7 +428,7 @@ class TestCommandLine:
     def test_finds_the_same(self, here, engine, tmp_path):
         if engine == "dask":
             pytest.importorskip("distributed", reason="needs the extra footopt[dask]")
-        done = footopt(
+        done = program(
             *BRIEF, "solver=nsga2", f"engine={engine}", "engine.workers=2", "hydra.run.dir=run", cwd=tmp_path
         )
         assert done.returncode == 0, done.stderr

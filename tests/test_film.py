@@ -3,12 +3,12 @@
 import itertools
 import shutil
 import subprocess
-import sys
 
 import numpy as np
 import pytest
 from matplotlib.animation import FFMpegWriter
 from PIL import Image
+from running import footopt
 
 import footopt as fo
 from footopt.errors import FileError, FootoptError, SettingError
@@ -169,12 +169,11 @@ def test_a_place_that_cannot_be_written_is_named(walk, tmp_path):
 
 @pytest.mark.slow
 def test_the_command_line_leaves_a_film_or_says_at_once_why_not(tmp_path):
-    run = [sys.executable, "-W", "error", "-m", "footopt", "study=simulate", "accuracy=draft",
-           "scene.t_f=1.2", f"hydra.run.dir={tmp_path / 'run'}"]  # fmt: skip
-    done = subprocess.run([*run, "study.video=walk.gif"], capture_output=True, text=True, timeout=300)
+    run = ["study=simulate", "accuracy=draft", "scene.t_f=1.2", "hydra.run.dir=run"]
+    done = footopt(*run, "study.video=walk.gif", cwd=tmp_path, drawn=True)
     assert done.returncode == 0, done.stderr
     with Image.open(tmp_path / "run" / "walk.gif") as image:
         assert image.n_frames == pytest.approx(1.2 * 25 / 0.5 + 1, abs=1)
-    done = subprocess.run([*run, "study.video=walk.mov"], capture_output=True, text=True, timeout=300)
+    done = footopt(*run, "study.video=walk.mov", cwd=tmp_path)
     assert done.returncode == 1
     assert "ends in .gif or .mp4" in done.stderr

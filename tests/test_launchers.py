@@ -6,8 +6,8 @@ import signal
 import time
 
 import pytest
-from test_cli import footopt
-from test_resume import BRIEF, ended, outcome, started, stored
+from running import footopt, program, started
+from test_resume import BRIEF, ended, outcome, stored
 
 pytestmark = pytest.mark.slow
 
@@ -24,7 +24,7 @@ def need(launcher):
 def test_a_sweep_finds_what_each_job_finds_alone_and_ends_with_a_table(launcher, tmp_path):
     need(launcher)
     arguments = [*BRIEF, "solver.n_gen=3", "hydra.sweep.dir=sweep"]
-    done = footopt(
+    done = program(
         "-m", f"hydra/launcher={launcher}", "solver.seed=1,2", "sand.zeta=5,0.001", *arguments, cwd=tmp_path
     )
     assert done.returncode == 1, done.stderr  # nobody walks on sand of zeta 0.001

@@ -3,15 +3,13 @@
 import csv
 import json
 import math
-import os
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from running import footopt
 from study_pages import check_page
 
 import footopt as fo
@@ -482,12 +480,6 @@ def test_without_a_sweep_claims_are_judged_at_the_settings(small, tmp_path, monk
     assert all(e["verdict"] == ("holds" if e["margin"] > 0.0 else "does not hold") for e in entries)
     assert all(e["share_of_sweep"] is None for e in entries)
     assert "Nothing was swept" in (tmp_path / "claims.md").read_text()
-
-
-def footopt(*arguments, cwd):
-    command = [sys.executable, "-m", "footopt", *arguments]
-    env = {**os.environ, "PYTHONWARNINGS": "error"}
-    return subprocess.run(command, cwd=cwd, env=env, capture_output=True, text=True)
 
 
 @pytest.mark.slow

@@ -1,20 +1,19 @@
 """Runs that survive: killed, interrupted, out of disk; resumed, the result is that of a run never stopped."""
 
 import json
-import os
 import random
 import resource
 import shutil
 import signal
 import sqlite3
 import subprocess
-import sys
 import threading
 import time
 from contextlib import closing
 
 import pytest
-from test_cli import QUICK, footopt
+from running import footopt, started
+from test_cli import QUICK
 
 from footopt.cli import resumed
 
@@ -22,19 +21,6 @@ from footopt.cli import resumed
 BRIEF = ["accuracy=custom", "accuracy.dt=1e-3", "study.confirm=null", "foot.n=7", "engine.threads=1",
          "solver.pop_size=16", "solver.n_gen=25"]  # fmt: skip
 TIMES = ("wall_time_s", "search_time_s", "reused")  # what a resumed run may have otherwise
-
-
-def started(*arguments, cwd, **options):
-    """A run in the background, in a process group of its own, with its lines read one by one."""
-    return subprocess.Popen(
-        [sys.executable, "-m", "footopt", *arguments],
-        cwd=cwd,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env={**os.environ, "HYDRA_FULL_ERROR": "0", "PYTHONFAULTHANDLER": "1"},
-        **options,
-    )
 
 
 def wait_for(run, words, limit=300):
@@ -240,7 +226,7 @@ class TestKilled:
 @pytest.mark.slow
 class TestInterrupted:
     def test_ctrl_c_leaves_a_finished_report_and_resume_the_rest(self, undisturbed, tmp_path):
-        run = started(*BRIEF, "solver=nsga2", "hydra.run.dir=run", cwd=tmp_path)
+        run = started(*BRIEF, "solver=nsga2", "hydra.run.dir=run", cwd=tmp_path, drawn=True)
         wait_for_designs(run, tmp_path / "run", 5 * 16)
         run.send_signal(signal.SIGINT)
         out, err = ended(run)
@@ -252,14 +238,14 @@ class TestInterrupted:
         result = json.loads((tmp_path / "run" / "result.json").read_text())
         assert result["interrupted"]
         assert 16 * 4 <= result["evaluations"] < 16 * 25
-        assert (tmp_path / "run" / "figures" / "scatter_matrix.png").is_file()
+        assert (tmp_path / "run" / "figures" / "scatter_matrix.png").stat().st_size > 10_000
         done = footopt("resume=run", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         assert outcome(tmp_path / "run") == outcome(undisturbed("nsga2"))
 
     @pytest.mark.parametrize("pause", [0.0, 0.3, 1.5])
     def test_a_second_ctrl_c_in_the_report_loses_no_design(self, undisturbed, tmp_path, pause):
-        run = started(*BRIEF, "hydra.run.dir=run", cwd=tmp_path)
+        run = started(*BRIEF, "hydra.run.dir=run", cwd=tmp_path, drawn=True)
         wait_for_designs(run, tmp_path / "run", 10 * 16)
         run.send_signal(signal.SIGINT)
         time.sleep(pause)

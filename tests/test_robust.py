@@ -10,8 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from running import footopt, program
 from study_pages import check_page
-from test_cli import composed, footopt
+from test_cli import composed
 
 import footopt as fo
 from footopt.design import Solver, Store, confirm, search
@@ -244,7 +245,7 @@ BRIEF = ["study=robust", "study.quick=true", "foot.n=5", "solver.pop_size=20", "
 @pytest.fixture(scope="module")
 def run_sands(tmp_path_factory):
     cwd = tmp_path_factory.mktemp("sands")
-    done = footopt(*BRIEF, "hydra.run.dir=run", cwd=cwd)
+    done = footopt(*BRIEF, "hydra.run.dir=run", cwd=cwd, drawn=True)
     assert done.returncode == 0, done.stderr
     return done, cwd / "run"
 
@@ -284,7 +285,7 @@ class TestStudy:
 
     @pytest.mark.slow
     def test_worker_processes_find_the_same(self, run_sands, tmp_path):
-        done = footopt(*BRIEF, "engine=processes", "engine.workers=2", "hydra.run.dir=run", cwd=tmp_path)
+        done = program(*BRIEF, "engine=processes", "engine.workers=2", "hydra.run.dir=run", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         here, there = (
             json.loads((folder / "result.json").read_text()) for folder in (run_sands[1], tmp_path / "run")

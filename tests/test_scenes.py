@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
+from running import footopt
 from study_pages import check_page
-from test_cli import footopt, only_folder
+from test_cli import only_folder
 
 import footopt as fo
 from footopt.cli import CONF
@@ -187,7 +188,8 @@ class TestAudit:
 
 @pytest.mark.slow
 def test_the_study_from_the_command_line(tmp_path):
-    done = footopt("study=effects", "study.feet=4", "accuracy=draft", "hydra.run.dir=out", cwd=tmp_path)
+    words = ["study=effects", "study.feet=4", "accuracy=draft", "hydra.run.dir=out"]
+    done = footopt(*words, cwd=tmp_path, drawn=True)
     assert done.returncode == 0, done.stderr
     with open(tmp_path / "out" / "effects.csv", newline="") as file:
         rows = list(csv.DictReader(file))

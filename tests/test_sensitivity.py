@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from running import footopt
 from study_pages import check_page
-from test_cli import composed, footopt
+from test_cli import composed
 from test_robust import COARSE, NOTHING
 
 import footopt as fo
@@ -138,7 +139,7 @@ class TestErrors:
 @pytest.mark.slow
 def test_from_the_command_line(tmp_path):
     done = footopt("study=sensitivity", "study.quick=true", "foot.n=4", "foot.k=[3,5,4,2]", "accuracy=draft",
-                   "hydra.run.dir=run", cwd=tmp_path)  # fmt: skip
+                   "hydra.run.dir=run", cwd=tmp_path, drawn=True)  # fmt: skip
     assert done.returncode == 0, done.stderr
     result = json.loads((tmp_path / "run" / "result.json").read_text())
     assert list(result["blocks"]) == ["parameters", "waypoints"]

@@ -3,15 +3,13 @@
 import csv
 import json
 import math
-import os
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from running import footopt
 from study_pages import check_page
 
 import footopt as fo
@@ -227,11 +225,8 @@ class TestStudy:
         cases = ["standing, zeta 5", "spiky soles", "sinking to the hip", "a gait with a jump"]
         methods = ["sdirk2", "explicit_euler"]
         quoted = ",".join(f"'{name}'" for name in cases)
-        done = subprocess.run(
-            [sys.executable, "-m", "footopt", "study=stability", f"study.cases=[{quoted}]",
-             f"study.methods=[{','.join(methods)}]", "hydra.run.dir=out"],
-            cwd=tmp_path, env={**os.environ, "PYTHONWARNINGS": "error"}, capture_output=True, text=True,
-        )  # fmt: skip
+        done = footopt("study=stability", f"study.cases=[{quoted}]", f"study.methods=[{','.join(methods)}]",
+                       "hydra.run.dir=out", cwd=tmp_path, drawn=True)  # fmt: skip
         assert done.returncode == 0, done.stderr
         with open(tmp_path / "out" / "stability.csv", newline="") as file:
             rows = list(csv.DictReader(file))

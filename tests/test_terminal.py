@@ -2,12 +2,12 @@
 
 import io
 import re
-import subprocess
 import sys
 
 import numpy as np
 import pytest
 from rich.console import Console
+from running import program
 from terminals import on_a_terminal
 
 import footopt as fo
@@ -203,7 +203,7 @@ class TestColours:
 
     @pytest.mark.slow
     def test_not_in_a_pipe(self, tmp_path):
-        done = subprocess.run(SINKING, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+        done = program(*SINKING[3:], cwd=tmp_path)
         assert "The walk failed" in done.stdout
         assert "\x1b" not in done.stdout + done.stderr
 

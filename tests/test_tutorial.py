@@ -1,8 +1,5 @@
-"""The tutorial notebook and docs/python.md run from top to bottom and show what their words say."""
+"""The tutorial notebook runs from top to bottom and shows what its words say."""
 
-import re
-import subprocess
-import sys
 from pathlib import Path
 
 import nbformat
@@ -49,13 +46,3 @@ def test_it_runs_from_top_to_bottom(tmp_path):
     assert (tmp_path / "sole.dxf").stat().st_size > 0
     with Image.open(tmp_path / "walk.gif") as film:
         assert film.n_frames > 30
-
-
-@pytest.mark.slow
-def test_the_page_on_python_runs(tmp_path):
-    page = (TUTORIAL.parent.parent / "docs" / "python.md").read_text(encoding="utf-8")
-    script = "\n".join(re.findall(r"```python\n(.*?)```", page, flags=re.S))
-    run = [sys.executable, "-W", "error", "-c", f"import matplotlib; matplotlib.use('agg')\n{script}"]
-    done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, timeout=LIMIT)
-    assert done.returncode == 0, done.stderr
-    assert {path.name for path in tmp_path.iterdir()} == {"mine.pdf", "foot.png", "walk.gif"}

@@ -732,7 +732,8 @@ def _scale(values: Array) -> float:
 
 def _figure(width: float, height: float) -> Figure:
     """An empty figure (inches) with a canvas of its own."""
-    figure = Figure(figsize=(width, height), layout="constrained")
+    # laid out at the resolution of its picture: formulas are parsed once for both
+    figure = Figure(figsize=(width, height), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
     return figure
 

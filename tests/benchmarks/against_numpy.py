@@ -41,18 +41,20 @@ def twin(k: Array, scene: fo.Scene, dt: float = numpy_walk.DT) -> Array:
     )
 
 
-def compare(k: Array, scene: fo.Scene, batch: int = 8, repeats: int = 3) -> Comparison:
+def compare(
+    k: Array, scene: fo.Scene, batch: int = 8, repeats: int = 3, dt: float = numpy_walk.DT
+) -> Comparison:
     """Time both; footopt with its cheapest preset that is at least as accurate over the feet k."""
     exact = fo.evaluate(k, scene, "reference").values
-    theirs = error(np.array([twin(heights, scene) for heights in k]), exact)
+    theirs = error(np.array([twin(heights, scene, dt) for heights in k]), exact)
     ours = {name: error(fo.evaluate(k, scene, name).values, exact) for name in PRESETS}
     preset = next(name for name in PRESETS if ours[name] <= theirs)  # from cheap to dear
     one = numpy_walk.chords(k[:1], fo.Waypoints())
     several = numpy_walk.chords(k[:batch], fo.Waypoints())
     times = interleaved(
         {
-            "numpy": lambda: numpy_walk.walk(one, scene),
-            "batch": lambda: numpy_walk.walk(several, scene),
+            "numpy": lambda: numpy_walk.walk(one, scene, dt),
+            "batch": lambda: numpy_walk.walk(several, scene, dt),
             "footopt": lambda: fo.evaluate(k, scene, preset, threads=1),
         },
         repeats,

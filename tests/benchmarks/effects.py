@@ -2,6 +2,8 @@
 
 python tests/benchmarks/effects.py  # a table for soft, regular and hard sand, about two minutes
 
+With --quick two feet walk once, in the process that compiles.
+
 The same source compiled twice may differ by 5 to 9 % in time, by how its machine code happens to lie. So
 the deleted code is compared with a plain copy of the source that the same process compiles in the same
 way, and every ratio is the median over processes that load the code in another order. What effects add
@@ -23,7 +25,7 @@ from types import ModuleType
 
 import deleted
 import numpy as np
-from measure import SANDS, feet, interleaved, scene
+from measure import SANDS, arguments, feet, interleaved, scene
 
 import footopt as fo
 from footopt.sand.effects import EFFECTS
@@ -67,26 +69,32 @@ def jobs(sand: str, designs: int, loops: dict[str, ModuleType]) -> dict[str, Cal
 def here(sand: str, loops: dict[str, ModuleType], seed: int, designs: int = 30, repeats: int = 9) -> Ratios:
     """Processor time over the bare walk's (its copy's), and evaluations likewise, in this process.
 
+    Without the effects' code the walks must be the same to the last bit.
+
     seed : of the order in which the walks are loaded and measured.
     """
     walks = jobs(sand, designs, loops)
     chosen = {name: walks[name] for name in np.random.default_rng(seed).permutation(list(walks)).tolist()}
-    counts = {name: job().evaluations.sum() for name, job in chosen.items()}
+    tables = {name: job() for name, job in chosen.items()}
+    for name in (DELETED, COPY):
+        np.testing.assert_array_equal(tables[name].raw, tables["bare"].raw, err_msg=name)
+    counts = {name: table.evaluations.sum() for name, table in tables.items()}
     times = interleaved(chosen, repeats, time.thread_time)
     base = {name: COPY if name == DELETED else "bare" for name in chosen}
     return {name: (times[name] / times[b], float(counts[name] / counts[b])) for name, b in base.items()}
 
 
-def compare(processes: int = 7) -> dict[str, Ratios]:
-    """`here` for every sand: the median over processes, after one that compiles."""
+def compare(processes: int = 7, quick: bool = False) -> dict[str, Ratios]:
+    """`here` for every sand: the median over processes, after one that compiles; quick: of that one."""
     with tempfile.TemporaryDirectory() as folder:
         write(Path(folder))
         found = []
-        for seed in range(1 + processes):
-            run = [sys.executable, __file__, folder, str(seed)]
+        for seed in range(1 if quick else 1 + processes):
+            run = [sys.executable, __file__, folder, str(seed), *(["--quick"] if quick else [])]
             found.append(json.loads(subprocess.run(run, check=True, capture_output=True, text=True).stdout))
     names = (DELETED, COPY, *SETS)
-    median = np.median([[[one[sand][name] for name in names] for sand in SANDS] for one in found[1:]], axis=0)
+    kept = found if quick else found[1:]
+    median = np.median([[[one[sand][name] for name in names] for sand in SANDS] for one in kept], axis=0)
     return {
         sand: {name: (float(t), float(n)) for name, (t, n) in zip(names, rows, strict=True)}
         for sand, rows in zip(SANDS, median, strict=True)
@@ -95,15 +103,20 @@ def compare(processes: int = 7) -> dict[str, Ratios]:
 
 def main() -> None:
     """Print the table; or, given a folder of `write` and a seed, this process's ratios."""
-    if len(sys.argv) > 1:
-        loops = load(Path(sys.argv[1]))
-        print(json.dumps({sand: here(sand, loops, int(sys.argv[2])) for sand in SANDS}))
+    parser = arguments(__doc__)
+    parser.add_argument("folder", nargs="?", type=Path, help="of `write`: print this process's ratios")
+    parser.add_argument("seed", nargs="?", type=int, help="of their order")
+    given = parser.parse_args()
+    if given.folder is not None:
+        loops, sizes = load(given.folder), (2, 1) if given.quick else ()
+        print(json.dumps({sand: here(sand, loops, given.seed, *sizes) for sand in SANDS}))
         return
-    found = compare()
-    print(f"{'over the bare walk':>20}" + "".join(f"{f'{sand}: time':>16}  evaluations" for sand in SANDS))
+    found = compare(quick=given.quick)
+    print("| over the bare walk | " + " | ".join(f"{sand}: time | evaluations" for sand in SANDS) + " |")
+    print("| --- |" + " --- | --- |" * len(SANDS))
     for name in (DELETED, COPY, *SETS):
-        row = (f"{found[sand][name][0]:16.3f} {found[sand][name][1]:12.3f}" for sand in SANDS)
-        print(f"{name:>20}" + "".join(row))
+        row = (f"{found[sand][name][0]:.3f} | {found[sand][name][1]:.3f}" for sand in SANDS)
+        print(f"| {name} | " + " | ".join(row) + " |")
 
 
 if __name__ == "__main__":

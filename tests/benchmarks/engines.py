@@ -1,22 +1,24 @@
-"""What an engine costs on top of walking: the same batch here and by workers, as many as threads here."""
+"""What an engine costs on top of walking: the same batch here and by workers, as many as threads here.
+
+python tests/benchmarks/engines.py  # a table; with --quick, one small batch
+"""
 
 from __future__ import annotations
 
-import argparse
 import pickle
 import statistics
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack
 
-from measure import feet
+from measure import arguments, feet
 
 import footopt as fo
 from footopt.design import Engine, make_engine
 from footopt.design.workers import WALKED, Reply, Task
 from footopt.walker.simulate import available_threads
 
-BATCHES = (200, 20_000)
+BATCHES, CHUNKS = (200, 20_000), 200
 
 
 def overheads(
@@ -76,14 +78,14 @@ def wire(designs: int = 100) -> tuple[float, float, int]:
     return out / designs, back / designs, len(pickle.dumps(problem))
 
 
-def rows(batches: tuple[int, ...], repeats: int, cores: int) -> Iterator[tuple[str, str]]:
+def rows(batches: tuple[int, ...], chunks: int, repeats: int, cores: int) -> Iterator[tuple[str, str]]:
     """What was measured, as rows of a table."""
     names = ("processes", "dask")
     for designs in batches:
         for name, (ratio, seconds) in overheads(names, designs, repeats, cores).items():
             yield f"{name}, {designs:,} designs", f"{ratio:.2f} times `local` ({seconds:.3f} s)"
     for name in names:
-        yield f"{name}, a chunk without its walks", f"{1e3 * fixed(name, 200, repeats, cores):.2f} ms"
+        yield f"{name}, a chunk without its walks", f"{1e3 * fixed(name, chunks, repeats, cores):.2f} ms"
     out, back, problem = wire()
     yield (
         "on the wire",
@@ -93,12 +95,13 @@ def rows(batches: tuple[int, ...], repeats: int, cores: int) -> Iterator[tuple[s
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = arguments(__doc__)
     parser.add_argument("--repeats", type=int, default=9)
     parser.add_argument("--cores", type=int, default=min(2, available_threads()))
     given = parser.parse_args()
     print("| engine | measured |\n| --- | --- |")
-    for row in rows(BATCHES, given.repeats, given.cores):
+    sizes = ((20,), 10, 1) if given.quick else (BATCHES, CHUNKS, given.repeats)
+    for row in rows(*sizes, given.cores):
         print("| " + " | ".join(row) + " |", flush=True)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import platform
 import time
 from collections.abc import Callable, Mapping
@@ -55,6 +56,15 @@ def error(values: Array, exact: Array) -> float:
     """
     worst = np.max(np.abs(values / exact - 1.0), axis=1)
     return 100.0 * float(np.percentile(np.where(np.isfinite(worst), worst, np.inf), 95, method="higher"))
+
+
+def arguments(description: str) -> argparse.ArgumentParser:
+    """The command line of a benchmark."""
+    parser = argparse.ArgumentParser(
+        description=description, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--quick", action="store_true", help="everything once and small: does it all run?")
+    return parser
 
 
 def exponent(sizes: Array, times: Array) -> float:

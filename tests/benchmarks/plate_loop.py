@@ -104,10 +104,13 @@ def by_hand(library: ctypes.CDLL, plates: int, jacobian: bool) -> Sums:
 
 
 def compare(
-    library: ctypes.CDLL, plates: int, jacobian: bool, repeats: int = 25
+    library: ctypes.CDLL, plates: int, jacobian: bool, repeats: int = 25, sums: int = 2_000_000
 ) -> tuple[float, float, float]:
-    """Time per submerged plate of footopt's loop and of the C loop, ns, and their ratio."""
-    calls = 2_000_000 // plates
+    """Time per submerged plate of footopt's loop and of the C loop, ns, and their ratio.
+
+    sums : plates to sum over in one repeat.
+    """
+    calls = sums // plates
     ours, theirs = compiled(plates, jacobian), by_hand(library, plates, jacobian)
     times = interleaved({"ours": lambda: ours(calls), "theirs": lambda: theirs(calls)}, repeats)
     each = {name: 1e9 * value / (calls * plates) for name, value in times.items()}

@@ -16,7 +16,10 @@ from measure import interleaved
 import footopt
 
 PACKAGE = Path(footopt.__file__).parent
+#: The statement that is timed with nothing compiled, and one that compiles a small function only.
 FIRST = "import footopt as fo; table = fo.evaluate([[5] * 11, [6] * 11])"
+
+SMALL = "import footopt as fo; fo.Waypoints().plates([[5] * 11, [6] * 11], 20, 'arc')"
 
 #: Statements whose cost is that of an interpreter of their own, less that of an empty one.
 WARM = {
@@ -44,13 +47,14 @@ def warm(names: tuple[str, ...] = tuple(WARM), repeats: int = 7) -> Mapping[str,
     return interleaved({name: (lambda name=name: run(WARM[name])) for name in names}, repeats)
 
 
-def first_compilation() -> tuple[float, float]:
+def first_compilation(code: str = FIRST) -> tuple[float, float]:
     """Wall time of a first evaluation with an empty cache of compiled code, and of the next one, s."""
     with tempfile.TemporaryDirectory() as cache:
-        return run(["-c", FIRST], NUMBA_CACHE_DIR=cache), run(["-c", FIRST], NUMBA_CACHE_DIR=cache)
+        first, again = (run(["-c", code], NUMBA_CACHE_DIR=cache) for _ in range(2))
+    return first, again
 
 
-def read_only(home_writable: bool = True) -> tuple[float, float, list[str]] | str:
+def read_only(home_writable: bool = True, code: str = FIRST) -> tuple[float, float, list[str]] | str:
     """Two starts from a package next to which nothing can be written.
 
     Files in the place of the `__pycache__` folders keep everyone, root too, from writing there.
@@ -71,7 +75,7 @@ def read_only(home_writable: bool = True) -> tuple[float, float, list[str]] | st
             home.write_text("")
         environment = {"HOME": str(home), "XDG_CACHE_HOME": str(home / ".cache"), "NUMBA_CACHE_DIR": ""}
         try:
-            times = [run(["-c", FIRST], root, PYTHONPATH=str(root), **environment) for _ in range(2)]
+            times = [run(["-c", code], root, PYTHONPATH=str(root), **environment) for _ in range(2)]
         except subprocess.CalledProcessError as error:
             return str(error.stderr.decode().strip().splitlines()[-1])
         found = sorted({str(p.parent.relative_to(root)) for p in root.rglob("*.nbc")})
