@@ -43,6 +43,12 @@ OWN_FILES = 1000  # YAML files in a user's own folder that are looked at
 #: What a resumed run cannot change.
 FIXED = ("study", "study.name", "hydra.run.dir", "hydra.mode", "hydra.output_subdir")
 
+#: Settings that name files or folders.
+FILES = ("foot.path", "gait.path", "sand.table", "study.run", "study.runs", "study.store", "study.video",
+         "plugins", "hydra.run.dir", "hydra.sweep.dir")  # fmt: skip
+PLAIN = re.compile(r"[A-Za-z0-9_/\\\-+.$%*@?|: ]*")  # what Hydra reads without quotes
+GRAMMAR = re.compile(r"""\s*['"]|.*\$\{|.*\\[()\[\]{}:=, ]|\w+\(.*\)$""")  # who writes this knows Hydra's
+
 _wants_traceback = os.environ.get("HYDRA_FULL_ERROR") == "1"
 
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
@@ -100,10 +106,14 @@ class Summary(Callback):
 def main() -> None:
     """Entry point. Errors a user can mend end with one message and exit code 1."""
     os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra passes errors on instead of printing them itself
+    if "--version" in sys.argv[1:]:
+        from footopt import __version__
+
+        return print(f"footopt {__version__}")
     try:
         check_words(sys.argv[1:], CONF)
         check_own_yaml(sys.argv[1:])
-        sys.argv[1:] = [named_run(word) for word in resumed(sys.argv[1:])]
+        sys.argv[1:] = [with_files_quoted(word) for word in resumed(sys.argv[1:])]
         _job()
     except KeyboardInterrupt:
         sys.exit(STOPPED)
@@ -147,22 +157,40 @@ def resumed(given: Sequence[str]) -> list[str]:
         if not (isinstance(saved, list) and all(isinstance(word, str) for word in saved)):
             raise ValueError("its overrides.yaml is no list of settings")
     except Exception as error:  # whatever can be wrong with a folder and its files
+        there = (folder / ".hydra" / "config.yaml").exists()
+        why = str(error).partition("\n")[0] if there else "it has no .hydra/config.yaml"
         raise FileError(
-            f"resume = {folders[-1]!r}: not the folder of a run ({str(error).partition(chr(10))[0]}). "
+            f"resume = {folders[-1]!r}: not the folder of a run ({why}). "
             "Give one with a .hydra folder in it, such as outputs/optimize/2026-01-31_12-00-00-000000."
         ) from None
     if study not in RESUMABLE:
         raise SettingError("resume", folders[-1], f"a run of study={', '.join(RESUMABLE)}, not {study}")
-    place = str(folder).replace("'", "\\'")
     # Hydra would truncate the settings before it writes them: a kill then could lose them
-    return [*map(str, saved), *new, f"hydra.run.dir='{place}'", "hydra.output_subdir=null"]
+    return [*map(str, saved), *new, f"hydra.run.dir={quoted(str(folder))}", "hydra.output_subdir=null"]
 
 
-def named_run(word: str) -> str:
-    """``run=FOLDER`` as the setting that it is short for, with any character in the folder's name."""
-    if not word.startswith("run="):
+def with_files_quoted(word: str) -> str:
+    """A setting that names files or folders, with those names in quotes that Hydra could not read otherwise.
+
+    ``run=FOLDER`` becomes the setting that it is short for, ``~`` the user's own folder.
+    """
+    name, equals, value = word.partition("=")
+    if name == "run":
+        return f"study.run={quoted(value)}"
+    if name.lstrip("+") not in FILES:
         return word
-    return "study.run='{}'".format(word.removeprefix("run=").replace("'", "\\'"))
+    listed = value.startswith("[") and value.endswith("]")
+    inner = value[1:-1] if listed else value
+    if GRAMMAR.match(inner):
+        return word
+    parts = [os.path.expanduser(part.strip()) for part in inner.split(",")]  # jobs of a multirun, or a list
+    plain = ",".join(part if PLAIN.fullmatch(part) else quoted(part) for part in parts)
+    return f"{name}{equals}[{plain}]" if listed else f"{name}{equals}{plain}"
+
+
+def quoted(text: str) -> str:
+    """In quotes for Hydra, whatever is in it."""
+    return "'{}'".format(text.replace("'", "\\'"))
 
 
 def check_own_yaml(given: Sequence[str]) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 
 
 class Shown:
-    """Something that a notebook shows as a picture beside its numbers."""
+    """Something that a notebook shows as a picture beside its numbers, and a terminal as its numbers."""
 
     def plot(self, ax: Any = None, what: str | None = None) -> Any:
         """Draw on matplotlib Axes.
@@ -34,6 +34,16 @@ class Shown:
         from footopt.report import show
 
         return show.plot(self, ax, what)
+
+    def __repr__(self) -> str:
+        """What matters of it in one line, without its arrays."""
+        try:
+            from footopt.report import show
+
+            title, facts = show.words(self)
+            return f"<{type(self).__name__} {title}: {'; '.join(map(' '.join, facts.items()))}>"
+        except Exception:  # a debugger may look at what is only half made
+            return object.__repr__(self)
 
     def _repr_html_(self) -> str:
         """What matters of it, and a picture; its `repr` where that cannot be drawn."""

@@ -158,6 +158,19 @@ def test_a_failed_walk_says_why_and_has_no_objectives(things):
         assert "peak power" not in text
 
 
+def test_a_terminal_shows_numbers_with_units_and_no_arrays(walked, many, searches):
+    for thing in (walked.foot, walked, many, *searches.values()):
+        assert "array" not in repr(thing)
+        assert len(repr(thing)) < 700
+    assert repr(walked).startswith("<Walk k 5-8-9-8-5-4-4-2-2-3-4 on hard sand: distance 2.1")
+    assert "peak power " in repr(walked) and " W; " in repr(walked)
+    assert f"feet 20; walked {many.feasible.sum()}; " in repr(many)
+    assert "hollow 12.0 mm" in repr([walked.foot])
+    assert "evaluations 60 of " in repr(searches["one"])
+    half_made = object.__new__(fo.Foot)
+    assert repr(half_made).startswith("<footopt.foot.foot.Foot object")
+
+
 def test_names_are_escaped(walked):
     foot = replace(walked.foot, name=NASTY)
     for shown in (foot, fo.Sand(name=NASTY), replace(walked, foot=foot)):

@@ -48,7 +48,7 @@ class Generation:
     seconds: float
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SearchResult(Shown):
     """Every design that a search evaluated, in order, and which are best.
 

@@ -14,7 +14,7 @@ from footopt.errors import SettingError, check
 from footopt.foot import Foot, Waypoints
 from footopt.gait import Gait
 from footopt.gait.files import Strides, read, read_strides
-from footopt.sand import Sand, StressMap
+from footopt.sand import MEDIA, Sand, StressMap
 from footopt.sand.effects import EFFECTS, Effect
 from footopt.walker import PRESETS, Accuracy, Scene, Spread, Walker
 
@@ -60,10 +60,12 @@ def check_lists(config: Any, name: str = "") -> None:
 
 
 def make_sand(config: SandConfig) -> Sand:
-    """The sand of a configuration."""
+    """The sand of a configuration; one of `MEDIA` that was changed no longer has its name."""
     stress_map = StressMap(**asdict(config.coefficients))
     if config.table is None:
-        return Sand(zeta=config.zeta, stress_map=stress_map, name=config.name)
+        changed = stress_map != StressMap() or config.zeta != MEDIA.get(config.name, config.zeta)
+        name = "custom" if config.name in MEDIA and changed else config.name
+        return Sand(zeta=config.zeta, stress_map=stress_map, name=name)
     if stress_map != StressMap():
         raise SettingError("sand.table", config.table, "null when sand.coefficients are changed")
     fitted = Sand.from_table(config.table, zeta=config.zeta)

@@ -128,9 +128,13 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
         if k is None or saved.shape != "waypoints":
             found = _saved_foot(folder, design, saved)
     except DAMAGED as error:
+        if (folder / "multirun.yaml").is_file():
+            one = "the folder of one job of this multirun"
+            raise SettingError("study.run", str(folder), one, f"Such as run={folder / '0'}") from None
+        there = (folder / "result.json").exists()
+        why = f"{type(error).__name__}: {error}" if there else "it has no result.json"
         raise FileError(
-            f"{named(folder, 'study.run')}: not the folder of a run with one foot "
-            f"({type(error).__name__}: {error}). Give one of study=optimize or simulate."
+            f"{named(folder, 'study.run')}: not the folder of a run with one foot ({why}). Give one of study=optimize or simulate."
         ) from None
     if k is None:
         return found

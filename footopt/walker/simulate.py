@@ -40,7 +40,7 @@ BLOCK = 16  # designs that a thread takes at a time
 POSES = 64  # motions whose poses are kept: about 1 MB each, and the time of a few dozen walks
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Table(Shown):
     """Objectives of many feet, in natural signs.
 
@@ -98,7 +98,7 @@ class Table(Shown):
         return frame.rename_axis("foot")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Walk(Animated):
     """One simulated walk: traces at the end of every step, T of them, and what they add up to.
 
