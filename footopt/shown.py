@@ -19,7 +19,8 @@ class Shown:
 
         Parameters
         ----------
-        ax : where to draw; by default on Axes of a new figure, which a notebook shows.
+        ax : where to draw; by default on Axes of a new figure, which a notebook shows. A name alone,
+            as in ``walk.plot("power")``, is `what`.
         what : a walk's walk, com, velocity, force, power or work; a sand's alpha_z or alpha_x; a gait's
             angles or path; a search's front or convergence. By default the first of them.
 
@@ -33,7 +34,7 @@ class Shown:
         """
         from footopt.report import show
 
-        return show.plot(self, ax, what)
+        return show.plot(self, None, ax) if isinstance(ax, str) else show.plot(self, ax, what)
 
     def __repr__(self) -> str:
         """What matters of it in one line, without its arrays."""

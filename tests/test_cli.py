@@ -292,7 +292,7 @@ BAD = {
     "objective.names=[speed]": "objective.names = 'speed': must be made of distance",
     "study=simulate foot.k=[0,2,3,4,5,6,7,8,8,8,8]": "foot.k[0] = 0.0: must be a whole number",
     "study=simulate foot.k=[1.5,2,3,4,5,6,7,8,8,8,8]": "foot.k",
-    "study=simulate foot.k=[1,2,3]": "foot.k = '[1, 2, 3]': must be 11 heights",
+    "study=simulate foot.k=[1,2,3]": "foot.k = [1, 2, 3]: must be 11 heights",
     "hydra.run.dir=a_file": "a_file",
     "hydra.run.dir=a_file/below": "a_file",
     "accuracy.tolerance=1e-9": "accuracy.tolerance = 1e-09: must be at least",

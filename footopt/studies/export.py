@@ -134,7 +134,8 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
         there = (folder / "result.json").exists()
         why = f"{type(error).__name__}: {error}" if there else "it has no result.json"
         raise FileError(
-            f"{named(folder, 'study.run')}: not the folder of a run with one foot ({why}). Give one of study=optimize or simulate."
+            f"{named(folder, 'study.run')}: not the folder of a run with one foot ({why}). "
+            "Give one of study=optimize or simulate."
         ) from None
     if k is None:
         return found

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.errors import SettingError, check, needed
+from footopt.errors import SettingError, check, check_kind, needed
 from footopt.foot import Foot, Plates, Waypoints, as_plates
 from footopt.foot.plates import RULES
 from footopt.sand import affine_direction, effects
@@ -266,7 +266,8 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
     -------
     Walk : also of a walk that failed; see its `reason`.
     """
-    scene, accuracy = scene or Scene(), resolve(accuracy)
+    check_kind(foot, Foot, "foot", "Try fo.Foot.from_waypoints(heights)")
+    scene, accuracy = _scene(scene), resolve(accuracy)
     directed = effects.laws(scene.effects).directed
     plates = foot.plates(accuracy.plates, accuracy.rule, directed)
     raw, status, tallies, trace = _walk(plates, scene, accuracy, sink=True, threads=1, traced=True)
@@ -293,7 +294,7 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
 
 
 def evaluate(
-    feet: Sequence[Foot] | Plates | ArrayLike,
+    feet: Foot | Sequence[Foot] | Plates | ArrayLike,
     scene: Scene | None = None,
     accuracy: Accuracy | str = "standard",
     objectives: Sequence[str] = FIVE,
@@ -306,7 +307,7 @@ def evaluate(
 
     Parameters
     ----------
-    feet : a sequence of `Foot`; or waypoint heights (designs, n) in `space` (default: the paper's).
+    feet : a `Foot` or a sequence of them; or waypoint heights (designs, n) in `space` (default: the paper's).
     scene, accuracy : as in `simulate`.
     objectives : names from `footopt.walker.objectives.OBJECTIVES`.
     threads : how many to use; by default as many as the process may run on.
@@ -315,7 +316,9 @@ def evaluate(
     -------
     Table : with ``values`` (designs, objectives) in natural signs.
     """
-    scene, accuracy = scene or Scene(), resolve(accuracy)
+    scene, accuracy = _scene(scene), resolve(accuracy)
+    if isinstance(feet, Foot):
+        feet = [feet]
     scene.need_heel_strike()
     chosen = lookup(objectives)
     sink = "maximum_sinkage" in objectives
@@ -340,6 +343,13 @@ def evaluate(
         repeats=tallies[:, REPEATS],
         scene=scene,
     )
+
+
+def _scene(scene: Scene | None) -> Scene:
+    """The paper's walk on hard sand where there is none."""
+    found = Scene() if scene is None else scene
+    check_kind(found, Scene, "scene", "Try fo.Scene(sand=...)")
+    return found
 
 
 def estimate_error(
