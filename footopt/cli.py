@@ -26,7 +26,7 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from footopt.command import check_words
+from footopt.command import check_words, folders_after
 from footopt.config import Config
 from footopt.errors import ERROR_FILE, FileError, FootoptError, SettingError, one_line
 from footopt.reading import read_yaml
@@ -195,14 +195,10 @@ def quoted(text: str) -> str:
 
 def check_own_yaml(given: Sequence[str]) -> None:
     """Raise a `FileError` for a YAML file in a user's own ``--config-dir`` that Hydra could not load."""
-    for i, word in enumerate(given):
-        name, _, folder = word.partition("=")
-        if name not in CONFIG_DIR:
-            continue
-        top = Path(folder or (given[i + 1] if i + 1 < len(given) else ""))
+    for top in folders_after(given, CONFIG_DIR):
         files = sorted(islice((path for end in ("*.yaml", "*/*.yaml") for path in top.glob(end)), OWN_FILES))
         for path in files:
-            read_yaml(path, name)
+            read_yaml(path, "--config-dir")
 
 
 @contextmanager

@@ -20,7 +20,7 @@ import footopt as fo
 from footopt.cli import CONF, main, with_files_quoted
 from footopt.command import check_words
 from footopt.config import Config
-from footopt.errors import SettingError
+from footopt.errors import FootoptError, SettingError
 from footopt.foot.export import body_outline, enclosed_area
 from footopt.studies import STUDIES, build
 from footopt.studies.export import foot_of
@@ -395,6 +395,7 @@ GOOD = [
     "sand.zeta=${walker.mass} +mine.more=1 ~sand hydra.run.dir=x resume=a[b run=c",
     "study.quick=yes --config-dir=mine",
     "-cd mine sand=mine",
+    "--config-dir=mine sand=mine scene=mine effects.slope.angle=4",
     "--cfg job sand=soft",
     "-sc query=bash",
     "--help",
@@ -402,8 +403,29 @@ GOOD = [
 
 
 @pytest.mark.parametrize("arguments", GOOD)
-def test_what_can_be_meant_is_left_alone(arguments):
+def test_what_can_be_meant_is_left_alone(arguments, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name, text in (("sand/mine", "zeta: 2"), ("scene/mine", "defaults:\n  - override /effects: slope\n")):
+        path = tmp_path / "mine" / f"{name}.yaml"
+        path.parent.mkdir(parents=True)
+        path.write_text(text)
     check_words(arguments.split(), CONF)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("--config-dir=mine sand=mne", r"one of custom, .*, mine, .*soft\. Did you mean sand=mine\?"),
+        ("-cd mine sand=mine solver.popsize=4", r"Did you mean solver\.pop_size=4\?"),
+        ("--config-dir nowhere sand=mine", "--config-dir nowhere: there is no such folder"),
+    ],
+)
+def test_mistakes_beside_a_folder_of_one_s_own_are_told_as_well(words, message, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine" / "sand").mkdir(parents=True)
+    (tmp_path / "mine" / "sand" / "mine.yaml").write_text("zeta: 2")
+    with pytest.raises(FootoptError, match=message):
+        check_words(words.split(), CONF)
 
 
 @pytest.mark.parametrize(
