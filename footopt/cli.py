@@ -20,6 +20,7 @@ from typing import Any
 import hydra
 from hydra.core.config_store import ConfigStore
 from hydra.core.hydra_config import HydraConfig
+from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.errors import HydraException
 from hydra.experimental.callback import Callback
 from hydra.types import RunMode
@@ -29,7 +30,7 @@ from omegaconf.errors import OmegaConfBaseException
 from footopt.command import check_words, folders_after
 from footopt.config import Config
 from footopt.errors import ERROR_FILE, FileError, FootoptError, SettingError, one_line
-from footopt.reading import read_yaml
+from footopt.reading import is_missing, read_yaml
 
 log = logging.getLogger("footopt")
 
@@ -43,6 +44,8 @@ OWN_FILES = 1000  # YAML files in a user's own folder that are looked at
 #: What a resumed run cannot change.
 FIXED = ("study", "study.name", "hydra.run.dir", "hydra.mode", "hydra.output_subdir")
 
+#: Settings that name files which a run reads or shares.
+READ = ("foot.path", "gait.path", "sand.table", "study.store", "plugins")
 #: Settings that name files or folders.
 FILES = ("foot.path", "gait.path", "sand.table", "study.run", "study.runs", "study.store", "study.video",
          "plugins", "hydra.run.dir", "hydra.sweep.dir")  # fmt: skip
@@ -156,9 +159,12 @@ def resumed(given: Sequence[str]) -> list[str]:
         saved = OmegaConf.to_container(OmegaConf.create(texts[1]))
         if not (isinstance(saved, list) and all(isinstance(word, str) for word in saved)):
             raise ValueError("its overrides.yaml is no list of settings")
+        if (began := folder / ".hydra" / "hydra.yaml").is_file():
+            there = Path(OmegaConf.create(read_yaml(began, "resume")).hydra.runtime.cwd)
+            saved = [with_files_of(there, word) for word in saved]
     except Exception as error:  # whatever can be wrong with a folder and its files
-        there = (folder / ".hydra" / "config.yaml").exists()
-        why = str(error).partition("\n")[0] if there else "it has no .hydra/config.yaml"
+        gone = is_missing(folder / ".hydra" / "config.yaml")
+        why = "it has no .hydra/config.yaml" if gone else str(error).partition("\n")[0]
         raise FileError(
             f"resume = {folders[-1]!r}: not the folder of a run ({why}). "
             "Give one with a .hydra folder in it, such as outputs/optimize/2026-01-31_12-00-00-000000."
@@ -167,6 +173,18 @@ def resumed(given: Sequence[str]) -> list[str]:
         raise SettingError("resume", folders[-1], f"a run of study={', '.join(RESUMABLE)}, not {study}")
     # Hydra would truncate the settings before it writes them: a kill then could lose them
     return [*map(str, saved), *new, f"hydra.run.dir={quoted(str(folder))}", "hydra.output_subdir=null"]
+
+
+def with_files_of(there: Path, word: str) -> str:
+    """A setting of a run that began in the folder `there`, with its files where they are."""
+    name = word.partition("=")[0].lstrip("+")
+    if name not in READ or there == Path.cwd():
+        return word
+    value: Any = OverridesParser.create().parse_override(word).value()
+    listed = isinstance(value, list)
+    found = [str(there / v) if (there / v).exists() else v for v in (value if listed else [value]) if v]
+    files = ",".join(map(quoted, found)) or "null"
+    return f"{word.partition('=')[0]}=[{files}]" if listed else f"{word.partition('=')[0]}={files}"
 
 
 def with_files_quoted(word: str) -> str:
