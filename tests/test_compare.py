@@ -75,6 +75,25 @@ def test_each_run_once_and_not_the_one_that_is_running(runs):
     assert found == [runs / "old" / "b", runs / "new" / "c"]
 
 
+def test_a_multirun_stands_for_its_jobs_in_their_order(runs):
+    (runs / "multi").mkdir()
+    (runs / "multi" / "multirun.yaml").touch()
+    for job in ("10", "9", "2"):
+        (runs / "multi" / job / ".hydra").mkdir(parents=True)
+    (runs / "old" / "b").rename(runs / "multi" / "0")
+    expected = [runs / "multi" / job for job in ("0", "2", "9", "10")]
+    assert list(folders_of([f"{runs}/mul*"], runs)) == expected
+    assert list(folders_of([f"{runs}/multi/0", f"{runs}/multi"], runs)) == expected
+
+
+def test_the_table_has_units(runs, capsys):
+    compare(runs / "here", f"{runs}/old/[ab]")
+    said = capsys.readouterr().out
+    head = said.split("\n1: ")[0]
+    for unit in ("(m)", "(J)", "(W)", "(m/s)", "(mm)"):
+        assert unit in head
+
+
 @pytest.mark.parametrize(
     ("patterns", "error", "message"),
     [

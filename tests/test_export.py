@@ -210,6 +210,14 @@ def test_the_page_of_an_export_links_every_file_and_says_what_it_holds(tmp_path,
     assert f"Everything is in {exported}" in out
 
 
+def test_of_a_multirun_one_job_is_asked_for(tmp_path):
+    (tmp_path / "multirun.yaml").touch()
+    with pytest.raises(SettingError, match=r"the folder of one job of this multirun\. Such as run=.*/0$"):
+        export.foot_of(tmp_path)
+    with pytest.raises(FileError, match=r"not the folder of a run with one foot \(it has no result\.json\)"):
+        export.foot_of(tmp_path / "nowhere")
+
+
 def test_a_sole_that_its_csv_file_does_not_hold_is_refused(tmp_path):
     path = write_csv(fo.Foot.flat(), tmp_path / "contour.csv")
     other = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4])

@@ -176,4 +176,4 @@ def test_the_command_line_leaves_a_film_or_says_at_once_why_not(tmp_path):
         assert image.n_frames == pytest.approx(1.2 * 25 / 0.5 + 1, abs=1)
     done = footopt(*run, "study.video=walk.mov", cwd=tmp_path)
     assert done.returncode == 1
-    assert "ends in .gif or .mp4" in done.stderr
+    assert "study.video = 'walk.mov': must be a name that ends in .gif or .mp4" in done.stderr

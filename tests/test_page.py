@@ -19,6 +19,7 @@ from footopt.errors import FileError
 from footopt.foot.export import closed_contour, enclosed_area
 from footopt.foot.export import write_csv as write_contour
 from footopt.report import figures, files, page, summary, terminal
+from footopt.walker import OBJECTIVES
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 browser_needed = pytest.mark.skipif(
@@ -122,6 +123,7 @@ def leave_job(folder, walk):
     files.write_walk(folder / "walk.nc", walk)
     result = {
         "objectives": walk.objectives,
+        "units": {name: OBJECTIVES[name].unit for name in walk.objectives},
         "design": {"k": walk.foot.k, "hollow_mm": 0.0},
         "settings": {"foot": {"top": walk.foot.top, "width": walk.foot.width}},
         "versions": files.versions(),

@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Callable
 from contextlib import nullcontext
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,7 @@ from footopt.design.solvers import EXHAUSTIVE, Solver
 from footopt.design.source import Source
 from footopt.design.store import Store
 from footopt.design.workers import Engine
-from footopt.errors import FootoptError, check, needed
+from footopt.errors import FootoptError, check, check_kind, needed
 from footopt.foot import Foot
 from footopt.shown import Shown
 from footopt.walker.objectives import OBJECTIVES
@@ -49,7 +49,7 @@ class Generation:
     seconds: float
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SearchResult(Shown):
     """Every design that a search evaluated, in order, and which are best.
 
@@ -147,7 +147,7 @@ def search(
     Parameters
     ----------
     problem : what is searched.
-    solver : a `Solver`, or a name with the budget (pop_size, n_gen, seed) as keywords. By default
+    solver : a `Solver`, or a name; the budget (pop_size, n_gen, seed) as keywords. By default
         the memetic GA for one objective and NSGA-II for several.
     progress : called after every generation.
     store : a file to keep every evaluation in, or an open `Store`. The same search with the same
@@ -166,9 +166,12 @@ def search(
         every design of the first generation breaks the program.
     FileError : the store cannot be used. ValueError : it was opened for another problem.
     """
+    check_kind(problem, FootProblem, "problem", "Try fo.FootProblem(scene)")
     if not isinstance(solver, Solver):
         default = "memetic" if problem.n_obj == 1 else "nsga2"
         solver = Solver(name=solver or default, **budget)
+    elif budget:
+        solver = Solver(**(asdict(solver) | budget))
     opened = Store(store, problem) if isinstance(store, (str, Path)) else nullcontext(store)
     if solver.name == EXHAUSTIVE:
         from footopt.design.exhaustive import enumerate_space

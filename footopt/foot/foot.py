@@ -19,7 +19,7 @@ from footopt.shown import Shown
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Foot(Shown):
     """A sole in the foot frame (origin at the centre of the foot's box, x_p to the toe, z_p up).
 

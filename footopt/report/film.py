@@ -26,8 +26,14 @@ FRAMES = 2000  # of a GIF, at most: they are in memory until it is written, abou
 WIDEST = 3.0  # times its height: a longer walk is followed by the camera
 
 
-def check_film(path: str | Path, fps: int = 25, speed: float = 0.5, dpi: int = 120) -> Path:
+def check_film(
+    path: str | Path, fps: int = 25, speed: float = 0.5, dpi: int = 120, setting: str = "path"
+) -> Path:
     """Raise unless such a film can be written; see `footopt.Walk.animate`. Its folder is made.
+
+    Parameters
+    ----------
+    setting : that names the file, for the message.
 
     Raises
     ------
@@ -36,7 +42,7 @@ def check_film(path: str | Path, fps: int = 25, speed: float = 0.5, dpi: int = 1
     """
     path = Path(path)
     if path.suffix.lower() not in (".gif", ".mp4"):
-        raise SettingError("video", str(path), "a name that ends in .gif or .mp4", "Try walk.gif.")
+        raise SettingError(setting, path.name, "a name that ends in .gif or .mp4", "Try walk.gif.")
     check(0 < fps <= 100, "fps", fps, "a number of frames per second > 0 and <= 100")
     check(0 < speed < math.inf, "speed", speed, "a number > 0: 1 is as in life, 0.25 four times slower")
     check(20 <= dpi <= 600, "dpi", dpi, "a number of dots per inch from 20 to 600")

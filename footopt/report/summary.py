@@ -83,7 +83,9 @@ def compare(folder: Path, rows: Sequence[dict[str, Any]], headline: str) -> None
     common = set.intersection(*(set(row["overrides"]) for row in rows)) if len(rows) > 1 else set()
     names = list(dict.fromkeys(name for row in rows for name in row["objectives"]))
     out = console()
-    titles = (*(name.replace("_", " ") for name in names), "hollow (mm)")
+    units = {name: unit for row in rows for name, unit in (row["result"] or {}).get("units", {}).items()}
+    parts = [(name.replace("_", " "), units.get(name)) for name in names]
+    titles = (*(f"{title} ({unit})" if unit else title for title, unit in parts), "hollow (mm)")
     first = f"{what} and settings"
     shown = table((first, *titles), words=(first,))
     for row in rows:

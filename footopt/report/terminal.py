@@ -159,8 +159,13 @@ def print_validity(out: Console, diagnostics: Sequence[Diagnostic]) -> None:
     out.print("Validity: " + "; ".join(numbers))
     for d in diagnostics:
         if d.outside:
-            limit = f"{number(d.limit)}{' ' + d.unit if d.unit else ''}"
-            warn(out, f"{d.name} {number(d.value)} is above {limit}: {d.why}.")
+            warn(out, f"{describe_outside(d)}.")
+
+
+def describe_outside(d: Diagnostic) -> str:
+    """What a value outside the tested range means, with the value and its limit."""
+    value, limit = (f"{number(v)}{' ' + d.unit if d.unit else ''}" for v in (d.value, d.limit))
+    return f"{d.name} {value} is above {limit}: {d.why}"
 
 
 def warn(out: Console, words: str) -> None:

@@ -60,7 +60,7 @@ def check_lists(config: Any, name: str = "") -> None:
 
 
 def make_sand(config: SandConfig) -> Sand:
-    """The sand of a configuration."""
+    """The sand of a configuration; one of `MEDIA` that was changed no longer has its name."""
     stress_map = StressMap(**asdict(config.coefficients))
     if config.table is None:
         own = MEDIA.get(config.name, config.zeta) != config.zeta or stress_map != GENERIC

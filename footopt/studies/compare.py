@@ -39,16 +39,26 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
 def folders_of(patterns: Sequence[str], besides: Path) -> Iterator[Path]:
     """Folders of runs by name or pattern, each once, in order; `besides` the one that is running.
 
+    A multirun's folder stands for its jobs.
+
     Raises
     ------
     FileError : there is no run of that name.
     """
     seen = {besides.resolve()}
     for pattern in patterns:
-        found = sorted(path.parent for path in map(Path, glob(f"{pattern}/result.json", recursive=True)))
+        multiruns = [Path(path).parent for path in glob(f"{pattern}/multirun.yaml", recursive=True)]
+        jobs = [job for folder in multiruns for job in folder.iterdir() if job.name.isdecimal()]
+        alone = [Path(path).parent for path in glob(f"{pattern}/result.json", recursive=True)]
+        found = sorted({*alone, *jobs}, key=_in_order)
         if not found and not (Path(pattern) / ".hydra").is_dir():
             raise FileError(f"{named(pattern, SETTING)}: not the folder of a run. {TRY}")
         for path in found or [Path(pattern)]:
             if path.resolve() not in seen:
                 seen.add(path.resolve())
                 yield path
+
+
+def _in_order(folder: Path) -> tuple[str, int, str]:
+    """What to sort a run's folder by: job 10 of a multirun comes after job 9."""
+    return str(folder.parent), int(folder.name) if folder.name.isdecimal() else -1, folder.name

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,7 +18,7 @@ from footopt.foot import Foot
 from footopt.foot.export import AREA_TOLERANCE, MM, body_outline, compare
 from footopt.foot.polygon import enclosed_area
 from footopt.foot.solid import measure, write_all
-from footopt.reading import named, read_json_file
+from footopt.reading import is_missing, named, read_json_file
 from footopt.report import figures, files, summary, terminal
 from footopt.studies import build
 from footopt.studies.simulate import foot_entry
@@ -128,9 +129,14 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
         if k is None or saved.shape != "waypoints":
             found = _saved_foot(folder, design, saved)
     except DAMAGED as error:
+        if os.path.isfile(folder / "multirun.yaml"):
+            one = "the folder of one job of this multirun"
+            raise SettingError("study.run", str(folder), one, f"Such as run={folder / '0'}") from None
+        gone = is_missing(folder / "result.json")
+        why = "it has no result.json" if gone else f"{type(error).__name__}: {error}"
         raise FileError(
-            f"{named(folder, 'study.run')}: not the folder of a run with one foot "
-            f"({type(error).__name__}: {error}). Give one of study=optimize or simulate."
+            f"{named(folder, 'study.run')}: not the folder of a run with one foot ({why}). "
+            "Give one of study=optimize or simulate."
         ) from None
     if k is None:
         return found

@@ -27,7 +27,7 @@ from footopt.report import figures, files, film, page, terminal
 from footopt.report.progress import progress, telling
 from footopt.studies import build
 from footopt.studies.auto import settle
-from footopt.studies.simulate import foot_entry, scene_entry
+from footopt.studies.simulate import foot_entry, scene_entry, validity_entry
 from footopt.walker import OBJECTIVES, Accuracy, Walk, estimate_error, gain_shares, simulate
 from footopt.walker.validity import diagnose
 
@@ -39,7 +39,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     out, clock = terminal.console(), terminal.clock()
     build.check_searchable(config.foot)
     if config.study.video is not None:
-        film.check_film(folder / config.study.video)
+        film.check_film(folder / config.study.video, setting="study.video")
     c = config.solver
     solver = Solver(c.name, c.pop_size, c.n_gen, c.seed)
     scene, audits = settle(config, None, out)
@@ -98,8 +98,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
             "agrees": confirmed.agrees,
             "largest_change": confirmed.largest_change,
         },
-        "validity": {d.name: d.value for d in diagnostics},
-        "warnings": [f"{d.name}: {d.why}" for d in diagnostics if d.outside],
+        **validity_entry(diagnostics),
         "solver": dataclasses.asdict(result.solver),
         "seed": result.solver.seed,
         "evaluations": result.evaluations,
@@ -127,7 +126,8 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
 
     out.print(terminal.describe_search(result))
     out.print(terminal.describe_confirmation(confirmed))
-    out.print(f"Best design: {terminal.describe_foot(best)}")
+    which = "Best design" if problem.n_obj == 1 else "Of the front the best in J_W"
+    out.print(f"{which}: {terminal.describe_foot(best)}")
     feet = [("best", walk.objectives), ("flat", base.objectives)]
     out.print(terminal.objective_table(feet, problem.record, errors, gain=True))
     terminal.print_validity(out, diagnostics)

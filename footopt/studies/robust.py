@@ -121,7 +121,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
             scenarios, judge.names, judge.space, accuracy, judge.threads, study.measure, study.tail,
             references=compare(judge, found).references,
         )  # fmt: skip
-        tell = telling(step, judge.guide, len(scenarios), f"{ROBUST}: ")
+        tell = telling(step, judge.guide, len(scenarios), f"{ROBUST}: ", " of the specialist's")
         result = searched(problem, solver, ROBUST, tell, store, engine)
     confirmed = confirm(result, finer, study.finalists)
     found[ROBUST] = result.k[confirmed.designs[0]]

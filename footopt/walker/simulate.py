@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.errors import SettingError, check, needed
+from footopt.errors import SettingError, check, check_kind, needed
 from footopt.foot import Foot, Plates, Waypoints, as_plates
 from footopt.foot.plates import RULES
 from footopt.sand import affine_direction, effects
@@ -42,7 +42,7 @@ LONG = ROWS // POSES  # poses of a motion of which only `LONG_ONES` are kept
 LONG_ONES = 2
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Table(Shown):
     """Objectives of many feet, in natural signs.
 
@@ -100,7 +100,7 @@ class Table(Shown):
         return frame.rename_axis("foot")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Walk(Animated):
     """One simulated walk: traces at the end of every step, T of them, and what they add up to.
 
@@ -268,7 +268,8 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
     -------
     Walk : also of a walk that failed; see its `reason`.
     """
-    scene, accuracy = scene or Scene(), resolve(accuracy)
+    check_kind(foot, Foot, "foot", "Try fo.Foot.from_waypoints(heights)")
+    scene, accuracy = _scene(scene), resolve(accuracy)
     directed = effects.laws(scene.effects).directed
     plates = foot.plates(accuracy.plates, accuracy.rule, directed)
     raw, status, tallies, trace = _walk(plates, scene, accuracy, sink=True, threads=1, traced=True)
@@ -318,7 +319,9 @@ def evaluate(
     -------
     Table : with ``values`` (designs, objectives) in natural signs.
     """
-    scene, accuracy = scene or Scene(), resolve(accuracy)
+    scene, accuracy = _scene(scene), resolve(accuracy)
+    if isinstance(feet, Foot):
+        feet = [feet]
     scene.need_heel_strike()
     chosen = lookup(objectives)
     sink = "maximum_sinkage" in objectives
@@ -343,6 +346,13 @@ def evaluate(
         repeats=tallies[:, REPEATS],
         scene=scene,
     )
+
+
+def _scene(scene: Scene | None) -> Scene:
+    """The paper's walk on hard sand where there is none."""
+    found = Scene() if scene is None else scene
+    check_kind(found, Scene, "scene", "Try fo.Scene(sand=...)")
+    return found
 
 
 def estimate_error(
@@ -474,8 +484,6 @@ def _chunks(feet: Any, scene: Scene, accuracy: Accuracy, space: Waypoints | None
         yield from (feet.take(slice(i, i + CHUNK)) for i in range(0, len(feet.x), CHUNK))
         return
     size = max(1, min(CHUNK, POINTS // (accuracy.plates * RULES[accuracy.rule])))
-    if isinstance(feet, Foot):
-        feet = [feet]
     if not isinstance(feet, Sequence):
         feet = np.atleast_2d(np.asarray(feet))
     if len(feet) == 0:

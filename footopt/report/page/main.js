@@ -66,7 +66,7 @@ function searchSection(choose) {
   const draw = () => {
     const rows = data.history, bests = rows.map((r) => r.best ?? NaN), medians = rows.map((r) => r.median ?? NaN);
     const a = axes(holder, { x: [0, rows.at(-1).evaluations], y: range([...bests, ...medians]), xlabel: "evaluations",
-      ylabel: `${named(guide)}: best so far, and median of the generation (dashed)`, height: 260, left: 84,
+      ylabel: `${named(guide)}: best ${several ? "of the front" : "so far"}`, height: 260, left: 84,
       label: "Convergence of the search; the table below has the numbers" });
     const X = (i) => a.X(rows[i].evaluations);
     a.svg.append(
@@ -77,7 +77,7 @@ function searchSection(choose) {
     soleDrawing(sole(i), { width: 136, height: 32, plain: true }),
     el("div", {}, `generation ${generation[i]}`), el("div", {}, quantity(guide.of(i), guide.unit))));
   const section = el("section", { id: "search" }, el("h2", {}, "The search"),
-    el("figure", {}, holder),
+    el("figure", {}, holder, el("figcaption", {}, "Dashed: the median of each generation.")),
     folded("The search as a table", () => table(["evaluations", `best ${named(guide)}`, "median", ...(several ? ["front"] : [])],
       data.history.map((r) => [r.evaluations, number(r.best), number(r.median), ...(several ? [r.front] : [])].map(String)))),
     ...(buttons.length ? [el("h3", {}, "Lineage: each sole that was the best at the end of a generation"),
@@ -150,7 +150,7 @@ function footer() {
   const block = (title, value) => value === undefined ? null : folded(title, () => el("pre", {}, JSON.stringify(value, null, 2)));
   return [el("h2", {}, "How it was made"),
     el("p", {}, facts.map(([name, value]) => `${name}: ${value}`).join("; ")),
-    ...(entry.validity ? [el("p", {}, `validity of the walk: ${Object.entries(entry.validity).map(([name, value]) => `${name} ${number(value)}`).join("; ")}`)] : []),
+    ...(entry.validity ? [el("p", {}, `validity of the walk: ${Object.entries(entry.validity).map(([name, value]) => `${name} ${quantity(value, entry.validity_units?.[name])}`).join("; ")}`)] : []),
     ...[block("Error estimates", entry.error_estimate), block("Settings", entry.settings), block("Scene", entry.scene),
       block("Accuracy", entry.accuracy)].filter(Boolean)];
 }
