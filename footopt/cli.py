@@ -20,16 +20,17 @@ from typing import Any
 import hydra
 from hydra.core.config_store import ConfigStore
 from hydra.core.hydra_config import HydraConfig
+from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.errors import HydraException
 from hydra.experimental.callback import Callback
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from footopt.command import check_words
+from footopt.command import check_words, folders_after
 from footopt.config import Config
-from footopt.errors import FileError, FootoptError, SettingError, one_line
-from footopt.reading import read_yaml
+from footopt.errors import ERROR_FILE, FileError, FootoptError, SettingError, one_line
+from footopt.reading import is_missing, read_yaml
 
 log = logging.getLogger("footopt")
 
@@ -43,9 +44,16 @@ OWN_FILES = 1000  # YAML files in a user's own folder that are looked at
 #: What a resumed run cannot change.
 FIXED = ("study", "study.name", "hydra.run.dir", "hydra.mode", "hydra.output_subdir")
 
+#: Settings that name files which a run reads or shares.
+READ = ("foot.path", "gait.path", "sand.table", "study.store", "plugins")
+#: Settings that name files or folders.
+FILES = ("foot.path", "gait.path", "sand.table", "study.run", "study.runs", "study.store", "study.video",
+         "plugins", "hydra.run.dir", "hydra.sweep.dir")  # fmt: skip
+PLAIN = re.compile(r"[A-Za-z0-9_/\\\-+.$%*@?|: ]*")  # what Hydra reads without quotes
+GRAMMAR = re.compile(r"""\s*['"]|.*\$\{|.*\\[()\[\]{}:=, ]|\w+\(.*\)$""")  # who writes this knows Hydra's
+
 _wants_traceback = os.environ.get("HYDRA_FULL_ERROR") == "1"
 
-ERROR_FILE = "error.txt"  # left in the folder of a job of a multirun that failed
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 LAUNCHERS = ("submitit", "joblib")  # what their errors come from
 STOPPED = 130  # exit code after Ctrl-C, as of any program that a shell stops
@@ -95,16 +103,20 @@ class Summary(Callback):
         """Read what the jobs left in their folders."""
         from footopt.report import summary
 
-        Summary.failed = summary.report(Path(config.hydra.sweep.dir), ERROR_FILE)
+        Summary.failed = summary.report(Path(config.hydra.sweep.dir))
 
 
 def main() -> None:
     """Entry point. Errors a user can mend end with one message and exit code 1."""
     os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra passes errors on instead of printing them itself
+    if "--version" in sys.argv[1:]:
+        from footopt import __version__
+
+        return print(f"footopt {__version__}")
     try:
         check_words(sys.argv[1:], CONF)
         check_own_yaml(sys.argv[1:])
-        sys.argv[1:] = [named_run(word) for word in resumed(sys.argv[1:])]
+        sys.argv[1:] = [with_files_quoted(word) for word in resumed(sys.argv[1:])]
         _job()
     except KeyboardInterrupt:
         sys.exit(STOPPED)
@@ -147,35 +159,64 @@ def resumed(given: Sequence[str]) -> list[str]:
         saved = OmegaConf.to_container(OmegaConf.create(texts[1]))
         if not (isinstance(saved, list) and all(isinstance(word, str) for word in saved)):
             raise ValueError("its overrides.yaml is no list of settings")
+        if (began := folder / ".hydra" / "hydra.yaml").is_file():
+            there = Path(OmegaConf.create(read_yaml(began, "resume")).hydra.runtime.cwd)
+            saved = [with_files_of(there, word) for word in saved]
     except Exception as error:  # whatever can be wrong with a folder and its files
+        gone = is_missing(folder / ".hydra" / "config.yaml")
+        why = "it has no .hydra/config.yaml" if gone else str(error).partition("\n")[0]
         raise FileError(
-            f"resume = {folders[-1]!r}: not the folder of a run ({str(error).partition(chr(10))[0]}). "
+            f"resume = {folders[-1]!r}: not the folder of a run ({why}). "
             "Give one with a .hydra folder in it, such as outputs/optimize/2026-01-31_12-00-00-000000."
         ) from None
     if study not in RESUMABLE:
         raise SettingError("resume", folders[-1], f"a run of study={', '.join(RESUMABLE)}, not {study}")
-    place = str(folder).replace("'", "\\'")
     # Hydra would truncate the settings before it writes them: a kill then could lose them
-    return [*map(str, saved), *new, f"hydra.run.dir='{place}'", "hydra.output_subdir=null"]
+    return [*map(str, saved), *new, f"hydra.run.dir={quoted(str(folder))}", "hydra.output_subdir=null"]
 
 
-def named_run(word: str) -> str:
-    """``run=FOLDER`` as the setting that it is short for, with any character in the folder's name."""
-    if not word.startswith("run="):
+def with_files_of(there: Path, word: str) -> str:
+    """A setting of a run that began in the folder `there`, with its files where they are."""
+    name = word.partition("=")[0].lstrip("+")
+    if name not in READ or there == Path.cwd():
         return word
-    return "study.run='{}'".format(word.removeprefix("run=").replace("'", "\\'"))
+    value: Any = OverridesParser.create().parse_override(word).value()
+    listed = isinstance(value, list)
+    found = [str(there / v) if (there / v).exists() else v for v in (value if listed else [value]) if v]
+    files = ",".join(map(quoted, found)) or "null"
+    return f"{word.partition('=')[0]}=[{files}]" if listed else f"{word.partition('=')[0]}={files}"
+
+
+def with_files_quoted(word: str) -> str:
+    """A setting that names files or folders, with those names in quotes that Hydra could not read otherwise.
+
+    ``run=FOLDER`` becomes the setting that it is short for, ``~`` the user's own folder.
+    """
+    name, equals, value = word.partition("=")
+    if name == "run":
+        return f"study.run={quoted(value)}"
+    if name.lstrip("+") not in FILES:
+        return word
+    listed = value.startswith("[") and value.endswith("]")
+    inner = value[1:-1] if listed else value
+    if GRAMMAR.match(inner):
+        return word
+    parts = [os.path.expanduser(part.strip()) for part in inner.split(",")]  # jobs of a multirun, or a list
+    plain = ",".join(part if PLAIN.fullmatch(part) else quoted(part) for part in parts)
+    return f"{name}{equals}[{plain}]" if listed else f"{name}{equals}{plain}"
+
+
+def quoted(text: str) -> str:
+    """In quotes for Hydra, whatever is in it."""
+    return "'{}'".format(text.replace("'", "\\'"))
 
 
 def check_own_yaml(given: Sequence[str]) -> None:
     """Raise a `FileError` for a YAML file in a user's own ``--config-dir`` that Hydra could not load."""
-    for i, word in enumerate(given):
-        name, _, folder = word.partition("=")
-        if name not in CONFIG_DIR:
-            continue
-        top = Path(folder or (given[i + 1] if i + 1 < len(given) else ""))
+    for top in folders_after(given, CONFIG_DIR):
         files = sorted(islice((path for end in ("*.yaml", "*/*.yaml") for path in top.glob(end)), OWN_FILES))
         for path in files:
-            read_yaml(path, name)
+            read_yaml(path, "--config-dir")
 
 
 @contextmanager
@@ -235,9 +276,11 @@ def settings_kept(settings: DictConfig, folder: Path) -> Iterator[None]:
 
 def unchosen(error: Exception, given: Sequence[str]) -> Exception:
     """What OmegaConf means when it cannot assign a setting of an effect that is not chosen."""
-    word = next((word for word in given if re.match(r"\+*effects\.\w+\.", word)), None)
-    if word is None or not isinstance(error, AssertionError):
+    words = [word for word in given if re.match(r"\+*effects\.\w+\.", word)]
+    if not words or not isinstance(error, AssertionError):
         return error
+    chosen = " ".join(word for word in given if re.match(r"\+*effects=", word))
+    word = next((word for word in words if word.split(".")[1] not in chosen), words[0])
     setting, _, value = word.partition("=")
     effect = setting.split(".")[1]
     return SettingError(setting, value, "a setting of an effect that is chosen", f"Add effects={effect}.")

@@ -21,16 +21,21 @@ WITH_WORD = ("-c", "--cfg", "-p", "--package", "-cp", "--config-path", "-cn", "-
              "--config-dir", "--experimental-rerun")  # fmt: skip
 #: With these nothing is run, or there are groups that are not in conf/.
 LEFT = ("-h", "--help", "-sc", "--shell-completion", "--hydra-help", "--version", "-i", "--info", "-cp",
-        "--config-path", "-cd", "--config-dir", "-cn", "--config-name")  # fmt: skip
+        "--config-path", "-cn", "--config-name")  # fmt: skip
+OWN = ("-cd", "--config-dir")
 SHORT = ("run", "resume")  # settings of the command line's own
 KINDS = {int: "a whole number", float: "a number", bool: "true or false"}
 
 
 def check_words(words: Sequence[str], conf: Path) -> None:
     """Raise a `FootoptError` for the first word that is no setting, or that has a value of another kind."""
-    if any(word in LEFT or word.startswith("hydra.searchpath") for word in words):
+    if any(word.partition("=")[0] in (*LEFT, "hydra.searchpath") for word in words):
         return
-    groups = {p.name: sorted(f.stem for f in p.glob("*.yaml")) for p in conf.iterdir() if p.is_dir()}
+    roots = [conf, *folders_after(words, OWN)]
+    if missing := [root for root in roots if not root.is_dir()]:
+        raise FootoptError(f"--config-dir {missing[0]}: there is no such folder.")
+    own = sorted((path.parent.name, path.stem) for root in roots for path in root.glob("*/*.yaml"))
+    groups = {group: list(dict.fromkeys(stem for name, stem in own if name == group)) for group, _ in own}
     sweeps = any(word in MULTIRUN for word in words)
     rest = iter(range(len(words)))
     for i in rest:
@@ -53,7 +58,18 @@ def check_words(words: Sequence[str], conf: Path) -> None:
                 _check_choice(name, value, groups[name], sweeps)
             elif name not in SHORT and "@" not in name and "/" not in name:
                 _check_value(name, value, sweeps, groups)
-    _check_effects(words, conf)
+    if not any(word.startswith("resume=") for word in words):  # its effects are those of that run
+        _check_effects(words, roots)
+
+
+def folders_after(words: Sequence[str], flags: Sequence[str]) -> list[Path]:
+    """The folders that follow a flag, as its own word or after its =."""
+    pairs = zip(words, [*words[1:], ""], strict=False)
+    return [
+        Path(after if word in flags else word.partition("=")[2])
+        for word, after in pairs
+        if word.partition("=")[0] in flags and (after or "=" in word)
+    ]
 
 
 def _check_flag(word: str, groups: Mapping[str, Sequence[str]]) -> None:
@@ -136,6 +152,10 @@ def _settings(kind: Any = Config, prefix: str = "") -> dict[str, Any]:
 
 def _check_value(name: str, value: str, sweeps: bool, groups: Mapping[str, Sequence[str]]) -> None:
     known = _settings()
+    if inside := [key for key in known if key.startswith(f"{name}.")]:
+        if value == "null" or "$" in value or (value.startswith("{") and not name.startswith("effects.")):
+            return
+        raise FootoptError(f"{name}: holds several settings. Try {inside[0]}=...; all: {', '.join(inside)}.")
     if name not in known:
         raise FootoptError(f"{name}: there is no such setting. {_other_name(name, value, known, groups)}")
     kind = _bare(known[name])
@@ -178,18 +198,18 @@ def _other_name(name: str, value: str, known: Mapping[str, Any], groups: Mapping
     if close := meant(last, own):
         return f"Did you mean {own[close]}={value}?"
     if own:
-        return f"Those of {group}: {', '.join(own)}."
+        return f"Those of {group}: {', '.join(key.removeprefix(f'{group}.') for key in own.values())}."
     close = meant(name, known)
     return f"Did you mean {close}={value}?" if close else "footopt --help lists all settings."
 
 
-def _check_effects(words: Sequence[str], conf: Path) -> None:
+def _check_effects(words: Sequence[str], roots: Sequence[Path]) -> None:
     """An effect's parameter needs the effect, by its name or by the scene's."""
     chosen = " ".join(word for word in words if word.startswith(("effects=", "+effects")))
     scenes = [word.partition("=")[2] for word in words if word.startswith("scene=")]
     for scene in scenes:
-        path = conf / "scene" / f"{scene}.yaml"
-        chosen += path.read_text(encoding="utf-8") if path.is_file() else ""
+        paths = [root / "scene" / f"{scene}.yaml" for root in roots]
+        chosen += "".join(path.read_text(encoding="utf-8") for path in paths if path.is_file())
     for word in words:
         name, _, value = word.partition("=")
         parts = name.split(".")

@@ -60,6 +60,7 @@ class StudyConfig:
     spread: SpreadConfig = field(default_factory=SpreadConfig)
     foot_spread: FootSpreadConfig = field(default_factory=FootSpreadConfig)
     run: Optional[str] = None  # noqa: UP045
+    runs: list[str] = field(default_factory=list)
     video: Optional[str] = None  # noqa: UP045
 
 

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from importlib import import_module
 from typing import Any
 
+ERROR_FILE = "error.txt"  # left in the folder of a job of a multirun that failed, with the message
 LONGEST = 480  # characters of a message; a longer one loses its middle
 
 
@@ -85,3 +86,8 @@ def check(condition: object, setting: str, value: object, allowed: str, hint: st
     """Raise `SettingError` unless `condition` holds (a NaN comparison does not)."""
     if not condition:
         raise SettingError(setting, value, allowed, hint)
+
+
+def check_kind(value: object, kind: type, setting: str, hint: str) -> None:
+    """Raise `SettingError` unless `value` is a `kind`: what is only used later would fail far from here."""
+    check(isinstance(value, kind), setting, value, f"a {kind.__name__}", hint)

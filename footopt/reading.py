@@ -42,6 +42,15 @@ FOREIGN = {
 }
 
 
+def is_missing(path: Path) -> bool:
+    """Whether there is no such file; one that may not be seen is there."""
+    try:
+        path.stat()
+    except OSError as error:
+        return isinstance(error, (FileNotFoundError, NotADirectoryError))
+    return False
+
+
 def read_bytes(path: str | Path, kind: str, setting: str) -> bytes:
     """The content of a file.
 

@@ -8,11 +8,11 @@ from hypothesis import settings
 import footopt as fo
 from footopt.walker.independent import RAMP
 
+# a shell that starts the tests in the background has them ignore Ctrl-C, and what they start inherits that
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
 settings.register_profile("footopt", deadline=None, derandomize=True, database=None, max_examples=50)
 settings.load_profile("footopt")
-
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell has what it starts with "&" ignore Ctrl-C
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # ... and so would all that tests start
 
 
 @pytest.fixture(scope="session")

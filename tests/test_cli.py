@@ -9,16 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hydra import compose, initialize_config_dir
+from hydra.core.override_parser.overrides_parser import OverridesParser
 from omegaconf import OmegaConf
 from running import LIMIT, footopt, program, started
 from scipy.io import netcdf_file
 from study_pages import check_page
 
 import footopt as fo
-from footopt.cli import CONF, main
+from footopt.cli import CONF, main, with_files_quoted
 from footopt.command import check_words
 from footopt.config import Config
-from footopt.errors import SettingError
+from footopt.errors import FootoptError, SettingError
 from footopt.foot.export import body_outline, enclosed_area
 from footopt.studies import STUDIES, build
 from footopt.studies.export import foot_of
@@ -224,6 +225,18 @@ class TestAccuracy:
             for name in ("stepper", "dt", "control", "plates", "creep", "rule"):
                 assert getattr(picked, name) == row[name]
 
+    def test_a_sand_is_called_what_it_is(self):
+        for words, name in (
+            ("sand=hard", "hard"), ("sand=hard sand.zeta=5", "hard"), ("sand.zeta=2.5", "custom"),
+            ("sand=soft sand.coefficients.A00=0.3", "custom"), ("sand.name=dune sand.zeta=1.4", "dune"),
+        ):  # fmt: skip
+            assert build.make_sand(composed(*words.split()).sand).name == name
+
+    def test_an_accuracy_is_called_what_it_is(self):
+        picked = build.make_accuracy(composed("accuracy.tolerance=0.02").accuracy)  # beside the default name
+        assert picked == fo.Accuracy.within(0.02)
+        assert picked.name == "within 0.02"
+
     def test_parts_of_an_accuracy_are_set_by_hand_over_a_preset(self):
         fine = fo.Accuracy.named("fine")
         mine = build.make_accuracy(composed("accuracy=fine", "accuracy.plates=300").accuracy)
@@ -279,9 +292,12 @@ BAD = {
     "objective.names=[speed]": "objective.names = 'speed': must be made of distance",
     "study=simulate foot.k=[0,2,3,4,5,6,7,8,8,8,8]": "foot.k[0] = 0.0: must be a whole number",
     "study=simulate foot.k=[1.5,2,3,4,5,6,7,8,8,8,8]": "foot.k",
-    "study=simulate foot.k=[1,2,3]": "foot.k = '[1, 2, 3]': must be 11 heights",
+    "study=simulate foot.k=[1,2,3]": "foot.k = [1, 2, 3]: must be 11 heights",
     "hydra.run.dir=a_file": "a_file",
     "hydra.run.dir=a_file/below": "a_file",
+    "accuracy.name=fein": "accuracy.name = 'fein': must be one of draft, standard, fine, reference, custom.",
+    "study=sensitivity engine.threads=-1": "engine.threads = -1: must be a whole number >= 1 and <= 4096",
+    "study=accuracy study.feet=-60": "study.feet = -60: must be a whole number, 1 to 10,000",
     "accuracy.tolerance=1e-9": "accuracy.tolerance = 1e-09: must be at least",
     "study.finalists=0": "study.finalists = 0: must be a whole number >= 1",
     "study.confirm=best": "accuracy = 'best': must be one of",
@@ -319,6 +335,9 @@ MISTAKES = {
     "snad=soft": "snad: there is no such setting. Did you mean sand=soft?",
     "sand.zta=2": "sand.zta: there is no such setting. Did you mean sand.zeta=2?",
     "sand.density=3": "sand.density: there is no such setting. Those of sand: name, zeta, ",
+    "effects.steepness=3": "Those of effects: layers.depths, ",
+    "effects.slope=5": "effects.slope: holds several settings. Try effects.slope.angle=...",
+    "effects.slope={angle:5}": "effects.slope: holds several settings. Try effects.slope.angle=...",
     "+sand.density=1600": "sand.density: there is no such setting. Those of sand: name, zeta, ",
     "zeta=2": "zeta: there is no such setting. Did you mean sand.zeta=2?",
     "seed=3": "Did you mean solver.seed=3?",
@@ -385,10 +404,13 @@ GOOD = [
     "effects=[leading_edge,inertia] effects.inertia.rho=1500",
     "scene=incline effects.slope.angle=-5",
     "effects=null study.confirm=null foot.k=null",
+    "scene=brisk effects.inertia=null study.spread={zeta:0.5} gait.names={knee:Knie7}",
+    "resume=run effects.slope.angle=-3",
     "foot.path='a,b[1.dxf' foot.box_tolerance=.inf sand.zeta=1e-3",
     "sand.zeta=${walker.mass} +mine.more=1 ~sand hydra.run.dir=x resume=a[b run=c",
     "study.quick=yes --config-dir=mine",
     "-cd mine sand=mine",
+    "--config-dir=mine sand=mine scene=mine effects.slope.angle=4",
     "--cfg job sand=soft",
     "-sc query=bash",
     "--help",
@@ -396,8 +418,72 @@ GOOD = [
 
 
 @pytest.mark.parametrize("arguments", GOOD)
-def test_what_can_be_meant_is_left_alone(arguments):
+def test_what_can_be_meant_is_left_alone(arguments, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name, text in (("sand/mine", "zeta: 2"), ("scene/mine", "defaults:\n  - override /effects: slope\n")):
+        path = tmp_path / "mine" / f"{name}.yaml"
+        path.parent.mkdir(parents=True)
+        path.write_text(text)
     check_words(arguments.split(), CONF)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("--config-dir=mine sand=mne", r"one of custom, .*, mine, .*soft\. Did you mean sand=mine\?"),
+        ("-cd mine sand=mine solver.popsize=4", r"Did you mean solver\.pop_size=4\?"),
+        ("--config-dir nowhere sand=mine", "--config-dir nowhere: there is no such folder"),
+    ],
+)
+def test_mistakes_beside_a_folder_of_one_s_own_are_told_as_well(words, message, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine" / "sand").mkdir(parents=True)
+    (tmp_path / "mine" / "sand" / "mine.yaml").write_text("zeta: 2")
+    with pytest.raises(FootoptError, match=message):
+        check_words(words.split(), CONF)
+
+
+@pytest.mark.parametrize(
+    ("word", "read"),
+    {
+        "gait.path=Größe.trc": "Größe.trc",
+        "gait.path=my walk(1).trc": "my walk(1).trc",
+        "gait.path=it's=mine{2}.trc": "it's=mine{2}.trc",
+        "gait.path=a[1].trc": "a[1].trc",
+        "gait.path='Größe 1.trc'": "Größe 1.trc",
+        "gait.path=a\\(1\\).trc": "a(1).trc",
+        "gait.path=null": None,
+        "gait.path=C:\\Jörg\\a.trc": "C:\\Jörg\\a.trc",
+        "gait.path=~/a.trc": "/at/home/a.trc",
+        "study.runs=[Läufe/*, b, ~/c]": ["Läufe/*", "b", "/at/home/c"],
+        "study.runs=['a, ü','b']": ["a, ü", "b"],
+        "study.runs=[]": [],
+        "run=grün [1], it's": "grün [1], it's",
+        "sand.name=~/x": "~/x",
+    }.items(),
+)
+def test_files_may_have_any_name(word, read, monkeypatch):
+    monkeypatch.setenv("HOME", "/at/home")
+    quoted = with_files_quoted(word)
+    if word.startswith("sand"):
+        assert quoted == word
+    else:
+        assert OverridesParser.create().parse_override(quoted).value() == read
+
+
+def test_files_with_any_name_are_jobs_of_a_multirun():
+    words = {
+        "gait.path=ä.trc,b.trc": ["ä.trc", "b.trc"],
+        "gait.path=choice(b.trc,c.trc)": ["b.trc", "c.trc"],
+    }
+    for word, jobs in words.items():
+        swept = OverridesParser.create().parse_override(with_files_quoted(word))
+        assert [job.strip("'") for job in swept.sweep_string_iterator()] == jobs
+
+
+def test_the_version_is_ours(tmp_path):
+    done = footopt("--version", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, f"footopt {fo.__version__}\n")
 
 
 def test_every_setting_of_the_documentation_is_left_alone():
@@ -428,6 +514,17 @@ def test_shell_completion_knows_groups_and_options(tmp_path):
 def composed(*overrides) -> Config:
     with initialize_config_dir(str(CONF), version_base="1.3"):
         return OmegaConf.to_object(compose("config", list(overrides)))
+
+
+def test_a_named_sand_that_is_changed_loses_its_name():
+    names = {
+        ("sand=hard",): "hard",
+        ("sand=hard", "sand.zeta=2.5"): "custom",
+        ("sand=soft", "sand.coefficients.A00=0.3"): "custom",
+        ("sand=hard", "sand.zeta=2.5", "sand.name=mine"): "mine",
+    }
+    for words, name in names.items():
+        assert build.make_sand(composed(*words).sand).name == name
 
 
 @pytest.mark.parametrize("choice", [f"{p.parent.name}={p.stem}" for p in sorted(CONF.glob("*/*.yaml"))])

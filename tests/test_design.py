@@ -7,11 +7,12 @@ import pytest
 from pymoo.core.problem import Problem
 
 import footopt as fo
-from footopt.design import SINGLE, SOLVERS, Solver, search
+from footopt.design import SINGLE, SOLVERS, Solver, confirm, search
 from footopt.design.problem import RECORD
 from footopt.design.search import Archive
 from footopt.design.solvers import SameHeights, less_violation, reference_directions
 from footopt.errors import FootoptError, SettingError
+from footopt.report.terminal import describe_confirmation
 
 QUICK = fo.Accuracy(dt=1e-2, plates=20)
 SMALL = fo.Waypoints(n=5, K=4)
@@ -207,3 +208,47 @@ def test_ties_in_a_tournament_are_decided_by_the_runs_own_generator():
     assert draw[0] == draw[1] != draw[2]
     assert set(draw[0][:64]) == {0, 1}
     assert draw[0][64:] == [2, 2]
+
+
+def test_finalists_that_cannot_be_walked_finely_are_said_and_the_search_s_order_stays(monkeypatch):
+    found = search(problem(), "ga", pop_size=8, n_gen=2, seed=1)
+
+    def fails(self, k):
+        return np.full((len(k), len(self.record)), np.nan), np.full(len(k), "no convergence")
+
+    monkeypatch.setattr(fo.FootProblem, "walk", fails)
+    confirmed = confirm(found, "fine", 3)
+    assert np.isnan(confirmed.largest_change)
+    assert confirmed.designs[0] == found.best
+    assert describe_confirmation(confirmed) == "None of 3 finalists can be walked at accuracy fine"
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: fo.Scene("hard"), r"""sand = 'hard': must be a Sand\. Try fo\.Sand\.named\("hard"\)"""),
+        (lambda: fo.Scene(gait="walk.trc"), "gait = 'walk.trc': must be a Gait"),
+        (lambda: fo.Scene(walker=60), "walker = 60: must be a Walker"),
+        (lambda: fo.simulate([4] * 11), r"foot = \[4, .*must be a Foot\. Try fo\.Foot\.from_waypoints"),
+        (lambda: fo.simulate(fo.Foot.flat(), "hard"), "scene = 'hard': must be a Scene"),
+        (lambda: fo.evaluate([[4] * 11], fo.Sand()), r"scene = Sand\(.*must be a Scene"),
+        (lambda: fo.FootProblem("hard"), "scene = 'hard': must be a Scene"),
+        (
+            lambda: search(fo.Scene()),
+            r"problem = Scene\(.*must be a FootProblem\. Try fo\.FootProblem\(scene\)",
+        ),
+    ],
+)
+def test_what_is_of_another_kind_is_said_where_it_is_given(call, message):
+    with pytest.raises(SettingError, match=message):
+        call()
+
+
+def test_one_foot_alone_is_a_table_of_one():
+    one = fo.evaluate(fo.Foot.flat(), accuracy="draft")
+    assert one.values.tolist() == fo.evaluate([fo.Foot.flat()], accuracy="draft").values.tolist()
+
+
+def test_a_budget_changes_that_of_a_solver():
+    r = search(problem(), Solver("ga", pop_size=8, n_gen=9, seed=3), n_gen=2)
+    assert (r.solver, r.evaluations) == (Solver("ga", pop_size=8, n_gen=2, seed=3), 16)

@@ -50,6 +50,7 @@ SMALL = {
     "optimize": SEARCH,
     "simulate": {"accuracy": "draft"},
     "export": {},
+    "compare": {},
     "doctor": {},
     "shapes": {"accuracy": "draft"},
     "accuracy": {"study.feet": "2", "study.quick": "true"},
@@ -363,6 +364,8 @@ def real(word, place):
     key, _, value = word.partition("=")
     if key == "run":
         return f"run={place / 'earlier'}"
+    if key == "study.runs":
+        return f"study.runs=[{place / 'earlier'},{place / 'sweep1'}/*]"
     if key == "resume":
         parts = re.search(r"(sweep1)(/\d+)?$", value)
         return f"resume={place / ('sweep1' + ('/1' if parts[2] else '') if parts else 'earlier')}"
@@ -383,6 +386,13 @@ RUN = {
     for arguments in FOOTOPT
     if arguments not in COMPOSED and small(arguments) is not None
 }
+
+
+def test_every_study_is_run_and_a_multirun():
+    """Each has to leave report.html there."""
+    studies = {word.partition("=")[2] for arguments in RUN for word in arguments if word.startswith("study=")}
+    assert studies | {"optimize"} == {*STUDIES}  # the one that needs no name
+    assert any("-m" in arguments for arguments in RUN)
 
 
 @pytest.mark.slow
@@ -411,6 +421,8 @@ def test_the_command_runs(arguments, place, request):
         assert "Each run writes to its own folder" in done.stdout
         return
     left = {path for path in place.rglob("*") if path.is_file()} - before
+    ended = {path.parent for path in left if path.name in ("result.json", "summary.csv")}
+    assert all((folder / "report.html").is_file() for folder in ended)
     results = [json.loads(path.read_text()) for path in left if path.name == "result.json"]
     assert all(result.get("feasible", True) for result in results)
     if not any(word.startswith("resume=") for word in words):

@@ -11,11 +11,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from study_pages import data_of
 
 import footopt as fo
 from footopt import compiled
 from footopt.config import Config, StudyConfig
-from footopt.errors import FileError, FootoptError
+from footopt.errors import FootoptError
 from footopt.studies import doctor
 from footopt.walker.independent import LIMITS, RAMP, REFERENCE, SAME_PLATES
 
@@ -69,6 +70,13 @@ def test_a_sound_installation_passes_with_the_measured_differences(tmp_path):
     assert found["speed"]["found"].endswith("ms per design and core at accuracy standard")
     assert found["numba"]["found"] in done.stdout
     assert "FAILED" not in done.stdout
+    (path,) = tmp_path.rglob("report.html")
+    page = data_of(path.parent)
+    (table,) = page["tables"]
+    assert [row[:2] for row in table["rows"]] == [[f["what"], f["found"]] for f in found.values()]
+    assert not any(map(any, table["bad"]))
+    assert (page["headline"], page["warnings"]) == (["All is as it should be."], [])
+    assert page["entry"]["versions"] == fo.report.files.versions()
 
 
 def test_code_that_is_not_compiled_is_found_and_the_self_test_skipped(tmp_path):
@@ -76,6 +84,8 @@ def test_code_that_is_not_compiled_is_found_and_the_self_test_skipped(tmp_path):
     assert done.returncode == 1
     assert "compiled code: switched off by NUMBA_DISABLE_JIT. Unset NUMBA_DISABLE_JIT" in done.stderr
     found = findings(tmp_path)
+    (page,) = tmp_path.rglob("report.html")
+    assert f"Everything is in {page.parent}" in done.stdout  # to be sent to who may help
     assert found["self-test"]["found"].startswith("skipped")
     assert not any("sand" in what for what in found)
 
@@ -88,7 +98,9 @@ def test_a_package_that_is_not_there_is_no_fault_and_said_how_to_get(tmp_path, m
 
     monkeypatch.setattr(doctor, "version", without)
     examine(tmp_path)
-    assert 'pip install "footopt[c3d]"' in findings(tmp_path)["ezc3d"]["found"]
+    said = findings(tmp_path)["ezc3d"]["found"]
+    assert 'pip install "footopt[c3d]"' in said
+    assert ["ezc3d", said, ""] in data_of(tmp_path)["tables"][0]["rows"]
 
 
 def test_a_cache_that_cannot_be_kept_is_found(tmp_path, monkeypatch):
@@ -126,6 +138,13 @@ def test_a_walk_that_is_wrong_fails_with_what_to_do(tmp_path, monkeypatch):
     assert "3 of " in str(error.value)
     assert "hard sand, standard: differs by up to 0.99 % (distance); 0.5 % are allowed" in str(error.value)
     assert "Results cannot be trusted" in str(error.value)
+    page = data_of(tmp_path)
+    assert page["title"].startswith("3 of ")
+    assert len(page["warnings"]) == 3
+    assert all("Results cannot be trusted" in warning for warning in page["warnings"])
+    (table,) = page["tables"]
+    marked = [row[0] for row, bad in zip(table["rows"], table["bad"], strict=True) if bad[2]]
+    assert marked == [f"hard sand, {name}" for name in ("standard", "reference", "same plates")]
 
 
 def test_a_program_that_breaks_is_a_finding_and_the_rest_is_said(tmp_path, monkeypatch):
@@ -138,14 +157,14 @@ def test_a_program_that_breaks_is_a_finding_and_the_rest_is_said(tmp_path, monke
     assert "SALib" in findings(tmp_path)
 
 
-def test_a_folder_that_cannot_be_written_is_said_at_the_end(tmp_path, monkeypatch, capsys):
-    def full(path, content):
-        raise FileError(f"cannot write {path}")
-
-    monkeypatch.setattr(doctor.files, "write_json", full)
+@pytest.mark.parametrize("name", ["result.json", "report.html"])
+def test_a_folder_that_cannot_be_written_is_said_at_the_end(tmp_path, capsys, name):
+    (tmp_path / name).mkdir()  # in the way, also for root
     with pytest.raises(FootoptError, match=r"results: cannot write .*hydra\.run\.dir"):
         examine(tmp_path)
-    assert "hard sand, standard" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert out.count("hard sand, standard") == 1
+    assert re.search(r"^results .*FAILED", out, flags=re.M)
 
 
 def test_the_processor_is_the_one_that_numba_compiles_for(monkeypatch):

@@ -1,6 +1,8 @@
 """Files to make a foot from hold the foot, in millimetres, or say why they cannot be written."""
 
 import csv
+import json
+from dataclasses import asdict
 from xml.etree import ElementTree
 
 import ezdxf
@@ -8,8 +10,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from study_pages import check_page, data_of
 
 import footopt as fo
+from footopt.config import Config, FootConfig, StudyConfig
 from footopt.errors import FileError, SettingError
 from footopt.foot import SHAPES, outline
 from footopt.foot.export import (
@@ -22,6 +26,8 @@ from footopt.foot.export import (
     write_svg,
 )
 from footopt.foot.solid import write_step, write_stl
+from footopt.report import figures
+from footopt.studies import export
 
 heights = st.lists(st.integers(1, 10), min_size=4, max_size=15)
 DRAWINGS = {"dxf": write_dxf, "svg": write_svg}
@@ -177,3 +183,56 @@ def test_a_path_that_cannot_be_written_is_named(write, tmp_path):
         with pytest.raises(FileError, match="cannot be written") as caught:
             write(fo.Foot.flat(), path)
         assert str(path) in str(caught.value)
+
+
+def test_the_page_of_an_export_links_every_file_and_says_what_it_holds(tmp_path, capsys):
+    run, exported = tmp_path / "run", tmp_path / "out"
+    run.mkdir()
+    exported.mkdir()
+    result = {"design": {"k": [4] * 11, "name": "flat"}, "settings": {"foot": asdict(FootConfig())}}
+    (run / "result.json").write_text(json.dumps(result))
+    config = Config(study=StudyConfig(name="export", run=str(run)), foot=FootConfig(block=[0.06, 0.02]))
+    export.run(config, exported, {})
+    check_page(exported)
+    page = data_of(exported)
+    (table,) = page["tables"]
+    names = [f"contour.{ending}" for ending in ("csv", "dxf", "svg", "stl", "step")]
+    assert [row[0] for row in table["rows"]] == names
+    assert table["links"] == [[True, False, False, False, False, False]] * 5
+    assert {row[3] for row in table["rows"]} == {"4320.00"}  # 260 x 12 and 60 x 20 mm
+    assert [row[4] for row in table["rows"]] == ["", "", "", "432000", "432000"]
+    assert all(float(row[5].removesuffix(" %")) < 1e-4 for row in table["rows"])
+    sizes = [(exported / name).stat().st_size for name in names]
+    np.testing.assert_allclose([float(row[2]) for row in table["rows"]], np.array(sizes) / 1e3, atol=0.05)
+    assert "seed" not in page["entry"]
+    out = capsys.readouterr().out
+    assert "contour.step: each read back; area and volume agree" in out
+    assert f"Everything is in {exported}" in out
+
+
+def test_of_a_multirun_one_job_is_asked_for(tmp_path):
+    (tmp_path / "multirun.yaml").touch()
+    with pytest.raises(SettingError, match=r"the folder of one job of this multirun\. Such as run=.*/0$"):
+        export.foot_of(tmp_path)
+    with pytest.raises(FileError, match=r"not the folder of a run with one foot \(it has no result\.json\)"):
+        export.foot_of(tmp_path / "nowhere")
+
+
+def test_a_sole_that_its_csv_file_does_not_hold_is_refused(tmp_path):
+    path = write_csv(fo.Foot.flat(), tmp_path / "contour.csv")
+    other = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4])
+    with pytest.raises(FileError, match=r"contour\.csv: read back, its area is 7800 mm\^2 instead of"):
+        export.read_back(path, other, None)
+
+
+def test_the_drawing_of_an_export_has_its_dimensions_in_mm():
+    def dimensions(*arguments):
+        return {text.get_text() for text in figures.drawing(*arguments).axes[0].texts} - {""}
+
+    foot = fo.Foot.from_waypoints([4] * 11, width=0.08)
+    assert dimensions(foot) == {"260", "12"}
+    assert dimensions(foot, (0.06, 0.02)) == {"260", "32", "60", "20"}
+    (axes,) = figures.drawing(foot).axes
+    assert axes.get_title(loc="left") == "80 mm wide"
+    (outline,) = axes.patches
+    np.testing.assert_allclose(outline.get_xy()[:-1], 1e3 * body_outline(foot))

@@ -102,6 +102,7 @@ HISTORY = [
     params=[
         "contour",
         "contours",
+        "drawing",
         "convergence",
         "com",
         "forces",
@@ -118,6 +119,7 @@ def figure(request, foot, hard, soft, sunk, table):
         "contours": lambda: figures.contours(
             {name: fo.Foot.shape(name) for name in ("ellipse", "reversed_l")}
         ),
+        "drawing": lambda: figures.drawing(foot, (0.06, 0.02)),
         "convergence": lambda: figures.convergence(HISTORY, "efficiency $J_W$"),
         "com": lambda: figures.com(walks),
         "forces": lambda: figures.forces(walks),

@@ -39,6 +39,30 @@ def test_a_gif_has_the_frames_and_the_pace_that_were_asked_for(walk, tmp_path):
     assert min(moved[14:-1]) > 0.5  # and then it walks
 
 
+def test_a_gif_is_as_fast_as_it_says(walk, tmp_path):
+    """Its frames last whole hundredths of a second; browsers show what lasts one for ten."""
+    path = walk.animate(tmp_path / "walk.gif", fps=60, speed=2.0, dpi=20)
+    lasts = []
+    with Image.open(path) as image:
+        for i in range(image.n_frames):
+            image.seek(i)
+            lasts.append(image.info["duration"])  # ms
+    assert min(lasts) >= 20
+    assert sum(lasts[:-1]) == pytest.approx(0.5e3 * (walk.t[-1] - walk.t[0]), abs=2 * lasts[0])
+
+
+def test_a_gif_has_the_nearest_rate_that_it_can_have():
+    assert [1000 / film.gif_rate(fps) // 1 for fps in (10, 24, 25, 30, 33, 50, 60, 100)] == [
+        100, 40, 40, 30, 30, 20, 20, 20,
+    ]  # fmt: skip
+
+
+def test_a_gif_that_would_fill_the_memory_is_refused(walk, tmp_path):
+    with pytest.raises(SettingError, match=r"speed = 0\.001: .* at most 2000 frames, not 32"):
+        walk.animate(tmp_path / "walk.gif", speed=0.001)
+    assert not list(tmp_path.iterdir())
+
+
 def test_times_end_with_the_walk(walk):
     t = film.times(walk, 25, 0.5)
     assert t[0] == walk.t[0]
@@ -152,4 +176,4 @@ def test_the_command_line_leaves_a_film_or_says_at_once_why_not(tmp_path):
         assert image.n_frames == pytest.approx(1.2 * 25 / 0.5 + 1, abs=1)
     done = footopt(*run, "study.video=walk.mov", cwd=tmp_path)
     assert done.returncode == 1
-    assert "ends in .gif or .mp4" in done.stderr
+    assert "study.video = 'walk.mov': must be a name that ends in .gif or .mp4" in done.stderr

@@ -187,6 +187,11 @@ class TestPlates:
         for a, b in zip(as_plates(feet, 40, "arc", None), as_plates(batch, 40, "arc", SPACE), strict=True):
             np.testing.assert_array_equal(a, b)
 
+    def test_feet_among_heights_are_refused_not_left_out(self):
+        feet = [fo.Foot.from_waypoints(SMOOTH[0]), SMOOTH[0]]
+        with pytest.raises(SettingError, match="all Foot, or all waypoint heights"):
+            as_plates(feet, 40, "arc", None)
+
     def test_plates_are_passed_through_and_taken_by_index(self):
         plates = SPACE.plates(SMOOTH, 10)
         assert as_plates(plates, 99, "chord", None) is plates

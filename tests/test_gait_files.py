@@ -74,7 +74,10 @@ class TestMarkers:
     @pytest.mark.parametrize(("unit", "units"), [(1.0, "m"), (100.0, "cm"), (1000.0, "mm"), (1.0, "meters")])
     def test_units_are_the_files_own(self, tmp_path, unit, units):
         strides = read_strides(trc(tmp_path / "walk.trc", unit=unit, units=units))
-        assert any(f"thigh {L1:.3f} m and shank {L2:.3f} m long" in note for note in strides.notes)
+        assert any(
+            f"(to walk with such legs: walker.l1={L1:.3f} walker.l2={L2:.3f})" in note
+            for note in strides.notes
+        )
 
     def test_noise_of_three_millimetres_averages_out(self, tmp_path):
         assert misfit(read(trc(tmp_path / "walk.trc", noise=0.003, strides=12.3))) < 1.2
@@ -280,6 +283,12 @@ class TestRealRecording:
         gait = read(TREADMILL, side=side)
         assert gait.foot is not None
         assert all(rms < 1.0 for _, rms in gait.residual)
+
+    def test_no_module_of_the_working_folder_is_run(self, tmp_path, monkeypatch):
+        pytest.importorskip("ezc3d")
+        (tmp_path / "json.py").write_text("raise SystemExit('mine')")
+        monkeypatch.chdir(tmp_path)
+        assert read_c3d(TREADMILL).places
 
     def test_both_legs_walk_alike(self):
         pytest.importorskip("ezc3d")

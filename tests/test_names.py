@@ -1,5 +1,6 @@
 """Names that a user chooses stay names: in drawings, pages, figures and on the terminal."""
 
+import csv
 import io
 import json
 import re
@@ -9,6 +10,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from omegaconf import OmegaConf
 from rich.console import Console
 
 import footopt as fo
@@ -139,6 +141,24 @@ def test_on_the_terminal_a_name_is_one_line_without_control(name, walk, monkeypa
     assert isinstance(out, Console)
 
 
+def test_the_table_over_jobs_has_a_long_setting_whole_and_a_value_of_zero(walk, tmp_path, capsys):
+    setting = f"foot.path='{' '.join(['drawings of soles'] * 8)}/sole.dxf'"
+    (tmp_path / "0" / ".hydra").mkdir(parents=True)
+    write_all(walk.foot, tmp_path / "0")
+    (tmp_path / "0" / ".hydra" / "overrides.yaml").write_text(OmegaConf.to_yaml([setting, "sand=soft"]))
+    result = {
+        "study": "simulate", "design": foot_entry(walk.foot), "objectives": {"speed_loss": 0.0, "work": None},
+        "settings": {"foot": {"top": 0.0, "width": 0.1}}, "versions": {},
+    }  # fmt: skip
+    (tmp_path / "0" / "result.json").write_text(json.dumps(result))
+    assert summary.report(tmp_path) == 0
+    with open(tmp_path / "summary.csv", newline="") as file:
+        (row,) = csv.DictReader(file)
+    assert row["overrides"] == f"{setting} sand=soft"
+    assert (row["speed_loss"], row["work"]) == ("0.0", "")
+    assert re.search(r" 0 +- +\d", capsys.readouterr().out)
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_the_page_over_jobs_keeps_their_names_as_text(name, walk, tmp_path, capsys):
     tags = []
@@ -159,7 +179,7 @@ def test_the_page_over_jobs_keeps_their_names_as_text(name, walk, tmp_path, caps
         }  # fmt: skip
         (top / "0" / "result.json").write_text(json.dumps(result), encoding="utf-8")
         (top / "1" / "error.txt").write_text(f"footopt: {text}", encoding="utf-8")
-        assert summary.report(top, "error.txt") == 1
+        assert summary.report(top) == 1
         found = Elements((top / "report.html").read_text(encoding="utf-8"))
         tags.append(found.tags)
         assert not found.handlers

@@ -11,6 +11,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from rich.text import Text
 
 import footopt as fo
 from footopt.design import confirm
@@ -18,6 +19,7 @@ from footopt.errors import FileError
 from footopt.foot.export import closed_contour, enclosed_area
 from footopt.foot.export import write_csv as write_contour
 from footopt.report import figures, files, page, summary, terminal
+from footopt.walker import OBJECTIVES
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 browser_needed = pytest.mark.skipif(
@@ -85,17 +87,30 @@ def pages(front, single, tmp_path_factory):
     (folder / "1" / "report.html").touch()
     (folder / "2").mkdir()
     (folder / "2" / "error.txt").write_text("sand.zeta = 0: must be a number > 0\n")
-    assert summary.report(folder, "error.txt") == 1
+    assert summary.report(folder) == 1
     (folder / "report.html").rename(folder / "jobs.html")
     contents["exact"] = page.search_content(*searched("work", "exhaustive", fo.Waypoints(n=4, K=3)))
     contents["no jobs"] = page.jobs_content(
-        [{"folder": folder / "9", "result": None, "settings": "", "hollow": "-", "note": "no result"}], []
+        folder,
+        [
+            {
+                "name": "job 9",
+                "place": "",
+                "folder": folder / "9",
+                "result": None,
+                "settings": "",
+                "hollow": "-",
+                "note": "no result",
+            }
+        ],
+        [],
     )
     (folder / "figures").mkdir()
     walk = fo.simulate(fo.Foot.flat(), accuracy="draft")
     figures.save(figures.contour(walk.foot), folder / "figures", "contour")
     figures.save(figures.forces({"flat": walk}), folder / "figures", "wide")
-    page.write_study(folder, "A study", ["What <it> found"], SAYS, [study_table()], STUDY)
+    (folder / "table 1.csv").write_text("")
+    page.write_study(folder, "A study", ["What <it> found"], SAYS, [study_table()], STUDY, ["Not <so> good."])
     (folder / "report.html").rename(folder / "study.html")
     written = {name: page.write(folder / f"{name}.html", content) for name, content in contents.items()}
     return written | {"jobs": folder / "jobs.html", "study": folder / "study.html"}
@@ -108,6 +123,7 @@ def leave_job(folder, walk):
     files.write_walk(folder / "walk.nc", walk)
     result = {
         "objectives": walk.objectives,
+        "units": {name: OBJECTIVES[name].unit for name in walk.objectives},
         "design": {"k": walk.foot.k, "hollow_mm": 0.0},
         "settings": {"foot": {"top": walk.foot.top, "width": walk.foot.width}},
         "versions": files.versions(),
@@ -119,6 +135,7 @@ def leave_job(folder, walk):
 SAYS = {"contour": 'A flat sole, and a "quoted" <word>.', "wide": "Forces of a walk."}
 STUDY = {
     "study": "shapes",
+    "seed": 7,
     "wall_time_s": 12.3,
     "settings": {"solver": {"seed": 7}, "sand": {"zeta": 5.0}},
     "versions": {"footopt": fo.__version__},
@@ -129,8 +146,9 @@ STUDY = {
 
 def study_table():
     shown = terminal.table(("name", "a number"), words=("name",), title="What came out")
-    shown.add_row("[bold red]bad[/]", "1.25 %")
+    shown.add_row("[bold]", Text("1.25 %", style="bold red"))
     shown.add_row("k = [1, 2, 3]", "-")
+    shown.add_row("table 1.csv", "2")
     return shown
 
 
@@ -245,7 +263,7 @@ class TestEveryPage:
 
     def test_is_never_wider_than_the_window(self, kind, pages, browser):
         shown = Page(browser, pages[kind])
-        for width in (800, 1280):
+        for width in (420, 800, 1280):
             browser.set_window_size(width, 900)
             assert shown.js("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
 
@@ -449,8 +467,20 @@ class TestAStudysPage:
         natural = [shown.js(f"document.images[{i}].naturalWidth") for i in range(2)]
         assert natural[1] > natural[0] > 300
         cells = [cell.text for cell in shown.all("#tables th, #tables td")]
-        assert cells == ["name", "a number", "bad", "1.25 %", "k = [1, 2, 3]", "-"]
+        assert cells == ["name", "a number", "[bold]", "1.25 %", "k = [1, 2, 3]", "-",
+                         "table 1.csv", "2"]  # fmt: skip
         assert "What <it> found" in shown.text("#header")
+
+    def test_marks_what_is_bold_on_the_terminal_and_what_is_wrong(self, pages, browser):
+        shown = Page(browser, pages["study"])
+        assert [cell.text for cell in shown.all("#tables strong")] == ["1.25 %"]
+        assert shown.text("#header .warning") == "Not <so> good."
+
+    def test_links_the_files_beside_it_that_its_tables_name(self, pages, browser):
+        shown = Page(browser, pages["study"])
+        (link,) = shown.all("#tables a")
+        assert link.get_dom_attribute("href") == "table%201.csv"
+        assert link.get_property("href") == (pages["study"].parent / "table 1.csv").as_uri()
 
     def test_says_at_its_foot_how_it_was_made(self, pages, browser):
         shown = Page(browser, pages["study"])
@@ -470,6 +500,7 @@ def test_a_multirun_shows_every_job_the_failed_ones_too(pages, browser):
     assert len(rows) == 3
     assert "must be a number > 0" in rows[2].text
     assert [a.get_attribute("href").rsplit("/", 2)[1] for a in shown.all("#jobs a")] == ["1"]
+    assert "A job's link opens its own page." in shown.text("#jobs")  # not every study has a walk
     assert "job 1" in shown.text("#traces")
     assert "job 0" not in shown.text("#traces")
     rows[1].find_element("css selector", "button").click()
@@ -522,6 +553,9 @@ class TestFile:
         np.testing.assert_allclose(back.reshape(packed["shape"]), values, rtol=0, atol=error)
         whole = page.packed(np.arange(-5, 300))
         assert (whole["low"], whole["step"]) == (-5, 1)
+        large = page.packed(np.array([1, 70_000, 99_999, 1_000_000]))  # heights of foot.K = 1e6
+        kept = np.frombuffer(base64.b64decode(large["data"]), "<f4")
+        assert (large["step"], kept.tolist()) == (0.0, [1, 70_000, 99_999, 1_000_000])
 
     def test_a_name_cannot_break_out_of_the_page(self, tmp_path):
         evil = "</script><script>alert(1)</script>"
@@ -535,7 +569,7 @@ class TestFile:
         for i, (name, more) in enumerate(results.items()):
             (tmp_path / str(i)).mkdir()
             (tmp_path / str(i) / "result.json").write_text(json.dumps({"study": name, **more}))
-        assert summary.report(tmp_path, "error.txt") == 0
+        assert summary.report(tmp_path) == 0
         text = (tmp_path / "report.html").read_text()
         assert all(f"study={name}: see its own folder" in text for name in results)
 

@@ -14,6 +14,7 @@ from study_pages import check_page
 
 import footopt as fo
 from footopt.config import Config, StudyConfig
+from footopt.design import Solver, search
 from footopt.errors import SettingError
 from footopt.foot import SHAPES
 from footopt.gait.cycle import LEFT, RIGHT
@@ -108,6 +109,15 @@ class TestReadings:
             expected = read(walk, chosen).objectives
             assert f[0] == pytest.approx(expected["efficiency"], rel=1e-12)
             np.testing.assert_allclose(values, [expected[name] for name in problem.record], rtol=1e-12)
+
+    def test_a_search_ranks_by_what_is_read(self):
+        chosen = Readings("single", "narrow")
+        problem = ReadProblem(chosen, scene=scene("hard"), accuracy="draft")
+        result = search(problem, Solver("ga", pop_size=8, n_gen=2, seed=1))
+        for k, j in zip(result.k, result.column("efficiency"), strict=True):
+            walk = fo.simulate(fo.Foot.from_waypoints(k), scene("hard"), "draft")
+            assert j == pytest.approx(read(walk, chosen).objectives["efficiency"], rel=1e-12)
+            assert j != pytest.approx(walk.objectives["efficiency"], rel=1e-2)
 
     @pytest.mark.parametrize(("name", "value"), [("peak_power", "double"), ("speed_loss", "tunnel")])
     def test_unknown_readings_are_refused(self, name, value):

@@ -12,6 +12,7 @@ import time
 from contextlib import closing
 
 import pytest
+from hydra.core.override_parser.overrides_parser import OverridesParser
 from running import footopt, started
 from test_cli import QUICK
 
@@ -330,3 +331,24 @@ def test_a_full_disk_is_said_and_what_was_kept_is_used(undisturbed, tmp_path):
     assert (tmp_path / "run" / "result.json").read_bytes() == result
     assert not list((tmp_path / "run").rglob("*.new"))
     resume()
+
+
+def test_files_of_a_run_are_found_from_another_folder(tmp_path, monkeypatch):
+    there, here = tmp_path / "it's there", tmp_path / "here"
+    for place in (there / "run" / ".hydra", here):
+        place.mkdir(parents=True)
+    for name in ("Größe.trc", "mine.py"):
+        (there / name).touch()
+    saved = ["gait.path='Größe.trc'", "plugins=[mine.py,a.module]", "sand.table=null", "foot.n=7"]
+    (there / "run" / ".hydra" / "config.yaml").write_text("study:\n  name: optimize\n")
+    (there / "run" / ".hydra" / "overrides.yaml").write_text("".join(f'- "{word}"\n' for word in saved))
+    (there / "run" / ".hydra" / "hydra.yaml").write_text(f'hydra:\n  runtime:\n    cwd: "{there}"\n')
+    monkeypatch.chdir(there)
+    assert resumed(["resume=run"])[: len(saved)] == saved
+    monkeypatch.chdir(here)
+    words = resumed([f"resume={there / 'run'}"])[: len(saved)]
+    parsed = {word.key_or_group: word.value() for word in OverridesParser.create().parse_overrides(words)}
+    assert parsed["gait.path"] == str(there / "Größe.trc")
+    assert parsed["plugins"] == [str(there / "mine.py"), "a.module"]
+    assert parsed["sand.table"] is None
+    assert words[-1] == "foot.n=7"

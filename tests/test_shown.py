@@ -127,6 +127,12 @@ def test_a_plot_without_axes_makes_a_figure_that_a_notebook_shows(walked):
     assert plt.get_fignums() == []
 
 
+def test_the_name_of_a_drawing_may_come_first(walked):
+    assert (
+        walked.plot("power").get_ylabel() == walked.plot(what="power").get_ylabel() == "power of the sand (W)"
+    )
+
+
 def test_a_drawing_that_there_is_not_names_those_that_there_are(walked):
     with pytest.raises(SettingError, match="one of walk, com, velocity, force, power, work for a Walk"):
         walked.plot(what="energy")
@@ -156,6 +162,20 @@ def test_a_failed_walk_says_why_and_has_no_objectives(things):
         text = Parsed(things[name]._repr_html_()).text
         assert "failed sunk" in text
         assert "peak power" not in text
+
+
+def test_a_terminal_shows_numbers_with_units_and_no_arrays(walked, many, searches):
+    for thing in (walked.foot, walked, many, *searches.values()):
+        assert "array" not in repr(thing)
+        assert len(repr(thing)) < 700
+    assert repr(walked).startswith("<Walk k 5-8-9-8-5-4-4-2-2-3-4 on hard sand: distance 2.1")
+    assert "; peak power " in repr(walked)
+    assert " W; speed loss " in repr(walked)
+    assert f"feet 20; walked {many.feasible.sum()}; " in repr(many)
+    assert "hollow 12.0 mm" in repr([walked.foot])
+    assert "evaluations 60 of " in repr(searches["one"])
+    half_made = object.__new__(fo.Foot)
+    assert repr(half_made).startswith("<footopt.foot.foot.Foot object")
 
 
 def test_names_are_escaped(walked):

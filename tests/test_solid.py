@@ -11,7 +11,7 @@ import footopt as fo
 from footopt.errors import FileError
 from footopt.foot import SHAPES, solid
 from footopt.foot.export import body_outline, enclosed_area
-from footopt.foot.solid import read_step, read_stl, write_all, write_step, write_stl
+from footopt.foot.solid import measure, read_step, read_stl, write_all, write_step, write_stl
 
 WRITERS = {"stl": (write_stl, read_stl), "step": (write_step, read_step)}
 BLOCKS = st.sampled_from([None, (0.06, 0.02), (0.26, 0.01)])
@@ -115,6 +115,16 @@ def test_every_format_is_written_under_one_name(tmp_path):
         f"contour.{end}" for end in ("csv", "dxf", "svg", "stl", "step")
     ]
     assert all(path.stat().st_size > 1000 for path in written)
+
+
+def test_what_a_file_holds_is_measured_from_the_file(tmp_path):
+    """Of a rectangle of 260 x 30 mm, 100 mm wide, whose file another one replaces."""
+    for path in write_all(fo.Foot.flat(), tmp_path)[1:]:
+        area, volume = measure(path)
+        assert area == pytest.approx(7800.0, rel=1e-7)
+        assert np.isnan(volume) if path.suffix in (".dxf", ".svg") else volume == pytest.approx(7.8e5)
+    write_stl(fo.Foot.flat(), tmp_path / "contour.stl", (0.26, 0.01))
+    assert measure(tmp_path / "contour.stl") == pytest.approx((10400.0, 1.04e6))
 
 
 @pytest.mark.slow

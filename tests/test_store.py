@@ -280,6 +280,13 @@ class TestContext:
         assert name in said
         assert "another here" in said
 
+    def test_where_a_recording_lies_does_not_matter(self):
+        one, other = (
+            fo.FootProblem(fo.Scene(gait=dataclasses.replace(fo.Gait.human(), source=source)))
+            for source in ("here/walk.trc", "there/walk.trc")
+        )
+        assert context(one) == context(other)
+
     def test_a_new_file_needs_no_words_and_many_differences_are_few(self, path):
         with Store(path, problem()) as store:
             assert store.describe() == ""

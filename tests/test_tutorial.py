@@ -36,7 +36,7 @@ def test_it_runs_from_top_to_bottom(tmp_path):
     cards = [output.data["text/html"] for output in shown if "text/html" in output.get("data", {})]
     assert sum("<img" in card for card in cards) == 8  # foot, sand, scene, walk, table, two searches, foot
     assert sum("dataframe" in card for card in cards) == 2
-    assert sum("image/png" in output.get("data", {}) for output in shown) == 2  # on the user's own Axes
+    assert sum("image/png" in output.get("data", {}) for output in shown) == 3  # on the user's own Axes
     (said,) = [output.text for output in shown if output.output_type == "stream"]
     random = float(said.split(":")[1])
     assert random < 0

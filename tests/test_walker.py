@@ -18,7 +18,17 @@ from footopt.gait import LEFT, RIGHT
 from footopt.walker import PRESETS, STEPPERS, kernels
 from footopt.walker.independent import LIMITS, RAMP, REFERENCE, SAME_PLATES
 from footopt.walker.kernels import CONTACT, FX, FZ, JXX, JZZ, POWER
-from footopt.walker.simulate import HALVINGS, NEWTON, sole, time_grid, world
+from footopt.walker.simulate import (
+    HALVINGS,
+    NEWTON,
+    long_pose_tables,
+    pose_rows,
+    pose_tables,
+    poses,
+    sole,
+    time_grid,
+    world,
+)
 from footopt.walker.validity import diagnose
 
 #: Order of every stepper where forces are smooth.
@@ -341,6 +351,7 @@ class TestReproducibility:
         table = fo.evaluate([ramp_foot], scene, objectives=tuple(walk.objectives))
         np.testing.assert_allclose(table.values[0], list(walk.objectives.values()), rtol=1e-12)
         assert table.evaluations[0] == walk.evaluations
+        np.testing.assert_array_equal(fo.evaluate(ramp_foot, scene).raw, fo.evaluate([ramp_foot], scene).raw)
 
     @pytest.mark.parametrize("stepper", ["sdirk2", "semi_implicit_euler"])
     def test_a_design_does_not_depend_on_batch_place_or_threads(self, stepper, regular):
@@ -651,6 +662,12 @@ class TestSettings:
         with pytest.raises(SettingError, match=r"accuracy = 'perfect': must be one of draft, standard"):
             fo.simulate(ramp_foot, accuracy="perfect")
 
+    def test_a_walk_too_long_to_be_refined_has_no_error_estimate(self, ramp_foot, monkeypatch):
+        rows = pose_rows(fo.Scene(), fo.Accuracy.named("draft"))
+        monkeypatch.setattr(sys.modules["footopt.walker.simulate"], "ROWS", 1.5 * rows)
+        assert fo.simulate(ramp_foot, accuracy="draft").feasible
+        assert all(map(math.isnan, fo.estimate_error(ramp_foot, accuracy="draft").values()))
+
     def test_presets_know_their_names(self):
         assert all(fo.Accuracy.named(name).name == name for name in PRESETS)
 
@@ -685,3 +702,14 @@ class TestSettings:
             fo.evaluate([])
         with pytest.raises(SettingError, match=r"engine\.threads = 0"):
             fo.evaluate([flat_foot], threads=0)
+
+
+def test_poses_of_long_motions_do_not_pile_up():
+    """A motion of ten minutes takes 290 MB: of such ones two are kept, of short ones many."""
+    gaits = [fo.Gait.human(period=period) for period in (1.0, 1.1, 1.2, 1.3)]
+    for duration, kept in ((4.0, pose_tables), (60.0, long_pose_tables)):
+        kept.cache_clear()
+        for gait in gaits:
+            poses(fo.Scene(gait=gait, t_f=duration), fo.Accuracy.named("standard"))
+        assert kept.cache_info().currsize == min(len(gaits), kept.cache_info().maxsize)
+    assert long_pose_tables.cache_info().maxsize < len(gaits)

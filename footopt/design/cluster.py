@@ -11,7 +11,7 @@ from urllib.parse import urlsplit
 from footopt.design.processes import deaf
 from footopt.design.workers import DIED, REFUSED, Reply, Spread, Task, work
 from footopt.errors import FootoptError, SettingError, check
-from footopt.walker.simulate import available_threads
+from footopt.walker.simulate import at_once
 
 RETRIES = 2  # of a chunk that a worker cannot even begin
 SCHEMES = ("tcp", "tls", "ucx", "ws", "wss")
@@ -36,12 +36,7 @@ class Dask(Spread):
 
     def __init__(self, address: str | None = None, workers: int | None = None, timeout: float = 10.0) -> None:
         super().__init__()
-        check(
-            workers is None or 1 <= workers <= 4096,
-            "engine.workers",
-            workers,
-            "a whole number >= 1 and <= 4096 (null: all)",
-        )
+        count = at_once(workers, "engine.workers")
         check(0 < timeout <= 1e5, "engine.timeout", timeout, "a time > 0 and <= 1e5, in s")
         try:
             import dask
@@ -63,7 +58,7 @@ class Dask(Spread):
             dask.config.set({"distributed.scheduler.allowed-failures": 0})
             with deaf():
                 self._cluster = distributed.LocalCluster(
-                    n_workers=workers or available_threads(),
+                    n_workers=count,
                     threads_per_worker=1,
                     processes=True,
                     dashboard_address=":0",
@@ -73,6 +68,8 @@ class Dask(Spread):
         try:
             self._client = distributed.Client(self._cluster or address, timeout=timeout, set_as_default=False)
         except OSError:
+            if self._cluster is not None:
+                self._cluster.close()
             raise FootoptError(
                 f"{self._name}: no scheduler answers within {timeout:g} s (engine.timeout). Is it running "
                 "(`dask scheduler`), and can this machine reach it?"

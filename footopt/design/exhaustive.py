@@ -29,7 +29,7 @@ LIMIT = 20_000_000  # designs; two hours on two cores
 KEPT = 1000  # of the best designs by a single objective; of several, the whole front is kept
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Enumeration(SearchResult):
     """A space of designs and which are best; fields that differ from those of `SearchResult`:
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pymoo.core.problem import Problem
 
+from footopt.errors import check_kind
 from footopt.foot import Waypoints
 from footopt.walker.objectives import FIVE, OBJECTIVES, Objective, lookup
 from footopt.walker.scene import Accuracy, Scene
@@ -52,7 +53,8 @@ class FootProblem(Problem):  # type: ignore[misc]
         accuracy: Accuracy | str = "standard",
         threads: int | None = None,
     ) -> None:
-        self.scene = scene or Scene()
+        self.scene = Scene() if scene is None else scene
+        check_kind(self.scene, Scene, "scene", "Try fo.Scene(sand=...)")
         self.space = space or Waypoints()
         self.accuracy = resolve(accuracy)
         self.threads = threads

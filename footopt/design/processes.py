@@ -11,8 +11,8 @@ from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 
 from footopt.design.workers import DIED, UNKNOWN, Reply, Spread, Task, work
-from footopt.errors import FootoptError, check
-from footopt.walker.simulate import available_threads
+from footopt.errors import FootoptError
+from footopt.walker.simulate import at_once
 
 PATIENCE = 60.0  # s, for a process to start
 
@@ -51,13 +51,7 @@ class Processes(Spread):
 
     def __init__(self, workers: int | None = None) -> None:
         super().__init__()
-        check(
-            workers is None or 1 <= workers <= 4096,
-            "engine.workers",
-            workers,
-            "a whole number >= 1 and <= 4096 (null: all)",
-        )
-        self._slots = workers or available_threads()
+        self._slots = at_once(workers, "engine.workers")
         self._idle: list[_Worker] = []
 
     @property

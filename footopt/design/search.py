@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections import Counter
 from collections.abc import Callable
 from contextlib import nullcontext
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from footopt.design.solvers import EXHAUSTIVE, Solver
 from footopt.design.source import Source
 from footopt.design.store import Store
 from footopt.design.workers import Engine
-from footopt.errors import FootoptError, check, needed
+from footopt.errors import FootoptError, check, check_kind, needed
 from footopt.foot import Foot
 from footopt.shown import Shown
 from footopt.walker.objectives import OBJECTIVES
@@ -48,7 +49,7 @@ class Generation:
     seconds: float
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SearchResult(Shown):
     """Every design that a search evaluated, in order, and which are best.
 
@@ -146,7 +147,7 @@ def search(
     Parameters
     ----------
     problem : what is searched.
-    solver : a `Solver`, or a name with the budget (pop_size, n_gen, seed) as keywords. By default
+    solver : a `Solver`, or a name; the budget (pop_size, n_gen, seed) as keywords. By default
         the memetic GA for one objective and NSGA-II for several.
     progress : called after every generation.
     store : a file to keep every evaluation in, or an open `Store`. The same search with the same
@@ -165,9 +166,12 @@ def search(
         every design of the first generation breaks the program.
     FileError : the store cannot be used. ValueError : it was opened for another problem.
     """
+    check_kind(problem, FootProblem, "problem", "Try fo.FootProblem(scene)")
     if not isinstance(solver, Solver):
         default = "memetic" if problem.n_obj == 1 else "nsga2"
         solver = Solver(name=solver or default, **budget)
+    elif budget:
+        solver = Solver(**(asdict(solver) | budget))
     opened = Store(store, problem) if isinstance(store, (str, Path)) else nullcontext(store)
     if solver.name == EXHAUSTIVE:
         from footopt.design.exhaustive import enumerate_space
@@ -205,7 +209,7 @@ class Confirmation:
     designs : (finalists,), indices into the search's designs, best first by the finer values.
     values : (finalists, record), natural signs. accuracy : of the finer walks.
     agrees : whether the search's own best is still the best.
-    largest_change : relative, of any recorded value of any finalist.
+    largest_change : relative, of any recorded value of any finalist; NaN if none can be walked.
     """
 
     designs: NDArray[np.int64]
@@ -220,7 +224,7 @@ def confirm(result: SearchResult, accuracy: Accuracy | str, finalists: int = 20)
 
     The finalists are the best feasible designs by the single objective, or by J_W on the front.
     """
-    check(1 <= finalists <= 10_000, "study.finalists", finalists, "a whole number >= 1 and <= 10,000")
+    check_finalists(finalists)
     accuracy, problem = resolve(accuracy), result.problem
     column = problem.record.index(problem.guide)
     sign = -1.0 if OBJECTIVES[problem.guide].maximise else 1.0
@@ -232,13 +236,19 @@ def confirm(result: SearchResult, accuracy: Accuracy | str, finalists: int = 20)
     order = np.argsort(sign * values[:, column], kind="stable")  # a walk that fails here comes last
     with np.errstate(invalid="ignore"):
         change = np.abs(values / result.values[chosen] - 1.0)
+    change = change[np.isfinite(change)]
     return Confirmation(
         designs=chosen[order],
         values=values[order],
         accuracy=accuracy,
         agrees=bool(chosen[order][0] == result.best),
-        largest_change=float(np.nanmax(change)),
+        largest_change=float(change.max()) if len(change) else math.nan,
     )
+
+
+def check_finalists(finalists: int) -> None:
+    """Raise unless so many designs can be walked again: `confirm`, before the search that it follows."""
+    check(1 <= finalists <= 10_000, "study.finalists", finalists, "a whole number >= 1 and <= 10,000")
 
 
 @dataclass(frozen=True)

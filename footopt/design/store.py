@@ -292,9 +292,9 @@ def _sources() -> str:
 
 
 def plain(value: Any) -> Any:
-    """Frozen data in JSON's types: dataclasses and named tuples with their class, arrays, scalars."""
+    """Frozen data in JSON's types, with its class, by the fields that it is compared by; arrays, scalars."""
     if dataclasses.is_dataclass(value):
-        names = [field.name for field in dataclasses.fields(value)]
+        names = [field.name for field in dataclasses.fields(value) if field.compare]
         return {"class": type(value).__name__} | {name: plain(getattr(value, name)) for name in names}
     if isinstance(value, tuple) and hasattr(value, "_fields"):
         named = zip(value._fields, value, strict=True)

@@ -221,13 +221,17 @@ def write_file(path: Path, content: str | bytes) -> None:
         raise unwritable(path, error) from error
 
 
-def _compare(path: Path, outline: Array) -> None:
-    """Raise unless the outline in a file encloses what was written, mm."""
+def drawn_area(path: Path) -> float:
+    """What the outline in a DXF or SVG file encloses, mm^2."""
     from footopt.foot.outline import lines_of
 
     found = [line for line in lines_of(path) if line.layer == OUTLINE and line.closed]
-    area = MM * MM * abs(sum(enclosed_area(line.points) for line in found))
-    compare(path, "area", area, enclosed_area(outline), AREA_TOLERANCE, "mm^2")
+    return MM * MM * abs(sum(enclosed_area(line.points) for line in found))
+
+
+def _compare(path: Path, outline: Array) -> None:
+    """Raise unless the outline in a file encloses what was written, mm."""
+    compare(path, "area", drawn_area(path), enclosed_area(outline), AREA_TOLERANCE, "mm^2")
 
 
 def compare(path: Path, what: str, found: float, written: float, tolerance: float, unit: str) -> None:

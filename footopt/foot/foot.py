@@ -19,7 +19,7 @@ from footopt.shown import Shown
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Foot(Shown):
     """A sole in the foot frame (origin at the centre of the foot's box, x_p to the toe, z_p up).
 
@@ -161,6 +161,8 @@ def as_plates(
     if isinstance(feet, Plates):
         return feet
     if isinstance(feet, Sequence) and any(isinstance(foot, Foot) for foot in feet):
-        return stack_plates([foot for foot in feet if isinstance(foot, Foot)], plates, rule, directed)
+        whole = [foot for foot in feet if isinstance(foot, Foot)]
+        check(len(whole) == len(feet), "feet", "Foot and other things", "all Foot, or all waypoint heights")
+        return stack_plates(whole, plates, rule, directed)
     heights = np.atleast_2d(np.asarray(feet))
     return (space or Waypoints(n=heights.shape[-1])).plates(heights, plates, rule, directed)

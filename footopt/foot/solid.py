@@ -7,6 +7,7 @@ walk, so that nothing is refitted and nothing changes its volume.
 
 from __future__ import annotations
 
+import math
 import re
 import time
 from collections.abc import Iterator, Sequence
@@ -16,7 +17,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.errors import FileError
-from footopt.foot.export import MM, body_outline, compare, write_csv, write_dxf, write_file, write_svg
+from footopt.foot.export import (
+    MM,
+    body_outline,
+    compare,
+    drawn_area,
+    write_csv,
+    write_dxf,
+    write_file,
+    write_svg,
+)
 from footopt.foot.foot import Foot
 from footopt.foot.polygon import enclosed_area
 
@@ -132,8 +142,33 @@ def _face(entities: dict[str, str], name: str) -> Array:
     return np.array(corners)
 
 
+def measure(path: Path) -> tuple[float, float]:
+    """Area of the outline (mm^2) and volume of the body (mm^3; NaN of a drawing) that a file holds.
+
+    Parameters
+    ----------
+    path : a DXF, SVG, STL or STEP file, as footopt writes them.
+
+    Raises
+    ------
+    FileError : it cannot be read as such, or its body is not closed.
+    """
+    readers = {".stl": read_stl, ".step": read_step}
+    if path.suffix in readers:
+        return _measured(path, readers[path.suffix](path))
+    return drawn_area(path), math.nan
+
+
 def _verify(path: Path, faces: list[Array], outline: Array, width: float, tolerance: float) -> None:
-    """Raise unless the faces read back close a body of the outline's area and the right volume.
+    """Raise unless the faces read back close a body of the outline's area and the right volume."""
+    area, volume = _measured(path, faces)
+    expected = enclosed_area(outline)
+    compare(path, "area", area, expected, tolerance, "mm^2")
+    compare(path, "volume", volume, expected * MM * width, tolerance, "mm^3")
+
+
+def _measured(path: Path, faces: list[Array]) -> tuple[float, float]:
+    """Area of the cap (mm^2) and volume (mm^3) of the body that some faces close; raise if they do not.
 
     Volume by the divergence theorem: a sixth of the sum of p0 . (p_i x p_i+1) over each face's fan.
     """
@@ -149,10 +184,8 @@ def _verify(path: Path, faces: list[Array], outline: Array, width: float, tolera
             "Please report it, with the sole's CSV file."
         )
     caps = [face[:, [0, 2]] for face in faces if np.all(face[:, 1] < 0)]
-    area, expected = sum(map(enclosed_area, caps)), enclosed_area(outline)
     volume = sum(float(np.sum(np.cross(face[1:-1], face[2:]) @ face[0])) for face in faces) / 6.0
-    compare(path, "area", area, expected, tolerance, "mm^2")
-    compare(path, "volume", volume, expected * MM * width, tolerance, "mm^3")
+    return sum(map(enclosed_area, caps)), volume
 
 
 def _across(outline: Array, width: float) -> tuple[Array, Array]:

@@ -77,18 +77,19 @@ class Waypoints:
 
     def check(self, k: ArrayLike) -> Ints:
         """The heights as an integer array (designs, n), or a `SettingError` that says what is wrong."""
+        said = np.asarray(k).tolist()
         given = np.atleast_2d(np.asarray(k))
         if given.ndim != 2 or given.shape[1] != self.n:
             raise SettingError(
                 "foot.k",
-                _short(k),
+                said,
                 f"{self.n} heights a design (foot.n = {self.n})",
                 f"These are {given.shape[-1]}: give {self.n} of 1 to {self.K}, or change foot.n.",
             )
         try:
             as_float = given.astype(float)
         except (TypeError, ValueError):
-            raise SettingError("foot.k", _short(k), f"whole numbers from 1 to {self.K}") from None
+            raise SettingError("foot.k", said, f"whole numbers from 1 to {self.K}") from None
         bad = ~((as_float >= 1) & (as_float <= self.K) & (as_float == np.round(as_float)))
         if bad.any():
             row, column = map(int, np.argwhere(bad)[0])
@@ -172,11 +173,6 @@ def check_top(top: float) -> None:
 
 def _is_int(value: object) -> bool:
     return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
-
-
-def _short(value: object) -> str:
-    text = str(value)
-    return text if len(text) <= 80 else text[:77] + "..."
 
 
 @lru_cache

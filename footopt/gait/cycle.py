@@ -12,7 +12,7 @@ Phase 0 is the heel strike of the same leg; the other leg is half a stride ahead
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -87,7 +87,7 @@ class Gait(Shown):
     pitch: str = "shank"
     start: float = 0.5
     name: str = "custom"
-    source: str = ""
+    source: str = field(default="", compare=False)  # where a file lies changes no walk
     residual: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:

@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import FileError, check
 from footopt.foot import Foot, lower_hull
-from footopt.foot.export import MM
+from footopt.foot.export import MM, body_outline
 from footopt.gait.cycle import LEFT, RIGHT
 from footopt.report.body import body
 from footopt.report.body import forces as forces_along
@@ -148,6 +148,52 @@ def contours(feet: Mapping[str, Foot]) -> Figure:
     _foot_axes(axes)
     _legend_above(figure, *axes.get_legend_handles_labels())
     return figure
+
+
+@styled
+def drawing(foot: Foot, block: Sequence[float] | None = None) -> Figure:
+    """The outline that a workshop makes, with its dimensions in mm.
+
+    Parameters
+    ----------
+    block : length and height of a mounting block, m (see `footopt.foot.export.body_outline`).
+    """
+    outline = MM * body_outline(foot, block)
+    (left, low), (right, high) = outline.min(axis=0), outline.max(axis=0)
+    gap = 0.03 * (right - left)
+    x, z = (left - 4 * gap, right + 4 * gap), (low - 2 * gap, high + (3 * gap if block is not None else gap))
+    figure = _figure(PAGE, min(0.8 + 6.3 * (z[1] - z[0]) / (x[1] - x[0]), 6.0))
+    axes = figure.subplots()
+    axes.add_patch(Polygon(outline, closed=True, fc=PALE, ec="black", lw=0.8))
+    axes.plot(*(MM * foot.contour).T, color=BLUE, zorder=3)
+    axes.plot(*(MM * np.array(foot.ankle)), "+", color="black", ms=6, mew=1, zorder=4)
+    _dimension(axes, (left, low - gap), (right, low - gap))
+    _dimension(axes, (right + gap, low), (right + gap, high))
+    if block is not None:
+        (length, height), middle = MM * np.array(block), MM * foot.ankle[0]
+        ends = middle - length / 2, middle + length / 2
+        _dimension(axes, (ends[0], high + gap), (ends[1], high + gap))
+        _dimension(axes, (ends[0] - 3 * gap, high - height), (ends[0] - 3 * gap, high))
+    axes.set_title(f"{MM * foot.width:.4g} mm wide", loc="left")
+    _foot_axes(axes)
+    axes.set(xlim=x, ylim=z)
+    return figure
+
+
+def _dimension(axes: Axes, start: tuple[float, float], end: tuple[float, float]) -> None:
+    """An arrow between two points, mm, along x or upwards, and its length."""
+    along = start[1] == end[1]
+    looks = {"arrowstyle": "<->", "color": GREY, "lw": 0.8, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", end, start, arrowprops=looks)
+    middle = (start[0] + end[0]) / 2, (start[1] + end[1]) / 2
+    axes.annotate(
+        f"{max(end[0] - start[0], end[1] - start[1]):.4g}",
+        middle,
+        (0, 1) if along else (3, 0),
+        textcoords="offset points",
+        ha="center" if along else "left",
+        va="bottom" if along else "center",
+    )
 
 
 def draw_contour(axes: Axes, foot: Foot) -> None:

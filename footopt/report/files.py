@@ -7,8 +7,8 @@ import json
 import math
 import os
 import platform
-from collections.abc import Iterable, Sequence
-from contextlib import suppress
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -37,57 +37,64 @@ def write_json(path: Path, content: dict[str, Any]) -> None:
     write_text(path, json.dumps(plain(content), indent=2, allow_nan=False) + "\n")
 
 
-def write_text(path: Path, text: str) -> None:
-    """Write a file that is there as a whole or, when the program is killed meanwhile, as it was."""
+@contextmanager
+def whole(path: Path) -> Iterator[Path]:
+    """A path to write to: it replaces the file at the end; what breaks off leaves the file as it was.
+
+    Raises
+    ------
+    FileError : it cannot be written.
+    """
     new = path.with_name(path.name + ".new")
     try:
-        new.write_text(text, encoding="utf-8")
+        yield new
         os.replace(new, path)
     except OSError as error:
+        raise FileError(f"cannot write {path} ({error})") from None
+    finally:
         with suppress(OSError):
             new.unlink(missing_ok=True)
-        raise FileError(f"cannot write {path} ({error})") from None
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file as a whole, or not at all."""
+    with whole(path) as new:
+        new.write_text(text, encoding="utf-8")
 
 
 def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
     """Write a table; a NaN becomes an empty cell."""
-    try:
-        with open(path, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(header)
-            for row in rows:
-                writer.writerow(["" if isinstance(v, float) and math.isnan(v) else v for v in row])
-    except OSError as error:
-        raise FileError(f"cannot write {path} ({error})") from None
+    with whole(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(header)
+        for row in rows:
+            writer.writerow(["" if isinstance(v, float) and math.isnan(v) else v for v in row])
 
 
 def write_designs(path: Path, result: SearchResult) -> None:
     """Every evaluated design: generation, heights, values in natural signs (SI), feasibility."""
     columns = result.columns
-    whole = [v.astype(int) if v.dtype == bool else v for v in columns.values()]
-    write_csv(path, list(columns), zip(*(v.tolist() for v in whole), strict=True))
+    numbers = [v.astype(int) if v.dtype == bool else v for v in columns.values()]
+    write_csv(path, list(columns), zip(*(v.tolist() for v in numbers), strict=True))
 
 
 def write_walk(path: Path, walk: Walk) -> None:
     """The traces of a walk as NetCDF 3 (readable by xarray, MATLAB, ncdump), SI units."""
     from scipy.io import netcdf_file
 
-    try:
-        with netcdf_file(path, "w", version=2) as file:
-            file.footopt = __version__
-            file.foot_order = "left, right"
-            file.axis_order = "x (forward), z (up)"
-            file.reason = walk.reason
-            sizes = {"time": len(walk.t), "axis": 2, "foot": 2, "point": len(walk.foot.contour)}
-            for name, size in sizes.items():
-                file.createDimension(name, size)
-            for name, (dimensions, unit, values) in walk.variables.items():
-                variable = file.createVariable(name, "d", dimensions)
-                if len(values):  # a walk that sank at once has no samples
-                    variable[...] = values
-                variable.units = unit
-    except OSError as error:
-        raise FileError(f"cannot write {path} ({error})") from None
+    with whole(path) as new, netcdf_file(new, "w", version=2) as file:
+        file.footopt = __version__
+        file.foot_order = "left, right"
+        file.axis_order = "x (forward), z (up)"
+        file.reason = walk.reason
+        sizes = {"time": len(walk.t), "axis": 2, "foot": 2, "point": len(walk.foot.contour)}
+        for name, size in sizes.items():
+            file.createDimension(name, size)
+        for name, (dimensions, unit, values) in walk.variables.items():
+            variable = file.createVariable(name, "d", dimensions)
+            if len(values):  # a walk that sank at once has no samples
+                variable[...] = values
+            variable.units = unit
 
 
 def plain(value: Any) -> Any:

@@ -22,11 +22,18 @@ from footopt.walker import Walk
 
 Array = NDArray[np.float64]
 
+FRAMES = 2000  # of a GIF, at most: they are in memory until it is written, about a megabyte each
 WIDEST = 3.0  # times its height: a longer walk is followed by the camera
 
 
-def check_film(path: str | Path, fps: int = 25, speed: float = 0.5, dpi: int = 120) -> Path:
+def check_film(
+    path: str | Path, fps: int = 25, speed: float = 0.5, dpi: int = 120, setting: str = "path"
+) -> Path:
     """Raise unless such a film can be written; see `footopt.Walk.animate`. Its folder is made.
+
+    Parameters
+    ----------
+    setting : that names the file, for the message.
 
     Raises
     ------
@@ -35,7 +42,7 @@ def check_film(path: str | Path, fps: int = 25, speed: float = 0.5, dpi: int = 1
     """
     path = Path(path)
     if path.suffix.lower() not in (".gif", ".mp4"):
-        raise SettingError("video", str(path), "a name that ends in .gif or .mp4", "Try walk.gif.")
+        raise SettingError(setting, path.name, "a name that ends in .gif or .mp4", "Try walk.gif.")
     check(0 < fps <= 100, "fps", fps, "a number of frames per second > 0 and <= 100")
     check(0 < speed < math.inf, "speed", speed, "a number > 0: 1 is as in life, 0.25 four times slower")
     check(20 <= dpi <= 600, "dpi", dpi, "a number of dots per inch from 20 to 600")
@@ -60,12 +67,21 @@ def write(walk: Walk, path: str | Path, fps: int = 25, speed: float = 0.5, dpi: 
     path = check_film(path, fps, speed, dpi)
     if len(walk.t) == 0:
         raise FootoptError(f"{path}: there is nothing to film, the walk failed at once: {walk.reason}.")
-    figure, show = scene_of(walk, speed)
-    writer: Any = PillowWriter(fps) if path.suffix.lower() == ".gif" else FFMpegWriter(fps)
+    kind: Any
+    kind, rate = (PillowWriter, gif_rate(fps)) if path.suffix.lower() == ".gif" else (FFMpegWriter, fps)
+    at = times(walk, rate, speed)
+    check(
+        len(at) <= FRAMES or kind is not PillowWriter,
+        "speed",
+        speed,
+        f"such that a GIF has at most {FRAMES} frames, not {len(at)}",
+        "Make an .mp4, or film a shorter walk.",
+    )
+    (figure, show), writer = scene_of(walk, speed), kind(rate)
     unfinished = path.with_name(f".unfinished-{path.name}")  # the writers go by the ending
     try:
         with writer.saving(figure, str(unfinished), dpi):
-            for t in times(walk, fps, speed):
+            for t in at:
                 show(t)
                 writer.grab_frame()
         os.replace(unfinished, path)
@@ -77,7 +93,16 @@ def write(walk: Walk, path: str | Path, fps: int = 25, speed: float = 0.5, dpi: 
     return path
 
 
-def times(walk: Walk, fps: int, speed: float) -> Array:
+def gif_rate(fps: float) -> float:
+    """Frames per second of a GIF: its frames last whole hundredths of a second, and at least two.
+
+    What lasts one only is slowed down to ten frames per second by browsers.
+    """
+    # just below: the writer cuts off what 1000 / rate has behind the point
+    return math.nextafter(100.0 / max(round(100.0 / fps), 2), 0.0)
+
+
+def times(walk: Walk, fps: float, speed: float) -> Array:
     """Times of the frames, s: as many as a film of the walk at a speed has, the last at its end."""
     begin, end = float(walk.t[0]), float(walk.t[-1])
     frames = max(1, math.ceil((end - begin) * fps / speed - 1e-9))

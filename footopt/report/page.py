@@ -10,10 +10,12 @@ from __future__ import annotations
 import base64
 import html
 import json
-from collections.abc import Mapping, Sequence
+import os
+from collections.abc import Collection, Mapping, Sequence
 from importlib.resources import files as resources
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -182,7 +184,8 @@ SCALE = 0.75  # of a figure's pixels: a wide one then fills the page
 
 #: What the foot of a page says of a study, of all that is in its result.json.
 FOOTER = (
-    "wall_time_s", "accuracy", "evaluations", "designs", "versions", "error_estimate", "settings", "scene",
+    "seed", "wall_time_s", "accuracy", "evaluations", "designs", "versions", "error_estimate", "settings",
+    "scene",
 )  # fmt: skip
 
 
@@ -193,27 +196,31 @@ def write_study(
     figures: Mapping[str, str],
     tables: Sequence[RichTable],
     entry: Mapping[str, Any],
+    warnings: Sequence[str] = (),
 ) -> Path:
     """Write the page of a study of many walks: its figures and tables as they are.
+
+    A cell of a table that is the name of a file in the folder is a link to it.
 
     Parameters
     ----------
     folder : of the run; its folder "figures" holds the figures as PNG.
     headline : what was found, a paragraph each.
     figures : what each shows, in words, by its name. tables : as the terminal shows them.
-    entry : what result.json says of the run.
+    entry : what result.json says of the run. warnings : a marked paragraph each.
     """
-    seed = entry.get("seed", entry["settings"].get("solver", {}).get("seed"))
+    files = {path.name for path in folder.iterdir() if path.is_file()}
     content = {
         "title": title,
         "headline": list(headline),
+        "warnings": list(warnings),
         "figures": [
             {"says": says, **_inline(folder / "figures" / f"{name}.png")} for name, says in figures.items()
         ],
-        "tables": [_plain_table(table) for table in tables],
+        "tables": [_plain_table(table, files) for table in tables],
         "columns": [],
         "designs": {"values": packed(np.empty((0, 0)), exact=True), "feasible": [], "reasons": []},
-        "entry": {name: entry[name] for name in FOOTER if name in entry} | {"seed": seed},
+        "entry": {name: entry[name] for name in FOOTER if name in entry},
     }
     return write(folder / "report.html", content)
 
@@ -226,53 +233,56 @@ def _inline(path: Path) -> dict[str, Any]:
     return {"source": f"data:image/png;base64,{data}", "width": round(width * SCALE)}
 
 
-def _plain_table(table: RichTable) -> dict[str, Any]:
-    """A terminal's table without its colours."""
-    columns = [[Text.from_markup(str(cell)).plain for cell in column.cells] for column in table.columns]
+def _plain_table(table: RichTable, files: Collection[str]) -> dict[str, Any]:
+    """A terminal's table as plain text; `bad`: which cells are bold there, `links`: which name a file."""
+    rows = list(zip(*(column.cells for column in table.columns), strict=True))
     return {
         "title": table.title,
         "head": [str(column.header).replace("\n", " ") for column in table.columns],
         "words": [column.justify != "right" for column in table.columns],
-        "rows": list(zip(*columns, strict=True)),
+        "rows": [[str(cell) for cell in row] for row in rows],
+        "bad": [[isinstance(cell, Text) and "bold" in str(cell.style) for cell in row] for row in rows],
+        "links": [[str(cell) in files for cell in row] for row in rows],
         "caption": table.caption,
     }
 
 
-def jobs_content(jobs: Sequence[dict[str, Any]], common: Sequence[str]) -> dict[str, Any]:
-    """The page over the jobs of a multirun: their soles, values and traces side by side.
+def jobs_content(folder: Path, jobs: Sequence[dict[str, Any]], common: Sequence[str]) -> dict[str, Any]:
+    """The page over the jobs of a multirun, or other runs: soles, values and traces side by side.
 
     Parameters
     ----------
-    jobs : one a job: its `folder`, `settings`, `hollow` and `note`, and its `result` (what its
-        result.json says; None if it left none).
+    folder : that the page is for.
+    jobs : one a job: its `name` ("job 3"), `folder`, `place` (where it is, in words), `settings`,
+        `hollow` and `note`, and its `result` (what its result.json says; None if it left none).
     common : settings that all jobs share.
     """
     done = [job for job in jobs if job["result"] is not None]
-    names = [name for name in OBJECTIVES if any(name in job["result"]["objectives"] for job in done)]
+    # what not all have could not be compared
+    names = [name for name in OBJECTIVES if done and all(name in job["result"]["objectives"] for job in done)]
     values = [[job["result"]["objectives"].get(name) for name in names] for job in done]
     feet = [job["result"]["settings"]["foot"] for job in done]
     return {
-        "title": f"{len(jobs)} jobs",
+        "title": f"{len(jobs)} {jobs[0]['name'].split()[0]}s",
         "headline": [f"All with {' '.join(common)}"] if common else [],
         "columns": _columns(names),
         "jobs": [
             {
-                "job": job["folder"].name,
+                "name": job["name"],
+                "place": job["place"],
                 "settings": job["settings"],
                 "hollow": job["hollow"],
                 "note": job["note"],
                 "seed": (job["result"] or {}).get("seed"),
                 "seconds": (job["result"] or {}).get("wall_time_s"),
                 "design": done.index(job) if job in done else None,
-                "link": f"{job['folder'].name}/report.html"
-                if (job["folder"] / "report.html").is_file()
-                else None,
+                "link": _link(job["folder"] / "report.html", folder),
             }
             for job in jobs
         ],
         "designs": {
             "values": packed(np.array(values, float).reshape(len(done), len(names)), exact=True),
-            "labels": [f"job {job['folder'].name}" for job in done],
+            "labels": [job["name"] for job in done],
             # a walk that failed has no values to place it by
             "feasible": [int(not job["result"].get("reason")) for job in done],
             "reasons": [job["result"].get("reason", "") for job in done],
@@ -281,13 +291,18 @@ def jobs_content(jobs: Sequence[dict[str, Any]], common: Sequence[str]) -> dict[
         "top": [foot["top"] for foot in feet],
         "width": [foot["width"] for foot in feet],
         "best": 0,
-        "entry": {"versions": done[0]["result"]["versions"]} if done else {},
+        "entry": {"versions": done[0]["result"]["versions"]} if done else None,
         "traces": [  # a study of many scenarios leaves no walk
             {"design": i} | _read_traces(job["folder"] / "walk.nc")
             for i, job in enumerate(done)
             if (job["folder"] / "walk.nc").is_file()
         ],
     }
+
+
+def _link(path: Path, folder: Path) -> str | None:
+    """The address of a file, from a page in a folder; None if there is no such file."""
+    return quote(Path(os.path.relpath(path, folder)).as_posix()) if path.is_file() else None
 
 
 def _read_contour(path: Path) -> Array:
@@ -410,16 +425,17 @@ def _traces(walk: Walk, frames: int) -> dict[str, Any]:
 def packed(values: ArrayLike, exact: bool = False) -> dict[str, Any]:
     """An array as the page reads it.
 
-    Whole numbers that fit 16 bits stay exact; other values are rounded to 1/65535 of their range, or,
-    with `exact`, to 32-bit floats (which keep a NaN).
+    Whole numbers stay exact up to 2^24; other values are rounded to 1/65535 of their range, or, with
+    `exact`, to 32-bit floats (which keep a NaN).
     """
     array = np.asarray(values)
-    if exact:
+    large = array.size and np.issubdtype(array.dtype, np.integer) and np.ptp(array) > 65535
+    if exact or large:
         whole, low, step = array.astype("<f4"), 0.0, 0.0
     else:
         low, high = (float(array.min()), float(array.max())) if array.size else (0.0, 0.0)
-        fits = np.issubdtype(array.dtype, np.integer) and high - low <= 65535
-        step = 1.0 if fits or high == low else (high - low) / 65535
+        fits = np.issubdtype(array.dtype, np.integer) or high == low
+        step = 1.0 if fits else (high - low) / 65535
         whole = np.round((array - low) / step).astype("<u2")
     data = base64.b64encode(whole.tobytes()).decode("ascii")
     return {"shape": array.shape, "low": low, "step": step, "data": data}

@@ -179,18 +179,21 @@ def _lines(out: Console, total: int, unit: str, pace: Pace) -> Iterator[Step]:
     yield step
 
 
-def telling(step: Step, guide: str, work: float = 1.0, about: str = "") -> Callable[[Generation], None]:
+def telling(
+    step: Step, guide: str, work: float = 1.0, about: str = "", scale: str = ""
+) -> Callable[[Generation], None]:
     """What a search calls after each generation.
 
     Parameters
     ----------
     guide : the objective whose best value is told. work : of a generation. about : which search it is.
+    scale : what its values are in, if not in the objective's own unit.
     """
 
     def show(g: Generation) -> None:
         front = f", front {g.front}" if g.front > 1 else ""
         name = OBJECTIVES[guide].name
-        best = f"best {name} {g.best:.4g}" if math.isfinite(g.best) else "none feasible yet"
+        best = f"best {name} {g.best:.4g}{scale}" if math.isfinite(g.best) else "none feasible yet"
         speed = f"{g.evaluations / max(g.seconds, 1e-9):.0f} evaluations/s"
         step(work, f"{about}{best}{front}, {speed}")
 

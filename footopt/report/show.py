@@ -96,7 +96,7 @@ class Panel(PlainAxes):
     """Axes that a notebook shows with their figure, which pyplot does not know of."""
 
     def _repr_png_(self) -> bytes:
-        return _png(self.get_figure(root=True))
+        return _png(self.get_figure())
 
 
 def plot(shown: Any, axes: Axes | None = None, what: str | None = None) -> Axes:
@@ -140,17 +140,23 @@ def picture(shown: Any, rows: Sequence[Sequence[str]]) -> Figure:
     return figure
 
 
+def words(shown: Any) -> tuple[str, dict[str, str]]:
+    """What an object is called, and its numbers, with units, by name."""
+    seen = view(shown)
+    return seen.title(shown), seen.facts(shown)
+
+
 def card(shown: Any) -> str:
     """HTML: an object's numbers beside its picture."""
-    seen = view(shown)
-    title = html.escape(seen.title(shown))
+    name, numbers = words(shown)
+    title = html.escape(name)
     cell = 'style="text-align:left;padding:1px 8px 1px 0;vertical-align:top'
     facts = "".join(
         f'<tr><th {cell};font-weight:normal;white-space:nowrap">{html.escape(name)}</th>'
         f'<td {cell}">{html.escape(text)}</td></tr>'
-        for name, text in seen.facts(shown).items()
+        for name, text in numbers.items()
     )
-    figure = picture(shown, seen.rows(shown))
+    figure = picture(shown, view(shown).rows(shown))
     image = base64.b64encode(_png(figure)).decode("ascii")
     wide = round(96 * figure.get_figwidth())
     return (

@@ -143,6 +143,10 @@ def describe_search(result: SearchResult) -> str:
 def describe_confirmation(confirmed: Confirmation) -> str:
     """What walking the finalists again has shown, in one line."""
     verdict = "the best stays the best" if confirmed.agrees else "another one is now the best"
+    if math.isnan(confirmed.largest_change):
+        return (
+            f"None of {len(confirmed.designs)} finalists can be walked at accuracy {confirmed.accuracy.name}"
+        )
     return (
         f"{len(confirmed.designs)} finalists walked again at accuracy {confirmed.accuracy.name}: "
         f"values change by up to {100 * confirmed.largest_change:.2g} %, {verdict}"
@@ -155,8 +159,13 @@ def print_validity(out: Console, diagnostics: Sequence[Diagnostic]) -> None:
     out.print("Validity: " + "; ".join(numbers))
     for d in diagnostics:
         if d.outside:
-            limit = f"{number(d.limit)}{' ' + d.unit if d.unit else ''}"
-            warn(out, f"{d.name} {number(d.value)} is above {limit}: {d.why}.")
+            warn(out, f"{describe_outside(d)}.")
+
+
+def describe_outside(d: Diagnostic) -> str:
+    """What a value outside the tested range means, with the value and its limit."""
+    value, limit = (f"{number(v)}{' ' + d.unit if d.unit else ''}" for v in (d.value, d.limit))
+    return f"{d.name} {value} is above {limit}: {d.why}"
 
 
 def warn(out: Console, words: str) -> None:

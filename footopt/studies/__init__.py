@@ -13,7 +13,7 @@ from footopt.errors import SettingError
 #: Studies by name: each is the function `run` of the module of that name, imported when asked for.
 STUDIES = (
     "optimize", "simulate", "accuracy", "stability", "effects", "shapes", "paper", "trust", "robust",
-    "sensitivity", "export", "doctor",
+    "sensitivity", "export", "compare", "doctor",
 )  # fmt: skip
 
 #: Those that keep what they evaluate, so that `footopt resume=FOLDER` goes on where they stopped.

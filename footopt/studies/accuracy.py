@@ -10,7 +10,6 @@ the law, which shares no code with the compiled walk.
 from __future__ import annotations
 
 import itertools
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,15 +20,17 @@ from numpy.typing import NDArray
 from rich.table import Table as RichTable
 
 from footopt.config import Config
+from footopt.errors import check
 from footopt.foot import Foot, Waypoints
-from footopt.report import figures, files, page, terminal
+from footopt.report import figures, files, summary, terminal
 from footopt.report.progress import progress
 from footopt.report.work_precision import work_precision
 from footopt.sand import Sand, alpha
 from footopt.studies import build
 from footopt.walker import FIVE, Accuracy, Scene, evaluate, simulate
+from footopt.walker.audit import own_time
 from footopt.walker.scene import PRESETS, TABLE_COLUMNS
-from footopt.walker.simulate import available_threads
+from footopt.walker.simulate import at_once
 from footopt.walker.steppers import STEPPERS
 
 Array = NDArray[np.float64]
@@ -90,18 +91,20 @@ class Measurement:
 def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     """Measure all settings, write the table, the figure and the presets that follow."""
     out, clock = terminal.console(), terminal.clock()
+    check(1 <= config.study.feet <= 10_000, "study.feet", config.study.feet, "a whole number, 1 to 10,000")
     space = build.make_space(config.foot)
     base = build.make_scene(config)
     scenes = [replace(base, sand=Sand.named(name)) for name in SANDS]
     feet = space.random(config.study.feet, seed=config.solver.seed, inside=True)
     grid = quick_grid() if config.study.quick else full_grid()
-    out.print(f"{len(grid)} settings, {len(feet)} feet inside their box, sands {', '.join(SANDS)}")
+    about = f"{len(grid)} settings, {len(feet)} feet inside their box, sands {', '.join(SANDS)}"
+    out.print(about)
     limit = quick_limit() if config.study.quick else LIMIT
     in_time = replace(limit, plates=PLATES, creep=1e-4)
     threads = config.engine.threads
     limits, measured, independent = [], [], []
     # all at once: on all threads, or on one
-    spread = {a: effort(a) * len(feet) / (threads or available_threads()) for a in (limit, in_time)}
+    spread = {a: effort(a) * len(feet) / at_once(threads) for a in (limit, in_time)}
     single = {a: effort(a) * len(feet) * len(scenes) for a in grid}
     lsoda = QUICK_LSODA if config.study.quick else LSODA
     work = len(scenes) * (sum(spread.values()) + lsoda) + sum(single.values())
@@ -128,6 +131,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     picks = {tolerance: cheapest(measured, tolerance) for tolerance in (0.02, 0.005, 0.0005)}
     record = {
         "study": "accuracy",
+        "seed": config.solver.seed,
         "feet": feet.tolist(),
         "orders": orders,
         "cheapest": {str(t): None if m is None else _row(m) for t, m in picks.items()},
@@ -136,7 +140,6 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "versions": files.versions(),
         "wall_time_s": clock(),
     }
-    files.write_json(folder / "result.json", record)
     shown, said = table(best), found_words(orders, picks)
     said += [
         f"{name} sand against SciPy's LSODA on the angle form: {100 * max(difference.values()):.4f} %"
@@ -146,11 +149,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "accuracy": "Error of the worst objective, for 95 % of the feet, against the time that a design "
         "takes, for every stepper, time step and number of plates; the presets are marked."
     }
-    page.write_study(folder, "What accuracy costs", said, says, [shown], record)
-    out.print(shown)
-    for line in said:
-        out.print(line)
-    terminal.everything_is_in(out, folder, clock())
+    summary.conclude(folder, "What accuracy costs", said, says, [shown], record, about=[about])
 
 
 def effort(accuracy: Accuracy) -> float:
@@ -209,9 +208,9 @@ def measure(
     errors, worst, in_time, seconds = [], [], [], 0.0
     evaluate(feet[:1], scenes[0], accuracy, space=space, threads=1)  # compiled, pose table made
     for scene, reference, other in zip(scenes, references, same_plates, strict=True):
-        started = time.thread_time()  # of this thread alone, whatever else the machine does
+        started = own_time()
         values = _values(feet, scene, accuracy, space, 1)
-        seconds += time.thread_time() - started
+        seconds += own_time() - started
         error = _error(values, reference)
         errors.append(np.percentile(error, QUANTILE, axis=0))
         worst.append(np.percentile(error.max(axis=1), QUANTILE))

@@ -14,7 +14,7 @@ from footopt.errors import SettingError, check
 from footopt.foot import Foot, Waypoints
 from footopt.gait import Gait
 from footopt.gait.files import Strides, read, read_strides
-from footopt.sand import Sand, StressMap
+from footopt.sand import GENERIC, MEDIA, Sand, StressMap
 from footopt.sand.effects import EFFECTS, Effect
 from footopt.walker import PRESETS, Accuracy, Scene, Spread, Walker
 
@@ -60,14 +60,16 @@ def check_lists(config: Any, name: str = "") -> None:
 
 
 def make_sand(config: SandConfig) -> Sand:
-    """The sand of a configuration."""
+    """The sand of a configuration; one of `MEDIA` that was changed no longer has its name."""
     stress_map = StressMap(**asdict(config.coefficients))
     if config.table is None:
-        return Sand(zeta=config.zeta, stress_map=stress_map, name=config.name)
-    if stress_map != StressMap():
+        own = MEDIA.get(config.name, config.zeta) != config.zeta or stress_map != GENERIC
+        name = "custom" if own and config.name in MEDIA else config.name
+        return Sand(zeta=config.zeta, stress_map=stress_map, name=name)
+    if stress_map != GENERIC:
         raise SettingError("sand.table", config.table, "null when sand.coefficients are changed")
     fitted = Sand.from_table(config.table, zeta=config.zeta)
-    return fitted if config.name == "custom" else replace(fitted, name=config.name)
+    return fitted if config.name in ("custom", *MEDIA) else replace(fitted, name=config.name)
 
 
 def make_gait(config: GaitConfig) -> Gait:
@@ -205,18 +207,18 @@ def make_scene(config: Config) -> Scene:
 
 def make_accuracy(config: AccuracyConfig) -> Accuracy:
     """The accuracy of a configuration: a preset or a tolerance, and what is set by hand over it."""
+    names = (*PRESETS, "custom")
+    check(config.name in names, "accuracy.name", config.name, f"one of {', '.join(names)}")
     if config.tolerance is not None:
         accuracy = Accuracy.within(config.tolerance)
-    elif config.name in PRESETS:
-        accuracy = Accuracy.named(config.name)
     else:
-        accuracy = Accuracy()
+        accuracy = PRESETS.get(config.name, Accuracy())
     by_hand = {
         name: getattr(config, name)
         for name in ("stepper", "dt", "control", "plates", "creep", "rule")
         if getattr(config, name) is not None
     }
-    return replace(accuracy, **by_hand, name=config.name if not by_hand else "custom")
+    return replace(accuracy, **by_hand, name="custom") if by_hand else accuracy
 
 
 def _point(values: list[float]) -> tuple[float, float]:

@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rich.table import Table
 from rich.text import Text
 
 from footopt.compiled import active, kept, processor
 from footopt.config import Config
 from footopt.errors import FileError, FootoptError
 from footopt.foot import Waypoints
-from footopt.report import files, terminal
+from footopt.report import files, summary, terminal
 from footopt.sand import Sand
 from footopt.walker import FIVE, STEPPERS, Scene, evaluate
+from footopt.walker.audit import own_time
 from footopt.walker.independent import LIMITS, RAMP, REFERENCE, SAME_PLATES
 from footopt.walker.loop import compiled
 from footopt.walker.simulate import available_threads
@@ -28,6 +30,8 @@ from footopt.walker.simulate import available_threads
 EXTRAS = {
     "SALib": ("sensitivity", "study=sensitivity"),
     "ezc3d": ("c3d", "gaits in C3D files"),
+    "pandas": ("pandas", "to_frame()"),
+    "xarray": ("xarray", "to_dataset()"),
     "distributed": ("dask", "engine=dask"),
     "hydra-joblib-launcher": ("joblib", "hydra/launcher=joblib"),
     "hydra-submitit-launcher": ("submitit", "hydra/launcher=submitit_slurm"),
@@ -55,35 +59,40 @@ class Finding:
 def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     """Look at everything, say what is wrong and what to do about it."""
     out, clock = terminal.console(), terminal.clock()
-    found = [*libraries(), *machine()]
+    found = [*libraries(), *safely(machine, config)]
     with terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ..."):
         for ask in (compiled_code, self_test):
             found += safely(ask, config)
     found += extras()
+    bad = [f for f in found if f.good is False]
+    record = {
+        "study": "doctor",
+        "findings": [asdict(f) for f in found],
+        "settings": settings,
+        "versions": files.versions(),
+        "wall_time_s": clock(),
+    }
+    title = f"{len(bad)} of {len(found)} findings {FAILED}" if bad else "Is all as it should be?"
+    said = [] if bad else ["All is as it should be."]
+    wrong = [f"{f.what}: {f.found}. {f.advice}" for f in bad]
     try:
-        files.write_json(
-            folder / "result.json",
-            {
-                "study": "doctor",
-                "findings": [asdict(f) for f in found],
-                "settings": settings,
-                "versions": files.versions(),
-                "wall_time_s": clock(),
-            },
-        )
+        summary.conclude(folder, title, said, {}, [table(found)], record, warnings=wrong)
     except FileError as error:
         advice = "Choose a folder that can be written: hydra.run.dir=..."
         found.append(Finding("results", str(error), False, advice))
+        wrong.append(f"results: {error}. {advice}")
+        out.print(table(found))
+    if wrong:
+        raise FootoptError(f"study=doctor: {len(wrong)} of {len(found)} findings {FAILED}: {' '.join(wrong)}")
+
+
+def table(found: Sequence[Finding]) -> Table:
+    """Findings for the terminal and the page."""
     words = ("", "found", "verdict")
     shown = terminal.table(words, words)
     for f in found:
         shown.add_row(f.what, f.found, Text(FAILED, style="bold red") if f.good is False else f.verdict)
-    out.print(shown)
-    if bad := [f for f in found if f.good is False]:
-        lines = "\n".join(f"  {f.what}: {f.found}. {f.advice}" for f in bad)
-        raise FootoptError(f"study=doctor: {len(bad)} of {len(found)} findings {FAILED}:\n{lines}")
-    out.print("All is as it should be.")
-    terminal.everything_is_in(out, folder, clock())
+    return shown
 
 
 def safely(ask: Callable[[Config], Iterator[Finding]], config: Config) -> Iterator[Finding]:
@@ -110,7 +119,7 @@ def extras() -> Iterator[Finding]:
             yield Finding(name, f'not installed; only for {purpose}: pip install "footopt[{extra}]"')
 
 
-def machine() -> Iterator[Finding]:
+def machine(config: Config) -> Iterator[Finding]:
     """What it runs on."""
     name, bits = processor()
     yield Finding("processor", f"{name}, vectors of {bits} bits")
@@ -133,9 +142,9 @@ def compiled_code(config: Config) -> Iterator[Finding]:
     warm = "loaded from the cache folder" if loaded else "compiled now"
     yield Finding("compiled code", f"{warm}; the first walk took {first:.2g} s", True)
 
-    started = time.thread_time()
+    started = own_time()
     evaluate(feet, scene, threads=1)
-    ms = 1e3 * (time.thread_time() - started) / FEET
+    ms = 1e3 * (own_time() - started) / FEET
     found = f"{ms:.2g} ms per design and core at accuracy standard"
     advice = f"Compiled code takes about .3, and less than {SLOW:g} on any machine: is something emulated?"
     yield Finding("speed", found, ms < SLOW, advice)
@@ -153,10 +162,12 @@ def self_test(config: Config) -> Iterator[Finding]:
     if not active():
         yield Finding("self-test", "skipped: it needs compiled code")
         return
+    started, walks = time.perf_counter(), 0
     for accuracy in ("standard", "reference", SAME_PLATES):
         name = accuracy if isinstance(accuracy, str) else accuracy.name
         for published in REFERENCE:
             walked = evaluate([RAMP], Scene(sand=Sand.named(published.sand)), accuracy, threads=1)
+            walks += 1
             difference = np.abs(walked.values[0] / np.array(published.objectives) - 1.0)
             worst, limit = float(difference.max()), LIMITS[name]
             where = FIVE[int(difference.argmax())].replace("_", " ")
@@ -167,3 +178,4 @@ def self_test(config: Config) -> Iterator[Finding]:
                 "Results cannot be trusted: install numba and numpy anew, clear the cache folder, or "
                 "report it with result.json.",
             )
+    yield Finding("self-test", f"{walks} walks in {time.perf_counter() - started:.2g} s")

@@ -11,7 +11,7 @@ from rich.table import Table
 
 from footopt.config import Config
 from footopt.errors import check
-from footopt.report import files, page, terminal
+from footopt.report import files, summary, terminal
 from footopt.report.effects_figure import changes
 from footopt.report.figures import save
 from footopt.report.progress import progress
@@ -20,8 +20,8 @@ from footopt.sand.effects import EFFECTS, Effect, LeadingEdge
 from footopt.studies import build
 from footopt.studies.auto import COMPILING, entry, tolerance
 from footopt.studies.simulate import scene_entry
-from footopt.walker import FIVE, Scene
-from footopt.walker.audit import Audit, audit, percent
+from footopt.walker import FIVE, Scene, evaluate
+from footopt.walker.audit import Audit, audit, percent, switched
 
 #: The leading edge is always audited on these: faces that trail do a fifth to a half of the work.
 SANDS = ("soft", "regular", "hard")
@@ -36,7 +36,10 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     feet = space.random(config.study.feet, seed=config.solver.seed, inside=True)
     pairs = candidates(scene)
     found: list[Audit] = []
-    with progress(out, len(pairs), "effect") as step, terminal.told_if_slow(out, COMPILING):
+    with terminal.told_if_slow(out, COMPILING):
+        for walked in dict.fromkeys(scene for pair in pairs for scene in switched(*pair)):
+            evaluate(feet[:1], walked, accuracy, space=space)
+    with progress(out, len(pairs), "effect") as step:
         for effect, where in pairs:
             found.append(audit(effect, where, feet, accuracy, limit, space))
             step(news=f"{found[-1].name.replace('_', ' ')} on {where.sand.name} sand")
@@ -46,6 +49,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     save(changes(found), folder / "figures", "effects")
     record = {
         "study": "effects",
+        "seed": config.solver.seed,
         "feet": feet.tolist(),
         **scene_entry(scene, accuracy, ()),
         "audit": [entry(a) for a in found],
@@ -54,15 +58,9 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "versions": files.versions(),
         "wall_time_s": clock(),
     }
-    files.write_json(folder / "result.json", record)
-    shown = table(found)
     verdicts = [f"{a.name.replace('_', ' ')} on {a.scene.sand.name} sand {a.verdict}" for a in found]
     says = {"effects": "What each effect changes in every objective, against the change that matters."}
-    page.write_study(folder, "What each effect changes", verdicts, says, [shown], record)
-    out.print(shown)
-    for line in verdicts:
-        out.print(line)
-    terminal.everything_is_in(out, folder, clock())
+    summary.conclude(folder, "What each effect changes", verdicts, says, [table(found)], record)
 
 
 def candidates(scene: Scene) -> list[tuple[Effect, Scene]]:

@@ -3,19 +3,34 @@
 from __future__ import annotations
 
 import dataclasses
+import math
+import os
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
+from rich.table import Table
 
 from footopt.config import Config, FootConfig
 from footopt.errors import FileError, FootoptError, SettingError
 from footopt.foot import Foot
-from footopt.foot.export import MM, body_outline
+from footopt.foot.export import AREA_TOLERANCE, MM, body_outline, compare
 from footopt.foot.polygon import enclosed_area
-from footopt.foot.solid import write_all
-from footopt.reading import named, read_json_file
-from footopt.report import files, terminal
+from footopt.foot.solid import measure, write_all
+from footopt.reading import is_missing, named, read_json_file
+from footopt.report import figures, files, summary, terminal
 from footopt.studies import build
 from footopt.studies.simulate import foot_entry
+
+#: What each file holds.
+HOLDS = {
+    ".csv": "the sole, heel to toe",
+    ".dxf": "outline and sole",
+    ".svg": "outline and sole, full size",
+    ".stl": "body of triangles",
+    ".step": "body of plane faces",
+}
 
 #: What damaged settings raise, our own refusals among them.
 DAMAGED = (FootoptError, ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
@@ -23,32 +38,76 @@ DAMAGED = (FootoptError, ArithmeticError, AttributeError, LookupError, TypeError
 
 def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     """Write the foot of the run `study.run` to `folder` in every format, each read back and checked."""
-    out, clock = terminal.console(), terminal.clock()
+    clock = terminal.clock()
     if config.study.run is None:
         raise SettingError(
             "study.run", None, "the folder of a run", "Try footopt study=export run=outputs/optimize/..."
         )
     foot = foot_of(Path(config.study.run), config.foot.k)
-    written = write_all(foot, folder, config.foot.block)
-    outline = MM * body_outline(foot, config.foot.block)
-    area = enclosed_area(outline)
-    files.write_json(
-        folder / "result.json",
-        {
-            "study": "export",
-            "run": config.study.run,
-            "design": foot_entry(foot),
-            "area_mm2": area,
-            "volume_mm3": area * MM * foot.width,
-            "size_mm": [*(outline.max(axis=0) - outline.min(axis=0)), MM * foot.width],
-            "settings": settings,
-            "versions": files.versions(),
-            "wall_time_s": clock(),
+    block = config.foot.block
+    written = write_all(foot, folder, block)
+    outline = MM * body_outline(foot, block)
+    area, size = enclosed_area(outline), [*np.ptp(outline, axis=0).tolist(), MM * foot.width]
+    volume = area * MM * foot.width
+    found = [Found(path, *read_back(path, foot, block)) for path in written]
+    figures.save(figures.drawing(foot, block), folder / "figures", "drawing")
+    record = {
+        "study": "export",
+        "run": config.study.run,
+        "design": foot_entry(foot),
+        "area_mm2": area,
+        "volume_mm3": volume,
+        "size_mm": size,
+        "files": {
+            f.path.name: {"bytes": f.path.stat().st_size, "area_mm2": f.area, "volume_mm3": f.volume}
+            for f in found
         },
-    )
-    out.print(f"{terminal.describe_foot(foot)}: {area:.0f} mm^2, {MM * foot.width:g} mm wide")
-    out.print(f"{', '.join(path.name for path in written)}: each read back; area and volume agree")
-    terminal.everything_is_in(out, folder, clock())
+        "settings": settings,
+        "versions": files.versions(),
+        "wall_time_s": clock(),
+    }
+    said = [
+        f"{terminal.describe_foot(foot)}: {area:.0f} mm^2, {MM * foot.width:g} mm wide",
+        f"{', '.join(path.name for path in written)}: each read back; area and volume agree",
+    ]
+    says = {"drawing": "The outline of every file, with its sole (blue) and ankle (+), in mm."}
+    summary.conclude(folder, "A foot to make", said, says, [table(found, area, volume)], record)
+
+
+class Found(NamedTuple):
+    """What a file holds, read back: area of the outline (mm^2), volume (mm^3; NaN of a drawing)."""
+
+    path: Path
+    area: float
+    volume: float
+
+
+def read_back(path: Path, foot: Foot, block: Sequence[float] | None) -> tuple[float, float]:
+    """`Found.area` and `Found.volume` of a file; the sole alone in a CSV file is closed as the others are."""
+    if path.suffix != ".csv":
+        return measure(path)
+    sole = Foot.from_file(path, foot.width, foot.ankle, foot.closed, foot.top)
+    area, expected = (MM * MM * enclosed_area(body_outline(each, block)) for each in (sole, foot))
+    compare(path, "area", area, expected, AREA_TOLERANCE, "mm^2")
+    return area, math.nan
+
+
+def table(found: Sequence[Found], area: float, volume: float) -> Table:
+    """Files for the terminal and the page; `area` and `volume` are those that were to be written."""
+    words = ("file", "holds")
+    shown = terminal.table((*words, "kB", "area (mm^2)", "volume (mm^3)", "difference"), words)
+    for f in found:
+        off = [abs(f.area / area - 1.0), 0.0 if math.isnan(f.volume) else abs(f.volume / volume - 1.0)]
+        shown.add_row(
+            f.path.name,
+            HOLDS[f.path.suffix],
+            f"{1e-3 * f.path.stat().st_size:.1f}",
+            f"{f.area:.2f}",
+            "" if math.isnan(f.volume) else f"{f.volume:.0f}",
+            f"{100.0 * max(off):.1g} %",
+        )
+    shown.caption = "read back, the sole closed as the others; difference: the larger one, of area or volume"
+    return shown
 
 
 def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
@@ -70,9 +129,14 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
         if k is None or saved.shape != "waypoints":
             found = _saved_foot(folder, design, saved)
     except DAMAGED as error:
+        if os.path.isfile(folder / "multirun.yaml"):
+            one = "the folder of one job of this multirun"
+            raise SettingError("study.run", str(folder), one, f"Such as run={folder / '0'}") from None
+        gone = is_missing(folder / "result.json")
+        why = "it has no result.json" if gone else f"{type(error).__name__}: {error}"
         raise FileError(
-            f"{named(folder, 'study.run')}: not the folder of a run with one foot "
-            f"({type(error).__name__}: {error}). Give one of study=optimize or simulate."
+            f"{named(folder, 'study.run')}: not the folder of a run with one foot ({why}). "
+            "Give one of study=optimize or simulate."
         ) from None
     if k is None:
         return found

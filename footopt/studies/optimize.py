@@ -20,14 +20,14 @@ from footopt.design import (
     search,
 )
 from footopt.design.exhaustive import Enumeration, check_size
-from footopt.errors import check
+from footopt.design.search import check_finalists
 from footopt.foot import Foot
 from footopt.foot.solid import write_all
 from footopt.report import figures, files, film, page, terminal
 from footopt.report.progress import progress, telling
 from footopt.studies import build
 from footopt.studies.auto import settle
-from footopt.studies.simulate import foot_entry, scene_entry
+from footopt.studies.simulate import foot_entry, scene_entry, validity_entry
 from footopt.walker import OBJECTIVES, Accuracy, Walk, estimate_error, gain_shares, simulate
 from footopt.walker.validity import diagnose
 
@@ -39,7 +39,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     out, clock = terminal.console(), terminal.clock()
     build.check_searchable(config.foot)
     if config.study.video is not None:
-        film.check_film(folder / config.study.video)
+        film.check_film(folder / config.study.video, setting="study.video")
     c = config.solver
     solver = Solver(c.name, c.pop_size, c.n_gen, c.seed)
     scene, audits = settle(config, None, out)
@@ -54,12 +54,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         check_size(problem)
     else:
         solver.build(problem.n_obj)
-    check(
-        1 <= config.study.finalists <= 10_000,
-        "study.finalists",
-        config.study.finalists,
-        "a whole number >= 1 and <= 10,000",
-    )
+    check_finalists(config.study.finalists)
     finer = Accuracy.named(config.study.confirm) if config.study.confirm else problem.accuracy
     flat = Foot.flat(problem.space)
     e = config.engine
@@ -103,8 +98,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
             "agrees": confirmed.agrees,
             "largest_change": confirmed.largest_change,
         },
-        "validity": {d.name: d.value for d in diagnostics},
-        "warnings": [f"{d.name}: {d.why}" for d in diagnostics if d.outside],
+        **validity_entry(diagnostics),
         "solver": dataclasses.asdict(result.solver),
         "seed": result.solver.seed,
         "evaluations": result.evaluations,
@@ -132,15 +126,15 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
 
     out.print(terminal.describe_search(result))
     out.print(terminal.describe_confirmation(confirmed))
-    out.print(f"Best design: {terminal.describe_foot(best)}")
+    which = "Best design" if problem.n_obj == 1 else "Of the front the best in J_W"
+    out.print(f"{which}: {terminal.describe_foot(best)}")
     feet = [("best", walk.objectives), ("flat", base.objectives)]
     out.print(terminal.objective_table(feet, problem.record, errors, gain=True))
     terminal.print_validity(out, diagnostics)
     terminal.everything_is_in(out, folder, clock())
     if result.interrupted:
-        raise KeyboardInterrupt(
-            f"after generation {len(result.history)} of {solver.n_gen}, with a full report"
-        )
+        done, every = len(result.history), solver.generations(problem.space)
+        raise KeyboardInterrupt(f"after {unit} {done} of {every}, with a full report")
 
 
 def draw(result: SearchResult, marked: int, best: Foot, walk: Walk, flat: Walk, folder: Path) -> None:

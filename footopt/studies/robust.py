@@ -30,12 +30,13 @@ from footopt.design import (
     search,
 )
 from footopt.design.robust import RobustProblem, regret
+from footopt.design.search import check_finalists
 from footopt.design.workers import Engine
 from footopt.errors import FootoptError, SettingError, check
 from footopt.foot import Foot
 from footopt.foot.export import write_csv as write_contour
 from footopt.foot.export import write_dxf
-from footopt.report import figures, files, page, robust_figures, terminal
+from footopt.report import figures, files, robust_figures, summary, terminal
 from footopt.report.progress import progress, telling
 from footopt.studies import build
 from footopt.studies.simulate import foot_entry, scene_entry
@@ -90,12 +91,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     solver = Solver(c.name, c.pop_size, min(c.n_gen, QUICK_GENERATIONS) if study.quick else c.n_gen, c.seed)
     accuracy = build.make_accuracy(config.accuracy)
     finer = Accuracy.named(study.confirm) if study.confirm else accuracy
-    check(
-        1 <= study.finalists <= 10_000,
-        "study.finalists",
-        study.finalists,
-        "a whole number >= 1 and <= 10,000",
-    )
+    check_finalists(study.finalists)
     judge = RobustProblem(
         scenarios, config.objective.names, build.make_space(config.foot), accuracy, config.engine.threads,
         study.measure, study.tail,
@@ -125,7 +121,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
             scenarios, judge.names, judge.space, accuracy, judge.threads, study.measure, study.tail,
             references=compare(judge, found).references,
         )  # fmt: skip
-        tell = telling(step, judge.guide, len(scenarios), f"{ROBUST}: ")
+        tell = telling(step, judge.guide, len(scenarios), f"{ROBUST}: ", " of the specialist's")
         result = searched(problem, solver, ROBUST, tell, store, engine)
     confirmed = confirm(result, finer, study.finalists)
     found[ROBUST] = result.k[confirmed.designs[0]]
@@ -159,14 +155,9 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "versions": files.versions(),
         "wall_time_s": clock(),
     }
-    files.write_json(folder / "result.json", record)
     shown, said = report(judge, compared, foot, fresh)
     says = {name: SAYS[name] for name in names}
-    page.write_study(folder, "One foot for everything", said, says, [shown], record)
-    out.print(shown)
-    for line in said:
-        out.print(line)
-    terminal.everything_is_in(out, folder, clock())
+    summary.conclude(folder, "One foot for everything", said, says, [shown], record)
 
 
 def make_scenarios(config: Config) -> tuple[Scene, tuple[Scenario, ...]]:

@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 from rich.table import Table as RichTable
 
 from footopt.config import Config
-from footopt.errors import FootoptError, check
+from footopt.errors import FootoptError, check, needed
 from footopt.foot import Foot
-from footopt.report import files, page, terminal
+from footopt.report import files, summary, terminal
 from footopt.report.figures import save
 from footopt.report.progress import progress
 from footopt.report.sensitivity_figure import sensitivity
@@ -33,7 +33,7 @@ from footopt.studies import build
 from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walker import FIVE, Accuracy, Scene, evaluate
 from footopt.walker.scenarios import COLUMNS, Spread, vary
-from footopt.walker.simulate import available_threads
+from footopt.walker.simulate import at_once
 
 Array = NDArray[np.float64]
 
@@ -199,13 +199,10 @@ def analyse(
 
 
 def _salib() -> tuple[Any, Any]:
-    try:
-        from SALib.analyze import sobol as analyse_sobol
-        from SALib.sample import sobol as sample_sobol
-    except ImportError:
-        raise FootoptError(
-            'study=sensitivity needs SALib, which is not installed. Try: pip install "footopt[sensitivity]"'
-        ) from None
+    needed("SALib.sample", "study=sensitivity", "sensitivity")
+    from SALib.analyze import sobol as analyse_sobol
+    from SALib.sample import sobol as sample_sobol
+
     return sample_sobol.sample, analyse_sobol.analyze
 
 
@@ -223,7 +220,7 @@ def _walk_all(
 ) -> Array:
     """Values of every row, (rows, objectives)."""
     walked = []
-    with ThreadPoolExecutor(threads or available_threads()) as pool:
+    with ThreadPoolExecutor(at_once(threads)) as pool:
         for found in pool.map(setting.walk, normals):
             walked.append(found)
             step()
@@ -254,7 +251,8 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     samples = min(study.samples, QUICK_SAMPLES) if study.quick else study.samples
     each = {title: samples * (len(part) + 2) + 2 * len(part) + 1 for title, part in blocks.items()}
     walks = sum(each.values())
-    out.print(f"{terminal.describe_scene(scene)}; {terminal.describe_foot(foot)}: {walks} walks")
+    about = f"{terminal.describe_scene(scene)}; {terminal.describe_foot(foot)}"
+    out.print(f"{about}: {walks} walks")
     seed, threads = config.solver.seed, config.engine.threads
     work = sum(count * COST[title] for title, count in each.items())
     with progress(out, walks, "walk", work) as step:
@@ -286,19 +284,15 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "versions": files.versions(),
         "wall_time_s": clock(),
     }
-    files.write_json(folder / "result.json", record)
-    shown = table(found, setting)
     widest = max(float(block.total_error.max()) for block in found.values())
-    said = (
+    said = [
         f"{sum(block.walks for block in found.values())} walks; the widest interval is +- {widest:.2f}, and "
         "four times the study.samples halve it"
-    )
-    about = f"{terminal.describe_scene(scene)}; {terminal.describe_foot(foot)}"
+    ]
     says = {"sensitivity": "Total Sobol index of every parameter in every objective, with its interval."}
-    page.write_study(folder, "What the objectives depend on", [about, said], says, [shown], record)
-    out.print(shown)
-    out.print(said)
-    terminal.everything_is_in(out, folder, clock())
+    summary.conclude(
+        folder, "What the objectives depend on", said, says, [table(found, setting)], record, about=[about]
+    )
 
 
 def _rows(block: Indices) -> Array:

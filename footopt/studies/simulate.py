@@ -16,14 +16,14 @@ from footopt.studies import build
 from footopt.studies.auto import settle
 from footopt.walker import OBJECTIVES, Accuracy, Scene, estimate_error, simulate
 from footopt.walker.audit import name_of, parameters
-from footopt.walker.validity import diagnose
+from footopt.walker.validity import Diagnostic, diagnose
 
 
 def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     """Walk with one foot and write everything about it to `folder`."""
     out, clock = terminal.console(), terminal.clock()
     if config.study.video is not None:
-        film.check_film(folder / config.study.video)
+        film.check_film(folder / config.study.video, setting="study.video")
     foot = build.make_foot(config.foot)
     accuracy = build.make_accuracy(config.accuracy)
     scene, audits = settle(config, foot, out)
@@ -52,8 +52,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "objectives": walk.objectives,
         "error_estimate": errors,
         **scene_entry(scene, accuracy, tuple(OBJECTIVES)),
-        "validity": {d.name: d.value for d in diagnostics},
-        "warnings": [f"{d.name}: {d.why}" for d in diagnostics if d.outside],
+        **validity_entry(diagnostics),
         "gait_file": strides.notes if strides is not None else [],
         "effects_audit": audits,
         "settings": settings,
@@ -87,6 +86,15 @@ def foot_entry(foot: Foot) -> dict[str, Any]:
         "box_violation_mm": None if foot.box_violation is None else 1e3 * foot.box_violation,
         "width_m": foot.width,
         "ankle_m": foot.ankle,
+    }
+
+
+def validity_entry(diagnostics: Sequence[Diagnostic]) -> dict[str, Any]:
+    """The validity of a walk in result.json."""
+    return {
+        "validity": {d.name: d.value for d in diagnostics},
+        "validity_units": {d.name: d.unit for d in diagnostics},
+        "warnings": [terminal.describe_outside(d) for d in diagnostics if d.outside],
     }
 
 

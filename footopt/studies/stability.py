@@ -28,7 +28,7 @@ from footopt.errors import FileError, SettingError
 from footopt.foot import Foot
 from footopt.gait import Fourier, Gait
 from footopt.gait.files import read
-from footopt.report import files, page, terminal
+from footopt.report import files, summary, terminal
 from footopt.report.figures import save
 from footopt.report.progress import progress
 from footopt.report.stability_figure import Cell, verdicts
@@ -38,7 +38,7 @@ from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walker import FIVE, STEPPERS, Accuracy, Scene, Walk, simulate
 from footopt.walker.kernels import CONTACT, FX, FZ, TALLY, contact
 from footopt.walker.objectives import FLOORS
-from footopt.walker.simulate import pose_tables, sole, world
+from footopt.walker.simulate import sole, world
 
 Array = NDArray[np.float64]
 
@@ -555,7 +555,6 @@ def judge(
         trial = Trial(replace(setup, accuracy=accuracy), converged)
         found.append(Verdict(case, method, tuple(case.judge(trial)), trial.walk))
         step(effort(setup, method))
-    pose_tables.cache_clear()  # ten minutes in short steps are many
     return found
 
 
@@ -621,7 +620,6 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "versions": files.versions(),
         "wall_time_s": clock(),
     }
-    files.write_json(folder / "result.json", record)
     said = [
         "Each cell: the measure nearest to its limit, or furthest beyond, and how often a stage was rescued "
         "(r) or the walk repeated with a shorter step (x). All the numbers: stability.csv, result.json."
@@ -637,11 +635,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "stability": "Which method is stable in which case, with the measure that decides; the table above "
         "has the same in words."
     }
-    page.write_study(folder, "What stays stable", said, says, [shown], record)
-    out.print(shown)
-    for line in said:
-        out.print(line)
-    terminal.everything_is_in(out, folder, clock())
+    summary.conclude(folder, "What stays stable", said, says, [shown], record)
 
 
 def entry(v: Verdict) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from footopt.config import Config
 from footopt.design import EXHAUSTIVE, SINGLE, SOLVERS, FootProblem, Solver, search
 from footopt.design.truth import BATCH, REACHED, Attempt, Tabulated, judge, walk_all
 from footopt.errors import SettingError, check
-from footopt.report import figures, files, page, terminal
+from footopt.report import figures, files, summary, terminal
 from footopt.report.progress import progress
 from footopt.report.trust_figure import trust
 from footopt.sand import Sand
@@ -107,8 +107,10 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
             for a in attempts[sand]
         ),
     )
+    figures.save(trust(attempts, names, size * (study.budget // size)), folder / "figures", "trust")
     record = {
         "study": "trust",
+        "seed": config.solver.seed,
         "designs": space.K**space.n,
         "accuracy": dataclasses.asdict(accuracy),
         "seeds": seeds,
@@ -119,8 +121,6 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "versions": files.versions(),
         "wall_time_s": clock(),
     }
-    files.write_json(folder / "result.json", record)
-    figures.save(trust(attempts, names, size * (study.budget // size)), folder / "figures", "trust")
     shown = _table(scores, space.K**space.n, seeds, size * (study.budget // size))
     said = [
         f"{sand} sand: {e['feasible']} of {space.K**space.n} soles are feasible, {e['front']} on the "
@@ -128,11 +128,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         for sand, e in exact.items()
     ]
     says = {"trust": "What each search came to, for every solver and sand, against the exact answer."}
-    page.write_study(folder, "Solvers against the exact answer", said, says, [shown], record)
-    out.print(shown)
-    for line in said:
-        out.print(line)
-    terminal.everything_is_in(out, folder, clock())
+    summary.conclude(folder, "Solvers against the exact answer", said, says, [shown], record)
 
 
 def score(sand: str, solver: str, attempts: list[Attempt]) -> Score:

@@ -10,7 +10,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from footopt.errors import SettingError, check
+from footopt.errors import SettingError, check, check_kind
 from footopt.foot.plates import RULES
 from footopt.gait import Gait
 from footopt.sand import Sand
@@ -77,6 +77,9 @@ class Scene(Shown):
     effects: tuple[Effect, ...] = ()
 
     def __post_init__(self) -> None:
+        check_kind(self.sand, Sand, "sand", 'Try fo.Sand.named("hard")')
+        check_kind(self.gait, Gait, "gait", "Try fo.Gait.human() or fo.Gait.from_file(path)")
+        check_kind(self.walker, Walker, "walker", "Try fo.Walker(mass=60)")
         object.__setattr__(self, "effects", ordered(self.effects))
         if self.t_f is None:
             if math.isinf(self.gait.start):

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.errors import SettingError, check, needed
+from footopt.errors import SettingError, check, check_kind, needed
 from footopt.foot import Foot, Plates, Waypoints, as_plates
 from footopt.foot.plates import RULES
 from footopt.sand import affine_direction, effects
@@ -38,9 +38,11 @@ POINTS = 4_000_000  # along their soles, at most
 ROWS = 5_000_000  # poses of a walk that are tabulated, 112 bytes each; ten minutes take 2.6 million
 BLOCK = 16  # designs that a thread takes at a time
 POSES = 64  # motions whose poses are kept: about 1 MB each, and the time of a few dozen walks
+LONG = ROWS // POSES  # poses of a motion of which only `LONG_ONES` are kept
+LONG_ONES = 2
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Table(Shown):
     """Objectives of many feet, in natural signs.
 
@@ -98,7 +100,7 @@ class Table(Shown):
         return frame.rename_axis("foot")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Walk(Animated):
     """One simulated walk: traces at the end of every step, T of them, and what they add up to.
 
@@ -243,7 +245,7 @@ class Variable(NamedTuple):
 PLACES = {"foot": ("left", "right"), "axis": ("x", "z")}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PlateStates:
     """Plates of both feet at M samples; vectors are (M, 2 feet, N, 2), in x, z."""
 
@@ -266,7 +268,8 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
     -------
     Walk : also of a walk that failed; see its `reason`.
     """
-    scene, accuracy = scene or Scene(), resolve(accuracy)
+    check_kind(foot, Foot, "foot", "Try fo.Foot.from_waypoints(heights)")
+    scene, accuracy = _scene(scene), resolve(accuracy)
     directed = effects.laws(scene.effects).directed
     plates = foot.plates(accuracy.plates, accuracy.rule, directed)
     raw, status, tallies, trace = _walk(plates, scene, accuracy, sink=True, threads=1, traced=True)
@@ -293,7 +296,7 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
 
 
 def evaluate(
-    feet: Sequence[Foot] | Plates | ArrayLike,
+    feet: Foot | Sequence[Foot] | Plates | ArrayLike,
     scene: Scene | None = None,
     accuracy: Accuracy | str = "standard",
     objectives: Sequence[str] = FIVE,
@@ -306,7 +309,8 @@ def evaluate(
 
     Parameters
     ----------
-    feet : a sequence of `Foot`; or waypoint heights (designs, n) in `space` (default: the paper's).
+    feet : a `Foot` or a sequence of them; or waypoint heights (designs, n) in `space` (default: the
+        paper's).
     scene, accuracy : as in `simulate`.
     objectives : names from `footopt.walker.objectives.OBJECTIVES`.
     threads : how many to use; by default as many as the process may run on.
@@ -315,7 +319,9 @@ def evaluate(
     -------
     Table : with ``values`` (designs, objectives) in natural signs.
     """
-    scene, accuracy = scene or Scene(), resolve(accuracy)
+    scene, accuracy = _scene(scene), resolve(accuracy)
+    if isinstance(feet, Foot):
+        feet = [feet]
     scene.need_heel_strike()
     chosen = lookup(objectives)
     sink = "maximum_sinkage" in objectives
@@ -342,6 +348,13 @@ def evaluate(
     )
 
 
+def _scene(scene: Scene | None) -> Scene:
+    """The paper's walk on hard sand where there is none."""
+    found = Scene() if scene is None else scene
+    check_kind(found, Scene, "scene", "Try fo.Scene(sand=...)")
+    return found
+
+
 def estimate_error(
     foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = "standard"
 ) -> dict[str, float]:
@@ -349,7 +362,8 @@ def estimate_error(
 
     The difference to the walk with half the time step (under control: an eighth of the error that a
     step may have), twice the plates and half the creep speed, times 4/3: what is left of an error that
-    falls with the square of the first two. NaN where the walk or its refinement fails.
+    falls with the square of the first two. NaN where the walk or its refinement fails, and for a walk
+    that is too long to be refined (`ROWS`).
     """
     scene, accuracy = scene or Scene(), resolve(accuracy)
     finer = replace(
@@ -360,6 +374,8 @@ def estimate_error(
         creep=accuracy.creep / 2,
         name="refined",
     )
+    if pose_rows(scene, finer) > ROWS:
+        return dict.fromkeys(OBJECTIVES, math.nan)
     coarse, fine = (simulate(foot, scene, a).objectives for a in (accuracy, finer))
     return {name: 4.0 / 3.0 * abs(coarse[name] - fine[name]) for name in coarse}
 
@@ -429,11 +445,11 @@ def poses(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, 
             "Or shorten the walk: scene.t_f, gait.period, gait.start.",
         )
     motion = Scene(gait=scene.gait, walker=Walker(l1=scene.walker.l1, l2=scene.walker.l2), t_f=scene.t_f)
-    return pose_tables(motion, Accuracy(accuracy.stepper, accuracy.dt, control=accuracy.control))
+    kept = long_pose_tables if pose_rows(scene, accuracy) > LONG else pose_tables
+    return kept(motion, Accuracy(accuracy.stepper, accuracy.dt, control=accuracy.control))
 
 
-@lru_cache(maxsize=POSES)
-def pose_tables(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ...]]:
+def _pose_tables(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ...]]:
     times, nodes = time_grid(scene, accuracy), np.asarray(STEPPERS[accuracy.stepper].nodes)
     pose = partial(scene.gait.pose, l1=scene.walker.l1, l2=scene.walker.l2)
     tables = []
@@ -444,9 +460,19 @@ def pose_tables(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[A
     return times, pose(np.zeros(1)).table()[0], tuple(tables)
 
 
+pose_tables = lru_cache(maxsize=POSES)(_pose_tables)
+long_pose_tables = lru_cache(maxsize=LONG_ONES)(_pose_tables)
+
+
 def available_threads() -> int:
     """How many processors this process may run on."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def at_once(given: int | None, setting: str = "engine.threads") -> int:
+    """How many threads or workers there are to be; None: as many as the process may run on."""
+    check(given is None or 1 <= given <= 4096, setting, given, "a whole number >= 1 and <= 4096 (null: all)")
+    return available_threads() if given is None else given
 
 
 def _chunks(feet: Any, scene: Scene, accuracy: Accuracy, space: Waypoints | None) -> Iterator[Plates]:
@@ -512,8 +538,7 @@ def _run(
             accuracy.control, scene.gait.heel_strike, begin, end, raw, status, tallies, trace, sink,
         )  # fmt: skip
 
-    workers = available_threads() if threads is None else threads
-    check(1 <= workers <= 4096, "engine.threads", threads, "a whole number >= 1 and <= 4096 (null: all)")
+    workers = at_once(threads)
     blocks = range(0, designs, BLOCK)
     if workers == 1 or len(blocks) == 1:
         for begin in blocks:

@@ -7,6 +7,7 @@ residuals (markers, frames) as doubles.
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -46,9 +47,11 @@ def load(path: str | Path) -> Contents:
     FileError : it is no whole C3D file, or ezc3d is missing.
     """
     _check_header(path, read_bytes(path, "gait", "gait.path"))
-    command = [sys.executable, "-m", __name__, str(Path(path).absolute())]
+    # modules from where this process has them, and none from the folder it happens to be in
+    command = [sys.executable, "-P", "-m", __name__, str(Path(path).absolute())]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     try:
-        done = subprocess.run(command, capture_output=True, timeout=PATIENCE)
+        done = subprocess.run(command, capture_output=True, timeout=PATIENCE, env=environment)
     except subprocess.TimeoutExpired:
         raise not_c3d(path, f"that takes longer than {PATIENCE:g} s: it is damaged") from None
     if done.returncode == MISSING:

@@ -95,7 +95,8 @@ def to_recording(
             f"the hip swings by {swing[0]:.3f} m (rms), the ankle by {swing[1]:.3f} m: exchanged?",
         )
     notes.append(
-        f"in the file, thigh {l1.mean():.3f} m and shank {l2.mean():.3f} m long: walker.l1, walker.l2"
+        f"thigh {l1.mean():.3f} m and shank {l2.mean():.3f} m long in the file (to walk with such legs: "
+        f"walker.l1={l1.mean():.3f} walker.l2={l2.mean():.3f})"
     )
     way = "+-"[int(forward[np.argmax(abs(forward))] < 0)] + "xyz"[int(np.argmax(abs(forward)))]
     notes.append(f"up is {'+-'[int(up.min() < 0)]}{'xyz'[int(np.argmax(abs(up)))]}, forward about {way}")

@@ -15,7 +15,8 @@ const guide = columnOf(data.guide ?? "efficiency") ?? COLUMNS[0];
 
 /** A design's number is its row in designs.csv, from 0. */
 const numbers = data.designs.rows && unpack(data.designs.rows);
-const label = (i) => data.designs.labels ? data.designs.labels[i] : `design ${numbers[i]}${i === data.best ? ", the best" : ""}`;
+const BEST = data.objectives?.length > 1 ? `best in ${guide.title.split(" ").at(-1)}` : "best";
+const label = (i) => data.designs.labels ? data.designs.labels[i] : `design ${numbers[i]}${i === data.best ? `, the ${BEST}` : ""}`;
 
 /** A limit as short as it is shown. */
 const tidy = (v) => (Number.isFinite(v) ? +v.toPrecision(5) : v);
@@ -25,7 +26,7 @@ function explorer(choose, beside) {
   const all = Array.from({ length: COUNT }, (_, i) => i).filter((i) => feasible[i]);
   const state = { limits: new Map(), chosen: data.best, shown: [], passing: [] };
   const parallel = COLUMNS.filter((c) => c.name !== "generation");
-  const wide = el("div", { class: "plot brush", id: "parallel" });
+  const wide = el("div", { class: "plot brush", id: "parallel", style: `min-width:${110 * parallel.length}px` }); // names beside each other
   const flat = el("div", { class: "plot brush", id: "scatter" });
   const count = el("p", { id: "count", role: "status" });
   const choice = (id, name) => {
@@ -59,12 +60,12 @@ function explorer(choose, beside) {
       ...COLUMNS.map((c) => number(c.of(i))), ...(kOf ? [heights(i).join(" ")] : [])]));
   });
   const section = el("section", { id: "explore" },
-    el("h2", {}, data.jobs ? "The jobs' best designs" : "The designs"),
+    el("h2", {}, data.jobs ? "Their best designs" : "The designs"),
     el("p", { class: "note" }, "Drag along an axis, or across the scatter, to set limits: both then show what is within them. ",
       "Click a line or a point to choose that design. Better is up on every axis of the parallel coordinates.",
       numbers ? " A design's number is its row in designs.csv, from 0." : ""),
     el("div", { class: "bar" }, data.jobs ? null : el("label", {}, "designs", which), clear, count),
-    el("figure", {}, wide),
+    el("figure", { class: "scroll" }, wide),
     el("div", { class: "grid wide" },
       el("figure", {},
         el("div", { class: "bar" }, el("label", {}, "across", across), el("label", {}, "up", up)), flat),
@@ -254,8 +255,8 @@ function explorer(choose, beside) {
       svg("circle", { cx: a.X(cx.of(i)), cy: a.Y(cy.of(i)), r: 6, fill: "none", "stroke-width": 2.5, ...attributes }),
       svg("text", { class: "halo", x: a.X(cx.of(i)) + 10, y: a.Y(cy.of(i)) - 8 }, text));
     if (data.jobs) nameJobs(a, (i) => [a.X(cx.of(i)), a.Y(cy.of(i))]);
-    else if (state.chosen !== data.best) mark(data.best, "best", { stroke: "#1a1a1a", "stroke-width": 1.5 });
-    if (feasible[state.chosen]) mark(state.chosen, data.jobs ? "" : state.chosen === data.best ? "best, chosen" : "chosen", { stroke: data.jobs ? "#1a1a1a" : VERMILLION });
+    else if (state.chosen !== data.best) mark(data.best, BEST, { stroke: "#1a1a1a", "stroke-width": 1.5 });
+    if (feasible[state.chosen]) mark(state.chosen, data.jobs ? "" : state.chosen === data.best ? `${BEST}, chosen` : "chosen", { stroke: data.jobs ? "#1a1a1a" : VERMILLION });
     const limits = [cx, cy].map((c) => state.limits.get(c.name));
     if (limits.some(Boolean)) {
       const clip = (v, low, high) => Math.min(Math.max(v, low), high), b = a.inside;

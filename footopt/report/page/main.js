@@ -7,7 +7,8 @@ const flatEntry = entry.flat;
 function headline() {
   const lines = (data.headline ?? []).map((text) => el("p", {}, text));
   const warnings = (entry.warnings ?? []).map((text) => el("p", { class: "warning" }, `Outside what the theory is tested for: ${text}.`));
-  return [...lines, ...warnings];
+  const faults = (data.warnings ?? []).map((text) => el("p", { class: "warning" }, text));
+  return [...lines, ...warnings, ...faults];
 }
 
 /** The chosen design: its sole, its numbers, its files. */
@@ -65,7 +66,7 @@ function searchSection(choose) {
   const draw = () => {
     const rows = data.history, bests = rows.map((r) => r.best ?? NaN), medians = rows.map((r) => r.median ?? NaN);
     const a = axes(holder, { x: [0, rows.at(-1).evaluations], y: range([...bests, ...medians]), xlabel: "evaluations",
-      ylabel: `${named(guide)}: best so far, and median of the generation (dashed)`, height: 260, left: 84,
+      ylabel: `${named(guide)}: best ${several ? "of the front" : "so far"}`, height: 260, left: 84,
       label: "Convergence of the search; the table below has the numbers" });
     const X = (i) => a.X(rows[i].evaluations);
     a.svg.append(
@@ -76,7 +77,7 @@ function searchSection(choose) {
     soleDrawing(sole(i), { width: 136, height: 32, plain: true }),
     el("div", {}, `generation ${generation[i]}`), el("div", {}, quantity(guide.of(i), guide.unit))));
   const section = el("section", { id: "search" }, el("h2", {}, "The search"),
-    el("figure", {}, holder),
+    el("figure", {}, holder, el("figcaption", {}, "Dashed: the median of each generation.")),
     folded("The search as a table", () => table(["evaluations", `best ${named(guide)}`, "median", ...(several ? ["front"] : [])],
       data.history.map((r) => [r.evaluations, number(r.best), number(r.median), ...(several ? [r.front] : [])].map(String)))),
     ...(buttons.length ? [el("h3", {}, "Lineage: each sole that was the best at the end of a generation"),
@@ -85,22 +86,23 @@ function searchSection(choose) {
   return { section, draw, mark };
 }
 
-/** A text that may run over several lines of a table. */
-const words = (text) => el("span", { class: "words" }, text);
+/** A text (or an element) that may run over several lines of a table; a path breaks after a slash. */
+const words = (text) => el("span", { class: "words" },
+  ...(typeof text === "string" ? text.split(/(?<=\/)/).flatMap((part, i) => (i ? [el("wbr"), part] : [part])) : [text]));
 
-/** A multirun: its jobs in a table with their soles. */
+/** A multirun, or runs to compare: its jobs in a table with their soles. */
 function jobsSection(choose) {
-  const differ = data.columns;
-  return el("section", { id: "jobs" }, el("h2", {}, "The jobs"),
-    el("div", { class: "scroll", style: "max-height:none" }, table(["job", "settings", "sole", ...differ.map(named), "hollow (mm)", "seed", "time (s)"],
+  const differ = data.columns, what = data.jobs[0].name.split(" ")[0];
+  return el("section", { id: "jobs" }, el("h2", {}, `The ${what}s`),
+    el("div", { class: "scroll", style: "max-height:none" }, table([what, "settings", "sole", ...differ.map(named), "hollow (mm)", "seed", "time (s)"],
       data.jobs.map((job) => [
-        job.link ? el("a", { href: job.link }, `job ${job.job}`) : `job ${job.job}`,
-        el("div", {}, words(job.settings), job.note ? el("div", { class: "words warning" }, job.note) : ""),
-        job.design === null ? "" : el("button", { type: "button", "aria-label": `Choose the sole of job ${job.job}`, click: () => choose(job.design) },
+        job.link ? el("a", { href: job.link }, job.name) : job.name,
+        el("div", {}, words(job.settings), job.place ? el("div", { class: "words note" }, job.place) : "", job.note ? el("div", { class: "words warning" }, job.note) : ""),
+        job.design === null ? "" : el("button", { type: "button", "aria-label": `Choose the sole of ${job.name}`, click: () => choose(job.design) },
           soleDrawing(sole(job.design), { width: 120, height: 36, plain: true })),
         ...differ.map((_, c) => (job.design === null ? "–" : number(values[job.design * WIDTH + c]))),
         job.hollow, job.seed ?? "–", number(job.seconds)]))),
-    ...(data.jobs.some((job) => job.link) ? [el("p", { class: "note" }, "A job's link opens its own page, with its walk.")] : []));
+    ...(data.jobs.some((job) => job.link) ? [el("p", { class: "note" }, `A ${what}'s link opens its own page.`)] : []));
 }
 
 /** What the jobs' walks have in common to look at: traces over time, a colour and a dash for each job. */
@@ -125,8 +127,10 @@ function tracesSection() {
 function studySections() {
   const figures = data.figures.map(({ source, width, says }) =>
     el("figure", { class: "printed" }, el("img", { src: source, width, alt: says }), el("figcaption", {}, says)));
-  const tables = data.tables.flatMap(({ title, head, words: wordy, rows, caption }) => {
-    const made = table(head.map((text, c) => (wordy[c] ? words(text) : text)), rows.map((row) => row.map((cell, c) => (wordy[c] ? words(cell) : cell))));
+  const tables = data.tables.flatMap(({ title, head, words: wordy, rows, bad, links, caption }) => {
+    const shown = (cell, r, c) => links[r][c] ? el("a", { href: encodeURIComponent(cell) }, cell) : bad[r][c] ? el("strong", { class: "bad" }, cell) : cell;
+    const made = table(head.map((text, c) => (wordy[c] ? words(text) : text)),
+      rows.map((row, r) => row.map((cell, c) => (wordy[c] ? words(shown(cell, r, c)) : shown(cell, r, c)))));
     return [title ? el("h3", {}, title) : null, el("div", { class: "scroll" }, made), caption ? el("p", { class: "note" }, caption) : null];
   });
   return [
@@ -146,7 +150,7 @@ function footer() {
   const block = (title, value) => value === undefined ? null : folded(title, () => el("pre", {}, JSON.stringify(value, null, 2)));
   return [el("h2", {}, "How it was made"),
     el("p", {}, facts.map(([name, value]) => `${name}: ${value}`).join("; ")),
-    ...(entry.validity ? [el("p", {}, `validity of the walk: ${Object.entries(entry.validity).map(([name, value]) => `${name} ${number(value)}`).join("; ")}`)] : []),
+    ...(entry.validity ? [el("p", {}, `validity of the walk: ${Object.entries(entry.validity).map(([name, value]) => `${name} ${quantity(value, entry.validity_units?.[name])}`).join("; ")}`)] : []),
     ...[block("Error estimates", entry.error_estimate), block("Settings", entry.settings), block("Scene", entry.scene),
       block("Accuracy", entry.accuracy)].filter(Boolean)];
 }
@@ -162,7 +166,7 @@ function build() {
     found?.mark(i);
     const place = data.walks ? data.walks.findIndex((walk) => walk.design === i) : -1;
     if (walks && place >= 0) walks.show(place);
-    unwalked.textContent = walks && place < 0 ? `No walk of ${label(i)} is on this page (${data.walks.length - 2} of the designs beside the best are); footopt study=simulate foot.k=[${heights(i)}] walks with it.` : "";
+    unwalked.textContent = walks && place < 0 ? `No walk of ${label(i)} is on this page (${data.walks.length - 2} of the designs beside the best are); footopt study=simulate foot.k=[${heights(i)}] walks with it, with this run's own sand and other settings beside.` : "";
   };
   const unwalked = design.section.appendChild(el("p", { class: "note", id: "unwalked" }));
   const sections = [];

@@ -110,12 +110,18 @@ class ReadProblem(FootProblem):
         super().__init__(**parameters)
         self.readings = readings
 
-    def _evaluate(self, x: NDArray[Any], out: dict[str, Any], *args: Any, **kwargs: Any) -> None:
-        super()._evaluate(x, out, *args, **kwargs)
+    @property
+    def conditions(self) -> dict[str, Any]:
+        """What is walked through, and how it is read."""
+        return {**super().conditions, "readings": self.readings}
+
+    def walk(self, k: NDArray[np.int64]) -> tuple[Array, NDArray[np.str_]]:
+        """Recorded values as they are read, (designs, record), and why a walk failed."""
+        values, reasons = super().walk(k)
         if self.readings == Readings():
-            return
-        for row, k in enumerate(self.space.check(x)):
-            walk = simulate(Foot.from_waypoints(k, self.space), self.scene, self.accuracy)
-            values = read(walk, self.readings).objectives
-            out["values"][row] = [values[name] for name in self.record]
-        out["F"] = self.minimised(out["values"])
+            return values, reasons
+        for row, heights in enumerate(k):
+            walk = simulate(Foot.from_waypoints(heights, self.space), self.scene, self.accuracy)
+            objectives = read(walk, self.readings).objectives
+            values[row] = [objectives[name] for name in self.record]
+        return values, reasons

@@ -39,7 +39,7 @@ from footopt.studies.paper.sweep import (
 from footopt.studies.shapes import make_shapes, walk_shapes
 from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walker import OBJECTIVES, Accuracy, Scene, Walk, simulate
-from footopt.walker.simulate import available_threads
+from footopt.walker.simulate import at_once
 from footopt.walker.validity import diagnose
 
 Array = NDArray[np.float64]
@@ -91,11 +91,16 @@ class Setup:
         confirm = self.config.study.confirm
         return Accuracy.named(confirm) if confirm else build.make_accuracy(self.config.accuracy)
 
+    @cached_property
+    def base(self) -> Scene:
+        """The walk of the settings, read from their files once."""
+        return build.make_scene(self.config)
+
     def scene(self, sand: str) -> Scene:
         """The walk on one of the sands."""
         if sand not in SANDS:
             raise SettingError("study.shape_sand", sand, f"one of {', '.join(SANDS)}")
-        scene = dataclasses.replace(build.make_scene(self.config), sand=Sand.named(sand))
+        scene = dataclasses.replace(self.base, sand=Sand.named(sand))
         if not self.config.study.leading_edge:
             return scene
         return dataclasses.replace(scene, effects=(*scene.effects, LeadingEdge()))
@@ -205,12 +210,12 @@ def moves_feet(chosen: Sequence[Factor], change: Change) -> bool:
 
 def searching(pop_size: int, n_gen: int, threads: int | None) -> float:
     """About how long a search takes, in walks of a design: pymoo's part is not shared by threads."""
-    return n_gen * (pop_size / (threads or available_threads()) + PYMOO)
+    return n_gen * (pop_size / at_once(threads) + PYMOO)
 
 
 def effort(budget: Budget, threads: int | None, searches: bool) -> float:
     """About how long one change of the sweep takes, in walks of a design."""
-    fine = EVIDENCE / (threads or available_threads())
+    fine = EVIDENCE / at_once(threads)
     return fine + (len(SANDS) * searching(*budget.sweep, threads) if searches else 0.0)
 
 
@@ -243,7 +248,7 @@ def sweep(
         return measure(setup.evidence(feet))
 
     rows = np.full((len(jobs), len(CLAIMS)), np.nan)
-    with ThreadPoolExecutor(threads or available_threads()) as pool:
+    with ThreadPoolExecutor(at_once(threads)) as pool:
         futures = {pool.submit(margins, job): i for i, job in enumerate(jobs)}
         try:
             for future in as_completed(futures):
@@ -309,6 +314,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     files.write_json(folder / "claims.json", content)
     record = {
         "study": "paper",
+        "seed": config.solver.seed,
         "optima": {sand: _optimum(setup, walks, config.solver.seed) for sand, walks in runs.items()},
         "shapes": {
             name: {"objectives": read(walk, setup.readings).objectives, "reason": walk.reason}
@@ -328,7 +334,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         tables.append(page.sensitivity_table(judged, swept.chosen))
     says = {name: paper_figures.SAYS[name] for name in (*drawn, "claims")}
     said = [page.summary(judged), "All of it in words, with the feet and the errata: claims.md."]
-    write_study(folder, "The paper, judged", said, says, tables, record | {"seed": config.solver.seed})
+    write_study(folder, "The paper, judged", said, says, tables, record)
     for table in tables:
         out.print(table)
     for sand in SANDS:
