@@ -22,6 +22,7 @@ from typing import get_args, get_type_hints
 import numpy as np
 import pytest
 from motion_files import record
+from PIL import Image
 from running import LIMIT, footopt, program
 from test_custom import EXAMPLES
 
@@ -331,7 +332,7 @@ def ground(tmp_path_factory):
                 (folder / "mine" / name).parent.mkdir(parents=True, exist_ok=True)
                 (folder / "mine" / name).write_text(content)
     words = [f"{key}={value}" for key, value in SEARCH.items()]
-    assert footopt(*words, "hydra.run.dir=earlier", cwd=folder, drawn=True).returncode == 0
+    assert footopt(*words, "hydra.run.dir=earlier", cwd=folder).returncode == 0
     sweep = ["-m", "sand=regular,hard", "hydra.sweep.dir=sweep1", *words]
     assert footopt(*sweep, cwd=folder).returncode == 0
     return folder
@@ -374,9 +375,10 @@ def real(word, place):
     return word
 
 
-#: Studies whose figures have been rendered: each does so once, the default one in `ground`. Every figure is
-#: looked at by `test_figures`.
-RENDERED = {""}
+#: Studies whose figures have been rendered: once each, here or by tests of its own (the default one by
+#: `test_cli`). Every figure is looked at by `test_figures`.
+OWN = ("effects", "paper", "robust", "sensitivity", "shapes", "stability", "trust")
+RENDERED = {"", *(f"study={name}" for name in OWN)}
 
 FOOTOPT = {a: page for words, page in COMMANDS.items() if (a := footopt_words(words)) is not None}
 COMPOSED = [arguments for arguments in FOOTOPT if only_composed(arguments)]
@@ -421,6 +423,10 @@ def test_the_command_runs(arguments, place, request):
         assert "Each run writes to its own folder" in done.stdout
         return
     left = {path for path in place.rglob("*") if path.is_file()} - before
+    if "study.video=walk.gif" in words:
+        (film,) = [path for path in left if path.name == "walk.gif"]
+        with Image.open(film) as image:
+            assert image.n_frames == pytest.approx(1.2 * 25 / 0.5 + 1, abs=1)
     ended = {path.parent for path in left if path.name in ("result.json", "summary.csv")}
     assert all((folder / "report.html").is_file() for folder in ended)
     results = [json.loads(path.read_text()) for path in left if path.name == "result.json"]
@@ -429,7 +435,7 @@ def test_the_command_runs(arguments, place, request):
         assert any(path.suffix == ".json" for path in left), words
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def cluster(ground):
     """The address of a scheduler with a worker, started by the page's own commands but for their ports."""
     pytest.importorskip("distributed", reason="needs footopt[dask]")
@@ -533,7 +539,7 @@ def test_pytest_finds_tests(words):
 
 # --- Python ---------------------------------------------------------------------------------------
 
-#: Before the blocks of a page: `fo` and `np` as everywhere, and searches of two generations.
+#: Before the blocks of a page: `fo` and `np` as everywhere, searches of two generations, films of few frames.
 PREAMBLE = """
 import numpy as np
 import footopt as fo
@@ -543,7 +549,11 @@ def small_search(problem, *arguments, **options):
     options |= {"pop_size": 8, "n_gen": 2}
     return search(problem, *arguments, **options)
 
+def small_film(walk, path, **options):
+    return film(walk, path, **options | {"fps": 2})
+
 fo.search = small_search
+fo.Walk.animate, film = small_film, fo.Walk.animate
 """
 PYTHON = {
     page: "\n".join(content for language, content, _ in blocks(text) if language == "python")

@@ -126,6 +126,7 @@ def test_a_package_and_a_home_that_cannot_be_written_are_found(tmp_path):
     )
     assert done.returncode == 1
     assert "cache folder: none that can be written" in done.stderr
+    assert "every start compiles it again" in done.stdout + done.stderr
     assert findings(tmp_path)["hard sand, standard"]["good"]
 
 

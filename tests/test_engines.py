@@ -252,10 +252,12 @@ class TestProcesses:
     @pytest.mark.slow
     def test_a_design_that_kills_is_found_and_left_out(self, processes, tmp_path, caplog):
         p = like(Deadly, problem())
-        r = search(p, "ga", engine=processes, store=tmp_path / "designs.sqlite", **BUDGET)
+        # two that kill and one that raises, all in one generation
+        budget = BUDGET | {"n_gen": 2, "seed": 69}
+        r = search(p, "ga", engine=processes, store=tmp_path / "designs.sqlite", **budget)
         killing, raising = (r.k[:, :3] == [2, 3, 3]).all(axis=1), (r.k[:, :2] == [3, 2]).all(axis=1)
-        assert killing.any()
-        assert raising.any()
+        assert (killing.sum(), raising.sum()) == (2, 1)
+        assert len(set(r.generation[killing | raising])) == 1
         np.testing.assert_array_equal(r.reasons == "error", killing | raising)
         with Store(tmp_path / "designs.sqlite", p) as store:
             assert "the worker has died (signal SIGKILL)" in store.get(r.k[killing].tolist())[0].message

@@ -24,6 +24,8 @@ def need(launcher):
 def test_a_sweep_finds_what_each_job_finds_alone_and_ends_with_a_table(launcher, tmp_path):
     need(launcher)
     arguments = [*BRIEF, "solver.n_gen=3", "hydra.sweep.dir=sweep"]
+    done = footopt(*arguments, "sand.zeta=5", "solver.seed=2", "hydra.run.dir=alone", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
     done = program(
         "-m", f"hydra/launcher={launcher}", "solver.seed=1,2", "sand.zeta=5,0.001", *arguments, cwd=tmp_path
     )
@@ -32,8 +34,6 @@ def test_a_sweep_finds_what_each_job_finds_alone_and_ends_with_a_table(launcher,
     assert "2 of the jobs failed" in done.stderr
     assert "Traceback" not in done.stderr
     assert (tmp_path / "sweep" / "1" / "error.txt").read_text().startswith("No feasible design")
-    done = footopt(*arguments, "sand.zeta=5", "solver.seed=2", "hydra.run.dir=alone", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
     assert outcome(tmp_path / "sweep" / "2") == outcome(tmp_path / "alone")
 
 

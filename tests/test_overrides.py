@@ -28,7 +28,7 @@ from footopt.design.exhaustive import check_size
 from footopt.errors import FootoptError, SettingError
 from footopt.studies import build
 
-PATIENCE = 10.0  # s
+PATIENCE = 20.0  # s of processor time: a walk may have to be compiled first
 
 
 def keys(config=Config, before=""):
@@ -123,7 +123,7 @@ CHECKS = {"robust": check_robust}
 
 def outcome(words, setting, value):
     """What is wrong with what a user sees of a setting's value, or ""."""
-    started = time.perf_counter()
+    started = time.process_time()
     try:
         walk, table = used(composed(words, f"{setting}={value}"))
     except (FootoptError, HydraException, OmegaConfBaseException) as error:
@@ -142,7 +142,7 @@ def outcome(words, setting, value):
                 return f"a walk without a reason has {values}"
         elif not walk.feasible and not walk.reason:
             return "a walk failed for no reason"
-    lasted = time.perf_counter() - started
+    lasted = time.process_time() - started
     return f"took {lasted:.1f} s" if lasted > PATIENCE else ""
 
 
@@ -161,16 +161,9 @@ ANY_VALUE = st.one_of(
 
 
 @pytest.mark.slow
-@settings(max_examples=120, suppress_health_check=list(HealthCheck))
-@given(st.sampled_from(KEYS), ANY_VALUE)
-def test_any_value_of_any_setting(key, value):
-    assert not outcome(context(key), key, value)
-
-
-@pytest.mark.slow
 @settings(max_examples=600, suppress_health_check=list(HealthCheck))
 @given(st.sampled_from(KEYS), ANY_VALUE)
-def test_any_value_of_any_setting_in_larger_number(key, value):
+def test_any_value_of_any_setting(key, value):
     assert not outcome(context(key), key, value)
 
 
@@ -218,10 +211,10 @@ DRAWN = {"robust": ["study.scenarios=drawn"]}
 @pytest.mark.parametrize(("study", "word"), HUGE, ids=lambda name: name)
 def test_what_would_take_years_or_all_memory_is_refused_at_once(study, word, tmp_path):
     config = composed([f"study={study}", *DRAWN.get(study, [])], word)
-    started = time.perf_counter()
+    started = time.process_time()
     with pytest.raises(SettingError) as caught:
         studies.run(config, tmp_path, {})
-    assert time.perf_counter() - started < PATIENCE
+    assert time.process_time() - started < PATIENCE
     allowed = ("accuracy.dt", "scene.t_f") if word.startswith(("scene.t_f", "gait.period")) else ()
     assert any(name in str(caught.value) for name in (word.partition("=")[0], *allowed))
     assert not list(tmp_path.glob("*.json"))

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import pytest
 from packaging.requirements import Requirement
+from running import LIMIT, UNRENDERED
 
 ROOT = Path(__file__).parent.parent
-LIMIT = 300  # s, for a process
 
 
 def needed(requirements, found):
@@ -54,7 +54,7 @@ def test_a_wheel_with_nothing_but_what_it_asks_for_runs_a_small_job(tmp_path):
             if not (site / top).exists():  # a namespace of several
                 (site / top).symlink_to(library.locate_file(top))
     job = [programs / "footopt", "solver.n_gen=2", "solver.pop_size=8", "accuracy=draft"]
-    environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
+    environment = {**os.environ, "PYTHONPATH": str(UNRENDERED)}  # and nothing else
     done = subprocess.run(job, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=LIMIT)
     assert done.returncode == 0, done.stderr
     (result,) = (tmp_path / "outputs").rglob("result.json")

@@ -100,8 +100,8 @@ def main() -> None:
     parser.add_argument("--cores", type=int, default=min(2, available_threads()))
     given = parser.parse_args()
     print("| engine | measured |\n| --- | --- |")
-    sizes = ((20,), 10, 1) if given.quick else (BATCHES, CHUNKS, given.repeats)
-    for row in rows(*sizes, given.cores):
+    sizes = ((20,), 10, 1, 1) if given.quick else (BATCHES, CHUNKS, given.repeats, given.cores)
+    for row in rows(*sizes):
         print("| " + " | ".join(row) + " |", flush=True)
 
 
