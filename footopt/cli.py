@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import errno
 import logging
+import math
 import os
 import re
 import shlex
+import shutil
 import signal
 import sys
 import threading
@@ -29,8 +31,8 @@ from omegaconf.errors import OmegaConfBaseException
 
 from footopt.command import check_words, folders_after
 from footopt.config import Config
-from footopt.errors import ERROR_FILE, FileError, FootoptError, SettingError, one_line
-from footopt.reading import is_missing, read_yaml
+from footopt.errors import ERROR_FILE, FileError, FootoptError, SettingError, check, one_line
+from footopt.reading import is_missing, read_json_file, read_yaml
 
 log = logging.getLogger("footopt")
 
@@ -83,6 +85,7 @@ def _job(settings: DictConfig) -> None:
         if here.mode != RunMode.MULTIRUN:
             if _wants_traceback:
                 raise
+            tidied(folder)
             sys.exit(f"footopt: error: {explain(error)}")
         # the other jobs go on; `Summary` reports this one at the end
         log.error("job %s failed: %s", here.job.num, explain(error))
@@ -104,6 +107,15 @@ class Summary(Callback):
         from footopt.report import summary
 
         Summary.failed = summary.report(Path(config.hydra.sweep.dir))
+
+
+def tidied(folder: Path) -> None:
+    """Remove the folder of a run that was refused, if it holds nothing but what Hydra wrote before it."""
+    left = [path for path in folder.rglob("*") if path.is_file()]
+    logs = [path for path in left if path.suffix == ".log"]
+    own = {folder / ".hydra" / f"{name}.yaml" for name in ("config", "hydra", "overrides")}
+    if folder != Path.cwd() and own == {*left} - {*logs} and not any(path.stat().st_size for path in logs):
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def main() -> None:
@@ -171,8 +183,32 @@ def resumed(given: Sequence[str]) -> list[str]:
         ) from None
     if study not in RESUMABLE:
         raise SettingError("resume", folders[-1], f"a run of study={', '.join(RESUMABLE)}, not {study}")
+    check_longer(folder, OmegaConf.create(texts[0]), new)
     # Hydra would truncate the settings before it writes them: a kill then could lose them
     return [*map(str, saved), *new, f"hydra.run.dir={quoted(str(folder))}", "hydra.output_subdir=null"]
+
+
+def check_longer(folder: Path, saved: Any, new: Sequence[str]) -> None:
+    """Raise a `SettingError` for a resumed search that would be shorter than what its folder holds."""
+    if not (folder / "result.json").is_file():
+        return
+    result = read_json_file(folder / "result.json", "run", "resume")
+    before = result.get("evaluations") if isinstance(result, dict) else None
+    if not isinstance(before, int):
+        return
+    solver = saved.solver
+    given = {name: value for name, _, value in (word.partition("=") for word in new)}
+    try:
+        size, generations = (int(given.get(f"solver.{name}", solver[name])) for name in ("pop_size", "n_gen"))
+    except ValueError:  # no numbers: told when they are read
+        return
+    check(
+        solver.name == "exhaustive" or size * generations >= before,
+        "solver.n_gen",
+        generations,
+        f"at least {math.ceil(before / max(size, 1))}: the run has {before} evaluations",
+        "A shorter search is a run of its own: leave out resume.",
+    )
 
 
 def with_files_of(there: Path, word: str) -> str:

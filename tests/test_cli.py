@@ -330,6 +330,17 @@ def test_bad_input_gets_one_clear_message(run, arguments, tmp_path):
     assert not list(tmp_path.rglob("result.json"))
 
 
+def test_what_was_refused_leaves_no_folder_but_what_was_there_stays(tmp_path):
+    for words in (["study=simulate", "gait=file", "gait.path=nowhere.trc"], ["foot.width=0"]):
+        assert footopt(*words, cwd=tmp_path).returncode == 1
+        assert footopt(*words, "hydra.run.dir=mine", cwd=tmp_path).returncode == 1
+    assert not list(tmp_path.rglob(".hydra"))
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "notes.txt").write_text("mine")
+    assert footopt("foot.width=0", "hydra.run.dir=mine", cwd=tmp_path).returncode == 1
+    assert (tmp_path / "mine" / "notes.txt").read_text() == "mine"
+
+
 #: What newcomers type, and what they are told.
 MISTAKES = {
     "snad=soft": "snad: there is no such setting. Did you mean sand=soft?",

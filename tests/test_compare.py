@@ -1,6 +1,7 @@
 """Earlier runs side by side: found by name or pattern, told where they are, and never mixed up."""
 
 import csv
+import json
 
 import pytest
 from test_page import leave_job
@@ -67,6 +68,18 @@ def test_only_what_all_runs_have_is_compared_on_the_page(runs):
     text = (runs / "here" / "report.html").read_text()
     assert '"name":"distance"' in text
     assert '"name":"cost_of_transport"' not in text
+
+
+def test_objectives_of_plugins_are_compared_by_what_the_runs_say_of_them(runs):
+    for i, name in enumerate(("old/a", "old/b")):
+        path = runs / name / "result.json"
+        result = json.loads(path.read_text())
+        result["objectives"]["work_per_metre"] = 80.0 + i
+        result |= {"units": {"work_per_metre": "J/m"}, "maximise": {"work_per_metre": False}}
+        path.write_text(json.dumps(result))
+    compare(runs / "here", f"{runs}/old/[ab]")
+    text = (runs / "here" / "report.html").read_text()
+    assert '"name":"work_per_metre","title":"work per metre","unit":"J/m","maximise":false' in text
 
 
 def test_each_run_once_and_not_the_one_that_is_running(runs):

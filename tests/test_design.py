@@ -249,6 +249,13 @@ def test_one_foot_alone_is_a_table_of_one():
     assert one.values.tolist() == fo.evaluate([fo.Foot.flat()], accuracy="draft").values.tolist()
 
 
+def test_an_unknown_budget_is_named():
+    with pytest.raises(
+        SettingError, match=r"generations = 3: must be one of pop_size, n_gen, seed, as a key"
+    ):
+        search(problem(), generations=3)
+
+
 def test_a_budget_changes_that_of_a_solver():
     r = search(problem(), Solver("ga", pop_size=8, n_gen=9, seed=3), n_gen=2)
     assert (r.solver, r.evaluations) == (Solver("ga", pop_size=8, n_gen=2, seed=3), 16)

@@ -179,6 +179,14 @@ class TestResume:
         assert done.returncode == 0, done.stderr
         assert outcome(folder) == outcome(tmp_path / "fresh")
 
+    def test_a_shorter_search_does_not_replace_a_longer_one(self, finished, tmp_path):
+        shutil.copytree(finished, tmp_path / "run")
+        before = (tmp_path / "run" / "result.json").read_bytes()
+        done = footopt("resume=run", "solver.n_gen=2", cwd=tmp_path)
+        assert done.returncode == 1
+        assert "solver.n_gen = 2: must be at least 3: the run has 30 evaluations" in done.stderr
+        assert (tmp_path / "run" / "result.json").read_bytes() == before
+
     def test_other_settings_are_walked_anew_and_the_difference_is_said(self, finished, tmp_path):
         shutil.copytree(finished, tmp_path / "run")
         done = footopt("resume=run", "sand=soft", cwd=tmp_path)

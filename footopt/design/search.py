@@ -31,6 +31,8 @@ from footopt.walker.simulate import resolve
 
 Array = NDArray[np.float64]
 
+BUDGET = ("pop_size", "n_gen", "seed")  # of a solver that is named
+
 
 @dataclass(frozen=True)
 class Generation:
@@ -167,6 +169,8 @@ def search(
     FileError : the store cannot be used. ValueError : it was opened for another problem.
     """
     check_kind(problem, FootProblem, "problem", "Try fo.FootProblem(scene)")
+    for name, value in budget.items():
+        check(name in BUDGET, name, value, f"one of {', '.join(BUDGET)}, as a keyword")
     if not isinstance(solver, Solver):
         default = "memetic" if problem.n_obj == 1 else "nsga2"
         solver = Solver(name=solver or default, **budget)

@@ -116,7 +116,7 @@ def _block(foot: Foot, level: float, block: Sequence[float]) -> Array:
         "foot.block",
         list(block),
         f"on the top, which reaches from {MM * heel:g} to {MM * toe:g} mm",
-        f"Its middle is above the ankle, at {MM * middle:g} mm.",
+        f"Its middle is above the ankle, at {MM * middle:g} mm; length and height are in m.",
     )
     ahead, behind, high = middle + length / 2, middle - length / 2, level + height
     return np.array([(ahead, level), (ahead, high), (behind, high), (behind, level)])

@@ -258,14 +258,17 @@ def jobs_content(folder: Path, jobs: Sequence[dict[str, Any]], common: Sequence[
     common : settings that all jobs share.
     """
     done = [job for job in jobs if job["result"] is not None]
+    known = {name: (objective.unit, objective.maximise) for name, objective in OBJECTIVES.items()}
+    for result in (job["result"] for job in done):  # those of plugins are in their own results
+        known |= {name: (result["units"][name], most) for name, most in result.get("maximise", {}).items()}
     # what not all have could not be compared
-    names = [name for name in OBJECTIVES if done and all(name in job["result"]["objectives"] for job in done)]
+    names = [name for name in known if done and all(name in job["result"]["objectives"] for job in done)]
     values = [[job["result"]["objectives"].get(name) for name in names] for job in done]
     feet = [job["result"]["settings"]["foot"] for job in done]
     return {
         "title": f"{len(jobs)} {jobs[0]['name'].split()[0]}s",
         "headline": [f"All with {' '.join(common)}"] if common else [],
-        "columns": _columns(names),
+        "columns": [_column(name, *known[name]) for name in names],
         "jobs": [
             {
                 "name": job["name"],
@@ -333,7 +336,7 @@ def _common(entry: dict[str, Any], scene: Scene, names: Sequence[str]) -> dict[s
     t = np.linspace(0.0, scene.duration, int(np.ceil(scene.duration / POSE_STEP)) + 1)
     thigh, shank, pitch = (angle for angle, _ in scene.gait.angles(t))
     return {
-        "columns": _columns(names),
+        "columns": [_column(name, OBJECTIVES[name].unit, OBJECTIVES[name].maximise) for name in names],
         # the designs are on the page anyway
         "entry": {name: value for name, value in entry.items() if name not in ("front", "confirmed")},
         "gait": {
@@ -346,16 +349,9 @@ def _common(entry: dict[str, Any], scene: Scene, names: Sequence[str]) -> dict[s
     }
 
 
-def _columns(names: Sequence[str]) -> list[dict[str, Any]]:
-    return [
-        {
-            "name": name,
-            "title": "efficiency J_W" if name == "efficiency" else name.replace("_", " "),
-            "unit": OBJECTIVES[name].unit,
-            "maximise": OBJECTIVES[name].maximise,
-        }
-        for name in names
-    ]
+def _column(name: str, unit: str, maximise: bool) -> dict[str, Any]:
+    title = "efficiency J_W" if name == "efficiency" else name.replace("_", " ")
+    return {"name": name, "title": title, "unit": unit, "maximise": maximise}
 
 
 def successive_bests(result: SearchResult) -> list[int]:

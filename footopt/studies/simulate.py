@@ -99,9 +99,10 @@ def validity_entry(diagnostics: Sequence[Diagnostic]) -> dict[str, Any]:
 
 
 def scene_entry(scene: Scene, accuracy: Accuracy, names: Sequence[str]) -> dict[str, Any]:
-    """A scene, its accuracy and the units of the objectives in result.json."""
+    """A scene, its accuracy and the units and senses of the objectives in result.json."""
     return {
         "units": {name: OBJECTIVES[name].unit for name in names},
+        "maximise": {name: OBJECTIVES[name].maximise for name in names},
         "scene": {
             "sand": {
                 "name": scene.sand.name,
