@@ -3,7 +3,6 @@
 import csv
 import json
 import shlex
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +15,7 @@ from scipy.io import netcdf_file
 from study_pages import check_page
 
 import footopt as fo
-from footopt.cli import CONF, main, with_files_quoted
+from footopt.cli import CONF, with_files_quoted
 from footopt.command import check_words
 from footopt.config import Config
 from footopt.errors import FootoptError, SettingError
@@ -391,18 +390,11 @@ MISTAKES = {
 }
 
 
-def refused(arguments, monkeypatch, cwd):
-    """What the program says on standard error when it ends, in this process."""
-    monkeypatch.chdir(cwd)
-    monkeypatch.setattr(sys, "argv", ["footopt", *arguments.split(" ")])
-    with pytest.raises(SystemExit) as end:
-        main()
-    return end.value.code
-
-
 @pytest.mark.parametrize("arguments", MISTAKES)
-def test_a_mistake_is_told_with_what_to_try(arguments, monkeypatch, tmp_path):
-    said = refused(arguments, monkeypatch, tmp_path)
+def test_a_mistake_is_told_with_what_to_try(arguments, tmp_path):
+    done = footopt(*arguments.split(" "), cwd=tmp_path)
+    said = done.stderr
+    assert done.returncode == 1
     assert said.startswith("footopt: error: ")
     assert MISTAKES[arguments] in said
     assert "hydra" not in said.lower()
