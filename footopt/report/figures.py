@@ -207,7 +207,7 @@ def draw_contour(axes: Axes, foot: Foot) -> None:
     if foot.space is not None and foot.k is not None:
         points = foot.space.x, foot.space.heights(foot.k)[0]
         axes.plot(*(MM * np.array(points)), "o", color=BLUE, mfc="white", label="waypoint", zorder=4)
-    axes.plot(*(MM * np.array(foot.ankle)), "+", color="black", ms=6, mew=1, label="ankle")
+    axes.plot(*(MM * np.array(foot.ankle)), "+", color="black", ms=6, mew=1, label="ankle", zorder=5)
     hull, x, low, high = lower_hull(foot.contour)
     depth = MM * foot.hollow
     if depth >= 0.05:
@@ -231,7 +231,7 @@ def _foot_axes(axes: Axes) -> None:
 def _foot_height(points: Array) -> float:
     """Height of a column-wide figure whose axes, at equal scales, hold some points, inches."""
     wide, high = np.ptp(points, axis=0)
-    return float(min(0.75 + 3.6 * max(high, 0.12 * wide) / wide, 6.0))
+    return float(min(0.52 + 3.6 * max(high, 0.12 * wide) / wide, 6.0))
 
 
 # --- a search -------------------------------------------------------------------------------------
