@@ -17,31 +17,31 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 _HOME = {
-    "Accuracy": "footopt.walker",
+    "Accuracy": "footopt.walk",
     "Foot": "footopt.foot",
     "FootProblem": "footopt.design",
     "FootoptError": "footopt.errors",
     "Gait": "footopt.gait",
-    "Inertia": "footopt.sand.effects",
-    "LeadingEdge": "footopt.sand.effects",
-    "Layers": "footopt.sand.effects",
-    "Patches": "footopt.sand.effects",
-    "Slope": "footopt.sand.effects",
+    "Inertia": "footopt.effects.base",
+    "LeadingEdge": "footopt.effects.base",
+    "Layers": "footopt.effects.base",
+    "Patches": "footopt.effects.base",
+    "Slope": "footopt.effects.base",
     "RobustProblem": "footopt.design",
     "Sand": "footopt.sand",
-    "Scenario": "footopt.walker",
-    "Scene": "footopt.walker",
-    "Spread": "footopt.walker",
+    "Scenario": "footopt.walk",
+    "Scene": "footopt.walk",
+    "Spread": "footopt.walk",
     "StressMap": "footopt.sand",
-    "Table": "footopt.walker",
-    "Walk": "footopt.walker",
-    "Walker": "footopt.walker",
+    "Table": "footopt.walk",
+    "Walk": "footopt.walk",
+    "Walker": "footopt.walk",
     "Waypoints": "footopt.foot",
-    "draw": "footopt.walker",
-    "estimate_error": "footopt.walker",
-    "evaluate": "footopt.walker",
+    "draw": "footopt.walk",
+    "estimate_error": "footopt.walk",
+    "evaluate": "footopt.walk",
     "search": "footopt.design",
-    "simulate": "footopt.walker",
+    "simulate": "footopt.walk",
     "stress": "footopt.sand",
 }
 
@@ -76,7 +76,7 @@ if TYPE_CHECKING:
     from footopt.foot import Foot, Waypoints
     from footopt.gait import Gait
     from footopt.sand import Sand, StressMap, stress
-    from footopt.walker import (
+    from footopt.walk import (
         Accuracy,
         Scenario,
         Scene,

@@ -1,5 +1,5 @@
 """`python -m footopt`: the same as the command `footopt`."""
 
-from footopt.cli import main
+from footopt.cli.main import main
 
 main()

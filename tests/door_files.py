@@ -17,8 +17,8 @@ import numpy as np
 from motion_files import record, turned, write_mot, write_nexus, write_trc
 
 import footopt as fo
-from footopt.foot.export import write_csv, write_dxf, write_svg
-from footopt.gait.files import HUMAN
+from footopt.files.contours import write_csv, write_dxf, write_svg
+from footopt.files.gaits import HUMAN
 
 SAME, LESS, OTHER, TOLD = "same", "less", "other", "told"
 EXAMPLES = Path(fo.__file__).parents[1] / "examples"

@@ -16,7 +16,7 @@ import pytest
 from hydra.core.global_hydra import GlobalHydra
 from unrendered.sitecustomize import INSTEAD
 
-from footopt import cli
+from footopt.cli import main as cli
 
 UNRENDERED = Path(__file__).parent / "unrendered"
 LIMIT = 300  # s, for a process

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 import footopt as fo
-from footopt.sand import effects
+from footopt.effects import base as effects
 
 
 class FloorLaw(NamedTuple):

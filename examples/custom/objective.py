@@ -3,7 +3,7 @@
 import numpy as np
 
 import footopt as fo
-from footopt.walker.objectives import objective
+from footopt.walk.objectives import objective
 
 
 @objective("$|W|/x$", "J/m", maximise=False, worst=1e6)

@@ -11,7 +11,7 @@ from urllib.parse import urlsplit
 from footopt.design.processes import deaf
 from footopt.design.workers import DIED, REFUSED, Reply, Spread, Task, work
 from footopt.errors import FootoptError, SettingError, check
-from footopt.walker.simulate import at_once
+from footopt.walk.simulate import at_once
 
 RETRIES = 2  # of a chunk that a worker cannot even begin
 SCHEMES = ("tcp", "tls", "ucx", "ws", "wss")

@@ -11,9 +11,9 @@ from pymoo.core.problem import Problem
 
 from footopt.errors import check_kind
 from footopt.foot import Waypoints
-from footopt.walker.objectives import FIVE, OBJECTIVES, Objective, lookup
-from footopt.walker.scene import Accuracy, Scene
-from footopt.walker.simulate import evaluate, resolve
+from footopt.walk.objectives import FIVE, OBJECTIVES, Objective, lookup
+from footopt.walk.scene import Accuracy, Scene
+from footopt.walk.simulate import evaluate, resolve
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from multiprocessing.connection import Connection, wait
 
 from footopt.design.workers import DIED, UNKNOWN, Reply, Spread, Task, work
 from footopt.errors import FootoptError
-from footopt.walker.simulate import at_once
+from footopt.walk.simulate import at_once
 
 PATIENCE = 60.0  # s, for a process to start
 

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from footopt.design.problem import FootProblem
 from footopt.errors import SettingError, check
 from footopt.foot import Waypoints
-from footopt.walker.objectives import OBJECTIVES
-from footopt.walker.scenarios import Scenario, check_measure, measured
-from footopt.walker.scene import Accuracy
-from footopt.walker.simulate import evaluate
+from footopt.walk.objectives import OBJECTIVES
+from footopt.walk.scenarios import Scenario, check_measure, measured
+from footopt.walk.scene import Accuracy
+from footopt.walk.simulate import evaluate
 
 Array = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ class RobustProblem(FootProblem):
 
     Parameters
     ----------
-    scenarios : from `footopt.walker.scenarios`; up to `simulate.POSES` different gaits are quick.
+    scenarios : from `footopt.walk.scenarios`; up to `simulate.POSES` different gaits are quick.
     objective, space, accuracy, threads : as in `FootProblem`.
     measure : "mean", "tail" or "worst". tail : the share that "tail" averages over.
     references : (scenarios,), the value of `guide` that a good foot has in each, by whose magnitude

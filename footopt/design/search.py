@@ -25,9 +25,9 @@ from footopt.design.workers import Engine
 from footopt.errors import FootoptError, check, check_kind, needed
 from footopt.foot import Foot
 from footopt.shown import Shown
-from footopt.walker.objectives import OBJECTIVES
-from footopt.walker.scene import Accuracy
-from footopt.walker.simulate import resolve
+from footopt.walk.objectives import OBJECTIVES
+from footopt.walk.scene import Accuracy
+from footopt.walk.simulate import resolve
 
 Array = NDArray[np.float64]
 

@@ -30,10 +30,10 @@ from numpy.typing import NDArray
 
 from footopt.design.problem import FootProblem
 from footopt.errors import FileError
-from footopt.reading import named
-from footopt.walker.loop import is_own, source, text_of
-from footopt.walker.objectives import OBJECTIVES
-from footopt.walker.steppers import STEPPERS
+from footopt.files.reading import named
+from footopt.walk.loop import is_own, source, text_of
+from footopt.walk.objectives import OBJECTIVES
+from footopt.walk.steppers import STEPPERS
 
 Array = NDArray[np.float64]
 

@@ -107,9 +107,9 @@ class Foot(Shown):
         **options: Any,
     ) -> Foot:
         """The sole in a DXF, SVG or CSV file; `options` (units, scale, layer, toe, origin) as in
-        `footopt.foot.outline.read`.
+        `footopt.files.outlines.read`.
         """
-        from footopt.foot.outline import read
+        from footopt.files.outlines import read
 
         contour = read(path, **options)
         return cls(contour, width, (ankle[0], ankle[1]), Path(path).stem, closed=closed, top=top)

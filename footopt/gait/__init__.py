@@ -1,5 +1,5 @@
 """The gait: human joint angles, the ankle path they imply, and the start from standing."""
 
-from footopt.gait.cycle import LEFT, RIGHT, Fourier, Gait, Pose
+from footopt.gait.gait import LEFT, RIGHT, Fourier, Gait, Pose
 
 __all__ = ["LEFT", "RIGHT", "Fourier", "Gait", "Pose"]

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.foot.export import closed_contour
-from footopt.walker import Scene, Walk
+from footopt.files.contours import closed_contour
+from footopt.walk import Scene, Walk
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from footopt.report.figures import COLOURS, _figure, styled
-from footopt.walker import FIVE
-from footopt.walker.audit import Audit
+from footopt.walk import FIVE
+from footopt.walk.audit import Audit
 
 MARKERS = "osD^v"
 

@@ -24,13 +24,13 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import FileError, check
+from footopt.files.contours import MM, body_outline
 from footopt.foot import Foot, lower_hull
-from footopt.foot.export import MM, body_outline
-from footopt.gait.cycle import LEFT, RIGHT
+from footopt.gait.gait import LEFT, RIGHT
 from footopt.report.body import body
 from footopt.report.body import forces as forces_along
-from footopt.walker.objectives import lookup
-from footopt.walker.simulate import Walk
+from footopt.walk.objectives import lookup
+from footopt.walk.simulate import Walk
 
 Array = NDArray[np.float64]
 Axes = Any  # matplotlib.axes.Axes
@@ -156,7 +156,7 @@ def drawing(foot: Foot, block: Sequence[float] | None = None) -> Figure:
 
     Parameters
     ----------
-    block : length and height of a mounting block, m (see `footopt.foot.export.body_outline`).
+    block : length and height of a mounting block, m (see `footopt.files.contours.body_outline`).
     """
     outline = MM * body_outline(foot, block)
     (left, low), (right, high) = outline.min(axis=0), outline.max(axis=0)
@@ -558,7 +558,7 @@ def scatter_matrix(values: ArrayLike, names: Sequence[str], marked: int | None =
     Parameters
     ----------
     values : (designs, objectives), natural signs; rows with a NaN failed and are not drawn.
-    names : of the objectives (`footopt.walker.objectives.OBJECTIVES`).
+    names : of the objectives (`footopt.walk.objectives.OBJECTIVES`).
     marked : row of the design to point out, the best in J_W.
     """
     chosen, good, star, note = _designs(values, names, marked)

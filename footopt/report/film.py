@@ -18,7 +18,7 @@ from footopt.errors import FileError, FootoptError, SettingError, check
 from footopt.report.body import body, forces
 from footopt.report.figures import CONTACT, PAGE, _entry_of, _figure, _legend_above, styled
 from footopt.report.show import ARROW, SIDES, bounds, draw_arrows, draw_body, draw_ground, round_newtons
-from footopt.walker import Walk
+from footopt.walk import Walk
 
 Array = NDArray[np.float64]
 

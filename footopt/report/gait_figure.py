@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
+from footopt.files.gaits import Strides
 from footopt.gait import Gait
-from footopt.gait.files import Strides
 from footopt.report.figures import BLUE, COLUMN, GREY, VERMILLION, _figure, _legend_above, styled
 
 SIGNS = {"thigh": "forward", "knee": "flexed", "foot": "toe up"}

@@ -24,12 +24,12 @@ from rich.text import Text
 
 from footopt.design import Confirmation, SearchResult
 from footopt.design.exhaustive import Enumeration
+from footopt.files.contours import MM
+from footopt.files.run import plain, write_text
 from footopt.foot import Foot, Waypoints
-from footopt.foot.export import MM
 from footopt.report.body import groups
-from footopt.report.files import plain, write_text
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
-from footopt.walker import OBJECTIVES, Scene, Walk, simulate
+from footopt.walk import OBJECTIVES, Scene, Walk, simulate
 
 Array = NDArray[np.float64]
 

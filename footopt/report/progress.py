@@ -16,7 +16,7 @@ from rich.table import Column
 from rich.text import Text
 
 from footopt.design import Generation
-from footopt.walker import OBJECTIVES
+from footopt.walk import OBJECTIVES
 
 PATIENCE = 2.0  # s; of what takes less nothing is shown
 LINES = 10  # where there is no terminal

@@ -22,10 +22,11 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
+from footopt.effects.base import Layers, Patches, Slope
 from footopt.errors import SettingError
 from footopt.foot import Foot
 from footopt.gait import Gait
-from footopt.gait.cycle import ankle
+from footopt.gait.gait import ankle
 from footopt.report.body import Body, body, forces, legs
 from footopt.report.figures import (
     BLUE,
@@ -53,11 +54,10 @@ from footopt.report.figures import (
     styled,
 )
 from footopt.sand import Sand
-from footopt.sand.effects import Layers, Patches, Slope
-from footopt.sand.stress import PER_CM3, alpha
-from footopt.walker import FIVE, OBJECTIVES, Scene, Table, Walk, Walker
-from footopt.walker.audit import name_of, parameters
-from footopt.walker.validity import diagnose
+from footopt.sand.law import PER_CM3, alpha
+from footopt.walk import FIVE, OBJECTIVES, Scene, Table, Walk, Walker
+from footopt.walk.audit import name_of, parameters
+from footopt.walk.validity import diagnose
 
 Array = NDArray[np.float64]
 

@@ -10,9 +10,9 @@ from typing import Any
 from rich.table import Table
 
 from footopt.errors import ERROR_FILE, FileError
-from footopt.reading import read_json_file
+from footopt.files.reading import read_json_file
+from footopt.files.run import write_csv, write_json
 from footopt.report import page
-from footopt.report.files import write_csv, write_json
 from footopt.report.terminal import console, everything_is_in, number, table
 
 

@@ -17,9 +17,9 @@ from rich.text import Text
 
 from footopt.design import Confirmation, SearchResult
 from footopt.foot import Foot
-from footopt.walker import OBJECTIVES, Scene, gain_shares
-from footopt.walker.audit import name_of, parameters
-from footopt.walker.validity import Diagnostic
+from footopt.walk import OBJECTIVES, Scene, gain_shares
+from footopt.walk.audit import name_of, parameters
+from footopt.walk.validity import Diagnostic
 
 HEADER = 8  # letters of a line of a number's header
 WORDS = 10  # letters that a table's first column has in the narrowest terminal

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from footopt.report.figures import COLOURS, GREY, _figure, styled
-from footopt.walker import FIVE, OBJECTIVES
-from footopt.walker.scene import Accuracy
+from footopt.walk import FIVE, OBJECTIVES
+from footopt.walk.scene import Accuracy
 
 MARKERS = "osD^vP*"
 

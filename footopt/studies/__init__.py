@@ -7,8 +7,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from footopt.config import Config
 from footopt.errors import SettingError
+from footopt.studies.settings import Config
 
 #: Studies by name: each is the function `run` of the module of that name, imported when asked for.
 STUDIES = (

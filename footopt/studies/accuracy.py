@@ -2,7 +2,7 @@
 
 Random feet walk on the three sands at many settings; the error of a setting is measured against the
 limit of many plates and small steps, its cost on one thread. The presets and
-`accuracy.tolerance` come from the table that this study writes (`footopt/walker/accuracy.csv` is
+`accuracy.tolerance` come from the table that this study writes (`footopt/walk/accuracy.csv` is
 one such table). One foot on each sand is also checked against SciPy's LSODA on the angle form of
 the law, which shares no code with the compiled walk.
 """
@@ -19,19 +19,20 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.table import Table as RichTable
 
-from footopt.config import Config
 from footopt.errors import check
+from footopt.files import run as files
 from footopt.foot import Foot, Waypoints
-from footopt.report import figures, files, summary, terminal
+from footopt.report import figures, summary, terminal
 from footopt.report.progress import progress
 from footopt.report.work_precision import work_precision
 from footopt.sand import Sand, alpha
 from footopt.studies import build
-from footopt.walker import FIVE, Accuracy, Scene, evaluate, simulate
-from footopt.walker.audit import own_time
-from footopt.walker.scene import PRESETS, TABLE_COLUMNS
-from footopt.walker.simulate import at_once
-from footopt.walker.steppers import STEPPERS
+from footopt.studies.settings import Config
+from footopt.walk import FIVE, Accuracy, Scene, evaluate, simulate
+from footopt.walk.audit import own_time
+from footopt.walk.scene import PRESETS, TABLE_COLUMNS
+from footopt.walk.simulate import at_once
+from footopt.walk.steppers import STEPPERS
 
 Array = NDArray[np.float64]
 

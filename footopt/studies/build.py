@@ -9,14 +9,14 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from footopt.config import AccuracyConfig, Config, EffectsConfig, FootConfig, GaitConfig, SandConfig
+from footopt.effects.base import EFFECTS, Effect
 from footopt.errors import SettingError, check
+from footopt.files.gaits import Strides, read, read_strides
 from footopt.foot import Foot, Waypoints
 from footopt.gait import Gait
-from footopt.gait.files import Strides, read, read_strides
 from footopt.sand import GENERIC, MEDIA, Sand, StressMap
-from footopt.sand.effects import EFFECTS, Effect
-from footopt.walker import PRESETS, Accuracy, Scene, Spread, Walker
+from footopt.studies.settings import AccuracyConfig, Config, EffectsConfig, FootConfig, GaitConfig, SandConfig
+from footopt.walk import PRESETS, Accuracy, Scene, Spread, Walker
 
 
 def load_plugins(plugins: Sequence[str]) -> None:

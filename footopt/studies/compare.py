@@ -7,10 +7,11 @@ from glob import glob
 from pathlib import Path
 from typing import Any
 
-from footopt.config import Config
 from footopt.errors import FileError, SettingError
-from footopt.reading import named
-from footopt.report import files, summary, terminal
+from footopt.files import run as files
+from footopt.files.reading import named
+from footopt.report import summary, terminal
+from footopt.studies.settings import Config
 
 SETTING = "study.runs"
 TRY = "Try footopt study=compare 'study.runs=[outputs/optimize/*]'"

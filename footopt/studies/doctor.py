@@ -15,16 +15,17 @@ from rich.table import Table
 from rich.text import Text
 
 from footopt.compiled import active, kept, processor
-from footopt.config import Config
 from footopt.errors import FileError, FootoptError
+from footopt.files import run as files
 from footopt.foot import Waypoints
-from footopt.report import files, summary, terminal
+from footopt.report import summary, terminal
 from footopt.sand import Sand
-from footopt.walker import FIVE, STEPPERS, Scene, evaluate
-from footopt.walker.audit import own_time
-from footopt.walker.independent import LIMITS, RAMP, REFERENCE, SAME_PLATES
-from footopt.walker.loop import compiled
-from footopt.walker.simulate import available_threads
+from footopt.studies.settings import Config
+from footopt.walk import FIVE, STEPPERS, Scene, evaluate
+from footopt.walk.audit import own_time
+from footopt.walk.independent import LIMITS, RAMP, REFERENCE, SAME_PLATES
+from footopt.walk.loop import compiled
+from footopt.walk.simulate import available_threads
 
 #: Packages that footopt works without: the extra that brings them, and what for.
 EXTRAS = {

@@ -9,19 +9,20 @@ from typing import Any
 
 from rich.table import Table
 
-from footopt.config import Config
+from footopt.effects.base import EFFECTS, Effect, LeadingEdge
 from footopt.errors import check
-from footopt.report import files, summary, terminal
+from footopt.files import run as files
+from footopt.report import summary, terminal
 from footopt.report.effects_figure import changes
 from footopt.report.figures import save
 from footopt.report.progress import progress
 from footopt.sand import Sand
-from footopt.sand.effects import EFFECTS, Effect, LeadingEdge
 from footopt.studies import build
 from footopt.studies.auto import COMPILING, entry, tolerance
+from footopt.studies.settings import Config
 from footopt.studies.simulate import scene_entry
-from footopt.walker import FIVE, Scene, evaluate
-from footopt.walker.audit import Audit, audit, percent, switched
+from footopt.walk import FIVE, Scene, evaluate
+from footopt.walk.audit import Audit, audit, percent, switched
 
 #: The leading edge is always audited on these: faces that trail do a fifth to a half of the work.
 SANDS = ("soft", "regular", "hard")

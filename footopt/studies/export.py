@@ -12,15 +12,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from rich.table import Table
 
-from footopt.config import Config, FootConfig
 from footopt.errors import FileError, FootoptError, SettingError
+from footopt.files import run as files
+from footopt.files.bodies import measure, write_all
+from footopt.files.contours import AREA_TOLERANCE, MM, body_outline, compare
+from footopt.files.polygon import enclosed_area
+from footopt.files.reading import is_missing, named, read_json_file
 from footopt.foot import Foot
-from footopt.foot.export import AREA_TOLERANCE, MM, body_outline, compare
-from footopt.foot.polygon import enclosed_area
-from footopt.foot.solid import measure, write_all
-from footopt.reading import is_missing, named, read_json_file
-from footopt.report import figures, files, summary, terminal
+from footopt.report import figures, summary, terminal
 from footopt.studies import build
+from footopt.studies.settings import Config, FootConfig
 from footopt.studies.simulate import foot_entry
 
 #: What each file holds.

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from footopt.config import Config
 from footopt.design import (
     EXHAUSTIVE,
     FootProblem,
@@ -21,15 +20,17 @@ from footopt.design import (
 )
 from footopt.design.exhaustive import Enumeration, check_size
 from footopt.design.search import check_finalists
+from footopt.files import run as files
+from footopt.files.bodies import write_all
 from footopt.foot import Foot
-from footopt.foot.solid import write_all
-from footopt.report import figures, files, film, page, terminal
+from footopt.report import figures, film, page, terminal
 from footopt.report.progress import progress, telling
 from footopt.studies import build
 from footopt.studies.auto import settle
+from footopt.studies.settings import Config
 from footopt.studies.simulate import foot_entry, scene_entry, validity_entry
-from footopt.walker import OBJECTIVES, Accuracy, Walk, estimate_error, gain_shares, simulate
-from footopt.walker.validity import diagnose
+from footopt.walk import OBJECTIVES, Accuracy, Walk, estimate_error, gain_shares, simulate
+from footopt.walk.validity import diagnose
 
 LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
 

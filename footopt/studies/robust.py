@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.table import Table as RichTable
 
-from footopt.config import Config
 from footopt.design import (
     EXHAUSTIVE,
     FootProblem,
@@ -33,15 +32,17 @@ from footopt.design.robust import RobustProblem, regret
 from footopt.design.search import check_finalists
 from footopt.design.workers import Engine
 from footopt.errors import FootoptError, SettingError, check
+from footopt.files import run as files
+from footopt.files.contours import write_csv as write_contour
+from footopt.files.contours import write_dxf
 from footopt.foot import Foot
-from footopt.foot.export import write_csv as write_contour
-from footopt.foot.export import write_dxf
-from footopt.report import figures, files, robust_figures, summary, terminal
+from footopt.report import figures, robust_figures, summary, terminal
 from footopt.report.progress import progress, telling
 from footopt.studies import build
+from footopt.studies.settings import Config
 from footopt.studies.simulate import foot_entry, scene_entry
-from footopt.walker import OBJECTIVES, Accuracy, Scene
-from footopt.walker.scenarios import Scenario, draw, sands
+from footopt.walk import OBJECTIVES, Accuracy, Scene
+from footopt.walk.scenarios import Scenario, draw, sands
 
 Array = NDArray[np.float64]
 

@@ -22,18 +22,19 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.table import Table as RichTable
 
-from footopt.config import Config
 from footopt.errors import FootoptError, check, needed
+from footopt.files import run as files
 from footopt.foot import Foot
-from footopt.report import files, summary, terminal
+from footopt.report import summary, terminal
 from footopt.report.figures import save
 from footopt.report.progress import progress
 from footopt.report.sensitivity_figure import sensitivity
 from footopt.studies import build
+from footopt.studies.settings import Config
 from footopt.studies.simulate import foot_entry, scene_entry
-from footopt.walker import FIVE, Accuracy, Scene, evaluate
-from footopt.walker.scenarios import COLUMNS, Spread, vary
-from footopt.walker.simulate import at_once
+from footopt.walk import FIVE, Accuracy, Scene, evaluate
+from footopt.walk.scenarios import COLUMNS, Spread, vary
+from footopt.walk.simulate import at_once
 
 Array = NDArray[np.float64]
 

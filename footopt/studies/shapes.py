@@ -9,15 +9,16 @@ from typing import Any
 
 from rich.table import Table as RichTable
 
-from footopt.config import Config
 from footopt.errors import SettingError, check
+from footopt.files import run as files
 from footopt.foot import SHAPES, Foot
-from footopt.report import figures, files, page, paper_figures, terminal
+from footopt.report import figures, page, paper_figures, terminal
 from footopt.report.progress import progress
 from footopt.studies import build
+from footopt.studies.settings import Config
 from footopt.studies.simulate import foot_entry, scene_entry
-from footopt.walker import OBJECTIVES, Accuracy, Scene, Walk, estimate_error, simulate
-from footopt.walker.validity import diagnose
+from footopt.walk import OBJECTIVES, Accuracy, Scene, Walk, estimate_error, simulate
+from footopt.walk.validity import diagnose
 
 MOUNTS = ("centre", "top")
 

@@ -7,16 +7,17 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from footopt.config import Config
+from footopt.files import run as files
+from footopt.files.bodies import write_all
 from footopt.foot import Foot
-from footopt.foot.solid import write_all
-from footopt.report import figures, files, film, page, terminal
+from footopt.report import figures, film, page, terminal
 from footopt.report.gait_figure import gait_fit
 from footopt.studies import build
 from footopt.studies.auto import settle
-from footopt.walker import OBJECTIVES, Accuracy, Scene, estimate_error, simulate
-from footopt.walker.audit import name_of, parameters
-from footopt.walker.validity import Diagnostic, diagnose
+from footopt.studies.settings import Config
+from footopt.walk import OBJECTIVES, Accuracy, Scene, estimate_error, simulate
+from footopt.walk.audit import name_of, parameters
+from footopt.walk.validity import Diagnostic, diagnose
 
 
 def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:

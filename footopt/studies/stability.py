@@ -23,22 +23,24 @@ from numpy.typing import NDArray
 from rich.table import Table
 from rich.text import Text
 
-from footopt.config import Config
+from footopt.effects import base as effects
 from footopt.errors import FileError, SettingError
+from footopt.files import run as files
+from footopt.files.gaits import read
 from footopt.foot import Foot
 from footopt.gait import Fourier, Gait
-from footopt.gait.files import read
-from footopt.report import files, summary, terminal
+from footopt.report import summary, terminal
 from footopt.report.figures import save
 from footopt.report.progress import progress
 from footopt.report.stability_figure import Cell, verdicts
-from footopt.sand import StressMap, affine, alpha, effects
+from footopt.sand import StressMap, affine, alpha
 from footopt.studies import build
+from footopt.studies.settings import Config
 from footopt.studies.simulate import foot_entry, scene_entry
-from footopt.walker import FIVE, STEPPERS, Accuracy, Scene, Walk, simulate
-from footopt.walker.kernels import CONTACT, FX, FZ, TALLY, contact
-from footopt.walker.objectives import FLOORS
-from footopt.walker.simulate import sole, world
+from footopt.walk import FIVE, STEPPERS, Accuracy, Scene, Walk, simulate
+from footopt.walk.contact import CONTACT, FX, FZ, TALLY, contact
+from footopt.walk.objectives import FLOORS
+from footopt.walk.simulate import sole, world
 
 Array = NDArray[np.float64]
 

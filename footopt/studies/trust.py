@@ -15,16 +15,17 @@ from typing import Any
 import numpy as np
 from rich.table import Table as RichTable
 
-from footopt.config import Config
 from footopt.design import EXHAUSTIVE, SINGLE, SOLVERS, FootProblem, Solver, search
 from footopt.design.truth import BATCH, REACHED, Attempt, Tabulated, judge, walk_all
 from footopt.errors import SettingError, check
-from footopt.report import figures, files, summary, terminal
+from footopt.files import run as files
+from footopt.report import figures, summary, terminal
 from footopt.report.progress import progress
 from footopt.report.trust_figure import trust
 from footopt.sand import Sand
 from footopt.studies import build
 from footopt.studies.accuracy import SANDS
+from footopt.studies.settings import Config
 
 WALKED_IN_A_SEARCH = 2500  # designs that are walked in the time of one search, about
 

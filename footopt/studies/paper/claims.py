@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.foot import Foot, lower_hull
-from footopt.gait.cycle import RIGHT
+from footopt.gait.gait import RIGHT
 from footopt.report.figures import CONTACT, Stance, stance
 from footopt.studies.paper.readings import Readings, read, switch_losses
-from footopt.walker import Walk
+from footopt.walk import Walk
 
 Array = NDArray[np.float64]
 

@@ -16,9 +16,9 @@ from footopt.report.terminal import number
 from footopt.studies.paper.claims import CLAIMS, SANDS, Claim, Evidence, inward_turn, rms_curvature
 from footopt.studies.paper.errata import ERRATA
 from footopt.studies.paper.sweep import Factor, Judgement, chance, shown
-from footopt.walker.objectives import FIVE, OBJECTIVES
-from footopt.walker.simulate import Walk
-from footopt.walker.validity import diagnose
+from footopt.walk.objectives import FIVE, OBJECTIVES
+from footopt.walk.simulate import Walk
+from footopt.walk.validity import diagnose
 
 Array = NDArray[np.float64]
 

@@ -9,11 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.config import StudyConfig
 from footopt.design import FootProblem
 from footopt.errors import check
 from footopt.foot import Foot
-from footopt.walker import Walk, simulate
+from footopt.studies.settings import StudyConfig
+from footopt.walk import Walk, simulate
 
 Array = NDArray[np.float64]
 

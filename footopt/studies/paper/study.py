@@ -13,15 +13,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.config import Config
 from footopt.design import Solver, search
+from footopt.effects.base import LeadingEdge
 from footopt.errors import FootoptError, SettingError, check
+from footopt.files import run as files
 from footopt.foot import Foot
-from footopt.report import figures, files, paper_figures, terminal
+from footopt.report import figures, paper_figures, terminal
 from footopt.report.page import write_study
 from footopt.report.progress import progress
 from footopt.sand import Sand
-from footopt.sand.effects import LeadingEdge
 from footopt.studies import build
 from footopt.studies.paper import page
 from footopt.studies.paper.claims import CLAIMS, SANDS, Evidence, filled
@@ -36,11 +36,12 @@ from footopt.studies.paper.sweep import (
     one_at_a_time,
     shown,
 )
+from footopt.studies.settings import Config
 from footopt.studies.shapes import make_shapes, walk_shapes
 from footopt.studies.simulate import foot_entry, scene_entry
-from footopt.walker import OBJECTIVES, Accuracy, Scene, Walk, simulate
-from footopt.walker.simulate import at_once
-from footopt.walker.validity import diagnose
+from footopt.walk import OBJECTIVES, Accuracy, Scene, Walk, simulate
+from footopt.walk.simulate import at_once
+from footopt.walk.validity import diagnose
 
 Array = NDArray[np.float64]
 

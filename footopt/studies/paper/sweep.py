@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.config import Config
+from footopt.studies.settings import Config
 
 Array = NDArray[np.float64]
 

@@ -1,0 +1,1 @@
+"""Effects beyond the plain law, one file each."""

@@ -1,0 +1,1 @@
+"""Files: what footopt reads and writes, to and from plain data."""

@@ -1,0 +1,112 @@
+"""The files that a run leaves: result.json, designs.csv, the walk as NetCDF."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import os
+import platform
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from footopt import __version__
+from footopt.design import SearchResult
+from footopt.errors import FileError
+from footopt.walk import Walk
+
+LIBRARIES = ("numpy", "scipy", "numba", "pymoo", "hydra-core", "matplotlib")
+
+
+def versions() -> dict[str, str]:
+    """Versions of everything that a result depends on."""
+    return {
+        "footopt": __version__,
+        "python": platform.python_version(),
+        **{name: version(name) for name in LIBRARIES},
+    }
+
+
+def write_json(path: Path, content: dict[str, Any]) -> None:
+    """Write JSON that any reader accepts: a value that is not finite becomes null."""
+    write_text(path, json.dumps(plain(content), indent=2, allow_nan=False) + "\n")
+
+
+@contextmanager
+def whole(path: Path) -> Iterator[Path]:
+    """A path to write to: it replaces the file at the end; what breaks off leaves the file as it was.
+
+    Raises
+    ------
+    FileError : it cannot be written.
+    """
+    new = path.with_name(path.name + ".new")
+    try:
+        yield new
+        os.replace(new, path)
+    except OSError as error:
+        raise FileError(f"cannot write {path} ({error})") from None
+    finally:
+        with suppress(OSError):
+            new.unlink(missing_ok=True)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file as a whole, or not at all."""
+    with whole(path) as new:
+        new.write_text(text, encoding="utf-8")
+
+
+def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Write a table; a NaN becomes an empty cell."""
+    with whole(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(header)
+        for row in rows:
+            writer.writerow(["" if isinstance(v, float) and math.isnan(v) else v for v in row])
+
+
+def write_designs(path: Path, result: SearchResult) -> None:
+    """Every evaluated design: generation, heights, values in natural signs (SI), feasibility."""
+    columns = result.columns
+    numbers = [v.astype(int) if v.dtype == bool else v for v in columns.values()]
+    write_csv(path, list(columns), zip(*(v.tolist() for v in numbers), strict=True))
+
+
+def write_walk(path: Path, walk: Walk) -> None:
+    """The traces of a walk as NetCDF 3 (readable by xarray, MATLAB, ncdump), SI units."""
+    from scipy.io import netcdf_file
+
+    with whole(path) as new, netcdf_file(new, "w", version=2) as file:
+        file.footopt = __version__
+        file.foot_order = "left, right"
+        file.axis_order = "x (forward), z (up)"
+        file.reason = walk.reason
+        sizes = {"time": len(walk.t), "axis": 2, "foot": 2, "point": len(walk.foot.contour)}
+        for name, size in sizes.items():
+            file.createDimension(name, size)
+        for name, (dimensions, unit, values) in walk.variables.items():
+            variable = file.createVariable(name, "d", dimensions)
+            if len(values):  # a walk that sank at once has no samples
+                variable[...] = values
+            variable.units = unit
+
+
+def plain(value: Any) -> Any:
+    """JSON's own types from numpy's, tuples and paths; null for what is not finite."""
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [plain(item) for item in value]
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if isinstance(value, (int, np.integer)):
+        return int(value)
+    if isinstance(value, (float, np.floating)):
+        return float(value) if math.isfinite(value) else None
+    return value if value is None else str(value)

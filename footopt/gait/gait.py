@@ -1,0 +1,171 @@
+"""The gait: joint angles over a stride as Fourier series, and the ankle path they imply.
+
+Angles (the data in degrees, everything here in rad): thigh from the vertical, + knee ahead of the
+hip; knee, + flexion; shank = thigh - knee; pitch of the foot, + toe up. With thigh length l1 and
+shank length l2 the ankle, relative to the hip, is at
+
+    x = l1 sin(thigh) + l2 sin(shank),   z = -l1 cos(thigh) - l2 cos(shank)
+
+Phase 0 is the heel strike of the same leg; the other leg is half a stride ahead.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from footopt.errors import SettingError, check, one_line
+from footopt.gait import start
+from footopt.shown import Shown
+
+Array = NDArray[np.float64]
+
+LEFT, RIGHT = 0, 1
+
+
+class Fourier(NamedTuple):
+    """theta(p) = a0 + sum_k a[k-1] cos(2 pi k p) + b[k-1] sin(2 pi k p), in degrees; p in strides."""
+
+    a0: float
+    a: tuple[float, ...]
+    b: tuple[float, ...]
+
+    def at(self, phase: Array) -> tuple[Array, Array]:
+        """Angle (rad) and its derivative in the phase (rad per stride)."""
+        value, rate = np.full_like(phase, self.a0), np.zeros_like(phase)
+        for k, (a, b) in enumerate(zip(self.a, self.b, strict=True), start=1):
+            w = 2.0 * np.pi * k
+            c, s = np.cos(w * phase), np.sin(w * phase)
+            value += a * c + b * s
+            rate += w * (b * c - a * s)
+        return np.radians(value), np.radians(rate)
+
+    def truncated(self, harmonics: int) -> Fourier:
+        """The series up to a harmonic."""
+        return Fourier(self.a0, self.a[:harmonics], self.b[:harmonics])
+
+
+class Pose(NamedTuple):
+    """Where both feet are relative to the hip; every array is (times, 2 feet), left foot first."""
+
+    x: Array  # ankle, m
+    z: Array
+    vx: Array  # ankle, m/s
+    vz: Array
+    pitch: Array  # rad
+    rate: Array  # rad/s
+
+    def table(self) -> Array:
+        """The pose as the kernels read it: (times, 2, 7) = x, z, vx, vz, cos, sin, rate."""
+        columns = (self.x, self.z, self.vx, self.vz, np.cos(self.pitch), np.sin(self.pitch), self.rate)
+        return np.ascontiguousarray(np.stack(columns, axis=-1))
+
+
+@dataclass(frozen=True)
+class Gait(Shown):
+    """A walk from standing: cyclic joint angles and how they begin (`footopt.gait.start`).
+
+    Parameters
+    ----------
+    thigh, knee : the angles over a stride. foot : measured pitch of the foot, if there is one.
+    period : of the stride, s.
+    pitch : "shank" (the foot turns with the shank, as in the paper) or "measured".
+    start : time at which the walker begins to move, s; infinity for standing still.
+    name, source : for tables and files.
+    residual : rms misfit of the series against the curve it was fitted to, deg, by joint.
+    """
+
+    thigh: Fourier
+    knee: Fourier
+    foot: Fourier | None = None
+    period: float = 1.2
+    pitch: str = "shank"
+    start: float = 0.5
+    name: str = "custom"
+    source: str = field(default="", compare=False)  # where a file lies changes no walk
+    residual: tuple[tuple[str, float], ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "name", one_line(self.name))
+        check(1e-3 <= self.period <= 1e3, "gait.period", self.period, "a time from .001 to 1000, in s")
+        check(
+            0 <= self.start <= 1e5 or self.start == math.inf,
+            "gait.start",
+            self.start,
+            "a time >= 0 and <= 1e5, in s (.inf: stand still)",
+        )
+        check(self.pitch in ("shank", "measured"), "gait.pitch", self.pitch, "shank or measured")
+        if self.pitch == "measured" and self.foot is None:
+            raise SettingError("gait.pitch", "measured", "shank: this gait has no measured pitch of the foot")
+        for joint in (self.thigh, self.knee, self.foot):
+            if joint is not None and not np.isfinite([joint.a0, *joint.a, *joint.b]).all():
+                raise SettingError("gait", self.name, "made of finite coefficients")
+
+    @classmethod
+    def human(cls, period: float = 1.2, harmonics: int = 6, pitch: str = "shank", start: float = 0.5) -> Gait:
+        """Human walking at 1.03 m/s: Fukuchi, Fukuchi & Duarte, PeerJ 6:e4640 (2018), CC BY 4.0."""
+        from footopt.files.gaits import HUMAN, read_json
+
+        gait = read_json(HUMAN, harmonics)
+        return replace(gait, name="human", period=period, pitch=pitch, start=start)
+
+    @classmethod
+    def from_file(cls, path: str | Path, harmonics: int = 6, **options: Any) -> Gait:
+        """The gait in a file of markers or angles; `options` (names, side, max_gap) as in
+        `footopt.files.gaits.read`.
+        """
+        from footopt.files.gaits import read
+
+        return read(path, harmonics, **options)
+
+    @property
+    def heel_strike(self) -> float:
+        """Time of the first heel strike (the right foot's), s; infinite when standing still."""
+        return self.start + self.period / 2.0
+
+    def heel_strikes(self, t_f: float) -> Array:
+        """Times of all heel strikes up to t_f, right foot first, s."""
+        if self.heel_strike > t_f:
+            return np.empty(0)
+        steps = math.floor((t_f - self.heel_strike) / (self.period / 2.0) + 1e-9) + 1
+        return self.heel_strike + np.arange(steps, dtype=np.float64) * (self.period / 2.0)
+
+    def cycle(self, phase: ArrayLike) -> tuple[tuple[Array, Array], tuple[Array, Array], tuple[Array, Array]]:
+        """Thigh, shank and pitch of the steady walk: each an angle (rad) and its rate (rad/stride)."""
+        p = np.asarray(phase, float)
+        (thigh, thigh_rate), (knee, knee_rate) = self.thigh.at(p), self.knee.at(p)
+        shank = thigh - knee, thigh_rate - knee_rate
+        if self.pitch == "measured" and self.foot is not None:
+            return (thigh, thigh_rate), shank, self.foot.at(p)
+        return (thigh, thigh_rate), shank, shank
+
+    def angles(self, t: ArrayLike) -> tuple[tuple[Array, Array], tuple[Array, Array], tuple[Array, Array]]:
+        """Thigh, shank and pitch at times t (T,): each angles (T, 2 feet), rad, and rates, rad/s."""
+        phase, phase_rate, w, w_rate = start.ramp(np.asarray(t, float), self.start, self.period)
+        joints = []
+        for stand, (angle, rate) in zip(start.STANDING, self.cycle(phase), strict=True):
+            joints.append(((1.0 - w) * stand + w * angle, w_rate * (angle - stand) + w * rate * phase_rate))
+        return joints[0], joints[1], joints[2]
+
+    def pose(self, t: ArrayLike, l1: float, l2: float) -> Pose:
+        """Both feet relative to the hip at times t (T,), for leg segments l1, l2 (m)."""
+        (thigh, thigh_rate), (shank, shank_rate), (pitch, rate) = self.angles(t)
+        return Pose(*ankle(thigh, thigh_rate, shank, shank_rate, l1, l2), pitch, rate)
+
+
+def ankle(
+    thigh: Array, thigh_rate: Array, shank: Array, shank_rate: Array, l1: float, l2: float
+) -> tuple[Array, Array, Array, Array]:
+    """Position and velocity of the ankle relative to the hip: x, z, vx, vz."""
+    st, ct, ss, cs = np.sin(thigh), np.cos(thigh), np.sin(shank), np.cos(shank)
+    return (
+        l1 * st + l2 * ss,
+        -l1 * ct - l2 * cs,
+        l1 * ct * thigh_rate + l2 * cs * shank_rate,
+        l1 * st * thigh_rate + l2 * ss * shank_rate,
+    )

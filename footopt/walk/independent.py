@@ -1,0 +1,36 @@
+"""The walk of one foot by an independent program: what every release, and study=doctor, is held to.
+
+The program was written apart from this one: the law in its angle form, SciPy's LSODA, 100 chords for
+plates, and a creep speed of 1e-5 m/s; all else is as the defaults are.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from footopt.walk.scene import Accuracy
+
+
+class Published(NamedTuple):
+    """Height of the hip at the start, m, and the five objectives in the order of `objectives.FIVE`."""
+
+    sand: str
+    zeta: float
+    start: float
+    objectives: tuple[float, float, float, float, float]
+
+
+#: Heights of the foot's waypoints.
+RAMP = (1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 8)
+
+REFERENCE = (
+    Published("soft", 0.2, 0.86572, (1.84941, 0.76065, 684.635, 606.292, 0.17711)),
+    Published("regular", 1.0, 0.91440, (2.08141, 0.88027, 364.225, 364.768, 0.23598)),
+    Published("hard", 5.0, 0.93425, (2.16852, 0.91860, 148.094, 502.316, 0.29326)),
+)
+
+#: The program's own plates and creep speed, in steps so short that time adds nothing.
+SAME_PLATES = Accuracy("sdirk2", 1e-4, 100, 1e-5, "same plates", rule="chord")
+
+#: Largest relative difference that is allowed to each accuracy.
+LIMITS = {"standard": 5e-3, "fine": 2e-3, "reference": 2e-3, "same plates": 2e-4}

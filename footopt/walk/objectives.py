@@ -1,0 +1,201 @@
+"""What a walk is judged by: the paper's five objectives, its scalar J_W, and a few more by name.
+
+Each objective is one function of the raw results of the compiled loop (`loop.RAW`), in natural
+signs: a distance is large when it is good, a power small. `minimised` turns them for pymoo.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.errors import SettingError
+from footopt.walk.loop import RAW
+from footopt.walk.scene import Scene
+
+Array = NDArray[np.float64]
+
+#: Floors of the factors in J_W's denominator: 1 J, 1 W, 1e-3 m/s.
+FLOORS = {"work": 1.0, "peak_power": 1.0, "speed_loss": 1e-3}
+
+
+class Raw:
+    """The raw results of a batch, (designs, len(RAW)), by name."""
+
+    def __init__(self, raw: Array) -> None:
+        self.array = raw
+
+    def __getitem__(self, name: str) -> Array:
+        return self.array[:, RAW.index(name)]
+
+
+@dataclass(frozen=True)
+class Objective:
+    """A number to judge a walk by.
+
+    Parameters
+    ----------
+    name, symbol, unit : for settings, figures and tables; the symbol is in matplotlib's mathtext.
+    maximise : whether large is good.
+    worst : a finite value, in natural sign, for a failed walk inside an optimiser.
+    value : from the raw results (designs, ...) and the scene to (designs,).
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    maximise: bool
+    worst: float
+    value: Callable[[Raw, Scene], Array]
+
+    @property
+    def label(self) -> str:
+        """Axis label with its unit."""
+        title = self.name.replace("_", " ")
+        return f"{title} {self.symbol}" + (f" ({self.unit})" if self.unit else "")
+
+
+OBJECTIVES: dict[str, Objective] = {}
+
+
+def objective(
+    symbol: str, unit: str, maximise: bool, worst: float
+) -> Callable[[Callable[[Raw, Scene], Array]], Callable[[Raw, Scene], Array]]:
+    """Register a function of the raw results as the objective of its name."""
+
+    def register(value: Callable[[Raw, Scene], Array]) -> Callable[[Raw, Scene], Array]:
+        OBJECTIVES[value.__name__] = Objective(value.__name__, symbol, unit, maximise, worst, value)
+        return value
+
+    return register
+
+
+@objective(r"$x_{\mathrm{COM}}(t_f)$", "m", maximise=True, worst=0.0)
+def distance(raw: Raw, scene: Scene) -> Array:
+    """Forward travel of the COM, x(t_f) - x(0), m.
+
+    The paper maximises x_COM(t_f) "for a certain period t_f" without giving t_f; the default here
+    is two strides after the start (2.9 s), which shows the three switches that it names.
+    """
+    return raw["distance"]
+
+
+@objective(r"$\bar z_{\mathrm{COM}}$", "m", maximise=True, worst=0.0)
+def mean_height(raw: Raw, scene: Scene) -> Array:
+    """Mean height of the COM over [0, t_f], m: the paper's measure of sinkage.
+
+    The height is above the undisturbed sand, with the stepper's own quadrature.
+    """
+    return raw["mean_height"]
+
+
+@objective("$|W(t_f)|$", "J", maximise=False, worst=1e6)
+def work(raw: Raw, scene: Scene) -> Array:
+    """|W(t_f)|, W the time integral of sum f.v over all plates of both feet, J (the paper's eq. 7).
+
+    The force is that of the sand on the plates, so W is negative: what the walker must compensate.
+    """
+    return raw["work"]
+
+
+@objective(r"$p_{\max}$", "W", maximise=False, worst=1e6)
+def peak_power(raw: Raw, scene: Scene) -> Array:
+    """Largest |sum f.v| of one foot at any instant from the first heel strike to t_f, W.
+
+    The paper says "during a single-stance walking phase" and sums over the plates of a foot; it
+    leaves open whether the double stance counts. Here it does. Between steps the peak is that of a
+    parabola through three samples.
+    """
+    return raw["peak_power"]
+
+
+@objective(r"$\Delta V_x$", "m/s", maximise=False, worst=1e3)
+def speed_loss(raw: Raw, scene: Scene) -> Array:
+    """Largest fall of the forward COM speed below its running maximum, m/s.
+
+    From the first heel strike to t_f: max over s <= t of V_x(s) - V_x(t). The paper asks not to
+    "lose too much forward velocity when the walker switches the stance legs" and gives no
+    definition; this one has no inner window whose edge could set the value. Extremes between steps
+    are those of the cubic Hermite interpolant.
+    """
+    return raw["speed_loss"]
+
+
+@objective("$J_W$", "", maximise=False, worst=0.0)
+def efficiency(raw: Raw, scene: Scene) -> Array:
+    """J_W = -(distance * mean height) / (|W| p_max dV_x), the paper's eqs. 9-10; most negative is best.
+
+    Factors of the denominator are floored (`FLOORS`), so that a walk that loses nothing is not
+    infinitely good. The unit is m^2 / (J W m/s), which the paper does not state.
+    """
+    cost = (
+        np.maximum(raw["work"], FLOORS["work"])
+        * np.maximum(raw["peak_power"], FLOORS["peak_power"])
+        * np.maximum(raw["speed_loss"], FLOORS["speed_loss"])
+    )
+    value: Array = -(raw["distance"] * raw["mean_height"]) / cost
+    return value
+
+
+@objective("CoT", "", maximise=False, worst=1e6)
+def cost_of_transport(raw: Raw, scene: Scene) -> Array:
+    """|W| / (M g distance); NaN for a walker who does not get forward."""
+    forward = np.where(raw["distance"] > 0.0, raw["distance"], np.nan)
+    value: Array = raw["work"] / (scene.walker.weight * forward)
+    return value
+
+
+@objective(r"$W^+_{\mathrm{joint}}$", "J", maximise=False, worst=1e6)
+def positive_joint_work(raw: Raw, scene: Scene) -> Array:
+    """Integral of the positive part of P_joint = -sum f.(v_plate - v_COM) of each leg, summed, J."""
+    return raw["positive_joint_work"]
+
+
+@objective(r"$z_{\max}$", "m", maximise=False, worst=1e3)
+def maximum_sinkage(raw: Raw, scene: Scene) -> Array:
+    """Depth of the deepest plate below the sand at any step, m."""
+    return raw["maximum_sinkage"]
+
+
+@objective(r"$F_{z,\max}$", "N", maximise=False, worst=1e9)
+def peak_vertical_force(raw: Raw, scene: Scene) -> Array:
+    """Largest vertical force of both feet together at any step, N."""
+    return raw["peak_vertical_force"]
+
+
+#: The paper's objectives, in the order of every table.
+FIVE = ("distance", "mean_height", "work", "peak_power", "speed_loss")
+FACTORS = FIVE
+
+
+def log_gain(name: str, value: Array | float) -> Array:
+    """ln of a factor of -J_W: positive power for the rewards, negative for the floored costs."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        gain = np.log(value) if name not in FLOORS else -np.log(np.maximum(value, FLOORS[name]))
+    return np.asarray(gain, float)
+
+
+def gain_shares(values: dict[str, float], base: dict[str, float]) -> dict[str, float]:
+    """Each factor's share in the gain of J_W over a base design; they sum to 1.
+
+    ln(J_W / J_W_base) is the sum of the factors' log gains. A negative share is a factor that got
+    worse. NaN where there is no gain to share.
+    """
+    parts = {name: float(log_gain(name, values[name]) - log_gain(name, base[name])) for name in FACTORS}
+    total = sum(parts.values())
+    return {name: part / total if total else float("nan") for name, part in parts.items()}
+
+
+def lookup(names: Sequence[str]) -> list[Objective]:
+    """Objectives by name, in that order."""
+    if not names:
+        raise SettingError("objective.names", list(names), f"one or more of {', '.join(OBJECTIVES)}")
+    for name in names:
+        if name not in OBJECTIVES:
+            raise SettingError("objective.names", name, f"made of {', '.join(OBJECTIVES)}")
+    if len(set(names)) < len(names):
+        raise SettingError("objective.names", list(names), "free of repetitions")
+    return [OBJECTIVES[name] for name in names]

@@ -1,0 +1,196 @@
+"""Scenarios: the ways a walk may turn out to be, drawn once and then the same for every foot.
+
+A foot is made before the sand is known, and the walker never weighs or steps quite as planned. A
+`Spread` says how far a scene's parameters lie apart, `draw` makes scenarios of it, and `measured`
+judges a foot over all of them: by the mean, the worst case, or the mean of the worst tail.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import zip_longest
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.errors import SettingError, check
+from footopt.foot import Waypoints
+from footopt.gait import Gait
+from footopt.gait.gait import Fourier
+from footopt.sand import Sand
+from footopt.walk.scene import Scene
+
+Array = NDArray[np.float64]
+
+#: How values over scenarios become one; "tail" is the mean over the worst share of them (CVaR).
+MEASURES = ("mean", "tail", "worst")
+
+DEFORMATION = 2  # harmonics, beside the mean, by which an angle differs from stride to stride
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """One way that things may be.
+
+    Parameters
+    ----------
+    name : for tables and the reasons of failed walks. scene : what is walked through.
+    ankle : added to the ankle's place in the foot frame, m.
+    weight : how probable it is beside the others.
+    """
+
+    name: str
+    scene: Scene
+    ankle: tuple[float, float] = (0.0, 0.0)
+    weight: float = 1.0
+
+    def __post_init__(self) -> None:
+        check(0 < self.weight < math.inf, "scenario.weight", self.weight, "a number > 0")
+
+    def space(self, space: Waypoints) -> Waypoints:
+        """The same soles, worn as this scenario has it."""
+        x, z = space.ankle
+        return replace(space, ankle=(x + self.ankle[0], z + self.ankle[1]))
+
+
+@dataclass(frozen=True)
+class Spread:
+    """How far the parameters of a scene lie apart: one standard deviation of each.
+
+    The defaults are chosen, not measured; the built-in gait is the mean stride of one subject and
+    says nothing about how strides differ.
+
+    Parameters
+    ----------
+    zeta, mass, period : of the logarithm, about the scene's own value as the median.
+    stride : of the swing of thigh and knee about their means, relative: longer or shorter steps.
+    angles : of thigh and knee at every phase of the stride, deg: a random mean and random first
+        `DEFORMATION` harmonics, all with the same variance.
+    ankle_x, ankle_z : of the ankle's place in the foot frame, m.
+    """
+
+    zeta: float = 0.3
+    mass: float = 0.1
+    period: float = 0.05
+    stride: float = 0.05
+    angles: float = 2.0
+    ankle_x: float = 0.005
+    ankle_z: float = 0.005
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            most = 30.0 if name == "angles" else 1.0
+            check(
+                0 <= value <= most,
+                f"study.spread.{name}",
+                value,
+                f"a standard deviation >= 0 and <= {most:g}",
+            )
+
+
+#: Standard normal variables that make a scenario, by what they move; an angle has one a coefficient.
+COLUMNS = (
+    *("zeta", "mass", "period", "stride", "ankle_x", "ankle_z"),
+    *(joint for joint in ("thigh", "knee") for _ in range(1 + 2 * DEFORMATION)),
+)
+
+
+def sands(scene: Scene, names: Sequence[str] = ("soft", "regular", "hard")) -> tuple[Scenario, ...]:
+    """A scene on each of several sands."""
+    return tuple(Scenario(name, replace(scene, sand=Sand.named(name))) for name in names)
+
+
+def draw(scene: Scene, spread: Spread, count: int, seed: int = 1) -> tuple[Scenario, ...]:
+    """Equally probable scenarios about a scene, by Latin hypercube sampling.
+
+    Parameters
+    ----------
+    count : of scenarios. seed : of the draw. Every parameter has random numbers of its own, whether
+        it is spread or not: the sand of a scenario does not change when the mass becomes uncertain.
+    """
+    from scipy.special import ndtri
+
+    check(1 <= count <= 10_000, "study.draws", count, "a whole number >= 1 and <= 10,000")
+    rng = np.random.default_rng(seed)
+    strata = np.stack([rng.permutation(count) for _ in COLUMNS], axis=1)
+    normals = ndtri((strata + rng.random(strata.shape)) / count)
+    return tuple(vary(scene, spread, row, f"draw {i}") for i, row in enumerate(normals, start=1))
+
+
+def vary(scene: Scene, spread: Spread, normals: Array, name: str = "varied") -> Scenario:
+    """A scene moved by standard normal variables, one for each of `COLUMNS`."""
+
+    def number(parameter: str) -> float:
+        return float(normals[COLUMNS.index(parameter)])
+
+    # a cosine and a sine of equal variance add up to that variance at every phase
+    coefficients = spread.angles / math.sqrt(1 + DEFORMATION) * np.asarray(normals)
+    thigh, knee = (coefficients[[name == joint for name in COLUMNS]] for joint in ("thigh", "knee"))
+    gait = deformed(scene.gait, 1.0 + spread.stride * number("stride"), thigh, knee)
+    return Scenario(
+        name,
+        replace(
+            scene,
+            sand=replace(scene.sand, zeta=scene.sand.zeta * math.exp(spread.zeta * number("zeta"))),
+            walker=replace(scene.walker, mass=scene.walker.mass * math.exp(spread.mass * number("mass"))),
+            gait=replace(gait, period=gait.period * math.exp(spread.period * number("period"))),
+        ),
+        ankle=(spread.ankle_x * number("ankle_x"), spread.ankle_z * number("ankle_z")),
+    )
+
+
+def deformed(gait: Gait, swing: float, thigh: Array, knee: Array) -> Gait:
+    """A gait with `swing` times its angles' way about their means, plus changes of thigh and knee.
+
+    A change is the coefficients of a series, deg: the mean, the cosines, the sines. The shank turns
+    with both joints, and a measured pitch of the foot with the shank.
+    """
+    return replace(
+        gait,
+        thigh=_moved(gait.thigh, swing, thigh),
+        knee=_moved(gait.knee, swing, knee),
+        foot=None if gait.foot is None else _moved(gait.foot, swing, thigh - knee),
+    )
+
+
+def _moved(angle: Fourier, swing: float, change: Array) -> Fourier:
+    cosines, sines = np.split(change[1:], 2)
+    return Fourier(
+        angle.a0 + float(change[0]),
+        tuple(swing * c + float(d) for c, d in zip_longest(angle.a, cosines, fillvalue=0.0)),
+        tuple(swing * c + float(d) for c, d in zip_longest(angle.b, sines, fillvalue=0.0)),
+    )
+
+
+def measured(values: Array, weights: Array, measure: str, tail: float) -> Array:
+    """Values to be minimised over scenarios as one number each.
+
+    Parameters
+    ----------
+    values : (scenarios, ...). weights : (scenarios,), of any sum.
+    measure : in `MEASURES`. tail : the share of the probability that "tail" averages over, the
+        worst one: the conditional value at risk (Rockafellar & Uryasev 2000), with a scenario's
+        part where the tail ends inside it.
+    """
+    check_measure(measure, tail)
+    if measure == "worst":
+        worst: Array = values.max(axis=0)
+        return worst
+    share = 1.0 if measure == "mean" else tail
+    order = np.argsort(-values, axis=0, kind="stable")
+    probability = (weights / weights.sum())[order]
+    total, before = np.zeros(values.shape[1:]), np.zeros(values.shape[1:])
+    # a sum over an axis may round differently from batch to batch
+    for value, p in zip(np.take_along_axis(values, order, axis=0), probability, strict=True):
+        total += np.clip(share - before, 0.0, p) * value
+        before += p
+    return total / share
+
+
+def check_measure(measure: str, tail: float) -> None:
+    """Raise unless a measure is one of `MEASURES` and its tail a share."""
+    if measure not in MEASURES:
+        raise SettingError("study.measure", measure, f"one of {', '.join(MEASURES)}")
+    check(0 < tail <= 1, "study.tail", tail, "a share > 0 and <= 1 of the scenarios, by probability")

@@ -1,0 +1,95 @@
+"""Is the walk inside what resistive force theory has been tested for? Numbers, with their limits.
+
+RFT's growth of stress with depth is tested to about one plate width, its rate independence for slow
+motion, and, as in the paper, faces that trail (n.v < 0) are counted like those that lead, unless the
+scene names the leading edge.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from footopt.effects.base import Inertia
+from footopt.walk.simulate import Walk
+
+SAMPLES = 600  # instants of the walk that are looked at
+
+
+@dataclass(frozen=True)
+class Diagnostic:
+    """One number about a walk's validity, and where it leaves the tested range (above `limit`)."""
+
+    name: str
+    value: float
+    unit: str
+    limit: float
+    why: str
+
+    @property
+    def outside(self) -> bool:
+        """Whether the value is beyond its limit."""
+        return self.value > self.limit
+
+
+def diagnose(walk: Walk) -> list[Diagnostic]:
+    """The validity of a walk; an empty list for one without a single step.
+
+    Computed from the law in its readable form at up to 600 instants.
+    """
+    if len(walk.t) == 0:
+        return []
+    index = np.unique(np.linspace(0, len(walk.t) - 1, SAMPLES).astype(int))
+    states = walk.plates(index)
+    walker = walk.scene.walker
+    pose = walk.scene.gait.pose(walk.t[index], walker.l1, walker.l2)
+    depth = np.maximum(-states.position[..., 1], 0.0)
+    lasts = np.diff(walk.t[index], prepend=0.0)[:, None, None]  # s, of the time that a sample stands for
+    size = lasts * np.linalg.norm(states.force, axis=-1)
+    speed = np.linalg.norm(states.velocity, axis=-1)
+    into = np.sum(states.normal * states.velocity, axis=-1)
+    power = lasts * np.abs(np.sum(states.force * states.velocity, axis=-1))
+    counted = [effect for effect in walk.scene.effects if isinstance(effect, Inertia)]
+    density = (counted[0] if counted else Inertia()).law.density
+    inertia = lasts * density * np.maximum(into, 0.0) ** 2 * states.area * (depth > 0)
+    total_force, total_power = max(size.sum(), 1e-300), max(power.sum(), 1e-300)
+    ankle = -(walk.com[index, 1, None] + pose.z)
+    return [
+        Diagnostic(
+            "depth of the sole",
+            float(depth.max()),
+            "m",
+            walk.foot.width,
+            "RFT's growth with depth is tested to about one plate width",
+        ),
+        Diagnostic(
+            "depth of the ankle",
+            float(max(ankle.max(), 0.0)),
+            "m",
+            0.0,
+            "only the sole feels the sand, not the leg",
+        ),
+        Diagnostic(
+            "force-weighted plate speed",
+            float((size * speed).sum() / total_force),
+            "m/s",
+            0.5,
+            "RFT is tested for slow motion",
+        ),
+        Diagnostic(
+            "inertial share of the force",
+            float(inertia.sum() / total_force),
+            "",
+            math.inf if counted else 0.05,
+            "the sand's inertia is left out; effects=inertia counts it",
+        ),
+        Diagnostic(
+            "share of |W| on trailing faces",
+            float(power[into < 0].sum() / total_power),
+            "",
+            0.2,
+            "faces that trail are counted as in the paper; effects=leading_edge leaves them out",
+        ),
+    ]

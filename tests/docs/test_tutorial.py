@@ -1,0 +1,48 @@
+"""The tutorial notebook runs from top to bottom and shows what its words say."""
+
+from pathlib import Path
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+from PIL import Image
+
+TUTORIAL = Path(__file__).parents[2] / "examples" / "tutorial.ipynb"
+LIMIT = 300  # s, for a cell: the machine may be busy with other tests
+
+
+def cells(notebook, kind):
+    return [cell for cell in notebook.cells if cell.cell_type == kind]
+
+
+def test_it_is_short_and_holds_no_outputs():
+    notebook = nbformat.read(TUTORIAL, as_version=4)
+    nbformat.validate(notebook)
+    code = cells(notebook, "code")
+    assert 10 <= len(code) <= 14
+    assert all(len(cell.source.splitlines()) <= 8 for cell in code)
+    assert all(cell.outputs == [] and cell.execution_count is None for cell in code)
+    assert len(cells(notebook, "markdown")) >= 8
+
+
+@pytest.mark.slow
+def test_it_runs_from_top_to_bottom(tmp_path):
+    notebook = nbformat.read(TUTORIAL, as_version=4)
+    NotebookClient(
+        notebook, timeout=LIMIT, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}
+    ).execute()
+    shown = [output for cell in cells(notebook, "code") for output in cell.outputs]
+    assert not [output for output in shown if output.get("name") == "stderr"]
+    cards = [output.data["text/html"] for output in shown if "text/html" in output.get("data", {})]
+    assert sum("<img" in card for card in cards) == 8  # foot, sand, scene, walk, table, two searches, foot
+    assert sum("dataframe" in card for card in cards) == 2
+    assert sum("image/png" in output.get("data", {}) for output in shown) == 3  # on the user's own Axes
+    (said,) = [output.text for output in shown if output.output_type == "stream"]
+    random = float(said.split(":")[1])
+    assert random < 0
+    result = next(card for card in cards if "memetic" in card)
+    found = float(result.partition("J_W</th>")[2].partition("</td>")[0].rpartition(">")[2])
+    assert found < random  # as the text says
+    assert (tmp_path / "sole.dxf").stat().st_size > 0
+    with Image.open(tmp_path / "walk.gif") as film:
+        assert film.n_frames > 30

@@ -1,0 +1,378 @@
+"""The gait: real joint angles, the ankle path they imply, and a smooth start from standing."""
+
+import json
+import math
+import re
+import shutil
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import footopt as fo
+from footopt.errors import FileError, SettingError
+from footopt.files.gaits import HUMAN, fit, read
+from footopt.gait import LEFT, RIGHT, Fourier
+from footopt.gait.start import STANDING, smooth_step
+
+L1, L2 = 0.47, 0.45
+STANDING_STILL = fo.Gait.human(start=math.inf)
+CHECKS = json.loads(HUMAN.read_text())["checks_at_6_harmonics_l1_0.47_l2_0.45_T_1.2"]
+PERIODS = st.floats(0.4, 4.0)
+
+
+def stride(gait, samples=2001):
+    """Pose over one steady stride of the left leg, and its phase."""
+    begin = gait.start + gait.period / 2
+    phase = np.linspace(0.0, 1.0, samples)
+    return phase, gait.pose(begin + (phase + 0.5) * gait.period, L1, L2)
+
+
+class TestHumanWalk:
+    """The definitions and values are those that come with the data."""
+
+    def test_implied_speed_of_the_hip_in_mid_stance(self):
+        phase, pose = stride(fo.Gait.human())
+        stance = (phase >= 0.12) & (phase <= 0.38)
+        speed = -pose.vx[stance, LEFT].mean()
+        assert speed == pytest.approx(CHECKS["implied_hip_speed_midstance_m_s"], abs=5e-4)
+        assert speed == pytest.approx(0.986, abs=5e-4)
+
+    @pytest.mark.parametrize("foot", [LEFT, RIGHT])
+    def test_range_of_the_ankle(self, foot):
+        _, pose = stride(fo.Gait.human())
+        for value, name in ((pose.x, "x"), (pose.z, "z")):
+            found = [value[:, foot].min(), value[:, foot].max()]
+            np.testing.assert_allclose(found, CHECKS[f"ankle_{name}_range_m"], rtol=0, atol=6e-4)
+
+    def test_the_knee_hardly_bends_backwards(self):
+        knee, _ = fo.Gait.human().knee.at(np.linspace(0, 1, 1001))
+        assert np.degrees(knee.min()) == pytest.approx(CHECKS["knee_minimum_deg"], abs=0.05)
+
+    def test_says_where_it_comes_from_and_how_well_it_fits(self):
+        gait = fo.Gait.human()
+        assert "PeerJ" in gait.source
+        assert dict(gait.residual) == {"thigh": 0.23, "knee": 0.55}
+        assert dict(fo.Gait.human(harmonics=3).residual) == {"thigh": 0.5, "knee": 1.83}
+
+    def test_fewer_harmonics_are_the_same_series_cut_short(self):
+        full, short = fo.Gait.human(harmonics=8), fo.Gait.human(harmonics=3)
+        assert len(full.thigh.a) == 8
+        assert short.thigh == full.thigh.truncated(3)
+
+    @pytest.mark.parametrize("harmonics", [0, -1, 9])
+    def test_harmonics_beyond_the_data_are_refused(self, harmonics):
+        with pytest.raises(SettingError, match=rf"gait\.harmonics = {harmonics}: .*from 1 to 8"):
+            fo.Gait.human(harmonics=harmonics)
+
+
+class TestHeelStrikes:
+    def test_of_the_paper(self):
+        gait = fo.Gait.human()
+        assert gait.heel_strike == pytest.approx(1.1)
+        np.testing.assert_allclose(gait.heel_strikes(2.9), [1.1, 1.7, 2.3, 2.9], atol=1e-12)
+        np.testing.assert_allclose(gait.heel_strikes(2.8), [1.1, 1.7, 2.3], atol=1e-12)
+
+    @given(PERIODS, st.floats(0.0, 2.0), st.integers(1, 6))
+    def test_come_every_half_stride(self, period, start, count):
+        gait = fo.Gait.human(period=period, start=start)
+        last = start + count * period / 2  # in floating point, this may fall just short of the strike
+        np.testing.assert_allclose(
+            gait.heel_strikes(last + 1e-6), start + np.arange(1, count + 1) * period / 2, atol=1e-9
+        )
+
+    def test_are_the_legs_phase_zero_in_turn(self):
+        """At the first strike the right leg begins its cycle; half a stride later the left one."""
+        gait = fo.Gait.human()
+        (begin, *_), *_ = gait.cycle(np.zeros(1))
+        (thigh, _), *_ = gait.angles([1.1, 1.7, 2.3])
+        np.testing.assert_allclose(thigh[[0, 1, 2], [RIGHT, LEFT, RIGHT]], begin[0], rtol=1e-9)
+
+    def test_none_before_the_first_and_none_for_who_stands(self):
+        assert len(fo.Gait.human().heel_strikes(1.0)) == 0
+        assert math.isinf(STANDING_STILL.heel_strike)
+        assert len(STANDING_STILL.heel_strikes(1e6)) == 0
+
+
+class TestMotion:
+    @given(PERIODS, st.floats(0.0, 1.0), st.sampled_from(["shank", "measured"]))
+    def test_pose_and_velocity_are_continuous_at_every_join(self, period, start, pitch):
+        """The start, the end of the left leg's blend, the end of the right leg's and of the ramp."""
+        gait = fo.Gait.human(period=period, start=start, pitch=pitch)
+        for join in (start, start + period / 3, start + period / 2):
+            d = 1e-7 * period
+            before, after = (np.array(gait.pose([t], L1, L2)) for t in (join - d, join + d))
+            np.testing.assert_allclose(before[[0, 1, 4]], after[[0, 1, 4]], rtol=0, atol=1e-5)
+            np.testing.assert_allclose(before[[2, 3, 5]], after[[2, 3, 5]], rtol=0, atol=1e-4 / period)
+
+    @given(PERIODS, st.floats(-0.4, 3.0), st.sampled_from(["shank", "measured"]))
+    def test_velocities_are_the_derivatives(self, period, strides, pitch):
+        gait = fo.Gait.human(period=period, start=0.5, pitch=pitch)
+        t, d = 0.5 + strides * period, 1e-5 * period
+        pose, before, after = gait.pose([t], L1, L2), gait.pose([t - d], L1, L2), gait.pose([t + d], L1, L2)
+        for value, rate in (("x", "vx"), ("z", "vz"), ("pitch", "rate")):
+            difference = (getattr(after, value) - getattr(before, value)) / (2 * d)
+            np.testing.assert_allclose(getattr(pose, rate), difference, rtol=0, atol=1e-6 / period)
+
+    @given(PERIODS)
+    def test_the_walk_after_the_start_is_periodic(self, period):
+        gait = fo.Gait.human(period=period)
+        t = 0.5 + period / 2 + np.linspace(0, period, 7)
+        for now, later in zip(gait.pose(t, L1, L2), gait.pose(t + 3 * period, L1, L2), strict=True):
+            np.testing.assert_allclose(now, later, rtol=0, atol=1e-9 / period)
+
+    def test_the_legs_do_the_same_half_a_stride_apart(self):
+        gait = fo.Gait.human()
+        t = 1.1 + np.linspace(0, 1, 11)
+        now, later = gait.pose(t, L1, L2), gait.pose(t + 0.6, L1, L2)
+        for a, b in zip(now, later, strict=True):
+            np.testing.assert_allclose(a[:, LEFT], b[:, RIGHT], rtol=0, atol=1e-9)
+
+    def test_a_slower_stride_is_the_same_path_at_a_lower_speed(self):
+        slow, fast = (stride(fo.Gait.human(period=T))[1] for T in (2.4, 1.2))
+        np.testing.assert_allclose(slow.x, fast.x, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(2 * slow.vx, fast.vx, rtol=0, atol=1e-11)
+
+    def test_a_leg_is_never_longer_than_its_segments(self):
+        pose = fo.Gait.human().pose(np.linspace(0, 4, 2001), L1, L2)
+        reach = np.hypot(pose.x, pose.z)
+        assert reach.max() <= L1 + L2 + 1e-12
+        assert reach.min() > L1 - L2
+
+    def test_the_hip_does_not_go_backwards_while_starting(self):
+        """The standing leg carries the hip: its ankle moves back from the start on (DESIGN 2.4)."""
+        t = np.linspace(0.5, 1.1, 601)[1:-1]
+        pose = fo.Gait.human().pose(t, L1, L2)
+        assert pose.vx[:, LEFT].max() < 0.05
+
+    def test_the_kernels_table_holds_the_pose(self):
+        pose = fo.Gait.human().pose(np.linspace(0, 2, 5), L1, L2)
+        table = pose.table()
+        assert table.shape == (5, 2, 7)
+        assert table.flags.c_contiguous
+        for column, value in ((0, pose.x), (3, pose.vz), (5, np.sin(pose.pitch)), (6, pose.rate)):
+            np.testing.assert_array_equal(table[..., column], value)
+
+
+class TestStanding:
+    @pytest.mark.parametrize("gait", [STANDING_STILL, fo.Gait.human()], ids=["for ever", "before the start"])
+    def test_left_leg_straight_right_foot_level_and_higher(self, gait):
+        pose = gait.pose([0.0, 0.3, 0.5], L1, L2)
+        np.testing.assert_allclose(pose.x[:, LEFT], 0.0, atol=1e-15)
+        np.testing.assert_allclose(pose.z[:, LEFT], -(L1 + L2), rtol=1e-15)
+        np.testing.assert_allclose(pose.pitch, 0.0, atol=1e-15)
+        rise = pose.z[:, RIGHT] - pose.z[:, LEFT]
+        np.testing.assert_allclose(rise, L1 * (1 - math.cos(math.radians(20))), rtol=1e-12)
+        np.testing.assert_allclose(rise, 0.0283, atol=5e-5)
+
+    def test_knee_of_the_right_leg_is_bent_as_much_as_its_thigh(self):
+        thigh, shank, _ = STANDING
+        np.testing.assert_allclose(np.degrees(thigh - shank), [0.0, 20.0])
+
+    def test_lasts_for_ever_without_a_start(self):
+        pose = STANDING_STILL.pose([0.0, 1.0, 1e3, 1e6], L1, L2)
+        for rate in (pose.vx, pose.vz, pose.rate):
+            np.testing.assert_array_equal(rate, 0.0)
+        for value in (pose.x, pose.z, pose.pitch):
+            np.testing.assert_array_equal(value, np.broadcast_to(value[0], value.shape))
+
+    def test_smooth_step_is_flat_at_both_ends(self):
+        s = np.array([0.0, 0.5, 1.0])
+        value, slope = smooth_step(s)
+        np.testing.assert_allclose(value, [0, 0.5, 1])
+        np.testing.assert_allclose(slope, [0, 30 / 16, 0])
+
+
+class TestPitch:
+    def test_of_the_paper_turns_with_the_shank(self):
+        gait = fo.Gait.human()
+        _, (shank, shank_rate), (pitch, rate) = gait.cycle(np.linspace(0, 1, 50))
+        np.testing.assert_array_equal(pitch, shank)
+        np.testing.assert_array_equal(rate, shank_rate)
+
+    def test_measured_is_the_foots_own_series(self):
+        gait = fo.Gait.human(pitch="measured")
+        phase = np.linspace(0, 1, 50)
+        np.testing.assert_array_equal(gait.cycle(phase)[2][0], gait.foot.at(phase)[0])
+        np.testing.assert_array_equal(gait.cycle(phase)[1][0], fo.Gait.human().cycle(phase)[1][0])
+
+    def test_measured_needs_a_measurement(self):
+        with pytest.raises(SettingError, match=r"gait\.pitch = 'measured'.*no measured pitch"):
+            replace(fo.Gait.human(), foot=None, pitch="measured")
+
+    def test_anything_else_is_refused(self):
+        with pytest.raises(SettingError, match=r"gait\.pitch = 'ankle': must be shank or measured"):
+            fo.Gait.human(pitch="ankle")
+
+
+@pytest.mark.parametrize(
+    ("setting", "value"),
+    [("period", 0.0), ("period", math.inf), ("period", math.nan), ("start", -0.1), ("start", math.nan)],
+)
+def test_impossible_times_are_refused(setting, value):
+    with pytest.raises(SettingError) as error:
+        fo.Gait.human(**{setting: value})
+    assert error.value.setting == f"gait.{setting}"
+
+
+def test_coefficients_must_be_finite():
+    with pytest.raises(SettingError, match="finite coefficients"):
+        replace(fo.Gait.human(), thigh=Fourier(math.nan, (), ()))
+
+
+class TestFourier:
+    SERIES = st.builds(
+        Fourier,
+        st.floats(-90, 90),
+        st.tuples(*[st.floats(-30, 30)] * 3),
+        st.tuples(*[st.floats(-30, 30)] * 3),
+    )
+
+    @given(SERIES, st.floats(-3, 3))
+    def test_rate_is_the_derivative(self, series, phase):
+        d = 1e-5
+        (before, _), (_, rate), (after, _) = (series.at(np.array([p])) for p in (phase - d, phase, phase + d))
+        np.testing.assert_allclose(rate, (after - before) / (2 * d), rtol=0, atol=1e-5)
+
+    @given(SERIES, st.floats(0, 1))
+    def test_is_periodic_in_the_phase(self, series, phase):
+        a, b = series.at(np.array([phase])), series.at(np.array([phase + 4]))
+        np.testing.assert_allclose(a, b, rtol=0, atol=1e-11)
+
+    @given(SERIES)
+    def test_a_fit_of_the_curve_gives_the_series_back(self, series):
+        phase = np.arange(50) / 50
+        found, rms, worst = fit(phase, np.degrees(series.at(phase)[0]), 3)
+        np.testing.assert_allclose(
+            [found.a0, *found.a, *found.b], [series.a0, *series.a, *series.b], atol=1e-10
+        )
+        assert rms <= worst < 1e-10
+
+
+def write_stride(path, gait, columns=("time", "thigh", "knee", "foot"), samples=101, begin=3.0):
+    """One stride of a gait's angles as a user measures them, from heel strike to heel strike."""
+    phase = np.linspace(0.0, 1.0, samples)
+    values = {"time": begin + phase * gait.period}
+    values |= {name: np.degrees(getattr(gait, name).at(phase)[0]) for name in ("thigh", "knee", "foot")}
+    rows = zip(*(values.get(c, phase) for c in columns), strict=True)
+    path.write_text("\n".join([",".join(columns), *(",".join(f"{v:.9f}" for v in row) for row in rows)]))
+    return path
+
+
+class TestFromCsv:
+    @pytest.mark.parametrize("pitch", ["shank", "measured"])
+    @pytest.mark.parametrize("period", [1.2, 0.9])
+    def test_gives_back_the_gait_that_was_measured(self, tmp_path, pitch, period):
+        human = fo.Gait.human(period=period)
+        found = replace(read(write_stride(tmp_path / "mine.csv", human)), pitch=pitch)
+        assert found.period == pytest.approx(period, abs=1e-8)
+        assert found.name == "mine"
+        assert max(rms for _, rms in found.residual) < 1e-7
+        t = np.linspace(0, 4, 201)
+        expected = replace(human, pitch=pitch).pose(t, L1, L2)
+        for a, b in zip(found.pose(t, L1, L2), expected, strict=True):
+            np.testing.assert_allclose(a, b, rtol=0, atol=1e-6)
+
+    def test_the_pitch_of_the_foot_is_optional_and_order_does_not_matter(self, tmp_path):
+        path = write_stride(tmp_path / "g.csv", fo.Gait.human(), ("note", "knee", "thigh", "time"))
+        gait = read(path)
+        assert gait.foot is None
+        assert gait.knee.a0 == pytest.approx(fo.Gait.human().knee.a0, abs=1e-6)
+
+    def test_too_few_harmonics_show_in_the_residual(self, tmp_path):
+        gait = read(write_stride(tmp_path / "g.csv", fo.Gait.human()), harmonics=3)
+        assert 0.5 < dict(gait.residual)["knee"] < 5.0
+
+    def test_a_missing_column_is_named(self, tmp_path):
+        path = write_stride(tmp_path / "g.csv", fo.Gait.human(), ("time", "thigh", "hip"))
+        with pytest.raises(FileError, match=r"g\.csv.*lacks knee.*time \(s\), thigh, knee"):
+            read(path)
+
+    def test_a_jump_is_refused(self, tmp_path):
+        """As from a curve that wraps around, or half a stride taken for a whole one."""
+        path = write_stride(tmp_path / "g.csv", fo.Gait.human())
+        lines = path.read_text().splitlines()
+        path.write_text("\n".join(lines[:45]))
+        with pytest.raises(FileError, match=r"the thigh is 32\.1 deg from where it began"):
+            read(path)
+
+    def test_too_few_rows_are_refused(self, tmp_path):
+        path = write_stride(tmp_path / "g.csv", fo.Gait.human(), samples=13)
+        with pytest.raises(FileError, match="at least 14 rows for 6 harmonics"):
+            read(path)
+
+    def test_time_must_increase(self, tmp_path):
+        path = write_stride(tmp_path / "g.csv", replace(fo.Gait.human(), period=1.0))
+        path.write_text(re.sub(r"(?m)^[\d.]+,", "0.5,", path.read_text()))
+        with pytest.raises(FileError, match="time increasing"):
+            read(path)
+
+    @pytest.mark.parametrize("cell", ["much", "", "nan"])
+    def test_a_cell_that_is_not_a_number_is_refused(self, tmp_path, cell):
+        path = write_stride(tmp_path / "g.csv", fo.Gait.human(), ("time", "thigh", "knee"))
+        lines = path.read_text().splitlines()
+        lines[5] = f"{lines[5].split(',')[0]},{cell},1"
+        path.write_text("\n".join(lines))
+        with pytest.raises(FileError, match=r"not a table of numbers|finite"):
+            read(path)
+
+    @pytest.mark.parametrize("harmonics", [0, -2])
+    def test_harmonics_must_be_positive(self, tmp_path, harmonics):
+        with pytest.raises(SettingError, match=r"gait\.harmonics"):
+            read(write_stride(tmp_path / "g.csv", fo.Gait.human()), harmonics=harmonics)
+
+
+class TestFromJson:
+    def test_reads_a_file_like_the_packages_own(self, tmp_path):
+        shutil.copy(HUMAN, tmp_path / "copy.json")
+        gait, human = read(tmp_path / "copy.json"), fo.Gait.human()
+        assert (gait.thigh, gait.knee, gait.foot) == (human.thigh, human.knee, human.foot)
+        assert (gait.name, gait.period) == ("copy", 1.203)
+
+    @pytest.mark.parametrize(
+        "text",
+        [
+            "",
+            "[]",
+            "{}",
+            '{"period_s": 1, "thigh": {"a0": 1}}',
+            '{"period_s": 1, "thigh": 3, "knee": 4}',
+            "{",
+        ],
+    )
+    def test_anything_else_is_refused(self, tmp_path, text):
+        (tmp_path / "g.json").write_text(text)
+        with pytest.raises(
+            FileError,
+            match=r"g\.json.*(cannot be read as JSON|not a gait in JSON.*period_s, and thigh and knee)",
+        ):
+            read(tmp_path / "g.json")
+
+    def test_a_joint_must_be_there(self, tmp_path):
+        data = json.loads(HUMAN.read_text())
+        del data["knee"]
+        (tmp_path / "g.json").write_text(json.dumps(data))
+        with pytest.raises(FileError, match="knee"):
+            read(tmp_path / "g.json")
+
+    def test_impossible_numbers_are_refused(self, tmp_path):
+        data = json.loads(HUMAN.read_text()) | {"period_s": -1.0}
+        (tmp_path / "g.json").write_text(json.dumps(data))
+        with pytest.raises(FileError, match=r"g\.json.*a stride would take -1 s"):
+            read(tmp_path / "g.json")
+
+
+class TestFiles:
+    @pytest.mark.parametrize("name", ["nowhere.csv", "nowhere.json"])
+    def test_a_missing_file_is_named_with_a_way_out(self, tmp_path, name):
+        with pytest.raises(FileError, match=rf"{name}.*cannot be read.*gait=human"):
+            read(tmp_path / name)
+
+    def test_an_unknown_ending_is_refused(self, tmp_path):
+        with pytest.raises(SettingError, match=r"gait\.path = .*\.json, \.csv, .*\.sto or \.c3d"):
+            read(tmp_path / "gait.xlsx")
+
+    def test_endings_are_read_in_any_case(self, tmp_path):
+        assert read(write_stride(tmp_path / "G.CSV", fo.Gait.human())).name == "G"

@@ -1,0 +1,241 @@
+"""The stress law: the published map, its affine form, and the sands that use it."""
+
+import math
+from dataclasses import astuple, replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import footopt as fo
+from footopt.errors import FileError, FootoptError, SettingError
+from footopt.sand import GENERIC, MEDIA, Sand, StressMap, affine, affine_direction, fit_table
+from footopt.sand.law import PER_CM3
+
+ANGLE = st.floats(-2 * math.pi, 2 * math.pi)
+COEFFICIENT = st.floats(-1.0, 1.0)
+MAPS = st.builds(StressMap, *[COEFFICIENT] * 9)
+LARGEST = PER_CM3 * sum(map(abs, astuple(GENERIC)))  # no stress of the generic map exceeds it
+
+
+class TestGenericMap:
+    @pytest.mark.parametrize(
+        ("beta", "gamma", "alpha_x", "alpha_z"),
+        [
+            (0, 90, 0.0, 1.000),
+            (0, -90, 0.0, -0.250),
+            (0, 0, 0.136, 0.375),
+            (90, 0, 0.370, 0.037),
+            (30, 90, 0.1897, 0.7820),
+            (60, 30, 0.4027, 0.3515),
+        ],
+    )
+    def test_published_values(self, beta, gamma, alpha_x, alpha_z):
+        ax, az = fo.stress.alpha(np.radians(beta), np.radians(gamma))
+        assert ax / PER_CM3 == pytest.approx(alpha_x, abs=5e-5)
+        assert az / PER_CM3 == pytest.approx(alpha_z, abs=5e-5)
+
+    @given(ANGLE, ANGLE, MAPS)
+    def test_reflection_in_a_vertical_mirror_turns_only_the_horizontal_stress(self, beta, gamma, stress_map):
+        ax, az = fo.stress.alpha(beta, gamma, stress_map)
+        mirrored_x, mirrored_z = fo.stress.alpha(-beta, math.pi - gamma, stress_map)
+        assert mirrored_x == pytest.approx(-ax, abs=1e-14 * LARGEST * 9)
+        assert mirrored_z == pytest.approx(az, abs=1e-14 * LARGEST * 9)
+
+    @given(ANGLE, ANGLE)
+    def test_a_plate_has_no_front_and_back(self, beta, gamma):
+        """Turning a plate by half a turn leaves it the same plate."""
+        np.testing.assert_allclose(
+            fo.stress.alpha(beta + math.pi, gamma), fo.stress.alpha(beta, gamma), rtol=0, atol=1e-13 * LARGEST
+        )
+
+    def test_dissipates_in_every_direction(self):
+        assert GENERIC.dissipation() == pytest.approx(0.054, abs=5e-4)
+
+    def test_a_law_that_would_give_energy_shows_a_negative_dissipation(self):
+        assert replace(GENERIC, C01=-0.253).dissipation() < 0
+
+    def test_broadcasts(self):
+        ax, az = fo.stress.alpha(np.zeros((3, 1)), np.zeros(4))
+        assert ax.shape == az.shape == (3, 4)
+
+
+class TestAffineForm:
+    @given(ANGLE, ANGLE, MAPS | st.just(GENERIC))
+    def test_is_the_same_law_as_the_angles(self, beta, gamma, stress_map):
+        """(-alpha_x, alpha_z) = a - M h with h = (cos g, -sin g), for any nine coefficients."""
+        ax, az = fo.stress.alpha(beta, gamma, stress_map)
+        a, m = affine(beta, stress_map)
+        f = a - m @ [np.cos(gamma), -np.sin(gamma)]
+        scale = PER_CM3 * max(sum(map(abs, astuple(stress_map))), 1e-3)
+        np.testing.assert_allclose(f, [-ax, az], rtol=0, atol=1e-12 * scale)
+
+    def test_agrees_to_twelve_digits_of_the_largest_stress(self):
+        rng = np.random.default_rng(0)
+        beta, gamma = rng.uniform(-np.pi, np.pi, (2, 10_000))
+        ax, az = fo.stress.alpha(beta, gamma)
+        a, m = affine(beta)
+        h = np.stack([np.cos(gamma), -np.sin(gamma)], axis=-1)
+        f = a - np.einsum("...ij,...j->...i", m, h)
+        largest = np.hypot(ax, az).max()
+        assert np.abs(f - np.stack([-ax, az], axis=-1)).max() < 1e-12 * largest
+
+    @given(ANGLE)
+    def test_needs_only_the_doubled_angles_cosine_and_sine(self, beta):
+        for by_angle, by_direction in zip(
+            affine(beta), affine_direction(np.cos(2 * beta), np.sin(2 * beta)), strict=True
+        ):
+            np.testing.assert_array_equal(by_angle, by_direction)
+
+    def test_is_linear_in_them(self):
+        """So that a plate may stand for several chords by the mean of theirs."""
+        beta = np.array([-0.7, 0.1, 0.9])
+        mean = affine_direction(np.cos(2 * beta).mean(), np.sin(2 * beta).mean())
+        for by_mean, each in zip(mean, affine(beta), strict=True):
+            np.testing.assert_allclose(by_mean, each.mean(axis=0), rtol=1e-12)
+
+    def test_shapes(self):
+        a, m = affine(np.zeros((2, 3)))
+        assert a.shape == (2, 3, 2)
+        assert m.shape == (2, 3, 2, 2)
+
+    def test_a_level_plate_resists_each_motion_along_itself_only(self):
+        _, m = affine(0.0)
+        assert m[0, 1] == m[1, 0] == 0.0
+
+
+class TestSand:
+    def test_zeta_scales_the_stiffness(self):
+        assert Sand(2.5).stiffness == 2.5 * Sand(1.0).stiffness == 2.5 * PER_CM3
+
+    def test_zeta_and_area_are_one_number(self, ramp_foot):
+        """Twice the stiffness under half the width carries the same walk."""
+        accuracy = fo.Accuracy(dt=5e-3, plates=40)
+        narrow = replace(ramp_foot, width=0.05)
+        a = fo.evaluate([ramp_foot], fo.Scene(sand=Sand(1.0)), accuracy)
+        b = fo.evaluate([narrow], fo.Scene(sand=Sand(2.0)), accuracy)
+        np.testing.assert_allclose(a.values, b.values, rtol=1e-9)
+
+    def test_named_media_of_the_paper_and_the_literature(self):
+        assert {name: Sand.named(name).zeta for name in MEDIA} == {
+            "soft": 0.2,
+            "regular": 1.0,
+            "hard": 5.0,
+            "poppy_loose": 0.35,
+            "poppy_close": 0.55,
+            "glass_beads": 0.33,
+            "medium_sand": 2.02,
+            "mars_simulant": 3.05,
+        }
+
+    def test_a_named_sand_has_the_generic_map_and_its_name(self):
+        sand = Sand.named("mars_simulant")
+        assert (sand.name, sand.stress_map, sand.fit_error) == ("mars_simulant", GENERIC, None)
+
+    def test_an_unknown_sand_lists_the_known_ones(self):
+        with pytest.raises(SettingError) as error:
+            Sand.named("concrete")
+        assert error.value.setting == "sand"
+        for word in ("sand = 'concrete'", *MEDIA, "sand.zeta"):
+            assert word in str(error.value)
+
+    @pytest.mark.parametrize("zeta", [0, -1.0, math.nan, math.inf, -math.inf, "5", None])
+    def test_an_impossible_zeta_is_refused_by_name_value_and_allowed_range(self, zeta):
+        with pytest.raises(SettingError, match=r"^sand\.zeta = .*must be a number > 0") as error:
+            Sand(zeta)
+        assert repr(zeta) in str(error.value)
+        assert isinstance(error.value, ValueError)
+        assert isinstance(error.value, FootoptError)
+
+    @pytest.mark.parametrize("value", [math.nan, math.inf])
+    def test_a_coefficient_must_be_finite(self, value):
+        with pytest.raises(SettingError, match=r"coefficients\.B01"):
+            StressMap(B01=value)
+
+    def test_is_plain_frozen_data(self):
+        assert Sand(1.0) == Sand(1.0)
+        assert hash(Sand(1.0)) == hash(Sand(1.0))
+        with pytest.raises(AttributeError):
+            Sand(1.0).zeta = 2.0
+
+
+GRID = np.stack(np.meshgrid(np.arange(-90, 91, 30), np.arange(-90, 91, 30)), axis=-1).reshape(-1, 2)
+
+
+def write_table(path, angles=GRID, noise=0.0, header="beta,gamma,alpha_x,alpha_z"):
+    """A table of the generic map's stresses, with noise of a given standard deviation (N/cm^3)."""
+    ax, az = fo.stress.alpha(*np.radians(angles).T)
+    rng = np.random.default_rng(1)
+    columns = [*angles.T, *(a / PER_CM3 + noise * rng.standard_normal(len(angles)) for a in (ax, az))]
+    rows = [",".join(repr(float(v)) for v in row) for row in zip(*columns, strict=True)]
+    path.write_text("\n".join([header, *rows]) + "\n")
+    return path
+
+
+class TestTableFit:
+    def test_recovers_the_map_that_made_the_table(self, tmp_path):
+        sand = Sand.from_table(write_table(tmp_path / "mine.csv"), zeta=2.0)
+        np.testing.assert_allclose(astuple(sand.stress_map), astuple(GENERIC), rtol=0, atol=1e-9)
+        assert max(sand.fit_error) < 1e-9
+        assert (sand.name, sand.zeta) == ("mine", 2.0)
+
+    def test_the_fit_error_is_the_size_of_the_noise(self, tmp_path):
+        """Relative to the rms of the column; less the freedom that nine coefficients take up."""
+        angles = np.repeat(GRID, 8, axis=0)
+        noise = 0.05
+        stress_map, error = fit_table(write_table(tmp_path / "noisy.csv", angles, noise))
+        rms = np.sqrt(np.mean(np.square(fo.stress.alpha(*np.radians(angles).T)), axis=1)) / PER_CM3
+        np.testing.assert_allclose(error, noise / np.hypot(rms, noise), rtol=0.1)
+        np.testing.assert_allclose(astuple(stress_map), astuple(GENERIC), rtol=0, atol=0.02)
+
+    def test_other_columns_and_a_byte_order_mark_are_ignored(self, tmp_path):
+        path = write_table(tmp_path / "t.csv")
+        lines = path.read_text().splitlines()
+        path.write_text("\ufeff" + "\n".join(f"{line}, note" for line in lines), encoding="utf-8")
+        np.testing.assert_allclose(astuple(fit_table(path)[0]), astuple(GENERIC), rtol=0, atol=1e-9)
+
+    def test_a_missing_column_is_named(self, tmp_path):
+        path = write_table(tmp_path / "t.csv", header="beta,gamma,alpha_x,force")
+        with pytest.raises(FileError, match=r"t\.csv.*lacks alpha_z.*must be beta, gamma, alpha_x, alpha_z"):
+            fit_table(path)
+
+    def test_a_cell_of_text_is_named_by_its_line(self, tmp_path):
+        path = write_table(tmp_path / "t.csv")
+        lines = path.read_text().splitlines()
+        lines[3] = "0,much,1,1"
+        path.write_text("\n".join(lines))
+        with pytest.raises(FileError, match=r"line 4: not four numbers"):
+            fit_table(path)
+
+    def test_a_short_line_is_refused(self, tmp_path):
+        path = tmp_path / "t.csv"
+        path.write_text("beta,gamma,alpha_x,alpha_z\n0,0,1\n")
+        with pytest.raises(FileError, match=r"line 2: not four numbers"):
+            fit_table(path)
+
+    def test_a_value_that_is_not_finite_is_refused(self, tmp_path):
+        path = write_table(tmp_path / "t.csv")
+        path.write_text(path.read_text() + "0,0,nan,1\n")
+        with pytest.raises(FileError, match="not finite"):
+            fit_table(path)
+
+    @pytest.mark.parametrize("angles", [GRID[:4], GRID[GRID[:, 0] == 0]], ids=["few rows", "one angle"])
+    def test_too_few_angles_cannot_determine_nine_coefficients(self, tmp_path, angles):
+        with pytest.raises(FileError, match="do not determine the nine coefficients"):
+            fit_table(write_table(tmp_path / "t.csv", angles))
+
+    def test_an_empty_table_is_refused(self, tmp_path):
+        (tmp_path / "t.csv").write_text("beta,gamma,alpha_x,alpha_z\n")
+        with pytest.raises(FileError, match="0 rows do not determine"):
+            fit_table(tmp_path / "t.csv")
+
+    def test_a_missing_file_is_named(self, tmp_path):
+        with pytest.raises(FileError, match=r"nowhere\.csv.*cannot be read") as error:
+            Sand.from_table(tmp_path / "nowhere.csv")
+        assert isinstance(error.value, OSError)
+
+    def test_a_file_that_is_not_text_is_refused(self, tmp_path):
+        (tmp_path / "t.csv").write_bytes(b"\xff\xfe\x00\x81")
+        with pytest.raises(FileError, match="cannot be read"):
+            fit_table(tmp_path / "t.csv")

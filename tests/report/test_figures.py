@@ -1,0 +1,489 @@
+"""Figures say what they show, with units, and a walk that failed does not break them."""
+
+import threading
+
+import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from matplotlib.colors import same_color
+from matplotlib.quiver import Quiver, QuiverKey
+
+import footopt as fo
+from footopt.errors import FileError, SettingError
+from footopt.gait.gait import RIGHT
+from footopt.report import figures
+from footopt.walk.objectives import FIVE, OBJECTIVES
+
+HOLLOW = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)
+
+
+@pytest.fixture(scope="module")
+def foot():
+    return fo.Foot.from_waypoints(HOLLOW)
+
+
+@pytest.fixture(scope="module")
+def hard(foot):
+    return fo.simulate(foot, fo.Scene(sand=fo.Sand.named("hard")), "draft")
+
+
+@pytest.fixture(scope="module")
+def soft(foot):
+    return fo.simulate(foot, fo.Scene(sand=fo.Sand.named("soft")), "draft")
+
+
+@pytest.fixture(scope="module")
+def sunk(foot):
+    """A walk that fails on its way."""
+    walk = fo.simulate(foot, fo.Scene(sand=fo.Sand(zeta=0.02)), "draft")
+    assert walk.reason == "sunk"
+    assert len(walk.t) > 0
+    assert walk.t[-1] < walk.scene.duration
+    return walk
+
+
+@pytest.fixture(scope="module")
+def void(foot):
+    """A walk that fails before its first step."""
+    walk = fo.simulate(foot, fo.Scene(sand=fo.Sand(zeta=1e-3)), "draft")
+    assert walk.reason == "sunk"
+    assert len(walk.t) == 0
+    return walk
+
+
+@pytest.fixture(scope="module")
+def table():
+    values = np.random.default_rng(0).random((30, 5)) + np.arange(5)
+    values[4] = np.nan
+    return values
+
+
+def texts(figure):
+    return [t.get_text() for t in figure.findobj(matplotlib.text.Text) if t.get_text()]
+
+
+def lines(axes):
+    return {line.get_label(): line for line in axes.get_lines()}
+
+
+def labels(figure):
+    """What a reader sees, but for ticks: (text, box in pixels)."""
+    figure.canvas.draw()
+    axes = [axis for a in figure.axes for axis in (a.xaxis, a.yaxis)]
+    ticks = {id(label) for axis in axes for label in axis.get_ticklabels(which="both")}
+    shown = [t for t in figure.findobj(matplotlib.text.Text) if t.get_text() and t.get_visible()]
+    return [(t.get_text(), t.get_window_extent()) for t in shown if id(t) not in ticks]
+
+
+def overlapping(figure):
+    found = labels(figure)
+    return [
+        (a, b) for i, (a, x) in enumerate(found) for b, y in found[i + 1 :] if x.shrunk(0.9, 0.9).overlaps(y)
+    ]
+
+
+def outside(figure):
+    page = figure.bbox.padded(1.0)
+    return [text for text, box in labels(figure) if not (page.contains(*box.min) and page.contains(*box.max))]
+
+
+# --- all of them ----------------------------------------------------------------------------------
+
+HISTORY = [
+    {"generation": i, "evaluations": 10 * (i + 1), "best": b, "median": b + 1.0}
+    for i, b in enumerate([float("nan"), -2.0, -2.5, -4.0])
+]
+
+
+@pytest.fixture(
+    params=[
+        "contour",
+        "contours",
+        "drawing",
+        "convergence",
+        "com",
+        "forces",
+        "power_work",
+        "step",
+        "scatter",
+        "parallel",
+    ]
+)
+def figure(request, foot, hard, soft, sunk, table):
+    walks = {"hard": hard, "soft": soft, "failed": sunk}
+    return {
+        "contour": lambda: figures.contour(foot),
+        "contours": lambda: figures.contours(
+            {name: fo.Foot.shape(name) for name in ("ellipse", "reversed_l")}
+        ),
+        "drawing": lambda: figures.drawing(foot, (0.06, 0.02)),
+        "convergence": lambda: figures.convergence(HISTORY, "efficiency $J_W$"),
+        "com": lambda: figures.com(walks),
+        "forces": lambda: figures.forces(walks),
+        "power_work": lambda: figures.power_work(walks),
+        "step": lambda: figures.step(hard),
+        "scatter": lambda: figures.scatter_matrix(table, FIVE, 7),
+        "parallel": lambda: figures.parallel(table, FIVE, 7),
+    }[request.param]()
+
+
+def test_every_figure_is_saved_as_picture_and_as_the_same_bytes_again(figure, tmp_path):
+    png, pdf = figures.save(figure, tmp_path / "new" / "folder", "one")
+    assert png.read_bytes().startswith(b"\x89PNG")
+    assert pdf.read_bytes().startswith(b"%PDF")
+    assert b"CreationDate" not in pdf.read_bytes()
+    again = figures.save(figure, tmp_path, "two")
+    assert again[0].read_bytes() == png.read_bytes()
+    assert again[1].read_bytes() == pdf.read_bytes()
+
+
+def test_every_figure_fits_a_journal_and_is_legible(figure):
+    assert figure.get_figwidth() in (3.4, 7.0)
+    assert figure.get_figheight() < 9.0
+    sizes = {t.get_fontsize() for t in figure.findobj(matplotlib.text.Text) if t.get_text()}
+    assert min(sizes) >= 7.0
+
+
+def test_no_label_covers_another_or_leaves_the_page(figure):
+    assert overlapping(figure) == []
+    assert outside(figure) == []
+
+
+def test_figures_leave_no_trace_in_the_process(foot):
+    before = dict(matplotlib.rcParams)
+    figures.contour(foot)
+    assert dict(matplotlib.rcParams) == before
+    assert plt.get_fignums() == []
+
+
+@pytest.mark.slow
+def test_figures_can_be_drawn_from_threads(foot, hard, tmp_path):
+    before, failed = dict(matplotlib.rcParams), []
+
+    def draw(i):
+        try:
+            figures.save(figures.contour(foot), tmp_path, f"contour{i}")
+            figures.save(figures.com({"hard": hard}), tmp_path, f"com{i}")
+        except Exception as error:
+            failed.append(error)
+
+    threads = [threading.Thread(target=draw, args=(i,)) for i in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert failed == []
+    assert dict(matplotlib.rcParams) == before
+    assert len({(tmp_path / f"com{i}.png").read_bytes() for i in range(4)}) == 1
+
+
+def test_a_folder_that_cannot_be_made_is_named(foot, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(FileError, match="figure sole cannot be written"):
+        figures.save(figures.contour(foot), tmp_path / "file", "sole")
+
+
+# --- feet -----------------------------------------------------------------------------------------
+
+
+def test_a_contour_shows_sole_waypoints_box_and_hollow_in_mm(foot):
+    axes = figures.contour(foot).axes[0]
+    assert "(mm)" in axes.get_xlabel()
+    assert "(mm)" in axes.get_ylabel()
+    assert axes.get_aspect() == 1.0
+    drawn = lines(axes)
+    np.testing.assert_allclose(drawn["sole"].get_xydata(), 1e3 * foot.contour)
+    np.testing.assert_allclose(drawn["waypoint"].get_ydata(), -3.0 * np.array(HOLLOW))
+    box = axes.patches[0]
+    assert (box.get_x(), box.get_y(), box.get_width(), box.get_height()) == pytest.approx(
+        (-130, -30, 260, 60)
+    )
+    assert f"hollow {1e3 * foot.hollow:.1f} mm" in texts(axes)
+    assert drawn["lower hull"].get_linestyle() == ":"
+
+
+def test_a_flat_sole_is_said_to_have_no_hollow():
+    axes = figures.contour(fo.Foot.flat()).axes[0]
+    assert "no hollow" in texts(axes)
+    assert "lower hull" not in lines(axes)
+
+
+def test_a_shape_has_neither_box_nor_waypoints():
+    axes = figures.contour(fo.Foot.shape("ellipse")).axes[0]
+    assert not axes.patches
+    assert "waypoint" not in lines(axes)
+
+
+@given(k=st.lists(st.integers(1, 10), min_size=4, max_size=12))
+def test_the_hull_is_convex_below_the_sole_and_its_gap_is_the_hollow(k):
+    foot = fo.Foot.from_waypoints(k)
+    hull, x, low, high = figures.lower_hull(foot.contour)
+    assert high - low == pytest.approx(foot.hollow, abs=1e-12)
+    assert low == pytest.approx(np.interp(x, *hull.T))
+    assert (foot.contour[:, 1] - np.interp(foot.contour[:, 0], *hull.T)).min() > -1e-12
+    assert (np.diff(np.diff(hull[:, 1]) / np.diff(hull[:, 0])) > -1e-9).all()
+
+
+# --- a search -------------------------------------------------------------------------------------
+
+
+def test_convergence_plots_best_and_median_against_evaluations():
+    axes = figures.convergence(HISTORY, "work (J)").axes[0]
+    drawn = lines(axes)
+    assert axes.get_ylabel() == "work (J)"
+    np.testing.assert_array_equal(drawn["best"].get_ydata(), [np.nan, -2.0, -2.5, -4.0])
+    np.testing.assert_array_equal(drawn["median"].get_xdata(), [10, 20, 30, 40])
+    assert drawn["best"].get_linestyle() != drawn["median"].get_linestyle()
+    assert "best −4.000" in texts(axes)
+    assert not axes.collections
+
+
+def test_convergence_takes_objects_and_shades_a_band():
+    class Row:
+        def __init__(self, i):
+            self.evaluations, self.best, self.median, self.low, self.high = i, -i, 0.0, -0.5, 0.5
+
+    axes = figures.convergence([Row(1), Row(2)], "$J_W$").axes[0]
+    assert len(axes.collections) == 1
+    assert axes.collections[0].get_label() == "spread"
+
+
+@pytest.mark.parametrize("history", [[], [{"evaluations": 10, "best": float("nan")}]])
+def test_a_search_without_a_feasible_design_says_so(history):
+    assert "no feasible design was found" in texts(figures.convergence(history, "$J_W$"))
+
+
+# --- walks ----------------------------------------------------------------------------------------
+
+UNITS = {
+    "com": ["(m)", "(m)", "(m/s)", "(m/s)"],
+    "forces": ["$f_x$ (N)", "$f_z$ (N)"] * 2,
+    "power_work": ["$P_l$ (W)", "$W_l$ (J)", "$P_r$ (W)", "$W_r$ (J)"],
+}
+TRACES = {
+    "com": lambda w: [w.com[:, 0], w.com[:, 1], w.velocity[:, 0], w.velocity[:, 1]],
+    "forces": lambda w: [w.force[:, 0, 0], w.force[:, 0, 1], w.force[:, 1, 0], w.force[:, 1, 1]],
+    "power_work": lambda w: [w.power[:, 0], w.work[:, 0], w.power[:, 1], w.work[:, 1]],
+}
+
+
+@pytest.mark.parametrize("name", UNITS)
+def test_traces_are_the_walk_s_with_units_and_heel_strikes(name, hard, soft):
+    figure = getattr(figures, name)({"hard sand": hard, "soft sand": soft})
+    assert [
+        axes.get_ylabel()[-len(unit) :] for axes, unit in zip(figure.axes, UNITS[name], strict=True)
+    ] == UNITS[name]
+    assert all(axes.get_xlabel() == "time $t$ (s)" for axes in figure.axes[2:])
+    for axes, first, second in zip(figure.axes, TRACES[name](hard), TRACES[name](soft), strict=True):
+        drawn = lines(axes)
+        np.testing.assert_array_equal(drawn["hard sand"].get_ydata(), first)
+        np.testing.assert_array_equal(drawn["soft sand"].get_ydata(), second)
+        np.testing.assert_array_equal(drawn["hard sand"].get_xdata(), hard.t)
+        assert drawn["hard sand"].get_linestyle() != drawn["soft sand"].get_linestyle()
+        assert drawn["hard sand"].get_color() != drawn["soft sand"].get_color()
+        strikes = [x[0] for x in (line.get_xdata() for line in axes.get_lines()) if len(x) == 2]
+        assert strikes[:3] == pytest.approx([1.1, 1.7, 2.3])
+    assert {"hard sand", "soft sand", "heel strike"} <= set(texts(figure))
+
+
+def test_the_rows_of_forces_tell_left_from_right(hard):
+    labels = [axes.get_ylabel().split()[0] for axes in figures.forces({"hard": hard}).axes]
+    assert labels == ["left", "left", "right", "right"]
+
+
+@pytest.mark.parametrize("name", UNITS)
+def test_a_walk_that_fails_on_its_way_ends_in_a_cross(name, hard, sunk):
+    figure = getattr(figures, name)({"hard": hard, "dust": sunk})
+    assert "dust (failed: sunk)" in texts(figure)
+    for axes in figure.axes:
+        crosses = [line for line in axes.get_lines() if line.get_marker() == "x"]
+        assert [line.get_xdata()[0] for line in crosses] == [sunk.t[-1]]
+        assert axes.get_xlim() == (0.0, hard.scene.duration)
+
+
+@pytest.mark.parametrize("name", UNITS)
+def test_a_walk_that_fails_at_once_is_named(name, void):
+    figure = getattr(figures, name)({"void": void})
+    assert texts(figure).count("no samples: sunk") == 4
+    assert "void (failed: sunk)" in texts(figure)
+    figure.canvas.draw()
+
+
+def test_standing_still_has_no_heel_strike(foot):
+    scene = fo.Scene(gait=fo.Gait.human(start=float("inf")), t_f=0.2)
+    figure = figures.com({"standing": fo.simulate(foot, scene, "draft")})
+    assert "heel strike" not in texts(figure)
+    assert all(len(axes.get_lines()) == 1 for axes in figure.axes)
+
+
+def test_many_lines_all_differ():
+    styles = [(line["color"], str(line["ls"])) for line in map(figures._line, range(35))]
+    assert len(set(styles)) == 35
+
+
+# --- one step -------------------------------------------------------------------------------------
+
+
+def test_a_stance_is_the_contact_about_the_first_heel_strike(hard):
+    first, last, dragged = figures.stance(hard)
+    up = hard.force[:, RIGHT, 1]
+    assert not dragged
+    assert (up[first : last + 1] > 1.0).all()
+    assert up[first - 1] <= 1.0
+    assert up[last + 1] <= 1.0
+    assert hard.t[first] < 1.1 < hard.t[last] < 2.0
+
+
+def test_on_soft_sand_the_foot_drags_and_the_step_begins_at_the_heel_strike(soft):
+    first, last, dragged = figures.stance(soft)
+    assert dragged
+    assert soft.t[first] == pytest.approx(1.1)
+    assert soft.t[last] > 1.5
+    assert any("since heel strike (t = 1.10 s" in text for text in texts(figures.step(soft)))
+
+
+@pytest.mark.parametrize("frames", [1, 4, 6])
+def test_a_step_s_frames_are_in_order_and_share_one_scale(hard, frames):
+    panels = figures.step(hard, frames).axes
+    assert len(panels) == frames
+    assert len({(axes.get_xlim(), axes.get_ylim(), axes.get_aspect()) for axes in panels}) == 1
+    times = [float(axes.get_title().removesuffix(" s")) for axes in panels]
+    assert times == sorted(times)
+    assert panels[0].get_ylabel() == "$z$ (m)"
+    assert panels[-1].get_xlabel() == "$x$ (m)"
+
+
+def test_arrows_carry_the_force_on_the_foot(hard):
+    figure = figures.step(hard)
+    first, last, _ = figures.stance(hard)
+    times = hard.t[first] + np.linspace(0.05, 0.95, 6) * (hard.t[last] - hard.t[first])
+    index = np.searchsorted(hard.t, times)
+    quivers = [next(q for q in axes.get_children() if isinstance(q, Quiver)) for axes in figure.axes]
+    # arrows too short to see are left out
+    for quiver, sample in zip(quivers, index, strict=True):
+        total = [quiver.U.sum(), quiver.V.sum()]
+        np.testing.assert_allclose(total, hard.force[sample, RIGHT], atol=0.05 * 589.0)
+        below = quiver.get_offsets()[:, 1]
+        assert (below < 0.005).all()
+    assert len({quiver.scale for quiver in quivers}) == 1
+    (key,) = (k for axes in figure.axes for k in axes.get_children() if isinstance(k, QuiverKey))
+    longest = max(np.hypot(quiver.U, quiver.V).max() for quiver in quivers)
+    assert 0.3 * longest < key.U <= longest
+    assert key.text.get_text() == f"{key.U:g} N"
+
+
+def test_a_step_draws_the_sole_where_the_plates_are(hard):
+    index = np.array([700])
+    sole = figures._placed(hard, np.minimum(index, len(hard.t) - 1)).sole[0]
+    plates = hard.plates(np.minimum(index, len(hard.t) - 1)).position[0, RIGHT]
+    gap = np.linalg.norm(plates[:, None] - sole[None], axis=-1).min(axis=1)
+    assert gap.max() < 1e-3
+
+
+def test_a_walk_without_a_step_says_why(void, foot):
+    assert any("the walk failed: sunk" in text for text in texts(figures.step(void)))
+    short = fo.simulate(foot, fo.Scene(t_f=0.3), "draft")
+    assert any("never touched" in text for text in texts(figures.step(short)))
+
+
+def test_a_step_of_a_failed_walk_is_drawn_as_far_as_it_went(sunk):
+    figure = figures.step(sunk)
+    assert len(figure.axes) == 6
+    assert any("failed: sunk" in text for text in texts(figure))
+
+
+def test_no_frames_are_refused(hard):
+    with pytest.raises(SettingError, match="frames"):
+        figures.step(hard, 0)
+
+
+@given(value=st.floats(1e-6, 1e6))
+def test_the_scale_arrow_is_round_and_not_longer(value):
+    rounded = figures._round_down(value)
+    assert 0.39 * value < rounded <= value * (1 + 1e-9)
+    assert f"{rounded:.0e}"[0] in "125"
+
+
+# --- many designs ---------------------------------------------------------------------------------
+
+
+def test_a_scatter_matrix_shows_each_pair_once_and_stars_the_marked_design(table):
+    figure = figures.scatter_matrix(table, FIVE, marked=7)
+    grid = np.array(figure.axes).reshape(5, 5)
+    good = np.delete(table, 4, axis=0)
+    for row in range(5):
+        for column in range(row):
+            points, star = grid[row, column].get_lines()
+            np.testing.assert_array_equal(points.get_xydata(), good[:, [column, row]])
+            np.testing.assert_array_equal(star.get_xydata()[0], table[7, [column, row]])
+            assert star.get_marker() == "*"
+            assert star.get_markersize() > 2 * points.get_markersize()
+            assert not same_color(star.get_markerfacecolor(), points.get_color())
+        assert grid[row, row].patches
+    assert {"design", "best in $J_W$", "29 designs\n1 failed, not drawn"} <= set(texts(figure))
+
+
+@pytest.mark.parametrize("name", OBJECTIVES)
+def test_labels_have_units_and_say_which_way_is_better(name):
+    o = OBJECTIVES[name]
+    label = figures._better(o, 1.0)
+    assert f"({o.unit})" in label or not o.unit
+    assert label.endswith("better →" if o.maximise else "← better")
+    scaled = figures._better(o, 1e-4)
+    assert scaled.split("\n")[1].endswith(f"($10^{{-4}}$ {o.unit})" if o.unit else "($10^{-4}$)")
+
+
+def test_small_numbers_are_scaled_and_the_label_says_so(table):
+    small = 2e-4 * table[:, :2]
+    figure = figures.scatter_matrix(small, ["distance", "efficiency"], marked=0)
+    points, _ = figure.axes[2].get_lines()
+    assert points.get_ydata().max() == pytest.approx(1e4 * np.nanmax(small[:, 1]))
+    assert "($10^{-4}$)" in figure.axes[2].get_ylabel()
+
+
+def test_parallel_axes_are_turned_so_that_better_is_up(table):
+    figure = figures.parallel(table, FIVE, marked=7)
+    axes = figure.axes[0]
+    curves = np.array([line.get_ydata() for line in axes.get_lines()[:29]])
+    good = np.delete(table, 4, axis=0)
+    for i, name in enumerate(FIVE):
+        best = good[:, i].argmax() if OBJECTIVES[name].maximise else good[:, i].argmin()
+        assert curves[best, i] == pytest.approx(1.0)
+        assert curves[:, i].min() == pytest.approx(0.0)
+        ends = {f"{good[:, i].min():.4g}", f"{good[:, i].max():.4g}"}
+        assert ends <= {text.rstrip("0").rstrip(".") for text in texts(figure)}
+    star = lines(axes)["best in $J_W$"]
+    np.testing.assert_allclose(star.get_ydata(), curves[6])  # row 7 of the table, after a failed one
+    assert star.get_linewidth() > 2 * axes.get_lines()[0].get_linewidth()
+    assert {"better", "29 designs (1 failed, not drawn)"} <= set(texts(figure))
+
+
+@pytest.mark.parametrize("draw", [figures.scatter_matrix, figures.parallel])
+def test_odd_tables_are_drawn(draw, table):
+    nothing = np.full((3, 5), np.nan)
+    same = np.ones((4, 5))
+    for values, marked in (
+        (nothing, 1),
+        (same, 0),
+        (table[:1], 0),
+        (table, None),
+        (table, 4),
+    ):
+        figure = draw(values, FIVE, marked)
+        star = marked is not None and bool(np.isfinite(values[marked]).all())
+        assert ("best in $J_W$" in texts(figure)) is star
+        figure.draw_without_rendering()
+    draw(table[:, :1], FIVE[:1], 0).draw_without_rendering()
+
+
+@pytest.mark.parametrize("draw", [figures.scatter_matrix, figures.parallel])
+def test_a_table_that_does_not_fit_its_names_is_refused(draw, table):
+    with pytest.raises(SettingError, match="4 columns"):
+        draw(table, FIVE[:4])
+    with pytest.raises(SettingError, match="marked"):
+        draw(table, FIVE, 30)
+    with pytest.raises(SettingError, match=r"objective\.names"):
+        draw(table[:, :1], ["speed"])

@@ -1,0 +1,579 @@
+"""report.html in a real browser: what it shows, what moves it, and the files that it hands out."""
+
+import csv
+import dataclasses
+import io
+import json
+import re
+import shutil
+import time
+from collections import Counter
+
+import numpy as np
+import pytest
+from rich.text import Text
+
+import footopt as fo
+from footopt.design import confirm
+from footopt.errors import FileError
+from footopt.files import run as files
+from footopt.files.contours import closed_contour, enclosed_area
+from footopt.files.contours import write_csv as write_contour
+from footopt.report import figures, page, summary, terminal
+from footopt.walk import OBJECTIVES
+
+CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+browser_needed = pytest.mark.skipif(
+    not (CHROMIUM and DRIVER), reason="no chromium: apt-get install chromium chromium-driver"
+)
+FLAGS = (
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--window-size=1280,900",
+)
+LIMIT = 8e6  # bytes of a page
+
+
+def searched(objective, solver, space=None):
+    """A small search, and what its page is made of."""
+    problem = fo.FootProblem(objective=objective, space=space, accuracy="draft")
+    result = fo.search(problem, solver, pop_size=24, n_gen=6, seed=1)
+    confirmed = confirm(result, "standard", 5)
+    best = fo.simulate(fo.Foot.from_waypoints(result.k[confirmed.designs[0]], problem.space), problem.scene)
+    flat = fo.simulate(fo.Foot.flat(), problem.scene)
+    entry = {
+        "seed": 1,
+        "flat": flat.objectives,
+        "error_estimate": best.objectives,
+        "accuracy": {"name": "standard"},
+        "search_accuracy": {"name": "draft"},
+        "scene": {"effects": {}},
+        "wall_time_s": 1.0,
+        "versions": {"footopt": fo.__version__},
+    }
+    return result, confirmed, best, flat, entry
+
+
+@pytest.fixture(scope="module")
+def front():
+    return searched("pareto", "nsga2")
+
+
+@pytest.fixture(scope="module")
+def single():
+    return searched("efficiency", "ga")
+
+
+@pytest.fixture(scope="module")
+def pages(front, single, tmp_path_factory):
+    """A page of each kind, as files by name."""
+    folder = tmp_path_factory.mktemp("pages")
+    walk_entry = {"accuracy": {"name": "draft"}, "scene": {"effects": {"layers": {"depths": [0.03]}}}}
+    sinking = fo.Scene(sand=fo.Sand(zeta=0.001))
+    contents = {
+        "front": page.search_content(*front),
+        "single": page.search_content(*single),
+        "walk": page.walk_content(fo.simulate(fo.Foot.shape("reversed_l"), accuracy="draft"), walk_entry),
+        "sunk": page.walk_content(fo.simulate(fo.Foot.flat(), sinking, "draft"), walk_entry),
+    }
+    for i, zeta in enumerate([1.0, 5.0]):
+        leave_job(folder / str(i), fo.simulate(fo.Foot.flat(), fo.Scene(sand=fo.Sand(zeta=zeta)), "draft"))
+    (folder / "0" / "walk.nc").unlink()  # a study of many scenarios leaves neither walk nor page
+    (folder / "1" / "report.html").touch()
+    (folder / "2").mkdir()
+    (folder / "2" / "error.txt").write_text("sand.zeta = 0: must be a number > 0\n")
+    assert summary.report(folder) == 1
+    (folder / "report.html").rename(folder / "jobs.html")
+    contents["exact"] = page.search_content(*searched("work", "exhaustive", fo.Waypoints(n=4, K=3)))
+    contents["no jobs"] = page.jobs_content(
+        folder,
+        [
+            {
+                "name": "job 9",
+                "place": "",
+                "folder": folder / "9",
+                "result": None,
+                "settings": "",
+                "hollow": "-",
+                "note": "no result",
+            }
+        ],
+        [],
+    )
+    (folder / "figures").mkdir()
+    walk = fo.simulate(fo.Foot.flat(), accuracy="draft")
+    figures.save(figures.contour(walk.foot), folder / "figures", "contour")
+    figures.save(figures.forces({"flat": walk}), folder / "figures", "wide")
+    (folder / "table 1.csv").write_text("")
+    page.write_study(folder, "A study", ["What <it> found"], SAYS, [study_table()], STUDY, ["Not <so> good."])
+    (folder / "report.html").rename(folder / "study.html")
+    written = {name: page.write(folder / f"{name}.html", content) for name, content in contents.items()}
+    return written | {"jobs": folder / "jobs.html", "study": folder / "study.html"}
+
+
+def leave_job(folder, walk):
+    """What a job of a multirun leaves in its folder, as far as the page over all jobs reads it."""
+    folder.mkdir()
+    write_contour(walk.foot, folder / "contour.csv")
+    files.write_walk(folder / "walk.nc", walk)
+    result = {
+        "objectives": walk.objectives,
+        "units": {name: OBJECTIVES[name].unit for name in walk.objectives},
+        "design": {"k": walk.foot.k, "hollow_mm": 0.0},
+        "settings": {"foot": {"top": walk.foot.top, "width": walk.foot.width}},
+        "versions": files.versions(),
+    }
+    files.write_json(folder / "result.json", result)
+
+
+#: The figures of a page of a study, its table, and what result.json says.
+SAYS = {"contour": 'A flat sole, and a "quoted" <word>.', "wide": "Forces of a walk."}
+STUDY = {
+    "study": "shapes",
+    "seed": 7,
+    "wall_time_s": 12.3,
+    "settings": {"solver": {"seed": 7}, "sand": {"zeta": 5.0}},
+    "versions": {"footopt": fo.__version__},
+    "error_estimate": {"ellipse": {"distance": 0.001}},
+    "far too much": list(range(1000)),
+}
+
+
+def study_table():
+    shown = terminal.table(("name", "a number"), words=("name",), title="What came out")
+    shown.add_row("[bold]", Text("1.25 %", style="bold red"))
+    shown.add_row("k = [1, 2, 3]", "-")
+    shown.add_row("table 1.csv", "2")
+    return shown
+
+
+KINDS = ["front", "single", "exact", "walk", "sunk", "jobs", "no jobs", "study"]
+
+
+@pytest.fixture(scope="module")
+def downloads(tmp_path_factory):
+    return tmp_path_factory.mktemp("downloads")
+
+
+@pytest.fixture(scope="module")
+def browser(downloads, tmp_path_factory):
+    webdriver = pytest.importorskip("selenium.webdriver")
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    for flag in (*FLAGS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    options.add_experimental_option("prefs", {"download.default_directory": str(downloads)})
+    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    yield driver
+    driver.quit()
+
+
+class Page:
+    """A page in the browser, in the words of the tests."""
+
+    def __init__(self, driver, path):
+        self.driver = driver
+        driver.get(path.as_uri())
+
+    def __getitem__(self, selector):
+        for _ in range(40):  # what opens on demand is filled a moment later
+            if found := self.all(selector):
+                return found[0]
+            time.sleep(0.05)
+        raise LookupError(f"nothing is {selector}")
+
+    def all(self, selector):
+        return self.driver.find_elements("css selector", selector)
+
+    def js(self, code):
+        return self.driver.execute_script(f"return {code}")
+
+    def text(self, selector):
+        return self[selector].text
+
+    def counts(self):
+        """How many designs are within the limits, and of how many."""
+        return tuple(map(int, re.findall(r"\d+", self.text("#count"))))
+
+    def limits(self, name):
+        """The limits of a value, as its two fields show them."""
+        fields = [self[f'input[aria-label^="{end} {name}"]'] for end in ("smallest", "largest")]
+        ends = [f.get_property("value") for f in fields]
+        return tuple(float(e) if e else s * np.inf for e, s in zip(ends, (-1, 1), strict=True))
+
+    def drag(self, selector, start, end):
+        """Drag inside an element, from and to fractions of its width and height."""
+        actions = self._pointer(selector, start).click_and_hold()
+        self._to(actions, selector, end).release().perform()
+
+    def click(self, selector, place):
+        self._pointer(selector, place).click().perform()
+
+    def _pointer(self, selector, place):
+        from selenium.webdriver.common.action_chains import ActionChains
+
+        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", self[selector])
+        return self._to(ActionChains(self.driver, duration=30), selector, place)
+
+    def _to(self, actions, selector, place):
+        element = self[selector]
+        x, y = (
+            round((part - 0.5) * element.size[side])
+            for part, side in zip(place, ("width", "height"), strict=True)
+        )
+        return actions.move_to_element_with_offset(element, x, y)
+
+    def errors(self):
+        return [entry for entry in self.driver.get_log("browser") if entry["level"] == "SEVERE"]
+
+
+def arrived(folder, ending):
+    """The text of the only file with an ending, once the browser has written it."""
+    for _ in range(100):
+        found = [p for p in folder.glob(f"*.{ending}") if p.stat().st_size]
+        if found and not list(folder.glob("*.crdownload")):
+            text = found[0].read_text(encoding="utf-8")
+            found[0].unlink()
+            return text
+        time.sleep(0.05)
+    raise AssertionError(f"no .{ending} file arrived")
+
+
+@browser_needed
+@pytest.mark.parametrize("kind", KINDS)
+class TestEveryPage:
+    def test_loads_from_a_folder_with_no_error_and_nothing_from_outside(self, kind, pages, browser):
+        shown = Page(browser, pages[kind])
+        assert not shown.errors()
+        assert shown.js("performance.getEntriesByType('resource').length") == 0
+        assert shown.text("h1")
+
+    def test_everything_to_operate_and_every_picture_has_a_name(self, kind, pages, browser):
+        shown = Page(browser, pages[kind])
+        browser.execute_script("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
+        for element in shown.all("button, select, input, a"):
+            assert element.accessible_name or not element.is_displayed(), element.get_attribute("outerHTML")
+        assert all(e.get_attribute("aria-label") for e in shown.all("svg[role=img]"))
+
+    def test_is_never_wider_than_the_window(self, kind, pages, browser):
+        shown = Page(browser, pages[kind])
+        for width in (420, 800, 1280):
+            browser.set_window_size(width, 900)
+            assert shown.js("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
+
+
+@browser_needed
+class TestExplorer:
+    def test_a_drag_along_an_axis_filters_both_figures(self, front, pages, browser):
+        result = front[0]
+        shown = Page(browser, pages["front"])
+        assert shown.counts() == (len(result.front), len(result.front))
+        before = shown.js("document.querySelector('#scatter canvas').toDataURL()")
+        left = 70 / shown["#parallel"].size["width"]  # the first axis: distance
+        shown.drag("#parallel svg", (left, 0.05), (left, 0.5))
+        low, high = shown.limits("distance")
+        values = result.column("distance")[result.front]
+        assert np.isinf(high)
+        assert min(values) < low < max(values)
+        assert shown.counts()[0] == np.sum(values >= low)
+        assert 0 < shown.counts()[0] < len(result.front)
+        assert shown.js("document.querySelector('#scatter canvas').toDataURL()") != before
+        shown["#clear"].click()
+        assert shown.counts()[0] == len(result.front)
+        assert shown.js("document.querySelector('#scatter canvas').toDataURL()") == before
+
+    def test_a_drag_across_the_scatter_sets_limits_of_the_values_that_were_picked(
+        self, front, pages, browser
+    ):
+        result = front[0]
+        shown = Page(browser, pages["front"])
+        shown['#scatter-x option[value="work"]'].click()
+        shown['#scatter-y option[value="generation"]'].click()
+        before = shown.js("document.querySelector('#parallel canvas').toDataURL()")
+        shown.drag("#scatter svg", (0.2, 0.2), (0.6, 0.8))
+        (low, high), (first, last) = shown.limits("work"), shown.limits("generation")
+        work, generation = result.column("work")[result.front], result.generation[result.front]
+        inside = (low <= work) & (work <= high) & (first <= generation) & (generation <= last)
+        assert shown.counts()[0] == inside.sum() < len(inside)
+        assert shown.js("document.querySelector('#parallel canvas').toDataURL()") != before
+
+    def test_a_click_on_a_point_shows_that_design_and_its_walk(self, front, pages, browser):
+        result = front[0]
+        shown = Page(browser, pages["front"])
+        best = shown.text("#design-title")
+        walk = shown.js("document.querySelector('#walk figure path').getAttribute('d')")
+        other = int(result.front[-1])
+        place = shown.js(
+            "(() => { const x = columnOf('distance'), y = columnOf('mean_height');"
+            "const all = data.front.map((i) => [x.of(i), y.of(i)]), i = " + str(other) + ";"
+            "const part = (v, vs) => { const [a, b] = range(vs); return (v - a) / (b - a); };"
+            "return [part(x.of(i), all.map((p) => p[0])), part(y.of(i), all.map((p) => p[1]))]; })()"
+        )
+        width, height = (shown["#scatter svg"].size[side] for side in ("width", "height"))
+        across = (72 + place[0] * (width - 26 - 72)) / width
+        down = (height - 40 + place[1] * (22 - (height - 40))) / height
+        shown.click("#scatter svg", (across, down))
+        title = shown.text("#design-title")
+        assert title != best
+        chosen = int(re.search(r"design (\d+)", title)[1])
+        near = result.values[chosen, :2] - result.values[other, :2]
+        assert np.all(np.abs(near) < 0.05 * np.ptp(result.values[result.front][:, :2], axis=0))
+        assert f"k = {', '.join(map(str, result.k[chosen]))}" in shown.text("#design-words")
+        rows = [row.find_elements("css selector", "td") for row in shown.all("#design tbody tr")]
+        numbers = [float(cells[1].text.replace("−", "-")) for cells in rows]
+        np.testing.assert_allclose(numbers, result.values[chosen], rtol=1e-3)
+        assert shown["#walk-choice option:checked"].text == f"design {chosen}"
+        assert shown.js("document.querySelector('#walk figure path').getAttribute('d')") != walk
+
+    def test_works_from_the_keyboard_alone(self, front, pages, browser):
+        from selenium.webdriver.common.keys import Keys
+
+        result = front[0]
+        shown = Page(browser, pages["front"])
+        shown["#limits summary"].send_keys(Keys.ENTER)
+        middle = float(np.median(result.column("peak_power")[result.front]))
+        shown['input[aria-label^="largest peak power"]'].send_keys(f"{middle}{Keys.TAB}")
+        assert shown.counts()[0] == np.sum(result.column("peak_power")[result.front] <= middle)
+        shown["#explore > details:last-of-type summary"].send_keys(Keys.ENTER)
+        shown["#explore table button"].send_keys(Keys.ENTER)
+        kept = [i for i in result.front if result.column("peak_power")[i] <= middle]
+        first = min(kept, key=lambda i: result.column("efficiency")[i])
+        assert f"design {first}" in shown.text("#design-title")
+        shown["#which"].send_keys("all")
+        shown["#clear"].send_keys(Keys.ENTER)
+        assert shown.counts() == (result.feasible.sum(),) * 2
+
+    def test_a_design_without_a_walk_says_how_to_walk_it(self, front, pages, browser):
+        result = front[0]
+        shown = Page(browser, pages["front"])
+        shown['#which option[value="all"]'].click()
+        shown["#explore > details:last-of-type summary"].click()
+        assert shown["#explore table button"]
+        listed = {int(button.text): button for button in shown.all("#explore table button")}
+        beside = next(i for i in listed if i not in result.front)
+        listed[beside].click()
+        assert f"foot.k=[{','.join(map(str, result.k[beside]))}]" in shown.text("#unwalked")
+
+
+@browser_needed
+class TestWalk:
+    def test_the_scrubber_moves_the_picture_the_numbers_and_the_plots_together(self, front, pages, browser):
+        from selenium.webdriver.common.keys import Keys
+
+        best = front[2]
+        shown = Page(browser, pages["front"])
+        cursors = [c.get_attribute("x1") for c in shown.all("#walk .cursor")]
+        assert len(set(cursors)) == 1
+        for _ in range(20):
+            shown["#time"].send_keys(Keys.ARROW_RIGHT)
+        t = float(shown["#time"].get_property("value"))
+        assert f"t = {t:.2f} s" in shown.text("#walk output")
+        moved = [c.get_attribute("x1") for c in shown.all("#walk .cursor")]
+        assert len(set(moved)) == 1
+        assert moved != cursors
+        row = [cell.text.replace("−", "-") for cell in shown.all("#walk .scroll tr:nth-child(1) td")]
+        now = [np.interp(t, best.t, trace) for trace in (*best.com.T, *best.velocity.T)]
+        np.testing.assert_allclose([float(text) for text in row[1:5]], now, rtol=0, atol=2e-3)
+
+    def test_play_walks_and_pause_stands(self, pages, browser):
+        shown = Page(browser, pages["single"])
+        start = float(shown["#time"].get_property("value"))
+        shown["#play"].click()
+        assert shown.text("#play") == "Pause"
+        time.sleep(0.4)
+        shown["#play"].click()
+        assert start < float(shown["#time"].get_property("value")) < start + 1
+        assert shown.text("#play") == "Play"
+
+    def test_a_click_in_a_plot_goes_to_that_instant(self, pages, browser):
+        shown = Page(browser, pages["walk"])
+        shown.click("#walk .plots figure:nth-child(4) svg", (0.9, 0.5))
+        assert 2.4 < float(shown["#time"].get_property("value")) < 2.9
+
+    def test_the_soles_stand_in_the_sand_where_the_walk_has_them(self, pages, front, browser):
+        best = front[2]
+        shown = Page(browser, pages["front"])
+        t = best.t[len(best.t) // 2]
+        feet = shown.js(f"instant(open(0), {t}).feet.map((foot) => foot.sole)")
+        pose = best.scene.gait.pose(np.array([t]), 0.47, 0.45)
+        com = best.com[len(best.t) // 2]
+        for foot in (0, 1):
+            c, s = np.cos(pose.pitch[0, foot]), np.sin(pose.pitch[0, foot])
+            heel = best.foot.contour[0] - best.foot.ankle
+            expected = com + [pose.x[0, foot], pose.z[0, foot]] + np.array([[c, -s], [s, c]]) @ heel
+            np.testing.assert_allclose(feet[foot][0], expected, atol=1e-3)
+
+    def test_a_walk_that_sank_says_so(self, pages, browser):
+        assert "sunk" in Page(browser, pages["sunk"]).text("#walk")
+
+
+@browser_needed
+class TestSearch:
+    def test_the_lineage_shows_each_sole_that_was_the_best(self, single, pages, browser):
+        result = single[0]
+        shown = Page(browser, pages["single"])
+        buttons = shown.all(".lineage button")
+        assert len(buttons) == len(page.successive_bests(result))
+        buttons[0].click()
+        i = page.successive_bests(result)[0]
+        assert ", ".join(map(str, result.k[i])) in shown.text("#design-words")
+        assert shown["#walk-choice option:checked"].text == f"design {i}"
+
+
+@browser_needed
+class TestDownloads:
+    @pytest.mark.parametrize("kind", ["front", "walk"])
+    def test_dxf_csv_and_stl_hold_the_sole_that_is_shown(self, kind, front, pages, browser, downloads):
+        import ezdxf
+
+        foot = front[2].foot if kind == "front" else fo.Foot.shape("reversed_l")
+        shown = Page(browser, pages[kind])
+        area = enclosed_area(1e3 * closed_contour(foot))
+
+        shown["#download-csv"].click()
+        rows = list(csv.reader(io.StringIO(arrived(downloads, "csv"))))
+        assert rows[0] == ["x_mm", "z_mm"]
+        np.testing.assert_allclose(np.array(rows[1:], float), 1e3 * foot.contour, rtol=0, atol=2e-4)
+
+        shown["#download-dxf"].click()
+        document = ezdxf.read(io.StringIO(arrived(downloads, "dxf")))
+        assert not document.audit().errors
+        (drawn,) = document.modelspace().query('POLYLINE[layer=="OUTLINE"]')
+        assert drawn.is_closed
+        points = np.array([v.dxf.location.vec2 for v in drawn.vertices])
+        assert enclosed_area(points) == pytest.approx(area, rel=1e-5)
+
+        shown["#download-stl"].click()
+        vertices = re.findall(r"vertex (\S+) (\S+) (\S+)", arrived(downloads, "stl"))
+        facets = np.array(vertices, float).reshape(-1, 3, 3)
+        volume = np.einsum("ij,ij->", facets[:, 0], np.cross(facets[:, 1], facets[:, 2])) / 6
+        assert volume == pytest.approx(area * 1e3 * foot.width, rel=1e-5)  # outward normals: positive
+        edges = Counter((tuple(f[i]), tuple(f[(i + 1) % 3])) for f in facets.tolist() for i in range(3))
+        assert all(edges[b, a] == n == 1 for (a, b), n in edges.items())  # watertight
+
+
+@browser_needed
+class TestAStudysPage:
+    def test_has_its_figures_and_tables_as_they_are(self, pages, browser):
+        shown = Page(browser, pages["study"])
+        images = shown.all("img")
+        assert [image.get_attribute("alt") for image in images] == list(SAYS.values())
+        natural = [shown.js(f"document.images[{i}].naturalWidth") for i in range(2)]
+        assert natural[1] > natural[0] > 300
+        cells = [cell.text for cell in shown.all("#tables th, #tables td")]
+        assert cells == ["name", "a number", "[bold]", "1.25 %", "k = [1, 2, 3]", "-",
+                         "table 1.csv", "2"]  # fmt: skip
+        assert "What <it> found" in shown.text("#header")
+
+    def test_marks_what_is_bold_on_the_terminal_and_what_is_wrong(self, pages, browser):
+        shown = Page(browser, pages["study"])
+        assert [cell.text for cell in shown.all("#tables strong")] == ["1.25 %"]
+        assert shown.text("#header .warning") == "Not <so> good."
+
+    def test_links_the_files_beside_it_that_its_tables_name(self, pages, browser):
+        shown = Page(browser, pages["study"])
+        (link,) = shown.all("#tables a")
+        assert link.get_dom_attribute("href") == "table%201.csv"
+        assert link.get_property("href") == (pages["study"].parent / "table 1.csv").as_uri()
+
+    def test_says_at_its_foot_how_it_was_made(self, pages, browser):
+        shown = Page(browser, pages["study"])
+        foot = shown.text("#footer")
+        assert "seed: 7" in foot
+        assert "wall time: 12.3 s" in foot
+        assert f"footopt {fo.__version__}" in foot
+        assert {"Settings", "Error estimates"} <= {s.text for s in shown.all("summary")}
+        assert pages["study"].stat().st_size < 8e6
+        assert "far too much" not in pages["study"].read_text()
+
+
+@browser_needed
+def test_a_multirun_shows_every_job_the_failed_ones_too(pages, browser):
+    shown = Page(browser, pages["jobs"])
+    rows = shown.all("#jobs tbody tr")
+    assert len(rows) == 3
+    assert "must be a number > 0" in rows[2].text
+    assert [a.get_attribute("href").rsplit("/", 2)[1] for a in shown.all("#jobs a")] == ["1"]
+    assert "A job's link opens its own page." in shown.text("#jobs")  # not every study has a walk
+    assert "job 1" in shown.text("#traces")
+    assert "job 0" not in shown.text("#traces")
+    rows[1].find_element("css selector", "button").click()
+    assert "job 1" in shown.text("#design-title")
+
+
+class TestFile:
+    def test_successive_bests_get_better_and_end_with_the_best(self, single):
+        result = single[0]
+        line = page.successive_bests(result)
+        values = result.column("efficiency")[line]
+        assert np.all(np.diff(values) < 0)
+        assert np.all(np.diff(result.generation[line]) > 0)
+        assert line[-1] == result.best
+        assert [g.best for g in result.history][-1] == values[-1]
+
+    def test_a_front_of_ten_thousand_designs_stays_small(self, front, tmp_path):
+        result, *rest = front
+        some = np.resize(np.flatnonzero(result.feasible), 10_000)
+        many = dataclasses.replace(
+            result,
+            **{
+                name: getattr(result, name)[some]
+                for name in ("k", "values", "feasible", "reasons", "generation")
+            },
+            front=np.arange(3000),
+        )
+        content = page.search_content(many, *rest)
+        assert len({w["design"] for w in content["walks"]}) == page.WALKS + 2  # the best one, the flat sole
+        assert page.write(tmp_path / "report.html", content).stat().st_size < LIMIT
+
+    def test_of_very_many_designs_the_front_and_an_even_selection_are_shown(self, front, monkeypatch):
+        result = front[0]
+        monkeypatch.setattr(page, "DESIGNS", 10)
+        content = page.search_content(*front)
+        (count,) = content["designs"]["rows"]["shape"]
+        assert len(result.front) <= count <= len(result.front) + 10 < result.designs
+        assert len(set(content["front"])) == len(result.front)
+        assert f"{count} of the designs are on this page" in content["headline"]
+
+    @pytest.mark.parametrize("exact", [True, False])
+    def test_packed_numbers_come_back(self, exact):
+        import base64
+
+        values = np.random.default_rng(1).normal(size=(40, 3)) * 1e3
+        packed = page.packed(values, exact)
+        raw = np.frombuffer(base64.b64decode(packed["data"]), "<f4" if exact else "<u2").astype(float)
+        back = raw if exact else packed["low"] + packed["step"] * raw
+        error = 1e-7 * np.abs(values).max() if exact else np.ptp(values) / 65535
+        np.testing.assert_allclose(back.reshape(packed["shape"]), values, rtol=0, atol=error)
+        whole = page.packed(np.arange(-5, 300))
+        assert (whole["low"], whole["step"]) == (-5, 1)
+        large = page.packed(np.array([1, 70_000, 99_999, 1_000_000]))  # heights of foot.K = 1e6
+        kept = np.frombuffer(base64.b64decode(large["data"]), "<f4")
+        assert (large["step"], kept.tolist()) == (0.0, [1, 70_000, 99_999, 1_000_000])
+
+    def test_a_name_cannot_break_out_of_the_page(self, tmp_path):
+        evil = "</script><script>alert(1)</script>"
+        text = page.write(tmp_path / "page.html", {"title": evil, "note": evil}).read_text()
+        assert "alert(1)</script>" not in text
+        data = re.search(r'<script type="application/json" id="data">(.*?)</script>', text)[1]
+        assert json.loads(data)["note"] == evil
+
+    def test_a_multirun_of_a_study_without_one_best_foot_has_a_page_too(self, tmp_path):
+        results = {"shapes": {}, "sensitivity": {"design": {"k": None}, "objectives": ["work"]}}
+        for i, (name, more) in enumerate(results.items()):
+            (tmp_path / str(i)).mkdir()
+            (tmp_path / str(i) / "result.json").write_text(json.dumps({"study": name, **more}))
+        assert summary.report(tmp_path) == 0
+        text = (tmp_path / "report.html").read_text()
+        assert all(f"study={name}: see its own folder" in text for name in results)
+
+    def test_a_folder_that_cannot_be_written_is_named(self, tmp_path):
+        with pytest.raises(FileError, match="nowhere"):
+            page.write(tmp_path / "nowhere" / "report.html", {"title": ""})

@@ -1,0 +1,323 @@
+"""Objects show themselves: cards for notebooks, drawings on one Axes, tables for pandas and xarray."""
+
+import base64
+import io
+import sys
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+from matplotlib.quiver import Quiver
+from scipy.io import netcdf_file
+
+import footopt as fo
+from footopt.errors import FootoptError, MissingError, SettingError
+from footopt.files import run as files
+from footopt.report import body, show
+
+NASTY = '<script>alert("&")</script>'
+
+
+@pytest.fixture(scope="module")
+def walked():
+    return fo.simulate(fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4]), accuracy="draft")
+
+
+@pytest.fixture(scope="module")
+def many():
+    feet = [replace(fo.Foot.flat(), width=width) for width in np.linspace(0.01, 0.1, 20)]  # narrow ones sink
+    table = fo.evaluate(feet, fo.Scene(sand=fo.Sand(zeta=0.1)), "draft")
+    assert 0 < table.feasible.sum() < 20
+    return table
+
+
+@pytest.fixture(scope="module")
+def searches():
+    budget = {"pop_size": 20, "n_gen": 3, "seed": 1}
+    one = fo.search(fo.FootProblem(accuracy="draft"), "ga", **budget)
+    several = fo.search(fo.FootProblem(objective="pareto", accuracy="draft"), "nsga2", **budget)
+    return {"one": one, "several": several}
+
+
+@pytest.fixture(scope="module")
+def things(walked, many, searches):
+    """One of everything that shows itself, and the hard cases."""
+    return {
+        "sand": fo.Sand.named("soft"),
+        "table of stresses": fo.Sand(name="fitted", fit_error=(0.01, 0.02)),
+        "gait": fo.Gait.human(),
+        "foot": walked.foot,
+        "ellipse": fo.Foot.shape("ellipse", closed=True),
+        "scene": fo.Scene(),
+        "every effect": fo.Scene(
+            effects=(fo.Slope(-8), fo.Layers((0.02, 0.1), (0.3, 4)), fo.Patches(), fo.LeadingEdge())
+        ),
+        "standing": fo.Scene(gait=fo.Gait.human(start=float("inf")), t_f=1.0),
+        "walk": walked,
+        "sunk": fo.simulate(walked.foot, fo.Scene(sand=fo.Sand(zeta=0.02)), "draft"),
+        "void": fo.simulate(walked.foot, fo.Scene(sand=fo.Sand(zeta=1e-3)), "draft"),
+        "stood": fo.simulate(
+            fo.Foot.flat(), fo.Scene(gait=fo.Gait.human(start=float("inf")), t_f=1.0), "draft"
+        ),
+        "table": many,
+        **searches,
+    }
+
+
+NAMES = ["sand", "table of stresses", "gait", "foot", "ellipse", "scene", "every effect", "standing", "walk",
+         "sunk", "void", "stood", "table", "one", "several"]  # fmt: skip
+
+
+class Parsed(HTMLParser):
+    """Texts, tags and the picture of a card."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.words, self.tags, self.image = [], [], {}
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        if tag == "img":
+            self.image = dict(attrs)
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+    @property
+    def text(self):
+        return " ".join(self.words)
+
+    def pixels(self):
+        return imread(io.BytesIO(base64.b64decode(self.image["src"].partition(",")[2])))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_card_has_numbers_and_a_picture_with_words_for_who_cannot_see_it(things, name):
+    card = Parsed(things[name]._repr_html_())
+    assert card.tags.count("img") == 1
+    assert card.tags.count("tr") >= 3
+    assert card.image["alt"]
+    picture = card.pixels()
+    assert picture[..., :3].std() > 0.02  # something is drawn
+    np.testing.assert_array_equal(picture[[0, -1], :, :3].mean(axis=-1), 1.0)  # and nothing is cut off
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_drawing_is_on_the_axes_that_it_was_given(things, name):
+    for what in show.view(things[name]).drawings(things[name]):
+        figure = Figure()
+        axes = figure.subplots()
+        before = dict(matplotlib.rcParams)
+        assert things[name].plot(axes, what) is axes
+        assert dict(matplotlib.rcParams) == before
+        assert axes.lines or axes.collections or axes.patches or axes.texts
+        figure.draw_without_rendering()
+    assert plt.get_fignums() == []  # pyplot has seen nothing of it
+
+
+def test_a_plot_without_axes_makes_a_figure_that_a_notebook_shows(walked):
+    axes = walked.plot()
+    assert axes.get_xlabel() == "$x$ (m)"
+    assert imread(io.BytesIO(axes._repr_png_())).shape[1] == pytest.approx(7 * show.RESOLUTION, abs=2)
+    assert plt.get_fignums() == []
+
+
+def test_the_name_of_a_drawing_may_come_first(walked):
+    assert (
+        walked.plot("power").get_ylabel() == walked.plot(what="power").get_ylabel() == "power of the sand (W)"
+    )
+
+
+def test_a_drawing_that_there_is_not_names_those_that_there_are(walked):
+    with pytest.raises(SettingError, match="one of walk, com, velocity, force, power, work for a Walk"):
+        walked.plot(what="energy")
+
+
+def test_the_cards_say_what_the_objects_hold(walked, many, searches):
+    text = Parsed(walked._repr_html_()).text
+    for name in ("distance", "work", "peak_power"):
+        assert f"{walked.objectives[name]:.4g}" in text
+    text = Parsed(many._repr_html_()).text
+    assert f"failed: sunk {len(many) - int(many.feasible.sum())}" in text
+    best = searches["one"]
+    text = Parsed(best._repr_html_()).text
+    assert ", ".join(map(str, best.k[best.best])) in text
+    assert f"{best.values[best.best][0]:.4g} m" in text
+
+
+def test_the_card_of_a_robust_search_says_over_how_many_scenarios():
+    scenarios = fo.draw(fo.Scene(), fo.Spread(zeta=0.5), count=2, seed=1)
+    problem = fo.RobustProblem(scenarios, accuracy="draft", space=fo.Waypoints(n=4, K=3))
+    result = fo.search(problem, "ga", pop_size=8, n_gen=2, seed=1)
+    assert "worst of 2 scenarios" in Parsed(result._repr_html_()).text
+
+
+def test_a_failed_walk_says_why_and_has_no_objectives(things):
+    for name in ("sunk", "void"):
+        text = Parsed(things[name]._repr_html_()).text
+        assert "failed sunk" in text
+        assert "peak power" not in text
+
+
+def test_a_terminal_shows_numbers_with_units_and_no_arrays(walked, many, searches):
+    for thing in (walked.foot, walked, many, *searches.values()):
+        assert "array" not in repr(thing)
+        assert len(repr(thing)) < 700
+    assert repr(walked).startswith("<Walk k 5-8-9-8-5-4-4-2-2-3-4 on hard sand: distance 2.1")
+    assert "; peak power " in repr(walked)
+    assert " W; speed loss " in repr(walked)
+    assert f"feet 20; walked {many.feasible.sum()}; " in repr(many)
+    assert "hollow 12.0 mm" in repr([walked.foot])
+    assert "evaluations 60 of " in repr(searches["one"])
+    half_made = object.__new__(fo.Foot)
+    assert repr(half_made).startswith("<footopt.foot.foot.Foot object")
+
+
+def test_names_are_escaped(walked):
+    foot = replace(walked.foot, name=NASTY)
+    for shown in (foot, fo.Sand(name=NASTY), replace(walked, foot=foot)):
+        text = shown._repr_html_()
+        assert "<script" not in text
+        assert "alert(" in Parsed(text).text
+
+
+def test_what_cannot_be_drawn_falls_back_to_its_repr(monkeypatch):
+    def broken(shown):
+        raise RuntimeError("no fonts")
+
+    monkeypatch.setattr(show, "card", broken)
+    assert fo.Sand(name="<b>")._repr_html_() == f"<pre>{show.html.escape(repr(fo.Sand(name='<b>')))}</pre>"
+
+
+# --- what is drawn --------------------------------------------------------------------------------
+
+
+def test_the_stress_map_is_the_sand_s(monkeypatch):
+    drawn = {}
+    monkeypatch.setattr(
+        "matplotlib.axes.Axes.contourf",
+        lambda axes, gamma, beta, values, **k: (
+            drawn.update(gamma=gamma, beta=beta, values=values),
+            axes.pcolormesh(gamma, beta, values),
+        )[1],
+    )
+    fo.Sand.named("hard").plot(what="alpha_z")
+    at = int(np.argmin(abs(drawn["beta"]))), int(np.argmax(drawn["gamma"]))
+    assert drawn["values"][at] == pytest.approx(5.0 * 1.0)  # a level plate that moves down
+    at = at[0], int(np.argmin(drawn["gamma"]))
+    assert drawn["values"][at] == pytest.approx(5.0 * -0.25)
+
+
+def test_the_legs_of_the_picture_are_as_long_as_the_walker_s(walked):
+    placed = body.body(walked, walked.t[::50])
+    long = np.linalg.norm(np.diff(placed.legs, axis=2), axis=-1)
+    np.testing.assert_allclose(long, np.broadcast_to([0.47, 0.45], long.shape), rtol=1e-12)
+    np.testing.assert_allclose(placed.hip, walked.com[::50])
+
+
+def test_soles_are_where_the_plates_of_the_walk_are(walked):
+    index = np.array([10, 200, len(walked.t) - 1])
+    placed, plates = body.body(walked, walked.t[index]), walked.plates(index)
+    for i in range(len(index)):
+        for foot in range(2):
+            away = np.linalg.norm(
+                plates.position[i, foot][:, None] - placed.sole[i, foot][None], axis=-1
+            ).min(axis=1)
+            assert away.max() < 1e-3  # the sole's points are .8 mm apart
+
+
+def test_the_arrow_of_a_foot_is_its_force(walked):
+    index = np.arange(20, len(walked.t), 40)
+    at, force = body.forces(walked, index).resultant()
+    np.testing.assert_allclose(force, walked.force[index], rtol=1e-3, atol=0.1)
+    loaded = np.linalg.norm(force, axis=-1) > 50
+    ankle = body.body(walked, walked.t[index]).legs[:, :, 2]
+    assert np.linalg.norm(at - ankle, axis=-1)[loaded].max() < 0.15  # within the foot
+    airborne = np.linalg.norm(force, axis=-1) == 0
+    assert airborne.any()
+    assert np.isnan(at[airborne]).all()
+
+
+def test_the_picture_of_a_walk_has_an_arrow_for_each_loaded_foot(walked):
+    axes = walked.plot()
+    (arrows,) = axes.findobj(Quiver)
+    force = np.hypot(arrows.U, arrows.V)
+    assert show.POSES <= len(force) <= 2 * show.POSES
+    assert force.max() <= np.linalg.norm(walked.force, axis=-1).max() * (1 + 1e-9)
+
+
+def test_the_ground_shows_the_strength_of_layers_and_patches():
+    scene = fo.Scene(effects=(fo.Layers((0.03,), (0.3,)), fo.Patches((0.4,), (0.9,), (2.5,)), fo.Slope(5)))
+    texts = {text.get_text() for text in scene.plot().texts}
+    assert {"× 0.3", "× 2.5", "g, 5° uphill"} <= texts
+
+
+@pytest.mark.parametrize(("angle", "side"), [(10, -1), (-10, 1)])
+def test_gravity_pulls_backwards_uphill(angle, side):
+    axes = fo.Scene(effects=(fo.Slope(angle),)).plot()
+    (arrow,) = (a for a in axes.findobj(matplotlib.text.Annotation) if a.arrow_patch)
+    (x0, z0), (x1, z1) = arrow.xyann, arrow.xy
+    assert np.sign(x1 - x0) == side
+    assert z1 < z0
+    assert abs((x1 - x0) / (z1 - z0)) == pytest.approx(np.tan(np.radians(10)))
+
+
+# --- tables ---------------------------------------------------------------------------------------
+
+
+def test_the_dataset_is_the_walk_file(walked, tmp_path):
+    files.write_walk(tmp_path / "walk.nc", walked)
+    dataset = walked.to_dataset()
+    with netcdf_file(tmp_path / "walk.nc", mmap=False) as file:
+        assert set(file.variables) <= set(dataset.variables)
+        for name, variable in file.variables.items():
+            np.testing.assert_array_equal(dataset[name].values, variable[:])
+            assert dataset[name].attrs["units"] == variable.units.decode()
+            assert dataset[name].dims == variable.dimensions
+    right = dataset.force.sel(foot="right", axis="z").sel(time=1.2, method="nearest")
+    assert float(right) == walked.force[np.argmin(abs(walked.t - 1.2)), 1, 1]
+
+
+def test_frames_have_names_and_units(walked, many):
+    frame = walked.to_frame()
+    np.testing.assert_array_equal(frame["force_right_z"], walked.force[:, 1, 1])
+    np.testing.assert_array_equal(frame.index, walked.t)
+    assert set(frame.attrs["units"]) == {"t", *frame.columns}
+    assert frame.attrs["units"]["velocity_x"] == "m s-1"
+    frame = many.to_frame()
+    np.testing.assert_array_equal(frame[list(many.names)], many.values)
+    assert (frame["reason"] == "sunk").sum() == (~frame["feasible"]).sum() > 0
+
+
+@pytest.mark.parametrize("kind", ["one", "several"])
+def test_the_frame_of_a_search_is_designs_csv(searches, tmp_path, kind):
+    import pandas
+
+    result = searches[kind]
+    files.write_designs(tmp_path / "designs.csv", result)
+    read = pandas.read_csv(tmp_path / "designs.csv", keep_default_na=False, na_values={"distance": ""})
+    frame = result.to_frame()
+    assert list(frame.columns) == list(read.columns)
+    assert frame["on_front"].sum() == len(result.front)
+    for name in ("generation", "k3", "work", "feasible", "reason"):
+        np.testing.assert_array_equal(frame[name].astype(read[name].dtype), read[name])
+    assert frame.attrs["units"]["work"] == "J"
+
+
+@pytest.mark.parametrize(
+    ("library", "call"),
+    [("xarray", "walk.to_dataset"), ("pandas", "walk.to_frame"), ("pandas", "table.to_frame")],
+)
+def test_without_the_library_the_error_names_the_extra(walked, many, monkeypatch, library, call):
+    monkeypatch.setitem(sys.modules, library, None)
+    name, method = call.split(".")
+    with pytest.raises(MissingError, match=rf'pip install "footopt\[{library}\]"') as caught:
+        getattr({"walk": walked, "table": many}[name], method)()
+    assert isinstance(caught.value, FootoptError)
+    assert isinstance(caught.value, ImportError)

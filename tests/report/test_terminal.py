@@ -1,0 +1,238 @@
+"""What a run says: progress with the time left, tables that fit, colours only where they are seen."""
+
+import io
+import re
+import sys
+
+import numpy as np
+import pytest
+from rich.console import Console
+from running import program
+from terminals import on_a_terminal
+
+import footopt as fo
+from footopt.report import progress as module
+from footopt.report import terminal
+from footopt.report.progress import LINES, PATIENCE, Pace, duration, progress, telling
+from footopt.studies.accuracy import effort
+from footopt.walk.scene import measured_settings
+
+FOOTOPT = [sys.executable, "-m", "footopt"]
+COLOUR = re.compile(r"\x1b\[[\d;]*\b(3[0-8]|4[0-8]|9[0-7]|10[0-7])[\d;]*m")
+ESCAPE = re.compile(r"\x1b\[[\d;?]*[A-Za-z]")
+
+
+class Clock:
+    """A clock that a test turns."""
+
+    now = 0.0
+
+    def __call__(self):
+        return self.now
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr(module.time, "perf_counter", clock)
+    monkeypatch.setattr(Pace.__init__, "__defaults__", (clock,))
+    return clock
+
+
+def paced(costs, seconds):
+    """Each unit's guess of the time left over the true one, from a fifth of the time on."""
+    clock = Clock()
+    pace = Pace(sum(costs), clock)
+    ratios, end = [], sum(seconds)
+    for cost, took in zip(costs, seconds, strict=True):
+        clock.now += took
+        pace.step(cost)
+        if 0.2 * end < clock.now < 0.9 * end:
+            ratios.append(pace.left / (end - clock.now))
+    return np.array(ratios)
+
+
+class TestPace:
+    def test_even_units_are_foretold_exactly(self):
+        assert paced([1.0] * 50, [0.3] * 50) == pytest.approx(1.0)
+
+    def test_units_with_known_costs_are_foretold_exactly(self):
+        costs = [float(1 + i % 7) ** 2 for i in range(60)]
+        assert paced(costs, [0.1 * c for c in costs]) == pytest.approx(1.0)
+
+    def test_what_was_compiled_or_known_first_is_soon_forgotten(self):
+        """Ten seconds of compiling, and a search of which the first half is read from a store."""
+        compiled = paced([1.0] * 101, [10.0] + [0.5] * 100)
+        assert np.all(compiled[10:] < 1.05)
+        resumed = paced([1.0] * 100, [0.001] * 50 + [0.4] * 50)
+        assert np.all((resumed > 0.5) & (resumed < 2.0))
+
+    @pytest.mark.parametrize("seed", range(5))
+    def test_uneven_units_that_nobody_knew_are_foretold_to_a_factor_of_two(self, seed):
+        seconds = np.random.default_rng(seed).lognormal(0.0, 0.7, 80)
+        ratios = paced([1.0] * 80, seconds.tolist())
+        assert np.all((ratios > 0.5) & (ratios < 2.0))
+
+    def test_units_that_end_together_are_no_sudden_speed(self):
+        """As two threads end theirs: after ten seconds two are done, a millisecond apart."""
+        clock = Clock()
+        pace = Pace(20.0, clock)
+        for now in (10.0, 10.001):
+            clock.now = now
+            pace.step(1.0)
+        assert pace.left == pytest.approx(90.0, rel=0.01)
+
+    def test_counts_down_between_units_and_ends_at_zero(self):
+        clock = Clock()
+        pace = Pace(2.0, clock)
+        assert np.isnan(pace.left)
+        clock.now = 4.0
+        pace.step(1.0)
+        assert pace.left == pytest.approx(4.0)
+        clock.now = 7.0
+        assert pace.left == pytest.approx(1.0)
+        clock.now = 70.0
+        assert pace.left == 0.0
+
+    def test_the_costs_of_accuracies_are_those_of_the_measured_table(self):
+        rows = measured_settings()
+        names = ("stepper", "dt", "plates", "creep", "rule", "control")
+        ratios = np.array([effort(fo.Accuracy(**{n: r[n] for n in names})) / r["ms"] for r in rows])
+        assert np.all((ratios > 1 / 2.5) & (ratios < 2.5))
+        assert np.mean((ratios > 0.5) & (ratios < 2.0)) > 0.95
+
+
+@pytest.mark.parametrize(
+    ("seconds", "said"),
+    [(0.25, "0.2 s"), (45.4, "45 s"), (200.0, "3 min 20 s"), (7500.0, "2 h 5 min"), (np.nan, "?")],
+)
+def test_durations_as_one_says_them(seconds, said):
+    assert duration(seconds) == said
+
+
+def told(clock, units, seconds, name="walk"):
+    """The lines that a piece of work of that many units leaves in a log file."""
+    file = io.StringIO()
+    with progress(Console(file=file, width=130), units, name) as step:
+        for i in range(units):
+            clock.now += seconds
+            step(news=f"number {i + 1}")
+    return file.getvalue().splitlines()
+
+
+class TestALogFile:
+    def test_has_about_ten_lines_with_count_rate_and_time_left(self, clock):
+        lines = told(clock, 200, 0.5)
+        assert len(lines) == LINES
+        assert lines[0] == "walk 20/200  2/s  left 90 s  number 20"
+        assert lines[-1] == "walk 200/200  2/s  left 0.0 s  number 200"
+
+    def test_few_long_units_have_a_line_each(self, clock):
+        lines = told(clock, 3, 100.0)
+        assert [line.split("  ")[1:3] for line in lines[:2]] == [
+            ["100 s each", "left 3 min 20 s"],
+            ["100 s each", "left 100 s"],
+        ]
+
+    def test_work_of_less_than_two_seconds_leaves_nothing(self, clock):
+        assert told(clock, 200, 0.9 * PATIENCE / 200) == []
+
+    def test_a_search_tells_its_best_value(self, clock):
+        file = io.StringIO()
+        with progress(Console(file=file, width=130), 4, "generation") as step:
+
+            def slowly(generation):
+                clock.now += 1.0
+                telling(step, "efficiency")(generation)
+
+            fo.search(fo.FootProblem(accuracy="draft"), "ga", slowly, pop_size=10, n_gen=4)
+        last = file.getvalue().splitlines()[-1]
+        assert re.match(r"generation 4/4  1/s  left 0.0 s  best efficiency -\S+, \d+ evaluations/s$", last)
+
+
+PIECE = """
+import time
+from footopt.report.progress import progress
+from footopt.report.terminal import console
+with progress(console(), {units}, "walk") as step:
+    for i in range({units}):
+        time.sleep({seconds})
+        step(news=f"number {{i}} of these")
+"""
+
+
+class TestATerminal:
+    @pytest.mark.slow
+    def test_has_a_bar_that_stays_within_its_width(self):
+        text, code = on_a_terminal([sys.executable, "-c", PIECE.format(units=28, seconds=0.1)], 60)
+        assert code == 0
+        lines = [line for line in re.split(r"[\r\n]+", ESCAPE.sub("", text)) if "walk " in line]
+        assert all(len(line) <= 60 for line in lines)
+        assert re.search(r"walk 28/28 ━+ \S+/s +left 0\.0 s", lines[-1])
+        assert len({line.split()[1] for line in lines}) > 3  # it moved
+
+    def test_shows_nothing_for_short_work(self):
+        text, code = on_a_terminal([sys.executable, "-c", PIECE.format(units=5, seconds=0.1)])
+        assert (code, text.strip()) == (0, "")
+
+    @pytest.mark.slow
+    def test_that_is_dumb_has_lines(self):
+        command = [sys.executable, "-c", PIECE.format(units=28, seconds=0.1)]
+        text, code = on_a_terminal(command, TERM="dumb")
+        assert code == 0
+        assert "\x1b" not in text
+        assert "walk 28/28" in text
+
+
+SINKING = [*FOOTOPT, "study=simulate", "sand.zeta=0.001", "accuracy=draft"]  # warns, in yellow
+
+
+class TestColours:
+    def test_on_a_terminal(self, tmp_path):
+        text, code = on_a_terminal(SINKING, cwd=tmp_path)
+        assert code == 0
+        assert COLOUR.search(text)
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("environment", [{"NO_COLOR": "1"}, {"TERM": "dumb"}], ids=str)
+    def test_not_where_they_are_not_wanted(self, environment, tmp_path):
+        text, code = on_a_terminal(SINKING, cwd=tmp_path, **environment)
+        assert code == 0
+        assert "The walk failed" in text
+        assert not COLOUR.search(text)
+
+    @pytest.mark.slow
+    def test_not_in_a_pipe(self, tmp_path):
+        done = program(*SINKING[3:], cwd=tmp_path)
+        assert "The walk failed" in done.stdout
+        assert "\x1b" not in done.stdout + done.stderr
+
+
+class TestNarrowTables:
+    def test_numbers_are_never_cut_and_words_wrap(self):
+        out = Console(file=io.StringIO(), width=60, force_terminal=True)
+        shown = terminal.table(("objective", "a number", "one more number"), words=("objective",))
+        shown.add_row("a rather long name of an objective", "-0.0002527", "1.23456789e-05 ± 2.5e-07")
+        out.print(shown)
+        text = ESCAPE.sub("", out.file.getvalue())
+        assert "-0.0002527" in text
+        assert "1.23456789e-05 ± 2.5e-07" in text
+        assert "…" not in text
+        assert {"rather", "long", "name", "objective"} <= set(text.split())
+
+    @pytest.mark.slow
+    def test_the_closing_table_of_a_search_fits_into_80_columns(self, tmp_path):
+        command = [*FOOTOPT, "accuracy=draft", "solver.pop_size=10", "solver.n_gen=3"]
+        text, code = on_a_terminal(command, 80, cwd=tmp_path)
+        assert code == 0
+        lines = ESCAPE.sub("", text).splitlines()
+        assert all(len(line) <= 80 for line in lines if "outputs" not in line)
+        assert "…" not in text
+        (row,) = [line for line in lines if line.startswith("efficiency (min)")]
+        assert len(re.findall(r"-0\.000\d{4,}", row)) == 2
+
+    def test_a_folders_name_is_in_one_piece(self, tmp_path):
+        folder = tmp_path / ("deep[er]" * 20)
+        out = Console(file=io.StringIO(), width=80, force_terminal=True, highlight=False, markup=False)
+        terminal.everything_is_in(out, folder, 1.0)
+        assert str(folder) in out.file.getvalue()

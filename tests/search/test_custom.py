@@ -1,0 +1,193 @@
+"""The examples of one's own sand, effect, objective and solver: short, run as they are, and as plugins."""
+
+import ast
+import dataclasses
+import io
+import json
+import re
+import subprocess
+import sys
+import tokenize
+from pathlib import Path
+
+import numpy as np
+import pytest
+from running import footopt
+
+import footopt as fo
+from footopt.design.solvers import SINGLE, SOLVERS, Solver
+from footopt.design.store import context
+from footopt.effects import base as effects
+from footopt.errors import SettingError
+from footopt.studies.build import load_plugins, make_effects
+from footopt.studies.settings import EffectsConfig
+from footopt.walk.objectives import OBJECTIVES
+
+CUSTOM = Path(__file__).parents[2] / "examples" / "custom"
+EXAMPLES = ("sand", "effect", "objective", "solver")
+LAYOUT = {getattr(tokenize, name) for name in ["COMMENT", "NL", "NEWLINE", "INDENT", "DEDENT", "ENDMARKER"]}
+
+
+@pytest.fixture
+def clean(tmp_path):
+    """What plugins register is forgotten after the test, and so are their modules."""
+    registries = (OBJECTIVES, SOLVERS, effects.EFFECTS, *effects.HOOKS)
+    kept = [dict(registry) for registry in registries]
+    single, modules, places = list(SINGLE), set(sys.modules), list(sys.path)
+    yield
+    for registry, before in zip(registries, kept, strict=True):
+        registry.clear()
+        registry.update(before)
+    SINGLE[:], sys.path[:] = single, places
+    for name in set(sys.modules) - modules:
+        if str(getattr(sys.modules[name], "__file__", "")).startswith((str(CUSTOM), str(tmp_path))):
+            del sys.modules[name]
+
+
+def lines_of_code(text):
+    """Lines with code: no comments, no docstrings, no empty ones."""
+    lines = set()
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type not in LAYOUT:
+            lines |= set(range(token.start[0], token.end[0] + 1))
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+            lines -= set(range(node.lineno, node.end_lineno + 1))
+    return len(lines)
+
+
+def test_lines_of_code_are_counted_as_a_reader_would():
+    assert lines_of_code('"""Says\nwhat."""\n\nx = (\n    1\n)  # why\n# more\ny = 2\n') == 4
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_an_example_has_fewer_than_thirty_lines(name):
+    assert 5 < lines_of_code((CUSTOM / f"{name}.py").read_text(encoding="utf-8")) < 30
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("sand", r"poppy, measured: 1\.\d+ m, sole \d+ mm deep"),
+        ("effect", r"no floor sole 2\d\d mm deep\nFloor\(depth=0\.1,.* 1\d\d mm deep\nFloor.* \d\d mm"),
+        ("objective", r"flat 8\d\.\d J/m, best 6\d\.\d J/m"),
+        ("solver", r"best k [\d-]+: J_W -0\.0002\d+"),
+    ],
+)  # fmt: skip
+def test_an_example_runs_and_says_what_it_found(name, says):
+    script = CUSTOM / f"{name}.py"
+    done = subprocess.run(
+        [sys.executable, "-W", "error", script], capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 0, done.stderr
+    assert re.search(says, done.stdout), done.stdout
+
+
+@pytest.mark.usefixtures("clean")
+class TestPlugins:
+    def test_an_effect_becomes_a_setting(self):
+        load_plugins([str(CUSTOM / "effect.py")])
+        (floor,) = make_effects(EffectsConfig(own={"floor": {"depth": 0.05}}))
+        assert (floor.depth, floor.length) == (0.05, 0.01)
+        (floor,) = make_effects(EffectsConfig(own={"floor": None}))
+        assert floor.depth == 0.1
+
+    def test_the_floor_s_derivatives_are_those_of_its_load(self):
+        """Against differences: the implicit stepper rests on them."""
+        load_plugins([str(CUSTOM / "effect.py")])
+        import effect
+
+        law, depth, h = effect.Floor().law, np.linspace(0.001, 0.15, 40), 1e-6
+
+        def load(d):
+            return effect.floor_load(law, (2.0 * d, 2.0, 0.5), d, 0.0)
+
+        slope = (load(depth + h)[0] - load(depth - h)[0]) / (2 * h)
+        np.testing.assert_allclose(load(depth)[1], slope, rtol=1e-6)
+        np.testing.assert_allclose(load(depth)[2] / 0.5, load(depth)[0] / (2.0 * depth))
+
+    def test_a_solver_joins_those_of_one_objective(self):
+        load_plugins([str(CUSTOM / "solver.py")])
+        problem = fo.FootProblem(space=fo.Waypoints(n=5), accuracy="draft")
+        results = [fo.search(problem, "hill_climbing", pop_size=20, n_gen=15, seed=2) for _ in range(2)]
+        np.testing.assert_array_equal(results[0].k, results[1].k)
+        first = results[0].values[results[0].generation == 1][:, problem.record.index("efficiency")]
+        assert results[0].history[-1].best < first.min()
+        with pytest.raises(SettingError, match="a solver of several objectives"):
+            Solver("hill_climbing").build(2)
+
+    def test_a_store_knows_the_source_of_an_objective_of_one_s_own(self, tmp_path):
+        own = tmp_path / "own_objective.py"
+        text = (CUSTOM / "objective.py").read_text(encoding="utf-8")
+        own.write_text(text, encoding="utf-8")
+        load_plugins([str(own)])
+        problem = fo.FootProblem(objective="work_per_metre")
+        before = context(problem)
+        assert "work_per_metre" in before["judges"]
+        own.write_text(text.replace('raw["work"] /', '2.0 * raw["work"] /'), encoding="utf-8")
+        assert context(problem)["judges"] != before["judges"]
+        assert context(fo.FootProblem())["judges"] == {}
+
+    @pytest.mark.parametrize(
+        ("text", "words"),
+        [(None, "a file that is there"), ("import no_such_module", "NotFound"), ("x = 1 / 0", "Zero")],
+    )  # fmt: skip
+    def test_one_that_cannot_be_loaded_is_named_with_the_reason(self, tmp_path, text, words):
+        file = tmp_path / "broken_plugin.py"
+        if text is not None:
+            file.write_text(text)
+        with pytest.raises(SettingError, match=words) as caught:
+            load_plugins([str(file)])
+        assert "broken_plugin.py" in str(caught.value)
+
+    def test_one_with_the_name_of_another_module_is_refused(self, tmp_path):
+        (tmp_path / "json.py").write_text("")
+        with pytest.raises(SettingError, match=r"Rename json\.py"):
+            load_plugins([str(tmp_path / "json.py")])
+
+    def test_a_module_needs_no_file(self):
+        load_plugins(["footopt.effects.base"])
+        with pytest.raises(SettingError, match="no_such_module"):
+            load_plugins(["no_such_module"])
+
+    def test_an_effect_that_is_not_loaded_or_has_no_such_parameter_is_named(self):
+        with pytest.raises(SettingError, match=r"effects\.own = 'floor'.*none is loaded.*plugins="):
+            make_effects(EffectsConfig(own={"floor": None}))
+        with pytest.raises(SettingError, match=r"effects\.own = 'slope'"):
+            make_effects(EffectsConfig(own={"slope": {"angle": 5}}))
+        load_plugins([str(CUSTOM / "effect.py")])
+        with pytest.raises(SettingError, match="deep"):
+            make_effects(EffectsConfig(own={"floor": {"deep": 1.0}}))
+
+
+def test_the_yaml_s_sand_is_the_script_s():
+    text = (CUSTOM / "sand" / "measured_poppy.yaml").read_text(encoding="utf-8")
+    script = (CUSTOM / "sand.py").read_text(encoding="utf-8")
+    for field in dataclasses.fields(fo.StressMap):
+        value = re.search(rf"\b{field.name}: (-?[\d.]+)", text)[1]
+        assert float(re.search(rf"\b{field.name}=(-?[\d.]+)", script)[1]) == float(value)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("clean")
+def test_worker_processes_load_plugins_too(tmp_path):
+    """With an effect and an objective of one's own, to the same last bit as in this process."""
+    found = []
+    for engine in ("local", "processes"):
+        folder = tmp_path / engine
+        words = [
+            f"engine={engine}", "accuracy=draft", "sand=soft",
+            f"plugins=[{CUSTOM / 'effect.py'},{CUSTOM / 'objective.py'}]",
+            "effects.own={floor: {depth: 0.08}}", "objective.names=[work_per_metre]", "solver.n_gen=2",
+            "solver.pop_size=8", "study.confirm=null", "study.finalists=2", f"hydra.run.dir={engine}",
+        ]  # fmt: skip
+        if engine == "processes":
+            words.append("engine.workers=1")  # each compiles the effect anew
+        done = footopt(*words, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        found.append((folder / "designs.csv").read_text())
+        result = json.loads((folder / "result.json").read_text())
+        assert result["scene"]["effects"]["floor"]["depth"] == 0.08
+        assert result["objectives"]["work_per_metre"] > 0
+    assert found[0] == found[1]

@@ -1,0 +1,502 @@
+"""Engines: the same result everywhere, whatever dies on the way, and nothing left behind."""
+
+import itertools
+import json
+import multiprocessing
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from running import footopt, program, started
+from test_resume import BRIEF, ended, outcome, wait_for_designs
+from test_store import SMALL, assert_same, problem, stop_after
+
+import footopt as fo
+from footopt.design import Dask, Local, Processes, Store, evaluate_safely, make_engine, search, workers
+from footopt.design.store import context, digest
+from footopt.design.workers import EACH, LARGEST, OTHER, RAISED, REFUSED, UNKNOWN, WALKED, Task, chunks, work
+from footopt.errors import FootoptError, SettingError
+
+BUDGET = {"pop_size": 16, "n_gen": 6, "seed": 3}
+
+
+class Deadly(fo.FootProblem):
+    """Some soles end the process that walks with them, some raise; all others are good."""
+
+    def walk(self, k):
+        if os.getpid() != self.head:
+            if (k[:, :3] == [2, 3, 3]).all(axis=1).any():
+                os.kill(os.getpid(), signal.SIGKILL)
+            if (k[:, :2] == [3, 2]).all(axis=1).any():
+                raise ZeroDivisionError("a plate without length")
+        return super().walk(k)
+
+
+class Slow(fo.FootProblem):
+    """Each walk takes a while, so that something can happen meanwhile."""
+
+    def walk(self, k):
+        time.sleep(0.01 * len(k))
+        return super().walk(k)
+
+
+class Wrong(fo.FootProblem):
+    """A setting turns out to be wrong in a worker."""
+
+    def walk(self, k):
+        if os.getpid() != self.head:
+            raise SettingError("sand.zeta", -1.0, "a number > 0")
+        return super().walk(k)
+
+
+def like(kind, base):
+    """The same problem, with such walks."""
+    made = kind(base.scene, base.names, base.space, base.accuracy, 1)
+    made.head = os.getpid()  # goes along to the workers
+    return made
+
+
+@pytest.fixture(scope="module")
+def processes():
+    with Processes(2) as engine:
+        yield engine
+
+
+@pytest.fixture(scope="module")
+def undisturbed():
+    return search(problem("pareto"), "nsga2", **BUDGET)
+
+
+def task(p, k, known=True):
+    import pickle
+
+    return Task(digest(context(p)), None if known else pickle.dumps(p), k)
+
+
+def killing_after(victims):
+    """A search's progress that kills processes inside the generation after some of its generations."""
+
+    def progress(generation):
+        if pid := victims.get(generation.generation):
+            threading.Timer(0.03, os.kill, (pid, signal.SIGKILL)).start()
+
+    return progress
+
+
+def pids():
+    """Children of this process that are alive or zombies."""
+    stats = [p.read_text() for p in Path("/proc").glob("[0-9]*/stat") if p.parent.exists()]
+    return {int(s.split()[0]) for s in stats if int(s.rpartition(")")[2].split()[1]) == os.getpid()}
+
+
+SCRIPT = """
+import footopt as fo
+from footopt.design import Processes
+with Processes(1) as engine:
+    fo.search(fo.FootProblem(accuracy="draft"), pop_size=4, n_gen=1, engine=engine)
+"""
+
+GUARDED = """
+import footopt as fo
+from footopt.design import Processes
+if __name__ == "__main__":
+    with Processes(3) as engine:
+        p = fo.FootProblem(accuracy="draft")
+        engine.walk(p, p.space.random(300, seed=1))
+"""
+
+
+def tracker():
+    """multiprocessing's own helper, which lives as long as this process."""
+    from multiprocessing.resource_tracker import _resource_tracker
+
+    return {_resource_tracker._pid}
+
+
+class TestChunks:
+    @given(st.integers(1, 10**6), st.integers(1, 1000), st.floats(0, 1), st.floats(1e-4, 1e-2))
+    def test_are_the_whole_batch_in_its_order(self, designs, slots, cost, toll):
+        parts = chunks(designs, slots, cost, toll)
+        assert parts[0].start == 0
+        assert parts[-1].stop >= designs > parts[-1].start
+        assert all(a.stop == b.start for a, b in itertools.pairwise(parts))
+        assert max(p.stop - p.start for p in parts) <= LARGEST
+
+    @given(st.integers(1, 4000), st.integers(1, 300), st.floats(1e-4, 1e-2), st.floats(1e-4, 1e-2))
+    def test_are_as_many_as_finish_soonest(self, designs, slots, cost, toll):
+        def time(count):
+            return count * toll + designs * cost / min(count, slots)
+
+        best = min(map(time, range(1, min(designs, slots) + 1)))
+        assert time(len(chunks(designs, slots, cost, toll))) <= 1.06 * best + 2.0 * toll + cost
+
+    def test_of_a_first_batch_are_one_a_worker_and_of_a_large_one_many(self):
+        assert len(chunks(2000, 10, 0.0, 1e-3)) == 10
+        assert len(chunks(40_000, 10, 1e-2, 1e-3)) == 10 * EACH
+
+
+class TestWorker:
+    def test_is_sent_a_problem_once_and_keeps_a_few(self, monkeypatch):
+        monkeypatch.setattr(workers, "_problems", {})
+        k = SMALL.random(3, seed=1)
+        problems = [problem(zeta=1.0 + i) for i in range(workers.KNOWN + 1)]
+        for p in problems:
+            assert work(task(p, k)).kind == UNKNOWN
+            for known in (False, True):
+                reply = work(task(p, k, known))
+                assert reply.kind == WALKED
+                np.testing.assert_array_equal(reply.content[0], p.walk(k)[0])
+        assert [work(task(p, k)).kind for p in problems] == [UNKNOWN] + [WALKED] * workers.KNOWN
+
+    def test_of_other_versions_says_which(self, monkeypatch):
+        monkeypatch.setattr(workers, "_problems", {})
+        p, k = problem(), SMALL.random(3, seed=1)
+        sent = task(p, k, known=False)
+        monkeypatch.setattr("footopt.design.store.version", lambda name: "0.1")
+        reply = work(sent)
+        assert reply.kind == OTHER
+        assert reply.content[1]["versions"]["numba"] == "0.1"
+        monkeypatch.undo()
+
+        class Other(Local, workers.Spread):
+            slots, walk = 1, workers.Spread.walk
+
+            def run(self, tasks):
+                return [reply] * len(tasks)
+
+        with pytest.raises(FootoptError, match=r"versions\.numba \(0\.1 there, .* here\)") as error:
+            search(p, "ga", engine=Other(), **BUDGET)
+        assert socket.gethostname() in str(error.value)
+
+    def test_says_what_it_cannot_load_and_what_a_walk_raised(self, monkeypatch):
+        monkeypatch.setattr(workers, "_problems", {})
+        k = SMALL.random(3, seed=1)
+        reply = work(Task("0", b"cmissing\nThing\n.", k))
+        assert reply.kind == REFUSED
+        assert "ModuleNotFoundError: No module named 'missing'" in reply.content
+        p = problem()
+        monkeypatch.setattr(fo.FootProblem, "walk", lambda self, k: 1 / 0)
+        reply = work(task(p, k, known=False))
+        assert (reply.kind, reply.content) == (RAISED, "ZeroDivisionError: division by zero")
+
+    def test_a_problem_that_cannot_be_sent_is_said(self, processes):
+        class Inner(fo.FootProblem):
+            pass
+
+        with pytest.raises(FootoptError, match=r"cannot be sent .* in a module"):
+            processes.walk(like(Inner, problem()), SMALL.random(3, seed=1))
+
+
+class TestSettings:
+    def test_defaults_are_this_process(self):
+        assert isinstance(make_engine(), Local)
+
+    @pytest.mark.parametrize(
+        ("settings", "words"),
+        [
+            ({"name": "mpi"}, "engine.name = 'mpi': must be one of local, processes, dask"),
+            ({"workers": 2}, "engine.workers = 2: must be null"),
+            ({"name": "processes", "workers": 0}, "engine.workers = 0: must be a whole number >= 1"),
+            ({"name": "processes", "address": "tcp://a:1"}, "engine.address = 'tcp://a:1': must be null"),
+            ({"name": "dask", "workers": 2, "address": "tcp://a:1"}, "engine.workers = 2: must be null"),
+            ({"name": "dask", "timeout": 0.0}, "engine.timeout = 0.0: must be a time > 0"),
+            *(
+                ({"name": "dask", "address": a}, f"engine.address = {a!r}: must be tcp://host:port")
+                for a in ("", "node7", "node7:8786", "http://node7:8786", "tcp://node7", "tcp://node7:x")
+            ),
+        ],
+    )
+    def test_that_do_not_fit_are_refused(self, settings, words):
+        with pytest.raises(SettingError) as error:
+            make_engine(**settings)
+        assert words in str(error.value)
+
+    def test_a_missing_extra_is_named(self, monkeypatch):
+        monkeypatch.setitem(sys.modules, "distributed", None)
+        with pytest.raises(SettingError, match=r"pip install 'footopt\[dask\]'"):
+            make_engine("dask")
+
+    def test_studies_that_walk_here_refuse_another_engine(self, tmp_path):
+        from footopt import studies
+        from footopt.studies.settings import Config, EngineConfig, StudyConfig
+
+        config = Config(study=StudyConfig(name="simulate"), engine=EngineConfig(name="dask"))
+        with pytest.raises(SettingError, match=r"engine\.name = 'dask': must be local for study=simulate"):
+            studies.run(config, tmp_path, {})
+
+
+class TestProcesses:
+    def test_find_what_one_process_finds_to_the_last_bit(self, processes, undisturbed, tmp_path):
+        path = tmp_path / "designs.sqlite"
+        assert_same(undisturbed, search(problem("pareto"), "nsga2", engine=processes, store=path, **BUDGET))
+        again = search(problem("pareto"), "nsga2", store=path, **BUDGET)
+        assert again.reused == len(again.k)  # the store does not tell engines apart
+
+    @pytest.mark.parametrize("designs", [1, 2, 7, 100])
+    def test_any_batch_is_the_same_as_here(self, processes, designs):
+        p, k = problem(zeta=0.05), SMALL.random(designs, seed=designs)  # some sink
+        (values, reasons), (here, why) = processes.walk(p, k), p.walk(k)
+        assert values.tobytes() == here.tobytes()
+        assert reasons.tolist() == why.tolist()
+
+    @pytest.mark.slow
+    def test_a_design_that_kills_is_found_and_left_out(self, processes, tmp_path, caplog):
+        p = like(Deadly, problem())
+        # two that kill and one that raises, all in one generation
+        budget = BUDGET | {"n_gen": 2, "seed": 69}
+        r = search(p, "ga", engine=processes, store=tmp_path / "designs.sqlite", **budget)
+        killing, raising = (r.k[:, :3] == [2, 3, 3]).all(axis=1), (r.k[:, :2] == [3, 2]).all(axis=1)
+        assert (killing.sum(), raising.sum()) == (2, 1)
+        assert len(set(r.generation[killing | raising])) == 1
+        np.testing.assert_array_equal(r.reasons == "error", killing | raising)
+        with Store(tmp_path / "designs.sqlite", p) as store:
+            assert "the worker has died (signal SIGKILL)" in store.get(r.k[killing].tolist())[0].message
+            assert "ZeroDivisionError: a plate" in store.get(r.k[raising].tolist())[0].message
+        assert "has failed and is left out: WorkerError: the worker has died" in caplog.text
+
+    @pytest.mark.slow
+    def test_a_worker_that_is_killed_meanwhile_is_replaced(self, processes, undisturbed):
+        p = like(Slow, problem("pareto"))
+        processes.walk(p, SMALL.random(2, seed=1))
+        victims = [child.pid for child in multiprocessing.active_children()]
+        kill = killing_after({1: victims[0], 3: victims[1]})
+        assert_same(undisturbed, search(p, "nsga2", kill, engine=processes, **BUDGET))
+        assert not {child.pid for child in multiprocessing.active_children()} & set(victims)
+        assert len(multiprocessing.active_children()) == 2
+
+    @pytest.mark.slow
+    def test_that_died_while_idle_are_replaced(self, processes):
+        p, k = problem(), SMALL.random(20, seed=1)
+        processes.walk(p, k)
+        for child in multiprocessing.active_children():
+            child.kill()
+            child.join()
+        assert processes.walk(p, k)[0].tobytes() == p.walk(k)[0].tobytes()
+
+    def test_a_wrong_setting_is_no_bad_design(self, processes):
+        with pytest.raises(FootoptError, match=r"^sand\.zeta = -1\.0: must be a number > 0"):
+            search(like(Wrong, problem()), "ga", engine=processes, **BUDGET)
+
+    def test_interrupted_leave_what_was_found_and_go_on(self, processes, undisturbed):
+        p = problem("pareto")
+        assert len(search(p, "nsga2", stop_after(2), engine=processes, **BUDGET).history) == 2
+        signal.setitimer(signal.ITIMER_REAL, 0.1)
+        before = signal.signal(signal.SIGALRM, signal.default_int_handler)
+        try:
+            with pytest.raises(KeyboardInterrupt):
+                processes.walk(like(Slow, p), SMALL.random(100, seed=1))
+        finally:
+            signal.signal(signal.SIGALRM, before)
+        assert_same(undisturbed, search(p, "nsga2", engine=processes, **BUDGET))
+
+    @pytest.mark.slow
+    def test_leave_nothing_behind(self):
+        before = pids()
+        p, k = problem(), SMALL.random(20, seed=1)
+        with Processes(2) as engine:
+            engine.walk(p, k)
+            assert len(pids() - before) >= 2
+        assert pids() - before <= tracker()
+
+    @pytest.mark.slow
+    def test_a_script_without_a_guard_is_told(self, tmp_path):
+        (tmp_path / "study.py").write_text(SCRIPT)
+        done = subprocess.run(
+            [sys.executable, "study.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120
+        )
+        assert done.returncode == 1
+        assert "FootoptError: engine=processes: a worker cannot start (exit code 1)" in done.stderr
+        assert '`if __name__ == "__main__":`' in done.stderr
+
+
+class Cluster:
+    """A scheduler and workers as processes of their own, on loopback."""
+
+    def __init__(self, folder, count):
+        self.file = folder / "scheduler.json"
+        self.env = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
+        self.scheduler = self.start("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard")
+        self.workers = [self.add() for _ in range(count)]
+        deadline = time.monotonic() + 60
+        while not (self.file.is_file() and self.file.stat().st_size):
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        self.address = json.loads(self.file.read_text())["address"]
+
+    def start(self, kind, *arguments):
+        """`dask scheduler` or `dask worker`."""
+        command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", "--scheduler-file", str(self.file)]
+        return subprocess.Popen([*command, *arguments], env=self.env, stderr=subprocess.DEVNULL)
+
+    def add(self, **env):
+        """One more worker."""
+        self.env |= env
+        options = ("--nthreads", "1", "--host", "127.0.0.1", "--no-dashboard", "--no-nanny")
+        worker = self.start("worker", *options, "--local-directory", str(self.file.parent))
+        return worker
+
+    def close(self):
+        """End all of it."""
+        for process in (*self.workers, self.scheduler):
+            process.kill()
+            process.wait()
+
+
+@pytest.fixture
+def cluster(tmp_path):
+    pytest.importorskip("distributed", reason="needs the extra footopt[dask]")
+    started = Cluster(tmp_path, 2)
+    yield started
+    started.close()
+
+
+@pytest.mark.slow
+class TestDask:
+    def test_a_worker_that_is_killed_meanwhile_changes_nothing(self, cluster, undisturbed, tmp_path):
+        p = like(Slow, problem("pareto"))
+        with Dask(cluster.address, timeout=30) as engine:
+            engine._client.wait_for_workers(2, timeout=30)
+            assert engine.slots == 2
+            kill = killing_after({2: cluster.workers[0].pid})
+            assert_same(undisturbed, search(p, "nsga2", kill, engine=engine, **BUDGET))
+            assert engine.slots == 1
+            assert cluster.workers[0].wait() == -signal.SIGKILL
+
+    def test_without_workers_it_is_said_and_the_search_resumes(self, cluster, undisturbed, tmp_path):
+        p, path = like(Slow, problem("pareto")), tmp_path / "designs.sqlite"
+        with Dask(cluster.address, timeout=30) as engine:
+            engine._client.wait_for_workers(2, timeout=30)
+            engine._timeout = 2.0
+            kill = killing_after({2: cluster.workers[0].pid, 3: cluster.workers[1].pid})
+            with pytest.raises(FootoptError, match=r"no worker is left since 2 s .* resume"):
+                search(p, "nsga2", kill, path, engine, **BUDGET)
+            cluster.workers.append(cluster.add())
+            engine._client.wait_for_workers(1, timeout=30)
+            resumed = search(p, "nsga2", None, path, engine, **BUDGET)
+        assert resumed.reused > 0
+        assert_same(undisturbed, resumed)
+
+    def test_a_lost_scheduler_is_said(self, cluster, tmp_path):
+        p = like(Slow, problem("pareto"))
+        with Dask(cluster.address, timeout=5) as engine:
+            kill = killing_after({2: cluster.scheduler.pid})
+            with pytest.raises(FootoptError, match=r"the connection to the scheduler is lost .* resume"):
+                search(p, "nsga2", kill, engine=engine, **BUDGET)
+
+    def test_a_cluster_of_its_own_leaves_out_what_kills_and_leaves_nothing_behind(self, undisturbed):
+        before = pids()
+        with Dask(workers=2, timeout=30) as engine:
+            assert_same(undisturbed, search(problem("pareto"), "nsga2", engine=engine, **BUDGET))
+            p, k = like(Deadly, problem()), np.array([[1, 2, 3, 4, 1], [2, 3, 3, 1, 1], [1, 1, 1, 2, 1]])
+            values, reasons, messages = evaluate_safely(partial(engine.walk, p), k, len(p.record))
+        assert reasons.tolist() == ["", "error", ""]
+        assert list(messages) == [1]
+        np.testing.assert_array_equal(values[[0, 2]], problem().walk(k[[0, 2]])[0])
+        assert pids() - before <= tracker()
+
+    def test_no_scheduler_or_no_worker_is_said_in_time(self, tmp_path):
+        with pytest.raises(FootoptError, match=r"'tcp://127\.0\.0\.1:1': no scheduler answers within 0\.5 s"):
+            Dask("tcp://127.0.0.1:1", timeout=0.5)
+        alone = Cluster(tmp_path, 0)
+        try:
+            with pytest.raises(FootoptError, match=r"the scheduler has no worker after 2 s"):
+                Dask(alone.address, timeout=2.0)
+        finally:
+            alone.close()
+
+
+@pytest.fixture(scope="module")
+def here(tmp_path_factory):
+    """The folder of a run from the command line that nothing stopped, in one process."""
+    cwd = tmp_path_factory.mktemp("here")
+    done = footopt(*BRIEF, "solver=nsga2", "hydra.run.dir=run", cwd=cwd)
+    assert done.returncode == 0, done.stderr
+    return cwd / "run"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("engine", ["processes", "dask"])
+class TestCommandLine:
+    def test_finds_the_same(self, here, engine, tmp_path):
+        if engine == "dask":
+            pytest.importorskip("distributed", reason="needs the extra footopt[dask]")
+        done = program(
+            *BRIEF, "solver=nsga2", f"engine={engine}", "engine.workers=2", "hydra.run.dir=run", cwd=tmp_path
+        )
+        assert done.returncode == 0, done.stderr
+        assert done.stderr == ""
+        there, alone = outcome(tmp_path / "run"), outcome(here)
+        assert there[0] | {"settings": 0} == alone[0] | {"settings": 0}
+        assert there[1:] == alone[1:]
+
+    def test_ctrl_c_is_heard_by_one_process_only(self, here, engine, tmp_path):
+        if engine == "dask":
+            pytest.importorskip("distributed", reason="needs the extra footopt[dask]")
+        settings = (*BRIEF, "solver=nsga2", f"engine={engine}", "engine.workers=2", "hydra.run.dir=run")
+        run = started(*settings, cwd=tmp_path, start_new_session=True)
+        wait_for_designs(run, tmp_path / "run", 5 * 16)
+        family = descendants(run.pid)
+        os.killpg(run.pid, signal.SIGINT)  # as a terminal does
+        _, err = ended(run)
+        assert run.returncode == 130
+        assert err.startswith("footopt: stopped after generation ")
+        assert "Traceback" not in err
+        assert len(family) >= 2
+        assert_gone(family)
+        done = footopt("resume=run", "engine=local", "engine.workers=null", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert outcome(tmp_path / "run")[1:] == outcome(here)[1:]
+
+    def test_workers_end_with_a_run_that_is_killed(self, engine, tmp_path):
+        if engine == "dask":
+            pytest.importorskip("distributed", reason="needs the extra footopt[dask]")
+        run = started(*BRIEF, f"engine={engine}", "engine.workers=2", "hydra.run.dir=run", cwd=tmp_path)
+        wait_for_designs(run, tmp_path / "run", 5 * 16)
+        family = descendants(run.pid)
+        assert len(family) >= 2
+        run.kill()
+        ended(run)
+        assert_gone(family)
+
+
+def descendants(pid):
+    """Processes that a process has started, and those that these have."""
+    threads = Path(f"/proc/{pid}/task").glob("*/children")
+    found = {int(word) for thread in threads for word in thread.read_text().split()}
+    return found.union(*(descendants(child) for child in found))
+
+
+def assert_gone(family):
+    """Wait for processes to end; those that nobody has asked about yet (zombies) have."""
+    deadline = time.monotonic() + 30
+    while left := [pid for pid in family if alive(pid)]:
+        assert time.monotonic() < deadline, left
+        time.sleep(0.05)
+
+
+def alive(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+@pytest.mark.slow
+def test_workers_load_what_the_head_has_compiled(tmp_path):
+    (tmp_path / "study.py").write_text(GUARDED)
+    env = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache"), "NUMBA_DEBUG_CACHE": "1"}
+    done = subprocess.run([sys.executable, "study.py"], cwd=tmp_path, env=env, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    lines = [line for line in done.stdout.splitlines() if "walk_range" in line]
+    assert sum("data saved to" in line for line in lines) == 1
+    assert sum("data loaded from" in line for line in lines) == 3

@@ -1,0 +1,354 @@
+"""Robust feet: scenarios drawn once, measures over them, one foot for many scenes."""
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from running import footopt, program
+from study_pages import check_page
+from test_cli import composed
+
+import footopt as fo
+from footopt.design import Solver, Store, confirm, search
+from footopt.design.robust import regret
+from footopt.design.store import context, digest
+from footopt.errors import FootoptError, SettingError
+from footopt.files.gaits import read_strides
+from footopt.studies import robust as study
+from footopt.studies.build import make_spread
+from footopt.walk.scenarios import COLUMNS, MEASURES, measured, sands, vary
+
+COARSE = fo.Accuracy(dt=1e-2, plates=20)
+SMALL = fo.Waypoints(n=5, K=4)
+SANDS = sands(fo.Scene())
+NOTHING = fo.Spread(**dict.fromkeys(vars(fo.Spread()), 0.0))
+
+
+def problem(scenarios=SANDS, objective="efficiency", **options):
+    return fo.RobustProblem(scenarios, objective, SMALL, COARSE, **options)
+
+
+class TestScenarios:
+    def test_the_same_seed_draws_the_same_and_another_seed_does_not(self):
+        one, again, other = (fo.draw(fo.Scene(), fo.Spread(), 4, seed) for seed in (1, 1, 2))
+        assert one == again
+        assert {s.scene.sand.zeta for s in one}.isdisjoint(s.scene.sand.zeta for s in other)
+
+    def test_a_parameter_keeps_its_numbers_when_others_become_uncertain(self):
+        everything = fo.draw(fo.Scene(), fo.Spread(), 8)
+        sand_only = fo.draw(fo.Scene(), replace(NOTHING, zeta=0.3), 8)
+        assert [s.scene.sand.zeta for s in everything] == [s.scene.sand.zeta for s in sand_only]
+        assert all(s.scene.walker == fo.Walker() and s.scene.gait == fo.Gait.human() for s in sand_only)
+        assert all(s.scene.walker != fo.Walker() for s in everything)
+
+    def test_the_median_and_the_spread_are_those_asked_for(self):
+        drawn = fo.draw(fo.Scene(sand=fo.Sand(2.0)), fo.Spread(zeta=0.5, mass=0.2, ankle_x=0.01), 400)
+        for values, middle, sigma in (
+            (np.log([s.scene.sand.zeta for s in drawn]), np.log(2.0), 0.5),
+            (np.log([s.scene.walker.mass for s in drawn]), np.log(60.0), 0.2),
+            (np.log([s.scene.gait.period for s in drawn]), np.log(1.2), 0.05),
+            ([s.ankle[0] for s in drawn], 0.0, 0.01),
+        ):
+            assert np.mean(values) == pytest.approx(middle, abs=0.02 * sigma)
+            assert np.std(values) == pytest.approx(sigma, rel=0.05)
+
+    def test_angles_differ_by_as_much_at_every_phase_of_the_stride(self):
+        drawn = fo.draw(fo.Scene(), replace(NOTHING, angles=3.0), 400)
+        phase = np.linspace(0, 1, 7)
+        for joint in ("thigh", "knee"):
+            angles = [np.degrees(getattr(s.scene.gait, joint).at(phase)[0]) for s in drawn]
+            np.testing.assert_allclose(np.std(angles, axis=0), 3.0, rtol=0.1)
+            middle = np.degrees(getattr(fo.Gait.human(), joint).at(phase)[0])
+            np.testing.assert_allclose(np.mean(angles, axis=0), middle, atol=0.5)
+
+    def test_the_measured_foot_turns_with_the_shank(self):
+        scene = fo.Scene(gait=fo.Gait.human(pitch="measured"))
+        (moved,) = fo.draw(scene, replace(NOTHING, angles=3.0), 1)
+        p = np.linspace(0, 1, 5)
+        (_, shank, foot), (_, shank_moved, foot_moved) = (g.cycle(p) for g in (scene.gait, moved.scene.gait))
+        np.testing.assert_allclose(foot_moved[0] - foot[0], shank_moved[0] - shank[0], atol=1e-12)
+
+    def test_a_longer_stride_swings_further_about_the_same_means(self):
+        normals = np.zeros(len(COLUMNS))
+        normals[COLUMNS.index("stride")] = 1.0
+        moved = vary(fo.Scene(), fo.Spread(stride=0.1), normals).scene.gait
+        assert moved.thigh.a0 == fo.Gait.human().thigh.a0
+        np.testing.assert_allclose(moved.thigh.a, 1.1 * np.array(fo.Gait.human().thigh.a))
+
+    def test_nothing_spread_is_the_scene_itself(self):
+        (same,) = fo.draw(fo.Scene(), NOTHING, 1)
+        assert same.scene == fo.Scene()
+        assert same.space(SMALL) == SMALL
+
+    @pytest.mark.parametrize(("name", "value"), [("zeta", -0.1), ("angles", float("nan")), ("mass", np.inf)])
+    def test_a_bad_spread_is_refused(self, name, value):
+        with pytest.raises(SettingError, match=rf"study\.spread\.{name} = "):
+            fo.Spread(**{name: value})
+        with pytest.raises(SettingError, match=r"study\.draws = 0"):
+            fo.draw(fo.Scene(), fo.Spread(), 0)
+        with pytest.raises(SettingError, match=r"scenario\.weight = 0"):
+            fo.Scenario("never", fo.Scene(), weight=0)
+
+
+VALUES = arrays(float, (5, 3), elements=st.floats(-1e3, 1e3))
+WEIGHTS = arrays(float, 5, elements=st.floats(0.1, 10))
+
+
+class TestMeasures:
+    @given(VALUES, WEIGHTS, st.floats(0.01, 1.0), st.floats(0.01, 1.0))
+    def test_the_tail_is_between_mean_and_worst_and_falls_with_its_share(self, values, weights, a, b):
+        mean, worst = (measured(values, weights, m, 0.5) for m in ("mean", "worst"))
+        few, many = (measured(values, weights, "tail", t) for t in sorted((a, b)))
+        slack = 1e-9 * (1 + np.abs(values).max())
+        assert (mean <= many + slack).all()
+        assert (many <= few + slack).all()
+        assert (few <= worst + slack).all()
+
+    @given(VALUES, WEIGHTS)
+    def test_mean_and_worst_are_the_tail_s_limits(self, values, weights):
+        np.testing.assert_allclose(
+            measured(values, weights, "mean", 0.5), np.average(values, axis=0, weights=weights), atol=1e-9
+        )
+        thin = 0.5 * weights.min() / weights.sum()
+        np.testing.assert_allclose(measured(values, weights, "tail", thin), values.max(axis=0), atol=1e-9)
+
+    def test_the_tail_of_equal_scenarios_is_the_mean_of_the_worst_of_them(self):
+        values = np.random.default_rng(1).normal(size=(10, 4))
+        worst = np.sort(values, axis=0)[-3:].mean(axis=0)
+        np.testing.assert_allclose(measured(values, np.ones(10), "tail", 0.3), worst)
+        part = (3 * worst + 0.5 * np.sort(values, axis=0)[-4]) / 3.5  # ends inside a scenario
+        np.testing.assert_allclose(measured(values, np.ones(10), "tail", 0.35), part)
+
+    @pytest.mark.parametrize("measure", MEASURES)
+    def test_a_design_s_measure_does_not_depend_on_its_batch(self, measure):
+        values = np.random.default_rng(2).normal(size=(33, 50, 6))
+        whole = measured(values, np.ones(33), measure, 0.3)
+        alone = [measured(values[:, i : i + 1], np.ones(33), measure, 0.3)[0] for i in range(50)]
+        np.testing.assert_array_equal(whole, alone)
+
+    def test_a_bad_measure_is_refused(self):
+        with pytest.raises(SettingError, match=r"study\.measure = 'median': must be one of mean"):
+            problem(measure="median")
+        with pytest.raises(SettingError, match=r"study\.tail = 0"):
+            problem(measure="tail", tail=0.0)
+
+
+class TestRobustProblem:
+    k = SMALL.random(6, seed=1)
+
+    @pytest.mark.parametrize("measure", MEASURES)
+    def test_one_scenario_is_the_plain_problem(self, measure):
+        alone = fo.FootProblem(SANDS[1].scene, "pareto", SMALL, COARSE)
+        values, reasons = problem(SANDS[1:2], "pareto", measure=measure).walk(self.k)
+        np.testing.assert_allclose(values, alone.walk(self.k)[0], rtol=1e-15)
+        assert set(reasons) == {""}
+
+    def test_measures_are_those_of_the_scenes_one_by_one(self):
+        tables = np.stack([fo.evaluate(self.k, s.scene, COARSE, space=SMALL).values for s in SANDS])
+        worst, _ = problem(measure="worst").walk(self.k)
+        np.testing.assert_array_equal(worst[:, :2], tables[..., :2].min(axis=0))  # to be maximised
+        np.testing.assert_array_equal(worst[:, 2:5], tables[..., 2:].max(axis=0))
+        mean, _ = problem(measure="mean").walk(self.k)
+        np.testing.assert_allclose(mean[:, :5], tables.mean(axis=0), rtol=1e-14)
+
+    def test_a_moved_ankle_is_a_foot_worn_otherwise(self):
+        moved = [replace(SANDS[2], ankle=(0.02, 0.01))]
+        foot = fo.evaluate(self.k, SANDS[2].scene, COARSE, space=replace(SMALL, ankle=(0.02, 0.01)))
+        np.testing.assert_array_equal(problem(moved).walk(self.k)[0][:, :5], foot.values)
+        assert (foot.values != fo.evaluate(self.k, SANDS[2].scene, COARSE, space=SMALL).values).any()
+
+    def test_a_walk_that_fails_anywhere_is_infeasible_and_says_where(self):
+        nowhere = fo.Scenario("quicksand", fo.Scene(sand=fo.Sand(1e-3)))
+        out = problem([SANDS[1], nowhere]).evaluate(self.k, return_as_dictionary=True)
+        assert set(out["reasons"]) == {"sunk (quicksand)"}
+        assert (out["G"][:, 0] > 0).all()
+        assert np.isfinite(out["F"]).all()
+        assert np.isnan(out["values"]).all()
+
+    def test_references_make_the_measure_one_of_the_regret(self):
+        best = np.array([-2e-5, -5e-5, -2e-4])
+        own = problem().walk_each(self.k)[0][..., 5]
+        relative = problem(references=best).walk(self.k)[0][:, 5]
+        np.testing.assert_allclose(1 + relative, regret(own, best[:, None], "efficiency").max(axis=0))
+        assert regret(np.array([0.9, 1.0]), np.array(1.0), "distance").tolist() == pytest.approx([0.1, 0])
+        assert regret(np.array([110.0]), np.array(100.0), "work").tolist() == pytest.approx([0.1])
+        for bad in ([1.0, 2.0], [1.0, 0.0, 1.0], [1.0, np.nan, 1.0]):
+            with pytest.raises(SettingError, match="references"):
+                problem(references=bad)
+
+    def test_a_search_keeps_confirms_and_resumes_it(self, tmp_path):
+        p, solver = problem(measure="mean", references=[-2e-5, -5e-5, -2e-4]), Solver("ga", 10, 4, 3)
+        first = search(p, solver, store=tmp_path / "s.sqlite")
+        again = search(p, solver, store=tmp_path / "s.sqlite")
+        np.testing.assert_array_equal(first.values, again.values)
+        assert again.reused == len(again.k)
+        finer = problem(measure="mean", references=p.references)
+        finer.accuracy = fo.Accuracy.named("standard")
+        confirmed = confirm(first, "standard", 3)
+        np.testing.assert_array_equal(confirmed.values, finer.walk(first.k[confirmed.designs])[0])
+        assert p.accuracy == COARSE
+
+    @pytest.mark.parametrize("measure", MEASURES)
+    def test_the_robust_foot_loses_no_more_than_any_specialist(self, measure):
+        space = fo.Waypoints(n=4, K=4)
+        alone = [fo.FootProblem(s.scene, "efficiency", space, COARSE) for s in SANDS]
+        specialists = [search(p, "exhaustive") for p in alone]
+        best = np.array([found.column("efficiency")[found.best] for found in specialists])
+        together = fo.RobustProblem(SANDS, space=space, accuracy=COARSE, measure=measure, references=best)
+        robust = search(together, "exhaustive")
+        k = np.array([found.k[found.best] for found in specialists])
+        loss = 1 + together.walk(k)[0][:, 5]
+        assert 0 < 1 + robust.column("efficiency")[robust.best] <= loss.min()
+
+    def test_several_objectives_make_a_front_of_measures(self):
+        found = search(problem(objective=["distance", "work"], measure="tail"), "nsga2", pop_size=10, n_gen=3)
+        assert len(found.front) > 1
+        np.testing.assert_array_equal(found.values, found.problem.walk(found.k)[0])
+
+    def test_a_store_knows_the_scenarios_and_how_they_are_judged(self, tmp_path):
+        others = [
+            problem(),
+            problem(SANDS[:2]),
+            problem([replace(SANDS[0], weight=2.0), *SANDS[1:]]),
+            problem([replace(SANDS[0], ankle=(0.01, 0.0)), *SANDS[1:]]),
+            problem(measure="mean"),
+            problem(measure="tail", tail=0.3),
+            problem(measure="tail", tail=0.4),
+            problem(references=[1.0, 2.0, 3.0]),
+            fo.FootProblem(SANDS[0].scene, "efficiency", SMALL, COARSE),
+        ]
+        digests = [digest(context(p)) for p in others]
+        assert len(set(digests)) == len(digests)
+        assert digest(context(problem())) == digests[0]
+        with Store(tmp_path / "s.sqlite", problem()) as store:
+            assert len(store) == 0
+
+    def test_scenarios_must_be_there_and_have_names(self):
+        with pytest.raises(SettingError, match="at least one"):
+            problem([])
+        with pytest.raises(SettingError, match="different names"):
+            problem([SANDS[0], SANDS[0]])
+        with pytest.raises(SettingError, match=r"scene\.t_f = 0\.5"):
+            problem([SANDS[0], fo.Scenario("short", fo.Scene(t_f=0.5))])
+
+
+#: A study that takes a second.
+BRIEF = ["study=robust", "study.quick=true", "foot.n=5", "solver.pop_size=20", "accuracy=draft"]
+
+
+@pytest.fixture(scope="module")
+def run_sands(tmp_path_factory):
+    cwd = tmp_path_factory.mktemp("sands")
+    done = footopt(*BRIEF, "hydra.run.dir=run", cwd=cwd, drawn=True)
+    assert done.returncode == 0, done.stderr
+    return done, cwd / "run"
+
+
+class TestStudy:
+    def test_regrets_are_what_the_library_computes(self, run_sands):
+        result = json.loads((run_sands[1] / "result.json").read_text())
+        assert list(result["feet"]) == ["soft", "regular", "hard", "robust"]
+        space = fo.Waypoints(n=5)
+        for scenario in SANDS:
+            table = fo.evaluate(list(result["feet"].values()), scenario.scene, "fine", space=space)
+            best = table.efficiency[:3].min()
+            expected = 1 - table.efficiency / best
+            found = [result["regrets"][name][scenario.name] for name in result["feet"]]
+            np.testing.assert_allclose(found, expected, atol=1e-12)
+            assert min(found[:3]) == 0.0
+
+    def test_files_and_tables_are_left(self, run_sands):
+        done, folder = run_sands
+        with open(folder / "regrets.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        assert len(rows) == 12
+        assert {r["scenario"] for r in rows} == {"soft", "regular", "hard"}
+        for name in ("contours", "regrets", "convergence"):
+            assert (folder / "figures" / f"{name}.png").stat().st_size > 5_000
+        assert (folder / "contour.dxf").is_file()
+        assert "worst in" in done.stdout
+
+    @pytest.mark.slow
+    def test_it_is_resumed_without_walking_again(self, run_sands):
+        before = json.loads((run_sands[1] / "result.json").read_text())
+        done = footopt("resume=run", cwd=run_sands[1].parent)
+        assert done.returncode == 0, done.stderr
+        assert done.stdout.count("of them known") == 4
+        after = json.loads((run_sands[1] / "result.json").read_text())
+        assert after["regrets"] == before["regrets"]
+
+    @pytest.mark.slow
+    def test_worker_processes_find_the_same(self, run_sands, tmp_path):
+        done = program(*BRIEF, "engine=processes", "engine.workers=2", "hydra.run.dir=run", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        here, there = (
+            json.loads((folder / "result.json").read_text()) for folder in (run_sands[1], tmp_path / "run")
+        )
+        assert {name for name in here if here[name] != there[name]} == {"settings", "wall_time_s"}
+
+    @pytest.mark.slow
+    def test_drawn_scenarios_are_tested_on_fresh_ones(self, tmp_path, capsys):
+        config = composed(*BRIEF, "study.scenarios=drawn", "study.measure=tail", "solver=nsga2",
+                          "objective.names=[distance,efficiency]")  # fmt: skip
+        study.run(config, tmp_path, {})
+        check_page(tmp_path)
+        result = json.loads((tmp_path / "result.json").read_text())
+        assert list(result["feet"]) == ["draw 1", "draw 2", "draw 3", "median scene", "robust"]
+        drawn = fo.draw(fo.Scene(), fo.Spread(), 3, 1)
+        assert [s["zeta"] for s in result["scenarios"]] == [s.scene.sand.zeta for s in drawn]
+        assert len(result["held_out_regret"]) == study.QUICK_HELD_OUT
+        assert "fresh scenarios" in capsys.readouterr().out
+
+    def test_what_is_null_is_measured_from_the_strides_of_the_gait(self):
+        path = Path(__file__).parents[2] / "examples" / "gait" / "walk.trc"
+        null = ("study.spread.angles=null", "study.spread.period=null")
+        spread = make_spread(composed(*BRIEF, "gait=file", f"gait.path={path}", *null))
+        period, angles = read_strides(path).variation()
+        assert spread == fo.Spread(period=period, angles=angles)
+        assert 0.1 < angles < 1.0
+        for gait in ((), ("gait=file", f"gait.path={path.with_suffix('.mot')}")):  # two strides
+            with pytest.raises(SettingError, match=r"study\.spread\.period = None: must be a number, unless"):
+                make_spread(composed(*BRIEF, *gait, *null))
+
+    @pytest.mark.parametrize(
+        ("setting", "message"),
+        [
+            ("study.scenarios=dunes", "study.scenarios = 'dunes': must be one of sands, drawn"),
+            ("study.measure=median", "study.measure = 'median'"),
+            ("study.tail=2", "study.tail = 2.0"),
+            ("study.finalists=0", "study.finalists = 0"),
+            ("study.confirm=finest", "accuracy = 'finest'"),
+            ("foot=ellipse", "foot.shape = 'ellipse'"),
+            ("foot.k=[1,2,3,4,5]", "foot.k ="),
+            ("solver.name=nsga2", "solver = 'nsga2'"),
+            ("effects.auto=true", "effects.auto = True"),
+        ],
+    )
+    def test_what_cannot_be_is_refused(self, setting, message, tmp_path):
+        with pytest.raises(SettingError, match=message):
+            study.run(composed(*BRIEF, setting), tmp_path, {})
+        assert not list(tmp_path.iterdir())
+
+    def test_a_spread_of_drawn_scenarios_is_checked(self, tmp_path):
+        for setting, message in (
+            ("study.draws=1", "study.draws = 1"),
+            ("study.spread.mass=-1", "spread.mass"),
+        ):
+            with pytest.raises(SettingError, match=message):
+                study.run(composed(*BRIEF, "study.scenarios=drawn", setting), tmp_path, {})
+
+    def test_an_interrupted_search_says_which(self, monkeypatch, tmp_path):
+        stopped = type("Stopped", (), {"interrupted": True})
+        monkeypatch.setattr(study, "search", lambda *args: stopped)
+        with pytest.raises(KeyboardInterrupt, match="a foot for soft"):
+            study.run(composed(*BRIEF), tmp_path, {})
+
+    def test_a_search_that_finds_nothing_says_where(self, tmp_path):
+        with pytest.raises(FootoptError, match="draw 1: No feasible design"):
+            study.run(composed(*BRIEF, "study.scenarios=drawn", "sand.zeta=1e-3"), tmp_path, {})

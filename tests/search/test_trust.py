@@ -1,0 +1,287 @@
+"""The true optimum: every design of a small space, moves that suit a spline, and solvers judged by both."""
+
+import csv
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hydra import compose, initialize_config_dir
+from hypothesis import given
+from hypothesis import strategies as st
+from omegaconf import OmegaConf
+from study_pages import check_page
+
+import footopt as fo
+from footopt.cli.main import CONF
+from footopt.design import Solver, exhaustive, search
+from footopt.design.exhaustive import batches
+from footopt.design.memetic import ExchangeRun, ShiftRun, shifts
+from footopt.design.truth import Tabulated, judge, walk_all
+from footopt.errors import FootoptError, SettingError
+from footopt.studies import run
+
+QUICK = fo.Accuracy(dt=1e-2, plates=20)
+SPACE = fo.Waypoints(n=4, K=4)
+EVERYTHING = np.stack(np.meshgrid(*[range(1, 5)] * 4, indexing="ij"), axis=-1).reshape(-1, 4)
+
+
+def problem(objective="efficiency", zeta=5.0, space=SPACE):
+    return fo.FootProblem(fo.Scene(sand=fo.Sand(zeta)), objective, space, QUICK)
+
+
+@pytest.fixture(scope="module")
+def table():
+    """All of the space by `evaluate`, and which designs are inside their box."""
+    inside = SPACE.box_violation(EVERYTHING) <= SPACE.box_tolerance * SPACE.H
+    assert 0 < inside.sum() < len(inside)
+    return fo.evaluate(EVERYTHING, problem().scene, QUICK, space=SPACE), inside
+
+
+class TestExhaustive:
+    @given(st.integers(4, 6), st.integers(1, 4), st.integers(1, 700))
+    def test_batches_hold_every_design_once(self, n, K, size):
+        parts = list(batches(fo.Waypoints(n=n, K=K), size))
+        k = np.concatenate(parts)
+        assert max(map(len, parts)) <= size
+        assert len(np.unique(k, axis=0)) == len(k) == K**n
+        assert k.min() == 1
+        assert k.max() == K
+
+    @pytest.mark.parametrize("size", [7, 1000])
+    def test_one_objective_gives_the_best_designs_in_order(self, table, size):
+        values, inside = table
+        r = search(problem(), "exhaustive", pop_size=size)
+        expected = np.sort(values.efficiency[inside])
+        np.testing.assert_array_equal(r.column("efficiency"), expected)
+        assert r.designs == len(EVERYTHING) == r.infeasible + inside.sum()
+        assert r.evaluations == inside.sum()
+        assert (r.best, list(r.front)) == (0, [0])
+        assert len(r.history) == Solver("exhaustive", size).generations(SPACE) == -(-256 // size)
+        assert [g.best for g in r.history] == sorted((g.best for g in r.history), reverse=True)
+
+    def test_a_maximised_objective(self, table):
+        values, inside = table
+        r = search(problem("distance"), "exhaustive", pop_size=50)
+        assert r.column("distance")[r.best] == values.values[inside, 0].max()
+
+    @pytest.mark.parametrize("size", [7, 1000])
+    def test_several_objectives_give_the_exact_front(self, table, size):
+        values, inside = table
+        f = (values.values * [-1, -1, 1, 1, 1])[inside]
+        dominated = [((f <= row).all(axis=1) & (f < row).any(axis=1)).any() for row in f]
+        r = search(problem("pareto"), "exhaustive", pop_size=size)
+        exact = EVERYTHING[inside][~np.array(dominated)]
+        assert sorted(map(tuple, r.k[r.front])) == sorted(map(tuple, exact))
+        j = r.column("efficiency")[r.front]
+        assert (np.diff(j) >= 0).all()
+
+    def test_only_the_best_are_kept(self, table, monkeypatch):
+        monkeypatch.setattr(exhaustive, "KEPT", 5)
+        values, inside = table
+        r = search(problem(), "exhaustive", pop_size=30)
+        np.testing.assert_array_equal(r.column("efficiency"), np.sort(values.efficiency[inside])[:5])
+
+    def test_a_large_space_is_refused_with_its_size_and_time(self):
+        with pytest.raises(SettingError, match=r"foot\.n = 11: .*10\^11 would take .* days here"):
+            search(problem(space=fo.Waypoints()), "exhaustive")
+        with pytest.raises(SettingError, match=r"100\^200"):
+            search(problem(space=fo.Waypoints(n=200, K=100)), "exhaustive")
+
+    def test_nothing_feasible_says_so(self):
+        with pytest.raises(FootoptError, match=r"No feasible design among 256: .*sunk"):
+            search(problem(zeta=1e-3), "exhaustive")
+
+    def test_interrupted_it_returns_what_it_has(self):
+        def stop(generation):
+            if generation.generation == 2:
+                raise KeyboardInterrupt
+
+        r = search(problem(), "exhaustive", progress=stop, pop_size=64)
+        assert r.interrupted
+        assert r.designs == 128
+
+
+class TestMemetic:
+    def test_shifts_are_every_run_of_neighbours_once(self):
+        moves = shifts(6)
+        assert len(np.unique(moves, axis=0)) == len(moves) == 6 * 7
+        for move in moves:
+            at = np.flatnonzero(move)
+            assert len(at) == at[-1] - at[0] + 1
+            assert abs(move[at].sum()) == len(at)
+
+    def test_a_mutation_shifts_one_run_by_one_level_and_stays_in_range(self):
+        x = fo.Waypoints().random(200, seed=1)
+        p = fo.FootProblem()
+        moved = ShiftRun()._do(p, x, random_state=np.random.default_rng(1))
+        assert moved.dtype == np.int64
+        assert ((moved >= 1) & (moved <= 10)).all()
+        difference = moved - x
+        assert set(np.unique(difference)) == {-1, 0, 1}
+        assert not ((difference == 1).any(axis=1) & (difference == -1).any(axis=1)).any()
+
+    def test_parents_exchange_one_run(self):
+        x = np.stack([np.full((50, 8), 1), np.full((50, 8), 9)])
+        a, b = ExchangeRun()._do(problem(space=fo.Waypoints(n=8)), x, random_state=np.random.default_rng(1))
+        np.testing.assert_array_equal(a + b, 10)
+        changes = np.abs(np.diff(np.pad(a, ((0, 0), (1, 1)), constant_values=1), axis=1)) > 0
+        assert (changes.sum(axis=1) == 2).all()
+
+    def test_no_design_is_asked_for_twice(self):
+        r = search(problem(space=fo.Waypoints(n=6, K=10)), "memetic", pop_size=20, n_gen=30, seed=1)
+        assert len(r.k) == r.evaluations
+
+    def test_a_space_with_nothing_left_ends_the_search(self, table):
+        values, inside = table
+        r = search(problem(), "memetic", pop_size=40, n_gen=100, seed=1)
+        assert len(r.history) < 100
+        assert len(r.k) == r.evaluations <= 256
+        assert r.column("efficiency")[r.best] == values.efficiency[inside].min()
+
+    def test_a_run_that_stalls_ends_in_a_local_optimum(self):
+        p = problem(space=fo.Waypoints(n=6, K=10))
+        r = search(p, "memetic", pop_size=20, n_gen=60, seed=3)
+        best = r.k[r.best]
+        near = best + shifts(6)
+        near = near[((near >= 1) & (near <= 10)).all(axis=1)]
+        assert {tuple(k) for k in near} <= {tuple(k) for k in r.k}
+        assert r.column("efficiency")[r.best] == r.column("efficiency")[r.feasible].min()
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize(
+        ("sand", "best"),
+        [
+            ("soft", (1, 3, 5, 7, 8, 9, 10, 10, 10, 10, 9)),
+            ("regular", (1, 2, 3, 4, 5, 7, 9, 10, 10, 9, 7)),
+            ("hard", (2, 6, 6, 2, 1, 1, 1, 1, 3, 4, 1)),
+        ],
+    )
+    def test_the_default_search_finds_the_best_known_design(self, sand, best):
+        p = fo.FootProblem(fo.Scene(sand=fo.Sand.named(sand)))
+        known = p.evaluate(np.array([best]), return_as_dictionary=True)["F"][0, 0]
+        found = [search(p, seed=seed) for seed in (1, 2)]
+        assert all(r.column("efficiency")[r.best] <= 0.999 * known for r in found)
+
+
+class TestTruth:
+    @pytest.fixture(scope="class")
+    @classmethod
+    def truths(cls):
+        walked = walk_all(problem("pareto"))
+        return [Tabulated(problem("pareto"), walked, name) for name in ("efficiency", "pareto")]
+
+    @pytest.mark.parametrize(("which", "name"), [(0, "ga"), (0, "memetic"), (1, "nsga2")])
+    def test_a_solver_finds_the_same_in_the_table_as_by_walking(self, truths, which, name):
+        a = search(truths[which], name, pop_size=12, n_gen=5, seed=2)
+        b = search(problem(truths[which].names), name, pop_size=12, n_gen=5, seed=2)
+        np.testing.assert_array_equal(a.k, b.k)
+        np.testing.assert_array_equal(a.values, b.values)
+        np.testing.assert_array_equal(a.front, b.front)
+
+    def test_the_optimum_is_that_of_the_enumeration(self, truths):
+        r = search(problem(), "exhaustive")
+        assert truths[0].optimum == r.column("efficiency")[0]
+        assert truths[0].best_k.tolist() == r.k[0].tolist()
+        assert truths[0].feasible == r.evaluations
+
+    def test_the_exact_front_has_all_of_its_hypervolume_and_a_part_less(self, truths):
+        truth = truths[1]
+        good = (truth.table["G"] <= 0).all(axis=1)
+        f = truth.table["F"][good]
+        assert truth.hypervolume(f) == pytest.approx(1)
+        assert truth.igd_plus(f) == pytest.approx(0)
+        assert 0 < truth.hypervolume(f[:20]) < 1
+        assert truth.igd_plus(f[:20]) > 0
+        assert truth.front.min() == 0.0
+        assert truth.front.max() == 1.0
+
+    def test_a_run_that_sees_everything_has_no_regret_and_the_whole_front(self, truths):
+        single = judge(search(truths[0], "memetic", pop_size=40, n_gen=100, seed=1), truths[0])
+        assert single.hit
+        assert 40 <= single.found_at <= 256
+        assert single.checkpoints == ()
+        several = judge(search(truths[1], "nsga2", pop_size=40, n_gen=30, seed=1), truths[1])
+        shares = [share for _, share in several.checkpoints]
+        assert shares == sorted(shares)
+        assert several.hypervolume == shares[-1] > 0.9
+        assert several.igd_plus < 0.05
+
+    def test_a_poor_run_has_a_regret(self, truths):
+        poor = judge(search(truths[0], "ga", pop_size=4, n_gen=1, seed=3), truths[0])
+        assert not poor.hit
+        assert poor.regret > 0
+        assert np.isnan(poor.found_at)
+
+
+@pytest.mark.slow
+def test_the_exhaustive_solver_as_the_command_line_composes_it(tmp_path, capsys):
+    overrides = ["solver=exhaustive", "foot.n=4", "foot.K=4", "accuracy=draft", "solver.pop_size=100"]
+    with initialize_config_dir(str(CONF), version_base="1.3"):
+        config = compose("config", overrides=overrides)
+    run(OmegaConf.to_object(config), tmp_path, OmegaConf.to_container(config, resolve=True))
+    result = json.loads((tmp_path / "result.json").read_text())
+    exact = search(fo.FootProblem(fo.Scene(), space=SPACE, accuracy="draft"), "exhaustive")
+    assert result["designs"] == 256
+    assert result["infeasible"] == exact.infeasible
+    assert result["confirmed"]["k"][0] in exact.k[:20].tolist()
+    assert (tmp_path / "figures" / "contours.png").stat().st_size > 10_000
+    assert not (tmp_path / "figures" / "convergence.png").exists()
+    assert "exhaustive, seed 1: 202 evaluations of 256 designs" in capsys.readouterr().out
+
+
+class TestStudy:
+    @pytest.fixture(scope="class")
+    @classmethod
+    def settings(cls):
+        def composed(*overrides):
+            with initialize_config_dir(str(CONF), version_base="1.3"):
+                return compose("config", overrides=["study=trust", "foot.n=4", "foot.K=4", *overrides])
+
+        return composed
+
+    def test_leaves_a_table_a_figure_and_the_exact_answer(self, settings, tmp_path, capsys):
+        config = settings(
+            "study.quick=true", "accuracy=draft", "study.budget=300", "study.solvers=[memetic,ga,nsga2]"
+        )
+        run(OmegaConf.to_object(config), tmp_path, OmegaConf.to_container(config, resolve=True))
+        result = json.loads((tmp_path / "result.json").read_text())
+        assert result["designs"] == 256
+        assert {s["sand"] for s in result["scores"]} == {"soft", "regular", "hard"}
+        memetic = [s for s in result["scores"] if s["solver"] == "memetic"]
+        assert all(s["found"] == 1.0 and s["regret"] == 0.0 for s in memetic)
+        scene = fo.Scene(sand=fo.Sand.named("hard"))
+        space = replace(SPACE)
+        exact = fo.evaluate([result["exact"]["hard"]["k"]], scene, "draft", ("efficiency",), space)
+        assert exact.values[0, 0] == result["exact"]["hard"]["efficiency"]
+        with open(tmp_path / "trust.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        assert len(rows) == 3 * 3 * 2
+        assert {r["hypervolume"] == "" for r in rows if r["solver"] == "ga"} == {True}
+        assert (tmp_path / "figures" / "trust.png").stat().st_size > 10_000
+        check_page(tmp_path)
+        assert "hypervolume" in capsys.readouterr().out
+
+    @pytest.mark.parametrize(
+        ("override", "message"),
+        [
+            ("study.seeds=0", r"study\.seeds = 0"),
+            ("study.budget=50", r"study\.budget = 50: must be at least one generation, 100"),
+            ("study.solvers=[ga,sa]", r"study\.solvers = \['sa'\]: must be some of memetic"),
+            ("foot.n=11", r"foot\.n = 11: must be small enough"),
+        ],
+    )
+    def test_what_cannot_be_is_refused(self, settings, tmp_path, override, message):
+        config = OmegaConf.to_object(settings("foot.K=10", override))
+        with pytest.raises(SettingError, match=message):
+            run(config, tmp_path, {})
+
+
+def test_every_sole_is_kept_and_read_again(tmp_path):
+    """An enumeration goes on from its store, and its result is the same to the last bit."""
+    problem = fo.FootProblem(space=fo.Waypoints(n=4, K=3), accuracy="draft")
+    first = fo.search(problem, "exhaustive", pop_size=30, store=tmp_path / "feet.sqlite")
+    again = fo.search(problem, "exhaustive", pop_size=50, store=tmp_path / "feet.sqlite")
+    assert (first.reused, again.reused) == (0, first.evaluations)
+    np.testing.assert_array_equal(again.k, first.k)
+    np.testing.assert_array_equal(again.values, first.values)

@@ -1,0 +1,121 @@
+"""Earlier runs side by side: found by name or pattern, told where they are, and never mixed up."""
+
+import csv
+import json
+
+import pytest
+from test_page import leave_job
+
+import footopt as fo
+from footopt.errors import FileError, SettingError
+from footopt.studies import run
+from footopt.studies.compare import folders_of
+from footopt.studies.settings import Config, StudyConfig
+
+
+@pytest.fixture
+def runs(tmp_path):
+    """Three runs with a foot, in two folders; one without a result; one of another study."""
+    for i, (name, zeta) in enumerate({"old/b": 1.0, "old/a": 5.0, "new/c": 2.5}.items()):
+        folder = tmp_path / name
+        folder.parent.mkdir(exist_ok=True)
+        leave_job(folder, fo.simulate(fo.Foot.flat(), fo.Scene(sand=fo.Sand(zeta=zeta)), "draft"))
+        (folder / ".hydra").mkdir()
+        (folder / ".hydra" / "overrides.yaml").write_text(
+            f"- solver.seed={i}\n- sand.zeta={zeta}\n- gait=human\n"
+        )
+    (tmp_path / "old" / "broken" / ".hydra").mkdir(parents=True)
+    (tmp_path / "old" / "other").mkdir()
+    (tmp_path / "old" / "other" / "result.json").write_text('{"study": "accuracy"}')
+    (tmp_path / "new" / "c" / "report.html").touch()
+    return tmp_path
+
+
+def compare(folder, *patterns):
+    folder.mkdir()
+    run(Config(study=StudyConfig(name="compare", runs=list(patterns))), folder, {})
+
+
+def test_a_table_a_file_and_a_page(runs, capsys):
+    compare(runs / "here", f"{runs}/old/[ab]", f"{runs}/new/c")
+    out = " ".join(capsys.readouterr().out.split())
+    assert "3 runs" in out
+    assert "1: solver.seed=1 " in out
+    assert "sand.zeta=5.0" in out
+    assert "gait=human" not in out.split("Everything")[0].split("run 1:")[0]  # what all share
+    assert f"run 3: {runs}/new/c " in out
+    with open(runs / "here" / "summary.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["run"] for row in rows] == [f"{runs}/{name}" for name in ("old/a", "old/b", "new/c")]
+    assert len({float(row["distance"]) for row in rows}) == 3
+    text = (runs / "here" / "report.html").read_text()
+    assert '"link":"../new/c/report.html"' in text
+    assert text.count('"link":null') == 2
+    assert (runs / "here" / "result.json").is_file()
+
+
+def test_what_has_no_foot_is_said_and_the_others_are_shown(runs, capsys):
+    compare(runs / "here", f"{runs}/old/*", str(runs / "old" / "broken"))
+    out = " ".join(capsys.readouterr().out.split())
+    assert f"run 3: {runs}/old/other; study=accuracy: see its own folder" in out
+    assert f"run 4: {runs}/old/broken; no result" in out
+
+
+def test_only_what_all_runs_have_is_compared_on_the_page(runs):
+    path = runs / "new" / "c" / "result.json"
+    path.write_text(path.read_text().replace('"cost_of_transport"', '"unknown"'))
+    compare(runs / "here", f"{runs}/*/[abc]")
+    text = (runs / "here" / "report.html").read_text()
+    assert '"name":"distance"' in text
+    assert '"name":"cost_of_transport"' not in text
+
+
+def test_objectives_of_plugins_are_compared_by_what_the_runs_say_of_them(runs):
+    for i, name in enumerate(("old/a", "old/b")):
+        path = runs / name / "result.json"
+        result = json.loads(path.read_text())
+        result["objectives"]["work_per_metre"] = 80.0 + i
+        result |= {"units": {"work_per_metre": "J/m"}, "maximise": {"work_per_metre": False}}
+        path.write_text(json.dumps(result))
+    compare(runs / "here", f"{runs}/old/[ab]")
+    text = (runs / "here" / "report.html").read_text()
+    assert '"name":"work_per_metre","title":"work per metre","unit":"J/m","maximise":false' in text
+
+
+def test_each_run_once_and_not_the_one_that_is_running(runs):
+    own = runs / "old" / "a"
+    found = list(folders_of([f"{runs}/*/[ab]", str(runs / "old" / "b"), f"{runs}/**/c"], own))
+    assert found == [runs / "old" / "b", runs / "new" / "c"]
+
+
+def test_a_multirun_stands_for_its_jobs_in_their_order(runs):
+    (runs / "multi").mkdir()
+    (runs / "multi" / "multirun.yaml").touch()
+    for job in ("10", "9", "2"):
+        (runs / "multi" / job / ".hydra").mkdir(parents=True)
+    (runs / "old" / "b").rename(runs / "multi" / "0")
+    expected = [runs / "multi" / job for job in ("0", "2", "9", "10")]
+    assert list(folders_of([f"{runs}/mul*"], runs)) == expected
+    assert list(folders_of([f"{runs}/multi/0", f"{runs}/multi"], runs)) == expected
+
+
+def test_the_table_has_units(runs, capsys):
+    compare(runs / "here", f"{runs}/old/[ab]")
+    said = capsys.readouterr().out
+    head = said.split("\n1: ")[0]
+    for unit in ("(m)", "(J)", "(W)", "(m/s)", "(mm)"):
+        assert unit in head
+
+
+@pytest.mark.parametrize(
+    ("patterns", "error", "message"),
+    [
+        ([], SettingError, r"study\.runs = \[\]: must be folders of runs\. Try footopt study=compare"),
+        (["nowhere"], FileError, r"study\.runs = 'nowhere': not the folder of a run"),
+        (["{runs}/old/o*"], FileError, "none of the 1 folders has a foot to compare"),
+    ],
+)
+def test_what_cannot_be_compared(runs, patterns, error, message):
+    with pytest.raises(error, match=message):
+        compare(runs / "here", *(pattern.format(runs=runs) for pattern in patterns))
+    assert not (runs / "here" / "summary.csv").exists()

@@ -1,0 +1,128 @@
+"""Walks are the same, to the last bit, as those of the release before.
+
+`identity.csv` holds what random feet do in every sand, effect, preset and stepper. On the processor and
+with the libraries that wrote it, walks agree bit for bit; elsewhere within the rounding of others.
+A change of the compiled arithmetic writes the file again and says so: ``python tests/walk/test_identity.py``.
+"""
+
+import csv
+import hashlib
+from dataclasses import replace
+from pathlib import Path
+
+import llvmlite
+import numba
+import numpy as np
+import pytest
+
+import footopt as fo
+from footopt.compiled import processor
+
+FILE = Path(__file__).with_name("identity.csv")
+SANDS = ("soft", "regular", "hard", "poppy_loose", "poppy_close", "glass_beads", "medium_sand",
+         "mars_simulant")  # fmt: skip
+EFFECTS = {
+    "plain": (),
+    "layers": (fo.Layers(),),
+    "patches": (fo.Patches(),),
+    "leading edge": (fo.LeadingEdge(),),
+    "inertia": (fo.Inertia(),),
+    "slope": (fo.Slope(),),
+    "all": (fo.Layers(), fo.Patches(), fo.LeadingEdge(), fo.Inertia(), fo.Slope()),
+}
+#: How many of the 200 feet walk at each preset: the finer, the fewer.
+FEET = {"draft": 200, "standard": 200, "fine": 40, "reference": 2}
+STEPPERS = {
+    "explicit_euler": 1e-3,
+    "semi_implicit_euler": 1e-3,
+    "heun": 1e-3,
+    "rk4": 1e-3,
+    "implicit_euler": 5e-3,
+    "sdirk2": 5e-3,
+}
+OBJECTIVES = (
+    "distance", "mean_height", "work", "peak_power", "speed_loss", "efficiency", "cost_of_transport",
+    "positive_joint_work", "maximum_sinkage", "peak_vertical_force",
+)  # fmt: skip
+#: Relative, of the mean of an objective: what another processor's rounding may change.
+ROUNDING = 1e-6
+
+
+def cases():
+    """Name of a case, its feet, scene and accuracy."""
+    feet = fo.Waypoints().random(200, seed=2026)
+    for sand in SANDS:
+        scene = fo.Scene(sand=fo.Sand.named(sand))
+        for effects, chosen in EFFECTS.items():
+            for preset, count in FEET.items():
+                if preset == "reference" and sand not in SANDS[:3]:
+                    continue
+                yield f"{sand}, {effects}, {preset}", feet[:count], replace(scene, effects=chosen), preset
+    for sand in SANDS[:3]:
+        scene = fo.Scene(sand=fo.Sand.named(sand))
+        for stepper, dt in STEPPERS.items():
+            yield f"{sand}, {stepper}", feet[:40], scene, fo.Accuracy(stepper, dt, 64)
+        measured = replace(scene, gait=fo.Gait.human(pitch="measured", period=1.1))
+        yield f"{sand}, measured pitch", feet[:40], measured, "standard"
+        light = replace(scene, walker=fo.Walker(mass=5.0, l1=0.2, l2=0.15, g=3.7), t_f=5.0)
+        yield f"{sand}, a light walker", feet[:40], light, "standard"
+        closed = fo.Foot.shape("circle", closed=True)
+        yield f"{sand}, a closed circle", [closed], replace(scene, effects=(fo.LeadingEdge(),)), "standard"
+
+
+def measured(feet, scene, accuracy):
+    """What is kept of a case: counts, a digest of every bit, and the objectives' means."""
+    table = fo.evaluate(feet, scene, accuracy, OBJECTIVES)
+    digest = hashlib.sha256(np.ascontiguousarray(table.values).tobytes())
+    digest.update(table.evaluations.tobytes())
+    digest.update(table.plates.tobytes())
+    means = table.values[table.feasible].mean(axis=0) if table.feasible.any() else np.zeros(len(OBJECTIVES))
+    counts = [int(table.feasible.sum()), int(table.evaluations.sum()), int(table.plates.sum())]
+    return [*counts, digest.hexdigest()[:16], *map(repr, map(float, means))]
+
+
+def machine():
+    """What the last bit depends on."""
+    return (
+        f"{processor()}, numba {numba.__version__}, llvmlite {llvmlite.__version__}, numpy {np.__version__}"
+    )
+
+
+def kept():
+    """Every case's row of the file, and the machine that wrote it."""
+    with open(FILE, newline="", encoding="utf-8") as file:
+        first = next(csv.reader(file))[0]
+        return first, {row[0]: row[1:] for row in csv.reader(file)}
+
+
+def compare(wanted):
+    """Walk the cases that are wanted, and hold them against the file."""
+    where, rows = kept()
+    for name, *case in cases():
+        if not wanted(name):
+            continue
+        found, before = measured(*case), rows[name]
+        if where == machine():
+            assert list(map(str, found)) == before, name
+        else:
+            assert abs(found[0] - int(before[0])) <= 1, name
+            np.testing.assert_allclose(
+                np.array(found[4:], float), np.array(before[4:], float), rtol=ROUNDING, err_msg=name
+            )
+
+
+def test_plain_walks_are_bit_for_bit_those_of_before():
+    compare(lambda name: name.endswith("plain, standard") or name.endswith("plain, draft"))
+
+
+@pytest.mark.slow
+def test_walks_with_every_effect_preset_and_stepper_are_bit_for_bit_those_of_before():
+    compare(lambda name: True)
+
+
+if __name__ == "__main__":
+    with open(FILE, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow([machine()])
+        for name, *case in cases():
+            writer.writerow([name, *measured(*case)])

@@ -1,0 +1,231 @@
+"""What a walk is judged by: each objective recomputed from a fine trace by numpy, and J_W."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import footopt as fo
+from footopt.errors import SettingError
+from footopt.gait import LEFT, RIGHT
+from footopt.walk import FIVE, OBJECTIVES, gain_shares
+from footopt.walk.loop import RAW, hermite, hermite_extreme
+from footopt.walk.objectives import FLOORS, Raw, lookup
+
+STRIKE = 1.1  # s, the first heel strike
+
+
+def recomputed(walk):
+    """The objectives of a walk from its trace, by their definitions, without interpolation."""
+    walker, t, vx = walk.scene.walker, walk.t, walk.velocity[:, 0]
+    late = t >= STRIKE - 1e-9
+    joint = np.sum(walk.force * walk.velocity[:, None], axis=-1) - walk.power
+    height = np.concatenate([[walk.start[1]], walk.com[:, 1]])
+    work = abs(np.trapezoid(walk.power.sum(axis=1), t))
+    sample = walk.plates(np.arange(0, len(t), 10))
+    return {
+        "distance": walk.com[-1, 0],
+        "mean_height": np.trapezoid(height, np.concatenate([[0.0], t])) / t[-1],
+        "work": work,
+        "peak_power": np.abs(walk.power[late]).max(),
+        "speed_loss": (np.maximum.accumulate(vx[late]) - vx[late]).max(),
+        "positive_joint_work": np.trapezoid(np.maximum(joint, 0).sum(axis=1), t),
+        "cost_of_transport": work / (walker.mass * walker.g * walk.com[-1, 0]),
+        "maximum_sinkage": -sample.position[..., 1].min(),
+        "peak_vertical_force": walk.force[..., 1].sum(axis=1).max(),
+    }
+
+
+class TestAgainstTheTrace:
+    @pytest.mark.parametrize("name", [n for n in OBJECTIVES if n != "efficiency"])
+    def test_of_a_fine_walk(self, name, fine_walk):
+        assert fine_walk.objectives[name] == pytest.approx(recomputed(fine_walk)[name], rel=2e-4)
+
+    @pytest.mark.parametrize("name", FIVE)
+    def test_of_an_ordinary_walk(self, name, walk, fine_walk):
+        """Peaks between its longer steps are interpolated."""
+        rel = 1e-2 if name in ("peak_power", "speed_loss") else 3e-3
+        assert walk.objectives[name] == pytest.approx(recomputed(fine_walk)[name], rel=rel)
+
+    def test_interpolated_peaks_are_never_below_the_sampled_ones(self, walk):
+        sampled = recomputed(walk)
+        for name in ("peak_power", "speed_loss"):
+            assert walk.objectives[name] >= sampled[name] * (1 - 1e-12)
+            assert walk.objectives[name] == pytest.approx(sampled[name], rel=2e-2)
+
+    def test_work_is_lost_and_joints_make_up_for_it(self, walk):
+        """The sand takes |W|; the joints give at least that, less the energy the hip lost."""
+        assert walk.work[-1, LEFT] < 0
+        assert walk.work[-1, RIGHT] < 0
+        assert walk.objectives["work"] == pytest.approx(-walk.work[-1].sum())
+        assert walk.objectives["positive_joint_work"] >= walk.totals["net_joint_work"]
+
+    @pytest.mark.parametrize("t_f", [1.13, 1.2, 1.3, 1.45, 1.75, 1.85, 2.05])
+    def test_of_walks_that_end_anywhere_in_a_step(self, t_f, scene, ramp_foot):
+        """In the middle of a fall of the speed or a rise of the power, too."""
+        walk = fo.simulate(ramp_foot, fo.Scene(scene.sand, t_f=t_f), "fine")
+        expected = recomputed(walk)
+        for name in ("peak_power", "speed_loss"):
+            assert walk.objectives[name] == pytest.approx(expected[name], rel=5e-3, abs=1e-3)
+
+    def test_peaks_before_the_first_heel_strike_do_not_count(self, flat_foot):
+        """The start is not a step: here it takes more power than the 10 ms after the first strike."""
+        walk = fo.simulate(flat_foot, fo.Scene(sand=fo.Sand.named("soft"), t_f=STRIKE + 0.01), "fine")
+        late = walk.t >= STRIKE - 1e-9
+        assert walk.objectives["peak_power"] == pytest.approx(np.abs(walk.power[late]).max(), rel=1e-3)
+        assert np.abs(walk.power[~late]).max() > 1.2 * walk.objectives["peak_power"]
+
+
+class TestTrade:
+    """J_W = -(distance * mean height) / (|W| p_max dV_x)."""
+
+    def test_is_made_of_its_parts(self, walk):
+        o = walk.objectives
+        gain, cost = o["distance"] * o["mean_height"], o["work"] * o["peak_power"] * o["speed_loss"]
+        assert o["efficiency"] == pytest.approx(-gain / cost, rel=1e-12)
+        assert o["efficiency"] < 0
+
+    @pytest.mark.parametrize(("name", "floor"), [("work", 1.0), ("peak_power", 1.0), ("speed_loss", 1e-3)])
+    def test_a_walk_that_loses_nothing_is_not_infinitely_good(self, name, floor):
+        values = {"distance": 2.0, "mean_height": 0.9, "work": 50.0, "peak_power": 20.0, "speed_loss": 0.1}
+        assert FLOORS[name] == floor
+
+        def j_w(**changed):
+            row = [{**values, **changed}.get(column, 0.0) for column in RAW]
+            return OBJECTIVES["efficiency"].value(Raw(np.array([row])), fo.Scene())[0]
+
+        assert j_w(**{name: 0.0}) == j_w(**{name: floor}) == j_w(**{name: floor / 2})
+        assert j_w(**{name: 2 * floor}) == pytest.approx(j_w(**{name: floor}) / 2)
+        assert j_w() == pytest.approx(-1.8 / (50 * 20 * 0.1))
+
+    POSITIVE = st.fixed_dictionaries({name: st.floats(0.01, 1000) for name in FIVE})
+
+    @given(POSITIVE, POSITIVE)
+    def test_shares_of_a_gain_sum_to_one(self, values, base):
+        shares = gain_shares(values, base)
+        assert list(shares) == list(FIVE)
+        total = sum(shares.values())
+        assert (
+            total == pytest.approx(1.0, rel=1e-3) or max(map(abs, shares.values())) > 1e6 or math.isnan(total)
+        )
+
+    def test_a_gain_in_one_factor_is_all_its_own(self):
+        base = dict.fromkeys(FIVE, 10.0)
+        assert gain_shares({**base, "work": 5.0}, base) == {**dict.fromkeys(FIVE, 0.0), "work": 1.0}
+
+    def test_equal_gains_share_equally_and_a_loss_is_negative(self):
+        base = dict.fromkeys(FIVE, 10.0)
+        shares = gain_shares({**base, "distance": 40.0, "work": 5.0, "peak_power": 20.0}, base)
+        assert shares["distance"] == pytest.approx(1.0)
+        assert shares["work"] == pytest.approx(0.5)
+        assert shares["peak_power"] == pytest.approx(-0.5)
+
+    def test_no_gain_has_no_shares(self):
+        base = dict.fromkeys(FIVE, 10.0)
+        assert all(math.isnan(share) for share in gain_shares(base, base).values())
+
+
+class TestTable:
+    def test_five_objectives_in_the_papers_order(self, ramp_foot, regular):
+        table = fo.evaluate([ramp_foot], regular)
+        assert table.names == FIVE == ("distance", "mean_height", "work", "peak_power", "speed_loss")
+        assert table.values.shape == (1, 5)
+        assert len(table) == 1
+
+    def test_columns_come_in_the_order_they_are_asked_for(self, ramp_foot, flat_foot, regular):
+        names = ("speed_loss", "maximum_sinkage", "efficiency", "distance")
+        table = fo.evaluate([ramp_foot, flat_foot], regular, objectives=names)
+        assert table.names == names
+        for i, name in enumerate(names):
+            np.testing.assert_array_equal(table.values[:, i], table.column(name))
+        five = fo.evaluate([ramp_foot, flat_foot], regular)
+        np.testing.assert_array_equal(table.values[:, [3, 0]], five.values[:, [0, 4]])
+        np.testing.assert_array_equal(table.efficiency, five.efficiency)
+
+    def test_extra_objectives_agree_with_the_walk(self, ramp_foot, scene, walk):
+        table = fo.evaluate([ramp_foot], scene, objectives=tuple(OBJECTIVES))
+        np.testing.assert_allclose(
+            table.values[0], [walk.objectives[name] for name in OBJECTIVES], rtol=1e-12
+        )
+
+    def test_sinkage_is_followed_only_where_it_is_asked_for(self, ramp_foot, regular):
+        assert np.isnan(fo.evaluate([ramp_foot], regular).column("maximum_sinkage")).all()
+
+    def test_cost_of_transport_is_work_over_weight_and_distance(self, ramp_foot, regular):
+        table = fo.evaluate([ramp_foot], regular)
+        expected = table.column("work") / (60 * 9.81 * table.column("distance"))
+        np.testing.assert_allclose(table.column("cost_of_transport"), expected, rtol=1e-12)
+
+    def test_a_walk_without_a_heel_strike_is_not_compared(self, ramp_foot):
+        short = fo.Scene(t_f=1.0)
+        with pytest.raises(SettingError, match=r"scene\.t_f = 1\.0: must be later than .* at 1\.1 s"):
+            fo.evaluate([ramp_foot], short)
+        walk = fo.simulate(ramp_foot, short)
+        assert walk.feasible
+        assert math.isnan(walk.objectives["peak_power"])
+        assert walk.objectives["distance"] > 0
+
+    def test_nor_is_one_who_stands(self, ramp_foot):
+        standing = fo.Scene(gait=fo.Gait.human(start=math.inf), t_f=2.0)
+        with pytest.raises(SettingError, match="must be finite to compare feet: this walker stands still"):
+            fo.evaluate([ramp_foot], standing)
+
+
+class TestLookup:
+    def test_finds_by_name_in_order(self):
+        names = ["work", "distance"]
+        assert [o.name for o in lookup(names)] == names
+
+    @pytest.mark.parametrize(
+        ("names", "message"),
+        [
+            ([], r"objective\.names = \[\]: must be one or more of distance"),
+            (["speed"], r"objective\.names = 'speed': must be made of distance, mean_height"),
+            (["work", "work"], r"objective\.names = \['work', 'work'\]: must be free of repetitions"),
+        ],
+    )
+    def test_impossible_choices_are_refused(self, names, message, ramp_foot):
+        with pytest.raises(SettingError, match=message):
+            lookup(names)
+        with pytest.raises(SettingError, match=message):
+            fo.evaluate([ramp_foot], objectives=names)
+
+    @pytest.mark.parametrize("name", OBJECTIVES)
+    def test_everyone_says_its_unit_and_has_a_finite_worst_value(self, name):
+        one = OBJECTIVES[name]
+        assert one.name == name
+        assert math.isfinite(one.worst)
+        assert name.replace("_", " ") in one.label
+        assert f"({one.unit})" in one.label or not one.unit
+
+    @pytest.mark.parametrize("name", OBJECTIVES)
+    def test_no_walk_is_worse_than_the_worst(self, name, walk):
+        one = OBJECTIVES[name]
+        value = walk.objectives[name]
+        assert value >= one.worst if one.maximise else value <= one.worst
+
+    def test_only_rewards_are_maximised(self):
+        assert [name for name, one in OBJECTIVES.items() if one.maximise] == ["distance", "mean_height"]
+
+
+class TestHermite:
+    """Speeds between steps are those of the cubic through both ends and their accelerations."""
+
+    CUBIC = st.tuples(*[st.floats(-2, 2)] * 4).map(np.polynomial.Polynomial)
+
+    @given(CUBIC, st.floats(0, 1))
+    def test_reproduces_cubics(self, cubic, share):
+        h, slope = 0.3, cubic.deriv()
+        value = hermite(cubic(0.0), cubic(h), slope(0.0), slope(h), h, share)
+        assert value == pytest.approx(cubic(share * h), abs=1e-12)
+
+    @given(CUBIC)
+    def test_finds_the_extreme_of_a_cubic(self, cubic):
+        h, slope = 0.3, cubic.deriv()
+        if slope(0.0) * slope(h) < -1e-6:
+            fine = cubic(np.linspace(0, h, 3001))
+            extreme = fine.max() if slope(0.0) > 0 else fine.min()
+            found = hermite_extreme(cubic(0.0), cubic(h), slope(0.0), slope(h), h)
+            assert found == pytest.approx(extreme, abs=1e-6)
