@@ -21,7 +21,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import SettingError, check, one_line
 from footopt.gait import start
-from footopt.shown import Shown
 
 Array = NDArray[np.float64]
 
@@ -67,7 +66,7 @@ class Pose(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Gait(Shown):
+class Gait:
     """A walk from standing: cyclic joint angles and how they begin (`footopt.gait.start`).
 
     Parameters
@@ -80,9 +79,9 @@ class Gait(Shown):
     residual : rms misfit of the series against the curve it was fitted to, deg, by joint.
     """
 
-    thigh: Fourier
-    knee: Fourier
-    foot: Fourier | None = None
+    thigh: Fourier = field(repr=False)
+    knee: Fourier = field(repr=False)
+    foot: Fourier | None = field(default=None, repr=False)
     period: float = 1.2
     pitch: str = "shank"
     start: float = 0.5
