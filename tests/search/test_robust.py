@@ -10,9 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from running import footopt, program
+from running import composed, footopt, program
 from study_pages import check_page
-from test_cli import composed
 
 import footopt as fo
 from footopt.design import Solver, Store, confirm, search

@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from running import footopt
+from running import composed, footopt
 from study_pages import check_page
-from test_cli import composed
 from test_robust import COARSE, NOTHING
 
 import footopt as fo
