@@ -123,7 +123,7 @@ def run(study: Study) -> None:
     shown = page.search_content(result, confirmed, walk, base, entry | {"wall_time_s": clock()})
     page.write(folder / "report.html", shown)
     if config.study.video is not None:
-        film.write(walk, folder / config.study.video)
+        film.animate(walk, folder / config.study.video)
 
     out.print(terminal.describe_search(result))
     out.print(terminal.describe_confirmation(confirmed))

@@ -60,7 +60,7 @@ def run(study: Study) -> None:
         figures.save(figure, folder / "figures", name)
     page.write(folder / "report.html", page.walk_content(walk, entry))
     if config.study.video is not None and len(walk.t):
-        film.write(walk, folder / config.study.video)
+        film.animate(walk, folder / config.study.video)
 
     out.print(f"{terminal.describe_scene(scene)}; {terminal.describe_foot(foot)}")
     if strides is not None:

@@ -26,7 +26,6 @@ from rich.text import Text
 from footopt.effects import base as effects
 from footopt.errors import FileError, SettingError
 from footopt.files import run as files
-from footopt.files.gaits import read
 from footopt.foot import Foot
 from footopt.gait import Fourier, Gait
 from footopt.report import summary, terminal
@@ -281,7 +280,7 @@ def judge_leap(trial: Trial) -> list[Measure]:
             rows.writerow(["time", "thigh", "knee"])
             rows.writerows(np.stack([phase * gait.period, thigh, knee], axis=1).tolist())
         try:
-            read(path)
+            Gait.from_file(path)
         except FileError:
             return [Measure("refused", 0.0, 0.0)]
     return [Measure("accepted", 1.0, 0.0)]
