@@ -1,7 +1,8 @@
 """Sphinx: `sphinx-build -W -c docs . build/site` makes the documentation as a site.
 
-The source folder is the repository, so that links to the README, the examples and the reference figures work here as
-they do on the hosting site. Equations are drawn by a copy of MathJax in the site: nothing is loaded from elsewhere.
+The source folder is the repository, so that links to the README, the examples and the reference figures
+work here as they do on the hosting site. Equations are drawn by a copy of MathJax in the site: nothing is
+loaded from elsewhere.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ from motion_files import record, turned, write_mot, write_nexus, write_trc
 
 import footopt as fo
 from footopt.files.contours import write_csv, write_dxf, write_svg
-from footopt.files.gaits import HUMAN
+from footopt.gait.gait import HUMAN
 
 SAME, LESS, OTHER, TOLD = "same", "less", "other", "told"
 EXAMPLES = Path(fo.__file__).parents[1] / "examples"

@@ -12,8 +12,8 @@ import footopt
 
 ROOT = Path(footopt.__file__).parent
 #: The rooms from the ground up: a file imports from its own room and from those before it.
-ROOMS = ["errors", "compiled", "files", "sand", "effects", "foot", "gait", "walk", "design", "report", "studies",
-         "cli"]  # fmt: skip
+ROOMS = ("errors", "compiled", "files", "sand", "effects", "foot", "gait", "walk", "design", "report",
+         "studies", "cli")  # fmt: skip
 #: Libraries that one room only may import.
 SEAMS = {
     "pymoo": "design",
@@ -24,8 +24,8 @@ SEAMS = {
     "omegaconf": "cli",
     "matplotlib": "report",
 }
-HEAVY = {"numpy", "numba", "scipy", "pymoo", "hydra", "omegaconf", "matplotlib", "ezdxf", "rich", "pandas", "xarray",
-         "shapely", "trimesh"}  # fmt: skip
+HEAVY = {"numpy", "numba", "scipy", "pymoo", "hydra", "omegaconf", "matplotlib", "ezdxf", "rich", "pandas",
+         "xarray", "shapely", "trimesh"}  # fmt: skip
 LONGEST = 350  # lines of a file
 MODULES = {
     ".".join(["footopt", *path.relative_to(ROOT).with_suffix("").parts]).removesuffix(".__init__"): path
@@ -35,7 +35,7 @@ MODULES = {
 
 def room(module):
     """The room of a module of footopt, or its name where it stands at the top."""
-    return (module.split(".") + [""])[1]
+    return ([*module.split("."), ""])[1]
 
 
 def imports(path):

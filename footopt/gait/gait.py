@@ -12,20 +12,32 @@ Phase 0 is the heel strike of the same leg; the other leg is half a stride ahead
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import SettingError, check, one_line
+from footopt.files.gaits import (
+    Strides,
+    average,
+    check_angles,
+    check_period,
+    read_json,
+    read_strides,
+    wrong,
+)
 from footopt.gait import start
-from footopt.shown import Shown
 
 Array = NDArray[np.float64]
 
 LEFT, RIGHT = 0, 1
+HUMAN = Path(__file__).parent / "data" / "human_walk.json"
+MISFIT = 10.0  # deg; a larger one anywhere means that a curve jumps or is not one period
+PHASES = 200  # of a stride, at which the angles of a series are checked
 
 
 class Fourier(NamedTuple):
@@ -34,6 +46,15 @@ class Fourier(NamedTuple):
     a0: float
     a: tuple[float, ...]
     b: tuple[float, ...]
+
+    @classmethod
+    def fit(cls, phase: Array, degrees: Array, harmonics: int) -> Fourier:
+        """The least-squares series through a curve, at phases (n,) in strides and angles (n,) in degrees."""
+        w = 2.0 * np.pi * np.outer(phase, np.arange(1, harmonics + 1))
+        design = np.concatenate([np.ones((len(phase), 1)), np.cos(w), np.sin(w)], axis=1)
+        solution, *_ = np.linalg.lstsq(design, degrees, rcond=None)
+        a0, *ab = map(float, solution)
+        return cls(a0, tuple(ab[:harmonics]), tuple(ab[harmonics:]))
 
     def at(self, phase: Array) -> tuple[Array, Array]:
         """Angle (rad) and its derivative in the phase (rad per stride)."""
@@ -67,7 +88,7 @@ class Pose(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Gait(Shown):
+class Gait:
     """A walk from standing: cyclic joint angles and how they begin (`footopt.gait.start`).
 
     Parameters
@@ -80,9 +101,9 @@ class Gait(Shown):
     residual : rms misfit of the series against the curve it was fitted to, deg, by joint.
     """
 
-    thigh: Fourier
-    knee: Fourier
-    foot: Fourier | None = None
+    thigh: Fourier = field(repr=False)
+    knee: Fourier = field(repr=False)
+    foot: Fourier | None = field(default=None, repr=False)
     period: float = 1.2
     pitch: str = "shank"
     start: float = 0.5
@@ -109,19 +130,106 @@ class Gait(Shown):
     @classmethod
     def human(cls, period: float = 1.2, harmonics: int = 6, pitch: str = "shank", start: float = 0.5) -> Gait:
         """Human walking at 1.03 m/s: Fukuchi, Fukuchi & Duarte, PeerJ 6:e4640 (2018), CC BY 4.0."""
-        from footopt.files.gaits import HUMAN, read_json
-
-        gait = read_json(HUMAN, harmonics)
+        gait = cls._from_json(HUMAN, harmonics)
         return replace(gait, name="human", period=period, pitch=pitch, start=start)
 
     @classmethod
-    def from_file(cls, path: str | Path, harmonics: int = 6, **options: Any) -> Gait:
-        """The gait in a file of markers or angles; `options` (names, side, max_gap) as in
-        `footopt.files.gaits.read`.
-        """
-        from footopt.files.gaits import read
+    def from_file(
+        cls,
+        path: str | Path,
+        harmonics: int = 6,
+        names: Mapping[str, str] | None = None,
+        side: str | None = None,
+        max_gap: float = 0.2,
+    ) -> Gait:
+        """The gait in a file of coefficients (JSON), angles (CSV, MOT, STO) or markers (TRC, C3D, CSV).
 
-        return read(path, harmonics, **options)
+        Parameters
+        ----------
+        path : str or Path
+            The file; its ending says which format it has.
+        harmonics : int
+            Harmonics of the series.
+        names, side, max_gap
+            How angles or markers are read: see `footopt.files.gaits.read_strides`.
+
+        Raises
+        ------
+        FileError
+            The file cannot be read, or does not hold a walk.
+        SettingError
+            Another argument cannot be used.
+        """
+        if Path(path).suffix.lower() == ".json":
+            return cls._from_json(path, harmonics)
+        return cls.from_strides(read_strides(path, names, side, max_gap), harmonics)
+
+    @classmethod
+    def from_strides(cls, strides: Strides, harmonics: int = 6) -> Gait:
+        """The gait fitted to the mean of some strides; its residual is against that mean, as measured.
+
+        Raises
+        ------
+        FileError
+            The strides have too few rows, or no periodic curve follows them.
+        """
+        path = strides.source
+        check(harmonics >= 1, "gait.harmonics", harmonics, "a whole number >= 1")
+        if len(strides.phase) < 2 * harmonics + 2:
+            raise wrong(
+                path,
+                f"needs at least {2 * harmonics + 2} rows for {harmonics} harmonics, "
+                "from one heel strike to the next.",
+            )
+        check_period(path, strides.period)
+        fits, residual = {}, []
+        for joint, closed in average(strides).items():
+            # the last point is the first one again
+            fits[joint] = Fourier.fit(strides.phase[:-1], closed[:-1], harmonics)
+            mean = strides.curves[joint].mean(axis=0)
+            misfit = np.degrees(fits[joint].at(strides.phase)[0]) - mean
+            if abs(misfit).max() > MISFIT:
+                raise wrong(
+                    path,
+                    f"{joint} misses its periodic fit by up to "
+                    f"{abs(misfit).max():.0f} deg. The curve jumps or is not one whole stride; give one heel "
+                    "strike to the next of one leg, or several strides.",
+                )
+            residual.append((joint, float(np.sqrt(np.mean(misfit**2)))))
+        return cls(
+            thigh=fits["thigh"],
+            knee=fits["knee"],
+            foot=fits.get("foot"),
+            period=strides.period,
+            name=Path(path).stem,
+            source=path,
+            residual=tuple(residual),
+        )
+
+    @classmethod
+    def _from_json(cls, path: str | Path, harmonics: int) -> Gait:
+        """The gait in a file of Fourier coefficients, up to some harmonic."""
+        read = read_json(path)
+        available = min(len(terms) for _, a, b in read.series.values() for terms in (a, b))
+        check(
+            1 <= harmonics <= available,
+            "gait.harmonics",
+            harmonics,
+            f"a whole number from 1 to {available}, the harmonics in {Path(path).name}",
+        )
+        joints = {name: Fourier(*series).truncated(harmonics) for name, series in read.series.items()}
+        phase = np.arange(PHASES) / PHASES
+        check_angles(path, {name: np.degrees(joint.at(phase)[0]) for name, joint in joints.items()})
+        check_period(path, read.period)
+        return cls(
+            thigh=joints["thigh"],
+            knee=joints["knee"],
+            foot=joints.get("foot"),
+            period=read.period,
+            name=Path(path).stem,
+            source=read.source,
+            residual=tuple(read.residual.get(str(harmonics), {}).items()),
+        )
 
     @property
     def heel_strike(self) -> float:

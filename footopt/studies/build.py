@@ -11,7 +11,7 @@ from typing import Any
 
 from footopt.effects.base import EFFECTS, Effect
 from footopt.errors import SettingError, check
-from footopt.files.gaits import Strides, read, read_strides
+from footopt.files.gaits import Strides, read_strides
 from footopt.foot import Foot, Waypoints
 from footopt.gait import Gait
 from footopt.sand import GENERIC, MEDIA, Sand, StressMap
@@ -79,7 +79,7 @@ def make_gait(config: GaitConfig) -> Gait:
     if config.name == "file":
         if config.path is None:
             raise SettingError("gait.path", None, "a file, with gait=file", "Try gait.path=walk.csv.")
-        gait = read(config.path, config.harmonics, *_reading(config))
+        gait = Gait.from_file(config.path, config.harmonics, *_reading(config))
         period = gait.period if config.period is None else config.period
         return replace(gait, period=period, pitch=config.pitch, start=config.start)
     if config.path is not None:

@@ -26,7 +26,6 @@ from rich.text import Text
 from footopt.effects import base as effects
 from footopt.errors import FileError, SettingError
 from footopt.files import run as files
-from footopt.files.gaits import read
 from footopt.foot import Foot
 from footopt.gait import Fourier, Gait
 from footopt.report import summary, terminal
@@ -35,8 +34,9 @@ from footopt.report.progress import progress
 from footopt.report.stability_figure import Cell, verdicts
 from footopt.sand import StressMap, affine, alpha
 from footopt.studies import build
+from footopt.studies.base import Study
+from footopt.studies.record import foot_entry, scene_entry
 from footopt.studies.settings import Config
-from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walk import FIVE, STEPPERS, Accuracy, Scene, Walk, simulate
 from footopt.walk.contact import CONTACT, FX, FZ, TALLY, contact
 from footopt.walk.objectives import FLOORS
@@ -280,7 +280,7 @@ def judge_leap(trial: Trial) -> list[Measure]:
             rows.writerow(["time", "thigh", "knee"])
             rows.writerows(np.stack([phase * gait.period, thigh, knee], axis=1).tolist())
         try:
-            read(path)
+            Gait.from_file(path)
         except FileError:
             return [Measure("refused", 0.0, 0.0)]
     return [Measure("accepted", 1.0, 0.0)]
@@ -584,9 +584,10 @@ def chosen(config: Config) -> tuple[list[Case], list[str]]:
     return [known[name] for name in names], methods
 
 
-def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
+def run(study: Study) -> None:
     """Judge every case with every method and write the verdicts to `folder`."""
-    out, clock = terminal.console(), terminal.clock()
+    config, folder, settings = study.config, study.folder, study.settings
+    out, clock = study.console, terminal.clock()
     cases, methods = chosen(config)
     base = Setup(build.make_foot(config.foot), build.make_scene(config), build.make_accuracy(config.accuracy))
     found: list[Verdict] = []

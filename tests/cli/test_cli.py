@@ -3,14 +3,11 @@
 import csv
 import json
 import shlex
-from pathlib import Path
 
 import numpy as np
 import pytest
-from hydra import compose, initialize_config_dir
 from hydra.core.override_parser.overrides_parser import OverridesParser
-from omegaconf import OmegaConf
-from running import LIMIT, footopt, program, started
+from running import LIMIT, QUICK, composed, footopt, only_folder, program, started
 from scipy.io import netcdf_file
 from study_pages import check_page
 
@@ -21,17 +18,10 @@ from footopt.errors import FootoptError, SettingError
 from footopt.files.contours import body_outline, enclosed_area
 from footopt.studies import STUDIES, build
 from footopt.studies.export import foot_of
-from footopt.studies.settings import Config
 from footopt.walk import STEPPERS
 from footopt.walk.scene import MARGIN, measured_settings
 
-QUICK = ["accuracy=draft", "solver.pop_size=10", "solver.n_gen=3"]
 GROUPS = sorted(p.name for p in CONF.iterdir() if p.is_dir())
-
-
-def only_folder(root: Path) -> Path:
-    (result,) = root.rglob("result.json")
-    return result.parent
 
 
 @pytest.fixture(scope="module")
@@ -512,11 +502,6 @@ def test_help_explains_the_groups(tmp_path):
 def test_shell_completion_knows_groups_and_options(tmp_path):
     done = program("-sc", "query=bash", cwd=tmp_path, COMP_LINE="footopt sand=", COMP_POINT="13")
     assert {"sand=soft", "sand=regular", "sand=hard"} <= set(done.stdout.split())
-
-
-def composed(*overrides) -> Config:
-    with initialize_config_dir(str(CONF), version_base="1.3"):
-        return OmegaConf.to_object(compose("config", list(overrides)))
 
 
 def test_a_named_sand_that_is_changed_loses_its_name():

@@ -6,8 +6,7 @@ import signal
 import time
 
 import pytest
-from running import footopt, program, started
-from test_resume import BRIEF, ended, outcome, stored
+from running import BRIEF, ended, footopt, outcome, program, started, stored
 
 pytestmark = pytest.mark.slow
 

@@ -5,72 +5,13 @@ import random
 import resource
 import shutil
 import signal
-import sqlite3
-import subprocess
-import threading
 import time
-from contextlib import closing
 
 import pytest
 from hydra.core.override_parser.overrides_parser import OverridesParser
-from running import footopt, started
-from test_cli import QUICK
+from running import BRIEF, QUICK, ended, footopt, outcome, started, wait_for, wait_for_designs
 
 from footopt.cli.main import resumed
-
-#: About a second of search, so that a signal has something to hit.
-BRIEF = ["accuracy=custom", "accuracy.dt=1e-3", "study.confirm=null", "foot.n=7", "engine.threads=1",
-         "solver.pop_size=16", "solver.n_gen=25"]  # fmt: skip
-TIMES = ("wall_time_s", "search_time_s", "reused")  # what a resumed run may have otherwise
-
-
-def wait_for(run, words, limit=300):
-    """Read the run's output up to a line with these words."""
-    alarm = threading.Timer(
-        limit, run.send_signal, [signal.SIGABRT]
-    )  # Python's faulthandler writes the stack
-    alarm.start()
-    try:
-        for line in run.stdout:
-            if words in line:
-                return
-    finally:
-        alarm.cancel()
-    raise AssertionError(f"no {words!r}: {ended(run)[1]}")
-
-
-def ended(run, limit=300):
-    """What a run says until it ends; if it does not, where it hangs."""
-    try:
-        return run.communicate(timeout=limit)
-    except subprocess.TimeoutExpired:
-        run.send_signal(signal.SIGABRT)  # Python's faulthandler writes the stack
-        raise AssertionError(f"hangs: {run.communicate()[1]}") from None
-
-
-def stored(folder):
-    """How many designs the store of a run in that folder holds already."""
-    try:
-        with closing(sqlite3.connect(f"file:{folder / 'designs.sqlite'}?mode=ro", uri=True)) as store:
-            return store.execute("SELECT count(*) FROM design").fetchone()[0]
-    except sqlite3.OperationalError:  # not there yet, or just being made
-        return 0
-
-
-def wait_for_designs(run, folder, count):
-    """Let a run search until its store holds so many designs."""
-    end = time.monotonic() + 120
-    while stored(folder) < count:
-        assert run.poll() is None, run.stderr.read()
-        assert time.monotonic() < end
-        time.sleep(0.02)
-
-
-def outcome(folder):
-    """All that a run has found, without how long it took."""
-    result = json.loads((folder / "result.json").read_text())
-    found = {name: value for name, value in result.items() if name not in TIMES}
-    return found, *((folder / name).read_bytes() for name in ("designs.csv", "walk.nc", "contour.csv"))
 
 
 @pytest.fixture(scope="module")

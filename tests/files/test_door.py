@@ -21,7 +21,6 @@ from footopt.design import FootProblem, Store
 from footopt.errors import FileError, FootoptError, SettingError
 from footopt.files import outlines as outline
 from footopt.files import reading
-from footopt.files.gaits import read as read_gait
 from footopt.files.gaits.strides import LIMITS, PERIODS
 from footopt.files.polygon import crossing
 from footopt.studies.export import foot_of
@@ -45,7 +44,7 @@ def good(tmp_path_factory):
 def opened(kind, path):
     """What a file of a kind is read as."""
     if kind in GAITS:
-        return read_gait(path)
+        return fo.Gait.from_file(path)
     if kind == "csv sand":
         return fo.Sand.from_table(path)
     return outline.read(path, layer="FOOT" if kind == "dxf lines" else None)
@@ -216,7 +215,7 @@ class TestWhatIsNoFile:
     def test_is_named_at_once(self, what, name, tmp_path):
         path = in_the_way(tmp_path, what, name)
         with somebody(what), pytest.raises(FileError, match="cannot be read") as caught:
-            outline.read(path) if name.startswith("sole") else read_gait(path)
+            outline.read(path) if name.startswith("sole") else fo.Gait.from_file(path)
         assert not refusal(caught.value, name)
 
     @pytest.mark.parametrize("what", NO_FILES)

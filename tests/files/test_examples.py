@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import footopt as fo
-from footopt.files.gaits import read
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -23,7 +22,7 @@ def test_the_three_rockers_are_one_foot():
 
 @pytest.mark.parametrize("name", ["walk.trc", "walk.mot"])
 def test_the_gaits_are_the_built_in_one(name):
-    gait, human = read(EXAMPLES / "gait" / name), fo.Gait.human()
+    gait, human = fo.Gait.from_file(EXAMPLES / "gait" / name), fo.Gait.human()
     assert gait.period == pytest.approx(human.period, rel=0.01)
     for joint in ("thigh", "knee", "foot"):
         for mine, true in zip((gait, human), (human, gait), strict=True):

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 import footopt as fo
 from footopt.errors import FileError, SettingError
-from footopt.files.gaits import HUMAN, fit, read
 from footopt.gait import LEFT, RIGHT, Fourier
+from footopt.gait.gait import HUMAN
 from footopt.gait.start import STANDING, smooth_step
 
 L1, L2 = 0.47, 0.45
@@ -244,11 +244,10 @@ class TestFourier:
     @given(SERIES)
     def test_a_fit_of_the_curve_gives_the_series_back(self, series):
         phase = np.arange(50) / 50
-        found, rms, worst = fit(phase, np.degrees(series.at(phase)[0]), 3)
+        found = Fourier.fit(phase, np.degrees(series.at(phase)[0]), 3)
         np.testing.assert_allclose(
             [found.a0, *found.a, *found.b], [series.a0, *series.a, *series.b], atol=1e-10
         )
-        assert rms <= worst < 1e-10
 
 
 def write_stride(path, gait, columns=("time", "thigh", "knee", "foot"), samples=101, begin=3.0):
@@ -266,7 +265,7 @@ class TestFromCsv:
     @pytest.mark.parametrize("period", [1.2, 0.9])
     def test_gives_back_the_gait_that_was_measured(self, tmp_path, pitch, period):
         human = fo.Gait.human(period=period)
-        found = replace(read(write_stride(tmp_path / "mine.csv", human)), pitch=pitch)
+        found = replace(fo.Gait.from_file(write_stride(tmp_path / "mine.csv", human)), pitch=pitch)
         assert found.period == pytest.approx(period, abs=1e-8)
         assert found.name == "mine"
         assert max(rms for _, rms in found.residual) < 1e-7
@@ -277,18 +276,18 @@ class TestFromCsv:
 
     def test_the_pitch_of_the_foot_is_optional_and_order_does_not_matter(self, tmp_path):
         path = write_stride(tmp_path / "g.csv", fo.Gait.human(), ("note", "knee", "thigh", "time"))
-        gait = read(path)
+        gait = fo.Gait.from_file(path)
         assert gait.foot is None
         assert gait.knee.a0 == pytest.approx(fo.Gait.human().knee.a0, abs=1e-6)
 
     def test_too_few_harmonics_show_in_the_residual(self, tmp_path):
-        gait = read(write_stride(tmp_path / "g.csv", fo.Gait.human()), harmonics=3)
+        gait = fo.Gait.from_file(write_stride(tmp_path / "g.csv", fo.Gait.human()), harmonics=3)
         assert 0.5 < dict(gait.residual)["knee"] < 5.0
 
     def test_a_missing_column_is_named(self, tmp_path):
         path = write_stride(tmp_path / "g.csv", fo.Gait.human(), ("time", "thigh", "hip"))
         with pytest.raises(FileError, match=r"g\.csv.*lacks knee.*time \(s\), thigh, knee"):
-            read(path)
+            fo.Gait.from_file(path)
 
     def test_a_jump_is_refused(self, tmp_path):
         """As from a curve that wraps around, or half a stride taken for a whole one."""
@@ -296,18 +295,18 @@ class TestFromCsv:
         lines = path.read_text().splitlines()
         path.write_text("\n".join(lines[:45]))
         with pytest.raises(FileError, match=r"the thigh is 32\.1 deg from where it began"):
-            read(path)
+            fo.Gait.from_file(path)
 
     def test_too_few_rows_are_refused(self, tmp_path):
         path = write_stride(tmp_path / "g.csv", fo.Gait.human(), samples=13)
         with pytest.raises(FileError, match="at least 14 rows for 6 harmonics"):
-            read(path)
+            fo.Gait.from_file(path)
 
     def test_time_must_increase(self, tmp_path):
         path = write_stride(tmp_path / "g.csv", replace(fo.Gait.human(), period=1.0))
         path.write_text(re.sub(r"(?m)^[\d.]+,", "0.5,", path.read_text()))
         with pytest.raises(FileError, match="time increasing"):
-            read(path)
+            fo.Gait.from_file(path)
 
     @pytest.mark.parametrize("cell", ["much", "", "nan"])
     def test_a_cell_that_is_not_a_number_is_refused(self, tmp_path, cell):
@@ -316,18 +315,18 @@ class TestFromCsv:
         lines[5] = f"{lines[5].split(',')[0]},{cell},1"
         path.write_text("\n".join(lines))
         with pytest.raises(FileError, match=r"not a table of numbers|finite"):
-            read(path)
+            fo.Gait.from_file(path)
 
     @pytest.mark.parametrize("harmonics", [0, -2])
     def test_harmonics_must_be_positive(self, tmp_path, harmonics):
         with pytest.raises(SettingError, match=r"gait\.harmonics"):
-            read(write_stride(tmp_path / "g.csv", fo.Gait.human()), harmonics=harmonics)
+            fo.Gait.from_file(write_stride(tmp_path / "g.csv", fo.Gait.human()), harmonics=harmonics)
 
 
 class TestFromJson:
     def test_reads_a_file_like_the_packages_own(self, tmp_path):
         shutil.copy(HUMAN, tmp_path / "copy.json")
-        gait, human = read(tmp_path / "copy.json"), fo.Gait.human()
+        gait, human = fo.Gait.from_file(tmp_path / "copy.json"), fo.Gait.human()
         assert (gait.thigh, gait.knee, gait.foot) == (human.thigh, human.knee, human.foot)
         assert (gait.name, gait.period) == ("copy", 1.203)
 
@@ -348,31 +347,31 @@ class TestFromJson:
             FileError,
             match=r"g\.json.*(cannot be read as JSON|not a gait in JSON.*period_s, and thigh and knee)",
         ):
-            read(tmp_path / "g.json")
+            fo.Gait.from_file(tmp_path / "g.json")
 
     def test_a_joint_must_be_there(self, tmp_path):
         data = json.loads(HUMAN.read_text())
         del data["knee"]
         (tmp_path / "g.json").write_text(json.dumps(data))
         with pytest.raises(FileError, match="knee"):
-            read(tmp_path / "g.json")
+            fo.Gait.from_file(tmp_path / "g.json")
 
     def test_impossible_numbers_are_refused(self, tmp_path):
         data = json.loads(HUMAN.read_text()) | {"period_s": -1.0}
         (tmp_path / "g.json").write_text(json.dumps(data))
         with pytest.raises(FileError, match=r"g\.json.*a stride would take -1 s"):
-            read(tmp_path / "g.json")
+            fo.Gait.from_file(tmp_path / "g.json")
 
 
 class TestFiles:
     @pytest.mark.parametrize("name", ["nowhere.csv", "nowhere.json"])
     def test_a_missing_file_is_named_with_a_way_out(self, tmp_path, name):
         with pytest.raises(FileError, match=rf"{name}.*cannot be read.*gait=human"):
-            read(tmp_path / name)
+            fo.Gait.from_file(tmp_path / name)
 
     def test_an_unknown_ending_is_refused(self, tmp_path):
         with pytest.raises(SettingError, match=r"gait\.path = .*\.json, \.csv, .*\.sto or \.c3d"):
-            read(tmp_path / "gait.xlsx")
+            fo.Gait.from_file(tmp_path / "gait.xlsx")
 
     def test_endings_are_read_in_any_case(self, tmp_path):
-        assert read(write_stride(tmp_path / "G.CSV", fo.Gait.human())).name == "G"
+        assert fo.Gait.from_file(write_stride(tmp_path / "G.CSV", fo.Gait.human())).name == "G"

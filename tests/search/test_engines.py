@@ -17,8 +17,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from running import footopt, program, started
-from test_resume import BRIEF, ended, outcome, wait_for_designs
+from running import BRIEF, ended, footopt, outcome, program, started, wait_for_designs
 from test_store import SMALL, assert_same, problem, stop_after
 
 import footopt as fo

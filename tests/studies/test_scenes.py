@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
-from running import footopt
+from running import footopt, only_folder
 from study_pages import check_page
-from test_cli import only_folder
 
 import footopt as fo
 from footopt.cli.main import CONF

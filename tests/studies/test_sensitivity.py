@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from running import footopt
+from running import composed, footopt
 from study_pages import check_page
-from test_cli import composed
 from test_robust import COARSE, NOTHING
 
 import footopt as fo
+from footopt import studies
 from footopt.errors import FootoptError, SettingError
 from footopt.studies import sensitivity as study
 from footopt.studies.sensitivity import NAMES, Setting, analyse
@@ -133,7 +133,7 @@ class TestErrors:
             (still, r"study\.spread = "),
         ):
             with pytest.raises(SettingError, match=message):
-                study.run(composed("study=sensitivity", *settings), tmp_path, {})
+                studies.run(composed("study=sensitivity", *settings), tmp_path, {})
 
 
 @pytest.mark.slow

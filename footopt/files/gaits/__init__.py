@@ -1,4 +1,4 @@
-"""Gaits from files: coefficients (JSON), angles (CSV, MOT, STO) or markers (TRC, C3D, CSV)."""
+"""Gaits from files, as plain data: coefficients (JSON), angles (CSV, MOT, STO) or markers (TRC, C3D, CSV)."""
 
 from __future__ import annotations
 
@@ -6,30 +6,26 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from footopt.errors import SettingError, check
-from footopt.files.gaits.angles import HUMAN, read_csv, read_json
+from footopt.files.gaits.angles import read_csv
 from footopt.files.gaits.captures import holds_markers, read_capture
+from footopt.files.gaits.coefficients import Coefficients, read_json
 from footopt.files.gaits.markers import to_recording
 from footopt.files.gaits.motion import read_c3d, read_mot, read_trc
-from footopt.files.gaits.strides import Strides, cut, fit, to_gait
-from footopt.gait.gait import Gait
+from footopt.files.gaits.strides import Strides, average, check_angles, check_period, cut, wrong
 
-__all__ = ["HUMAN", "Strides", "fit", "read", "read_json", "read_strides", "to_gait"]
+__all__ = [
+    "Coefficients",
+    "Strides",
+    "average",
+    "check_angles",
+    "check_period",
+    "read_json",
+    "read_strides",
+    "wrong",
+]
 
 MARKERS = {".trc": read_trc, ".c3d": read_c3d, ".csv": read_capture}
 ENDINGS = (".json", ".csv", ".trc", ".mot", ".sto", ".c3d")
-
-
-def read(
-    path: str | Path,
-    harmonics: int = 6,
-    names: Mapping[str, str] | None = None,
-    side: str | None = None,
-    max_gap: float = 0.2,
-) -> Gait:
-    """Read a gait by its file's ending: `read_json`, or the fit of `read_strides`."""
-    if Path(path).suffix.lower() == ".json":
-        return read_json(path, harmonics)
-    return to_gait(read_strides(path, names, side, max_gap), path, harmonics)
 
 
 def read_strides(

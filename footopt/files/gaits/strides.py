@@ -1,4 +1,4 @@
-"""From a recording to a gait: strides are found, averaged, closed and fitted."""
+"""From a recording to its strides: they are found, cut out, averaged and closed."""
 
 from __future__ import annotations
 
@@ -9,13 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import FileError, check
+from footopt.errors import FileError
 from footopt.files.reading import named
-from footopt.gait.gait import Fourier, Gait
 
 Array = NDArray[np.float64]
 
-MISFIT = 10.0  # deg; a larger one anywhere means a jump, or not one period
 ODD = 0.2  # a stride that is so much longer or shorter than the median is left out
 POINTS = 100  # steps of a stride's phase
 OPEN = 0.1  # of a joint's range that the ends of a single stride may differ by
@@ -115,6 +113,7 @@ class Strides(NamedTuple):
     curves: dict[str, Array]  # by joint, each (strides, phases), deg
     periods: Array  # (strides,), s
     notes: tuple[str, ...]
+    source: str = ""  # the file
 
     @property
     def period(self) -> float:
@@ -153,7 +152,7 @@ def cut(recording: Recording, path: str | Path) -> Strides:
             notes.append(f"the heel strikes at {100 * phase[strike]:.0f} % of it, where it now begins")
             phase = np.append(np.roll((phase[:-1] - phase[strike]) % 1.0, -strike), 1.0)
             angles = {j: np.append(np.roll(v[:-1], -strike), v[strike]) for j, v in angles.items()}
-        return Strides(phase, {j: v[None] for j, v in angles.items()}, t[-1:] - t[0], tuple(notes))
+        return Strides(phase, {j: v[None] for j, v in angles.items()}, t[-1:] - t[0], tuple(notes), str(path))
     lengths = np.diff(begins)
     good = abs(lengths / np.median(lengths) - 1.0) <= ODD
     phase = np.arange(POINTS + 1) / POINTS
@@ -163,7 +162,7 @@ def cut(recording: Recording, path: str | Path) -> Strides:
     left_out = f"; {np.sum(~good)} of another length left out" if not good.all() else ""
     many = "s" if good.sum() > 1 else ""
     notes.append(f"{good.sum()} stride{many} of {lengths[good].mean():.3f} s{spread}{left_out}")
-    return Strides(phase, curves, lengths[good], tuple(notes))
+    return Strides(phase, curves, lengths[good], tuple(notes), str(path))
 
 
 def heel_strikes(recording: Recording) -> Array:
@@ -199,47 +198,6 @@ def average(strides: Strides) -> dict[str, Array]:
     return {j: mean - (strides.phase - 0.5) * (mean[-1] - mean[0]) for j, mean in means.items()}
 
 
-def to_gait(strides: Strides, path: str | Path, harmonics: int) -> Gait:
-    """The gait of some strides; its residual is against their mean, as measured.
-
-    Raises
-    ------
-    FileError : the strides have too few rows, or no periodic curve follows them.
-    """
-    check(harmonics >= 1, "gait.harmonics", harmonics, "a whole number >= 1")
-    if len(strides.phase) < 2 * harmonics + 2:
-        raise wrong(
-            path,
-            f"needs at least {2 * harmonics + 2} rows for {harmonics} harmonics, "
-            "from one heel strike to the next.",
-        )
-    check_period(path, strides.period)
-    fits, residual = {}, []
-    for joint, closed in average(strides).items():
-        curve = strides.curves[joint].mean(axis=0)
-        # the last point is the first one again
-        series, *_ = fit(strides.phase[:-1], closed[:-1], harmonics)
-        misfit = np.degrees(series.at(strides.phase)[0]) - curve
-        if abs(misfit).max() > MISFIT:
-            raise wrong(
-                path,
-                f"{joint} misses its periodic fit by up to "
-                f"{abs(misfit).max():.0f} deg. The curve jumps or is not one whole stride; give one heel "
-                "strike to the next of one leg, or several strides.",
-            )
-        fits[joint] = series
-        residual.append((joint, float(np.sqrt(np.mean(misfit**2)))))
-    return Gait(
-        thigh=fits["thigh"],
-        knee=fits["knee"],
-        foot=fits.get("foot"),
-        period=strides.period,
-        name=Path(path).stem,
-        source=str(path),
-        residual=tuple(residual),
-    )
-
-
 def _open(phase: Array, curve: Array) -> str:
     """How the end of a joint's single stride differs from its begin, deg; "" if it is one period."""
     apart, moves = abs(curve[-1] - curve[0]), np.ptp(curve)
@@ -253,17 +211,3 @@ def _open(phase: Array, curve: Array) -> str:
     if abs(end - begin) > BENT * abs(speeds).max():
         return f"turns by {end:.0f} deg a stride, and at its begin by {begin:.0f}"
     return ""
-
-
-def fit(phase: Array, degrees: Array, harmonics: int) -> tuple[Fourier, float, float]:
-    """Least-squares series through a curve: the series, rms and largest misfit in degrees."""
-    w = 2.0 * np.pi * np.outer(phase, np.arange(1, harmonics + 1))
-    design = np.concatenate([np.ones((len(phase), 1)), np.cos(w), np.sin(w)], axis=1)
-    solution, *_ = np.linalg.lstsq(design, degrees, rcond=None)
-    misfit = design @ solution - degrees
-    series = Fourier(
-        float(solution[0]),
-        tuple(map(float, solution[1 : harmonics + 1])),
-        tuple(map(float, solution[harmonics + 1 :])),
-    )
-    return series, float(np.sqrt(np.mean(misfit**2))), float(np.max(np.abs(misfit)))
