@@ -22,7 +22,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
-from footopt.effects.base import Layers, Patches, Slope
+from footopt.effects import Layers, Patches, Slope, name_of
 from footopt.errors import SettingError
 from footopt.foot import Foot
 from footopt.gait import Gait
@@ -56,7 +56,7 @@ from footopt.report.figures import (
 from footopt.sand import Sand
 from footopt.sand.law import PER_CM3, alpha
 from footopt.walk import FIVE, OBJECTIVES, Scene, Table, Walk, Walker
-from footopt.walk.audit import name_of, parameters
+from footopt.walk.audit import parameters
 from footopt.walk.validity import diagnose
 
 Array = NDArray[np.float64]

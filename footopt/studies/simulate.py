@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from footopt.effects import name_of
 from footopt.files import run as files
 from footopt.files.bodies import write_all
 from footopt.foot import Foot
@@ -16,7 +17,7 @@ from footopt.studies import build
 from footopt.studies.auto import settle
 from footopt.studies.settings import Config
 from footopt.walk import OBJECTIVES, Accuracy, Scene, estimate_error, simulate
-from footopt.walk.audit import name_of, parameters
+from footopt.walk.audit import parameters
 from footopt.walk.validity import Diagnostic, diagnose
 
 

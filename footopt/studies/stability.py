@@ -39,7 +39,7 @@ from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walk import FIVE, STEPPERS, Accuracy, Scene, Walk, simulate
 from footopt.walk.contact import CONTACT, FX, FZ, TALLY, contact
 from footopt.walk.objectives import FLOORS
-from footopt.walk.simulate import sole, world
+from footopt.walk.prepare import sole, world
 
 Array = NDArray[np.float64]
 
