@@ -10,7 +10,6 @@ import numpy as np
 from footopt.errors import SettingError, check, one_line
 from footopt.sand.fit import fit_table
 from footopt.sand.law import GENERIC, PER_CM3, StressMap
-from footopt.shown import Shown
 
 #: zeta of sands by name: the paper's three, and media measured in the literature
 #: (Agarwal et al., J. Terramechanics 85, 2019; Treers, Cao & Stuart, IEEE RA-L 6, 2021).
@@ -27,7 +26,7 @@ MEDIA: dict[str, float] = {
 
 
 @dataclass(frozen=True)
-class Sand(Shown):
+class Sand:
     """A dry granular medium: a stress map and its scale.
 
     Parameters

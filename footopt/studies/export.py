@@ -21,8 +21,9 @@ from footopt.files.reading import is_missing, named, read_json_file
 from footopt.foot import Foot
 from footopt.report import figures, summary, terminal
 from footopt.studies import build
-from footopt.studies.settings import Config, FootConfig
-from footopt.studies.simulate import foot_entry
+from footopt.studies.base import Study
+from footopt.studies.record import foot_entry
+from footopt.studies.settings import FootConfig
 
 #: What each file holds.
 HOLDS = {
@@ -37,8 +38,9 @@ HOLDS = {
 DAMAGED = (FootoptError, ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
 
 
-def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
+def run(study: Study) -> None:
     """Write the foot of the run `study.run` to `folder` in every format, each read back and checked."""
+    config, folder, settings = study.config, study.folder, study.settings
     clock = terminal.clock()
     if config.study.run is None:
         raise SettingError(

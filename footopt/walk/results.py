@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import needed
 from footopt.foot import Foot
-from footopt.shown import Animated, Shown
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.loop import RAW
 from footopt.walk.objectives import OBJECTIVES, Raw, lookup
@@ -21,7 +20,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Table(Shown):
+class Table:
     """Objectives of many feet, in natural signs.
 
     Parameters
@@ -60,6 +59,10 @@ class Table(Shown):
     shortened: NDArray[np.int64]
     repeats: NDArray[np.int64]
     scene: Scene
+
+    def __repr__(self) -> str:
+        title, walked = f"<Table of {len(self)} feet on {self.scene.sand.name} sand", int(self.feasible.sum())
+        return f"{title}: {walked} walked; {', '.join(self.names)}>"
 
     def __len__(self) -> int:
         return len(self.values)
@@ -101,7 +104,7 @@ PLACES = {"foot": ("left", "right"), "axis": ("x", "z")}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Walk(Animated):
+class Walk:
     """One simulated walk: traces at the end of every step, T of them, and what they add up to.
 
     Parameters
@@ -143,6 +146,17 @@ class Walk(Animated):
     rescues: int
     shortened: int
     repeats: int
+
+    def __repr__(self) -> str:
+        title = f"<Walk of {self.foot.name} on {self.scene.sand.name} sand"
+        if not self.feasible:
+            return f"{title}: failed, {self.reason}>"
+        values = (
+            f"{name.replace('_', ' ')} {value:.4g} {OBJECTIVES[name].unit}".rstrip()
+            for name, value in self.objectives.items()
+            if np.isfinite(value)
+        )
+        return f"{title}: {'; '.join(values)}>"
 
     @property
     def feasible(self) -> bool:

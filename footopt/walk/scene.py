@@ -10,7 +10,6 @@ from footopt.effects.base import Effect, ordered
 from footopt.errors import SettingError, check, check_kind
 from footopt.gait import Gait
 from footopt.sand import Sand
-from footopt.shown import Shown
 
 #: What a walker can be, with room for limits that are taken on purpose; beyond it numbers overflow.
 WALKERS = {
@@ -62,7 +61,7 @@ class Walker:
 
 
 @dataclass(frozen=True)
-class Scene(Shown):
+class Scene:
     """The physics of a walk: which sand, which gait, which walker, how long.
 
     Parameters

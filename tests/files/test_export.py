@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from study_pages import check_page, data_of
 
 import footopt as fo
+from footopt import studies
 from footopt.errors import FileError, SettingError
 from footopt.files import outlines as outline
 from footopt.files.bodies import write_step, write_stl
@@ -193,7 +194,7 @@ def test_the_page_of_an_export_links_every_file_and_says_what_it_holds(tmp_path,
     result = {"design": {"k": [4] * 11, "name": "flat"}, "settings": {"foot": asdict(FootConfig())}}
     (run / "result.json").write_text(json.dumps(result))
     config = Config(study=StudyConfig(name="export", run=str(run)), foot=FootConfig(block=[0.06, 0.02]))
-    export.run(config, exported, {})
+    studies.run(config, exported, {})
     check_page(exported)
     page = data_of(exported)
     (table,) = page["tables"]
