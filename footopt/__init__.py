@@ -71,7 +71,8 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from footopt.design import FootProblem, RobustProblem, search
+    from footopt.design import FootProblem, RobustProblem
+    from footopt.design.search import search
     from footopt.errors import FootoptError
     from footopt.foot import Foot, Waypoints
     from footopt.gait import Gait
