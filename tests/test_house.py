@@ -54,7 +54,7 @@ def imports(path):
             yield from ((f"{node.module}.{alias.name}", id(node) in lazy) for alias in node.names)
 
 
-#: All but errors, the configuration's dataclasses, what shows itself, and the public face.
+#: All but errors, the configuration's dataclasses, and the public face.
 IN_THE_FLOW = [path for path in MODULES if home(path) in ORDER]
 
 
@@ -65,13 +65,6 @@ def test_no_module_imports_one_below_it(path):
         parts = name.split(".")
         if parts[0] == "footopt" and len(parts) > 1 and parts[1] in ORDER:
             assert parts[1] in allowed, f"{path} imports {name}"
-
-
-def test_what_draws_itself_reaches_the_report_in_one_place_and_when_it_draws():
-    reaching = list(imports(ROOT / "shown.py"))
-    ours = [(name, lazy) for name, lazy in reaching if name.startswith("footopt")]
-    assert ours
-    assert all(name.startswith("footopt.report") and lazy for name, lazy in ours)
 
 
 def test_foot_and_gait_do_not_know_each_other():
@@ -106,7 +99,7 @@ def test_simulating_needs_no_optimiser_no_hydra_and_no_figures():
 
 
 def test_drawing_a_foot_needs_no_optimiser_and_no_pyplot():
-    script = "import sys, footopt as fo; fo.Foot.flat().plot(); print(*sys.modules)"
+    script = "import sys, footopt as fo; fo.plot(fo.Foot.flat()); print(*sys.modules)"
     run = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=True, timeout=120
     )

@@ -15,13 +15,12 @@ from footopt.foot import outline
 from footopt.foot.plates import RULES, Plates, along_arc, hollow
 from footopt.foot.shapes import shape
 from footopt.foot.waypoints import Waypoints, check_ankle, check_length, check_top
-from footopt.shown import Shown
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Foot(Shown):
+class Foot:
     """A sole in the foot frame (origin at the centre of the foot's box, x_p to the toe, z_p up).
 
     Make one with `from_waypoints`, `shape` or `from_file`.
@@ -56,6 +55,10 @@ class Foot(Shown):
         check_ankle(self.ankle)
         check_top(self.top)
         object.__setattr__(self, "contour", contour)
+
+    def __repr__(self) -> str:
+        long, high = 1e3 * np.ptp(self.contour, axis=0)
+        return f"<Foot {self.name}: {long:.1f} x {high:.1f} mm, hollow {1e3 * self.hollow:.1f} mm>"
 
     @classmethod
     def from_waypoints(

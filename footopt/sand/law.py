@@ -21,7 +21,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import FileError, SettingError, check, one_line
 from footopt.files.reading import named, number, read_table
-from footopt.shown import Shown
 
 LARGEST = 1e4  # of a coefficient, N/cm^3; concrete has less
 PER_CM3 = 1e6  # N/cm^3 in N/m^3
@@ -190,7 +189,7 @@ MEDIA: dict[str, float] = {
 
 
 @dataclass(frozen=True)
-class Sand(Shown):
+class Sand:
     """A dry granular medium: a stress map and its scale.
 
     Parameters

@@ -20,8 +20,9 @@ from footopt.foot import Foot
 from footopt.foot.export import write_all
 from footopt.report import figures, summary, terminal
 from footopt.studies import build
-from footopt.studies.settings import Config, FootConfig
-from footopt.studies.simulate import foot_entry
+from footopt.studies.base import Study
+from footopt.studies.record import foot_entry
+from footopt.studies.settings import FootConfig
 
 #: What each file holds.
 HOLDS = {
@@ -36,8 +37,9 @@ HOLDS = {
 DAMAGED = (FootoptError, ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
 
 
-def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
+def run(study: Study) -> None:
     """Write the foot of the run `study.run` to `folder` in every format."""
+    config, folder, settings = study.config, study.folder, study.settings
     clock = terminal.clock()
     if config.study.run is None:
         raise SettingError(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -27,17 +26,18 @@ from footopt.report import figures, film, page, terminal
 from footopt.report.progress import progress, telling
 from footopt.studies import build
 from footopt.studies.auto import settle
-from footopt.studies.settings import Config
-from footopt.studies.simulate import foot_entry, scene_entry, validity_entry
+from footopt.studies.base import Study
+from footopt.studies.record import foot_entry, scene_entry, validity_entry
 from footopt.walk import OBJECTIVES, Accuracy, Walk, estimate_error, gain_shares, simulate
 from footopt.walk.validity import diagnose
 
 LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
 
 
-def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
+def run(study: Study) -> None:
     """Search, then walk with the best foot and write everything about it to `folder`."""
-    out, clock = terminal.console(), terminal.clock()
+    config, folder, settings = study.config, study.folder, study.settings
+    out, clock = study.console, terminal.clock()
     build.check_searchable(config.foot)
     if config.study.video is not None:
         film.check_film(folder / config.study.video, setting="study.video")
@@ -123,7 +123,7 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     shown = page.search_content(result, confirmed, walk, base, entry | {"wall_time_s": clock()})
     page.write(folder / "report.html", shown)
     if config.study.video is not None:
-        film.write(walk, folder / config.study.video)
+        film.animate(walk, folder / config.study.video)
 
     out.print(terminal.describe_search(result))
     out.print(terminal.describe_confirmation(confirmed))

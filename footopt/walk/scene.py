@@ -15,7 +15,6 @@ from footopt.errors import SettingError, check, check_kind
 from footopt.foot.plates import RULES
 from footopt.gait import Gait
 from footopt.sand import Sand
-from footopt.shown import Shown
 from footopt.walk.steppers import STEPPERS
 
 MOST_PLATES = 20_000  # 13 um each; beyond 1000 no objective changes by 1e-5
@@ -60,7 +59,7 @@ class Walker:
 
 
 @dataclass(frozen=True)
-class Scene(Shown):
+class Scene:
     """The physics of a walk: which sand, which gait, which walker, how long.
 
     Parameters

@@ -18,7 +18,6 @@ from footopt.errors import SettingError, check, check_kind, needed
 from footopt.foot import Foot, Plates, Waypoints, as_plates
 from footopt.foot.plates import RULES
 from footopt.sand import affine_direction
-from footopt.shown import Animated, Shown
 from footopt.walk.contact import EVALUATIONS, LANES, PLATES, REPEATS, RESCUES, SHORTENED, TALLY, Sole, World
 from footopt.walk.loop import BACKWARD, DIVERGED, OK, RAW, SUNK, TRACE, walk_range
 from footopt.walk.objectives import FIVE, OBJECTIVES, Raw, lookup
@@ -44,7 +43,7 @@ LONG_ONES = 2
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Table(Shown):
+class Table:
     """Objectives of many feet, in natural signs.
 
     Parameters
@@ -77,6 +76,10 @@ class Table(Shown):
     def __len__(self) -> int:
         return len(self.values)
 
+    def __repr__(self) -> str:
+        title, walked = f"<Table of {len(self)} feet on {self.scene.sand.name} sand", int(self.feasible.sum())
+        return f"{title}: {walked} walked; {', '.join(self.names)}>"
+
     def column(self, name: str) -> Array:
         """Any objective by name, (designs,), whether it is among `names` or not.
 
@@ -102,7 +105,7 @@ class Table(Shown):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Walk(Animated):
+class Walk:
     """One simulated walk: traces at the end of every step, T of them, and what they add up to.
 
     Parameters
@@ -134,6 +137,17 @@ class Walk(Animated):
     rescues: int
     shortened: int
     repeats: int
+
+    def __repr__(self) -> str:
+        title = f"<Walk of {self.foot.name} on {self.scene.sand.name} sand"
+        if not self.feasible:
+            return f"{title}: failed, {self.reason}>"
+        values = (
+            f"{name.replace('_', ' ')} {value:.4g} {OBJECTIVES[name].unit}".rstrip()
+            for name, value in self.objectives.items()
+            if np.isfinite(value)
+        )
+        return f"{title}: {'; '.join(values)}>"
 
     @property
     def feasible(self) -> bool:

@@ -18,7 +18,7 @@ from footopt.files import outlines as outline
 from footopt.files.run import write_walk
 from footopt.foot.export import write_all
 from footopt.report import figures, page, summary, terminal
-from footopt.studies.simulate import foot_entry, scene_entry
+from footopt.studies.record import foot_entry, scene_entry
 from footopt.walk import OBJECTIVES
 
 NAMES = (

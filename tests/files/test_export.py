@@ -15,6 +15,7 @@ from shapely import Polygon
 from study_pages import check_page, data_of
 
 import footopt as fo
+from footopt import studies
 from footopt.errors import FileError, SettingError
 from footopt.files.outlines import lines_of
 from footopt.foot import SHAPES
@@ -172,7 +173,7 @@ class TestStudy:
         result = {"design": {"k": [4] * 11, "name": "flat"}, "settings": {"foot": asdict(FootConfig())}}
         (run / "result.json").write_text(json.dumps(result))
         config = Config(study=StudyConfig(name="export", run=str(run)), foot=FootConfig(block=[0.06, 0.02]))
-        export.run(config, exported, {})
+        studies.run(config, exported, {})
         check_page(exported)
         page = data_of(exported)
         (table,) = page["tables"]
