@@ -24,7 +24,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import FileError, check
-from footopt.files.contours import MM, body_outline
+from footopt.files.drawings import MM
 from footopt.foot import Foot, lower_hull
 from footopt.gait.gait import LEFT, RIGHT
 from footopt.report.body import body
@@ -156,9 +156,9 @@ def drawing(foot: Foot, block: Sequence[float] | None = None) -> Figure:
 
     Parameters
     ----------
-    block : length and height of a mounting block, m (see `footopt.files.contours.body_outline`).
+    block : length and height of a mounting block, m (see `Foot.body_outline`).
     """
-    outline = MM * body_outline(foot, block)
+    outline = MM * foot.body_outline(block)
     (left, low), (right, high) = outline.min(axis=0), outline.max(axis=0)
     gap = 0.03 * (right - left)
     x, z = (left - 4 * gap, right + 4 * gap), (low - 2 * gap, high + (3 * gap if block is not None else gap))

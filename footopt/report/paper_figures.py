@@ -18,7 +18,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from footopt.errors import SettingError
-from footopt.files.contours import MM
+from footopt.files.drawings import MM
 from footopt.foot import Foot
 from footopt.gait.gait import LEFT, RIGHT
 from footopt.report import figures

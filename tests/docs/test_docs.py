@@ -28,7 +28,6 @@ from test_custom import EXAMPLES
 
 import footopt as fo
 from footopt.cli import main as cli
-from footopt.files.contours import write_dxf
 from footopt.report.terminal import number
 from footopt.studies import STUDIES
 from footopt.studies.settings import Config
@@ -77,6 +76,8 @@ OTHERS = {
     "python": "benchmarks run with --quick, and print their tables; `test_custom` runs examples",
     "pip": "runs with --dry-run, where what it names is installed already; .ci/run installs",
     "pytest": "runs with --collect-only, and finds tests",
+    "sphinx-build": "run by .ci/run",
+    "pre-commit": "a convenience for who contributes",
     "sbatch": "needs Slurm; the command that it would run is run",
     "dask": "run by the fixture `cluster`, with a free port and one worker",
 }
@@ -103,7 +104,10 @@ def spans(text):
 
 def is_command(span):
     """Whether code in running text is a whole command, not a name."""
-    return bool(re.match(r"(footopt|python|pip|pytest|sbatch|dask) +\S", span)) or span == "footopt"
+    return (
+        bool(re.match(r"(footopt|python|pip|pytest|sbatch|dask|sphinx-build|pre-commit) +\S", span))
+        or span == "footopt"
+    )
 
 
 def commands_of(text):
@@ -238,8 +242,8 @@ class TestSettings:
             elif "." in key:
                 assert key in KEYS, f"{page}: {key}={value}"
 
-    def test_the_readme_lists_every_choice(self):
-        rows = re.findall(r"^\| `(\w+)=` \| ([^|]+) \|", TEXTS["README.md"], flags=re.M)
+    def test_the_page_of_settings_lists_every_choice(self):
+        rows = re.findall(r"^\| `(\w+)=` \| ([^|]+) \|", TEXTS["docs/settings.md"], flags=re.M)
         assert {"sand", "accuracy", "effects", "scene", "solver", "engine"} <= {group for group, _ in rows}
         for group, text in rows:
             listed = set(re.findall(r"\w+", re.sub(r"\([^)]*\)|;.*|, or .*", "", text)))
@@ -312,7 +316,7 @@ def test_every_extra_exists():
 
 def test_the_readme_installs_as_the_check_does():
     lines = [shlex.split(line) for line in (ROOT / ".ci" / "run").read_text().splitlines()]
-    (installed,) = [words for words in lines if words[:2] == ["pip", "install"]]
+    installed = next(words for words in lines if words[:2] == ["pip", "install"])
     assert COMMANDS[tuple(word for word in installed if word != "--quiet")] == "README.md"
 
 
@@ -324,7 +328,7 @@ def ground(tmp_path_factory):
     for source, name in (("gait/walk.trc", "walk.trc"), ("gait/walk.mot", "walk.mot"),
                          ("sole/rocker.csv", "sole.csv"), ("sand/stresses.csv", "stresses.csv")):  # fmt: skip
         shutil.copy(ROOT / "examples" / source, folder / name)
-    write_dxf(fo.Foot.from_file(folder / "sole.csv"), folder / "sole.dxf")
+    fo.Foot.from_file(folder / "sole.csv").to_file(folder / "sole.dxf")
     for text in TEXTS.values():
         for language, content, before in blocks(text):
             if language == "yaml":  # the file that the text before it names
@@ -620,10 +624,11 @@ def test_a_quoted_message_is_what_footopt_says(page, typed, answer, place):
 # --- numbers --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/getting-started.md"])
-def test_the_closing_table_is_that_of_its_foot(page):
+def test_the_closing_table_is_that_of_its_foot():
     """To the digits shown: the best foot and the flat one, as the finalists of a search are walked."""
-    (table,) = [content for _, content, _ in blocks(TEXTS[page]) if "Best design" in content]
+    (table,) = [
+        content for _, content, _ in blocks(TEXTS["docs/getting-started.md"]) if "Best design" in content
+    ]
     (k,) = re.findall(r"k = \[([\d, ]+)\]", table)
     foot = fo.Foot.from_waypoints([int(height) for height in k.split(",")])
     best, flat = (fo.simulate(sole, accuracy="fine").objectives for sole in (foot, fo.Foot.flat()))
