@@ -20,8 +20,8 @@ from footopt.design import (
 from footopt.design.exhaustive import Enumeration, check_size
 from footopt.design.search import check_finalists
 from footopt.files import run as files
-from footopt.files.bodies import write_all
 from footopt.foot import Foot
+from footopt.foot.export import write_all
 from footopt.report import figures, film, page, terminal
 from footopt.report.progress import progress, telling
 from footopt.studies import build
@@ -114,10 +114,10 @@ def run(study: Study) -> None:
         "settings": settings,
         "versions": files.versions(),
     }
-    files.write_designs(folder / "designs.csv", result)
-    files.write_walk(folder / "walk.nc", walk)
-    write_all(best, folder, config.foot.block)
-    files.write_json(folder / "result.json", entry | {"wall_time_s": clock()})
+    files.write_designs(folder / "designs.csv", result.columns)
+    files.write_walk(folder / "walk.nc", walk.variables, {"reason": walk.reason})
+    _, notes = write_all(best, folder, config.foot.block)
+    files.write_json(folder / "result.json", entry | {"notes": notes, "wall_time_s": clock()})
     marked = int(np.argmax(result.front == confirmed.designs[0]))
     draw(result, marked, best, walk, base, folder / "figures")
     shown = page.search_content(result, confirmed, walk, base, entry | {"wall_time_s": clock()})
@@ -132,6 +132,8 @@ def run(study: Study) -> None:
     feet = [("best", walk.objectives), ("flat", base.objectives)]
     out.print(terminal.objective_table(feet, problem.record, errors, gain=True))
     terminal.print_validity(out, diagnostics)
+    for note in notes:
+        out.print(note)
     terminal.everything_is_in(out, folder, clock())
     if result.interrupted:
         done, every = len(result.history), solver.generations(problem.space)

@@ -28,7 +28,6 @@ from test_custom import EXAMPLES
 
 import footopt as fo
 from footopt.cli import main as cli
-from footopt.files.contours import write_dxf
 from footopt.report.terminal import number
 from footopt.studies import STUDIES
 from footopt.studies.settings import Config
@@ -304,7 +303,7 @@ def ground(tmp_path_factory):
     for source, name in (("gait/walk.trc", "walk.trc"), ("gait/walk.mot", "walk.mot"),
                          ("sole/rocker.csv", "sole.csv"), ("sand/stresses.csv", "stresses.csv")):  # fmt: skip
         shutil.copy(ROOT / "examples" / source, folder / name)
-    write_dxf(fo.Foot.from_file(folder / "sole.csv"), folder / "sole.dxf")
+    fo.Foot.from_file(folder / "sole.csv").to_file(folder / "sole.dxf")
     for text in TEXTS.values():
         for language, content, before in blocks(text):
             if language == "yaml":  # the file that the text before it names
