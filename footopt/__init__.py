@@ -11,84 +11,57 @@ Public names are imported when first used, so that importing footopt is cheap.
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+if TYPE_CHECKING:
+    from footopt.design import FootProblem as FootProblem
+    from footopt.design import RobustProblem as RobustProblem
+    from footopt.design import SearchResult as SearchResult
+    from footopt.design import search as search
+    from footopt.effects import Inertia as Inertia
+    from footopt.effects import Layers as Layers
+    from footopt.effects import LeadingEdge as LeadingEdge
+    from footopt.effects import Patches as Patches
+    from footopt.effects import Slope as Slope
+    from footopt.errors import FootoptError as FootoptError
+    from footopt.foot import Foot as Foot
+    from footopt.foot import Waypoints as Waypoints
+    from footopt.gait import Gait as Gait
+    from footopt.report.film import animate as animate
+    from footopt.report.show import plot as plot
+    from footopt.sand import Sand as Sand
+    from footopt.sand import StressMap as StressMap
+    from footopt.sand import stress as stress
+    from footopt.walk import Accuracy as Accuracy
+    from footopt.walk import Scenario as Scenario
+    from footopt.walk import Scene as Scene
+    from footopt.walk import Spread as Spread
+    from footopt.walk import Table as Table
+    from footopt.walk import Walk as Walk
+    from footopt.walk import Walker as Walker
+    from footopt.walk import draw as draw
+    from footopt.walk import estimate_error as estimate_error
+    from footopt.walk import evaluate as evaluate
+    from footopt.walk import simulate as simulate
+
 __version__ = "0.1.0"
 
-_HOME = {
-    "Accuracy": "footopt.walk",
-    "Foot": "footopt.foot",
-    "FootProblem": "footopt.design",
-    "FootoptError": "footopt.errors",
-    "Gait": "footopt.gait",
-    "Inertia": "footopt.effects.base",
-    "LeadingEdge": "footopt.effects.base",
-    "Layers": "footopt.effects.base",
-    "Patches": "footopt.effects.base",
-    "Slope": "footopt.effects.base",
-    "RobustProblem": "footopt.design",
-    "Sand": "footopt.sand",
-    "Scenario": "footopt.walk",
-    "Scene": "footopt.walk",
-    "Spread": "footopt.walk",
-    "StressMap": "footopt.sand",
-    "Table": "footopt.walk",
-    "Walk": "footopt.walk",
-    "Walker": "footopt.walk",
-    "Waypoints": "footopt.foot",
-    "draw": "footopt.walk",
-    "estimate_error": "footopt.walk",
-    "evaluate": "footopt.walk",
-    "search": "footopt.design",
-    "simulate": "footopt.walk",
-    "stress": "footopt.sand",
+_NAMES = {
+    "footopt.design": "FootProblem RobustProblem SearchResult search",
+    "footopt.effects": "Inertia Layers LeadingEdge Patches Slope",
+    "footopt.errors": "FootoptError",
+    "footopt.foot": "Foot Waypoints",
+    "footopt.gait": "Gait",
+    "footopt.report.film": "animate",
+    "footopt.report.show": "plot",
+    "footopt.sand": "Sand StressMap stress",
+    "footopt.walk": "Accuracy Scenario Scene Spread Table Walk Walker draw estimate_error evaluate simulate",
 }
+_HOME = {name: module for module, names in _NAMES.items() for name in names.split()}
 
-__all__ = [
-    "Accuracy",
-    "Foot",
-    "FootProblem",
-    "FootoptError",
-    "Gait",
-    "RobustProblem",
-    "Sand",
-    "Scenario",
-    "Scene",
-    "Spread",
-    "StressMap",
-    "Table",
-    "Walk",
-    "Walker",
-    "Waypoints",
-    "__version__",
-    "draw",
-    "estimate_error",
-    "evaluate",
-    "search",
-    "simulate",
-    "stress",
-]
-
-if TYPE_CHECKING:
-    from footopt.design import FootProblem, RobustProblem, search
-    from footopt.errors import FootoptError
-    from footopt.foot import Foot, Waypoints
-    from footopt.gait import Gait
-    from footopt.sand import Sand, StressMap, stress
-    from footopt.walk import (
-        Accuracy,
-        Scenario,
-        Scene,
-        Spread,
-        Table,
-        Walk,
-        Walker,
-        draw,
-        estimate_error,
-        evaluate,
-        simulate,
-    )
+__all__ = ["__version__", *sorted(_HOME)]
 
 
 def __getattr__(name: str) -> Any:
@@ -101,3 +74,14 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return __all__
+
+
+def load_ipython_extension(shell: Any) -> None:
+    """Show cards of walks, feet and so on in IPython; importing footopt there does so, too."""
+    from footopt.report.notebook import register
+
+    register(shell)
+
+
+if "IPython" in sys.modules and (_shell := sys.modules["IPython"].get_ipython()) is not None:
+    load_ipython_extension(_shell)

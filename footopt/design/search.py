@@ -24,9 +24,8 @@ from footopt.design.store import Store
 from footopt.design.workers import Engine
 from footopt.errors import FootoptError, check, check_kind, needed
 from footopt.foot import Foot
-from footopt.shown import Shown
+from footopt.walk.accuracy import Accuracy
 from footopt.walk.objectives import OBJECTIVES
-from footopt.walk.scene import Accuracy
 from footopt.walk.simulate import resolve
 
 Array = NDArray[np.float64]
@@ -52,7 +51,7 @@ class Generation:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SearchResult(Shown):
+class SearchResult:
     """Every design that a search evaluated, in order, and which are best.
 
     Parameters
@@ -85,6 +84,12 @@ class SearchResult(Shown):
     seconds: float
     interrupted: bool
     reused: int = 0
+
+    def __repr__(self) -> str:
+        best = zip(self.problem.record, self.values[self.best], strict=True)
+        values = "; ".join(f"{name} {value:.4g}" for name, value in best)
+        title = f"<SearchResult of {self.solver.name} on {self.problem.scene.sand.name} sand"
+        return f"{title}: {self.designs} designs; best {self.foot.name}: {values}>"
 
     @property
     def designs(self) -> int:

@@ -31,7 +31,6 @@ from footopt.files.gaits import (
 )
 from footopt.files.reading import Unusable, naming
 from footopt.gait import start
-from footopt.shown import Shown
 
 Array = NDArray[np.float64]
 
@@ -89,7 +88,7 @@ class Pose(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Gait(Shown):
+class Gait:
     """A walk from standing: cyclic joint angles and how they begin (`footopt.gait.start`).
 
     Parameters
@@ -102,9 +101,9 @@ class Gait(Shown):
     residual : rms misfit of the series against the curve it was fitted to, deg, by joint.
     """
 
-    thigh: Fourier
-    knee: Fourier
-    foot: Fourier | None = None
+    thigh: Fourier = field(repr=False)
+    knee: Fourier = field(repr=False)
+    foot: Fourier | None = field(default=None, repr=False)
     period: float = 1.2
     pitch: str = "shank"
     start: float = 0.5

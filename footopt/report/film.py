@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from footopt.errors import FileError, FootoptError, SettingError, check
 from footopt.report.body import body, forces
-from footopt.report.figures import CONTACT, PAGE, _entry_of, _figure, _legend_above, styled
+from footopt.report.figures import PAGE, _entry_of, _figure, _legend_above, styled
 from footopt.report.show import ARROW, SIDES, bounds, draw_arrows, draw_body, draw_ground, round_newtons
 from footopt.walk import Walk
+from footopt.walk.phases import STANDS
 
 Array = NDArray[np.float64]
 
@@ -29,7 +30,7 @@ WIDEST = 3.0  # times its height: a longer walk is followed by the camera
 def check_film(
     path: str | Path, fps: int = 25, speed: float = 0.5, dpi: int = 120, setting: str = "path"
 ) -> Path:
-    """Raise unless such a film can be written; see `footopt.Walk.animate`. Its folder is made.
+    """Raise unless such a film can be written; see `animate`. Its folder is made.
 
     Parameters
     ----------
@@ -62,8 +63,34 @@ def check_film(
 
 
 @styled
-def write(walk: Walk, path: str | Path, fps: int = 25, speed: float = 0.5, dpi: int = 120) -> Path:
-    """Write a film; see `footopt.Walk.animate`. The file is there as a whole or as it was before."""
+def animate(walk: Walk, path: str | Path, fps: int = 25, speed: float = 0.5, dpi: int = 120) -> Path:
+    """Write a film of a walk. The file is there as a whole or as it was before.
+
+    Parameters
+    ----------
+    walk : Walk
+        What to film.
+    path : str or Path
+        The file. Its name ends in .gif, or in .mp4, which needs the program ffmpeg.
+    fps : int
+        Frames per second. A GIF gets the nearest rate that it can have, 50 at most.
+    speed : float
+        Of the walk in the film: 1 is as in life, 0.25 four times slower.
+    dpi : int
+        Dots per inch of a picture 7 inches wide.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    SettingError
+        The file has another ending, or a number cannot be used.
+    FileError
+        ffmpeg is missing or fails, or the file cannot be written.
+    """
     path = check_film(path, fps, speed, dpi)
     if len(walk.t) == 0:
         raise FootoptError(f"{path}: there is nothing to film, the walk failed at once: {walk.reason}.")
@@ -149,7 +176,7 @@ def scene_of(walk: Walk, speed: float) -> tuple[Any, Callable[[float], None]]:
         placed = body(walk, [t])
         shown.extend(draw_body(axes, placed, 0))
         place, push = between(at, t), between(force, t)
-        seen = np.isfinite(place).all(axis=-1) & (np.linalg.norm(push, axis=-1) > CONTACT)
+        seen = np.isfinite(place).all(axis=-1) & (np.linalg.norm(push, axis=-1) > STANDS)
         if seen.any():
             shown.append(draw_arrows(axes, place[seen], push[seen], ARROW * high / newtons))
         middle = float(np.clip(placed.hip[0, 0], left + 0.5 * wide, right - 0.5 * wide))

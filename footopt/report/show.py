@@ -1,7 +1,6 @@
-"""What notebooks show: a drawing on one Axes, or a card with numbers and a picture, of an object.
+"""`plot`, a drawing of an object on one Axes; and the card with numbers and a picture that a notebook shows.
 
-`footopt.shown.Shown` calls `plot` and `card`. Views are found by the class's name, so that a sand is
-drawn without loading the optimiser.
+Views are found by the class's name, so that a sand is drawn without loading the optimiser.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
-from footopt.effects.base import Layers, Patches, Slope
+from footopt.effects import Layers, Patches, Slope, name_of
 from footopt.errors import SettingError
 from footopt.foot import Foot
 from footopt.gait import Gait
@@ -31,7 +30,6 @@ from footopt.report.body import Body, body, forces, legs
 from footopt.report.figures import (
     BLUE,
     COLUMN,
-    CONTACT,
     GREY,
     ORANGE,
     PAGE,
@@ -56,7 +54,8 @@ from footopt.report.figures import (
 from footopt.sand import Sand
 from footopt.sand.law import PER_CM3, alpha
 from footopt.walk import FIVE, OBJECTIVES, Scene, Table, Walk, Walker
-from footopt.walk.audit import name_of, parameters
+from footopt.walk.audit import parameters
+from footopt.walk.phases import STANDS
 from footopt.walk.validity import diagnose
 
 Array = NDArray[np.float64]
@@ -99,18 +98,39 @@ class Panel(PlainAxes):
         return _png(self.get_figure())
 
 
-def plot(shown: Any, axes: Axes | None = None, what: str | None = None) -> Axes:
-    """Draw on Axes of the caller's, or on those of a new figure; see `footopt.shown.Shown.plot`."""
-    drawings = view(shown).drawings(shown)
+def plot(thing: object, what: str | None = None, ax: Axes | None = None) -> Axes:
+    """Draw an object on matplotlib Axes.
+
+    Parameters
+    ----------
+    thing : Walk, Foot, Scene, Sand, Gait, Table or SearchResult
+        What to draw.
+    what : str, optional
+        Of a walk: walk, com, velocity, force, power or work. Of a sand: alpha_z or alpha_x. Of a gait:
+        angles or path. Of a search: front or convergence. By default the first of them.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw. By default Axes of a new figure, which a notebook shows.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        ``.figure.savefig("walk.png")`` keeps the picture.
+
+    Raises
+    ------
+    SettingError
+        There is no such drawing of the object, or no drawing at all.
+    """
+    drawings = view(thing).drawings(thing)
     name = next(iter(drawings)) if what is None else what
     if name not in drawings:
-        raise SettingError("what", what, f"one of {', '.join(drawings)} for a {type(shown).__name__}")
-    if axes is None:
-        return picture(shown, [[name]]).axes[0]
-    drawings[name].draw(axes, shown)
-    if axes.get_legend_handles_labels()[0] and axes.get_legend() is None:
-        axes.legend(loc="best")
-    return axes
+        raise SettingError("what", what, f"one of {', '.join(drawings)} for a {type(thing).__name__}")
+    if ax is None:
+        return picture(thing, [[name]]).axes[0]
+    drawings[name].draw(ax, thing)
+    if ax.get_legend_handles_labels()[0] and ax.get_legend() is None:
+        ax.legend(loc="best")
+    return ax
 
 
 @styled
@@ -170,7 +190,10 @@ def card(shown: Any) -> str:
 
 def view(shown: Any) -> View:
     """How an object is shown: by its class, or one that it inherits from."""
-    return next(VIEWS[kind.__name__] for kind in type(shown).__mro__ if kind.__name__ in VIEWS)
+    for kind in type(shown).__mro__:
+        if kind.__name__ in VIEWS:
+            return VIEWS[kind.__name__]
+    raise SettingError("thing", shown, f"one of these: {', '.join(VIEWS)}")
 
 
 @styled
@@ -399,7 +422,7 @@ def draw_walk(axes: Axes, walk: Walk) -> None:
     for i in range(len(index)):
         draw_body(axes, placed, i)
     at, force = (part.reshape(-1, 2) for part in forces(walk, index).resultant())
-    seen = np.linalg.norm(force, axis=-1) > CONTACT
+    seen = np.linalg.norm(force, axis=-1) > STANDS
     newtons = round_newtons(walk)
     draw_arrows(axes, at[seen], force[seen], ARROW * high / newtons)
     _entry_of(axes, f"force, {ARROW * high:.2g} m for {newtons:g} N", color="black", ls="",

@@ -1,8 +1,8 @@
-"""One module per question; each is a function of the settings and the folder it may write to."""
+"""Studies: a module for each question, and what they share in `footopt.studies.base`."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -10,30 +10,48 @@ from typing import Any
 from footopt.errors import SettingError
 from footopt.studies.settings import Config
 
-#: Studies by name: each is the function `run` of the module of that name, imported when asked for.
-STUDIES = (
-    "optimize", "simulate", "accuracy", "stability", "effects", "shapes", "paper", "trust", "robust",
-    "sensitivity", "export", "compare", "doctor",
+#: Studies by name: each is the function `run` of the module of that name. A plugin adds its own function.
+STUDIES: dict[str, Callable[[Any], None] | None] = dict.fromkeys(
+    (
+        "optimize", "simulate", "accuracy", "stability", "effects", "shapes", "paper", "trust", "robust",
+        "sensitivity", "export", "compare", "doctor",
+    )
 )  # fmt: skip
 
-#: Those that keep what they evaluate, so that `footopt resume=FOLDER` goes on where they stopped.
+#: Studies that keep what they evaluate: `footopt resume=FOLDER` goes on where they stopped.
 RESUMABLE = ("optimize", "robust")
 
-#: Those that walk where `engine` says; the others do so in this process.
-SPREAD = ("optimize", "robust")
+#: Studies that walk where `engine` says; the others walk in this process.
+DISTRIBUTED = ("optimize", "robust")
 
 
-def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
-    """Run the study that the configuration names; `settings` is the configuration as plain data."""
-    from footopt.studies.build import check_lists
+def run(config: Config, folder: Path, settings: Mapping[str, Any]) -> None:
+    """Run the study that the settings name.
+
+    Parameters
+    ----------
+    config : Config
+        The settings.
+    folder : Path
+        Where the study leaves what it finds.
+    settings : dict
+        The same settings as plain data, for result.json.
+
+    Raises
+    ------
+    SettingError
+        There is no such study, or it does not go with the other settings.
+    """
+    # what is imported here would slow `footopt --help` down
+    from footopt.studies.base import Study
+    from footopt.studies.build import check_lists, load_plugins
 
     check_lists(config)
+    load_plugins(config.plugins)
     name = config.study.name
     if name not in STUDIES:
         raise SettingError("study.name", name, f"one of {', '.join(STUDIES)}")
-    if config.engine.name != "local" and name not in SPREAD:
+    if config.engine.name != "local" and name not in DISTRIBUTED:
         raise SettingError("engine.name", config.engine.name, f"local for study={name}")
-    if config.plugins:
-        import_module("footopt.studies.build").load_plugins(config.plugins)
-    study: Callable[[Config, Path, dict[str, Any]], None] = import_module(f"footopt.studies.{name}").run
-    study(config, folder, settings)
+    ask = STUDIES[name] or import_module(f"footopt.studies.{name}").run
+    ask(Study(config, folder, settings))

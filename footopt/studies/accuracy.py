@@ -27,10 +27,10 @@ from footopt.report.progress import progress
 from footopt.report.work_precision import work_precision
 from footopt.sand import Sand, alpha
 from footopt.studies import build
-from footopt.studies.settings import Config
+from footopt.studies.base import Study
 from footopt.walk import FIVE, Accuracy, Scene, evaluate, simulate
+from footopt.walk.accuracy import PRESETS, TABLE_COLUMNS
 from footopt.walk.audit import own_time
-from footopt.walk.scene import PRESETS, TABLE_COLUMNS
 from footopt.walk.simulate import at_once
 from footopt.walk.steppers import STEPPERS
 
@@ -89,9 +89,10 @@ class Measurement:
         return float(self.worst.max())
 
 
-def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
+def run(study: Study) -> None:
     """Measure all settings, write the table, the figure and the presets that follow."""
-    out, clock = terminal.console(), terminal.clock()
+    config, folder, settings = study.config, study.folder, study.settings
+    out, clock = study.console, terminal.clock()
     check(1 <= config.study.feet <= 10_000, "study.feet", config.study.feet, "a whole number, 1 to 10,000")
     space = build.make_space(config.foot)
     base = build.make_scene(config)

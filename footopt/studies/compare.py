@@ -5,21 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from glob import glob
 from pathlib import Path
-from typing import Any
 
 from footopt.errors import FileError, SettingError
 from footopt.files import run as files
 from footopt.files.reading import named
 from footopt.report import summary, terminal
-from footopt.studies.settings import Config
+from footopt.studies.base import Study
 
 SETTING = "study.runs"
 TRY = "Try footopt study=compare 'study.runs=[outputs/optimize/*]'"
 
 
-def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
+def run(study: Study) -> None:
     """A table of the runs of `study.runs`, as of a multirun's jobs: terminal, summary.csv and report.html."""
-    out, clock = terminal.console(), terminal.clock()
+    config, folder, settings = study.config, study.folder, study.settings
+    out, clock = study.console, terminal.clock()
     runs = list(folders_of(config.study.runs, folder))
     if not runs:
         raise SettingError(SETTING, config.study.runs, "folders of runs", TRY)

@@ -7,8 +7,6 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 from rich.table import Table
@@ -20,6 +18,7 @@ from footopt.files import run as files
 from footopt.foot import Waypoints
 from footopt.report import summary, terminal
 from footopt.sand import Sand
+from footopt.studies.base import Study
 from footopt.studies.settings import Config
 from footopt.walk import FIVE, STEPPERS, Scene, evaluate
 from footopt.walk.audit import own_time
@@ -57,9 +56,10 @@ class Finding:
         return {None: "", True: "ok", False: FAILED}[self.good]
 
 
-def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
+def run(study: Study) -> None:
     """Look at everything, say what is wrong and what to do about it."""
-    out, clock = terminal.console(), terminal.clock()
+    config, folder, settings = study.config, study.folder, study.settings
+    out, clock = study.console, terminal.clock()
     found = [*libraries(), *safely(machine, config)]
     with terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ..."):
         for ask in (compiled_code, self_test):

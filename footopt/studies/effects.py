@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 from rich.table import Table
 
-from footopt.effects.base import EFFECTS, Effect, LeadingEdge
+from footopt.effects import EFFECTS, Effect, LeadingEdge
 from footopt.errors import check
 from footopt.files import run as files
 from footopt.report import summary, terminal
@@ -19,8 +17,8 @@ from footopt.report.progress import progress
 from footopt.sand import Sand
 from footopt.studies import build
 from footopt.studies.auto import COMPILING, entry, tolerance
-from footopt.studies.settings import Config
-from footopt.studies.simulate import scene_entry
+from footopt.studies.base import Study
+from footopt.studies.record import scene_entry
 from footopt.walk import FIVE, Scene, evaluate
 from footopt.walk.audit import Audit, audit, percent, switched
 
@@ -28,9 +26,10 @@ from footopt.walk.audit import Audit, audit, percent, switched
 SANDS = ("soft", "regular", "hard")
 
 
-def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
+def run(study: Study) -> None:
     """Audit every effect and write the verdicts to `folder`."""
-    out, clock = terminal.console(), terminal.clock()
+    config, folder, settings = study.config, study.folder, study.settings
+    out, clock = study.console, terminal.clock()
     check(2 <= config.study.feet <= 10_000, "study.feet", config.study.feet, "2, to rank them, to 10,000")
     scene, space = build.make_scene(config), build.make_space(config.foot)
     accuracy, limit = build.make_accuracy(config.accuracy), tolerance(config)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -21,23 +20,24 @@ from footopt.design import (
 from footopt.design.exhaustive import Enumeration, check_size
 from footopt.design.search import check_finalists
 from footopt.files import run as files
-from footopt.files.bodies import write_all
 from footopt.foot import Foot
+from footopt.foot.export import write_all
 from footopt.report import figures, film, page, terminal
 from footopt.report.progress import progress, telling
 from footopt.studies import build
 from footopt.studies.auto import settle
-from footopt.studies.settings import Config
-from footopt.studies.simulate import foot_entry, scene_entry, validity_entry
+from footopt.studies.base import Study
+from footopt.studies.record import foot_entry, scene_entry, validity_entry
 from footopt.walk import OBJECTIVES, Accuracy, Walk, estimate_error, gain_shares, simulate
 from footopt.walk.validity import diagnose
 
 LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
 
 
-def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
+def run(study: Study) -> None:
     """Search, then walk with the best foot and write everything about it to `folder`."""
-    out, clock = terminal.console(), terminal.clock()
+    config, folder, settings = study.config, study.folder, study.settings
+    out, clock = study.console, terminal.clock()
     build.check_searchable(config.foot)
     if config.study.video is not None:
         film.check_film(folder / config.study.video, setting="study.video")
@@ -114,16 +114,16 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         "settings": settings,
         "versions": files.versions(),
     }
-    files.write_designs(folder / "designs.csv", result)
-    files.write_walk(folder / "walk.nc", walk)
-    write_all(best, folder, config.foot.block)
-    files.write_json(folder / "result.json", entry | {"wall_time_s": clock()})
+    files.write_designs(folder / "designs.csv", result.columns)
+    files.write_walk(folder / "walk.nc", walk.variables, {"reason": walk.reason})
+    _, notes = write_all(best, folder, config.foot.block)
+    files.write_json(folder / "result.json", entry | {"notes": notes, "wall_time_s": clock()})
     marked = int(np.argmax(result.front == confirmed.designs[0]))
     draw(result, marked, best, walk, base, folder / "figures")
     shown = page.search_content(result, confirmed, walk, base, entry | {"wall_time_s": clock()})
     page.write(folder / "report.html", shown)
     if config.study.video is not None:
-        film.write(walk, folder / config.study.video)
+        film.animate(walk, folder / config.study.video)
 
     out.print(terminal.describe_search(result))
     out.print(terminal.describe_confirmation(confirmed))
@@ -132,6 +132,8 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     feet = [("best", walk.objectives), ("flat", base.objectives)]
     out.print(terminal.objective_table(feet, problem.record, errors, gain=True))
     terminal.print_validity(out, diagnostics)
+    for note in notes:
+        out.print(note)
     terminal.everything_is_in(out, folder, clock())
     if result.interrupted:
         done, every = len(result.history), solver.generations(problem.space)

@@ -32,15 +32,15 @@ from footopt.design.robust import RobustProblem, regret
 from footopt.design.search import check_finalists
 from footopt.design.workers import Engine
 from footopt.errors import FootoptError, SettingError, check
+from footopt.files import drawings
 from footopt.files import run as files
-from footopt.files.contours import write_csv as write_contour
-from footopt.files.contours import write_dxf
 from footopt.foot import Foot
 from footopt.report import figures, robust_figures, summary, terminal
 from footopt.report.progress import progress, telling
 from footopt.studies import build
+from footopt.studies.base import Study
+from footopt.studies.record import foot_entry, scene_entry
 from footopt.studies.settings import Config
-from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walk import OBJECTIVES, Accuracy, Scene
 from footopt.walk.scenarios import Scenario, draw, sands
 
@@ -83,24 +83,25 @@ class Comparison:
     regrets: Array
 
 
-def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
+def run(study: Study) -> None:
     """Search the specialists and the robust foot, and write what each loses to `folder`."""
-    out, clock = terminal.console(), terminal.clock()
+    config, folder, settings = study.config, study.folder, study.settings
+    out, clock = study.console, terminal.clock()
     build.check_searchable(config.foot)
-    study, c = config.study, config.solver
+    options, c = config.study, config.solver
     scene, scenarios = make_scenarios(config)
-    solver = Solver(c.name, c.pop_size, min(c.n_gen, QUICK_GENERATIONS) if study.quick else c.n_gen, c.seed)
+    solver = Solver(c.name, c.pop_size, min(c.n_gen, QUICK_GENERATIONS) if options.quick else c.n_gen, c.seed)
     accuracy = build.make_accuracy(config.accuracy)
-    finer = Accuracy.named(study.confirm) if study.confirm else accuracy
-    check_finalists(study.finalists)
+    finer = Accuracy.named(options.confirm) if options.confirm else accuracy
+    check_finalists(options.finalists)
     judge = RobustProblem(
         scenarios, config.objective.names, build.make_space(config.foot), accuracy, config.engine.threads,
-        study.measure, study.tail,
+        options.measure, options.tail,
     )  # fmt: skip
     if solver.name != EXHAUSTIVE:  # a solver that does not fit is refused before anything is walked
         solver.build(judge.n_obj)
 
-    feet = scenarios if study.scenarios == "sands" else (*scenarios, Scenario(MEDIAN, scene))
+    feet = scenarios if options.scenarios == "sands" else (*scenarios, Scenario(MEDIAN, scene))
     found: dict[str, NDArray[np.int64]] = {}
     each = solver.generations(judge.space)
     work = float(each * (len(feet) + len(scenarios)))  # the robust foot walks in all scenarios
@@ -116,15 +117,15 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
             )
             tell = telling(step, judge.guide, about=f"{scenario.name}: ")
             result = searched(alone, solver, scenario.name, tell, store, engine)
-            found[scenario.name] = result.k[confirm(result, finer, study.finalists).designs[0]]
+            found[scenario.name] = result.k[confirm(result, finer, options.finalists).designs[0]]
             out.print(f"specialist, {scenario.name}: {terminal.describe_search(result)}")
         problem = RobustProblem(
-            scenarios, judge.names, judge.space, accuracy, judge.threads, study.measure, study.tail,
+            scenarios, judge.names, judge.space, accuracy, judge.threads, options.measure, options.tail,
             references=compare(judge, found).references,
         )  # fmt: skip
         tell = telling(step, judge.guide, len(scenarios), f"{ROBUST}: ", " of the specialist's")
         result = searched(problem, solver, ROBUST, tell, store, engine)
-    confirmed = confirm(result, finer, study.finalists)
+    confirmed = confirm(result, finer, options.finalists)
     found[ROBUST] = result.k[confirmed.designs[0]]
     out.print(f"{ROBUST}: {terminal.describe_search(result)}")
     out.print(terminal.describe_confirmation(confirmed))
@@ -132,14 +133,14 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
     judge.accuracy = finer
     compared = compare(judge, found)
     foot = dataclasses.replace(Foot.from_waypoints(found[ROBUST].tolist(), judge.space), name=ROBUST)
-    fresh = held_out(config, scene, judge, found) if study.scenarios == "drawn" else None
+    fresh = held_out(config, scene, judge, found) if options.scenarios == "drawn" else None
     names = write(folder, judge, compared, foot, result, fresh)
     objectives = judge.walk(found[ROBUST][None])[0][0]
     record = {
         "study": "robust",
         "design": foot_entry(foot),
         "objectives": dict(zip(judge.record, objectives.tolist(), strict=True)),
-        "measure": {"name": study.measure, "tail": study.tail, "of": judge.guide},
+        "measure": {"name": options.measure, "tail": options.tail, "of": judge.guide},
         "feet": {name: k.tolist() for name, k in found.items()},
         "scenarios": [scenario_entry(s) for s in scenarios],
         "regrets": {
@@ -235,9 +236,9 @@ def write(
             for j, s in enumerate(judge.scenarios)
         ),
     )  # fmt: skip
-    files.write_designs(folder / "designs.csv", result)
-    write_contour(foot, folder / "contour.csv")
-    write_dxf(foot, folder / "contour.dxf")
+    files.write_designs(folder / "designs.csv", result.columns)
+    drawings.write_csv(folder / "contour.csv", foot.contour)
+    drawings.write_dxf(folder / "contour.dxf", foot.contour, foot.body_outline())
     shown = compared.names if fresh is None else (MEDIAN, ROBUST)
     soles = {
         name: Foot.from_waypoints(k.tolist(), judge.space)

@@ -15,7 +15,6 @@ from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -30,8 +29,8 @@ from footopt.report.figures import save
 from footopt.report.progress import progress
 from footopt.report.sensitivity_figure import sensitivity
 from footopt.studies import build
-from footopt.studies.settings import Config
-from footopt.studies.simulate import foot_entry, scene_entry
+from footopt.studies.base import Study
+from footopt.studies.record import foot_entry, scene_entry
 from footopt.walk import FIVE, Accuracy, Scene, evaluate
 from footopt.walk.scenarios import COLUMNS, Spread, vary
 from footopt.walk.simulate import at_once
@@ -234,10 +233,11 @@ def _walk_all(
     return np.array([values for values, _ in walked])
 
 
-def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
+def run(study: Study) -> None:
     """Analyse one foot in one scene and write the indices to `folder`."""
-    out, clock = terminal.console(), terminal.clock()
-    study = config.study
+    config, folder, settings = study.config, study.folder, study.settings
+    out, clock = study.console, terminal.clock()
+    options = config.study
     scene, foot = build.make_scene(config), build.make_foot(config.foot)
     scene.need_heel_strike()
     setting = Setting(
@@ -245,11 +245,11 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
         scene,
         build.make_accuracy(config.accuracy),
         build.make_spread(config),
-        **vars(study.foot_spread),
+        **vars(options.foot_spread),
     )
     blocks = setting.blocks
     check(blocks, "study.spread", "all 0", "more than 0 for something")
-    samples = min(study.samples, QUICK_SAMPLES) if study.quick else study.samples
+    samples = min(options.samples, QUICK_SAMPLES) if options.quick else options.samples
     each = {title: samples * (len(part) + 2) + 2 * len(part) + 1 for title, part in blocks.items()}
     walks = sum(each.values())
     about = f"{terminal.describe_scene(scene)}; {terminal.describe_foot(foot)}"

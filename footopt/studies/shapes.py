@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from rich.table import Table as RichTable
@@ -15,8 +14,9 @@ from footopt.foot import SHAPES, Foot
 from footopt.report import figures, page, paper_figures, terminal
 from footopt.report.progress import progress
 from footopt.studies import build
+from footopt.studies.base import Study
+from footopt.studies.record import foot_entry, scene_entry
 from footopt.studies.settings import Config
-from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walk import OBJECTIVES, Accuracy, Scene, Walk, estimate_error, simulate
 from footopt.walk.validity import diagnose
 
@@ -54,9 +54,10 @@ def walk_shapes(feet: Mapping[str, Foot], scene: Scene, accuracy: Accuracy | str
     return {name: simulate(foot, scene, accuracy) for name, foot in feet.items()}
 
 
-def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
+def run(study: Study) -> None:
     """Walk with the five shapes and write tables and figures to `folder`."""
-    out, clock = terminal.console(), terminal.clock()
+    config, folder, settings = study.config, study.folder, study.settings
+    out, clock = study.console, terminal.clock()
     if config.foot.k is not None:
         raise SettingError("foot.k", config.foot.k, "null: these are the five shapes", "Use study=simulate.")
     feet = make_shapes(config)

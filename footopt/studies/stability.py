@@ -34,12 +34,13 @@ from footopt.report.progress import progress
 from footopt.report.stability_figure import Cell, verdicts
 from footopt.sand import StressMap, affine, alpha
 from footopt.studies import build
+from footopt.studies.base import Study
+from footopt.studies.record import foot_entry, scene_entry
 from footopt.studies.settings import Config
-from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walk import FIVE, STEPPERS, Accuracy, Scene, Walk, simulate
 from footopt.walk.contact import CONTACT, FX, FZ, TALLY, contact
 from footopt.walk.objectives import FLOORS
-from footopt.walk.simulate import sole, world
+from footopt.walk.prepare import sole, world
 
 Array = NDArray[np.float64]
 
@@ -583,9 +584,10 @@ def chosen(config: Config) -> tuple[list[Case], list[str]]:
     return [known[name] for name in names], methods
 
 
-def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
+def run(study: Study) -> None:
     """Judge every case with every method and write the verdicts to `folder`."""
-    out, clock = terminal.console(), terminal.clock()
+    config, folder, settings = study.config, study.folder, study.settings
+    out, clock = study.console, terminal.clock()
     cases, methods = chosen(config)
     base = Setup(build.make_foot(config.foot), build.make_scene(config), build.make_accuracy(config.accuracy))
     found: list[Verdict] = []

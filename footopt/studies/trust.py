@@ -9,7 +9,6 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,7 +24,7 @@ from footopt.report.trust_figure import trust
 from footopt.sand import Sand
 from footopt.studies import build
 from footopt.studies.accuracy import SANDS
-from footopt.studies.settings import Config
+from footopt.studies.base import Study
 
 WALKED_IN_A_SEARCH = 2500  # designs that are walked in the time of one search, about
 
@@ -49,26 +48,27 @@ class Score:
     igd_plus: float
 
 
-def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
+def run(study: Study) -> None:
     """Walk the space, let every solver search it, and write what each was worth."""
-    out, clock = terminal.console(), terminal.clock()
-    study = config.study
-    check(1 <= study.seeds <= 1000, "study.seeds", study.seeds, "a whole number >= 1 and <= 1000")
+    config, folder, settings = study.config, study.folder, study.settings
+    out, clock = study.console, terminal.clock()
+    options = config.study
+    check(1 <= options.seeds <= 1000, "study.seeds", options.seeds, "a whole number >= 1 and <= 1000")
     size = config.solver.pop_size if config.solver.name != EXHAUSTIVE else 100
     check(
-        size <= study.budget <= 10**7,
+        size <= options.budget <= 10**7,
         "study.budget",
-        study.budget,
+        options.budget,
         f"at least one generation, {size}, and <= 1e7",
     )
-    names = list(SOLVERS) if study.solvers is None else study.solvers
+    names = list(SOLVERS) if options.solvers is None else options.solvers
     if unknown := [name for name in names if name not in SOLVERS]:
         raise SettingError("study.solvers", unknown, f"some of {', '.join(SOLVERS)}")
     scene, space = build.make_scene(config), build.make_space(config.foot)
     accuracy = build.make_accuracy(config.accuracy)
-    seeds = 2 if study.quick else study.seeds
+    seeds = 2 if options.quick else options.seeds
     solvers = [
-        Solver(name, size, study.budget // size, seed)
+        Solver(name, size, options.budget // size, seed)
         for seed in range(config.solver.seed, config.solver.seed + seeds)  # each round has all of them
         for name in names
     ]
@@ -108,21 +108,21 @@ def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
             for a in attempts[sand]
         ),
     )
-    figures.save(trust(attempts, names, size * (study.budget // size)), folder / "figures", "trust")
+    figures.save(trust(attempts, names, size * (options.budget // size)), folder / "figures", "trust")
     record = {
         "study": "trust",
         "seed": config.solver.seed,
         "designs": space.K**space.n,
         "accuracy": dataclasses.asdict(accuracy),
         "seeds": seeds,
-        "evaluations": size * (study.budget // size),
+        "evaluations": size * (options.budget // size),
         "exact": exact,
         "scores": [dataclasses.asdict(s) for s in scores],
         "settings": settings,
         "versions": files.versions(),
         "wall_time_s": clock(),
     }
-    shown = _table(scores, space.K**space.n, seeds, size * (study.budget // size))
+    shown = _table(scores, space.K**space.n, seeds, size * (options.budget // size))
     said = [
         f"{sand} sand: {e['feasible']} of {space.K**space.n} soles are feasible, {e['front']} on the "
         f"exact front; best J_W {terminal.number(e['efficiency'])} with k = {e['k']}"

@@ -98,7 +98,7 @@ def used(config):
         else:
             solver.build(problem.n_obj)
     engine = config.engine
-    if engine.name != "local" and study.name not in studies.SPREAD:
+    if engine.name != "local" and study.name not in studies.DISTRIBUTED:
         studies.run(config, None, {})
     if engine.name != "dask":
         with make_engine(engine.name, engine.workers, engine.address, engine.timeout):

@@ -23,7 +23,7 @@ def walk():
 
 
 def test_a_gif_has_the_frames_and_the_pace_that_were_asked_for(walk, tmp_path):
-    path = walk.animate(tmp_path / "new" / "walk.gif", fps=10, speed=0.5, dpi=40)
+    path = fo.animate(walk, tmp_path / "new" / "walk.gif", fps=10, speed=0.5, dpi=40)
     assert path == tmp_path / "new" / "walk.gif"
     assert [p.name for p in path.parent.iterdir()] == ["walk.gif"]
     with Image.open(path) as image:
@@ -41,7 +41,7 @@ def test_a_gif_has_the_frames_and_the_pace_that_were_asked_for(walk, tmp_path):
 
 def test_a_gif_is_as_fast_as_it_says(walk, tmp_path):
     """Its frames last whole hundredths of a second; browsers show what lasts one for ten."""
-    path = walk.animate(tmp_path / "walk.gif", fps=60, speed=2.0, dpi=20)
+    path = fo.animate(walk, tmp_path / "walk.gif", fps=60, speed=2.0, dpi=20)
     lasts = []
     with Image.open(path) as image:
         for i in range(image.n_frames):
@@ -59,7 +59,7 @@ def test_a_gif_has_the_nearest_rate_that_it_can_have():
 
 def test_a_gif_that_would_fill_the_memory_is_refused(walk, tmp_path):
     with pytest.raises(SettingError, match=r"speed = 0\.001: .* at most 2000 frames, not 32"):
-        walk.animate(tmp_path / "walk.gif", speed=0.001)
+        fo.animate(walk, tmp_path / "walk.gif", speed=0.001)
     assert not list(tmp_path.iterdir())
 
 
@@ -113,12 +113,12 @@ def test_a_failed_walk_is_filmed_to_its_end_and_one_without_a_step_is_refused(tm
     assert figure.axes[0].get_title(loc="right").endswith("failed: sunk")
     void = fo.simulate(fo.Foot.flat(), fo.Scene(sand=fo.Sand(zeta=1e-3)), "draft")
     with pytest.raises(FootoptError, match="failed at once: sunk"):
-        void.animate(tmp_path / "walk.gif")
+        fo.animate(void, tmp_path / "walk.gif")
 
 
 @needs_ffmpeg
 def test_an_mp4_is_what_players_play(walk, tmp_path):
-    path = walk.animate(tmp_path / "walk.mp4", fps=10, speed=1.0, dpi=61)
+    path = fo.animate(walk, tmp_path / "walk.mp4", fps=10, speed=1.0, dpi=61)
     probe = ["ffprobe", "-v", "error", "-select_streams", "v", "-of", "csv=p=0", "-count_frames",
              "-show_entries", "stream=codec_name,width,height,pix_fmt,nb_read_frames", path]  # fmt: skip
     found = subprocess.run(probe, capture_output=True, text=True, check=True, timeout=60).stdout
@@ -133,14 +133,14 @@ def test_what_ffmpeg_says_is_passed_on_and_no_half_a_film_is_left(walk, tmp_path
     monkeypatch.setattr(film, "FFMpegWriter", lambda fps: FFMpegWriter(fps, codec="no_such_codec"))
     monkeypatch.setattr(film.FFMpegWriter, "isAvailable", lambda: True, raising=False)
     with pytest.raises(FileError, match="cannot be written"):
-        walk.animate(tmp_path / "walk.mp4", fps=5, speed=1, dpi=40)
+        fo.animate(walk, tmp_path / "walk.mp4", fps=5, speed=1, dpi=40)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_without_ffmpeg_it_says_what_to_install_and_that_a_gif_needs_nothing(walk, tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(FileError, match=r"ffmpeg, which is not installed .*try walk\.gif"):
-        walk.animate(tmp_path / "walk.mp4")
+        fo.animate(walk, tmp_path / "walk.mp4")
 
 
 @pytest.mark.parametrize(
@@ -155,7 +155,7 @@ def test_without_ffmpeg_it_says_what_to_install_and_that_a_gif_needs_nothing(wal
 )
 def test_what_cannot_be_is_said_before_anything_is_drawn(walk, tmp_path, name, options, words):
     with pytest.raises(SettingError, match=words):
-        walk.animate(tmp_path / name, **options)
+        fo.animate(walk, tmp_path / name, **options)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -164,7 +164,7 @@ def test_a_place_that_cannot_be_written_is_named(walk, tmp_path):
     (tmp_path / "walk.gif").mkdir()
     for place in (tmp_path / "file" / "walk.gif", tmp_path / "walk.gif"):
         with pytest.raises(FileError, match=str(place)):
-            walk.animate(place)
+            fo.animate(walk, place)
 
 
 def test_the_command_line_says_at_once_why_there_is_no_film(tmp_path):

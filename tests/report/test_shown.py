@@ -1,7 +1,9 @@
 """Objects show themselves: cards for notebooks, drawings on one Axes, tables for pandas and xarray."""
 
 import base64
+import importlib
 import io
+import subprocess
 import sys
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -18,7 +20,7 @@ from scipy.io import netcdf_file
 import footopt as fo
 from footopt.errors import FootoptError, MissingError, SettingError
 from footopt.files import run as files
-from footopt.report import body, show
+from footopt.report import body, notebook, show
 
 NASTY = '<script>alert("&")</script>'
 
@@ -99,7 +101,7 @@ class Parsed(HTMLParser):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_card_has_numbers_and_a_picture_with_words_for_who_cannot_see_it(things, name):
-    card = Parsed(things[name]._repr_html_())
+    card = Parsed(notebook.card(things[name]))
     assert card.tags.count("img") == 1
     assert card.tags.count("tr") >= 3
     assert card.image["alt"]
@@ -114,7 +116,7 @@ def test_every_drawing_is_on_the_axes_that_it_was_given(things, name):
         figure = Figure()
         axes = figure.subplots()
         before = dict(matplotlib.rcParams)
-        assert things[name].plot(axes, what) is axes
+        assert fo.plot(things[name], what, ax=axes) is axes
         assert dict(matplotlib.rcParams) == before
         assert axes.lines or axes.collections or axes.patches or axes.texts
         figure.draw_without_rendering()
@@ -122,31 +124,25 @@ def test_every_drawing_is_on_the_axes_that_it_was_given(things, name):
 
 
 def test_a_plot_without_axes_makes_a_figure_that_a_notebook_shows(walked):
-    axes = walked.plot()
+    axes = fo.plot(walked)
     assert axes.get_xlabel() == "$x$ (m)"
     assert imread(io.BytesIO(axes._repr_png_())).shape[1] == pytest.approx(7 * show.RESOLUTION, abs=2)
     assert plt.get_fignums() == []
 
 
-def test_the_name_of_a_drawing_may_come_first(walked):
-    assert (
-        walked.plot("power").get_ylabel() == walked.plot(what="power").get_ylabel() == "power of the sand (W)"
-    )
-
-
 def test_a_drawing_that_there_is_not_names_those_that_there_are(walked):
     with pytest.raises(SettingError, match="one of walk, com, velocity, force, power, work for a Walk"):
-        walked.plot(what="energy")
+        fo.plot(walked, "energy")
 
 
 def test_the_cards_say_what_the_objects_hold(walked, many, searches):
-    text = Parsed(walked._repr_html_()).text
+    text = Parsed(notebook.card(walked)).text
     for name in ("distance", "work", "peak_power"):
         assert f"{walked.objectives[name]:.4g}" in text
-    text = Parsed(many._repr_html_()).text
+    text = Parsed(notebook.card(many)).text
     assert f"failed: sunk {len(many) - int(many.feasible.sum())}" in text
     best = searches["one"]
-    text = Parsed(best._repr_html_()).text
+    text = Parsed(notebook.card(best)).text
     assert ", ".join(map(str, best.k[best.best])) in text
     assert f"{best.values[best.best][0]:.4g} m" in text
 
@@ -155,44 +151,55 @@ def test_the_card_of_a_robust_search_says_over_how_many_scenarios():
     scenarios = fo.draw(fo.Scene(), fo.Spread(zeta=0.5), count=2, seed=1)
     problem = fo.RobustProblem(scenarios, accuracy="draft", space=fo.Waypoints(n=4, K=3))
     result = fo.search(problem, "ga", pop_size=8, n_gen=2, seed=1)
-    assert "worst of 2 scenarios" in Parsed(result._repr_html_()).text
+    assert "worst of 2 scenarios" in Parsed(notebook.card(result)).text
 
 
 def test_a_failed_walk_says_why_and_has_no_objectives(things):
     for name in ("sunk", "void"):
-        text = Parsed(things[name]._repr_html_()).text
+        text = Parsed(notebook.card(things[name])).text
         assert "failed sunk" in text
         assert "peak power" not in text
 
 
-def test_a_terminal_shows_numbers_with_units_and_no_arrays(walked, many, searches):
-    for thing in (walked.foot, walked, many, *searches.values()):
+def test_a_terminal_shows_numbers_with_units_and_no_arrays(things, searches):
+    for thing in things.values():
         assert "array" not in repr(thing)
-        assert len(repr(thing)) < 700
-    assert repr(walked).startswith("<Walk k 5-8-9-8-5-4-4-2-2-3-4 on hard sand: distance 2.1")
-    assert "; peak power " in repr(walked)
-    assert " W; speed loss " in repr(walked)
-    assert f"feet 20; walked {many.feasible.sum()}; " in repr(many)
-    assert "hollow 12.0 mm" in repr([walked.foot])
-    assert "evaluations 60 of " in repr(searches["one"])
-    half_made = object.__new__(fo.Foot)
-    assert repr(half_made).startswith("<footopt.foot.foot.Foot object")
+        assert len(repr(thing)) < 900
+    assert repr(things["walk"]).startswith("<Walk of k 5-8-9-8-5-4-4-2-2-3-4 on hard sand: distance 2.1")
+    assert " W; speed loss " in repr(things["walk"])
+    assert repr(things["sunk"]) == "<Walk of k 5-8-9-8-5-4-4-2-2-3-4 on custom sand: failed, sunk>"
+    assert "hollow 12.0 mm" in repr([things["foot"]])
+    assert repr(searches["one"]).startswith("<SearchResult of ga on hard sand: ")
 
 
 def test_names_are_escaped(walked):
     foot = replace(walked.foot, name=NASTY)
     for shown in (foot, fo.Sand(name=NASTY), replace(walked, foot=foot)):
-        text = shown._repr_html_()
+        text = notebook.card(shown)
         assert "<script" not in text
         assert "alert(" in Parsed(text).text
 
 
-def test_what_cannot_be_drawn_falls_back_to_its_repr(monkeypatch):
-    def broken(shown):
-        raise RuntimeError("no fonts")
+@pytest.mark.parametrize("extension", ["", "shell.run_line_magic('load_ext', 'footopt'); "])
+def test_a_notebook_shows_cards_by_itself(extension):
+    script = (
+        "from IPython.core.interactiveshell import InteractiveShell; shell = InteractiveShell.instance(); "
+        f"import footopt as fo; {extension}"
+        "print(shell.display_formatter.format(fo.Foot.flat())[0]['text/html'])"
+    )
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert Parsed(run.stdout).tags.count("img") == 1
 
-    monkeypatch.setattr(show, "card", broken)
-    assert fo.Sand(name="<b>")._repr_html_() == f"<pre>{show.html.escape(repr(fo.Sand(name='<b>')))}</pre>"
+
+def test_the_classes_that_have_a_card_are_where_ipython_looks_for_them():
+    for module, names in notebook.CLASSES.items():
+        for name in names:
+            assert getattr(importlib.import_module(module), name).__module__ == module
+
+
+def test_what_cannot_be_drawn_is_refused():
+    with pytest.raises(SettingError, match="thing = 5: must be one of these: Sand, Gait, Foot"):
+        fo.plot(5)
 
 
 # --- what is drawn --------------------------------------------------------------------------------
@@ -207,7 +214,7 @@ def test_the_stress_map_is_the_sand_s(monkeypatch):
             axes.pcolormesh(gamma, beta, values),
         )[1],
     )
-    fo.Sand.named("hard").plot(what="alpha_z")
+    fo.plot(fo.Sand.named("hard"), "alpha_z")
     at = int(np.argmin(abs(drawn["beta"]))), int(np.argmax(drawn["gamma"]))
     assert drawn["values"][at] == pytest.approx(5.0 * 1.0)  # a level plate that moves down
     at = at[0], int(np.argmin(drawn["gamma"]))
@@ -245,7 +252,7 @@ def test_the_arrow_of_a_foot_is_its_force(walked):
 
 
 def test_the_picture_of_a_walk_has_an_arrow_for_each_loaded_foot(walked):
-    axes = walked.plot()
+    axes = fo.plot(walked)
     (arrows,) = axes.findobj(Quiver)
     force = np.hypot(arrows.U, arrows.V)
     assert show.POSES <= len(force) <= 2 * show.POSES
@@ -254,13 +261,13 @@ def test_the_picture_of_a_walk_has_an_arrow_for_each_loaded_foot(walked):
 
 def test_the_ground_shows_the_strength_of_layers_and_patches():
     scene = fo.Scene(effects=(fo.Layers((0.03,), (0.3,)), fo.Patches((0.4,), (0.9,), (2.5,)), fo.Slope(5)))
-    texts = {text.get_text() for text in scene.plot().texts}
+    texts = {text.get_text() for text in fo.plot(scene).texts}
     assert {"× 0.3", "× 2.5", "g, 5° uphill"} <= texts
 
 
 @pytest.mark.parametrize(("angle", "side"), [(10, -1), (-10, 1)])
 def test_gravity_pulls_backwards_uphill(angle, side):
-    axes = fo.Scene(effects=(fo.Slope(angle),)).plot()
+    axes = fo.plot(fo.Scene(effects=(fo.Slope(angle),)))
     (arrow,) = (a for a in axes.findobj(matplotlib.text.Annotation) if a.arrow_patch)
     (x0, z0), (x1, z1) = arrow.xyann, arrow.xy
     assert np.sign(x1 - x0) == side
@@ -272,7 +279,7 @@ def test_gravity_pulls_backwards_uphill(angle, side):
 
 
 def test_the_dataset_is_the_walk_file(walked, tmp_path):
-    files.write_walk(tmp_path / "walk.nc", walked)
+    files.write_walk(tmp_path / "walk.nc", walked.variables, {"reason": walked.reason})
     dataset = walked.to_dataset()
     with netcdf_file(tmp_path / "walk.nc", mmap=False) as file:
         assert set(file.variables) <= set(dataset.variables)
@@ -300,7 +307,7 @@ def test_the_frame_of_a_search_is_designs_csv(searches, tmp_path, kind):
     import pandas
 
     result = searches[kind]
-    files.write_designs(tmp_path / "designs.csv", result)
+    files.write_designs(tmp_path / "designs.csv", result.columns)
     read = pandas.read_csv(tmp_path / "designs.csv", keep_default_na=False, na_values={"distance": ""})
     frame = result.to_frame()
     assert list(frame.columns) == list(read.columns)

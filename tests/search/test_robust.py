@@ -14,6 +14,7 @@ from running import composed, footopt, program
 from study_pages import check_page
 
 import footopt as fo
+from footopt import studies
 from footopt.design import Solver, Store, confirm, search
 from footopt.design.robust import regret
 from footopt.design.store import context, digest
@@ -295,7 +296,7 @@ class TestStudy:
     def test_drawn_scenarios_are_tested_on_fresh_ones(self, tmp_path, capsys):
         config = composed(*BRIEF, "study.scenarios=drawn", "study.measure=tail", "solver=nsga2",
                           "objective.names=[distance,efficiency]")  # fmt: skip
-        study.run(config, tmp_path, {})
+        studies.run(config, tmp_path, {})
         check_page(tmp_path)
         result = json.loads((tmp_path / "result.json").read_text())
         assert list(result["feet"]) == ["draw 1", "draw 2", "draw 3", "median scene", "robust"]
@@ -331,7 +332,7 @@ class TestStudy:
     )
     def test_what_cannot_be_is_refused(self, setting, message, tmp_path):
         with pytest.raises(SettingError, match=message):
-            study.run(composed(*BRIEF, setting), tmp_path, {})
+            studies.run(composed(*BRIEF, setting), tmp_path, {})
         assert not list(tmp_path.iterdir())
 
     def test_a_spread_of_drawn_scenarios_is_checked(self, tmp_path):
@@ -340,14 +341,14 @@ class TestStudy:
             ("study.spread.mass=-1", "spread.mass"),
         ):
             with pytest.raises(SettingError, match=message):
-                study.run(composed(*BRIEF, "study.scenarios=drawn", setting), tmp_path, {})
+                studies.run(composed(*BRIEF, "study.scenarios=drawn", setting), tmp_path, {})
 
     def test_an_interrupted_search_says_which(self, monkeypatch, tmp_path):
         stopped = type("Stopped", (), {"interrupted": True})
         monkeypatch.setattr(study, "search", lambda *args: stopped)
         with pytest.raises(KeyboardInterrupt, match="a foot for soft"):
-            study.run(composed(*BRIEF), tmp_path, {})
+            studies.run(composed(*BRIEF), tmp_path, {})
 
     def test_a_search_that_finds_nothing_says_where(self, tmp_path):
         with pytest.raises(FootoptError, match="draw 1: No feasible design"):
-            study.run(composed(*BRIEF, "study.scenarios=drawn", "sand.zeta=1e-3"), tmp_path, {})
+            studies.run(composed(*BRIEF, "study.scenarios=drawn", "sand.zeta=1e-3"), tmp_path, {})

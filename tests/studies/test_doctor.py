@@ -14,7 +14,7 @@ import pytest
 from study_pages import data_of
 
 import footopt as fo
-from footopt import compiled
+from footopt import compiled, studies
 from footopt.errors import FootoptError
 from footopt.files import run
 from footopt.studies import doctor
@@ -37,7 +37,7 @@ def footopt(*arguments, cwd, **environment):
 
 def examine(folder):
     """The study in this process."""
-    doctor.run(Config(study=StudyConfig(name="doctor")), folder, {})
+    studies.run(Config(study=StudyConfig(name="doctor")), folder, {})
 
 
 def findings(folder):

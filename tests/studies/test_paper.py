@@ -19,6 +19,7 @@ from footopt.foot import SHAPES
 from footopt.gait.gait import LEFT, RIGHT
 from footopt.report import figures, paper_figures
 from footopt.studies import shapes as shapes_study
+from footopt.studies.base import Study
 from footopt.studies.paper import claims, readings, study, sweep
 from footopt.studies.paper.claims import CLAIMS, SANDS, Evidence
 from footopt.studies.paper.errata import ERRATA
@@ -26,6 +27,7 @@ from footopt.studies.paper.page import grid, kind
 from footopt.studies.paper.readings import Readings, ReadProblem, read, switch_losses
 from footopt.studies.paper.sweep import FACTORS, changed, combinations, factors, sensitivity, verdict
 from footopt.studies.settings import Config, StudyConfig
+from footopt.walk.phases import STANDS
 
 HOLLOW = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)
 ROCKER = (1, 3, 5, 7, 8, 9, 9, 9, 9, 9, 9)
@@ -198,7 +200,7 @@ class TestClaims:
     def test_the_push_is_part_of_the_step(self, walk):
         step = claims.one_step(walk)
         assert 0.0 < claims.push_time(walk) < step.t[-1]
-        assert (step.force[:, 1] > figures.CONTACT).all()
+        assert (step.force[:, 1] > STANDS).all()
 
 
 class TestSweep:
@@ -445,7 +447,7 @@ def small(monkeypatch):
 
 @pytest.mark.slow
 def test_the_study_leaves_figures_claims_and_a_page(small, tmp_path, capsys):
-    study.run(config(study__quick=True, study__confirm="draft"), tmp_path, {"study": {"quick": True}})
+    study.run(Study(config(study__quick=True, study__confirm="draft"), tmp_path, {"study": {"quick": True}}))
     drawn = {p.name for p in (tmp_path / "figures").iterdir()}
     for name in ("2b", "3", "4a", "4b", "5", "6", "7", "8a", "8b", "8c"):
         for end in ("png", "pdf"):
@@ -475,7 +477,7 @@ def test_the_study_leaves_figures_claims_and_a_page(small, tmp_path, capsys):
 def test_without_a_sweep_claims_are_judged_at_the_settings(small, tmp_path, monkeypatch):
     monkeypatch.setattr(figures, "save", lambda figure, folder, name: None)  # drawn above
     monkeypatch.setattr(study, "write_study", lambda *page: None)
-    study.run(config(study__quick=True, study__confirm="draft", study__samples=0), tmp_path, {})
+    study.run(Study(config(study__quick=True, study__confirm="draft", study__samples=0), tmp_path, {}))
     entries = json.loads((tmp_path / "claims.json").read_text())["claims"]
     assert all(e["verdict"] == ("holds" if e["margin"] > 0.0 else "does not hold") for e in entries)
     assert all(e["share_of_sweep"] is None for e in entries)
@@ -485,7 +487,7 @@ def test_without_a_sweep_claims_are_judged_at_the_settings(small, tmp_path, monk
 @pytest.mark.slow
 def test_the_shapes_study_is_what_the_library_computes(tmp_path, capsys):
     settings = config(sand__zeta=0.2, foot__length=0.2, accuracy__name="draft")
-    shapes_study.run(settings, tmp_path, {})
+    shapes_study.run(Study(settings, tmp_path, {}))
     path = tmp_path / "result.json"
     result = json.loads(path.read_text())
     assert list(result["shapes"]) == list(SHAPES)
@@ -528,14 +530,14 @@ def test_both_studies_from_the_command_line(tmp_path):
 )
 def test_bad_settings_are_refused_before_anything_is_searched(settings, message, tmp_path):
     with pytest.raises(SettingError) as error:
-        study.run(config(**settings), tmp_path, {})
+        study.run(Study(config(**settings), tmp_path, {}))
     assert message in str(error.value)
     assert not list(tmp_path.iterdir())
 
 
 def test_shapes_do_not_take_heights(tmp_path):
     with pytest.raises(SettingError, match=r"foot\.k"):
-        shapes_study.run(config(foot__k=[1] * 11), tmp_path, {})
+        shapes_study.run(Study(config(foot__k=[1] * 11), tmp_path, {}))
 
 
 def test_evidence_reads_values_as_it_is_told(evidence):

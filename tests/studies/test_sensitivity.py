@@ -12,6 +12,7 @@ from study_pages import check_page
 from test_robust import COARSE, NOTHING
 
 import footopt as fo
+from footopt import studies
 from footopt.errors import FootoptError, SettingError
 from footopt.studies import sensitivity as study
 from footopt.studies.sensitivity import NAMES, Setting, analyse
@@ -132,7 +133,7 @@ class TestErrors:
             (still, r"study\.spread = "),
         ):
             with pytest.raises(SettingError, match=message):
-                study.run(composed("study=sensitivity", *settings), tmp_path, {})
+                studies.run(composed("study=sensitivity", *settings), tmp_path, {})
 
 
 @pytest.mark.slow

@@ -7,14 +7,13 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import cached_property, partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from footopt.design import Solver, search
-from footopt.effects.base import LeadingEdge
+from footopt.effects import LeadingEdge
 from footopt.errors import FootoptError, SettingError, check
 from footopt.files import run as files
 from footopt.foot import Foot
@@ -23,6 +22,7 @@ from footopt.report.page import write_study
 from footopt.report.progress import progress
 from footopt.sand import Sand
 from footopt.studies import build
+from footopt.studies.base import Study
 from footopt.studies.paper import page
 from footopt.studies.paper.claims import CLAIMS, SANDS, Evidence, filled
 from footopt.studies.paper.readings import Readings, ReadProblem, read
@@ -36,9 +36,9 @@ from footopt.studies.paper.sweep import (
     one_at_a_time,
     shown,
 )
+from footopt.studies.record import foot_entry, scene_entry
 from footopt.studies.settings import Config
 from footopt.studies.shapes import make_shapes, walk_shapes
-from footopt.studies.simulate import foot_entry, scene_entry
 from footopt.walk import OBJECTIVES, Accuracy, Scene, Walk, simulate
 from footopt.walk.simulate import at_once
 from footopt.walk.validity import diagnose
@@ -263,9 +263,10 @@ def sweep(
     return Sweep(chosen, changes, rows[: len(singles)], levels, rows[len(singles) :])
 
 
-def run(config: Config, folder: Path, settings: dict[str, Any]) -> None:
+def run(study: Study) -> None:
     """Do the paper's study and write everything to `folder`."""
-    out, clock = terminal.console(), terminal.clock()
+    config, folder, settings = study.config, study.folder, study.settings
+    out, clock = study.console, terminal.clock()
     budget, setup, threads = Budget.of(config), Setup(config), config.engine.threads
     for name, own in (("shape", "waypoints"), ("k", None)):
         value = getattr(config.foot, name)

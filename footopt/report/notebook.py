@@ -1,0 +1,35 @@
+"""Cards in notebooks: IPython is told how to show footopt's objects, without importing any of them yet."""
+
+from __future__ import annotations
+
+from typing import Any
+
+#: Where the classes are that have a card (those that inherit from them have it, too).
+CLASSES = {
+    "footopt.design.search": ("SearchResult",),
+    "footopt.foot.foot": ("Foot",),
+    "footopt.gait.gait": ("Gait",),
+    "footopt.sand.law": ("Sand",),
+    "footopt.walk.scene": ("Scene",),
+    "footopt.walk.simulate": ("Table", "Walk"),
+}
+
+
+def register(shell: Any) -> None:
+    """Register the cards with an IPython shell.
+
+    Parameters
+    ----------
+    shell : what ``IPython.get_ipython()`` returns.
+    """
+    formatter = shell.display_formatter.formatters["text/html"]
+    for module, names in CLASSES.items():
+        for name in names:
+            formatter.for_type_by_name(module, name, card)
+
+
+def card(thing: object) -> str:
+    """HTML: an object's numbers beside its picture."""
+    from footopt.report.show import card
+
+    return card(thing)

@@ -1,0 +1,173 @@
+"""What every study does alike: its clock, its objects, what it prints, and what it leaves in its folder."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from rich.console import RenderableType
+from rich.table import Table
+
+from footopt.files import run as files
+from footopt.foot import Foot, Waypoints
+from footopt.report import figures, page, terminal
+from footopt.report.progress import Step, progress
+from footopt.studies.build import make_accuracy, make_foot, make_scene, make_space
+from footopt.studies.settings import Config, StudyConfig
+from footopt.walk import Accuracy, Scene
+
+
+class Study:
+    """One run of a study: a module of this package asks the question, this class does the rest.
+
+    Parameters
+    ----------
+    config : Config
+        The settings.
+    folder : Path
+        Where the run leaves what it finds.
+    settings : dict
+        The same settings as plain data, for result.json.
+    """
+
+    def __init__(self, config: Config, folder: Path, settings: Mapping[str, Any]) -> None:
+        self.config, self.folder, self.settings = config, folder, settings
+        self.console = terminal.console()
+        self._began = time.perf_counter()
+        self._captions: dict[str, str] = {}
+
+    # --- what the settings say --------------------------------------------------------------------
+
+    @property
+    def options(self) -> StudyConfig:
+        """The settings of studies: config.study."""
+        return self.config.study
+
+    @property
+    def seed(self) -> int:
+        """Seed of everything that is drawn at random."""
+        return self.config.solver.seed
+
+    @property
+    def threads(self) -> int | None:
+        """Threads of this process; None: all."""
+        return self.config.engine.threads
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The scene of the settings."""
+        return make_scene(self.config)
+
+    @cached_property
+    def accuracy(self) -> Accuracy:
+        """The accuracy of the settings."""
+        return make_accuracy(self.config.accuracy)
+
+    @cached_property
+    def space(self) -> Waypoints:
+        """The design space of the settings."""
+        return make_space(self.config.foot)
+
+    @cached_property
+    def foot(self) -> Foot:
+        """The one foot of the settings."""
+        return make_foot(self.config.foot)
+
+    # --- what the terminal shows ------------------------------------------------------------------
+
+    @property
+    def seconds(self) -> float:
+        """Since the study began."""
+        return time.perf_counter() - self._began
+
+    def say(self, *parts: RenderableType) -> None:
+        """Print lines and tables."""
+        for part in parts:
+            self.console.print(part)
+
+    def progress(self, total: int, unit: str, work: float | None = None) -> AbstractContextManager[Step]:
+        """Show how far a block is: see `footopt.report.progress.progress`."""
+        return progress(self.console, total, unit, work)
+
+    def compiling(self, what: str = "the walk") -> AbstractContextManager[None]:
+        """Say that something is being compiled if the block takes long."""
+        return terminal.told_if_slow(
+            self.console, f"Compiling {what}; this is done once and kept on disk ..."
+        )
+
+    # --- what the folder holds --------------------------------------------------------------------
+
+    def write_csv(self, name: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+        """Write a table of numbers; a NaN becomes an empty cell."""
+        files.write_csv(self.folder / name, header, rows)
+
+    def save(self, name: str, figure: Any, caption: str = "") -> None:
+        """Save a figure as PNG and PDF; with a caption it is also on the page of `conclude`."""
+        figures.save(figure, self.folder / "figures", name)
+        if caption:
+            self._captions[name] = caption
+
+    def write_result(self, content: Mapping[str, Any]) -> dict[str, Any]:
+        """Write result.json: the content between the study's name and how it was made.
+
+        Returns
+        -------
+        record : dict
+            All that was written.
+        """
+        record = {
+            "study": self.config.study.name,
+            **content,
+            "settings": self.settings,
+            "versions": files.versions(),
+            "wall_time_s": self.seconds,
+        }
+        files.write_json(self.folder / "result.json", record)
+        return record
+
+    def conclude(
+        self,
+        title: str,
+        tables: Sequence[Table],
+        content: Mapping[str, Any],
+        said: Sequence[str] = (),
+        about: Sequence[str] = (),
+        warnings: Sequence[str] = (),
+        footer: Mapping[str, Any] | None = None,
+    ) -> None:
+        """Write result.json and report.html, then print the tables, what is said, and where all is.
+
+        Parameters
+        ----------
+        title : str
+            Headline of the page.
+        tables : sequence of rich.table.Table
+            For the terminal and the page.
+        content : dict
+            The study's own part of result.json.
+        said : sequence of str
+            What follows from the tables, a paragraph each.
+        about, warnings : sequence of str
+            For the page alone: what the terminal has shown before, or shows as an error.
+        footer : dict, optional
+            Entries that the page has beside those of result.json.
+
+        Raises
+        ------
+        FileError
+            A file cannot be written; nothing is printed then.
+        """
+        record = self.write_result(content) | dict(footer or {})
+        page.write_study(self.folder, title, [*about, *said], self._captions, tables, record, warnings)
+        self.say(*tables, *said)
+        self.close()
+
+    def close(self) -> None:
+        """Print the last line: where the run has left what it found."""
+        long = len(str(self.folder)) > self.console.width  # no line break in what is to be copied
+        words = f"Everything is in {self.folder} ({self.seconds:.3g} s in all)"
+        self.console.print(words, soft_wrap=long or not self.console.is_terminal)

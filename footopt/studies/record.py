@@ -1,0 +1,62 @@
+"""Feet, scenes and the validity of walks as entries of result.json."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from typing import Any
+
+from footopt.effects import name_of
+from footopt.foot import Foot
+from footopt.report import terminal
+from footopt.walk import OBJECTIVES, Accuracy, Scene
+from footopt.walk.audit import parameters
+from footopt.walk.validity import Diagnostic
+
+
+def foot_entry(foot: Foot) -> dict[str, Any]:
+    """A foot in result.json."""
+    return {
+        "name": foot.name,
+        "k": foot.k,
+        "hollow_mm": 1e3 * foot.hollow,
+        "box_violation_mm": None if foot.box_violation is None else 1e3 * foot.box_violation,
+        "width_m": foot.width,
+        "ankle_m": foot.ankle,
+    }
+
+
+def validity_entry(diagnostics: Sequence[Diagnostic]) -> dict[str, Any]:
+    """The validity of a walk in result.json."""
+    return {
+        "validity": {d.name: d.value for d in diagnostics},
+        "validity_units": {d.name: d.unit for d in diagnostics},
+        "warnings": [terminal.describe_outside(d) for d in diagnostics if d.outside],
+    }
+
+
+def scene_entry(scene: Scene, accuracy: Accuracy, names: Sequence[str]) -> dict[str, Any]:
+    """A scene, its accuracy and the units and senses of the objectives in result.json."""
+    return {
+        "units": {name: OBJECTIVES[name].unit for name in names},
+        "maximise": {name: OBJECTIVES[name].maximise for name in names},
+        "scene": {
+            "sand": {
+                "name": scene.sand.name,
+                "zeta": scene.sand.zeta,
+                "coefficients_N_cm3": dataclasses.asdict(scene.sand.stress_map),
+                "fit_error": scene.sand.fit_error,
+            },
+            "gait": {
+                "name": scene.gait.name,
+                "period_s": scene.gait.period,
+                "pitch": scene.gait.pitch,
+                "source": scene.gait.source,
+                "fit_residual_deg": dict(scene.gait.residual),
+            },
+            "walker": dataclasses.asdict(scene.walker),
+            "t_f_s": scene.duration,
+            "effects": {name_of(e): parameters(e) for e in scene.effects},
+        },
+        "accuracy": dataclasses.asdict(accuracy),
+    }
