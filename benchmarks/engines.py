@@ -11,11 +11,11 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack
 
+from footopt.design.workers import WALKED, Reply, Task
 from measure import arguments, feet
 
 import footopt as fo
 from footopt.design import Engine, make_engine
-from footopt.design.workers import WALKED, Reply, Task
 from footopt.walk.simulate import available_threads
 
 BATCHES, CHUNKS = (200, 20_000), 200

@@ -12,11 +12,12 @@ from typing import Any
 from unittest.mock import patch
 
 import footopt as fo
-from footopt.design.search import Archive
+from footopt.design.archive import Archive
 from footopt.design.solvers import Solver
 
 # functions of the same names hide these modules in their packages
 simulate_module = import_module("footopt.walk.simulate")
+prepare_module = import_module("footopt.walk.prepare")
 problem_module = import_module("footopt.design.problem")
 
 
@@ -56,9 +57,9 @@ class Clock:
                 (simulate_module, "walk_range", "kernel"),
                 (simulate_module, "_walk", "walk"),
                 (simulate_module, "as_plates", "plates"),
-                (simulate_module, "_blocks", "blocks"),
+                (prepare_module, "blocks_of", "blocks"),
                 (problem_module, "evaluate", "evaluate"),
-                (fo.FootProblem, "judge", "judge"),
+                (fo.FootProblem, "minimised", "judge"),
                 (Archive, "evaluate", "archive"),
                 (Archive, "close_generation", "history"),
             ):

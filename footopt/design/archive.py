@@ -104,8 +104,9 @@ class Archive:
             raise FootoptError("The search was stopped before its first generation was evaluated.")
         if not len(front):
             causes = sorted(Counter(d.reason for d in designs).items())
+            counts = ", ".join(f"{count} {cause}" for cause, count in causes)
             raise FootoptError(
-                f"No feasible design among {len(designs)}: {', '.join(f'{n} {cause}' for cause, n in causes)}. "
+                f"No feasible design among {len(designs)}: {counts}. "
                 "Try more generations, a larger foot.box_tolerance, or harder sand."
             )
         rank = [self._sign * designs[i].values[self._column] for i in front]
@@ -136,4 +137,5 @@ class Archive:
         pool = np.concatenate([self._closed.front, np.array(fresh, np.int64)])
         if not len(pool):
             return pool
-        return pool[is_nondominated(np.array([self.designs[i].f for i in pool]), keep_weakly=True)]
+        best: Ints = pool[is_nondominated(np.array([self.designs[i].f for i in pool]), keep_weakly=True)]
+        return best

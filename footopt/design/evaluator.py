@@ -1,4 +1,4 @@
-"""`Evaluator`: values of designs, read from the store or walked; a design that breaks the program is found."""
+"""`Evaluator`: values of designs, from the store or walked; it finds the design that breaks the program."""
 
 from __future__ import annotations
 

@@ -197,7 +197,7 @@ def _outcome(future: Future[Any]) -> Walked | Failed:
         if type(error).__name__ == "KilledWorker":  # dask's
             return LOST
         raise FootoptError(
-            f"The executor cannot walk ({type(error).__name__}: {error}). Is the same footopt installed there?"
+            f"The executor cannot walk ({type(error).__name__}: {error}). Is the same footopt there?"
         ) from None
     if isinstance(outcome, Refused):
         raise FootoptError(outcome.message)
@@ -292,7 +292,7 @@ class Renewing(Executor):
                     raise
                 why = "dies at once" if isinstance(error, BrokenExecutor) else f"takes over {PATIENCE:g} s"
                 raise FootoptError(
-                    f"engine=processes: a worker cannot start (it {why}). A script that searches has to do so "
-                    'below `if __name__ == "__main__":`, as workers import it.'
+                    f"engine=processes: a worker cannot start (it {why}). A script that searches has to do "
+                    'so below `if __name__ == "__main__":`, as workers import it.'
                 ) from None
         return self._executor

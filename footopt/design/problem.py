@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from footopt.errors import check_kind
 from footopt.foot import Waypoints
+from footopt.walk.accuracy import Accuracy
 from footopt.walk.objectives import FIVE, OBJECTIVES, Objective, lookup
-from footopt.walk.scene import Accuracy, Scene
+from footopt.walk.scene import Scene
 from footopt.walk.simulate import evaluate, resolve
 
 Array = NDArray[np.float64]
@@ -117,7 +118,7 @@ class FootProblem:
         return table.values, table.reasons
 
     def minimised(self, values: Array) -> Array:
-        """Recorded values (designs, record) as F (designs, objectives); each one's worst for a failed walk."""
+        """F (designs, objectives) of values (designs, record); each objective's worst for a failed walk."""
         columns = []
         for o in self.objectives:
             natural = values[:, self.record.index(o.name)]
@@ -126,7 +127,7 @@ class FootProblem:
         return np.stack(columns, axis=1)
 
     def constraints(self, evaluated: Evaluated) -> Array:
-        """G (designs, 2), met where at most 0: the walk succeeds; the sole stays in its box, in units of H."""
+        """G (designs, 2), met where at most 0: the walk succeeds; the sole stays in its box (units of H)."""
         failed = np.where(evaluated.reasons == "", -1.0, 1.0)
         tolerance = self.space.box_tolerance
         box = evaluated.violation / self.space.H - tolerance

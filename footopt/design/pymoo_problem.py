@@ -59,7 +59,8 @@ class Algorithm:
         self._asked = self._algorithm.ask() if self._algorithm.has_next() else None
         if self._asked is None:
             return None
-        return np.round(self._asked.get("X").astype(float)).astype(np.int64)
+        k: Ints = np.round(self._asked.get("X").astype(float)).astype(np.int64)
+        return k
 
     def tell(self, f: Array, g: Array) -> None:
         """F and G of the generation that was asked for, (designs, ...)."""

@@ -15,8 +15,8 @@ from footopt.design.problem import Array, FootProblem, Ints
 from footopt.design.solvers import Solver
 from footopt.errors import check, needed
 from footopt.foot import Foot
+from footopt.walk.accuracy import Accuracy
 from footopt.walk.objectives import OBJECTIVES
-from footopt.walk.scene import Accuracy
 from footopt.walk.simulate import resolve
 
 

@@ -10,9 +10,9 @@ import numpy as np
 from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.errors import SettingError, check
 from footopt.foot import Waypoints
+from footopt.walk.accuracy import Accuracy
 from footopt.walk.objectives import OBJECTIVES
 from footopt.walk.scenarios import Scenario, check_measure, measured
-from footopt.walk.scene import Accuracy
 from footopt.walk.simulate import evaluate
 
 

@@ -7,15 +7,15 @@ from typing import Any
 
 from rich.console import Console
 
-from footopt.effects.base import Inertia, LeadingEdge
+from footopt.effects import Inertia, LeadingEdge
 from footopt.errors import check
 from footopt.foot import Foot
 from footopt.report import terminal
 from footopt.studies import build
 from footopt.studies.settings import Config
 from footopt.walk import FIVE, Scene
+from footopt.walk.accuracy import TOLERANCES
 from footopt.walk.audit import Audit, audit, parameters
-from footopt.walk.scene import TOLERANCES
 
 #: Effects with parameters from the literature: those that `effects=auto` decides on. The others say
 #: what the ground is like, which only the user knows.

@@ -14,14 +14,14 @@ from footopt.design import (
     Solver,
     Store,
     confirm,
-    make_engine,
+    make_executor,
     search,
 )
 from footopt.design.exhaustive import Enumeration, check_size
-from footopt.design.search import check_finalists
+from footopt.design.result import check_finalists
 from footopt.files import run as files
-from footopt.files.bodies import write_all
 from footopt.foot import Foot
+from footopt.foot.export import write_all
 from footopt.report import figures, film, page, terminal
 from footopt.report.progress import progress, telling
 from footopt.studies import build
@@ -60,7 +60,7 @@ def run(study: Study) -> None:
     flat = Foot.flat(problem.space)
     e = config.engine
     with (
-        make_engine(e.name, e.workers, e.address, e.timeout) as engine,
+        make_executor(e.name, e.workers, e.address, e.timeout) as executor,
         Store(config.study.store or folder / "designs.sqlite", problem) as store,
     ):
         with terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ..."):
@@ -73,7 +73,7 @@ def run(study: Study) -> None:
             out.print(known)
         unit = "batch" if solver.name == EXHAUSTIVE else "generation"
         with progress(out, solver.generations(problem.space), unit) as step:
-            result = search(problem, solver, telling(step, problem.guide), store, engine)
+            result = search(problem, solver, telling(step, problem.guide), store, executor)
     if result.interrupted:
         out.print("Stopped: reporting what was found so far (Ctrl-C again: not even that)")
     confirmed = confirm(result, finer, config.study.finalists)
@@ -114,10 +114,10 @@ def run(study: Study) -> None:
         "settings": settings,
         "versions": files.versions(),
     }
-    files.write_designs(folder / "designs.csv", result)
-    files.write_walk(folder / "walk.nc", walk)
-    write_all(best, folder, config.foot.block)
-    files.write_json(folder / "result.json", entry | {"wall_time_s": clock()})
+    files.write_designs(folder / "designs.csv", result.columns)
+    files.write_walk(folder / "walk.nc", walk.variables, {"reason": walk.reason})
+    _, notes = write_all(best, folder, config.foot.block)
+    files.write_json(folder / "result.json", entry | {"notes": notes, "wall_time_s": clock()})
     marked = int(np.argmax(result.front == confirmed.designs[0]))
     draw(result, marked, best, walk, base, folder / "figures")
     shown = page.search_content(result, confirmed, walk, base, entry | {"wall_time_s": clock()})
@@ -132,6 +132,8 @@ def run(study: Study) -> None:
     feet = [("best", walk.objectives), ("flat", base.objectives)]
     out.print(terminal.objective_table(feet, problem.record, errors, gain=True))
     terminal.print_validity(out, diagnostics)
+    for note in notes:
+        out.print(note)
     terminal.everything_is_in(out, folder, clock())
     if result.interrupted:
         done, every = len(result.history), solver.generations(problem.space)

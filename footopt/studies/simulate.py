@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from footopt.files import run as files
-from footopt.files.bodies import write_all
+from footopt.foot.export import write_all
 from footopt.report import figures, film, page, terminal
 from footopt.report.gait_figure import gait_fit
 from footopt.studies import build
@@ -27,8 +27,8 @@ def run(study: Study) -> None:
         walk = simulate(foot, scene, accuracy)
     errors = estimate_error(foot, scene, accuracy)
     diagnostics = diagnose(walk)
-    files.write_walk(folder / "walk.nc", walk)
-    write_all(foot, folder, config.foot.block)
+    files.write_walk(folder / "walk.nc", walk.variables, {"reason": walk.reason})
+    _, notes = write_all(foot, folder, config.foot.block)
     walks = {foot.name: walk}
     drawn = {
         "contour": figures.contour(foot),
@@ -49,6 +49,7 @@ def run(study: Study) -> None:
         "error_estimate": errors,
         **scene_entry(scene, accuracy, tuple(OBJECTIVES)),
         **validity_entry(diagnostics),
+        "notes": notes,
         "gait_file": strides.notes if strides is not None else [],
         "effects_audit": audits,
         "settings": settings,
@@ -70,4 +71,6 @@ def run(study: Study) -> None:
         out.print(f"The walk failed: {walk.reason} after {len(walk.t)} steps of time.", style="yellow")
     out.print(terminal.objective_table([(foot.name, walk.objectives)], tuple(OBJECTIVES), errors))
     terminal.print_validity(out, diagnostics)
+    for note in notes:
+        out.print(note)
     terminal.everything_is_in(out, folder, clock())

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from footopt.design.workers import EACH, LARGEST, OTHER, RAISED, REFUSED, UNKNOWN, WALKED, Task, chunks, work
 from hypothesis import given
 from hypothesis import strategies as st
 from running import BRIEF, ended, footopt, outcome, program, started, wait_for_designs
@@ -23,7 +24,6 @@ from test_store import SMALL, assert_same, problem, stop_after
 import footopt as fo
 from footopt.design import Dask, Local, Processes, Store, evaluate_safely, make_engine, search, workers
 from footopt.design.store import context, digest
-from footopt.design.workers import EACH, LARGEST, OTHER, RAISED, REFUSED, UNKNOWN, WALKED, Task, chunks, work
 from footopt.errors import FootoptError, SettingError
 
 BUDGET = {"pop_size": 16, "n_gen": 6, "seed": 3}

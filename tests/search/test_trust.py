@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from footopt.design.memetic import ExchangeRun, ShiftRun, shifts
 from hydra import compose, initialize_config_dir
 from hypothesis import given
 from hypothesis import strategies as st
@@ -16,7 +17,6 @@ import footopt as fo
 from footopt.cli.main import CONF
 from footopt.design import Solver, exhaustive, search
 from footopt.design.exhaustive import batches
-from footopt.design.memetic import ExchangeRun, ShiftRun, shifts
 from footopt.design.truth import Tabulated, judge, walk_all
 from footopt.errors import FootoptError, SettingError
 from footopt.studies import run
