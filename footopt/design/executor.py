@@ -163,10 +163,10 @@ class Chunks:
         finally:
             for future in futures:
                 future.cancel()
-        done = [(part, o) for part, o in zip(parts, outcomes, strict=True) if o != LOST]
+        done = [(part, o) for part, o in zip(parts, outcomes, strict=True) if o is not None]
         self._cost = sum(o.seconds for _, o in done if isinstance(o, Walked)) / len(k)
-        lost = [part for part, o in zip(parts, outcomes, strict=True) if o == LOST]
-        return [*done, (np.concatenate(lost), LOST)] if lost else done
+        lost = [part for part, o in zip(parts, outcomes, strict=True) if o is None]
+        return [*done, (np.concatenate(lost), Failed("the worker has died", died=True))] if lost else done
 
     @cached_property
     def _sent(self) -> tuple[str, bytes]:
@@ -184,18 +184,15 @@ class Chunks:
             ) from None
 
 
-LOST = Failed("the worker has died", died=True)
-
-
-def _outcome(future: Future[Any]) -> Walked | Failed:
-    """What a worker has returned; raise what is no design's fault."""
+def _outcome(future: Future[Any]) -> Walked | Failed | None:
+    """What a worker has returned, None if it has died; raise what is no design's fault."""
     try:
         outcome: Walked | Failed | Refused = future.result()
     except BrokenExecutor:
-        return LOST
+        return None
     except Exception as error:
         if type(error).__name__ == "KilledWorker":  # dask's
-            return LOST
+            return None
         raise FootoptError(
             f"The executor cannot walk ({type(error).__name__}: {error}). Is the same footopt there?"
         ) from None
@@ -278,8 +275,8 @@ class Renewing(Executor):
         if self._executor is not None:
             ended, self._executor = self._executor, None
             for process in list((getattr(ended, "_processes", None) or {}).values()):
-                process.kill()  # nothing else ends a walk that is under way
-            ended.shutdown(wait, cancel_futures=True)
+                process.terminate()  # nothing else ends a walk that is under way
+            ended.shutdown(wait)
 
     def _started(self) -> Executor:
         if self._executor is None:

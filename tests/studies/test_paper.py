@@ -105,8 +105,8 @@ class TestReadings:
     @pytest.mark.parametrize("chosen", [Readings(), Readings("single", "narrow")])
     def test_a_problem_ranks_by_what_is_read(self, chosen):
         problem = ReadProblem(chosen, scene=scene("hard"), accuracy="draft")
-        out = problem.evaluate(np.array([HOLLOW, ROCKER]), return_as_dictionary=True)
-        for k, f, values in zip((HOLLOW, ROCKER), out["F"], out["values"], strict=True):
+        found = problem.evaluate([HOLLOW, ROCKER]).values
+        for k, f, values in zip((HOLLOW, ROCKER), problem.minimised(found), found, strict=True):
             walk = fo.simulate(fo.Foot.from_waypoints(k), scene("hard"), "draft")
             expected = read(walk, chosen).objectives
             assert f[0] == pytest.approx(expected["efficiency"], rel=1e-12)
