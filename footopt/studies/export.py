@@ -13,15 +13,14 @@ import numpy as np
 from rich.table import Table
 
 from footopt.errors import FileError, FootoptError, SettingError
-from footopt.files import run as files
 from footopt.files.bodies import measure, write_all
 from footopt.files.contours import AREA_TOLERANCE, MM, body_outline, compare
 from footopt.files.polygon import enclosed_area
 from footopt.files.reading import is_missing, named, read_json_file
 from footopt.foot import Foot
-from footopt.report import figures, summary, terminal
-from footopt.studies import build
+from footopt.report import figures, terminal
 from footopt.studies.base import Study
+from footopt.studies.build import make_foot
 from footopt.studies.record import foot_entry
 from footopt.studies.settings import FootConfig
 
@@ -38,51 +37,47 @@ HOLDS = {
 DAMAGED = (FootoptError, ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
 
 
-def run(study: Study) -> None:
-    """Write the foot of the run `study.run` to `folder` in every format, each read back and checked."""
-    config, folder, settings = study.config, study.folder, study.settings
-    clock = terminal.clock()
-    if config.study.run is None:
-        raise SettingError(
-            "study.run", None, "the folder of a run", "Try footopt study=export run=outputs/optimize/..."
-        )
-    foot = foot_of(Path(config.study.run), config.foot.k)
-    block = config.foot.block
-    written = write_all(foot, folder, block)
-    outline = MM * body_outline(foot, block)
-    area, size = enclosed_area(outline), [*np.ptp(outline, axis=0).tolist(), MM * foot.width]
-    volume = area * MM * foot.width
-    found = [Found(path, *read_back(path, foot, block)) for path in written]
-    figures.save(figures.drawing(foot, block), folder / "figures", "drawing")
-    record = {
-        "study": "export",
-        "run": config.study.run,
-        "design": foot_entry(foot),
-        "area_mm2": area,
-        "volume_mm3": volume,
-        "size_mm": size,
-        "files": {
-            f.path.name: {"bytes": f.path.stat().st_size, "area_mm2": f.area, "volume_mm3": f.volume}
-            for f in found
-        },
-        "settings": settings,
-        "versions": files.versions(),
-        "wall_time_s": clock(),
-    }
-    said = [
-        f"{terminal.describe_foot(foot)}: {area:.0f} mm^2, {MM * foot.width:g} mm wide",
-        f"{', '.join(path.name for path in written)}: each read back; area and volume agree",
-    ]
-    says = {"drawing": "The outline of every file, with its sole (blue) and ankle (+), in mm."}
-    summary.conclude(folder, "A foot to make", said, says, [table(found, area, volume)], record)
-
-
 class Found(NamedTuple):
     """What a file holds, read back: area of the outline (mm^2), volume (mm^3; NaN of a drawing)."""
 
     path: Path
     area: float
     volume: float
+
+
+def run(study: Study) -> None:
+    """Write the foot of the run `study.run` in every format, each read back and checked."""
+    config, folder = study.config, study.options.run
+    if folder is None:
+        advice = "Try footopt study=export run=outputs/optimize/..."
+        raise SettingError("study.run", None, "the folder of a run", advice)
+    foot, block = foot_of(Path(folder), config.foot.k), config.foot.block
+    written = write_all(foot, study.folder, block)
+    outline = MM * body_outline(foot, block)
+    area, size = enclosed_area(outline), [*np.ptp(outline, axis=0).tolist(), MM * foot.width]
+    volume = area * MM * foot.width
+    found = [Found(path, *read_back(path, foot, block)) for path in written]
+    caption = "The outline of every file, with its sole (blue) and ankle (+), in mm."
+    study.save("drawing", figures.drawing(foot, block), caption)
+    study.conclude(
+        "A foot to make",
+        [table(found, area, volume)],
+        {
+            "run": folder,
+            "design": foot_entry(foot),
+            "area_mm2": area,
+            "volume_mm3": volume,
+            "size_mm": size,
+            "files": {
+                f.path.name: {"bytes": f.path.stat().st_size, "area_mm2": f.area, "volume_mm3": f.volume}
+                for f in found
+            },
+        },
+        said=[
+            f"{terminal.describe_foot(foot)}: {area:.0f} mm^2, {MM * foot.width:g} mm wide",
+            f"{', '.join(path.name for path in written)}: each read back; area and volume agree",
+        ],
+    )
 
 
 def read_back(path: Path, foot: Foot, block: Sequence[float] | None) -> tuple[float, float]:
@@ -145,13 +140,13 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
         return found
     if saved.shape != "waypoints" or own is None:
         raise SettingError("foot.k", k, f"null: the run's foot is {saved.shape}")
-    return build.make_foot(dataclasses.replace(saved, k=k))
+    return make_foot(dataclasses.replace(saved, k=k))
 
 
 def _saved_foot(folder: Path, design: dict[str, Any], saved: FootConfig) -> Foot:
     """The foot that a run has kept."""
     if design["k"] is not None:
-        foot = build.make_foot(dataclasses.replace(saved, k=design["k"]))
+        foot = make_foot(dataclasses.replace(saved, k=design["k"]))
     else:  # the contour itself: a drawing that it came from may have changed
         width, (x, z) = float(design["width_m"]), design["ankle_m"]
         ankle = float(x), float(z)
