@@ -17,7 +17,6 @@ import numpy as np
 from motion_files import record, turned, write_mot, write_nexus, write_trc
 
 import footopt as fo
-from footopt.files.contours import write_csv, write_dxf, write_svg
 from footopt.gait.gait import HUMAN
 
 SAME, LESS, OTHER, TOLD = "same", "less", "other", "told"
@@ -64,10 +63,10 @@ def good_files(folder):
         "csv markers": write_nexus(folder / "markers.csv", t, places),
         "csv stride": write_gait_csv(folder / "stride.csv", gait, 1.0),
         "json": Path(HUMAN),
-        "dxf": write_dxf(FOOT, folder / "sole.dxf"),
+        "dxf": FOOT.to_file(folder / "sole.dxf"),
         "dxf lines": EXAMPLES / "sole" / "rocker.dxf",
-        "svg": write_svg(FOOT, folder / "sole.svg"),
-        "csv sole": write_csv(FOOT, folder / "sole.csv"),
+        "svg": FOOT.to_file(folder / "sole.svg"),
+        "csv sole": FOOT.to_file(folder / "sole.csv"),
         "csv sand": EXAMPLES / "sand" / "stresses.csv",
     }
     return {kind: path.read_bytes() for kind, path in files.items()}

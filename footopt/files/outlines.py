@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.errors import FileError, SettingError, check
-from footopt.files.contours import MM, SOLE
-from footopt.files.polygon import SAME, crossing, enclosed_area, without_twins
+from footopt.files.drawings import MM, SOLE
+from footopt.files.polygon import SAME, crossing
 from footopt.files.reading import DEPTH, named, number, read_bytes, read_table, read_text
 
 Array = NDArray[np.float64]
@@ -132,7 +132,9 @@ def lower_edge(outline: Array) -> Array:
 
     Of several leftmost (or rightmost) points, as of a vertical side, it is the lowest.
     """
-    if enclosed_area(outline) < 0:
+    from shapely import LinearRing
+
+    if not LinearRing(outline).is_ccw:
         outline = outline[::-1]  # counter-clockwise, the lower edge runs to the right
     x, z = outline.T
     same = JOIN + 1e-9 * np.ptp(x)
@@ -188,7 +190,10 @@ def join(lines: Sequence[Line]) -> list[Line]:
                 break
             left[near[0]] = False
             line = Line(_chained(line.points, lines[near[0]].points), False, line.layer)
-        points = without_twins(line.points, line.closed, 0.1 * JOIN)
+        before = np.roll(line.points, 1, axis=0)
+        keep = np.linalg.norm(line.points - before, axis=1) > 0.1 * JOIN
+        keep[0] |= not line.closed
+        points = line.points[keep]
         if len(points) > (2 if line.closed else 1):
             done.append(line._replace(points=points))
     return done

@@ -1,4 +1,4 @@
-"""The files that a run leaves: result.json, designs.csv, the walk as NetCDF."""
+"""The files that a run leaves: result.json, designs.csv, the walk as NetCDF, each written as a whole."""
 
 from __future__ import annotations
 
@@ -7,29 +7,25 @@ import json
 import math
 import os
 import platform
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from footopt import __version__
-from footopt.design import SearchResult
 from footopt.errors import FileError
-from footopt.walk import Walk
 
-LIBRARIES = ("numpy", "scipy", "numba", "pymoo", "hydra-core", "matplotlib")
+Variable = tuple[tuple[str, ...], str, NDArray[np.float64]]  # dimensions, unit, values
+
+DISTRIBUTIONS = ("footopt", "numpy", "scipy", "numba", "pymoo", "hydra-core", "matplotlib")
 
 
 def versions() -> dict[str, str]:
     """Versions of everything that a result depends on."""
-    return {
-        "footopt": __version__,
-        "python": platform.python_version(),
-        **{name: version(name) for name in LIBRARIES},
-    }
+    return {name: version(name) for name in DISTRIBUTIONS} | {"python": platform.python_version()}
 
 
 def write_json(path: Path, content: dict[str, Any]) -> None:
@@ -50,7 +46,10 @@ def whole(path: Path) -> Iterator[Path]:
         yield new
         os.replace(new, path)
     except OSError as error:
-        raise FileError(f"cannot write {path} ({error})") from None
+        why = error.strerror or error
+        raise FileError(
+            f"cannot write {path} ({why}). Choose a folder that exists, may be written to and has room."
+        ) from None
     finally:
         with suppress(OSError):
             new.unlink(missing_ok=True)
@@ -71,26 +70,43 @@ def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]
             writer.writerow(["" if isinstance(v, float) and math.isnan(v) else v for v in row])
 
 
-def write_designs(path: Path, result: SearchResult) -> None:
-    """Every evaluated design: generation, heights, values in natural signs (SI), feasibility."""
-    columns = result.columns
+def write_designs(path: Path, columns: Mapping[str, NDArray[Any]]) -> None:
+    """Write a table of designs.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    columns : dict of (designs,) arrays
+        By name; truth values are written as 0 and 1.
+    """
     numbers = [v.astype(int) if v.dtype == bool else v for v in columns.values()]
     write_csv(path, list(columns), zip(*(v.tolist() for v in numbers), strict=True))
 
 
-def write_walk(path: Path, walk: Walk) -> None:
-    """The traces of a walk as NetCDF 3 (readable by xarray, MATLAB, ncdump), SI units."""
+def write_walk(path: Path, variables: Mapping[str, Variable], attributes: Mapping[str, str]) -> None:
+    """Write the traces of a walk as NetCDF 3, which xarray, MATLAB and ncdump read, in SI units.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    variables : dict
+        By name: the names of the dimensions, the unit, and the values.
+    attributes : dict of str
+        What the file says of the whole walk, such as the reason of its failure.
+    """
     from scipy.io import netcdf_file
 
     with whole(path) as new, netcdf_file(new, "w", version=2) as file:
-        file.footopt = __version__
-        file.foot_order = "left, right"
-        file.axis_order = "x (forward), z (up)"
-        file.reason = walk.reason
-        sizes = {"time": len(walk.t), "axis": 2, "foot": 2, "point": len(walk.foot.contour)}
-        for name, size in sizes.items():
-            file.createDimension(name, size)
-        for name, (dimensions, unit, values) in walk.variables.items():
+        order = {"foot_order": "left, right", "axis_order": "x (forward), z (up)"}
+        for name, text in {"footopt": version("footopt"), **order, **attributes}.items():
+            setattr(file, name, text)
+        for dimensions, _, values in variables.values():
+            for name, size in zip(dimensions, values.shape, strict=True):
+                if name not in file.dimensions:
+                    file.createDimension(name, size)
+        for name, (dimensions, unit, values) in variables.items():
             variable = file.createVariable(name, "d", dimensions)
             if len(values):  # a walk that sank at once has no samples
                 variable[...] = values

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import check, one_line
+from footopt.foot import outline
 from footopt.foot.plates import RULES, Plates, along_arc, hollow
 from footopt.foot.shapes import shape
 from footopt.foot.waypoints import Waypoints, check_ankle, check_length, check_top
@@ -127,6 +128,48 @@ class Foot:
     def plates(self, plates: int, rule: str = "arc", directed: bool = False) -> Plates:
         """The foot's plates, (1, plates); see `Plates.from_points`."""
         return stack_plates([self], plates, rule, directed)
+
+    def body_outline(self, block: Sequence[float] | None = None) -> Array:
+        """The closed outline that a workshop makes, (p, 2), m; see `footopt.foot.outline.body_outline`."""
+        return outline.body_outline(self.contour, self.top, self.ankle[0], block)
+
+    def to_file(self, path: str | Path, block: Sequence[float] | None = None) -> Path:
+        """Write the foot in millimetres, in the format of the file's ending.
+
+        Parameters
+        ----------
+        path : str or Path
+            Ends in .csv (the sole alone), .dxf or .svg (its outline, too), .stl or .step (the body).
+        block : (2,), m, optional
+            Length and height of a mounting block (see `body_outline`).
+
+        Returns
+        -------
+        path : Path
+            The file.
+
+        Raises
+        ------
+        FileError
+            The file cannot be written.
+        SettingError
+            The ending is another, or see `body_outline`.
+        MissingError
+            STEP needs OpenCASCADE: ``pip install "footopt[cad]"``.
+        """
+        from footopt.files import bodies, drawings
+
+        path = Path(path)
+        writers: dict[str, Callable[[Path], Path]] = {
+            ".csv": lambda path: drawings.write_csv(path, self.contour),
+            ".dxf": lambda path: drawings.write_dxf(path, self.contour, self.body_outline(block)),
+            ".svg": lambda path: drawings.write_svg(path, self.contour, self.body_outline(block)),
+            ".stl": lambda path: bodies.write_stl(path, self.body_outline(block), self.width),
+            ".step": lambda path: bodies.write_step(path, self.body_outline(block), self.width),
+        }
+        suffix = path.suffix.lower()
+        check(suffix in writers, "path", str(path), f"a file that ends in {', '.join(writers)}")
+        return writers[suffix](path)
 
     @property
     def hollow(self) -> float:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.files.contours import closed_contour
+from footopt.foot.outline import closed_contour
 from footopt.walk import Scene, Walk
 
 Array = NDArray[np.float64]
@@ -61,7 +61,7 @@ def body(walk: Walk, t: ArrayLike) -> Body:
     joints = legs(walk.scene, t, hip)
     pitch = walk.scene.gait.angles(t)[2][0]
     turn = np.stack([np.cos(pitch), np.sin(pitch)], axis=-1)[..., None, :]
-    outline = closed_contour(walk.foot, max(0.0, walk.foot.contour[:, 1].max() + 0.005))
+    outline = closed_contour(walk.foot.contour, max(0.0, walk.foot.contour[:, 1].max() + 0.005))
     ankle = joints[:, :, 2, None]
     placed = (ankle + _turned(points - walk.foot.ankle, turn) for points in (walk.foot.contour, outline))
     return Body(joints, *placed)

@@ -24,7 +24,7 @@ from rich.text import Text
 
 from footopt.design import Confirmation, SearchResult
 from footopt.design.exhaustive import Enumeration
-from footopt.files.contours import MM
+from footopt.files.drawings import MM
 from footopt.files.run import plain, write_text
 from footopt.foot import Foot, Waypoints
 from footopt.report.body import groups

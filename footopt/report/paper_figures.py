@@ -18,13 +18,13 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from footopt.errors import SettingError
-from footopt.files.contours import MM
+from footopt.files.drawings import MM
 from footopt.foot import Foot
 from footopt.gait.gait import LEFT, RIGHT
 from footopt.report import figures
 from footopt.report.figures import BLUE, COLUMN, GREY, PAGE, PALE, VERMILLION, styled
+from footopt.walk.results import Walk
 from footopt.walk.scene import Scene
-from footopt.walk.simulate import Walk
 
 Array = NDArray[np.float64]
 Axes = Any  # matplotlib.axes.Axes

@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from footopt.effects.base import Inertia, LeadingEdge
+from footopt.effects import Inertia, LeadingEdge
 from footopt.errors import check
 from footopt.foot import Foot
 from footopt.studies.base import Study
 from footopt.studies.build import make_scene
 from footopt.studies.settings import Config
 from footopt.walk import FIVE, Scene
+from footopt.walk.accuracy import TOLERANCES
 from footopt.walk.audit import Audit, audit, parameters
-from footopt.walk.scene import TOLERANCES
 
 #: Effects with parameters from the literature, which `effects=auto` decides on. The others say what the
 #: ground is like, which only the user knows.

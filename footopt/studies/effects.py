@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from rich.table import Table
 
-from footopt.effects.base import EFFECTS, Effect, LeadingEdge
+from footopt.effects import EFFECTS, Effect, LeadingEdge
 from footopt.errors import check
 from footopt.report import terminal
 from footopt.report.effects_figure import changes

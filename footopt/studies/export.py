@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from rich.table import Table
+from shapely import Polygon
 
 from footopt.errors import FileError, FootoptError, SettingError
-from footopt.files.bodies import measure, write_all
-from footopt.files.contours import AREA_TOLERANCE, MM, body_outline, compare
-from footopt.files.polygon import enclosed_area
+from footopt.files.drawings import MM
 from footopt.files.reading import is_missing, named, read_json_file
 from footopt.foot import Foot
+from footopt.foot.export import write_all
 from footopt.report import figures, terminal
 from footopt.studies.base import Study
 from footopt.studies.build import make_foot
@@ -37,74 +36,42 @@ HOLDS = {
 DAMAGED = (FootoptError, ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
 
 
-class Found(NamedTuple):
-    """What a file holds, read back: area of the outline (mm^2), volume (mm^3; NaN of a drawing)."""
-
-    path: Path
-    area: float
-    volume: float
-
-
 def run(study: Study) -> None:
-    """Write the foot of the run `study.run` in every format, each read back and checked."""
+    """Write the foot of the run `study.run` in every format."""
     config, folder = study.config, study.options.run
     if folder is None:
         advice = "Try footopt study=export run=outputs/optimize/..."
         raise SettingError("study.run", None, "the folder of a run", advice)
     foot, block = foot_of(Path(folder), config.foot.k), config.foot.block
-    written = write_all(foot, study.folder, block)
-    outline = MM * body_outline(foot, block)
-    area, size = enclosed_area(outline), [*np.ptp(outline, axis=0).tolist(), MM * foot.width]
-    volume = area * MM * foot.width
-    found = [Found(path, *read_back(path, foot, block)) for path in written]
+    written, notes = write_all(foot, study.folder, block)
+    outline, width = MM * foot.body_outline(block), MM * foot.width
+    area = float(Polygon(outline).area)
     caption = "The outline of every file, with its sole (blue) and ankle (+), in mm."
     study.save("drawing", figures.drawing(foot, block), caption)
     study.conclude(
         "A foot to make",
-        [table(found, area, volume)],
+        [table(written)],
         {
             "run": folder,
             "design": foot_entry(foot),
             "area_mm2": area,
-            "volume_mm3": volume,
-            "size_mm": size,
-            "files": {
-                f.path.name: {"bytes": f.path.stat().st_size, "area_mm2": f.area, "volume_mm3": f.volume}
-                for f in found
-            },
+            "volume_mm3": area * width,
+            "size_mm": [*np.ptp(outline, axis=0).tolist(), width],
+            "files": {path.name: {"bytes": path.stat().st_size} for path in written},
+            "notes": notes,
         },
         said=[
-            f"{terminal.describe_foot(foot)}: {area:.0f} mm^2, {MM * foot.width:g} mm wide",
-            f"{', '.join(path.name for path in written)}: each read back; area and volume agree",
+            f"{terminal.describe_foot(foot)}: {area:.0f} mm^2, {width:g} mm wide, {area * width:.0f} mm^3",
+            *notes,
         ],
     )
 
 
-def read_back(path: Path, foot: Foot, block: Sequence[float] | None) -> tuple[float, float]:
-    """`Found.area` and `Found.volume` of a file; the sole alone in a CSV file is closed as the others are."""
-    if path.suffix != ".csv":
-        return measure(path)
-    sole = Foot.from_file(path, foot.width, foot.ankle, foot.closed, foot.top)
-    area, expected = (MM * MM * enclosed_area(body_outline(each, block)) for each in (sole, foot))
-    compare(path, "area", area, expected, AREA_TOLERANCE, "mm^2")
-    return area, math.nan
-
-
-def table(found: Sequence[Found], area: float, volume: float) -> Table:
-    """Files for the terminal and the page; `area` and `volume` are those that were to be written."""
-    words = ("file", "holds")
-    shown = terminal.table((*words, "kB", "area (mm^2)", "volume (mm^3)", "difference"), words)
-    for f in found:
-        off = [abs(f.area / area - 1.0), 0.0 if math.isnan(f.volume) else abs(f.volume / volume - 1.0)]
-        shown.add_row(
-            f.path.name,
-            HOLDS[f.path.suffix],
-            f"{1e-3 * f.path.stat().st_size:.1f}",
-            f"{f.area:.2f}",
-            "" if math.isnan(f.volume) else f"{f.volume:.0f}",
-            f"{100.0 * max(off):.1g} %",
-        )
-    shown.caption = "read back, the sole closed as the others; difference: the larger one, of area or volume"
+def table(written: Sequence[Path]) -> Table:
+    """Files for the terminal and the page."""
+    shown = terminal.table(("file", "holds", "kB"), ("file", "holds"))
+    for path in written:
+        shown.add_row(path.name, HOLDS[path.suffix], f"{1e-3 * path.stat().st_size:.1f}")
     return shown
 
 

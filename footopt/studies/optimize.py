@@ -60,8 +60,8 @@ def run(study: Study) -> None:
     walk = simulate(best, scene, finer)
     errors, diagnostics = estimate_error(best, scene, finer), diagnose(walk)
 
-    files.write_designs(study.folder / "designs.csv", result)
-    write_walk(study, walk, {"best": walk, "flat": flat})
+    files.write_designs(study.folder / "designs.csv", result.columns)
+    notes = write_walk(study, walk, {"best": walk, "flat": flat})
     _save_figures(study, result, int(np.argmax(result.front == confirmed.designs[0])))
     record = study.write_result(
         {
@@ -74,6 +74,7 @@ def run(study: Study) -> None:
             **_search_entry(result, confirmed),
             **validity_entry(diagnostics),
             "effects_audit": audits,
+            "notes": notes,
         }
     )
     shown = page.search_content(result, confirmed, walk, flat, record)
@@ -89,6 +90,7 @@ def run(study: Study) -> None:
         terminal.objective_table(feet, problem.record, errors, gain=True),
     )
     terminal.print_validity(study.console, diagnostics)
+    study.say(*notes)
     study.close()
     if result.interrupted:
         done, every = len(result.history), solver.generations(problem.space)

@@ -32,9 +32,8 @@ from footopt.design.robust import RobustProblem, regret
 from footopt.design.search import check_finalists
 from footopt.design.workers import Engine
 from footopt.errors import FootoptError, SettingError, check
+from footopt.files import drawings
 from footopt.files import run as files
-from footopt.files.contours import write_csv as write_contour
-from footopt.files.contours import write_dxf
 from footopt.foot import Foot
 from footopt.report import figures, robust_figures, summary, terminal
 from footopt.report.progress import progress, telling
@@ -237,9 +236,9 @@ def write(
             for j, s in enumerate(judge.scenarios)
         ),
     )  # fmt: skip
-    files.write_designs(folder / "designs.csv", result)
-    write_contour(foot, folder / "contour.csv")
-    write_dxf(foot, folder / "contour.dxf")
+    files.write_designs(folder / "designs.csv", result.columns)
+    drawings.write_csv(folder / "contour.csv", foot.contour)
+    drawings.write_dxf(folder / "contour.dxf", foot.contour, foot.body_outline())
     shown = compared.names if fresh is None else (MEDIAN, ROBUST)
     soles = {
         name: Foot.from_waypoints(k.tolist(), judge.space)

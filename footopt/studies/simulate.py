@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from rich.text import Text
 
 from footopt.files import run as files
-from footopt.files.bodies import write_all
+from footopt.foot.export import write_all
 from footopt.report import figures, film, page, terminal
 from footopt.report.gait_figure import gait_fit
 from footopt.studies.auto_effects import choose_effects
@@ -27,7 +27,7 @@ def run(study: Study) -> None:
         walk = simulate(foot, scene, accuracy)
     errors, diagnostics = estimate_error(foot, scene, accuracy), diagnose(walk)
     strides = make_strides(study.config.gait)
-    write_walk(study, walk, {foot.name: walk})
+    notes = write_walk(study, walk, {foot.name: walk})
     if strides is not None:
         study.save("gait", gait_fit(strides, scene.gait))
     record = study.write_result(
@@ -39,6 +39,7 @@ def run(study: Study) -> None:
             "error_estimate": errors,
             **scene_entry(scene, accuracy, tuple(OBJECTIVES)),
             **validity_entry(diagnostics),
+            "notes": notes,
             "gait_file": strides.notes if strides is not None else [],
             "effects_audit": audits,
         }
@@ -49,16 +50,17 @@ def run(study: Study) -> None:
     study.say(f"{terminal.describe_scene(scene)}; {terminal.describe_foot(foot)}")
     if strides is not None:
         misfit = ", ".join(f"{joint} {rms:.2f}" for joint, rms in scene.gait.residual)
-        notes = "; ".join(strides.notes)
-        study.say(f"Gait from {study.config.gait.path}: {notes}. Misfit (rms, deg): {misfit}")
+        read = "; ".join(strides.notes)
+        study.say(f"Gait from {study.config.gait.path}: {read}. Misfit (rms, deg): {misfit}")
     if not walk.feasible:
         study.say(Text(f"The walk failed: {walk.reason} after {len(walk.t)} steps of time.", style="yellow"))
     study.say(terminal.objective_table([(foot.name, walk.objectives)], tuple(OBJECTIVES), errors))
     terminal.print_validity(study.console, diagnostics)
+    study.say(*notes)
     study.close()
 
 
-def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> None:
+def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]:
     """Leave a walk's traces, its foot for the workshop, and its figures.
 
     Parameters
@@ -69,14 +71,20 @@ def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> None:
         What the run is about.
     walks : mapping of str to Walk
         What the figures show side by side, by name.
+
+    Returns
+    -------
+    notes : list of str
+        What is to be said of the files for the workshop.
     """
-    files.write_walk(study.folder / "walk.nc", walk)
-    write_all(walk.foot, study.folder, study.config.foot.block)
+    files.write_walk(study.folder / "walk.nc", walk.variables, {"reason": walk.reason})
+    _, notes = write_all(walk.foot, study.folder, study.config.foot.block)
     study.save("contour", figures.contour(walk.foot))
     study.save("com", figures.com(walks))
     study.save("forces", figures.forces(walks))
     study.save("power_work", figures.power_work(walks))
     study.save("step", figures.step(walk))
+    return notes
 
 
 def check_film(study: Study) -> None:

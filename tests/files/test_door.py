@@ -256,7 +256,7 @@ class TestWhatIsNoFile:
 def run_folder(folder, shape="waypoints"):
     """What footopt study=export needs of a run."""
     foot = door_files.FOOT
-    fo.files.contours.write_csv(foot, folder / "contour.csv")
+    foot.to_file(folder / "contour.csv")
     settings = {
         "foot": {"shape": shape, "width": 0.1, "ankle": [0.0, 0.0], "n": 11, "K": 10, "L": 0.13, "H": 0.03}
     }

@@ -3,6 +3,7 @@
 import csv
 import json
 from dataclasses import asdict
+from importlib.util import find_spec
 from xml.etree import ElementTree
 
 import ezdxf
@@ -10,231 +11,202 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from shapely import Polygon
 from study_pages import check_page, data_of
 
 import footopt as fo
 from footopt import studies
 from footopt.errors import FileError, SettingError
-from footopt.files import outlines as outline
-from footopt.files.bodies import write_step, write_stl
-from footopt.files.contours import (
-    WALL,
-    body_outline,
-    closed_contour,
-    enclosed_area,
-    write_csv,
-    write_dxf,
-    write_svg,
-)
+from footopt.files.outlines import lines_of
 from footopt.foot import SHAPES
+from footopt.foot.export import FORMATS
+from footopt.foot.outline import WALL, closed_contour
 from footopt.report import figures
 from footopt.studies import export
 from footopt.studies.settings import Config, FootConfig, StudyConfig
 
 heights = st.lists(st.integers(1, 10), min_size=4, max_size=15)
-DRAWINGS = {"dxf": write_dxf, "svg": write_svg}
+WRITTEN = [end for end in FORMATS if end != "step" or find_spec("OCP")]
 
 
-def lines(path):
-    """The lines of a drawing by layer, m."""
-    return {line.layer: line for line in outline.lines_of(path)}
+def closed(foot, top=0.0):
+    return closed_contour(foot.contour, top)
 
 
-@pytest.mark.parametrize(("ending", "exact"), [("dxf", 1e-12), ("svg", 1e-9)])
-@settings(max_examples=20)
-@given(k=heights)
-def test_the_outline_of_any_waypoint_sole_survives_the_file(tmp_path_factory, ending, exact, k):
-    foot = fo.Foot.from_waypoints(k)
-    path = DRAWINGS[ending](foot, tmp_path_factory.getbasetemp() / f"any.{ending}")
-    found = lines(path)
-    np.testing.assert_allclose(found["OUTLINE"].points, body_outline(foot), rtol=0, atol=exact)
-    np.testing.assert_allclose(found["SOLE"].points, foot.contour, rtol=0, atol=exact)
-    assert (found["OUTLINE"].closed, found["SOLE"].closed) == (True, False)
+def area(outline):
+    return Polygon(outline).area
 
 
-@given(k=heights)
-def test_a_body_is_in_one_piece(k):
-    """Its top keeps a distance from the sole's humps, and is otherwise the closed contour's."""
-    foot = fo.Foot.from_waypoints(k)
-    body, closed = body_outline(foot), closed_contour(foot)
-    sole = foot.contour[:, 1]
-    if sole.max() < -WALL:
-        np.testing.assert_array_equal(body, closed)
-    inside = sole[1:-1].max()
-    if inside >= max(sole[0], sole[-1]):
-        assert body[:, 1].max() >= inside + WALL - 1e-12
+def sides(outline):
+    return np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1)
 
 
-def test_a_block_stands_on_the_top_over_the_ankle():
-    foot = fo.Foot(fo.Foot.flat().contour, ankle=(0.02, 0.05))
-    body = body_outline(foot, (0.06, 0.025))
-    assert enclosed_area(body) == pytest.approx(0.26 * 0.03 + 0.06 * 0.025)
-    top = body[body[:, 1] == body[:, 1].max()]
-    np.testing.assert_allclose(sorted(top[:, 0]), [-0.01, 0.05])
-    whole = body_outline(fo.Foot.flat(), (0.26, 0.01))  # as long as the foot: no twin corners
-    assert enclosed_area(whole) == pytest.approx(0.26 * 0.04)
-    assert np.linalg.norm(np.roll(whole, -1, axis=0) - whole, axis=1).min() > 1e-6
+class TestOutline:
+    @given(k=heights)
+    def test_is_the_sole_with_vertical_sides_and_a_flat_top(self, k):
+        foot = fo.Foot.from_waypoints(k)
+        outline, sole = closed(foot), foot.contour
+        np.testing.assert_array_equal(outline[: len(sole)], sole)
+        level = max(0.0, sole[:, 1].max())
+        assert set(outline[len(sole) :, 1]) <= {level}
+        assert set(outline[len(sole) :, 0]) <= {sole[0, 0], sole[-1, 0]}
+        # under the flat top, over the sole: the area by the trapezoid rule
+        x, z = sole.T
+        expected = np.sum(np.diff(x) * (level - 0.5 * (z[1:] + z[:-1])))
+        assert area(outline) == pytest.approx(expected, rel=1e-12)
+
+    def test_of_a_flat_sole_is_a_rectangle(self, flat_foot):
+        outline = closed(flat_foot)
+        assert area(outline) == pytest.approx(0.26 * 0.03)
+        np.testing.assert_allclose(outline[-2:], [[0.13, 0.0], [-0.13, 0.0]])
+
+    def test_grows_with_the_top_by_its_height_times_the_length(self):
+        foot = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4])
+        assert area(closed(foot, 0.02)) - area(closed(foot)) == pytest.approx(0.26 * 0.02)
+
+    def test_has_its_top_raised_by_a_sole_that_reaches_above_it(self):
+        reversed_l = fo.Foot.shape("reversed_l")
+        outline = closed(reversed_l)
+        assert outline[:, 1].max() == reversed_l.contour[:, 1].max() > 0.04
+        assert area(outline) == pytest.approx((0.26 * 2 / 3) * (0.26 / 3))
+
+    @pytest.mark.parametrize("name", sorted(SHAPES))
+    def test_of_no_shape_has_two_corners_in_one_place(self, name):
+        assert sides(fo.Foot.shape(name).body_outline()).min() > 1e-6
+
+    def test_of_no_area_is_refused(self):
+        with pytest.raises(SettingError, match=r"foot\.top"):
+            closed(fo.Foot(np.array([[-0.1, 0.0], [0.1, 0.0]])))
+        with pytest.raises(SettingError, match="finite"):
+            closed(fo.Foot.flat(), float("nan"))
+
+    @given(k=heights)
+    def test_of_a_body_is_in_one_piece(self, k):
+        """Its top keeps a distance from the sole's humps, and is otherwise the closed contour's."""
+        foot = fo.Foot.from_waypoints(k)
+        body, sole = foot.body_outline(), foot.contour[:, 1]
+        if sole.max() < -WALL:
+            np.testing.assert_array_equal(body, closed(foot))
+        inside = sole[1:-1].max()
+        if inside >= max(sole[0], sole[-1]):
+            assert body[:, 1].max() >= inside + WALL - 1e-12
+
+    def test_has_a_block_on_its_top_over_the_ankle(self, flat_foot):
+        body = fo.Foot(flat_foot.contour, ankle=(0.02, 0.05)).body_outline((0.06, 0.025))
+        assert area(body) == pytest.approx(0.26 * 0.03 + 0.06 * 0.025)
+        top = body[body[:, 1] == body[:, 1].max()]
+        np.testing.assert_allclose(sorted(top[:, 0]), [-0.01, 0.05])
+
+    def test_with_a_block_as_long_as_the_foot_has_no_twin_corners(self, flat_foot):
+        body = flat_foot.body_outline((0.26, 0.01))
+        assert area(body) == pytest.approx(0.26 * 0.04)
+        assert sides(body).min() > 1e-6
+
+    @pytest.mark.parametrize("block", [(0.3, 0.02), (0.06, 0.0), (-0.1, 0.1), (0.06,), (0.06, float("nan"))])
+    def test_with_a_block_that_does_not_fit_is_refused(self, block):
+        with pytest.raises(SettingError, match=r"foot\.block = .*must be"):
+            fo.Foot.flat().body_outline(block)
+
+    def test_that_crosses_itself_is_refused_with_the_place(self):
+        curl = np.array([[-0.1, -0.02], [0.1, -0.02], [0.1, 0.02], [0.05, 0.02], [0.05, -0.01]])
+        with pytest.raises(SettingError, match=r"foot\.top = .*They meet at x 50\.00, z 20\.00 mm"):
+            fo.Foot(curl).body_outline()
 
 
-@pytest.mark.parametrize("block", [(0.3, 0.02), (0.06, 0.0), (-0.1, 0.1), (0.06,), (0.06, float("nan"))])
-def test_a_block_that_does_not_fit_is_refused(block):
-    with pytest.raises(SettingError, match=r"foot\.block = .*must be"):
-        body_outline(fo.Foot.flat(), block)
+class TestFiles:
+    @pytest.mark.parametrize(("ending", "exact"), [("dxf", 1e-12), ("svg", 1e-9)])
+    @settings(max_examples=20)
+    @given(k=heights)
+    def test_of_any_waypoint_sole_hold_its_outline(self, tmp_path_factory, ending, exact, k):
+        foot = fo.Foot.from_waypoints(k)
+        path = foot.to_file(tmp_path_factory.getbasetemp() / f"any.{ending}")
+        found = {line.layer: line for line in lines_of(path)}
+        np.testing.assert_allclose(found["OUTLINE"].points, foot.body_outline(), rtol=0, atol=exact)
+        np.testing.assert_allclose(found["SOLE"].points, foot.contour, rtol=0, atol=exact)
+        assert (found["OUTLINE"].closed, found["SOLE"].closed) == (True, False)
+
+    def test_as_dxf_have_millimetres_layers_and_a_closed_and_an_open_line(self, tmp_path, flat_foot):
+        document = ezdxf.readfile(flat_foot.to_file(tmp_path / "flat.dxf"))
+        assert document.header["$INSUNITS"] == 4
+        lines = {line.dxf.layer: line for line in document.modelspace()}
+        assert {name: line.closed for name, line in lines.items()} == {"OUTLINE": True, "SOLE": False}
+        assert not document.audit().has_errors
+
+    def test_as_svg_are_at_full_size(self, tmp_path, flat_foot):
+        root = ElementTree.parse(flat_foot.to_file(tmp_path / "flat.svg")).getroot()
+        assert root.get("width") == "262.000000mm"  # a millimetre of margin
+        assert root.get("viewBox") == "-131.000000 -1.000000 262.000000 32.000000"
+
+    def test_as_csv_hold_the_sole_from_heel_to_toe_in_millimetres(self, tmp_path):
+        foot = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
+        with foot.to_file(tmp_path / "sole.csv").open(newline="") as file:
+            rows = list(csv.reader(file))
+        assert (rows[0], rows[1]) == (["x_mm", "z_mm"], ["-130.000000", "-15.000000"])
+        assert rows[-1] == ["130.000000", "-12.000000"]
+        np.testing.assert_allclose(np.array(rows[1:], float), 1e3 * foot.contour, rtol=0, atol=5.1e-7)
+
+    def test_write_no_sign_before_a_zero(self, tmp_path):
+        foot = fo.Foot(np.array([[-0.1, -0.0], [0.0, -0.02], [0.1, -1e-14]]))
+        assert "-0.000000" not in foot.to_file(tmp_path / "sole.csv").read_text()
+
+    @pytest.mark.parametrize("ending", WRITTEN)
+    def test_that_cannot_be_written_are_named(self, ending, tmp_path, flat_foot):
+        (tmp_path / "file").write_text("")
+        (tmp_path / f"folder.{ending}").mkdir()
+        for place in ("nowhere/sole", "file/sole", "folder"):
+            path = tmp_path / f"{place}.{ending}"
+            with pytest.raises(FileError, match=r"cannot write .* Choose a folder that exists") as caught:
+                flat_foot.to_file(path)
+            assert str(path) in str(caught.value)
+        assert {path.name for path in tmp_path.iterdir()} == {"file", f"folder.{ending}"}
+
+    def test_of_no_known_format_are_refused(self, tmp_path, flat_foot):
+        with pytest.raises(SettingError, match=r"a file that ends in \.csv, \.dxf, \.svg, \.stl, \.step"):
+            flat_foot.to_file(tmp_path / "foot.obj")
 
 
-def test_an_overhanging_sole_that_its_sides_would_cut_is_refused():
-    curl = np.array([[-0.1, -0.02], [0.1, -0.02], [0.1, 0.02], [0.05, 0.02], [0.05, -0.01]])
-    with pytest.raises(SettingError, match=r"foot\.top = .*They meet at x 50\.00, z 20\.00 mm"):
-        body_outline(fo.Foot(curl))
+class TestStudy:
+    def test_leaves_a_page_that_links_every_file_and_says_what_it_holds(self, tmp_path, capsys):
+        run, exported = tmp_path / "run", tmp_path / "out"
+        run.mkdir()
+        exported.mkdir()
+        result = {"design": {"k": [4] * 11, "name": "flat"}, "settings": {"foot": asdict(FootConfig())}}
+        (run / "result.json").write_text(json.dumps(result))
+        config = Config(study=StudyConfig(name="export", run=str(run)), foot=FootConfig(block=[0.06, 0.02]))
+        studies.run(config, exported, {})
+        check_page(exported)
+        page = data_of(exported)
+        (table,) = page["tables"]
+        names = [f"contour.{ending}" for ending in WRITTEN]
+        assert [row[0] for row in table["rows"]] == names
+        assert table["links"] == [[True, False, False]] * len(names)
+        sizes = [(exported / name).stat().st_size for name in names]
+        np.testing.assert_allclose([float(row[2]) for row in table["rows"]], np.array(sizes) / 1e3, atol=0.05)
+        assert "seed" not in page["entry"]
+        record = json.loads((exported / "result.json").read_text())
+        assert record["area_mm2"] == pytest.approx(4320.0)  # 260 x 12 and 60 x 20 mm
+        assert record["volume_mm3"] == pytest.approx(432000.0)
+        assert record["size_mm"] == pytest.approx([260.0, 32.0, 100.0])
+        out = " ".join(capsys.readouterr().out.split())
+        assert "4320 mm^2" in out
+        assert "432000 mm^3" in out
+        assert ('pip install "footopt[cad]"' in out) == ("step" not in WRITTEN)
 
+    def test_asks_for_one_job_of_a_multirun(self, tmp_path):
+        (tmp_path / "multirun.yaml").touch()
+        with pytest.raises(SettingError, match=r"one job of this multirun\. Such as run=.*/0$"):
+            export.foot_of(tmp_path)
+        with pytest.raises(FileError, match=r"not the folder of a run with one foot \(it has no"):
+            export.foot_of(tmp_path / "nowhere")
 
-@given(k=heights)
-def test_an_outline_is_the_sole_with_vertical_sides_and_a_flat_top(k):
-    foot = fo.Foot.from_waypoints(k)
-    outline = closed_contour(foot)
-    sole = foot.contour
-    np.testing.assert_array_equal(outline[: len(sole)], sole)
-    level = max(0.0, sole[:, 1].max())
-    assert set(outline[len(sole) :, 1]) <= {level}
-    assert set(outline[len(sole) :, 0]) <= {sole[0, 0], sole[-1, 0]}
-    # under the flat top, over the sole: the area by the trapezoid rule
-    x, z = sole.T
-    expected = np.sum(np.diff(x) * (level - 0.5 * (z[1:] + z[:-1])))
-    assert enclosed_area(outline) == pytest.approx(expected, rel=1e-12)
+    def test_draws_the_dimensions_in_mm(self):
+        def dimensions(*arguments):
+            return {text.get_text() for text in figures.drawing(*arguments).axes[0].texts} - {""}
 
-
-def test_a_flat_sole_makes_a_rectangle():
-    outline = closed_contour(fo.Foot.flat())
-    assert enclosed_area(outline) == pytest.approx(0.26 * 0.03)
-    np.testing.assert_allclose(outline[-2:], [[0.13, 0.0], [-0.13, 0.0]])
-
-
-def test_a_higher_top_adds_its_height_times_the_length():
-    foot = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4])
-    added = enclosed_area(closed_contour(foot, 0.02)) - enclosed_area(closed_contour(foot))
-    assert added == pytest.approx(0.26 * 0.02)
-
-
-def test_a_sole_that_reaches_above_the_top_raises_it():
-    reversed_l = fo.Foot.shape("reversed_l")
-    outline = closed_contour(reversed_l, 0.0)
-    assert outline[:, 1].max() == reversed_l.contour[:, 1].max() > 0.04
-    assert enclosed_area(outline) == pytest.approx((0.26 * 2 / 3) * (0.26 / 3))
-
-
-@pytest.mark.parametrize("name", sorted(SHAPES))
-def test_no_shape_has_two_corners_in_one_place(name, tmp_path):
-    foot = fo.Foot.shape(name)
-    outline = closed_contour(foot)
-    sides = np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1)
-    assert sides.min() > 1e-6
-    write_dxf(foot, tmp_path / f"{name}.dxf")
-
-
-def test_the_file_has_millimetres_layers_and_a_closed_and_an_open_line(tmp_path):
-    document = ezdxf.readfile(write_dxf(fo.Foot.flat(), tmp_path / "flat.dxf"))
-    assert document.header["$INSUNITS"] == 4
-    lines = {line.dxf.layer: line for line in document.modelspace()}
-    assert set(lines) == {"OUTLINE", "SOLE"}
-    assert lines["OUTLINE"].closed
-    assert not lines["SOLE"].closed
-    assert not document.audit().has_errors
-
-
-def test_an_svg_is_at_full_size(tmp_path):
-    root = ElementTree.parse(write_svg(fo.Foot.flat(), tmp_path / "flat.svg")).getroot()
-    assert root.get("width") == "262.000000mm"  # a millimetre of margin
-    assert root.get("viewBox") == "-131.000000 -1.000000 262.000000 32.000000"
-
-
-@pytest.mark.parametrize("ending", DRAWINGS)
-def test_a_file_that_does_not_hold_the_outline_is_refused(tmp_path, monkeypatch, ending):
-    shrunk = outline.Line(0.999 * closed_contour(fo.Foot.flat()), True, "OUTLINE")
-    monkeypatch.setattr(outline, "lines_of", lambda path: [shrunk])
-    with pytest.raises(FileError, match=r"area is 7784\.4\d* mm\^2 instead of 7800 mm\^2"):
-        DRAWINGS[ending](fo.Foot.flat(), tmp_path / f"flat.{ending}")
-
-
-def test_a_line_of_no_area_is_refused():
-    with pytest.raises(SettingError, match=r"foot\.top"):
-        closed_contour(fo.Foot(np.array([[-0.1, 0.0], [0.1, 0.0]])))
-    with pytest.raises(SettingError, match="finite"):
-        closed_contour(fo.Foot.flat(), float("nan"))
-
-
-def test_the_sole_as_csv_runs_from_heel_to_toe_in_millimetres(tmp_path):
-    foot = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
-    path = write_csv(foot, tmp_path / "sole.csv")
-    with path.open(newline="") as file:
-        rows = list(csv.reader(file))
-    assert rows[0] == ["x_mm", "z_mm"]
-    assert rows[1] == ["-130.000000", "-15.000000"]
-    assert rows[-1] == ["130.000000", "-12.000000"]
-    np.testing.assert_allclose(np.array(rows[1:], float), 1e3 * foot.contour, rtol=0, atol=5.1e-7)
-
-
-def test_a_zero_has_no_sign(tmp_path):
-    path = write_csv(fo.Foot(np.array([[-0.1, -0.0], [0.0, -0.02], [0.1, -1e-14]])), tmp_path / "sole.csv")
-    assert "-0.000000" not in path.read_text()
-
-
-@pytest.mark.parametrize("write", [write_csv, write_dxf, write_svg, write_stl, write_step])
-def test_a_path_that_cannot_be_written_is_named(write, tmp_path):
-    (tmp_path / "file").write_text("")
-    for path in (tmp_path / "nowhere" / "sole", tmp_path / "file" / "sole", tmp_path):
-        with pytest.raises(FileError, match="cannot be written") as caught:
-            write(fo.Foot.flat(), path)
-        assert str(path) in str(caught.value)
-
-
-def test_the_page_of_an_export_links_every_file_and_says_what_it_holds(tmp_path, capsys):
-    run, exported = tmp_path / "run", tmp_path / "out"
-    run.mkdir()
-    exported.mkdir()
-    result = {"design": {"k": [4] * 11, "name": "flat"}, "settings": {"foot": asdict(FootConfig())}}
-    (run / "result.json").write_text(json.dumps(result))
-    config = Config(study=StudyConfig(name="export", run=str(run)), foot=FootConfig(block=[0.06, 0.02]))
-    studies.run(config, exported, {})
-    check_page(exported)
-    page = data_of(exported)
-    (table,) = page["tables"]
-    names = [f"contour.{ending}" for ending in ("csv", "dxf", "svg", "stl", "step")]
-    assert [row[0] for row in table["rows"]] == names
-    assert table["links"] == [[True, False, False, False, False, False]] * 5
-    assert {row[3] for row in table["rows"]} == {"4320.00"}  # 260 x 12 and 60 x 20 mm
-    assert [row[4] for row in table["rows"]] == ["", "", "", "432000", "432000"]
-    assert all(float(row[5].removesuffix(" %")) < 1e-4 for row in table["rows"])
-    sizes = [(exported / name).stat().st_size for name in names]
-    np.testing.assert_allclose([float(row[2]) for row in table["rows"]], np.array(sizes) / 1e3, atol=0.05)
-    assert "seed" not in page["entry"]
-    out = capsys.readouterr().out
-    assert "contour.step: each read back; area and volume agree" in out
-    assert f"Everything is in {exported}" in out
-
-
-def test_of_a_multirun_one_job_is_asked_for(tmp_path):
-    (tmp_path / "multirun.yaml").touch()
-    with pytest.raises(SettingError, match=r"the folder of one job of this multirun\. Such as run=.*/0$"):
-        export.foot_of(tmp_path)
-    with pytest.raises(FileError, match=r"not the folder of a run with one foot \(it has no result\.json\)"):
-        export.foot_of(tmp_path / "nowhere")
-
-
-def test_a_sole_that_its_csv_file_does_not_hold_is_refused(tmp_path):
-    path = write_csv(fo.Foot.flat(), tmp_path / "contour.csv")
-    other = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4])
-    with pytest.raises(FileError, match=r"contour\.csv: read back, its area is 7800 mm\^2 instead of"):
-        export.read_back(path, other, None)
-
-
-def test_the_drawing_of_an_export_has_its_dimensions_in_mm():
-    def dimensions(*arguments):
-        return {text.get_text() for text in figures.drawing(*arguments).axes[0].texts} - {""}
-
-    foot = fo.Foot.from_waypoints([4] * 11, width=0.08)
-    assert dimensions(foot) == {"260", "12"}
-    assert dimensions(foot, (0.06, 0.02)) == {"260", "32", "60", "20"}
-    (axes,) = figures.drawing(foot).axes
-    assert axes.get_title(loc="left") == "80 mm wide"
-    (outline,) = axes.patches
-    np.testing.assert_allclose(outline.get_xy()[:-1], 1e3 * body_outline(foot))
+        foot = fo.Foot.from_waypoints([4] * 11, width=0.08)
+        assert dimensions(foot) == {"260", "12"}
+        assert dimensions(foot, (0.06, 0.02)) == {"260", "32", "60", "20"}
+        (axes,) = figures.drawing(foot).axes
+        assert axes.get_title(loc="left") == "80 mm wide"
+        (outline,) = axes.patches
+        np.testing.assert_allclose(outline.get_xy()[:-1], 1e3 * foot.body_outline())

@@ -46,6 +46,6 @@ def test_a_table_replaces_the_old_one(path):
 def test_a_walk_that_cannot_be_written_is_named_and_leaves_nothing(tmp_path, monkeypatch):
     walk = fo.simulate(fo.Foot.flat(), accuracy="draft")
     with pytest.raises(FileError, match="nowhere"):
-        files.write_walk(tmp_path / "nowhere" / "walk.nc", walk)
-    files.write_walk(tmp_path / "walk.nc", walk)
+        files.write_walk(tmp_path / "nowhere" / "walk.nc", walk.variables, {})
+    files.write_walk(tmp_path / "walk.nc", walk.variables, {})
     assert [p.name for p in tmp_path.iterdir()] == ["walk.nc"]

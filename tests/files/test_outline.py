@@ -6,11 +6,9 @@ import pytest
 
 import footopt as fo
 from footopt.errors import FileError, SettingError
-from footopt.files.contours import write_csv, write_dxf, write_svg
 from footopt.files.outlines import lower_edge, read
 
 HOLLOW = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
-WRITERS = {"csv": write_csv, "dxf": write_dxf, "svg": write_svg}
 #: A closed outline in mm, clockwise, its lower edge from (-120, -10) over (0, -30) to (130, -12).
 OUTLINE = [(-120, -10), (-120, 15), (130, 20), (130, -12), (0, -30)]
 LOWER = 1e-3 * np.array([(-120, -10), (0, -30), (130, -12)])
@@ -37,21 +35,21 @@ def polygon(points, **attributes):
 
 
 class TestFootoptsOwnFiles:
-    @pytest.mark.parametrize("ending", WRITERS)
+    @pytest.mark.parametrize("ending", ["csv", "dxf", "svg"])
     def test_give_the_foot_back(self, tmp_path, ending):
-        path = WRITERS[ending](HOLLOW, tmp_path / f"sole.{ending}")
+        path = HOLLOW.to_file(tmp_path / f"sole.{ending}")
         foot = fo.Foot.from_file(path, width=0.08, ankle=(0.01, 0.05))
         np.testing.assert_allclose(foot.contour, HOLLOW.contour, rtol=0, atol=1e-9)
         assert (foot.name, foot.width, foot.ankle) == ("sole", 0.08, (0.01, 0.05))
 
     @pytest.mark.parametrize("ending", ["dxf", "svg"])
     def test_the_lower_edge_of_their_outline_is_the_sole(self, tmp_path, ending):
-        path = WRITERS[ending](HOLLOW, tmp_path / f"sole.{ending}")
+        path = HOLLOW.to_file(tmp_path / f"sole.{ending}")
         found = read(path, layer="OUTLINE")
         np.testing.assert_allclose(found, HOLLOW.contour, rtol=0, atol=1e-9)
 
     def test_walk_as_the_foot_itself(self, tmp_path):
-        foot = fo.Foot.from_file(write_dxf(HOLLOW, tmp_path / "sole.dxf"))
+        foot = fo.Foot.from_file(HOLLOW.to_file(tmp_path / "sole.dxf"))
         one = fo.Foot(HOLLOW.contour)
         tables = [fo.evaluate([f], fo.Scene(), "draft").values for f in (foot, one)]
         np.testing.assert_allclose(*tables, rtol=1e-6)

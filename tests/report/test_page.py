@@ -12,13 +12,13 @@ from collections import Counter
 import numpy as np
 import pytest
 from rich.text import Text
+from shapely import Polygon
 
 import footopt as fo
 from footopt.design import confirm
 from footopt.errors import FileError
 from footopt.files import run as files
-from footopt.files.contours import closed_contour, enclosed_area
-from footopt.files.contours import write_csv as write_contour
+from footopt.foot.outline import closed_contour
 from footopt.report import figures, page, summary, terminal
 from footopt.walk import OBJECTIVES
 
@@ -120,8 +120,8 @@ def pages(front, single, tmp_path_factory):
 def leave_job(folder, walk):
     """What a job of a multirun leaves in its folder, as far as the page over all jobs reads it."""
     folder.mkdir()
-    write_contour(walk.foot, folder / "contour.csv")
-    files.write_walk(folder / "walk.nc", walk)
+    walk.foot.to_file(folder / "contour.csv")
+    files.write_walk(folder / "walk.nc", walk.variables, {"reason": walk.reason})
     result = {
         "objectives": walk.objectives,
         "units": {name: OBJECTIVES[name].unit for name in walk.objectives},
@@ -435,7 +435,7 @@ class TestDownloads:
 
         foot = front[2].foot if kind == "front" else fo.Foot.shape("reversed_l")
         shown = Page(browser, pages[kind])
-        area = enclosed_area(1e3 * closed_contour(foot))
+        area = Polygon(1e3 * closed_contour(foot.contour, foot.top)).area
 
         shown["#download-csv"].click()
         rows = list(csv.reader(io.StringIO(arrived(downloads, "csv"))))
@@ -448,7 +448,7 @@ class TestDownloads:
         (drawn,) = document.modelspace().query('POLYLINE[layer=="OUTLINE"]')
         assert drawn.is_closed
         points = np.array([v.dxf.location.vec2 for v in drawn.vertices])
-        assert enclosed_area(points) == pytest.approx(area, rel=1e-5)
+        assert Polygon(points).area == pytest.approx(area, rel=1e-5)
 
         shown["#download-stl"].click()
         vertices = re.findall(r"vertex (\S+) (\S+) (\S+)", arrived(downloads, "stl"))

@@ -9,14 +9,15 @@ import pytest
 from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
 from running import footopt, only_folder
+from shapely import Polygon
 from study_pages import check_page
 
 import footopt as fo
 from footopt.cli.main import CONF
-from footopt.effects.base import EFFECTS
+from footopt.effects import EFFECTS
 from footopt.errors import SettingError
-from footopt.files.contours import closed_contour, enclosed_area
 from footopt.foot import Plates
+from footopt.foot.outline import closed_contour
 from footopt.studies import build, stability
 from footopt.walk.audit import audit
 
@@ -106,14 +107,14 @@ class TestClosedContours:
     def test_the_plates_run_once_around(self):
         foot = fo.Foot.from_waypoints(K, closed=True, top=0.02)
         plates = foot.plates(64, directed=True)
-        outline = closed_contour(foot)
+        outline = closed_contour(foot.contour, foot.top)
         loop = np.linalg.norm(np.diff(outline, axis=0, append=outline[:1]), axis=1).sum()
         assert plates.area.sum() == pytest.approx(loop * foot.width, rel=1e-3)
         # the divergence theorem: the sum of normals is zero, and x n_x is the area
         normal = np.stack([plates.tz[0], -plates.tx[0]])
         assert (normal * plates.area).sum(axis=1) == pytest.approx([0.0, 0.0], abs=1e-5)
         enclosed = (plates.x * normal[0] * plates.area).sum() / foot.width
-        assert enclosed == pytest.approx(enclosed_area(outline), rel=5e-3)
+        assert enclosed == pytest.approx(Polygon(outline).area, rel=5e-3)
 
     def test_the_sole_comes_first_and_is_the_open_one(self):
         open_, closed = (fo.Foot.from_waypoints(K, closed=c).plates(40) for c in (False, True))

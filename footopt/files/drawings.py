@@ -1,0 +1,101 @@
+"""Drawings of a foot: the sole as CSV, its outline and sole as DXF and SVG, in millimetres."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.files.run import whole, write_text
+
+Array = NDArray[np.float64]
+
+MM = 1e3  # millimetres in a metre
+SOLE, OUTLINE = "SOLE", "OUTLINE"  # layers of the DXF file, groups of the SVG file
+
+
+def write_csv(path: Path, sole: Array) -> Path:
+    """Write a sole as a table of x_mm and z_mm.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    sole : (m, 2), m
+        From heel to toe.
+
+    Returns
+    -------
+    path : Path
+        The file.
+
+    Raises
+    ------
+    FileError
+        The file cannot be written.
+    """
+    rows = np.round(MM * sole, 6) + 0.0  # + 0.0 turns -0 into 0
+    with whole(path) as new:
+        np.savetxt(new, rows, fmt="%.6f", delimiter=",", header="x_mm,z_mm", comments="")
+    return path
+
+
+def write_dxf(path: Path, sole: Array, outline: Array) -> Path:
+    """Write an outline (layer OUTLINE) and the sole alone (layer SOLE) as polylines.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    sole : (m, 2), m
+        From heel to toe.
+    outline : (p, 2), m
+        The closed outline, its first point not repeated.
+
+    Returns
+    -------
+    path : Path
+        The file.
+
+    Raises
+    ------
+    FileError
+        The file cannot be written.
+    """
+    import ezdxf
+
+    document = ezdxf.new("R2010")
+    document.units = ezdxf.units.MM  # $INSUNITS 4
+    document.header["$MEASUREMENT"] = 1  # metric
+    space = document.modelspace()
+    for layer, colour, points, closed in ((OUTLINE, 7, outline, True), (SOLE, 1, sole, False)):
+        document.layers.add(layer, color=colour)
+        space.add_lwpolyline((MM * points).tolist(), "xy", close=closed, dxfattribs={"layer": layer})
+    with whole(path) as new:
+        document.saveas(new)
+    return path
+
+
+def write_svg(path: Path, sole: Array, outline: Array) -> Path:
+    """Write an outline and the sole as paths of a drawing at full size, one unit a millimetre.
+
+    The y-axis of an SVG points down: z_p = -y. Parameters, returns and errors are those of `write_dxf`.
+    """
+    (left, low), (right, high) = MM * outline.min(axis=0) - 1.0, MM * outline.max(axis=0) + 1.0
+    wide, tall = right - left, high - low
+
+    def group(name: str, points: Array, end: str, colour: str) -> str:
+        line = " L ".join(f"{x:.6f} {-z:.6f}" for x, z in MM * points)
+        style = f'fill="none" stroke="{colour}" stroke-width="0.1"'
+        return f'<g id="{name}"><path d="M {line}{end}" {style}/></g>'
+
+    lines = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide:.6f}mm" height="{tall:.6f}mm" '
+        f'viewBox="{left:.6f} {-high:.6f} {wide:.6f} {tall:.6f}">',
+        group(OUTLINE, outline, " Z", "black"),
+        group(SOLE, sole, "", "red"),
+        "</svg>",
+    ]
+    write_text(path, "\n".join(lines) + "\n")
+    return path
