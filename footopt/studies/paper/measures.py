@@ -10,10 +10,10 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from footopt.report.figures import CONTACT
 from footopt.studies.paper import quantities as q
 from footopt.studies.paper.evidence import Evidence
 from footopt.walk import Walk
+from footopt.walk.phases import STANDS
 
 #: Numbers that stand in for the paper's words; none was moved to turn a verdict.
 LIMITS = {
@@ -21,7 +21,7 @@ LIMITS = {
     "normal_speed": 1.0,  # m/s (the paper: "around 1 m/s")
     "not_obvious": 0.2,  # how far curves may part that a reader sees as one, over their own rms
     "push_off": 0.27,  # s after touch-down, when push-off begins (the paper)
-    "contact": CONTACT,  # N, vertical force above which a foot is in contact
+    "contact": STANDS,  # N, vertical force above which a foot is in contact
 }
 
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from footopt.foot import Foot, lower_hull
 from footopt.gait.gait import RIGHT
-from footopt.report.figures import CONTACT, stance
 from footopt.walk import Walk
+from footopt.walk.phases import STANDS, stance
 
 Array = NDArray[np.float64]
 NAN = float("nan")
@@ -47,7 +47,7 @@ def peak_drag(walk: Walk, way: int) -> float:
 
 def contact_share(walk: Walk) -> float:
     """Return the share of the time that a foot carries something, mean of both feet."""
-    return _mean(walk, (walk.force[..., 1] > CONTACT).mean(axis=1))
+    return _mean(walk, (walk.force[..., 1] > STANDS).mean(axis=1))
 
 
 # --- a whole walk ---------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from footopt.design import Solver, search
-from footopt.effects.base import LeadingEdge
+from footopt.effects import LeadingEdge
 from footopt.errors import SettingError, check
 from footopt.foot import Foot
 from footopt.sand import Sand
