@@ -28,7 +28,7 @@ import numpy as np
 from measure import SANDS, arguments, feet, interleaved, scene
 
 import footopt as fo
-from footopt.effects.base import EFFECTS
+from footopt.effects import EFFECTS
 
 DELETED, COPY = "code deleted", "bare, copied"
 #: What is walked, by name: each effect with its own defaults, and all of them.

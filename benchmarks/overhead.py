@@ -17,6 +17,7 @@ from footopt.design.solvers import Solver
 
 # functions of the same names hide these modules in their packages
 simulate_module = import_module("footopt.walk.simulate")
+prepare_module = import_module("footopt.walk.prepare")
 problem_module = import_module("footopt.design.problem")
 
 
@@ -56,7 +57,7 @@ class Clock:
                 (simulate_module, "walk_range", "kernel"),
                 (simulate_module, "_walk", "walk"),
                 (simulate_module, "as_plates", "plates"),
-                (simulate_module, "_blocks", "blocks"),
+                (prepare_module, "blocks_of", "blocks"),
                 (problem_module, "evaluate", "evaluate"),
                 (fo.FootProblem, "judge", "judge"),
                 (Archive, "evaluate", "archive"),

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 import footopt as fo
 from footopt.walk.contact import Sole, World, plate_sums
-from footopt.walk.simulate import sole, world
+from footopt.walk.prepare import sole, world
 
 Array = NDArray[np.float64]
 Sums = Callable[[int], Array]

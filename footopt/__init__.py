@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from footopt.design import RobustProblem as RobustProblem
     from footopt.design import SearchResult as SearchResult
     from footopt.design import search as search
-    from footopt.effects.base import Inertia as Inertia
-    from footopt.effects.base import Layers as Layers
-    from footopt.effects.base import LeadingEdge as LeadingEdge
-    from footopt.effects.base import Patches as Patches
-    from footopt.effects.base import Slope as Slope
+    from footopt.effects import Inertia as Inertia
+    from footopt.effects import Layers as Layers
+    from footopt.effects import LeadingEdge as LeadingEdge
+    from footopt.effects import Patches as Patches
+    from footopt.effects import Slope as Slope
     from footopt.errors import FootoptError as FootoptError
     from footopt.foot import Foot as Foot
     from footopt.foot import Waypoints as Waypoints
@@ -50,7 +50,7 @@ __version__ = "0.1.0"
 
 _NAMES = {
     "footopt.design": "FootProblem RobustProblem SearchResult search",
-    "footopt.effects.base": "Inertia Layers LeadingEdge Patches Slope",
+    "footopt.effects": "Inertia Layers LeadingEdge Patches Slope",
     "footopt.errors": "FootoptError",
     "footopt.foot": "Foot Waypoints",
     "footopt.gait": "Gait",

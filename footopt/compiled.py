@@ -1,4 +1,4 @@
-"""numba's `njit` with its cache on disk where there is a place for it, and without where there is not."""
+"""numba's `njit` with footopt's options, and its cache on disk where there is a place for one."""
 
 from __future__ import annotations
 
@@ -7,6 +7,17 @@ from collections.abc import Callable
 from typing import Any
 
 from numba import config, njit
+
+#: What may be assumed of floating-point numbers in the loop over plates: sums may be reordered, so that
+#: the loop is vectorised. NaN and infinity may not be assumed away: a walk that diverges must be seen.
+FAST = {"contract", "reassoc", "arcp", "nsz"}
+
+#: Every function under the walk's loop is inlined by force: a function with a symbol of its own may be
+#: taken from another compilation of the same source, which rounds otherwise. A walk then differed in its
+#: last bits between the process that compiled it and those that load it from the cache on disk.
+INLINE = {"error_model": "numpy", "forceinline": True}
+inlined = njit(**INLINE)
+inlined_fast = njit(fastmath=FAST, **INLINE)
 
 
 def cached_njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:

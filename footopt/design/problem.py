@@ -11,8 +11,9 @@ from pymoo.core.problem import Problem
 
 from footopt.errors import check_kind
 from footopt.foot import Waypoints
+from footopt.walk.accuracy import Accuracy
 from footopt.walk.objectives import FIVE, OBJECTIVES, Objective, lookup
-from footopt.walk.scene import Accuracy, Scene
+from footopt.walk.scene import Scene
 from footopt.walk.simulate import evaluate, resolve
 
 Array = NDArray[np.float64]

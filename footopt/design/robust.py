@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from footopt.design.problem import FootProblem
 from footopt.errors import SettingError, check
 from footopt.foot import Waypoints
+from footopt.walk.accuracy import Accuracy
 from footopt.walk.objectives import OBJECTIVES
 from footopt.walk.scenarios import Scenario, check_measure, measured
-from footopt.walk.scene import Accuracy
 from footopt.walk.simulate import evaluate
 
 Array = NDArray[np.float64]

@@ -24,8 +24,8 @@ from footopt.design.store import Store
 from footopt.design.workers import Engine
 from footopt.errors import FootoptError, check, check_kind, needed
 from footopt.foot import Foot
+from footopt.walk.accuracy import Accuracy
 from footopt.walk.objectives import OBJECTIVES
-from footopt.walk.scene import Accuracy
 from footopt.walk.simulate import resolve
 
 Array = NDArray[np.float64]

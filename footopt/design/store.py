@@ -284,8 +284,8 @@ def machine() -> dict[str, str]:
 @cache
 def _sources() -> str:
     """A digest of every source that a walk goes through."""
-    found = hashlib.sha256()
-    for package in ("sand", "foot", "gait", "walker"):
+    found = hashlib.sha256((PACKAGE / "compiled.py").read_bytes())
+    for package in ("sand", "effects", "foot", "gait", "walk"):
         for path in sorted((PACKAGE / package).rglob("*.py")):
             found.update(path.read_bytes())
     return found.hexdigest()

@@ -1,1 +1,35 @@
-"""Effects beyond the plain law, one file each."""
+"""Effects beyond the plain law, one file each; a new file in this folder is found by itself."""
+
+import pkgutil
+from importlib import import_module
+
+from footopt.effects.base import EFFECTS, HOOKS, Effect, Laws, Scale, laws, name_of, readable, register
+from footopt.effects.inertia import Inertia
+
+# isort: off  They act in this order: layers make the strength at a depth, which patches multiply.
+from footopt.effects.layers import Layers
+from footopt.effects.leading_edge import LeadingEdge
+from footopt.effects.patches import Patches
+from footopt.effects.slope import Slope
+
+# isort: on
+
+__all__ = [
+    "EFFECTS",
+    "HOOKS",
+    "Effect",
+    "Inertia",
+    "Laws",
+    "Layers",
+    "LeadingEdge",
+    "Patches",
+    "Scale",
+    "Slope",
+    "laws",
+    "name_of",
+    "readable",
+    "register",
+]
+
+for _module in pkgutil.iter_modules(__path__):
+    import_module(f"{__name__}.{_module.name}")

@@ -30,7 +30,8 @@ from footopt.gait.gait import LEFT, RIGHT
 from footopt.report.body import body
 from footopt.report.body import forces as forces_along
 from footopt.walk.objectives import lookup
-from footopt.walk.simulate import Walk
+from footopt.walk.phases import stance
+from footopt.walk.results import Walk
 
 Array = NDArray[np.float64]
 Axes = Any  # matplotlib.axes.Axes
@@ -69,7 +70,6 @@ STYLE: dict[str, Any] = {
     "pdf.fonttype": 42,  # text stays text, as journals ask
 }
 
-CONTACT = 1.0  # vertical force above which a foot stands on the sand, N
 SHANK = 0.14  # of the shank is drawn, m
 
 P = ParamSpec("P")
@@ -384,35 +384,6 @@ def _finish_walks(figure: Figure, axes: Any, walks: Mapping[str, Walk]) -> None:
 
 
 # --- one step -------------------------------------------------------------------------------------
-
-
-class Stance(NamedTuple):
-    """The right foot's contact at the first heel strike, as samples of a walk."""
-
-    first: int
-    last: int
-    dragged: bool  # the foot was in the sand long before, so that `first` is the heel strike
-
-
-def stance(walk: Walk) -> Stance | None:
-    """From touch-down to push-off of the right foot's first step; None if it never stood.
-
-    The foot reaches the sand before the gait's nominal heel strike, so the contact is followed back
-    from there. On soft sand, where a foot drags through its swing, there is no touch-down within a
-    quarter of a stride, and the step begins at the heel strike.
-    """
-    strike, quarter = walk.scene.gait.heel_strike, walk.scene.gait.period / 4.0
-    on = walk.force[:, RIGHT, 1] > CONTACT
-    after = np.flatnonzero(on & (walk.t >= strike - 1e-9))
-    if len(after) == 0:
-        return None
-    at = int(after[0])
-    off = np.flatnonzero(~on)
-    before, behind = off[off < at], off[off > at]
-    first = int(before[-1]) + 1 if len(before) else 0
-    last = int(behind[0]) - 1 if len(behind) else len(on) - 1
-    dragged = bool(walk.t[first] < strike - quarter)
-    return Stance(at if dragged else first, last, dragged)
 
 
 def step(walk: Walk, frames: int = 6) -> Figure:

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from footopt.errors import FileError, FootoptError, SettingError, check
 from footopt.report.body import body, forces
-from footopt.report.figures import CONTACT, PAGE, _entry_of, _figure, _legend_above, styled
+from footopt.report.figures import PAGE, _entry_of, _figure, _legend_above, styled
 from footopt.report.show import ARROW, SIDES, bounds, draw_arrows, draw_body, draw_ground, round_newtons
 from footopt.walk import Walk
+from footopt.walk.phases import STANDS
 
 Array = NDArray[np.float64]
 
@@ -175,7 +176,7 @@ def scene_of(walk: Walk, speed: float) -> tuple[Any, Callable[[float], None]]:
         placed = body(walk, [t])
         shown.extend(draw_body(axes, placed, 0))
         place, push = between(at, t), between(force, t)
-        seen = np.isfinite(place).all(axis=-1) & (np.linalg.norm(push, axis=-1) > CONTACT)
+        seen = np.isfinite(place).all(axis=-1) & (np.linalg.norm(push, axis=-1) > STANDS)
         if seen.any():
             shown.append(draw_arrows(axes, place[seen], push[seen], ARROW * high / newtons))
         middle = float(np.clip(placed.hip[0, 0], left + 0.5 * wide, right - 0.5 * wide))

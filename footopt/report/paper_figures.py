@@ -23,8 +23,8 @@ from footopt.foot import Foot
 from footopt.gait.gait import LEFT, RIGHT
 from footopt.report import figures
 from footopt.report.figures import BLUE, COLUMN, GREY, PAGE, PALE, VERMILLION, styled
+from footopt.walk.results import Walk
 from footopt.walk.scene import Scene
-from footopt.walk.simulate import Walk
 
 Array = NDArray[np.float64]
 Axes = Any  # matplotlib.axes.Axes

@@ -21,7 +21,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
-from footopt.effects.base import Layers, Patches, Slope
+from footopt.effects import Layers, Patches, Slope, name_of
 from footopt.errors import SettingError
 from footopt.foot import Foot
 from footopt.gait import Gait
@@ -30,7 +30,6 @@ from footopt.report.body import Body, body, forces, legs
 from footopt.report.figures import (
     BLUE,
     COLUMN,
-    CONTACT,
     GREY,
     ORANGE,
     PAGE,
@@ -55,7 +54,8 @@ from footopt.report.figures import (
 from footopt.sand import Sand
 from footopt.sand.law import PER_CM3, alpha
 from footopt.walk import FIVE, OBJECTIVES, Scene, Table, Walk, Walker
-from footopt.walk.audit import name_of, parameters
+from footopt.walk.audit import parameters
+from footopt.walk.phases import STANDS
 from footopt.walk.validity import diagnose
 
 Array = NDArray[np.float64]
@@ -422,7 +422,7 @@ def draw_walk(axes: Axes, walk: Walk) -> None:
     for i in range(len(index)):
         draw_body(axes, placed, i)
     at, force = (part.reshape(-1, 2) for part in forces(walk, index).resultant())
-    seen = np.linalg.norm(force, axis=-1) > CONTACT
+    seen = np.linalg.norm(force, axis=-1) > STANDS
     newtons = round_newtons(walk)
     draw_arrows(axes, at[seen], force[seen], ARROW * high / newtons)
     _entry_of(axes, f"force, {ARROW * high:.2g} m for {newtons:g} N", color="black", ls="",

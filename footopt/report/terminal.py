@@ -16,9 +16,10 @@ from rich.table import Table as RichTable
 from rich.text import Text
 
 from footopt.design import Confirmation, SearchResult
+from footopt.effects import name_of
 from footopt.foot import Foot
 from footopt.walk import OBJECTIVES, Scene, gain_shares
-from footopt.walk.audit import name_of, parameters
+from footopt.walk.audit import parameters
 from footopt.walk.validity import Diagnostic
 
 HEADER = 8  # letters of a line of a number's header

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from footopt.report.figures import COLOURS, GREY, _figure, styled
 from footopt.walk import FIVE, OBJECTIVES
-from footopt.walk.scene import Accuracy
+from footopt.walk.accuracy import Accuracy
 
 MARKERS = "osD^vP*"
 

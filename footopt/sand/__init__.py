@@ -1,7 +1,9 @@
 """The sand: its stress map and its scale zeta."""
 
 from footopt.sand import law as stress
-from footopt.sand.law import GENERIC, MEDIA, Sand, StressMap, affine, affine_direction, alpha, fit_table
+from footopt.sand.fit import fit_table
+from footopt.sand.law import GENERIC, StressMap, affine, affine_direction, alpha
+from footopt.sand.media import MEDIA, Sand
 
 __all__ = [
     "GENERIC",

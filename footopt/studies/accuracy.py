@@ -29,8 +29,8 @@ from footopt.sand import Sand, alpha
 from footopt.studies import build
 from footopt.studies.base import Study
 from footopt.walk import FIVE, Accuracy, Scene, evaluate, simulate
+from footopt.walk.accuracy import PRESETS, TABLE_COLUMNS
 from footopt.walk.audit import own_time
-from footopt.walk.scene import PRESETS, TABLE_COLUMNS
 from footopt.walk.simulate import at_once
 from footopt.walk.steppers import STEPPERS
 

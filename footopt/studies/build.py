@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from footopt.effects.base import EFFECTS, Effect
+from footopt.effects import EFFECTS, Effect
 from footopt.errors import SettingError, check
 from footopt.files.gaits import Strides, read_strides
 from footopt.foot import Foot, Waypoints

@@ -6,10 +6,11 @@ import dataclasses
 from collections.abc import Sequence
 from typing import Any
 
+from footopt.effects import name_of
 from footopt.foot import Foot
 from footopt.report import terminal
 from footopt.walk import OBJECTIVES, Accuracy, Scene
-from footopt.walk.audit import name_of, parameters
+from footopt.walk.audit import parameters
 from footopt.walk.validity import Diagnostic
 
 

@@ -40,7 +40,7 @@ from footopt.studies.settings import Config
 from footopt.walk import FIVE, STEPPERS, Accuracy, Scene, Walk, simulate
 from footopt.walk.contact import CONTACT, FX, FZ, TALLY, contact
 from footopt.walk.objectives import FLOORS
-from footopt.walk.simulate import sole, world
+from footopt.walk.prepare import sole, world
 
 Array = NDArray[np.float64]
 

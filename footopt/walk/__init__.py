@@ -1,9 +1,11 @@
 """The walker on sand: scene, compiled loops, steppers, and what a walk is judged by."""
 
+from footopt.walk.accuracy import PRESETS, Accuracy
 from footopt.walk.objectives import FIVE, OBJECTIVES, gain_shares
+from footopt.walk.results import Table, Walk
 from footopt.walk.scenarios import Scenario, Spread, draw
-from footopt.walk.scene import PRESETS, Accuracy, Scene, Walker
-from footopt.walk.simulate import Table, Walk, estimate_error, evaluate, simulate
+from footopt.walk.scene import Scene, Walker
+from footopt.walk.simulate import estimate_error, evaluate, simulate
 from footopt.walk.steppers import STEPPERS
 
 __all__ = [

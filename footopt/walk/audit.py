@@ -15,10 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.effects.base import EFFECTS, Effect
+from footopt.effects import Effect, name_of
 from footopt.foot import Foot, Waypoints
+from footopt.walk.accuracy import Accuracy
 from footopt.walk.objectives import FIVE
-from footopt.walk.scene import Accuracy, Scene
+from footopt.walk.scene import Scene
 from footopt.walk.simulate import evaluate, resolve
 
 Array = NDArray[np.float64]
@@ -79,14 +80,6 @@ class Audit:
             fails = f", {self.lost} walks fail" if self.lost else ""
             return f"{says}{fails}: above {limit}, keep it"
         return f"{says}: below {limit}, leave it out, saves {100 * (1 - 1 / self.cost):.0f} %"
-
-
-def name_of(effect: Effect) -> str:
-    """An effect's name in settings and tables."""
-    for name, kind in EFFECTS.items():
-        if isinstance(effect, kind):
-            return name
-    return type(effect).__name__
 
 
 def percent(value: float) -> str:

@@ -22,11 +22,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from footopt.compiled import FAST
 from footopt.effects import base as effects
 
 Array = NDArray[np.float64]
 
-FAST = effects.FAST
 MAX_NEWTON = 20  # contact evaluations of one implicit stage at one creep speed, back-tracking included
 MAX_RESCUE = 1000  # ... and in all, if it has to be approached from a larger creep speed
 GATED = 2.0  # last step of Newton's method over the creep speed, where an effect's gate is

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from footopt.walk.scene import Accuracy
+from footopt.walk.accuracy import Accuracy
 
 
 class Published(NamedTuple):

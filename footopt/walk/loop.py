@@ -118,9 +118,9 @@ def embedded(v0, v1, a0, a1, h):
 def _source(own: tuple[Any, ...]) -> str:
     """A digest of the compiled sources, with a user's own functions: code cached of others is not used."""
     digest = hashlib.sha256()
-    for module in (effects, kernels, steppers):
-        digest.update(Path(str(module.__file__)).read_bytes())
-    digest.update(Path(__file__).read_bytes())
+    for folder in (Path(str(effects.__file__)).parent, Path(__file__).parent):  # no file can be forgotten
+        for path in sorted(folder.rglob("*.py")):
+            digest.update(path.read_bytes())
     for function in own:
         digest.update(text_of(function))
     return digest.hexdigest()

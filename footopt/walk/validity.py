@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footopt.effects.base import Inertia
-from footopt.walk.simulate import Walk
+from footopt.effects import Inertia
+from footopt.walk.results import Walk
 
 SAMPLES = 600  # instants of the walk that are looked at
 

@@ -19,7 +19,7 @@ from footopt.errors import FootoptError, SettingError
 from footopt.studies import STUDIES, build
 from footopt.studies.export import foot_of
 from footopt.walk import STEPPERS
-from footopt.walk.scene import MARGIN, measured_settings
+from footopt.walk.accuracy import MARGIN, measured_settings
 
 GROUPS = sorted(p.name for p in CONF.iterdir() if p.is_dir())
 

@@ -20,14 +20,15 @@ from scipy.integrate import quad
 from test_walker import PITCH, RATE, SOLES, SPEED, pose_of
 
 import footopt as fo
+from footopt.effects import EFFECTS, Inertia, Layers, LeadingEdge, Patches, Slope, laws
 from footopt.effects import base as effects
-from footopt.effects.base import EFFECTS, SKIN, Inertia, Layers, LeadingEdge, Patches, Slope, laws
+from footopt.effects.inertia import SKIN
 from footopt.errors import SettingError
 from footopt.foot import Plates
 from footopt.walk import contact as kernels
 from footopt.walk import loop
 from footopt.walk.contact import CONTACT, EVALUATIONS, FX, FZ, JXX, JZZ, LANES, PLATES, POWER, TALLY
-from footopt.walk.simulate import NEWTON, sole, world
+from footopt.walk.prepare import NEWTON, sole, world
 
 #: One of each; interfaces and patches are two each everywhere here: another number is compiled again.
 LAYERS, PATCHES = Layers((0.02, 0.05), (0.6, 1.5)), Patches((0.35, 1.2), (0.95, 1.6), (0.7, 1.5))

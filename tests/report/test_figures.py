@@ -16,6 +16,7 @@ from footopt.errors import FileError, SettingError
 from footopt.gait.gait import RIGHT
 from footopt.report import figures
 from footopt.walk.objectives import FIVE, OBJECTIVES
+from footopt.walk.phases import stance
 
 HOLLOW = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)
 
@@ -328,7 +329,7 @@ def test_many_lines_all_differ():
 
 
 def test_a_stance_is_the_contact_about_the_first_heel_strike(hard):
-    first, last, dragged = figures.stance(hard)
+    first, last, dragged = stance(hard)
     up = hard.force[:, RIGHT, 1]
     assert not dragged
     assert (up[first : last + 1] > 1.0).all()
@@ -338,7 +339,7 @@ def test_a_stance_is_the_contact_about_the_first_heel_strike(hard):
 
 
 def test_on_soft_sand_the_foot_drags_and_the_step_begins_at_the_heel_strike(soft):
-    first, last, dragged = figures.stance(soft)
+    first, last, dragged = stance(soft)
     assert dragged
     assert soft.t[first] == pytest.approx(1.1)
     assert soft.t[last] > 1.5
@@ -358,7 +359,7 @@ def test_a_step_s_frames_are_in_order_and_share_one_scale(hard, frames):
 
 def test_arrows_carry_the_force_on_the_foot(hard):
     figure = figures.step(hard)
-    first, last, _ = figures.stance(hard)
+    first, last, _ = stance(hard)
     times = hard.t[first] + np.linspace(0.05, 0.95, 6) * (hard.t[last] - hard.t[first])
     index = np.searchsorted(hard.t, times)
     quivers = [next(q for q in axes.get_children() if isinstance(q, Quiver)) for axes in figure.axes]

@@ -15,7 +15,7 @@ from footopt.report import progress as module
 from footopt.report import terminal
 from footopt.report.progress import LINES, PATIENCE, Pace, duration, progress, telling
 from footopt.studies.accuracy import effort
-from footopt.walk.scene import measured_settings
+from footopt.walk.accuracy import measured_settings
 
 FOOTOPT = [sys.executable, "-m", "footopt"]
 COLOUR = re.compile(r"\x1b\[[\d;]*\b(3[0-8]|4[0-8]|9[0-7]|10[0-7])[\d;]*m")

@@ -27,6 +27,7 @@ from footopt.studies.paper.page import grid, kind
 from footopt.studies.paper.readings import Readings, ReadProblem, read, switch_losses
 from footopt.studies.paper.sweep import FACTORS, changed, combinations, factors, sensitivity, verdict
 from footopt.studies.settings import Config, StudyConfig
+from footopt.walk.phases import STANDS
 
 HOLLOW = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)
 ROCKER = (1, 3, 5, 7, 8, 9, 9, 9, 9, 9, 9)
@@ -199,7 +200,7 @@ class TestClaims:
     def test_the_push_is_part_of_the_step(self, walk):
         step = claims.one_step(walk)
         assert 0.0 < claims.push_time(walk) < step.t[-1]
-        assert (step.force[:, 1] > figures.CONTACT).all()
+        assert (step.force[:, 1] > STANDS).all()
 
 
 class TestSweep:

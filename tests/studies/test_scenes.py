@@ -14,7 +14,7 @@ from study_pages import check_page
 
 import footopt as fo
 from footopt.cli.main import CONF
-from footopt.effects.base import EFFECTS
+from footopt.effects import EFFECTS
 from footopt.errors import SettingError
 from footopt.foot import Plates
 from footopt.foot.outline import closed_contour

@@ -19,7 +19,7 @@ from footopt.walk import PRESETS, STEPPERS
 from footopt.walk import contact as kernels
 from footopt.walk.contact import CONTACT, FX, FZ, JXX, JZZ, POWER
 from footopt.walk.independent import LIMITS, RAMP, REFERENCE, SAME_PLATES
-from footopt.walk.simulate import (
+from footopt.walk.prepare import (
     HALVINGS,
     NEWTON,
     long_pose_tables,
@@ -558,7 +558,7 @@ class TestTraces:
     def test_long_steps_while_standing_change_nothing(self, ramp_foot, monkeypatch):
         scene = fo.Scene(t_f=2.8)  # a scene of its own: pose tables are cached
         long = fo.simulate(ramp_foot, scene).objectives
-        monkeypatch.setattr(sys.modules["footopt.walk.simulate"], "REST", 1)
+        monkeypatch.setattr(sys.modules["footopt.walk.prepare"], "REST", 1)
         short = fo.simulate(ramp_foot, replace(scene, t_f=2.8 + 1e-12)).objectives
         for name in ("distance", "mean_height", "work", "peak_power", "speed_loss"):
             assert long[name] == pytest.approx(short[name], rel=5e-5)
@@ -665,7 +665,7 @@ class TestSettings:
 
     def test_a_walk_too_long_to_be_refined_has_no_error_estimate(self, ramp_foot, monkeypatch):
         rows = pose_rows(fo.Scene(), fo.Accuracy.named("draft"))
-        monkeypatch.setattr(sys.modules["footopt.walk.simulate"], "ROWS", 1.5 * rows)
+        monkeypatch.setattr(sys.modules["footopt.walk.prepare"], "ROWS", 1.5 * rows)
         assert fo.simulate(ramp_foot, accuracy="draft").feasible
         assert all(map(math.isnan, fo.estimate_error(ramp_foot, accuracy="draft").values()))
 

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from footopt.errors import FileError, SettingError, check
 from footopt.files.drawings import MM, SOLE
-from footopt.files.reading import named
+from footopt.files.reading import Unusable, naming
 from footopt.files.soles import dxf, svg, table
-from footopt.files.soles.lines import JOIN, PIECES, TOO_MANY, UNITS, Line, NoSole, crossing, join
+from footopt.files.soles.lines import JOIN, PIECES, TOO_MANY, UNITS, Line, crossing, join
 
 Array = NDArray[np.float64]
 
@@ -71,39 +71,35 @@ def read(
     check(origin in ("file", "centre"), "foot.origin", origin, "file or centre")
     path = Path(path)
     check(path.suffix.lower() in READERS, "foot.path", str(path), f"a file that ends in {', '.join(READERS)}")
-    try:
+    with naming(path, "foot.path"):
         line = the_line(lines_of(path, units), path.name, layer)
         points = scale * line.points * ([-1.0, 1.0] if toe == "left" else 1.0)
         check_size(points, origin)
         place = crossing(points, line.closed)
         if place is not None:
-            raise NoSole(f"the line crosses itself at {_where(place)}.")
+            raise Unusable(f"the line crosses itself at {_where(place)}.")
         if origin == "centre":
             points = points - 0.5 * (points.min(axis=0) + points.max(axis=0))
         sole = lower_edge(points) if line.closed else _from_heel(points)
         check_spikes(sole)
-    except NoSole as error:
-        raise FileError(f"{named(path, 'foot.path')}: {error}") from None
-    return sole
+        return sole
 
 
 def lines_of(path: Path, units: str | None = None) -> list[Line]:
-    """All lines of a file, by its ending; raises `NoSole` where it cannot be read."""
+    """All lines of a file, by its ending; raises `Unusable` where it cannot be read."""
     lines, points = [], 0
     try:
         for line in READERS[path.suffix.lower()](path, units):
             lines.append(line)
             points += len(line.points)
             if len(lines) > PIECES or points > 10 * PIECES:
-                raise NoSole(TOO_MANY)
-    except (NoSole, FileError):
+                raise Unusable(TOO_MANY)
+    except (Unusable, FileError):
         raise
-    except (
-        Exception
-    ) as error:  # libraries raise all kinds, of a path that is none, ...
-        raise NoSole(f"cannot be read as {path.suffix[1:].upper()} ({error}).") from error
+    except Exception as error:  # libraries raise all kinds, of a path that is none, ...
+        raise Unusable(f"cannot be read as {path.suffix[1:].upper()} ({error}).") from error
     if not all((abs(line.points) < WORLD).all() for line in lines):
-        raise NoSole("a line has a point that is not a finite number, or far away.")
+        raise Unusable("a line has a point that is not a finite number, or far away.")
     return [line for line in lines if len(line.points) > 1]
 
 
@@ -112,7 +108,7 @@ def the_line(lines: Sequence[Line], name: str, layer: str | None = None) -> Line
 
     Raises
     ------
-    NoSole
+    Unusable
         There is none, or more than one.
     SettingError
         There is no such layer.
@@ -125,10 +121,10 @@ def the_line(lines: Sequence[Line], name: str, layer: str | None = None) -> Line
         layer = SOLE
     found = join([line for line in lines if layer in (None, line.layer)])
     if not found:
-        raise NoSole("holds no line, arc, spline or polyline.")
+        raise Unusable("holds no line, arc, spline or polyline.")
     if len(found) > 1:
         told = "; ".join(_told(line) for line in found[:6]) + ("; ..." if len(found) > 6 else "")
-        raise NoSole(
+        raise Unusable(
             "must hold one line that is the sole, or one closed outline; it holds "
             f"{len(found)}: {told}. Choose one with foot.layer (there: {', '.join(layers)}), delete what is "
             f"not the sole, or close gaps wider than {MM * JOIN:g} mm."
@@ -157,19 +153,19 @@ def check_size(points: Array, origin: str) -> None:
     (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
     length, height, far = right - left, high - low, max(-low, high)
     if not LENGTHS[0] <= length <= LENGTHS[1]:
-        raise NoSole(
+        raise Unusable(
             f"the sole would be {length:.4g} m long. Set foot.units to the unit of the file "
             f"({', '.join(UNITS)}), or foot.scale."
         )
     if height > STEEPEST * length or (origin == "file" and far > 10.0 * length):
-        raise NoSole(
+        raise Unusable(
             f"the line is {length:.4g} m long, {height:.4g} m high and reaches {far:.4g} m "
             "from the origin's height, which no sole does. Is a point wrong, or the place of the origin?"
         )
     if len(points) > PIECES:
-        raise NoSole(f"the line has {len(points)} points, and must have at most {PIECES}. Thin it out.")
+        raise Unusable(f"the line has {len(points)} points, and must have at most {PIECES}. Thin it out.")
     if origin == "file" and not left < 0.0 < right:
-        raise NoSole(
+        raise Unusable(
             f"its origin is not above the foot, which lies between x {MM * left:.4g} and {MM * right:.4g} "
             "mm. The ankle is measured from there: move the drawing, or set foot.origin=centre for the "
             "middle of the line's box."
@@ -183,14 +179,14 @@ def check_spikes(sole: Array) -> None:
     turn = -np.sum(along[1:] * along[:-1], axis=1)  # the cosine of the angle inside
     if turn.max(initial=-1.0) > np.cos(np.radians(SPIKE)):
         tip = _where(sole[1 + int(np.argmax(turn))])
-        raise NoSole(f"the sole has a spike at {tip}, sharper than {SPIKE:g} deg: is a point wrong?")
+        raise Unusable(f"the sole has a spike at {tip}, sharper than {SPIKE:g} deg: is a point wrong?")
 
 
 def _from_heel(line: Array) -> Array:
     """An open line from left to right."""
     heel, toe = line[0], line[-1]
     if abs(toe[0] - heel[0]) <= JOIN:
-        raise NoSole(
+        raise Unusable(
             f"the line begins at {_where(heel)} and ends at {_where(toe)}: "
             "which end is the heel? Close the outline, or leave only the sole."
         )

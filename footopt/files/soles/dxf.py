@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from footopt.files.reading import read_bytes
-from footopt.files.soles.lines import FLATTEN, PIECES, Line, NoSole, from_points, unit_of
+from footopt.files.reading import Unusable, read_bytes
+from footopt.files.soles.lines import FLATTEN, PIECES, Line, from_points, unit_of
 
 UNITS = {1: "in", 4: "mm", 5: "cm", 6: "m"}  # of $INSUNITS
 CURVES = ("ARC", "CIRCLE", "ELLIPSE", "SPLINE")
@@ -42,8 +42,8 @@ def _document(path: Path) -> Any:
 
     content = read_bytes(path, "sole", "foot.path")
     if content.startswith(b"AutoCAD Binary DXF"):
-        raise NoSole("is a binary DXF file. Save it as text (ASCII) DXF.")
+        raise Unusable("is a binary DXF file. Save it as text (ASCII) DXF.")
     if content.rstrip()[-3:] != b"EOF":
-        raise NoSole("cannot be read as DXF (it does not end with EOF: is it cut off?).")
+        raise Unusable("cannot be read as DXF (it does not end with EOF: is it cut off?).")
     logging.getLogger("ezdxf").setLevel(logging.ERROR)  # what it mends is not the user's concern
     return ezdxf.readfile(path)

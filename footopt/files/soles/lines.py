@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from footopt.files.reading import Unusable
+
 Array = NDArray[np.float64]
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "pt": 0.0254 / 72, "px": 0.0254 / 96}  # m
@@ -26,16 +28,12 @@ class Line(NamedTuple):
     layer: str  # its layer (DXF) or the id of its group (SVG)
 
 
-class NoSole(Exception):
-    """Why a file gives no sole; who reads it adds the file's name."""
-
-
 def unit_of(units: str | None, own: str | None) -> float:
     """Metres in a unit: the setting's, or else the file's own."""
     unit = units or own
     if unit not in UNITS:
-        said = f", or says {unit!r}" if unit else ""
-        raise NoSole(f"does not say in which unit it is{said}. Set foot.units to one of {', '.join(UNITS)}.")
+        said, names = f", or says {unit!r}" if unit else "", ", ".join(UNITS)
+        raise Unusable(f"does not say in which unit it is{said}. Set foot.units to one of {names}.")
     return UNITS[unit]
 
 

@@ -12,8 +12,8 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.files.reading import read_text
-from footopt.files.soles.lines import FLATTEN, PIECES, TOO_MANY, UNITS, Line, NoSole, unit_of
+from footopt.files.reading import Unusable, read_text
+from footopt.files.soles.lines import FLATTEN, PIECES, TOO_MANY, UNITS, Line, unit_of
 
 Array = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ def read(path: Path, units: str | None) -> Iterator[Line]:
 
     root = ElementTree.fromstring(read_text(path, "sole", "foot.path"))
     if root.tag.rpartition("}")[2] != "svg":
-        raise NoSole(f"cannot be read as SVG (its root is {root.tag[:60]!r}, not svg).")
+        raise Unusable(f"cannot be read as SVG (its root is {root.tag[:60]!r}, not svg).")
     _check(root)
     unit = UNITS[units] if units else _own_unit(root)
     for name in ("width", "height", "viewBox"):  # what is left are the drawing's own units
@@ -62,9 +62,9 @@ def _check(root: ElementTree.Element) -> None:
             if not form.fullmatch(given):
                 begin = form.match(given)
                 at = begin.end() if begin else 0
-                raise NoSole(f"cannot be read as SVG ({name} has {given[at : at + 30]!r}).")
+                raise Unusable(f"cannot be read as SVG ({name} has {given[at : at + 30]!r}).")
     if numbers > 20 * PIECES:
-        raise NoSole(TOO_MANY)
+        raise Unusable(TOO_MANY)
 
 
 def _line(piece: Any, unit: float, layer: str) -> Line:
@@ -106,7 +106,7 @@ def _own_unit(root: ElementTree.Element) -> float:
     box = re.fullmatch(rf"\s*{NUMBER}[\s,]+{NUMBER}[\s,]+({NUMBER})[\s,]+({NUMBER})\s*", given)
     sides = [float(side) for side in box.groups()] if box else []
     if not sides or not all(0 < value < np.inf for value in (*own, *sides)):
-        raise NoSole(
+        raise Unusable(
             f"its size is no size: width {root.get('width')!r}, height {root.get('height')!r}, "
             f"viewBox {given[:60]!r}. Set foot.units to the drawing's unit."
         )

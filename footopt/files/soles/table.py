@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from footopt.files.reading import number, read_table
-from footopt.files.soles.lines import JOIN, Line, NoSole, from_points, unit_of
+from footopt.files.reading import Unusable, number, read_table
+from footopt.files.soles.lines import JOIN, Line, from_points, unit_of
 
 
 def read(path: Path, units: str | None) -> Iterator[Line]:
@@ -20,7 +20,7 @@ def read(path: Path, units: str | None) -> Iterator[Line]:
     found = [re.fullmatch(r"([xzy])(?:[_ ]*[(\[]?([a-z]+)[)\]]?)?", name) for name in names]
     column = {match[1]: i for i, match in enumerate(found) if match}
     if names and not ("x" in column and column.keys() & {"z", "y"}):
-        raise NoSole(
+        raise Unusable(
             f"the header lacks x or z; it holds {', '.join(names)}. "
             "Name the columns x_mm and z_mm (or _cm, _m, _in), from heel to toe."
         )
@@ -32,7 +32,7 @@ def read(path: Path, units: str | None) -> Iterator[Line]:
         numbers = _numbers(row)
         wide = wide or len(numbers)
         if len(numbers) <= max(places) or len(numbers) != wide or not np.isfinite(numbers).all():
-            raise NoSole(f"row {i} of the table is not numbers: {row.strip()[:60]!r}.")
+            raise Unusable(f"row {i} of the table is not numbers: {row.strip()[:60]!r}.")
         points.append([numbers[place] for place in places])
     yield from_points(unit * np.array(points).reshape(-1, 2), "", JOIN)
 

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from footopt.foot import Foot, lower_hull
 from footopt.gait.gait import RIGHT
-from footopt.report.figures import CONTACT, Stance, stance
 from footopt.studies.paper.readings import Readings, read, switch_losses
 from footopt.walk import Walk
+from footopt.walk.phases import STANDS, Stance, stance
 
 Array = NDArray[np.float64]
 
@@ -397,7 +397,7 @@ def soft_mean_drag(e: Evidence) -> float:
 @claim(
     "Fig. 8b",
     "On soft sand a foot is in contact for longer",
-    f"share of the time with f_z > {CONTACT:g} N from the first heel strike on, less the others' largest",
+    f"share of the time with f_z > {STANDS:g} N from the first heel strike on, less the others' largest",
     "",
 )
 def soft_longest_contact(e: Evidence) -> float:
@@ -459,7 +459,7 @@ def mean_drag(walk: Walk, way: int) -> float:
 
 def contact_share(walk: Walk) -> float:
     """Share of the time that a foot carries something, mean of both feet."""
-    return mean_since_heel_strike(walk, (walk.force[..., 1] > CONTACT).mean(axis=1))
+    return mean_since_heel_strike(walk, (walk.force[..., 1] > STANDS).mean(axis=1))
 
 
 def work_after_three_steps(walk: Walk) -> float:

@@ -17,7 +17,7 @@ from footopt.studies.paper.claims import CLAIMS, SANDS, Claim, Evidence, inward_
 from footopt.studies.paper.errata import ERRATA
 from footopt.studies.paper.sweep import Factor, Judgement, chance, shown
 from footopt.walk.objectives import FIVE, OBJECTIVES
-from footopt.walk.simulate import Walk
+from footopt.walk.results import Walk
 from footopt.walk.validity import diagnose
 
 Array = NDArray[np.float64]

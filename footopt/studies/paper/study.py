@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.design import Solver, search
-from footopt.effects.base import LeadingEdge
+from footopt.effects import LeadingEdge
 from footopt.errors import FootoptError, SettingError, check
 from footopt.files import run as files
 from footopt.foot import Foot

@@ -1,0 +1,92 @@
+"""Layers of sand: strength that changes with depth."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from footopt.effects.base import EFFECTS, MOST, Scale, register
+from footopt.errors import check
+
+
+class LayersLaw(NamedTuple):
+    """Interfaces (m) and the jump of the strength at each, in units of the sand's zeta."""
+
+    depths: tuple[float, ...]
+    jumps: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Layers:
+    """Layers: the stress is the integral of zeta over depth, so that it is continuous at an interface.
+
+    The first layer, from the surface to the first interface, is the scene's sand. With one sand the
+    integral is zeta |z|. It is a superposition of the depth-linear law, exact for what the sand above
+    weighs on a failure surface at the plate. Range: a plate does not feel an interface before it gets
+    there (measured: about one plate width ahead).
+
+    Parameters
+    ----------
+    depths : tuple of float, m
+        Interfaces below the surface, increasing.
+    factors : tuple of float
+        zeta of the layer under each interface over that of the sand.
+
+    Raises
+    ------
+    SettingError
+        Depths do not increase, or factors are not as many numbers > 0.
+    """
+
+    depths: tuple[float, ...] = (0.03,)
+    factors: tuple[float, ...] = (0.3,)
+
+    def __post_init__(self) -> None:
+        depths, factors = tuple(map(float, self.depths)), tuple(map(float, self.factors))
+        object.__setattr__(self, "depths", depths)
+        object.__setattr__(self, "factors", factors)
+        rising = all(a < b for a, b in zip((0.0, *depths), (*depths, math.inf), strict=True))
+        check(
+            rising and 1 <= len(depths) <= MOST,
+            "effects.layers.depths",
+            list(depths),
+            f"1 to {MOST} increasing depths > 0, in m",
+        )
+        check(
+            len(factors) == len(depths) and all(1e-6 <= f <= 1e6 for f in factors),
+            "effects.layers.factors",
+            list(factors),
+            f"{len(depths)} numbers > 0: zeta under each interface over the sand's",
+        )
+
+    @property
+    def law(self) -> LayersLaw:
+        """Interfaces and jumps."""
+        return LayersLaw(self.depths, tuple(np.diff((1.0, *self.factors)).tolist()))
+
+    @property
+    def nothing(self) -> bool:
+        """Whether all layers are the same sand."""
+        return all(f == 1.0 for f in self.factors)
+
+    def estimate(self, scale: Scale) -> float:
+        """Relative change of the stress at the depth to which a foot sinks."""
+        load, _, _ = layered_load(self.law, (scale.depth, 1.0, 0.0), scale.depth, 0.0)
+        return abs(float(load) / scale.depth - 1.0)
+
+
+def layered_load(law, state, depth, x):
+    """The integral of zeta over depth: each interface adds its jump times the depth below it."""
+    load, by_depth, by_x = state
+    for i in range(len(law.depths)):
+        beyond = depth - law.depths[i]
+        load = load + law.jumps[i] * np.maximum(beyond, 0.0)
+        by_depth = by_depth + law.jumps[i] * (beyond > 0.0)
+    return load, by_depth, by_x
+
+
+EFFECTS["layers"] = Layers
+register(LayersLaw, load=layered_load)

@@ -1,0 +1,140 @@
+"""The coefficients of a stress map from a measured table of stresses in a CSV file."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.errors import FileError
+from footopt.files.reading import named, number, read_table
+from footopt.sand.law import StressMap
+
+Array = NDArray[np.float64]
+
+COLUMNS = ("beta", "gamma", "alpha_x", "alpha_z")
+MISFIT = 0.35  # of a column's rms; no law of this form is in such a table
+GAIN = 0.1  # of the table's rms; more power than noise explains comes out of such a sand
+STRESSES = (1e-3, 50.0)  # largest stress of a table, N/cm^3; the hardest sand in the literature has 2
+
+
+def fit_table(path: str | Path) -> tuple[StressMap, tuple[float, float]]:
+    """Fit the nine coefficients to a table of measured stresses by linear least squares.
+
+    Parameters
+    ----------
+    path : str or Path
+        CSV file with a header and the columns ``beta``, ``gamma`` (degrees, signs as in
+        `footopt.sand.law.alpha`), ``alpha_x``, ``alpha_z`` (N/cm^3); other columns are ignored.
+
+    Returns
+    -------
+    stress_map : StressMap
+    error : (x, z)
+        Rms of the misfit over the rms of the column.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, lacks a column, holds something that is not a number, has too few
+        different angles to determine nine coefficients, or no sand can have such stresses.
+    """
+    table = _read(path)
+    _check_units(path, table)
+    b, g = np.radians(table[:, 0]), np.radians(table[:, 1])
+    terms_x = [np.cos(2 * b + g), np.cos(g), np.cos(-2 * b + g), np.sin(2 * b)]
+    terms_z = [np.ones_like(b), np.cos(2 * b), np.sin(2 * b + g), np.sin(g), np.sin(-2 * b + g)]
+    (C11, C01, Cm11, D10), error_x = _least_squares(path, terms_x, table[:, 2])
+    (A00, A10, B11, B01, Bm11), error_z = _least_squares(path, terms_z, table[:, 3])
+    if max(error_x, error_z) > MISFIT:
+        raise _wrong(
+            path,
+            f"no stress map comes near it: the misfit is {100 * error_x:.0f} % of alpha_x and "
+            f"{100 * error_z:.0f} % of alpha_z (rms). Check the columns and the signs of the angles.",
+        )
+    found = StressMap(A00, A10, B11, B01, Bm11, C11, C01, Cm11, D10)
+    typical = float(np.sqrt(np.mean(table[:, 2:] ** 2)))
+    if (least := found.dissipation()) < -GAIN * typical:
+        raise _wrong(
+            path,
+            f"such a sand would push a plate along (by {-least:.3g} N/cm^3 in some direction). Check the "
+            "columns and the signs: a plate that moves down has gamma > 0 and alpha_z > 0.",
+        )
+    aside = D10 - C11 + Cm11  # alpha_x of a plate at 45 deg that moves down
+    if aside < -GAIN * typical:
+        raise _wrong(
+            path,
+            f"such a sand would push a plate that moves down to its upper side (alpha_x = {aside:.3g} "
+            "N/cm^3 at beta = 45, gamma = 90 deg). Check the sign of beta: counter-clockwise, + toe up.",
+        )
+    return found, (error_x, error_z)
+
+
+def _read(path: str | Path) -> Array:
+    """The table's four columns, (rows, 4)."""
+    reader = csv.DictReader(read_table(path, "sand", "sand.table").splitlines(), skipinitialspace=True)
+    rows = []
+    try:
+        header = list(reader.fieldnames or [])
+        if missing := [c for c in COLUMNS if c not in header]:
+            raise _wrong(
+                path,
+                f"the header lacks {', '.join(missing)}; "
+                f"the columns must be {', '.join(COLUMNS)} (deg, deg, N/cm^3, N/cm^3).",
+            )
+        if twice := next((c for c in COLUMNS if header.count(c) > 1), None):
+            raise _wrong(path, f"two columns are called {twice!r}. Which one is it?")
+        for line in reader:
+            try:
+                rows.append([number(line[c]) for c in COLUMNS])
+                if None in line:  # more cells than the header has, as with decimal commas
+                    raise ValueError
+            except (TypeError, ValueError):
+                shown = [*(line[c] for c in COLUMNS), *(line.get(None) or [])][:8]
+                raise _wrong(path, f"line {reader.line_num}: not four numbers: {shown}.") from None
+    except csv.Error as error:
+        raise _wrong(path, f"not a table ({error}).") from None
+    table = np.array(rows, float).reshape(-1, 4)
+    if not np.isfinite(table).all():
+        raise _wrong(path, "holds a value that is not finite.")
+    return table
+
+
+def _least_squares(path: str | Path, terms: list[Array], target: Array) -> tuple[list[float], float]:
+    """Coefficients of some terms, and the relative rms misfit of a column."""
+    design = np.stack(terms, axis=1)
+    solution, _, rank, _ = np.linalg.lstsq(design, target, rcond=1e-8)
+    if rank < design.shape[1]:
+        raise _wrong(
+            path,
+            f"{len(target)} rows do not determine the nine coefficients; "
+            "give more combinations of beta and gamma.",
+        )
+    misfit = float(np.sqrt(np.mean((design @ solution - target) ** 2)))
+    scale = float(np.sqrt(np.mean(target**2)))
+    return solution.tolist(), misfit / scale if scale > 0 else misfit
+
+
+def _check_units(path: str | Path, table: Array) -> None:
+    """Raise unless angles can be degrees and stresses N/cm^3; `table` is (rows, 4)."""
+    beta, gamma, stress = abs(table[:, 0]), abs(table[:, 1]), abs(table[:, 2:])
+    if len(table) == 0:
+        return
+    if beta.max() > 180 or gamma.max() > 360:
+        raise _wrong(
+            path, f"beta reaches {beta.max():.4g} and gamma {gamma.max():.4g} deg. Check the columns."
+        )
+    if gamma.max() <= 2 * np.pi:
+        raise _wrong(path, f"gamma reaches {gamma.max():.4g} deg only. Angles must be in degrees.")
+    if not STRESSES[0] <= stress.max() <= STRESSES[1]:
+        raise _wrong(
+            path,
+            f"its largest stress is {stress.max():.4g} N/cm^3, and that of sands {STRESSES[0]:g} to "
+            f"{STRESSES[1]:g}. Stresses must be per depth, in N/cm^3 (1 N/cm^3 = 1e6 N/m^3).",
+        )
+
+
+def _wrong(path: str | Path, why: str) -> FileError:
+    return FileError(f"{named(path, 'sand.table')}: {why}")

@@ -1,0 +1,81 @@
+"""Sands: a stress map and its scale zeta; media from the literature by name."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from footopt.errors import SettingError, check, one_line
+from footopt.sand.fit import fit_table
+from footopt.sand.law import GENERIC, PER_CM3, StressMap
+
+#: zeta of sands by name: the paper's three, and media measured in the literature
+#: (Agarwal et al., J. Terramechanics 85, 2019; Treers, Cao & Stuart, IEEE RA-L 6, 2021).
+MEDIA: dict[str, float] = {
+    "soft": 0.2,
+    "regular": 1.0,
+    "hard": 5.0,
+    "poppy_loose": 0.35,
+    "poppy_close": 0.55,
+    "glass_beads": 0.33,
+    "medium_sand": 2.02,
+    "mars_simulant": 3.05,
+}
+
+
+@dataclass(frozen=True)
+class Sand:
+    """A dry granular medium: a stress map and its scale.
+
+    Parameters
+    ----------
+    zeta : float > 0
+        Scale of the map (1 is the generic material).
+    stress_map : StressMap
+        Nine coefficients, N/cm^3.
+    name : str
+        For tables and legends.
+    fit_error : (x, z), optional
+        Rms misfit of a fitted table over the table's own rms, per component; None if the map was not
+        fitted.
+
+    Raises
+    ------
+    SettingError
+        zeta is not a number from 1e-6 to 1e6.
+    """
+
+    zeta: float = 1.0
+    stress_map: StressMap = GENERIC
+    name: str = "custom"
+    fit_error: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "name", one_line(self.name))
+        check(
+            isinstance(self.zeta, (int, float, np.number)) and 1e-6 <= self.zeta <= 1e6,
+            "sand.zeta",
+            self.zeta,
+            "a number > 0, from 1e-6 to 1e6 (soft sand 0.2, the generic material 1, hard sand 5)",
+            "Try sand=regular or sand.zeta=1.",
+        )
+
+    @classmethod
+    def named(cls, name: str) -> Sand:
+        """A sand of `MEDIA` by its name."""
+        if name not in MEDIA:
+            raise SettingError("sand", name, f"one of {', '.join(MEDIA)}", "Or give sand.zeta.")
+        return cls(zeta=MEDIA[name], name=name)
+
+    @classmethod
+    def from_table(cls, path: str | Path, zeta: float = 1.0) -> Sand:
+        """A sand from a measured table of stresses (see `fit_table`); the fit error is kept."""
+        stress_map, error = fit_table(path)
+        return cls(zeta=zeta, stress_map=stress_map, name=Path(path).stem, fit_error=error)
+
+    @property
+    def stiffness(self) -> float:
+        """zeta in the units of the compiled code: multiplies `Law` to give N/m^3."""
+        return self.zeta * PER_CM3

@@ -1,0 +1,112 @@
+"""Every plate's place, motion and force, by the law in its readable form: what figures and tests ask."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.effects import base as effects
+from footopt.foot import Plates
+from footopt.gait.gait import Pose
+from footopt.sand.law import by_angles, by_direction
+from footopt.walk.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PlateStates:
+    """Plates of both feet at M samples; vectors are (M, 2 feet, N, 2), in x, z."""
+
+    position: Array  # m
+    velocity: Array  # m/s
+    force: Array  # N
+    normal: Array  # outward, into the sand
+    area: Array  # (N,), m^2
+
+    @property
+    def power(self) -> Array:
+        """f.v of every plate, (M, 2 feet, N), W: the paper's eq. 7."""
+        return np.asarray(np.sum(self.force * self.velocity, axis=-1))
+
+
+def plate_states(
+    plates: Plates,
+    pose: Pose,
+    com: Array,
+    velocity: Array,
+    scene: Scene,
+    creep: float,
+    angles: bool = False,
+) -> PlateStates:
+    """The plates of one foot shape under a walker in some states, with the effects of a scene.
+
+    The paper's eq. 4 gives places and velocities, eqs. 1 and 2 the forces.
+
+    Parameters
+    ----------
+    plates : Plates
+        Of one design, directed.
+    pose : Pose
+        Of both feet at M times.
+    com, velocity : (M, 2), m and m/s
+        Of the hip, in x and z.
+    scene : Scene
+        Its sand and effects count.
+    creep : float, m/s
+        Speed over which the law's jump at rest is smoothed.
+    angles : bool
+        Whether the law is computed from angles, as published; only for flat plates (rule "chord").
+    """
+    assert plates.tx is not None, "plates must be directed"
+    assert plates.tz is not None, "plates must be directed"
+    x, z, tx, tz = plates.x[0], plates.z[0], plates.tx[0], plates.tz[0]
+    cos, sin, rate = np.cos(pose.pitch)[..., None], np.sin(pose.pitch)[..., None], pose.rate[..., None]
+    rx, rz = cos * x - sin * z, sin * x + cos * z
+    position = np.stack(
+        [(com[:, 0, None] + pose.x)[..., None] + rx, (com[:, 1, None] + pose.z)[..., None] + rz], axis=-1
+    )
+    v = np.stack(
+        [
+            (velocity[:, 0, None] + pose.vx)[..., None] - rate * rz,
+            (velocity[:, 1, None] + pose.vz)[..., None] + rate * rx,
+        ],
+        axis=-1,
+    )
+    normal = np.stack([sin * tx + cos * tz, sin * tz - cos * tx], axis=-1)
+    if angles:
+        beta = np.arctan2(tz, tx) + pose.pitch[..., None]
+        stress = by_angles(beta, v, creep, scene.sand.stress_map)
+    else:
+        c2p, s2p = np.cos(2.0 * pose.pitch)[..., None], np.sin(2.0 * pose.pitch)[..., None]
+        c, s = plates.c2[0] * c2p - plates.s2[0] * s2p, plates.s2[0] * c2p + plates.c2[0] * s2p
+        stress = by_direction(c, s, v, creep, scene.sand.stress_map)
+    force = forces(stress, position, v, normal, plates.area[0], scene, creep)
+    return PlateStates(position, v, force, normal, plates.area[0])
+
+
+def forces(
+    stress: Array, position: Array, velocity: Array, normal: Array, area: Array, scene: Scene, creep: float
+) -> Array:
+    """zeta load share stress dA - pressure n dA: the force on plates with a scene's effects, (*S, 2), N.
+
+    Parameters
+    ----------
+    stress : (*S, 2), N/m^3
+        Per depth, for zeta = 1.
+    position, velocity, normal : (*S, 2), m, m/s and 1
+        Of the plates, in x and z.
+    area : broadcast to S, m^2
+        Of the plates.
+    scene : Scene
+        Its sand and effects count.
+    creep : float, m/s
+        The creep speed.
+    """
+    depth = np.maximum(-position[..., 1], 0.0)
+    into = np.sum(normal * velocity, axis=-1)
+    load, share, push = effects.readable(scene.effects, depth, position[..., 0], into, creep)
+    pull = scene.sand.zeta * load * share * area
+    return np.asarray(pull[..., None] * stress - (push * area)[..., None] * normal)

@@ -1,0 +1,224 @@
+"""What comes out: `Table`, the objectives of many feet, and `Walk`, one foot with its traces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from footopt.errors import needed
+from footopt.foot import Foot
+from footopt.walk.accuracy import Accuracy
+from footopt.walk.loop import RAW
+from footopt.walk.objectives import OBJECTIVES, Raw, lookup
+from footopt.walk.plates import PlateStates, plate_states
+from footopt.walk.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Table:
+    """Objectives of many feet, in natural signs.
+
+    Parameters
+    ----------
+    values : (designs, objectives)
+        A row of NaN for a failed walk.
+    names : tuple of str
+        Of the objectives.
+    feasible : (designs,), bool
+        Whether the walk succeeded.
+    reasons : (designs,), str
+        "" or why it failed: sunk, backward, diverged.
+    raw : (designs, ...)
+        The loop's own results, columns `RAW`.
+    evaluations, plates : (designs,), int
+        Evaluations of the contact, and of plates in them.
+    rescues : (designs,), int
+        Implicit stages that Newton's method alone could not solve.
+    shortened : (designs,), int
+        Steps under control that were repeated with half their length.
+    repeats : (designs,), int
+        How often the walk was repeated with a quarter of the time step because a step could not be
+        solved or a state was not finite.
+    scene : Scene
+        What was walked through.
+    """
+
+    values: Array
+    names: tuple[str, ...]
+    feasible: NDArray[np.bool_]
+    reasons: NDArray[np.str_]
+    raw: Array
+    evaluations: NDArray[np.int64]
+    plates: NDArray[np.int64]
+    rescues: NDArray[np.int64]
+    shortened: NDArray[np.int64]
+    repeats: NDArray[np.int64]
+    scene: Scene
+
+    def __repr__(self) -> str:
+        title, walked = f"<Table of {len(self)} feet on {self.scene.sand.name} sand", int(self.feasible.sum())
+        return f"{title}: {walked} walked; {', '.join(self.names)}>"
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def column(self, name: str) -> Array:
+        """Any objective by name, (designs,), whether it is among `names` or not.
+
+        `maximum_sinkage` must have been asked for in `evaluate`.
+        """
+        return OBJECTIVES[lookup([name])[0].name].value(Raw(self.raw), self.scene)
+
+    @property
+    def efficiency(self) -> Array:
+        """The paper's scalar J_W, (designs,); most negative is best."""
+        return self.column("efficiency")
+
+    def to_frame(self) -> Any:
+        """A pandas DataFrame with a row for each foot: its objectives, `feasible` and `reason`.
+
+        Units are in ``frame.attrs["units"]``. Needs pandas: ``pip install "footopt[pandas]"``.
+        """
+        pandas = needed("pandas", "Table.to_frame", "pandas")
+        columns = dict(zip(self.names, self.values.T, strict=True))
+        frame = pandas.DataFrame(columns | {"feasible": self.feasible, "reason": self.reasons.astype(object)})
+        frame.attrs["units"] = {name: OBJECTIVES[name].unit for name in self.names}
+        return frame.rename_axis("foot")
+
+
+class Variable(NamedTuple):
+    """A traced quantity: the names of its dimensions, its unit, its values."""
+
+    dimensions: tuple[str, ...]
+    unit: str
+    values: Array
+
+
+#: What the places along a dimension are called.
+PLACES = {"foot": ("left", "right"), "axis": ("x", "z")}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Walk:
+    """One simulated walk: traces at the end of every step, T of them, and what they add up to.
+
+    Parameters
+    ----------
+    foot, scene, accuracy : Foot, Scene, Accuracy
+        What was simulated, and how finely.
+    t : (T,), s
+        The first is the end of the first step: exactly at rest the smoothed force is 3/8 of the one that
+        carries the weight.
+    com, velocity : (T, 2), m and m/s
+        Of the hip, in x, z.
+    force : (T, 2 feet, 2), N
+        Of the sand on the left and the right foot.
+    power, work : (T, 2 feet), W and J
+        Negative where the sand takes energy.
+    start : (2,), m
+        Hip at t = 0.
+    reason : str
+        "" or why the walk failed (then the traces end there).
+    totals : dict
+        The loop's own results by name (`RAW`), by the stepper's own quadrature.
+    evaluations, rescues, shortened, repeats : int
+        What the walk took, see `Table`.
+    """
+
+    foot: Foot
+    scene: Scene
+    accuracy: Accuracy
+    t: Array
+    com: Array
+    velocity: Array
+    force: Array
+    power: Array
+    work: Array
+    start: Array
+    reason: str
+    totals: dict[str, float]
+    evaluations: int
+    rescues: int
+    shortened: int
+    repeats: int
+
+    def __repr__(self) -> str:
+        title = f"<Walk of {self.foot.name} on {self.scene.sand.name} sand"
+        if not self.feasible:
+            return f"{title}: failed, {self.reason}>"
+        values = (
+            f"{name.replace('_', ' ')} {value:.4g} {OBJECTIVES[name].unit}".rstrip()
+            for name, value in self.objectives.items()
+            if np.isfinite(value)
+        )
+        return f"{title}: {'; '.join(values)}>"
+
+    @property
+    def feasible(self) -> bool:
+        """Whether the walk succeeded."""
+        return not self.reason
+
+    @property
+    def objectives(self) -> dict[str, float]:
+        """All objectives by name, in natural signs; NaN for a failed walk."""
+        raw = Raw(np.array([[self.totals[name] if self.feasible else np.nan for name in RAW]]))
+        return {name: float(o.value(raw, self.scene)[0]) for name, o in OBJECTIVES.items()}
+
+    @property
+    def variables(self) -> dict[str, Variable]:
+        """Everything traced, by the names that files give it."""
+        return {
+            "t": Variable(("time",), "s", self.t),
+            "com": Variable(("time", "axis"), "m", self.com),
+            "velocity": Variable(("time", "axis"), "m s-1", self.velocity),
+            "force": Variable(("time", "foot", "axis"), "N", self.force),
+            "power": Variable(("time", "foot"), "W", self.power),
+            "work": Variable(("time", "foot"), "J", self.work),
+            "start": Variable(("axis",), "m", self.start),
+            "sole": Variable(("point", "axis"), "m", self.foot.contour),
+        }
+
+    def to_dataset(self) -> Any:
+        """An xarray Dataset with the variables of walk.nc; times (s), feet and axes select by their names.
+
+        Units are in each variable's attributes. Needs xarray: ``pip install "footopt[xarray]"``.
+        """
+        xarray = needed("xarray", "Walk.to_dataset", "xarray")
+        parts = self.variables
+        t = parts.pop("t")
+        times = {name: ("time", t.values, {"units": t.unit}) for name in ("time", "t")}
+        return xarray.Dataset(
+            {name: (v.dimensions, v.values, {"units": v.unit}) for name, v in parts.items()},
+            times | {name: list(places) for name, places in PLACES.items()},
+            {"reason": self.reason},
+        )
+
+    def to_frame(self) -> Any:
+        """A pandas DataFrame with a row for each sample of the traces, indexed by time, s.
+
+        Columns are com_x, velocity_z, force_left_x, power_right and so on; units are in
+        ``frame.attrs["units"]``. Needs pandas: ``pip install "footopt[pandas]"``.
+        """
+        pandas = needed("pandas", "Walk.to_frame", "pandas")
+        columns, units = {}, {}
+        for name, (dimensions, unit, values) in self.variables.items():
+            if dimensions[0] == "time" and name != "t":
+                for place in np.ndindex(values.shape[1:]):
+                    words = [PLACES[d][i] for d, i in zip(dimensions[1:], place, strict=True)]
+                    column = "_".join([name, *words])
+                    columns[column], units[column] = values[(slice(None), *place)], unit
+        frame = pandas.DataFrame(columns, index=pandas.Index(self.t, name="t"))
+        frame.attrs["units"] = {"t": "s"} | units
+        return frame
+
+    def plates(self, index: ArrayLike) -> PlateStates:
+        """Every plate's place, motion and force at some samples, by the law in its readable form."""
+        i = np.asarray(index)
+        pose = self.scene.gait.pose(self.t[i], self.scene.walker.l1, self.scene.walker.l2)
+        sole = self.foot.plates(self.accuracy.plates, self.accuracy.rule, directed=True)
+        return plate_states(sole, pose, self.com[i], self.velocity[i], self.scene, self.accuracy.creep)
