@@ -14,7 +14,7 @@ import pickle
 import socket
 import time
 from collections.abc import Callable
-from concurrent.futures import BrokenExecutor, Executor, Future, wait
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, wait
 from contextlib import suppress
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -190,6 +190,11 @@ def _outcome(future: Future[Any]) -> Walked | Failed | None:
         outcome: Walked | Failed | Refused = future.result()
     except BrokenExecutor:
         return None
+    except CancelledError:
+        raise FootoptError(
+            "The executor has dropped its work: the connection to the scheduler is lost. What was walked in "
+            "finished generations is kept: start it again, and resume."
+        ) from None
     except Exception as error:
         if type(error).__name__ == "KilledWorker":  # dask's
             return None

@@ -420,7 +420,7 @@ class TestDask:
         p = like(Slow, problem("pareto"))
         with Dask(cluster.address, timeout=5) as engine:
             kill = killing_after({2: cluster.scheduler.pid})
-            with pytest.raises(FootoptError, match=r"the connection to the scheduler is lost .* resume"):
+            with pytest.raises(FootoptError, match=r"the connection to the scheduler is lost.* resume"):
                 search(p, "nsga2", kill, executor=engine, **BUDGET)
 
     def test_a_cluster_of_its_own_leaves_out_what_kills_and_leaves_nothing_behind(self, undisturbed):
