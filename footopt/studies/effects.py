@@ -11,8 +11,8 @@ from footopt.effects import EFFECTS, Effect, LeadingEdge
 from footopt.errors import check
 from footopt.files import run as files
 from footopt.report import summary, terminal
-from footopt.report.effects_figure import changes
 from footopt.report.figures import save
+from footopt.report.figures.effects import changes
 from footopt.report.progress import progress
 from footopt.sand import Sand
 from footopt.studies import build

@@ -11,7 +11,8 @@ from rich.table import Table as RichTable
 from footopt.errors import SettingError, check
 from footopt.files import run as files
 from footopt.foot import SHAPES, Foot
-from footopt.report import figures, page, paper_figures, terminal
+from footopt.report import figures, page, terminal
+from footopt.report.figures import paper as paper_figures
 from footopt.report.progress import progress
 from footopt.studies import build
 from footopt.studies.base import Study

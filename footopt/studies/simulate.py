@@ -5,7 +5,7 @@ from __future__ import annotations
 from footopt.files import run as files
 from footopt.foot.export import write_all
 from footopt.report import figures, film, page, terminal
-from footopt.report.gait_figure import gait_fit
+from footopt.report.figures.gait import gait_fit
 from footopt.studies import build
 from footopt.studies.auto import settle
 from footopt.studies.base import Study

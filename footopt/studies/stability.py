@@ -30,8 +30,8 @@ from footopt.foot import Foot
 from footopt.gait import Fourier, Gait
 from footopt.report import summary, terminal
 from footopt.report.figures import save
+from footopt.report.figures.stability import Cell, verdicts
 from footopt.report.progress import progress
-from footopt.report.stability_figure import Cell, verdicts
 from footopt.sand import StressMap, affine, alpha
 from footopt.studies import build
 from footopt.studies.base import Study

@@ -17,7 +17,8 @@ from footopt.design import Solver, search
 from footopt.errors import SettingError
 from footopt.foot import SHAPES
 from footopt.gait.gait import LEFT, RIGHT
-from footopt.report import figures, paper_figures
+from footopt.report import figures, style
+from footopt.report.figures import paper as paper_figures
 from footopt.studies import shapes as shapes_study
 from footopt.studies.base import Study
 from footopt.studies.paper import claims, readings, study, sweep
@@ -363,12 +364,12 @@ def texts(figure):
 
 class TestFigures:
     def test_sands_and_shapes_keep_their_colours(self, evidence):
-        optima = {sand: evidence.optima[sand] for sand in paper_figures.SAND_ORDER}
+        optima = {sand: evidence.optima[sand] for sand in style.SANDS}
         for figure in (figures.power_work(optima), paper_figures.states(optima)):
             lines = {line.get_label(): line.get_color() for line in figure.axes[0].get_lines()}
-            assert lines["soft"] == figures.BLUE
-            assert lines["hard"] == figures.VERMILLION
-            assert lines["regular"] == figures.GREEN
+            assert lines["soft"] == style.BLUE
+            assert lines["hard"] == style.VERMILLION
+            assert lines["regular"] == style.GREEN
 
     def test_states_are_the_walks_own(self, evidence):
         walks = paper_figures.labelled(evidence.shapes)
@@ -442,7 +443,7 @@ def small(monkeypatch):
     few = tuple(f for f in FACTORS if f.setting in ("foot.apex", "foot.width"))
     monkeypatch.setattr(sweep, "FACTORS", few)
     monkeypatch.setattr(study, "QUICK_BUDGET", (6, 2))
-    monkeypatch.setattr(figures, "DPI", 50)
+    monkeypatch.setattr(style, "DPI", 50)
 
 
 @pytest.mark.slow

@@ -17,7 +17,8 @@ from footopt.effects import LeadingEdge
 from footopt.errors import FootoptError, SettingError, check
 from footopt.files import run as files
 from footopt.foot import Foot
-from footopt.report import figures, paper_figures, terminal
+from footopt.report import figures, terminal
+from footopt.report.figures import paper as paper_figures
 from footopt.report.page import write_study
 from footopt.report.progress import progress
 from footopt.sand import Sand
