@@ -1,29 +1,26 @@
-"""`effects=auto`: let the effect audit decide which effects a run simulates, and record why."""
+"""`effects=auto`: the effect audit decides which effects a run simulates, and result.json says why."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from typing import Any
 
-from rich.console import Console
-
 from footopt.effects import Inertia, LeadingEdge
 from footopt.errors import check
 from footopt.foot import Foot
-from footopt.report import terminal
-from footopt.studies import build
+from footopt.studies.base import Study
+from footopt.studies.build import make_scene
 from footopt.studies.settings import Config
 from footopt.walk import FIVE, Scene
 from footopt.walk.accuracy import TOLERANCES
 from footopt.walk.audit import Audit, audit, parameters
 
-#: Effects with parameters from the literature: those that `effects=auto` decides on. The others say
-#: what the ground is like, which only the user knows.
+#: Effects with parameters from the literature, which `effects=auto` decides on. The others say what the
+#: ground is like, which only the user knows.
 DECIDABLE: tuple[type[Any], ...] = (LeadingEdge, Inertia)
 
 TOLERANCE = 0.01  # where neither the effects nor the accuracy state one
-AUTO_FEET = 40  # random soles that decide for a search
-COMPILING = "Compiling a walk for each effect; this is done once and kept on disk ..."
+RANDOM_FEET = 40  # that decide for a search
 
 
 def tolerance(config: Config) -> float:
@@ -35,33 +32,39 @@ def tolerance(config: Config) -> float:
     return config.accuracy.tolerance or TOLERANCES.get(config.accuracy.name, TOLERANCE)
 
 
-def settle(config: Config, foot: Foot | None, out: Console) -> tuple[Scene, list[dict[str, Any]]]:
-    """The scene of a configuration, with the effects that `effects=auto` decides for.
+def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene, list[dict[str, Any]]]:
+    """The scene of a study, with the effects that `effects=auto` decides for.
 
     Parameters
     ----------
-    foot : the one that walks; None: random soles of the design space decide.
+    study : Study
+        Its settings name the scene.
+    foot : Foot, optional
+        The one that walks; without it random soles of the design space decide.
 
     Returns
     -------
-    scene. audits : for result.json; empty unless `effects.auto`.
+    scene : Scene
+        What is simulated.
+    audits : list of dict
+        For result.json; empty unless `effects.auto`.
     """
-    scene = build.make_scene(replace(config, effects=replace(config.effects, auto=False)))
+    config = study.config
     if not config.effects.auto:
-        return scene, []
-    space = build.make_space(config.foot)
-    feet: Any = [foot] if foot else space.random(AUTO_FEET, seed=config.solver.seed, inside=True)
-    accuracy, limit = build.make_accuracy(config.accuracy), tolerance(config)
-    open_ = [kind() for kind in DECIDABLE if not any(isinstance(e, kind) for e in scene.effects)]
-    with terminal.told_if_slow(out, COMPILING):
-        found = [audit(effect, scene, feet, accuracy, limit, space) for effect in open_]
+        return study.scene, []
+    scene = make_scene(replace(config, effects=replace(config.effects, auto=False)))
+    feet: Any = [foot] if foot else study.space.random(RANDOM_FEET, seed=study.seed, inside=True)
+    limit = tolerance(config)
+    undecided = [kind() for kind in DECIDABLE if not any(isinstance(e, kind) for e in scene.effects)]
+    with study.compiling("a walk for each effect"):
+        found = [audit(effect, scene, feet, study.accuracy, limit, study.space) for effect in undecided]
     for a in found:
-        out.print(f"effects=auto: {a.name.replace('_', ' ')} {a.verdict}")
+        study.say(f"effects=auto: {a.name.replace('_', ' ')} {a.verdict}")
     kept = tuple(a.effect for a in found if a.matters)
-    return replace(scene, effects=(*scene.effects, *kept)), [entry(a) for a in found]
+    return replace(scene, effects=(*scene.effects, *kept)), [audit_entry(a) for a in found]
 
 
-def entry(a: Audit) -> dict[str, Any]:
+def audit_entry(a: Audit) -> dict[str, Any]:
     """An audit in result.json."""
     return {
         "effect": a.name,
