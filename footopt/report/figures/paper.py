@@ -8,7 +8,7 @@ and dashed, regular sand green, as in the paper.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -195,7 +195,7 @@ def waypoints(foot: Foot) -> Figure:
 
 
 #: What each figure shows; "claims" is the one of `claims`.
-SAYS = {
+CAPTIONS = {
     "fig2b_gait": "The gait that drives the legs: thigh, knee and shank over time (the paper's figure 2b).",
     "fig3_shapes": "The five shapes with their contact lines and the ankle (figure 3).",
     "fig4a_shapes_states": "Position, height and speed of the COM over time, for each shape (figure 4a).",
@@ -242,33 +242,31 @@ def all_figures(
     }
 
 
-class Row(NamedTuple):
-    """A claim in the figure of all: whether it holds at the settings, in what share of the sweep."""
-
-    says: str
-    holds: bool
-    share: float
-    decides: str
-
-
 @styled
-def claims(rows: Sequence[Row]) -> Figure:
-    """Every claim with the share of the sweep in which it holds, and the setting that decides it."""
-    figure = new_figure(PAGE, 0.6 + 0.17 * len(rows))
+def claims(entries: Sequence[Mapping[str, Any]]) -> Figure:
+    """Every claim with the share of the sweep in which it holds, and the setting that decides it.
+
+    Parameters
+    ----------
+    entries : sequence of dict
+        The claims as in claims.json, by `says`, `holds_at_the_settings`, `share_of_sweep` (None: not swept)
+        and `decides`.
+    """
+    figure = new_figure(PAGE, 0.6 + 0.17 * len(entries))
     axes = figure.subplots()
-    y = np.arange(len(rows))
-    share = np.array([row.share for row in rows])
-    known = np.nan_to_num(share)
     for holds, colour, name in ((True, BLUE, "holds"), (False, VERMILLION, "does not hold")):
-        mine = np.array([row.holds is holds for row in rows])
+        mine = [i for i, entry in enumerate(entries) if entry["holds_at_the_settings"] is holds]
+        shares = [entries[i]["share_of_sweep"] or 0.0 for i in mine]
         hatch = None if holds else "////"
-        axes.barh(y[mine], known[mine], color=(colour, 0.35), ec=colour, lw=0.6, hatch=hatch)
+        axes.barh(mine, shares, color=(colour, 0.35), ec=colour, lw=0.6, hatch=hatch)
         axes.plot([], [], "s", color=colour, mfc=(colour, 0.35), label=f"{name} at the settings")
-    for i, row in enumerate(rows):
-        text = "not swept" if np.isnan(row.share) else f"{row.share:.0%}"
-        axes.text(known[i] + 0.01, i, f"{text}  {row.decides}".rstrip(), va="center", fontsize=6.5)
-    axes.set_yticks(y, [row.says for row in rows], fontsize=6.5)
-    axes.set(ylim=(len(rows) - 0.4, -0.6), xlim=(0.0, 1.45), xlabel="share of the sweep in which it holds")
+    for i, entry in enumerate(entries):
+        share = entry["share_of_sweep"]
+        text = "not swept" if share is None else f"{100 * share:.0f} %"
+        decides = entry["decides"] if 0.0 < (share or 0.0) < 1.0 else ""
+        axes.text((share or 0.0) + 0.01, i, f"{text}  {decides}".rstrip(), va="center", fontsize=6.5)
+    axes.set_yticks(range(len(entries)), [entry["says"] for entry in entries], fontsize=6.5)
+    axes.set(ylim=(len(entries) - 0.4, -0.6), xlim=(0.0, 1.45), xlabel="share of the sweep in which it holds")
     axes.set_xticks([0.0, 0.25, 0.5, 0.75, 1.0])
     axes.tick_params(axis="y", length=0)
     legend_above(figure, *axes.get_legend_handles_labels())
