@@ -16,7 +16,7 @@ from study_pages import check_page
 import footopt as fo
 from footopt.errors import SettingError
 from footopt.foot import SHAPES
-from footopt.report import figures
+from footopt.report import figures, style
 from footopt.studies import shapes as shapes_study
 from footopt.studies.base import Study
 from footopt.studies.build import make_space
@@ -177,7 +177,7 @@ def small(monkeypatch):
     few = tuple(f for f in FACTORS if f.setting in ("foot.apex", "foot.width"))
     monkeypatch.setattr(factors, "FACTORS", few)
     monkeypatch.setattr(setup, "QUICK_SEARCH", (6, 2))
-    monkeypatch.setattr(figures, "DPI", 50)
+    monkeypatch.setattr(style, "DPI", 50)
 
 
 @pytest.mark.slow

@@ -14,7 +14,8 @@ from footopt.design import Solver, search
 from footopt.errors import SettingError
 from footopt.foot import SHAPES
 from footopt.gait.gait import LEFT, RIGHT
-from footopt.report import figures, paper_figures
+from footopt.report import figures, style
+from footopt.report.figures import paper as paper_figures
 from footopt.studies.paper import quantities, readings
 from footopt.studies.paper.claims import CLAIMS, measure
 from footopt.studies.paper.evidence import SANDS
@@ -228,12 +229,12 @@ def texts(figure):
 
 class TestFigures:
     def test_sands_keep_the_paper_s_colours(self, evidence):
-        optima = {sand: evidence.optima[sand] for sand in paper_figures.SAND_ORDER}
+        optima = {sand: evidence.optima[sand] for sand in style.SANDS}
         for figure in (figures.power_work(optima), paper_figures.states(optima)):
             lines = {line.get_label(): line.get_color() for line in figure.axes[0].get_lines()}
-            assert lines["soft"] == figures.BLUE
-            assert lines["hard"] == figures.VERMILLION
-            assert lines["regular"] == figures.GREEN
+            assert lines["soft"] == style.BLUE
+            assert lines["hard"] == style.VERMILLION
+            assert lines["regular"] == style.GREEN
 
     def test_states_are_the_walks_own(self, evidence):
         walks = paper_figures.labelled(evidence.shapes)

@@ -10,7 +10,8 @@ from typing import Any
 from footopt.design import Solver
 from footopt.errors import check
 from footopt.files import run as files
-from footopt.report import paper_figures, terminal
+from footopt.report import terminal
+from footopt.report.figures import paper as paper_figures
 from footopt.studies.base import Study
 from footopt.studies.paper import page
 from footopt.studies.paper.claims import CLAIMS, measure
