@@ -35,7 +35,8 @@ from footopt.errors import FootoptError, SettingError, check
 from footopt.files import drawings
 from footopt.files import run as files
 from footopt.foot import Foot
-from footopt.report import figures, robust_figures, summary, terminal
+from footopt.report import figures, summary, terminal
+from footopt.report.figures import robust as robust_figures
 from footopt.report.progress import progress, telling
 from footopt.studies import build
 from footopt.studies.base import Study

@@ -9,8 +9,8 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from footopt.report.figures import BLUE, COLUMN, GREY, PAGE, _figure, styled
-from footopt.report.heat_map import ROW, draw_heat_map
+from footopt.report.figures.heat_map import ROW, draw_heat_map
+from footopt.report.style import BLUE, COLUMN, GREY, PAGE, new_figure, styled
 
 
 @styled
@@ -19,7 +19,7 @@ def regrets(values: ArrayLike, feet: Sequence[str], scenarios: Sequence[str]) ->
     table = 100.0 * np.asarray(values, float)
     summary = np.stack([table.mean(axis=1), table.max(axis=1)], axis=1)
     many = len(scenarios) > 6
-    figure = _figure(PAGE if many else COLUMN, 0.95 + ROW * len(feet))
+    figure = new_figure(PAGE if many else COLUMN, 0.95 + ROW * len(feet))
     left, right = figure.subplots(1, 2, sharey=True, width_ratios=[len(scenarios), 2])
     norm = Normalize(0.0, max(1.0, float(np.nanmax(table, initial=0.0))))
     names = [name.removeprefix("draw ") if many else name for name in scenarios]
@@ -28,7 +28,7 @@ def regrets(values: ArrayLike, feet: Sequence[str], scenarios: Sequence[str]) ->
         draw_heat_map(axes, part, feet, columns, texts, norm, "Blues")
     right.tick_params(labelleft=False)
     left.set_ylabel("foot made for")
-    figure.supxlabel("loss against the best specialist in each scenario (%)", fontsize=8)
+    figure.supxlabel("loss against the best specialist in each scenario (%)")
     return figure
 
 
@@ -40,7 +40,7 @@ def held_out(values: ArrayLike) -> Figure:
     """
     loss = np.sort(100.0 * np.asarray(values, float))
     loss = loss[np.isfinite(loss)]
-    figure = _figure(COLUMN, 2.2)
+    figure = new_figure(COLUMN, 2.2)
     axes = figure.subplots()
     axes.axvline(0.0, color=GREY, lw=0.8, ls="--")
     axes.step(loss, 100.0 * np.arange(1, len(loss) + 1) / len(loss), where="post", color=BLUE)

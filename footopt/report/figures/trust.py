@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from footopt.report.figures import PAGE, _figure, _line, styled
+from footopt.report.style import GRID, PAGE, line, new_figure, styled
 
 
 @styled
@@ -26,16 +26,16 @@ def trust(attempts: Mapping[str, Sequence[Any]], solvers: Sequence[str], evaluat
         ("share of the exact\nhypervolume (%)", [name for name in solvers if name in several]),
     ]
     rows = [(title, names) for title, names in rows if names]
-    figure = _figure(PAGE, 0.5 + 1.9 * len(rows))
+    figure = new_figure(PAGE, 0.5 + 1.9 * len(rows))
     axes = figure.subplots(len(rows), len(attempts), sharex=True, sharey="row", squeeze=False)
     for row, (title, names) in zip(axes, rows, strict=True):
         for ax, found in zip(row, attempts.values(), strict=True):
             for i, name in enumerate(names):
                 own = [a for a in found if a.solver == name]
                 ax.plot(
-                    *(_shares(own) if name in several else _hits(own, evaluations)), **_line(i), label=name
+                    *(_shares(own) if name in several else _hits(own, evaluations)), **line(i), label=name
                 )
-            ax.grid(color="0.92", lw=0.6)
+            ax.grid(color=GRID, lw=0.6)
         row[0].set_ylabel(title)
         row[-1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5), borderaxespad=0.4)
     for ax, sand in zip(axes[0], attempts, strict=True):

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.colors import Colormap, Normalize
+from matplotlib import colormaps
+from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
-from footopt.report.figures import Axes
+from footopt.report.style import Axes, no_frame
 
 Array = NDArray[np.float64]
 
@@ -25,9 +26,7 @@ def draw_heat_map(
     cmap: str,
 ) -> None:
     """One cell a value, (rows, columns), with its text; white where there is none."""
-    from matplotlib import colormaps
-
-    colours: Colormap = colormaps[cmap].with_extremes(bad="white")
+    colours = colormaps[cmap].with_extremes(bad="white")
     shade = colours(np.ma.masked_invalid(norm(values)))
     axes.imshow(shade, aspect="auto", interpolation="nearest")
     for (row, column), _ in np.ndenumerate(values):
@@ -41,7 +40,5 @@ def draw_heat_map(
     axes.set_xticks(np.arange(len(columns) - 1) + 0.5, minor=True)
     axes.set_yticks(np.arange(len(rows) - 1) + 0.5, minor=True)
     axes.grid(which="minor", color="white", lw=1.0)
-    axes.tick_params(which="both", length=0)
     axes.xaxis.tick_top()
-    for side in axes.spines.values():
-        side.set_visible(False)
+    no_frame(axes)

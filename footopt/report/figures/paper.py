@@ -20,19 +20,32 @@ from numpy.typing import NDArray
 from footopt.errors import SettingError
 from footopt.files.drawings import MM
 from footopt.foot import Foot
-from footopt.gait.gait import LEFT, RIGHT
-from footopt.report import figures
-from footopt.report.figures import BLUE, COLUMN, GREY, PAGE, PALE, VERMILLION, styled
-from footopt.walk.results import Walk
-from footopt.walk.scene import Scene
+from footopt.gait import LEFT
+from footopt.report.body import legs
+from footopt.report.figures.foot import ANKLE, contours
+from footopt.report.figures.step import steps
+from footopt.report.figures.traces import draw_traces, forces, power_work, walk_label
+from footopt.report.style import (
+    BLUE,
+    COLUMN,
+    GREY,
+    PAGE,
+    PALE,
+    SANDS,
+    SIDES,
+    VERMILLION,
+    Axes,
+    legend_above,
+    line,
+    new_figure,
+    styled,
+)
+from footopt.walk import Scene, Walk
 
 Array = NDArray[np.float64]
-Axes = Any  # matplotlib.axes.Axes
-
-#: Sands in the order that gives them the paper's colours.
-SAND_ORDER = ("soft", "hard", "regular")
 
 STICKS = 12  # of a leg over one stride
+HALF_FOOT = 0.13  # of a stick figure, m
 PLATE = 0.08  # thickness of the drawn L, as a share of its contact length; only the line is simulated
 
 
@@ -49,18 +62,18 @@ def title(shape: str) -> str:
 @styled
 def gait(scene: Scene) -> Figure:
     """Fig. 2b: the leg over a stride, and both ankles relative to the hip from standing to walking."""
-    figure = figures._figure(PAGE, 2.5)
+    figure = new_figure(PAGE, 2.5)
     leg, path, time = figure.subplots(1, 3, width_ratios=(1.0, 1.0, 1.4))
     walker, t_f = scene.walker, scene.duration
     begin = scene.gait.heel_strike + scene.gait.period / 2.0  # the left foot's heel strike
     draw_leg(leg, scene, begin + scene.gait.period * np.arange(STICKS) / STICKS)
     t = np.linspace(0.0, t_f, 1200)
     pose = scene.gait.pose(t, walker.l1, walker.l2)
-    for foot, label, line in ((LEFT, "left", figures._line(0)), (RIGHT, "right", figures._line(1))):
-        path.plot(pose.x[:, foot], pose.z[:, foot], **line, label=label)
-        path.plot(pose.x[0, foot], pose.z[0, foot], "o", color=line["color"])
-        time.plot(t, pose.x[:, foot], **line)
-        time.plot(t, pose.z[:, foot] + walker.l1 + walker.l2, **line, alpha=0.6, lw=0.8)
+    for foot, (label, colour) in enumerate(SIDES):
+        path.plot(pose.x[:, foot], pose.z[:, foot], **line(foot), label=label)
+        path.plot(pose.x[0, foot], pose.z[0, foot], "o", color=colour)
+        time.plot(t, pose.x[:, foot], **line(foot))
+        time.plot(t, pose.z[:, foot] + walker.l1 + walker.l2, **line(foot), alpha=0.6, lw=0.8)
     for h in scene.gait.heel_strikes(t_f):
         time.axvline(h, color=GREY, lw=0.5, zorder=0)
     leg.set(xlabel="$x$ (m)", ylabel="$z$ (m), from the hip", aspect="equal", title="left leg, one stride")
@@ -68,21 +81,17 @@ def gait(scene: Scene) -> Figure:
     time.set(xlabel="time $t$ (s)", ylabel="(m)", xlim=(0, t_f), title="thick: $x$; thin: $z + l_1 + l_2$")
     for axes in (leg, path, time):
         axes.xaxis.set_major_locator(MaxNLocator(4))
-    figures._legend_above(figure, *path.get_legend_handles_labels())
+    legend_above(figure, *path.get_legend_handles_labels())
     return figure
 
 
 def draw_leg(axes: Axes, scene: Scene, t: Array) -> None:
     """Stick figures of the left leg at times t (T,): hip, knee, ankle, and a foot of 2L."""
-    walker = scene.walker
-    thigh, shank, pitch = (angle[:, LEFT] for angle, _ in scene.gait.angles(t))
-    knee = walker.l1 * np.stack([np.sin(thigh), -np.cos(thigh)], axis=1)
-    ankle = knee + walker.l2 * np.stack([np.sin(shank), -np.cos(shank)], axis=1)
-    along = 0.13 * np.stack([np.cos(pitch), np.sin(pitch)], axis=1)
-    for i in range(len(t)):
-        leg = np.array([np.zeros(2), knee[i], ankle[i]])
-        axes.plot(*leg.T, color=GREY, lw=0.8)
-        axes.plot(*np.array([ankle[i] - along[i], ankle[i] + along[i]]).T, color=BLUE, lw=1.0)
+    joints = legs(scene, t, np.zeros((len(t), 2)))[:, LEFT]
+    pitch, ankle = scene.gait.angles(t)[2][0][:, LEFT], joints[:, 2]
+    along = HALF_FOOT * np.stack([np.cos(pitch), np.sin(pitch)], axis=1)
+    axes.plot(*joints.transpose(2, 1, 0), color=GREY, lw=0.8)
+    axes.plot(*np.stack([ankle - along, ankle + along]).transpose(2, 0, 1), color=BLUE, lw=1.0)
     axes.plot(*ankle.T, "o", color="black", ms=2.5, zorder=3)
     axes.plot(0.0, 0.0, "o", color="black", ms=5)
 
@@ -90,19 +99,19 @@ def draw_leg(axes: Axes, scene: Scene, t: Array) -> None:
 @styled
 def shapes(feet: Mapping[str, Foot]) -> Figure:
     """Fig. 3: the five shapes with their contact lines, all of one length, and the ankle of each."""
-    figure = figures._figure(PAGE, 1.6)
+    figure = new_figure(PAGE, 1.6)
     panels = figure.subplots(1, len(feet), sharex=True, sharey=True)
     for i, (axes, (name, foot)) in enumerate(zip(panels, feet.items(), strict=True)):
         outline = MM * _outline(name, foot.contour)
         axes.add_patch(Polygon(outline, closed=True, fc=PALE, ec=GREY, lw=0.6))
         axes.plot(*(MM * foot.contour).T, color=VERMILLION, lw=2, label="contact line")
-        axes.plot(*(MM * np.array(foot.ankle)), "+", color="black", ms=6, mew=1, label="ankle")
+        axes.plot(*(MM * np.array(foot.ankle)), **ANKLE, label="ankle")
         axes.set_title(f"{i + 1}: {title(name)}")
         axes.set(aspect="equal", xlabel="$x_p$ (mm)")
         axes.xaxis.set_major_locator(MaxNLocator(3))
         axes.margins(0.06)
     panels[0].set_ylabel("$z_p$ (mm)")
-    figures._legend_above(figure, *panels[0].get_legend_handles_labels())
+    legend_above(figure, *panels[0].get_legend_handles_labels())
     return figure
 
 
@@ -125,14 +134,13 @@ def _outline(name: str, line: Array) -> Array:
 @styled
 def states(walks: Mapping[str, Walk]) -> Figure:
     """Figs. 4a, 8a: the path of the COM, its forward and its vertical velocity, a row each."""
-    figure = figures._figure(COLUMN, 4.6)
+    figure = new_figure(COLUMN, 4.6)
     path, forward, upward = figure.subplots(3, 1)
     upward.sharex(forward)
     for i, (label, walk) in enumerate(walks.items()):
-        line = figures._line(i)
-        path.plot(walk.com[:, 0], walk.com[:, 1], **line, label=figures.walk_label(label, walk))
-    figures.draw_traces(forward, walks, lambda walk: walk.velocity[:, 0])
-    figures.draw_traces(upward, walks, lambda walk: walk.velocity[:, 1])
+        path.plot(walk.com[:, 0], walk.com[:, 1], **line(i), label=walk_label(label, walk))
+    draw_traces(forward, walks, "velocity", 0)
+    draw_traces(upward, walks, "velocity", 1)
     end = max(walk.scene.duration for walk in walks.values())
     path.set(xlabel=r"$x_{\mathrm{COM}}$ (m)", ylabel=r"$z_{\mathrm{COM}}$ (m)")
     forward.set(ylabel="$V_x$ (m/s)", xlim=(0.0, end))
@@ -141,7 +149,7 @@ def states(walks: Mapping[str, Walk]) -> Figure:
     figure.align_ylabels()
     handles, labels = path.get_legend_handles_labels()
     strike = Line2D([], [], color=GREY, lw=0.5)
-    figures._legend_above(figure, [*handles, strike], [*labels, "heel strike"])
+    legend_above(figure, [*handles, strike], [*labels, "heel strike"])
     return figure
 
 
@@ -156,7 +164,7 @@ def waypoints(foot: Foot) -> Figure:
     space = foot.space
     if space is None or foot.k is None:
         raise SettingError("foot", foot.name, "a sole through waypoints: others have no scheme to draw")
-    figure = figures._figure(COLUMN, 1.55)
+    figure = new_figure(COLUMN, 1.55)
     axes = figure.subplots()
     length, height = MM * space.L, MM * space.H
     axes.add_patch(Rectangle((-length, -height), 2 * length, 2 * height, color=PALE, lw=0))
@@ -182,7 +190,7 @@ def waypoints(foot: Foot) -> Figure:
     )
     axes.set(xlim=(-1.35 * length, 1.4 * length), ylim=(-2.2 * height, 2.1 * height), aspect="equal")
     axes.set_axis_off()
-    figures._legend_above(figure, *axes.get_legend_handles_labels())
+    legend_above(figure, *axes.get_legend_handles_labels())
     return figure
 
 
@@ -214,9 +222,9 @@ def all_figures(
     crossed : of the regular sand's best foot on hard sand.
     """
     by_shape = labelled(of_shapes)
-    by_sand = {sand: optima[sand] for sand in SAND_ORDER}
+    by_sand = {sand: optima[sand] for sand in SANDS}
     feet = {f"{sand} (hollow {MM * w.foot.hollow:.1f} mm)": w.foot for sand, w in by_sand.items()}
-    steps = {
+    on_hard_sand = {
         "hard sand, its own foot": optima["hard"],
         "hard sand, the foot for regular sand": crossed,
     }
@@ -224,13 +232,13 @@ def all_figures(
         "fig2b_gait": gait(crossed.scene),
         "fig3_shapes": shapes({name: walk.foot for name, walk in of_shapes.items()}),
         "fig4a_shapes_states": states(by_shape),
-        "fig4b_shapes_power_work": figures.power_work(by_shape),
+        "fig4b_shapes_power_work": power_work(by_shape),
         "fig5_waypoints": waypoints(optima["hard"].foot),
-        "fig6_contours": figures.contours(feet),
-        "fig7_steps": figures.steps(steps),
+        "fig6_contours": contours(feet),
+        "fig7_steps": steps(on_hard_sand),
         "fig8a_sands_states": states(by_sand),
-        "fig8b_sands_forces": figures.forces(by_sand),
-        "fig8c_sands_power_work": figures.power_work(by_sand),
+        "fig8b_sands_forces": forces(by_sand),
+        "fig8c_sands_power_work": power_work(by_sand),
     }
 
 
@@ -244,7 +252,7 @@ def claims(entries: Sequence[Mapping[str, Any]]) -> Figure:
         The claims as in claims.json, by `says`, `holds_at_the_settings`, `share_of_sweep` (None: not swept)
         and `decides`.
     """
-    figure = figures._figure(PAGE, 0.6 + 0.17 * len(entries))
+    figure = new_figure(PAGE, 0.6 + 0.17 * len(entries))
     axes = figure.subplots()
     for holds, colour, name in ((True, BLUE, "holds"), (False, VERMILLION, "does not hold")):
         mine = [i for i, entry in enumerate(entries) if entry["holds_at_the_settings"] is holds]
@@ -261,5 +269,5 @@ def claims(entries: Sequence[Mapping[str, Any]]) -> Figure:
     axes.set(ylim=(len(entries) - 0.4, -0.6), xlim=(0.0, 1.45), xlabel="share of the sweep in which it holds")
     axes.set_xticks([0.0, 0.25, 0.5, 0.75, 1.0])
     axes.tick_params(axis="y", length=0)
-    figures._legend_above(figure, *axes.get_legend_handles_labels())
+    legend_above(figure, *axes.get_legend_handles_labels())
     return figure

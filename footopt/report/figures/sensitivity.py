@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from footopt.report.figures import PAGE, _figure, styled
-from footopt.report.heat_map import ROW, draw_heat_map
+from footopt.report.figures.heat_map import ROW, draw_heat_map
+from footopt.report.style import PAGE, new_figure, styled
 
 
 @styled
@@ -25,7 +25,7 @@ def sensitivity(found: Mapping[str, Any], names: Sequence[str], label: Callable[
     columns = [name.replace("_", "\n") for name in names]
     heights = [len(block.parameters) for block in found.values()]
     largest = max(float(np.nanmax(np.abs(100.0 * block.change), initial=1e-9)) for block in found.values())
-    figure = _figure(PAGE, 1.0 + ROW * sum(heights))
+    figure = new_figure(PAGE, 1.0 + ROW * sum(heights))
     panels = figure.subplots(len(found), 2, height_ratios=heights, squeeze=False)
     for (left, right), (title, block) in zip(panels, found.items(), strict=True):
         rows = [label(name) for name in block.parameters]
