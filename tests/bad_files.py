@@ -95,8 +95,8 @@ KINDS = {
     ),
     "c3d": Kind({}),
     "mot": Kind(
-        {"inDegrees=yes": ("inDegrees=no", "inDegrees=maybe"), "inDegrees=yes\n": ("",), "nRows=": ("nRows=1",),
-         "nColumns=5": ("nColumns=x",), "endheader": ("header ends",), "time": ("zeit",),
+        {"inDegrees=yes": ("inDegrees=no", "inDegrees=maybe"), "inDegrees=yes\n": ("",),
+         "nRows=": ("nRows=1",), "nColumns=5": ("nColumns=x",), "endheader": ("header ends",), "time": ("zeit",),
          "knee_angle_r": ("knee_angle_l",), "hip_flexion_r": ("knee_angle_r",), "pelvis_tilt": ("tilt",)}
         | SEPARATORS,
         (("hip_flexion_r", "knee_angle_r"), ("pelvis_tilt", "hip_flexion_r")), {0: TIME},
