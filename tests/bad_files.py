@@ -96,7 +96,8 @@ KINDS = {
     "c3d": Kind({}),
     "mot": Kind(
         {"inDegrees=yes": ("inDegrees=no", "inDegrees=maybe"), "inDegrees=yes\n": ("",),
-         "nRows=": ("nRows=1",), "nColumns=5": ("nColumns=x",), "endheader": ("header ends",), "time": ("zeit",),
+         "nRows=": ("nRows=1",), "nColumns=5": ("nColumns=x",), "endheader": ("header ends",),
+         "time": ("zeit",),
          "knee_angle_r": ("knee_angle_l",), "hip_flexion_r": ("knee_angle_r",), "pelvis_tilt": ("tilt",)}
         | SEPARATORS,
         (("hip_flexion_r", "knee_angle_r"), ("pelvis_tilt", "hip_flexion_r")), {0: TIME},
@@ -269,21 +270,10 @@ def other_column(draw, kind, good):
     return Bad(how, ("\n".join([*lines[: len(lines) - len(rows)], *table]) + "\n").encode(), OTHER)
 
 
-def damaged(draw, content):
-    """Bytes that were cut off, or have a hole, zeros or bits that changed."""
-    at, bit = draw(st.integers(1, len(content) - 2)), draw(st.integers(0, 7))
-    stop = draw(st.integers(at, len(content)))
-    flipped = bytes([content[at] ^ 1 << bit])
-    return draw(
-        st.sampled_from(
-            [
-                content[:at],
-                content[:at] + content[stop:],
-                content[:at] + bytes(512) + content[at + 512 :],
-                content[:at] + flipped + content[at + 1 :],
-            ]
-        )
-    )
+def cut_off(draw, content):
+    """Bytes of which the end, or a part, is missing."""
+    at, stop = sorted(draw(st.tuples(*2 * [st.integers(1, len(content) - 1)])))
+    return content[:at] + draw(st.sampled_from([b"", content[stop:]]))
 
 
 def tree(draw, content):
