@@ -13,7 +13,7 @@ from omegaconf import OmegaConf
 from study_pages import check_page
 
 import footopt as fo
-from footopt.cli.main import CONF
+from footopt.cli.compose import CONF
 from footopt.design import Solver, exhaustive, search
 from footopt.design.exhaustive import batches
 from footopt.design.memetic import ExchangeRun, ShiftRun, shifts
