@@ -12,8 +12,7 @@ from collections.abc import Callable
 from dataclasses import MISSING, dataclass, field, fields, make_dataclass
 from typing import Any, Optional, get_type_hints
 
-from footopt.design import RobustProblem, Solver
-from footopt.design.engines import make_engine
+from footopt.design import RobustProblem, Solver, make_executor
 from footopt.design.problem import SETS
 from footopt.effects import EFFECTS
 from footopt.files import soles
@@ -251,13 +250,13 @@ class SolverConfig:
 
 @dataclass
 class EngineConfig:
-    """Where designs are evaluated: see `footopt.design.engines`; threads are of this process."""
+    """Where designs are evaluated: see `footopt.design.make_executor`; threads are of this process."""
 
-    name: str = default(make_engine, "name")
+    name: str = default(make_executor, "name")
     threads: int | None = None
     workers: int | None = None
     address: str | None = None
-    timeout: float = default(make_engine, "timeout")
+    timeout: float = default(make_executor, "timeout")
 
 
 @dataclass
