@@ -20,7 +20,7 @@ from rich.table import Table as RichTable
 from footopt.errors import check
 from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
-from footopt.report.work_precision import work_precision
+from footopt.report.figures.accuracy import work_precision
 from footopt.sand import Sand
 from footopt.studies.base import Study
 from footopt.walk import FIVE, Accuracy, Scene, evaluate, simulate

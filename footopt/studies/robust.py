@@ -9,6 +9,7 @@ the median scene takes part too, and both meet scenarios that neither was design
 from __future__ import annotations
 
 import dataclasses
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,14 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.table import Table as RichTable
 
-from footopt.design import EXHAUSTIVE, FootProblem, SearchResult, Solver, confirm, make_engine, search
+from footopt.design import EXHAUSTIVE, FootProblem, SearchResult, Solver, confirm, make_executor, search
+from footopt.design.result import check_finalists
 from footopt.design.robust import RobustProblem, regret
-from footopt.design.search import check_finalists
-from footopt.design.workers import Engine
 from footopt.errors import FootoptError, SettingError, check
 from footopt.files import run as files
 from footopt.foot import Foot
-from footopt.report import figures, robust_figures, terminal
+from footopt.report import figures, terminal
+from footopt.report.figures import robust as robust_figures
 from footopt.report.progress import Step, telling
 from footopt.studies.base import Study
 from footopt.studies.build import check_searchable, make_scene, make_spread
@@ -90,19 +91,19 @@ def run(study: Study) -> None:
     work = float(each * (len(owners) + len(scenarios)))  # the robust foot walks in all scenarios
     unit, e = "batch" if solver.name == EXHAUSTIVE else "generation", config.engine
     with (
-        make_engine(e.name, e.workers, e.address, e.timeout) as engine,
+        make_executor(e.name, e.workers, e.address, e.timeout) as executor,
         study.progress(each * (len(owners) + 1), unit, work) as step,
     ):
         for owner in owners:
             alone = FootProblem(owner.scene, judge.names, owner.space(judge.space), accuracy, judge.threads)
-            result = _search(study, alone, solver, owner.name, engine, step)
+            result = _search(study, alone, solver, owner.name, executor, step)
             feet[owner.name] = result.k[confirm(result, finer, options.finalists).designs[0]]
             study.say(f"specialist, {owner.name}: {terminal.describe_search(result)}")
         problem = RobustProblem(
             scenarios, judge.names, judge.space, accuracy, judge.threads, options.measure, options.tail,
             references=compare(judge, feet).references,
         )  # fmt: skip
-        result = _search(study, problem, solver, ROBUST, engine, step)
+        result = _search(study, problem, solver, ROBUST, executor, step)
     confirmed = confirm(result, finer, options.finalists)
     feet[ROBUST] = result.k[confirmed.designs[0]]
     study.say(
@@ -155,15 +156,15 @@ def make_scenarios(config: Config) -> tuple[Scene, tuple[Scenario, ...]]:
 
 
 def _search(
-    study: Study, problem: FootProblem, solver: Solver, name: str, engine: Engine, step: Step
+    study: Study, problem: FootProblem, solver: Solver, name: str, executor: Executor | None, step: Step
 ) -> SearchResult:
     """A search whose evaluations are kept; an interrupted one ends the study."""
     store = study.options.store or study.folder / "designs.sqlite"
-    robust = isinstance(problem, RobustProblem)
-    work, scale = (len(problem.scenarios), " of the specialist's") if robust else (1.0, "")
+    many = len(problem.scenarios) if isinstance(problem, RobustProblem) else 0
     try:
-        tell = telling(step, problem.guide, work, f"{name}: ", scale)
-        result = search(problem, solver, tell, store, engine)
+        scale = " of the specialist's" if many else ""
+        tell = telling(step, problem.guide, max(many, 1), f"{name}: ", scale)
+        result = search(problem, solver, tell, store, executor)
     except FootoptError as error:
         raise FootoptError(f"{name}: {error}") from None
     if result.interrupted:

@@ -23,7 +23,7 @@ from rich.table import Table as RichTable
 from footopt.errors import FootoptError, check, needed
 from footopt.foot import Foot
 from footopt.report import terminal
-from footopt.report.sensitivity_figure import sensitivity
+from footopt.report.figures.sensitivity import sensitivity
 from footopt.studies.base import Study
 from footopt.studies.build import make_spread
 from footopt.studies.record import foot_entry, scene_entry

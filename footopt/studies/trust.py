@@ -17,7 +17,7 @@ from footopt.design import EXHAUSTIVE, SINGLE, SOLVERS, FootProblem, Solver, sea
 from footopt.design.truth import BATCH, REACHED, Attempt, Tabulated, judge, walk_all
 from footopt.errors import SettingError, check
 from footopt.report import terminal
-from footopt.report.trust_figure import trust
+from footopt.report.figures.trust import trust
 from footopt.sand import Sand
 from footopt.studies.accuracy import SANDS
 from footopt.studies.base import Study

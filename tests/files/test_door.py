@@ -19,10 +19,10 @@ from test_gait_files import misfit
 import footopt as fo
 from footopt.design import FootProblem, Store
 from footopt.errors import FileError, FootoptError, SettingError
-from footopt.files import outlines as outline
 from footopt.files import reading
+from footopt.files import soles as outline
 from footopt.files.gaits.angles import LIMITS, PERIODS
-from footopt.files.polygon import crossing
+from footopt.files.soles.lines import crossing
 from footopt.studies.export import foot_of
 
 PATIENCE = 10.0  # s a file
