@@ -10,7 +10,7 @@ from rich.table import Table
 from footopt.effects import EFFECTS, Effect, LeadingEdge
 from footopt.errors import check
 from footopt.report import terminal
-from footopt.report.effects_figure import changes
+from footopt.report.figures.effects import changes
 from footopt.sand import Sand
 from footopt.studies.auto_effects import audit_entry, tolerance
 from footopt.studies.base import Study

@@ -11,7 +11,8 @@ from rich.text import Text
 
 from footopt.errors import SettingError, check
 from footopt.foot import SHAPES, Foot
-from footopt.report import figures, paper_figures, terminal
+from footopt.report import figures, terminal
+from footopt.report.figures import paper as paper_figures
 from footopt.studies.base import Study
 from footopt.studies.build import make_foot
 from footopt.studies.record import foot_entry, scene_entry

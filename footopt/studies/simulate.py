@@ -9,7 +9,7 @@ from rich.text import Text
 from footopt.files import run as files
 from footopt.foot.export import write_all
 from footopt.report import figures, film, page, terminal
-from footopt.report.gait_figure import gait_fit
+from footopt.report.figures.gait import gait_fit
 from footopt.studies.auto_effects import choose_effects
 from footopt.studies.base import Study
 from footopt.studies.build import make_strides

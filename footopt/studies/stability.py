@@ -13,7 +13,7 @@ from rich.text import Text
 
 from footopt.errors import SettingError
 from footopt.report import terminal
-from footopt.report.stability_figure import Cell, verdicts
+from footopt.report.figures.stability import Cell, verdicts
 from footopt.studies.base import Study
 from footopt.studies.record import foot_entry, scene_entry
 from footopt.studies.settings import Config

@@ -14,7 +14,7 @@ from study_pages import check_page
 
 import footopt as fo
 from footopt.errors import SettingError
-from footopt.report.stability_figure import Cell, verdicts
+from footopt.report.figures.stability import Cell, verdicts
 from footopt.sand import affine
 from footopt.sand.law import GENERIC
 from footopt.studies import stability
@@ -274,7 +274,7 @@ class TestFigure:
         (axes,) = figure.axes
         assert [t.get_text() for t in axes.texts] == [
             "✓ chatter 2e-7",
-            "✗ load .084",
+            "✗ load 0.084",
             "✓ sunk",
             "✗ speed 3e5",
         ]
