@@ -106,7 +106,7 @@ class Summary(Callback):
         """Read what the jobs left in their folders."""
         from footopt.report import summary
 
-        Summary.failed = summary.report(Path(config.hydra.sweep.dir))
+        Summary.failed = summary.of_multirun(Path(config.hydra.sweep.dir))
 
 
 def tidied(folder: Path) -> None:

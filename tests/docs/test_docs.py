@@ -28,7 +28,7 @@ from test_custom import EXAMPLES
 
 import footopt as fo
 from footopt.cli import main as cli
-from footopt.report.terminal import number
+from footopt.report.numbers import number
 from footopt.studies import STUDIES
 from footopt.studies.settings import Config
 
