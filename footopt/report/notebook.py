@@ -6,7 +6,7 @@ from typing import Any
 
 #: Where the classes are that have a card (those that inherit from them have it, too).
 CLASSES = {
-    "footopt.design.search": ("SearchResult",),
+    "footopt.design.result": ("SearchResult",),
     "footopt.foot.foot": ("Foot",),
     "footopt.gait.gait": ("Gait",),
     "footopt.sand.media": ("Sand",),

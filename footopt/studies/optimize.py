@@ -15,11 +15,11 @@ from footopt.design import (
     Solver,
     Store,
     confirm,
-    make_engine,
+    make_executor,
     search,
 )
 from footopt.design.exhaustive import Enumeration, check_size
-from footopt.design.search import check_finalists
+from footopt.design.result import check_finalists
 from footopt.files import run as files
 from footopt.foot import Foot
 from footopt.report import figures, page, terminal
@@ -110,7 +110,7 @@ def _search(study: Study, problem: FootProblem, solver: Solver) -> SearchResult:
     """Search where `engine` says, with every evaluation kept in the run's store."""
     e, space = study.config.engine, problem.space
     with (
-        make_engine(e.name, e.workers, e.address, e.timeout) as engine,
+        make_executor(e.name, e.workers, e.address, e.timeout) as executor,
         Store(study.options.store or study.folder / "designs.sqlite", problem) as store,
     ):
         study.say(
@@ -120,7 +120,7 @@ def _search(study: Study, problem: FootProblem, solver: Solver) -> SearchResult:
         if known := store.describe():
             study.say(known)
         with study.progress(solver.generations(space), _unit(solver)) as step:
-            return search(problem, solver, report_generations(step, problem.guide), store, engine)
+            return search(problem, solver, report_generations(step, problem.guide), store, executor)
 
 
 def _search_entry(result: SearchResult, confirmed: Confirmation) -> dict[str, Any]:

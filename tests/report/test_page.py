@@ -20,6 +20,7 @@ from footopt.errors import FileError
 from footopt.files import run as files
 from footopt.foot.outline import closed_contour
 from footopt.report import figures, page, summary, terminal
+from footopt.report.numbers import number
 from footopt.report.page import walks
 from footopt.report.page.file import packed
 from footopt.report.runs import Run

@@ -140,18 +140,18 @@ def verdict(holds: bool, share: float, rates: Mapping[str, float], decides: str)
         return ("holds" if holds else "does not hold"), ""
     if not decides:
         return "holds only if", "several settings combine"
+    rates = {level: rate for level, rate in rates.items() if np.isfinite(rate)}
     top = max(rates.values())
     good = [level for level, rate in rates.items() if rate >= max(0.5, 0.9 * top)] or [
         level for level, rate in rates.items() if rate == top
     ]
     there, elsewhere = (
-        np.mean([rate for level, rate in rates.items() if (level in good) is inside] or [np.nan])
-        for inside in (True, False)
+        [rate for level, rate in rates.items() if (level in good) is inside] for inside in (True, False)
     )
     several = "" if top >= ALWAYS else "several settings combine, above all "
-    return "holds only if", (
-        f"{several}{decides} = {' or '.join(good)} ({100 * there:.0f} %, else {100 * elsewhere:.0f} %)"
-    )
+    shares = f"{100 * np.mean(there):.0f} %"
+    shares += f", else {100 * np.mean(elsewhere):.0f} %" if elsewhere else ""
+    return "holds only if", f"{several}{decides} = {' or '.join(good)} ({shares})"
 
 
 def summary(verdicts: Sequence[str]) -> str:

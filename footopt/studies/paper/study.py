@@ -67,10 +67,15 @@ def run(study: Study) -> None:
     study.save("claims", paper_figures.claims(found["claims"]), paper_figures.CAPTIONS["claims"])
     files.write_json(study.folder / "claims.json", found)
     files.write_text(study.folder / "claims.md", page.markdown(found))
-    tables = [page.claims_table(found).rich(words=("figure", "claim", "verdict"))]
+    head: tuple[str, ...] = ("figure", "claim", "margin", "share", "verdict")
+    tables = [terminal.table(head, ("figure", "claim", "verdict"), "What the paper says, and what comes out")]
+    for row in page.claim_rows(found):
+        tables[0].add_row(*row)
     if config.study.samples:
-        decides = page.sensitivity_table(found)
-        tables.append(decides.rich(words=decides.head))
+        head = ("claim", "first", "second", "third", "single changes that turn it")
+        tables.append(terminal.table(head, head, "Which setting decides"))
+        for row in page.decision_rows(found):
+            tables[1].add_row(*row)
     for sand in SANDS:
         study.say(f"The best foot for {sand} sand, on it:")
         terminal.print_validity(study.console, diagnose(evidence.optima[sand]))

@@ -19,7 +19,7 @@ from pymoo.core.mutation import Mutation
 from pymoo.core.population import Population
 from pymoo.operators.sampling.rnd import IntegerRandomSampling
 
-from footopt.design.solvers import SameHeights
+from footopt.design.solvers.operators import SameHeights
 
 Ints = NDArray[np.int64]
 
