@@ -200,7 +200,3 @@ def report_generations(
         step(work, f"{about}{best}{front}, {speed}")
 
     return show
-
-
-#: Former name, for the studies that are still to be moved.
-telling = report_generations

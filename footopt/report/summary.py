@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
-
-from rich.table import Table
 
 from footopt.errors import FileError
-from footopt.files.run import write_csv, write_json
+from footopt.files.run import write_csv
 from footopt.report import page
 from footopt.report.numbers import number
 from footopt.report.runs import Run, read_run
-from footopt.report.terminal import console, print_folder, table
+from footopt.report.terminal import console, table
 
 
 def of_multirun(folder: Path) -> int:
@@ -83,22 +80,3 @@ def _compare(folder: Path, runs: Sequence[Run], headline: str) -> None:
     )
     write_csv(folder / "summary.csv", [what, "overrides", *names, "hollow_mm", "k", "note"], rows)
     page.write(folder / "report.html", page.jobs_content(folder, runs, sorted(common)))
-
-
-def conclude(
-    folder: Path,
-    title: str,
-    said: Sequence[str],
-    figures: Mapping[str, str],
-    tables: Sequence[Table],
-    record: dict[str, Any],
-    about: Sequence[str] = (),
-    warnings: Sequence[str] = (),
-) -> None:
-    """Former `Study.conclude`, for the studies that are still to be moved."""
-    write_json(folder / "result.json", record)
-    page.write_study(folder, title, [*about, *said], figures, tables, record, warnings)
-    out = console()
-    for part in (*tables, *said):
-        out.print(part)
-    print_folder(out, folder, record["wall_time_s"])

@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 import textwrap
 import threading
-import time
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
-from pathlib import Path
 
 from rich import box
 from rich.console import Console
@@ -36,13 +34,6 @@ def console() -> Console:
     """
     out = Console(highlight=False, markup=False)
     return out if out.is_terminal else Console(highlight=False, soft_wrap=True, markup=False, width=130)
-
-
-def print_folder(out: Console, folder: Path, seconds: float) -> None:
-    """Print the last line: where a run has left what it found."""
-    long = len(str(folder)) > out.width  # no line break in what is to be copied
-    words = f"Everything is in {folder} ({seconds:.3g} s in all)"
-    out.print(words, soft_wrap=long or not out.is_terminal)
 
 
 def table(columns: Sequence[str], words: Collection[str] = (), title: str | None = None) -> RichTable:
@@ -175,13 +166,3 @@ def describe_outside(d: Diagnostic) -> str:
 def warn(out: Console, words: str) -> None:
     """One line that begins with a coloured "warning"."""
     out.print(Text.assemble("  ", ("warning:", "yellow"), f" {words}"))
-
-
-def clock() -> Callable[[], float]:
-    """Seconds since this call."""
-    started = time.perf_counter()
-    return lambda: time.perf_counter() - started
-
-
-#: Former names, for the studies that are still to be moved to `Study`.
-told_if_slow, everything_is_in = announce_if_slow, print_folder

@@ -15,6 +15,8 @@ from footopt.report import progress as module
 from footopt.report import terminal
 from footopt.report.progress import LINES, PATIENCE, Pace, progress, report_generations
 from footopt.studies.accuracy import effort
+from footopt.studies.base import Study
+from footopt.studies.settings import Config
 from footopt.walk.accuracy import measured_settings
 
 FOOTOPT = [sys.executable, "-m", "footopt"]
@@ -226,7 +228,9 @@ class TestNarrowTables:
         assert len(re.findall(r"-\d\.\d+e-4", row)) == 2
 
     def test_a_folders_name_is_in_one_piece(self, tmp_path):
-        folder = tmp_path / ("deep[er]" * 20)
-        out = Console(file=io.StringIO(), width=80, force_terminal=True, highlight=False, markup=False)
-        terminal.print_folder(out, folder, 1.0)
-        assert str(folder) in out.file.getvalue()
+        study = Study(Config(), tmp_path / ("deep[er]" * 20), {})
+        study.console = Console(
+            file=io.StringIO(), width=80, force_terminal=True, highlight=False, markup=False
+        )
+        study.close()
+        assert str(study.folder) in study.console.file.getvalue()
