@@ -1,4 +1,4 @@
-"""Objects show themselves: cards for notebooks, drawings on one Axes, tables for pandas and xarray."""
+"""Drawings of every object on one Axes, cards for notebooks, lines for terminals, tables for pandas and xarray."""
 
 import base64
 import importlib
