@@ -14,6 +14,7 @@ import door_files
 import numpy as np
 import pytest
 from door_files import LESS, SAME, TOLD
+from running import footopt
 from test_gait_files import misfit
 
 import footopt as fo
@@ -345,7 +346,7 @@ class TestYaml:
     @pytest.mark.parametrize("name", YAML)
     @pytest.mark.parametrize("file", ["config", "overrides"])
     def test_of_a_run_to_resume(self, name, file, tmp_path, monkeypatch):
-        from footopt.cli.main import resumed
+        from footopt.cli.resume import resumed
 
         monkeypatch.chdir(tmp_path)
         (tmp_path / ".hydra").mkdir()
@@ -358,16 +359,12 @@ class TestYaml:
         assert len(str(caught.value)) < 500
         assert not (tmp_path / "made").exists()
 
-    def test_of_ones_own_is_looked_at_before_hydra_does(self, tmp_path):
-        from footopt.cli.main import check_own_yaml
 
-        (tmp_path / "sand").mkdir()
-        good = tmp_path / "sand" / "dune.yaml"
-        good.write_text("name: dune\nzeta: 1.3\n")
-        for words in (["--config-dir", str(tmp_path)], [f"--config-dir={tmp_path}"], ["-cd", str(tmp_path)]):
-            check_own_yaml([*words, "sand=dune"])
-            for name in ("tabs", "large", "zero", "an alias of nothing"):
-                good.write_text(YAML[name])
-                with pytest.raises(FileError, match=r"dune\.yaml"):
-                    check_own_yaml([*words, "sand=dune"])
-            good.write_text("name: dune\nzeta: 1.3\n")
+@pytest.mark.parametrize("name", ["tabs", "zero", "an alias of nothing", "open"])
+def test_a_yaml_file_of_ones_own_is_named(name, tmp_path):
+    (tmp_path / "sand").mkdir()
+    (tmp_path / "sand" / "dune.yaml").write_text(YAML[name])
+    done = footopt("--config-dir", str(tmp_path), "sand=dune", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "a file of settings cannot be read as YAML: " in done.stderr
+    assert "dune.yaml" in done.stderr

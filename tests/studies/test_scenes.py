@@ -13,7 +13,7 @@ from shapely import Polygon
 from study_pages import check_page
 
 import footopt as fo
-from footopt.cli.main import CONF
+from footopt.cli.compose import CONF
 from footopt.effects import EFFECTS
 from footopt.errors import SettingError
 from footopt.foot import Plates
