@@ -102,7 +102,7 @@ class Summary(Callback):
         """Read what the jobs left in their folders."""
         from footopt.report import summary
 
-        Summary.failed = summary.report(Path(config.hydra.sweep.dir))
+        Summary.failed = summary.of_multirun(Path(config.hydra.sweep.dir))
 
     @classmethod
     def lost(cls, error: Exception) -> str:

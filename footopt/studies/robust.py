@@ -25,7 +25,7 @@ from footopt.files import run as files
 from footopt.foot import Foot
 from footopt.report import figures, terminal
 from footopt.report.figures import robust as robust_figures
-from footopt.report.progress import Step, telling
+from footopt.report.progress import Step, report_generations
 from footopt.studies.base import Study
 from footopt.studies.build import check_searchable, make_scene, make_spread
 from footopt.studies.record import foot_entry, scene_entry
@@ -163,7 +163,7 @@ def _search(
     many = len(problem.scenarios) if isinstance(problem, RobustProblem) else 0
     try:
         scale = " of the specialist's" if many else ""
-        tell = telling(step, problem.guide, max(many, 1), f"{name}: ", scale)
+        tell = report_generations(step, problem.guide, max(many, 1), f"{name}: ", scale)
         result = search(problem, solver, tell, store, executor)
     except FootoptError as error:
         raise FootoptError(f"{name}: {error}") from None

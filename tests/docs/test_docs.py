@@ -26,7 +26,7 @@ from test_custom import EXAMPLES
 
 import footopt as fo
 from footopt.cli.compose import CONF, groups, known
-from footopt.report.terminal import number
+from footopt.report.numbers import number
 from footopt.studies import STUDIES
 
 ROOT = Path(__file__).parents[2]
