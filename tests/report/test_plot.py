@@ -1,4 +1,4 @@
-"""Drawings of every object on one Axes, cards for notebooks, lines for terminals, tables for pandas and xarray."""
+"""Objects as drawings on one Axes, cards in notebooks, a line of a terminal, tables of pandas and xarray."""
 
 import base64
 import importlib
