@@ -186,7 +186,8 @@ def _from_heel(line: Array) -> Array:
 
 
 def _where(place: Array) -> str:
-    return f"({MM * place[0]:.2f}, {MM * place[1]:.2f}) mm"
+    x, z = np.round(MM * place, 2) + 0.0  # + 0.0 turns -0 into 0
+    return f"({x:.2f}, {z:.2f}) mm"
 
 
 def _told(line: Line) -> str:
