@@ -31,18 +31,16 @@ class PymooProblem(Problem):  # type: ignore[misc]
     def _evaluate(self, x: Any, out: dict[str, Any], *args: Any, **kwargs: Any) -> None:
         found = self.problem.evaluate(x)
         out.update(found._asdict())
-        out["F"], out["G"] = self.problem.minimised(found.values), self.problem.constraints(found)
+        out["F"], out["G"] = (
+            self.problem.minimised(found.values),
+            self.problem.constraints(found.reasons, found.violation),
+        )
 
 
 class Algorithm:
     """A solver's pymoo algorithm at work: `ask` it for designs, `tell` it what became of them.
 
-    Parameters
-    ----------
-    problem : FootProblem
-        Only its size is given to pymoo, which copies what it holds in every generation.
-    solver : Solver
-        Which algorithm, and its budget.
+    pymoo knows the problem's size only: it copies what it holds in every generation.
     """
 
     def __init__(self, problem: FootProblem, solver: Solver) -> None:

@@ -21,19 +21,8 @@ REACHED = 0.95  # of the exact hypervolume: counts as having found the front
 def walk_all(problem: FootProblem, step: Callable[[], None] = lambda: None) -> Evaluated:
     """Walk with every design of a space, also those outside their box, for which a solver may ask.
 
-    Parameters
-    ----------
-    problem : FootProblem
-        Whose space it is.
-    step : callable
-        Called after every `BATCH` designs.
-
-    Raises
-    ------
-    SettingError
-        The space is too large.
-    FootoptError
-        No design of it is feasible.
+    `step` is called after every `BATCH` designs. A space that is too large, or without a feasible design,
+    raises a `FootoptError`.
     """
     check_size(problem)
     parts = []
@@ -41,7 +30,7 @@ def walk_all(problem: FootProblem, step: Callable[[], None] = lambda: None) -> E
         parts.append(problem.evaluate(k))
         step()
     table = Evaluated._make(np.concatenate(columns) for columns in zip(*parts, strict=True))
-    if not (problem.constraints(table) <= 0.0).all(axis=1).any():
+    if not (problem.constraints(table.reasons, table.violation) <= 0.0).all(axis=1).any():
         raise FootoptError(
             f"None of all {len(table.reasons)} designs is feasible. "
             "Try a larger foot.box_tolerance, or harder sand."
@@ -77,7 +66,7 @@ class Tabulated(FootProblem):
         super().__init__(problem.scene, objective, problem.space, problem.accuracy, problem.threads)
         self.table = table
         self._powers = self.space.K ** np.arange(self.space.n)[::-1]
-        feasible = (self.constraints(table) <= 0.0).all(axis=1)
+        feasible = (self.constraints(table.reasons, table.violation) <= 0.0).all(axis=1)
         self.feasible = int(feasible.sum())
         j = np.where(feasible, table.values[:, self.record.index("efficiency")], np.inf)
         self.optimum = float(j.min())

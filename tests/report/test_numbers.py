@@ -23,7 +23,7 @@ def test_units_follow_where_there_are_any():
 
 
 @pytest.mark.parametrize(
-    ("share", "text"), [(0.0000082, "0.00082 %"), (0.0005, "0.050 %"), (0.124, "12 %"), (3.456, "346 %"),
+    ("share", "text"), [(0.0000082, "0.00082 %"), (0.0005, "0.05 %"), (0.124, "12 %"), (3.456, "346 %"),
                         (0.0, "0 %"), (math.inf, "-")],
 )  # fmt: skip
 def test_a_percentage_has_two_digits_and_its_zero(share, text):

@@ -13,18 +13,17 @@ import numpy as np
 import pytest
 from rich.text import Text
 from shapely import Polygon
+from study_pages import leave_job
 
 import footopt as fo
 from footopt.design import confirm
 from footopt.errors import FileError
-from footopt.files import run as files
 from footopt.foot.outline import closed_contour
 from footopt.report import figures, page, summary, terminal
 from footopt.report.numbers import number
 from footopt.report.page import walks
 from footopt.report.page.file import packed
 from footopt.report.runs import Run
-from footopt.walk import OBJECTIVES
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 browser_needed = pytest.mark.skipif(
@@ -109,21 +108,6 @@ def pages(front, single, tmp_path_factory):
     (folder / "report.html").rename(folder / "study.html")
     written = {name: page.write(folder / f"{name}.html", content) for name, content in contents.items()}
     return written | {"jobs": folder / "jobs.html", "study": folder / "study.html"}
-
-
-def leave_job(folder, walk):
-    """What a job of a multirun leaves in its folder, as far as the page over all jobs reads it."""
-    folder.mkdir()
-    walk.foot.to_file(folder / "contour.csv")
-    files.write_walk(folder / "walk.nc", walk.variables, {"reason": walk.reason})
-    result = {
-        "objectives": walk.objectives,
-        "units": {name: OBJECTIVES[name].unit for name in walk.objectives},
-        "design": {"k": walk.foot.k, "hollow_mm": 0.0},
-        "settings": {"foot": {"top": walk.foot.top, "width": walk.foot.width}},
-        "versions": files.versions(),
-    }
-    files.write_json(folder / "result.json", result)
 
 
 #: The figures of a page of a study, its table, and what result.json says.
