@@ -222,6 +222,7 @@ def other_lines(draw, kind, good):
         st.sampled_from([
             Bad(f"cut at line {a + 1}", b"".join(lines[:a]), LESS),
             Bad(f"line {a + 1} missing", b"".join(lines[:a] + lines[a + 1 :]), LESS),
+            Bad(f"lines {a + 1} to {b} missing", b"".join(lines[:a] + lines[max(a, b) :]), LESS),
             Bad(f"line {a + 1} twice", b"".join(lines[: a + 1] + lines[a:]), LESS),
             Bad(f"lines {a + 1} and {b + 1} exchanged", b"".join(swapped), OTHER),
         ])
@@ -229,11 +230,12 @@ def other_lines(draw, kind, good):
 
 
 def other_number(draw, kind, good):
-    """One number that is odd, without its point, or negative."""
+    """One number that is odd, three times as large, without its point, or negative."""
     content = good[kind]
     number = draw(st.sampled_from(list(NUMBER.finditer(content))))
     old = number[0].decode()
-    new = draw(st.sampled_from([*ODD_NUMBERS, old.replace(".", ""), "-" + old.lstrip("-")]))
+    near = [f"{3 * float(old):.5f}", old.replace(".", ""), "-" + old.lstrip("-")]
+    new = draw(st.sampled_from([*ODD_NUMBERS, *3 * near]))
     changed = content[: number.start()] + new.encode() + content[number.end() :]
     return Bad(f"{new[:9]!r} for {old} at {number.start()}", changed, OTHER)
 
