@@ -31,8 +31,8 @@ from numpy.typing import NDArray
 from footopt.design.problem import FootProblem
 from footopt.errors import FileError
 from footopt.files.reading import named
-from footopt.walk.loop import is_own, source, text_of
 from footopt.walk.objectives import OBJECTIVES
+from footopt.walk.sources import is_own, source, text_of
 from footopt.walk.steppers import STEPPERS
 
 Array = NDArray[np.float64]
