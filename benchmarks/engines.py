@@ -1,4 +1,4 @@
-"""What an engine costs on top of walking: the same batch here and by workers, as many as threads here.
+"""What an executor costs on top of walking: the same batch here and by workers, as many as threads here.
 
 python benchmarks/engines.py  # a table; with --quick, one small batch
 """
@@ -9,13 +9,14 @@ import pickle
 import statistics
 import time
 from collections.abc import Iterator
+from concurrent.futures import Executor
 from contextlib import ExitStack
 
 from measure import arguments, feet
 
 import footopt as fo
-from footopt.design import Engine, make_engine
-from footopt.design.workers import WALKED, Reply, Task
+from footopt.design import Evaluator, make_executor
+from footopt.design.executor import Chunks, Walked, attempt, walk_chunk
 from footopt.walk.simulate import available_threads
 
 BATCHES, CHUNKS = (200, 20_000), 200
@@ -26,22 +27,22 @@ def overheads(
 ) -> dict[str, tuple[float, float]]:
     """Time of a batch by each engine: a ratio to `local` in the same round (median), and s (median).
 
-    Every round has other designs and all engines in turn, so that what slows the machine slows all.
+    Every round has all engines in turn, so that what slows the machine slows all.
     """
     problem = fo.FootProblem(threads=cores)
     times: dict[str, list[float]] = {name: [] for name in ("local", *names)}
     with ExitStack() as stack:
-        engines: dict[str, Engine] = {"local": make_engine()}
+        walks = {"local": Evaluator(problem)}
         for name in names:
-            engines[name] = stack.enter_context(make_engine(name, cores))
+            walks[name] = Evaluator(problem, None, stack.enter_context(make_executor(name, cores)))
         k = feet(designs)
-        for engine in engines.values():
+        for walk in walks.values():
             for _ in range(2):  # the first sends the problem, the second knows what a design costs
-                engine.walk(problem, k)
+                walk(k)
         for _ in range(repeats):
-            for name, engine in engines.items():
+            for name, walk in walks.items():
                 start = time.perf_counter()
-                engine.walk(problem, k)
+                walk(k)
                 times[name].append(time.perf_counter() - start)
     return {
         name: (
@@ -55,27 +56,25 @@ def overheads(
 def fixed(name: str, chunks: int, repeats: int, cores: int) -> float:
     """Time that a chunk takes without its walking, s: many chunks of one design at once, less their walks."""
     problem = fo.FootProblem(threads=1, accuracy="draft")
-    k = feet(chunks)
     found = []
-    with make_engine(name, cores) as engine:
-        assert hasattr(engine, "run")
-        engine.walk(problem, k)
-        tasks = [engine._task._replace(k=row[None]) for row in k]  # type: ignore[attr-defined]
-        engine.run(tasks)
-        for _ in range(repeats):
+    with make_executor(name, cores) as executor:
+        assert isinstance(executor, Executor)
+        sent = Chunks(problem, executor)._sent
+        for _ in range(repeats + 1):
             start = time.perf_counter()
-            replies = engine.run(tasks)
-            walking = sum(reply.seconds for reply in replies) / cores
+            futures = [executor.submit(walk_chunk, *sent, row[None]) for row in feet(chunks)]
+            walking = sum(future.result().seconds for future in futures) / cores
             found.append((time.perf_counter() - start - walking) / chunks)
-    return statistics.median(found)
+    return statistics.median(found[1:])
 
 
 def wire(designs: int = 100) -> tuple[float, float, int]:
-    """Bytes a design out and back, in chunks of so many, and of the problem, once a worker."""
+    """Bytes a design out and back, in chunks of so many, and of the problem, once a chunk."""
     problem, k = fo.FootProblem(), feet(designs)
-    out = len(pickle.dumps(Task("0" * 64, None, k)))
-    back = len(pickle.dumps(Reply(WALKED, problem.walk(k), 1.0)))
-    return out / designs, back / designs, len(pickle.dumps(problem))
+    found = attempt(problem, k)
+    assert isinstance(found, Walked)
+    (_, content) = Chunks(problem, Executor())._sent
+    return len(pickle.dumps(k)) / designs, len(pickle.dumps(found)) / designs, len(content)
 
 
 def rows(batches: tuple[int, ...], chunks: int, repeats: int, cores: int) -> Iterator[tuple[str, str]]:
@@ -89,7 +88,7 @@ def rows(batches: tuple[int, ...], chunks: int, repeats: int, cores: int) -> Ite
     out, back, problem = wire()
     yield (
         "on the wire",
-        f"{out:.0f} bytes a design out, {back:.0f} back; {problem:,} for the problem, once a worker",
+        f"{out:.0f} bytes a design out, {back:.0f} back; {problem:,} for the problem, once a chunk",
     )
 
 

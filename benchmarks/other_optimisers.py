@@ -60,9 +60,9 @@ class Counted:
     def __call__(self, x: object) -> NDArray[np.float64]:
         k = np.clip(np.round(np.atleast_2d(np.asarray(x, float))), 1, self.problem.space.K).astype(np.int64)
         k = k[: self.budget - self.asked]
-        out = self.problem.evaluate(k, return_as_dictionary=True)
-        outside = np.maximum(out["G"], 0.0).sum(axis=1)
-        values = np.where(outside > 0.0, outside, out["F"][:, 0])  # J_W is negative
+        found = self.problem.evaluate(k)
+        outside = np.maximum(self.problem.constraints(found), 0.0).sum(axis=1)
+        values = np.where(outside > 0.0, outside, self.problem.minimised(found.values)[:, 0])  # J_W < 0
         self.asked += len(k)
         self.best = min(self.best, values.min())
         return values
@@ -82,7 +82,7 @@ def cma_es(problem: fo.FootProblem, seed: int, budget: int) -> float:
     """CMA-ES of `cma` on integers, with restarts of doubled population (Hansen; CMA with margin)."""
     import cma
 
-    value, n, high = Counted(problem, budget), problem.n_var, problem.space.K
+    value, n, high = Counted(problem, budget), problem.space.n, problem.space.K
     rng = np.random.default_rng(seed)
     size = 4 + int(3 * np.log(n))
     while value.asked < budget:
@@ -109,7 +109,7 @@ def nevergrad_discrete(problem: fo.FootProblem, seed: int, budget: int) -> float
     import nevergrad as ng
 
     value = Counted(problem, budget)
-    parameters = ng.p.Array(shape=(problem.n_var,), lower=1, upper=problem.space.K)
+    parameters = ng.p.Array(shape=(problem.space.n,), lower=1, upper=problem.space.K)
     parameters.set_integer_casting()
     parameters.random_state.seed(seed)
     optimiser = ng.optimizers.registry["DiscreteOnePlusOne"](parameters, budget=budget, num_workers=20)
@@ -124,7 +124,7 @@ def pygmo_ga(problem: fo.FootProblem, seed: int, budget: int) -> float:
     """The GA of `pygmo` (sga) with the operators for integers that it recommends, 100 a generation."""
     import pygmo
 
-    value, n, high = Counted(problem, budget), problem.n_var, problem.space.K
+    value, n, high = Counted(problem, budget), problem.space.n, problem.space.K
 
     class Walk:
         def fitness(self, x: NDArray[np.float64]) -> list[float]:
@@ -167,16 +167,17 @@ def best_known(problem: fo.FootProblem) -> tuple[tuple[int, ...], float]:
     ]
     best = min(runs, key=lambda r: r.column("efficiency")[r.best])
     k, value = best.k[best.best], float(best.column("efficiency")[best.best])
-    first, last = np.triu_indices(problem.n_var)
-    at = np.arange(problem.n_var)
+    first, last = np.triu_indices(problem.space.n)
+    at = np.arange(problem.space.n)
     run = ((first[:, None] <= at) & (at <= last[:, None])).astype(np.int64)
-    shifts = np.concatenate([run, -run, np.zeros((1, problem.n_var), np.int64)])
-    pairs = np.unique((shifts[:, None] + shifts).reshape(-1, problem.n_var), axis=0)
+    shifts = np.concatenate([run, -run, np.zeros((1, problem.space.n), np.int64)])
+    pairs = np.unique((shifts[:, None] + shifts).reshape(-1, problem.space.n), axis=0)
     while True:
         near = k + pairs
         near = near[((near >= 1) & (near <= problem.space.K)).all(axis=1)]
-        out = problem.evaluate(near, return_as_dictionary=True)
-        j = np.where((out["G"] <= 0.0).all(axis=1), out["F"][:, 0], np.inf)
+        found = problem.evaluate(near)
+        inside = (problem.constraints(found) <= 0.0).all(axis=1)
+        j = np.where(inside, problem.minimised(found.values)[:, 0], np.inf)
         if j.min() >= value:
             return tuple(map(int, k)), value
         k, value = near[j.argmin()], float(j.min())
@@ -206,11 +207,11 @@ def main() -> None:
         print(f"{said}\n")
     runs = {name: run for name, run in RUNS.items() if name.partition(":")[0] not in missing}
     warnings.simplefilter("ignore")  # the other libraries' own
-    print("| optimiser | sand | within .1 % of the best known | median regret | largest | seconds a run |")
+    print("| optimiser | sand | within 0.1 % of the best known | median regret | largest | seconds a run |")
     print("| --- | --- | --- | --- | --- | --- |")
     for sand in SANDS:
         problem = Remembering(fo.Scene(sand=fo.Sand.named(sand)))
-        best = float(problem.evaluate(np.array([BEST_KNOWN[sand]]), return_as_dictionary=True)["F"][0, 0])
+        best = float(problem.minimised(problem.evaluate([BEST_KNOWN[sand]]).values)[0, 0])
         for name, run in runs.items():
             started = time.perf_counter()
             found = np.array([run(problem, seed, budget) for seed in range(1, seeds + 1)])

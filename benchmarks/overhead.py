@@ -12,7 +12,7 @@ from typing import Any
 from unittest.mock import patch
 
 import footopt as fo
-from footopt.design.search import Archive
+from footopt.design.archive import Archive
 from footopt.design.solvers import Solver
 
 # functions of the same names hide these modules in their packages
@@ -59,7 +59,7 @@ class Clock:
                 (simulate_module, "as_plates", "plates"),
                 (prepare_module, "blocks_of", "blocks"),
                 (problem_module, "evaluate", "evaluate"),
-                (fo.FootProblem, "judge", "judge"),
+                (fo.FootProblem, "minimised", "judge"),
                 (Archive, "evaluate", "archive"),
                 (Archive, "close_generation", "history"),
             ):

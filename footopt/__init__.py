@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from footopt.foot import Waypoints as Waypoints
     from footopt.gait import Gait as Gait
     from footopt.report.film import animate as animate
-    from footopt.report.show import plot as plot
+    from footopt.report.plot import plot as plot
     from footopt.sand import Sand as Sand
     from footopt.sand import StressMap as StressMap
     from footopt.sand import stress as stress
@@ -55,7 +55,7 @@ _NAMES = {
     "footopt.foot": "Foot Waypoints",
     "footopt.gait": "Gait",
     "footopt.report.film": "animate",
-    "footopt.report.show": "plot",
+    "footopt.report.plot": "plot",
     "footopt.sand": "Sand StressMap stress",
     "footopt.walk": "Accuracy Scenario Scene Spread Table Walk Walker draw estimate_error evaluate simulate",
 }

@@ -1,15 +1,18 @@
-"""The search for a foot: a pymoo problem, solvers by name, and the loop that runs them."""
+"""The search for a foot: a plain problem, solvers by name, and the loop that asks, walks and tells.
 
-from footopt.design.cluster import Dask
-from footopt.design.engines import ENGINES, Local, make_engine
-from footopt.design.problem import FootProblem
-from footopt.design.processes import Processes
+`footopt.design.pymoo_problem` gives the problem to any algorithm of pymoo, which nothing else here imports
+before a search begins.
+"""
+
+from footopt.design.engines import ENGINES, Dask, make_executor, processes
+from footopt.design.evaluator import Evaluator
+from footopt.design.executor import Renewing
+from footopt.design.problem import Evaluated, FootProblem
+from footopt.design.result import Confirmation, Generation, SearchResult, confirm
 from footopt.design.robust import RobustProblem
-from footopt.design.safely import evaluate_safely
-from footopt.design.search import Confirmation, Generation, SearchResult, confirm, search
+from footopt.design.search import search
 from footopt.design.solvers import EXHAUSTIVE, SINGLE, SOLVERS, Solver
-from footopt.design.store import Store
-from footopt.design.workers import Engine, WorkerError
+from footopt.design.store import Evaluation, Store
 
 __all__ = [
     "ENGINES",
@@ -18,18 +21,18 @@ __all__ = [
     "SOLVERS",
     "Confirmation",
     "Dask",
-    "Engine",
+    "Evaluated",
+    "Evaluation",
+    "Evaluator",
     "FootProblem",
     "Generation",
-    "Local",
-    "Processes",
+    "Renewing",
     "RobustProblem",
     "SearchResult",
     "Solver",
     "Store",
-    "WorkerError",
     "confirm",
-    "evaluate_safely",
-    "make_engine",
+    "make_executor",
+    "processes",
     "search",
 ]

@@ -1,38 +1,40 @@
-"""Engines: where a search walks: in this process, in others on this machine, or on a dask cluster.
-
-A design's result does not depend on its batch, so that all engines give the same, to the last bit.
-"""
+"""Executors by the name of an engine: processes of this machine, or the workers of a dask scheduler."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import logging
+import multiprocessing
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from functools import partial
+from multiprocessing import resource_tracker
 from typing import Any
+from urllib.parse import urlsplit
 
-from footopt.design.cluster import Dask
-from footopt.design.problem import FootProblem
-from footopt.design.processes import Processes
-from footopt.design.workers import Engine, Ints, Walked
-from footopt.errors import SettingError, check
+from footopt.design.executor import Renewing
+from footopt.errors import FootoptError, SettingError, check
+from footopt.walk.simulate import at_once
 
-
-class Local(Engine):
-    """This process, with its problem's threads."""
-
-    def walk(self, problem: FootProblem, k: Ints) -> Walked:
-        """Walk here."""
-        return problem.walk(k)
+ENGINES = ("local", "processes", "dask")
+SCHEMES = ("tcp", "tls", "ucx", "ws", "wss")
 
 
-#: Engines by name.
-ENGINES: dict[str, Callable[..., Engine]] = {"local": Local, "processes": Processes, "dask": Dask}
-
-
-def make_engine(
+def make_executor(
     name: str = "local", workers: int | None = None, address: str | None = None, timeout: float = 10.0
-) -> Engine:
-    """An engine by its name; what another one would need is refused. See the classes."""
-    if name not in ENGINES:
-        raise SettingError("engine.name", name, f"one of {', '.join(ENGINES)}")
+) -> AbstractContextManager[Executor | None]:
+    """The executor of an engine, for a `with` statement; None for "local". See `processes` and `Dask`.
+
+    Raises
+    ------
+    SettingError
+        There is no such engine, or it cannot use a setting that is given.
+    """
+    check(name in ENGINES, "engine.name", name, f"one of {', '.join(ENGINES)}")
     check(
         workers is None or (name != "local" and address is None),
         "engine.workers",
@@ -41,9 +43,187 @@ def make_engine(
         "engine.threads is the number of threads here.",
     )
     check(address is None or name == "dask", "engine.address", address, f"null for engine={name}")
-    settings: dict[str, dict[str, Any]] = {
-        "local": {},
-        "processes": {"workers": workers},
-        "dask": {"address": address, "workers": workers, "timeout": timeout},
-    }
-    return ENGINES[name](**settings[name])
+    if name == "dask":
+        return Dask(address, workers, timeout)
+    return processes(workers) if name == "processes" else nullcontext()
+
+
+def processes(workers: int | None = None) -> Renewing:
+    """Processes of this machine, one thread each, that are replaced when one dies.
+
+    Against the threads of this process they are worth it where a design may kill its process, or where
+    many threads stand in each other's way.
+
+    Parameters
+    ----------
+    workers : int, optional
+        How many; by default as many as processors that this one may run on.
+    """
+    return Renewing(partial(_Pool, at_once(workers, "engine.workers")), overhead=5e-4)
+
+
+class _Pool(ProcessPoolExecutor):
+    """Processes that do not hear Ctrl-C and end with their parent, however that ends.
+
+    Forked from a server that has imported footopt they start in half the time of spawned ones; forked
+    from this process, after its threads have run, they could hang.
+    """
+
+    def __init__(self, workers: int) -> None:
+        methods = multiprocessing.get_all_start_methods()
+        start = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
+        start.set_forkserver_preload([__name__])
+        super().__init__(workers, mp_context=start, initializer=_begin)
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        with interrupt_held():  # processes are started here
+            return super().submit(fn, *args, **kwargs)
+
+
+def _begin() -> None:
+    """The first thing in a worker."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    assert parent is not None, "this is a worker"
+    parent.join()
+    os._exit(1)
+
+
+class Dask(Executor):
+    """The workers of a dask scheduler, on as many machines as it has; needs footopt[dask].
+
+    Parameters
+    ----------
+    address : str, optional
+        Of the scheduler, "tcp://host:port"; by default one is started here, with workers.
+    workers : int, optional
+        Processes of a cluster that is started here; by default as many as processors.
+    timeout : float, s
+        For the scheduler to answer and to have a worker.
+
+    Raises
+    ------
+    SettingError
+        dask is not installed, or the address is none.
+    FootoptError
+        The scheduler does not answer, has no worker, or loses all of them for the timeout.
+    """
+
+    overhead = 2e-3
+
+    def __init__(self, address: str | None = None, workers: int | None = None, timeout: float = 10.0) -> None:
+        count = at_once(workers, "engine.workers")
+        check(0 < timeout <= 1e5, "engine.timeout", timeout, "a time > 0 and <= 1e5, in s")
+        try:
+            import dask
+            import distributed
+        except ImportError as error:
+            raise SettingError(
+                "engine", "dask", f"installed ({error})", "pip install 'footopt[dask]', or engine=processes."
+            ) from None
+        if address is not None:
+            check_address(address)
+        logging.getLogger("distributed").setLevel(logging.WARNING)
+        self._timeout, self._cluster = timeout, None
+        self._lost_errors = (OSError, RuntimeError, distributed.client.FutureCancelledError)
+        self._name = "engine.address" if address is None else f"engine.address = {address!r}"
+        self._busy_at = time.monotonic()  # when there was a worker
+        if address is None:
+            # a chunk whose worker dies is halved at once, not tried again as a whole
+            dask.config.set({"distributed.scheduler.allowed-failures": 0})
+            with interrupt_held():
+                self._cluster = distributed.LocalCluster(
+                    n_workers=count,
+                    threads_per_worker=1,
+                    processes=True,
+                    dashboard_address=":0",
+                    memory_limit=0,
+                    silence_logs=logging.ERROR,  # it warns of every chunk that a Ctrl-C takes back
+                )
+        try:
+            self._client = distributed.Client(self._cluster or address, timeout=timeout, set_as_default=False)
+        except OSError:
+            if self._cluster is not None:
+                self._cluster.close()
+            raise FootoptError(
+                f"{self._name}: no scheduler answers within {timeout:g} s (engine.timeout). Is it running "
+                "(`dask scheduler`), and can this machine reach it?"
+            ) from None
+        self._executor = self._client.get_executor(pure=False)
+        try:
+            self._client.wait_for_workers(1, timeout=timeout)
+        except OSError:
+            self.shutdown()
+            raise FootoptError(
+                f"{self._name}: the scheduler has no worker after {timeout:g} s (engine.timeout). Start some "
+                "(`dask worker ADDRESS --nthreads 1`), or wait longer."
+            ) from None
+
+    @property
+    def workers(self) -> int:
+        """Threads of all workers."""
+        return sum(self._ask(self._client.nthreads).values())
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Have a function called by a worker; by another one if that dies."""
+        future: Future[Any] = self._ask(partial(self._executor.submit, fn, *args, **kwargs))
+        return future
+
+    def check(self) -> None:
+        """Raise if the scheduler is lost, or has had no worker for the timeout."""
+        now = time.monotonic()
+        if self.workers:
+            self._busy_at = now
+        elif now - self._busy_at > self._timeout:
+            raise FootoptError(
+                f"{self._name}: no worker is left since {self._timeout:g} s (engine.timeout). "
+                "What was walked in finished generations is kept: start workers, and resume."
+            )
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """Leave the scheduler; end a cluster that was started here."""
+        with suppress(Exception):
+            self._client.close(timeout=5)
+        if self._cluster is not None:
+            self._cluster.close(timeout=10)
+
+    def _ask(self, question: Callable[[], Any]) -> Any:
+        """An answer of the scheduler."""
+        try:
+            return question()
+        except self._lost_errors as error:
+            raise FootoptError(
+                f"{self._name}: the connection to the scheduler is lost ({type(error).__name__}: {error}). "
+                "What was walked in finished generations is kept: start it again, and resume."
+            ) from None
+
+
+def check_address(address: str) -> None:
+    """Raise unless it is one that dask can try: what it does with others takes long to say."""
+    try:
+        parts = urlsplit(address)
+        known = parts.scheme in SCHEMES and parts.hostname and parts.port
+    except ValueError:  # a port that is no number
+        known = False
+    check(known, "engine.address", address, f"{SCHEMES[0]}://host:port (or {', '.join(SCHEMES[1:])})")
+
+
+@contextmanager
+def interrupt_held() -> Iterator[None]:
+    """Ctrl-C waits until the end, and processes and threads started in here never hear it.
+
+    A terminal sends it to all of them, but it is the search that has to stop.
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    resource_tracker.ensure_running()  # it would lift the mask if it were started below
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -15,15 +15,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.design.problem import FootProblem
-from footopt.design.search import Generation, SearchResult
+from footopt.design.evaluator import Evaluator
+from footopt.design.problem import Array, FootProblem, Ints
+from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import Solver
-from footopt.design.source import Source
 from footopt.errors import FootoptError, SettingError
 from footopt.foot import Waypoints
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 LIMIT = 20_000_000  # designs; two hours on two cores
 KEPT = 1000  # of the best designs by a single objective; of several, the whole front is kept
@@ -35,9 +32,12 @@ class Enumeration(SearchResult):
 
     Parameters
     ----------
-    k : (kept, n), the `KEPT` best by the single objective or the exact front, best first.
-    counts : designs by reason, "" for the feasible; those outside their box are not walked.
-    evaluations : designs that were walked.
+    k : (kept, n)
+        The `KEPT` best by the single objective or the exact front, best first.
+    counts : dict
+        Designs by reason, "" for the feasible; those outside their box are not walked.
+    evaluations : int
+        Designs that were walked.
     """
 
     counts: dict[str, int] = field(default_factory=dict)
@@ -72,9 +72,9 @@ def check_size(problem: FootProblem) -> None:
         return
     total = min(total, 10**300)  # a float still
     sample = space.random(256, seed=1)
-    problem.evaluate(sample[:1])  # compiled before the clock runs
+    problem.walk(sample[:1])  # compiled before the clock runs
     started = time.perf_counter()
-    problem.evaluate(sample)
+    problem.walk(sample)
     days = (time.perf_counter() - started) / len(sample) * total / 86400
     raise SettingError(
         "foot.n",
@@ -92,7 +92,7 @@ class _Best(NamedTuple):
     violation: Array
     batch: Ints
 
-    def take(self, rows: NDArray[np.int64] | NDArray[np.bool_]) -> _Best:
+    def take(self, rows: Ints | NDArray[np.bool_]) -> _Best:
         return _Best._make(column[rows] for column in self)
 
     def joined(self, new: _Best, problem: FootProblem) -> _Best:
@@ -110,25 +110,35 @@ def enumerate_space(
     problem: FootProblem,
     solver: Solver,
     progress: Callable[[Generation], None] | None = None,
-    source: Source | None = None,
+    evaluator: Evaluator | None = None,
 ) -> Enumeration:
     """Walk with every design of a space that is inside its box.
 
     Parameters
     ----------
-    solver : its pop_size is the number of designs in memory at a time.
-    progress : called after every batch. source : of the evaluations; by default they are walked.
+    problem : FootProblem
+        Whose space it is.
+    solver : Solver
+        Its pop_size is the number of designs in memory at a time.
+    progress : callable, optional
+        Called after every batch.
+    evaluator : Evaluator, optional
+        By default designs are walked here.
 
     Returns
     -------
-    Enumeration : exact, unless `interrupted`.
+    Enumeration
+        Exact, unless `interrupted`.
 
     Raises
     ------
-    SettingError : the space has more than `LIMIT` designs. FootoptError : none of them is feasible.
+    SettingError
+        The space has more than `LIMIT` designs.
+    FootoptError
+        None of them is feasible.
     """
     check_size(problem)
-    source = source or Source(problem)
+    evaluator = evaluator or Evaluator(problem)
     started, space = time.perf_counter(), problem.space
     column, nan = problem.record.index(problem.guide), float("nan")
     best = _Best(
@@ -146,7 +156,7 @@ def enumerate_space(
             inside = violation <= space.box_tolerance * space.H
             reasons = np.full(len(k), "box", dtype=object)
             if inside.any():
-                values, why = source(k[inside])
+                values, why = evaluator(k[inside])
                 reasons[inside] = why
                 walked = _Best(k[inside], values, violation[inside], np.full(inside.sum(), number))
                 feasible = walked.take(why == "")
@@ -188,6 +198,6 @@ def enumerate_space(
         evaluations=history[-1].evaluations,
         seconds=time.perf_counter() - started,
         interrupted=interrupted,
-        reused=source.reused,
+        reused=evaluator.reused,
         counts=dict(counts),
     )

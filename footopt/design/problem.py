@@ -1,13 +1,12 @@
-"""`FootProblem`: the walk as a pymoo problem with integer variables, the waypoints' heights."""
+"""`FootProblem`: what is asked of a foot, as plain arrays: heights in, values, reasons and violations out."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pymoo.core.problem import Problem
 
 from footopt.errors import check_kind
 from footopt.foot import Waypoints
@@ -17,6 +16,8 @@ from footopt.walk.scene import Scene
 from footopt.walk.simulate import evaluate, resolve
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Words = NDArray[np.str_]
 
 #: Objectives by the name of a set; any sequence of names from `OBJECTIVES` will do as well.
 SETS: dict[str, tuple[str, ...]] = {"efficiency": ("efficiency",), "pareto": FIVE}
@@ -25,25 +26,47 @@ SETS: dict[str, tuple[str, ...]] = {"efficiency": ("efficiency",), "pareto": FIV
 RECORD = (*FIVE, "efficiency")
 
 
-class FootProblem(Problem):  # type: ignore[misc]
-    """Find waypoint heights k, whole numbers from 1 to K, that make a good foot.
-
-    A vectorised pymoo problem: one call walks a whole population. All objectives are minimised
-    (those to be maximised change sign); a failed walk gets each objective's worst value and
-    violates the first constraint, a sole that leaves its box violates the second.
+class Evaluated(NamedTuple):
+    """What is known of walked designs, a row each.
 
     Parameters
     ----------
-    scene : where the feet walk. space : the waypoints' space, the paper's by default.
-    objective : "efficiency" (the scalar J_W), "pareto" (the paper's five), one objective's name,
-        or a sequence of names.
-    accuracy : an `Accuracy` or a preset's name.
-    threads : for one evaluation; by default as many as the process may run on.
+    values : (designs, record)
+        Recorded values with their natural signs; NaN for a failed walk.
+    reasons : (designs,)
+        Why a walk failed, or "".
+    violation : (designs,), m
+        How far the sole leaves its box.
+    """
 
-    Notes
-    -----
-    ``out`` also carries, one row a design: ``values`` (natural signs, columns `record`; NaN for a
-    failed walk), ``reasons`` and ``violation`` (of the box, m).
+    values: Array
+    reasons: Words
+    violation: Array
+
+
+class FootProblem:
+    """Find waypoint heights k, whole numbers from 1 to K, that make a good foot.
+
+    A search minimises `minimised` where all `constraints` are at most 0. `PymooProblem` is the same
+    for pymoo's algorithms.
+
+    Parameters
+    ----------
+    scene : Scene, optional
+        Where the feet walk.
+    objective : str or sequence of str
+        "efficiency" (the scalar J_W), "pareto" (the paper's five), one objective's name, or several.
+    space : Waypoints, optional
+        The soles to choose from; by default the paper's.
+    accuracy : Accuracy or str
+        Of the walks; a preset's name will do.
+    threads : int, optional
+        For one evaluation; by default as many as the process may run on.
+
+    Raises
+    ------
+    SettingError
+        The walk ends before its first heel strike, or an objective is not known.
     """
 
     def __init__(
@@ -63,19 +86,16 @@ class FootProblem(Problem):  # type: ignore[misc]
         names = SETS.get(objective, (objective,)) if isinstance(objective, str) else tuple(objective)
         self.objectives: list[Objective] = lookup(names)
         self.record = (*RECORD, *(name for name in names if name not in RECORD))
-        super().__init__(
-            n_var=self.space.n,
-            n_obj=len(self.objectives),
-            n_ieq_constr=2,
-            xl=1,
-            xu=self.space.K,
-            vtype=int,
-        )
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the objectives."""
         return tuple(o.name for o in self.objectives)
+
+    @property
+    def n_obj(self) -> int:
+        """How many objectives there are."""
+        return len(self.objectives)
 
     @property
     def guide(self) -> str:
@@ -87,8 +107,18 @@ class FootProblem(Problem):  # type: ignore[misc]
         """What is walked through: a store keeps it with the designs."""
         return {"scene": self.scene}
 
+    def evaluate(self, k: Any) -> Evaluated:
+        """Walk with designs, (designs, n) heights; `SettingError` names a height that cannot be."""
+        k = self.space.check(k)
+        return Evaluated(*self.walk(k), self.space.box_violation(k))
+
+    def walk(self, k: Ints) -> tuple[Array, Words]:
+        """Walk with designs (designs, n): recorded values (designs, record), and why a walk failed."""
+        table = evaluate(k, self.scene, self.accuracy, self.record, self.space, self.threads)
+        return table.values, table.reasons
+
     def minimised(self, values: Array) -> Array:
-        """Recorded values (designs, record), natural signs, as the F that is minimised."""
+        """F (designs, objectives) of values (designs, record); each objective's worst for a failed walk."""
         columns = []
         for o in self.objectives:
             natural = values[:, self.record.index(o.name)]
@@ -96,29 +126,9 @@ class FootProblem(Problem):  # type: ignore[misc]
             columns.append(-natural if o.maximise else natural)
         return np.stack(columns, axis=1)
 
-    def walk(self, k: NDArray[np.int64]) -> tuple[Array, NDArray[np.str_]]:
-        """Walk with designs (designs, n): recorded values (designs, record), and why a walk failed."""
-        table = evaluate(k, self.scene, self.accuracy, self.record, self.space, self.threads)
-        return table.values, table.reasons
-
-    def judge(self, k: NDArray[np.int64], values: Array, reasons: NDArray[np.str_]) -> dict[str, Any]:
-        """What pymoo is to know of walked designs: ``out`` of the notes above, with F and G."""
-        violation = self.space.box_violation(k)
-        box = violation / self.space.H - self.space.box_tolerance
-        return {
-            "F": self.minimised(values),
-            "G": np.stack(
-                [
-                    np.where(reasons == "", -1.0, 1.0),
-                    box if np.isfinite(self.space.box_tolerance) else np.full(len(k), -1.0),
-                ],
-                axis=1,
-            ),
-            "values": values,
-            "reasons": reasons,
-            "violation": violation,
-        }
-
-    def _evaluate(self, x: NDArray[Any], out: dict[str, Any], *args: Any, **kwargs: Any) -> None:
-        k = self.space.check(x)
-        out.update(self.judge(k, *self.walk(k)))
+    def constraints(self, evaluated: Evaluated) -> Array:
+        """G (designs, 2), met where at most 0: the walk succeeds; the sole stays in its box (units of H)."""
+        failed = np.where(evaluated.reasons == "", -1.0, 1.0)
+        tolerance = self.space.box_tolerance
+        box = evaluated.violation / self.space.H - tolerance
+        return np.stack([failed, box if np.isfinite(tolerance) else np.full_like(failed, -1.0)], axis=1)

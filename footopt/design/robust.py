@@ -6,17 +6,14 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from footopt.design.problem import FootProblem
+from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.errors import SettingError, check
 from footopt.foot import Waypoints
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.objectives import OBJECTIVES
 from footopt.walk.scenarios import Scenario, check_measure, measured
 from footopt.walk.simulate import evaluate
-
-Array = NDArray[np.float64]
 
 
 class RobustProblem(FootProblem):
@@ -29,12 +26,23 @@ class RobustProblem(FootProblem):
 
     Parameters
     ----------
-    scenarios : from `footopt.walk.scenarios`; up to `simulate.POSES` different gaits are quick.
-    objective, space, accuracy, threads : as in `FootProblem`.
-    measure : "mean", "tail" or "worst". tail : the share that "tail" averages over.
-    references : (scenarios,), the value of `guide` that a good foot has in each, by whose magnitude
-        it is divided there. Without, hard sand has more say in J_W than soft sand, where J_W is a
-        tenth. A loss relative to the reference (`regret`) is then the measure of the scenarios'.
+    scenarios : sequence of Scenario
+        From `footopt.walk.scenarios`; up to `simulate.POSES` different gaits are quick.
+    objective, space, accuracy, threads
+        As in `FootProblem`.
+    measure : str
+        "mean", "tail" or "worst".
+    tail : float
+        The share of the scenarios that "tail" averages over.
+    references : (scenarios,), optional
+        The value of `guide` that a good foot has in each scenario, by whose magnitude it is divided
+        there. Without, hard sand has more say in J_W than soft sand, where J_W is a tenth. A loss
+        relative to the reference (`regret`) is then the measure of the scenarios'.
+
+    Raises
+    ------
+    SettingError
+        Names are not different, or a scenario, the measure or a reference cannot be used.
     """
 
     def __init__(
@@ -76,7 +84,7 @@ class RobustProblem(FootProblem):
             "references": self.references,
         }
 
-    def walk_each(self, k: NDArray[np.int64]) -> tuple[Array, NDArray[np.str_]]:
+    def walk_each(self, k: Ints) -> tuple[Array, Words]:
         """Values in every scenario, (scenarios, designs, record), natural signs, and why walks failed."""
         tables = [
             evaluate(k, s.scene, self.accuracy, self.record, s.space(self.space), self.threads)
@@ -84,7 +92,7 @@ class RobustProblem(FootProblem):
         ]
         return np.stack([t.values for t in tables]), np.stack([t.reasons for t in tables])
 
-    def walk(self, k: NDArray[np.int64]) -> tuple[Array, NDArray[np.str_]]:
+    def walk(self, k: Ints) -> tuple[Array, Words]:
         """Measures of the values over the scenarios, (designs, record), and why a walk failed where."""
         values, reasons = self.walk_each(k)
         if self.references is not None:
@@ -102,7 +110,7 @@ class RobustProblem(FootProblem):
 
 
 def regret(values: Array, references: Array, name: str) -> Array:
-    """What is lost relative to reference values of an objective: 0 is as good, .1 a tenth worse."""
+    """What is lost relative to reference values of an objective: 0 is as good, 0.1 a tenth worse."""
     sign = -1.0 if OBJECTIVES[name].maximise else 1.0
     loss: Array = sign * (values - references) / np.abs(references)
     return loss

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from footopt.design.exhaustive import batches, check_size
-from footopt.design.problem import FootProblem
-from footopt.design.search import SearchResult
+from footopt.design.problem import Array, Evaluated, FootProblem, Ints, Words
+from footopt.design.result import SearchResult
 from footopt.errors import FootoptError
-
-Array = NDArray[np.float64]
 
 BATCH = 4096  # designs that are walked at a time
 CHECKPOINTS = 10  # of a run, at which the front that it has found is measured
@@ -22,27 +18,32 @@ REFERENCE = 1.1  # of the hypervolume, where the exact front spans 0 to 1 in eve
 REACHED = 0.95  # of the exact hypervolume: counts as having found the front
 
 
-def walk_all(problem: FootProblem, step: Callable[[], None] = lambda: None) -> dict[str, NDArray[Any]]:
-    """Every design's recorded values, constraints, reason and violation: columns of a table.
+def walk_all(problem: FootProblem, step: Callable[[], None] = lambda: None) -> Evaluated:
+    """Walk with every design of a space, also those outside their box, for which a solver may ask.
 
-    Also of those outside their box, for which a solver may ask. `step` is called after every `BATCH`.
+    Parameters
+    ----------
+    problem : FootProblem
+        Whose space it is.
+    step : callable
+        Called after every `BATCH` designs.
 
     Raises
     ------
-    SettingError : the space is too large. FootoptError : no design of it is feasible.
+    SettingError
+        The space is too large.
+    FootoptError
+        No design of it is feasible.
     """
     check_size(problem)
     parts = []
     for k in batches(problem.space, BATCH):
-        parts.append(problem.evaluate(k, return_as_dictionary=True))
+        parts.append(problem.evaluate(k))
         step()
-    table = {
-        name: np.concatenate([part[name] for part in parts])
-        for name in ("values", "G", "reasons", "violation")
-    }
-    if not (table["G"] <= 0.0).all(axis=1).any():
+    table = Evaluated._make(np.concatenate(columns) for columns in zip(*parts, strict=True))
+    if not (problem.constraints(table) <= 0.0).all(axis=1).any():
         raise FootoptError(
-            f"None of all {len(table['G'])} designs is feasible. "
+            f"None of all {len(table.reasons)} designs is feasible. "
             "Try a larger foot.box_tolerance, or harder sand."
         )
     return table
@@ -53,38 +54,44 @@ class Tabulated(FootProblem):
 
     Parameters
     ----------
-    problem : its scene, space and accuracy. table : of `walk_all`.
-    objective : as in `FootProblem`, of what is in the problem's record.
+    problem : FootProblem
+        Its scene, space and accuracy are taken.
+    table : Evaluated
+        Of `walk_all`.
+    objective : str or tuple of str
+        As in `FootProblem`, of what is in the problem's record.
 
     Attributes
     ----------
-    optimum, best_k : the exact best J_W and its heights. feasible : how many designs are.
-    front : (designs, objectives), F on the exact front, scaled by it to 0 ... 1.
+    optimum, best_k : float, (n,)
+        The exact best J_W and its heights.
+    feasible : int
+        How many designs are.
+    front : (designs, objectives)
+        F on the exact front, scaled by it to 0 ... 1.
     """
 
-    def __init__(
-        self, problem: FootProblem, table: dict[str, NDArray[Any]], objective: str | tuple[str, ...]
-    ) -> None:
+    def __init__(self, problem: FootProblem, table: Evaluated, objective: str | tuple[str, ...]) -> None:
         from moocore import hypervolume
 
         super().__init__(problem.scene, objective, problem.space, problem.accuracy, problem.threads)
-        self.table = table | {"F": self.minimised(np.asarray(table["values"], float))}
+        self.table = table
         self._powers = self.space.K ** np.arange(self.space.n)[::-1]
-        feasible = (self.table["G"] <= 0.0).all(axis=1)
+        feasible = (self.constraints(table) <= 0.0).all(axis=1)
         self.feasible = int(feasible.sum())
-        j = np.where(feasible, self.table["values"][:, self.record.index("efficiency")], np.inf)
+        j = np.where(feasible, table.values[:, self.record.index("efficiency")], np.inf)
         self.optimum = float(j.min())
         self.best_k = 1 + int(j.argmin()) // self._powers % self.space.K
-        front = _front(self.table["F"][feasible])
+        front = _front(self.minimised(table.values)[feasible])
         self._low = front.min(axis=0)
         self._span = np.maximum(front.max(axis=0) - self._low, 1e-300)
         self.front = self.scaled(front)
         self._volume = hypervolume(self.front, ref=REFERENCE)
 
-    def walk(self, k: NDArray[np.int64]) -> tuple[Array, NDArray[np.str_]]:
+    def walk(self, k: Ints) -> tuple[Array, Words]:
         """What is in the table of the designs."""
         number = (k - 1) @ self._powers
-        return self.table["values"][number], self.table["reasons"][number]
+        return self.table.values[number], self.table.reasons[number]
 
     def scaled(self, f: Array) -> Array:
         """F (designs, objectives) in units of the exact front's extent."""
@@ -107,11 +114,19 @@ class Tabulated(FootProblem):
 class Attempt:
     """One run of a solver against the truth.
 
-    regret : by how much its best J_W falls short of the exact one, relative.
-    found_at : evaluations when it came upon the optimum, or, of several objectives, upon `REACHED` of
-        the exact hypervolume; NaN if it did not.
-    hypervolume, igd_plus : of everything it found, see `Tabulated`; NaN for one objective.
-    checkpoints : (evaluations, share of the hypervolume) during the run; none for one objective.
+    Parameters
+    ----------
+    solver, seed
+        Which run.
+    regret : float
+        By how much its best J_W falls short of the exact one, relative.
+    found_at : float
+        Evaluations when it came upon the optimum, or, of several objectives, upon `REACHED` of the exact
+        hypervolume; NaN if it did not.
+    hypervolume, igd_plus : float
+        Of everything it found, see `Tabulated`; NaN for one objective.
+    checkpoints : tuple
+        (evaluations, share of the hypervolume) during the run; none for one objective.
     """
 
     solver: str

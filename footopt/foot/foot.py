@@ -111,9 +111,9 @@ class Foot:
         **options: Any,
     ) -> Foot:
         """The sole in a DXF, SVG or CSV file; `options` (units, scale, layer, toe, origin) as in
-        `footopt.files.outlines.read`.
+        `footopt.files.soles.read`.
         """
-        from footopt.files.outlines import read
+        from footopt.files.soles import read
 
         contour = read(path, **options)
         return cls(contour, width, (ankle[0], ankle[1]), Path(path).stem, closed=closed, top=top)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from footopt.errors import SettingError, check
 from footopt.files.drawings import MM
-from footopt.files.polygon import SAME, crossing
+from footopt.files.soles.lines import SAME, crossing
 from footopt.foot.waypoints import check_top
 
 Array = NDArray[np.float64]

@@ -28,8 +28,8 @@ from footopt.files.gaits import (
     check_period,
     read_json,
     read_strides,
-    wrong,
 )
+from footopt.files.reading import Unusable, naming
 from footopt.gait import start
 
 Array = NDArray[np.float64]
@@ -173,37 +173,23 @@ class Gait:
         FileError
             The strides have too few rows, or no periodic curve follows them.
         """
-        path = strides.source
         check(harmonics >= 1, "gait.harmonics", harmonics, "a whole number >= 1")
-        if len(strides.phase) < 2 * harmonics + 2:
-            raise wrong(
-                path,
-                f"needs at least {2 * harmonics + 2} rows for {harmonics} harmonics, "
-                "from one heel strike to the next.",
-            )
-        check_period(path, strides.period)
-        fits, residual = {}, []
-        for joint, closed in average(strides).items():
-            # the last point is the first one again
-            fits[joint] = Fourier.fit(strides.phase[:-1], closed[:-1], harmonics)
-            mean = strides.curves[joint].mean(axis=0)
-            misfit = np.degrees(fits[joint].at(strides.phase)[0]) - mean
-            if abs(misfit).max() > MISFIT:
-                raise wrong(
-                    path,
-                    f"{joint} misses its periodic fit by up to "
-                    f"{abs(misfit).max():.0f} deg. The curve jumps or is not one whole stride; give one heel "
-                    "strike to the next of one leg, or several strides.",
+        with naming(strides.source, "gait.path"):
+            if len(strides.phase) < 2 * harmonics + 2:
+                raise Unusable(
+                    f"needs at least {2 * harmonics + 2} rows for {harmonics} harmonics, "
+                    "from one heel strike to the next."
                 )
-            residual.append((joint, float(np.sqrt(np.mean(misfit**2)))))
+            check_period(strides.period)
+            fits = {joint: _fitted(joint, strides, harmonics) for joint in strides.curves}
         return cls(
-            thigh=fits["thigh"],
-            knee=fits["knee"],
-            foot=fits.get("foot"),
+            thigh=fits["thigh"][0],
+            knee=fits["knee"][0],
+            foot=fits["foot"][0] if "foot" in fits else None,
             period=strides.period,
-            name=Path(path).stem,
-            source=path,
-            residual=tuple(residual),
+            name=Path(strides.source).stem,
+            source=strides.source,
+            residual=tuple((joint, rms) for joint, (_, rms) in fits.items()),
         )
 
     @classmethod
@@ -219,8 +205,9 @@ class Gait:
         )
         joints = {name: Fourier(*series).truncated(harmonics) for name, series in read.series.items()}
         phase = np.arange(PHASES) / PHASES
-        check_angles(path, {name: np.degrees(joint.at(phase)[0]) for name, joint in joints.items()})
-        check_period(path, read.period)
+        with naming(path, "gait.path"):
+            check_angles({name: np.degrees(joint.at(phase)[0]) for name, joint in joints.items()})
+            check_period(read.period)
         return cls(
             thigh=joints["thigh"],
             knee=joints["knee"],
@@ -264,6 +251,19 @@ class Gait:
         """Both feet relative to the hip at times t (T,), for leg segments l1, l2 (m)."""
         (thigh, thigh_rate), (shank, shank_rate), (pitch, rate) = self.angles(t)
         return Pose(*ankle(thigh, thigh_rate, shank, shank_rate, l1, l2), pitch, rate)
+
+
+def _fitted(joint: str, strides: Strides, harmonics: int) -> tuple[Fourier, float]:
+    """The series through the closed mean of a joint's strides, and its rms misfit of the mean itself, deg."""
+    phase, closed, mean = strides.phase, average(strides)[joint], strides.curves[joint].mean(axis=0)
+    series = Fourier.fit(phase[:-1], closed[:-1], harmonics)  # the last point is the first one again
+    misfit = np.degrees(series.at(phase)[0]) - mean
+    if abs(misfit).max() > MISFIT:
+        raise Unusable(
+            f"{joint} misses its periodic fit by up to {abs(misfit).max():.0f} deg. The curve jumps or is "
+            "not one whole stride; give one heel strike to the next of one leg, or several strides."
+        )
+    return series, float(np.sqrt(np.mean(misfit**2)))
 
 
 def ankle(

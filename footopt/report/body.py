@@ -67,7 +67,7 @@ def body(walk: Walk, t: ArrayLike) -> Body:
     return Body(joints, *placed)
 
 
-def forces(walk: Walk, index: Ints, arrows: int = ARROWS) -> Forces:
+def forces_along(walk: Walk, index: Ints, arrows: int = ARROWS) -> Forces:
     """Forces along both soles at samples (M,) of a walk, summed over neighbouring plates."""
     plates = walk.plates(index)
     begin, size = groups(plates.position.shape[2], arrows)

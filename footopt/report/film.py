@@ -15,11 +15,18 @@ from matplotlib.animation import FFMpegWriter, PillowWriter
 from numpy.typing import NDArray
 
 from footopt.errors import FileError, FootoptError, SettingError, check
-from footopt.report.body import body, forces
-from footopt.report.figures import PAGE, _entry_of, _figure, _legend_above, styled
-from footopt.report.show import ARROW, SIDES, bounds, draw_arrows, draw_body, draw_ground, round_newtons
+from footopt.report.body import body, forces_along
+from footopt.report.figures.ground import draw_ground
+from footopt.report.figures.walker import (
+    ARROW,
+    bounds,
+    draw_body,
+    draw_resultants,
+    label_arrows,
+    round_newtons,
+)
+from footopt.report.style import PAGE, legend_above, new_figure, styled
 from footopt.walk import Walk
-from footopt.walk.phases import STANDS
 
 Array = NDArray[np.float64]
 
@@ -141,20 +148,17 @@ def scene_of(walk: Walk, speed: float) -> tuple[Any, Callable[[float], None]]:
     """A figure, and what moves the walker in it to a time."""
     all_of_it = body(walk, walk.t)
     left, right, low, high = bounds(all_of_it)
-    at, force = forces(walk, np.arange(len(walk.t))).resultant()
+    at, force = forces_along(walk, np.arange(len(walk.t))).resultant()
     wide = min(right - left, WIDEST * (high - low))
-    newtons = round_newtons(walk)
-    figure = _figure(PAGE, (PAGE - 0.6) * (high - low) / wide + 0.5)
+    metres = ARROW * high / round_newtons(walk)  # of arrow per newton
+    figure = new_figure(PAGE, (PAGE - 0.6) * (high - low) / wide + 0.5)
     axes = figure.subplots()
     draw_ground(axes, walk.scene, left, right, low, 0.9 * high)
     axes.set(xlabel="$x$ (m)", ylabel="$z$ (m)", xlim=(left, left + wide), ylim=(low, high), aspect="equal")
     axes.plot(*walk.com.T, color="black", lw=0.6, ls=":")
-    for side, colour in SIDES:
-        _entry_of(axes, f"{side} leg", color=colour, lw=2)
-    label = f"force of the sand, {ARROW * high:.2g} m for {newtons:g} N"
-    _entry_of(axes, label, color="black", ls="", marker=r"$\uparrow$", ms=8)
+    label_arrows(axes, walk, high)
     title = f"{walk.foot.name} on {walk.scene.sand.name} sand, {speed:g} × real time"
-    _legend_above(figure, *axes.get_legend_handles_labels(), title=title)
+    legend_above(figure, *axes.get_legend_handles_labels(), title=title)
     clock = axes.set_title(" ", loc="right", fontsize=10)
     for _ in range(2):  # each pass of the layout moves things a little
         figure.draw_without_rendering()
@@ -175,10 +179,7 @@ def scene_of(walk: Walk, speed: float) -> tuple[Any, Callable[[float], None]]:
             shown.pop().remove()
         placed = body(walk, [t])
         shown.extend(draw_body(axes, placed, 0))
-        place, push = between(at, t), between(force, t)
-        seen = np.isfinite(place).all(axis=-1) & (np.linalg.norm(push, axis=-1) > STANDS)
-        if seen.any():
-            shown.append(draw_arrows(axes, place[seen], push[seen], ARROW * high / newtons))
+        shown.append(draw_resultants(axes, between(at, t), between(force, t), metres))
         middle = float(np.clip(placed.hip[0, 0], left + 0.5 * wide, right - 0.5 * wide))
         axes.set_xlim(middle - 0.5 * wide, middle + 0.5 * wide)
         ended = f", failed: {walk.reason}" if walk.reason and t >= walk.t[-1] else ""

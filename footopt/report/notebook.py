@@ -6,12 +6,12 @@ from typing import Any
 
 #: Where the classes are that have a card (those that inherit from them have it, too).
 CLASSES = {
-    "footopt.design.search": ("SearchResult",),
+    "footopt.design.result": ("SearchResult",),
     "footopt.foot.foot": ("Foot",),
     "footopt.gait.gait": ("Gait",),
-    "footopt.sand.law": ("Sand",),
+    "footopt.sand.media": ("Sand",),
+    "footopt.walk.results": ("Table", "Walk"),
     "footopt.walk.scene": ("Scene",),
-    "footopt.walk.simulate": ("Table", "Walk"),
 }
 
 
@@ -20,16 +20,16 @@ def register(shell: Any) -> None:
 
     Parameters
     ----------
-    shell : what ``IPython.get_ipython()`` returns.
+    shell : IPython.core.interactiveshell.InteractiveShell
+        What ``IPython.get_ipython()`` returns.
     """
     formatter = shell.display_formatter.formatters["text/html"]
     for module, names in CLASSES.items():
         for name in names:
-            formatter.for_type_by_name(module, name, card)
+            formatter.for_type_by_name(module, name, _card)
 
 
-def card(thing: object) -> str:
-    """HTML: an object's numbers beside its picture."""
-    from footopt.report.show import card
+def _card(thing: object) -> str:
+    from footopt.report.cards import card
 
     return card(thing)

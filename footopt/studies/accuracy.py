@@ -23,8 +23,8 @@ from footopt.errors import check
 from footopt.files import run as files
 from footopt.foot import Foot, Waypoints
 from footopt.report import figures, summary, terminal
+from footopt.report.figures.accuracy import work_precision
 from footopt.report.progress import progress
-from footopt.report.work_precision import work_precision
 from footopt.sand import Sand, alpha
 from footopt.studies import build
 from footopt.studies.base import Study

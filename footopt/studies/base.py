@@ -11,6 +11,7 @@ from typing import Any
 
 from rich.console import RenderableType
 from rich.table import Table
+from rich.text import Text
 
 from footopt.files import run as files
 from footopt.foot import Foot, Waypoints
@@ -134,7 +135,7 @@ class Study:
         title: str,
         tables: Sequence[Table],
         content: Mapping[str, Any],
-        said: Sequence[str] = (),
+        said: Sequence[str | Text] = (),
         about: Sequence[str] = (),
         warnings: Sequence[str] = (),
         footer: Mapping[str, Any] | None = None,
@@ -149,7 +150,7 @@ class Study:
             For the terminal and the page.
         content : dict
             The study's own part of result.json.
-        said : sequence of str
+        said : sequence of str or rich.text.Text
             What follows from the tables, a paragraph each.
         about, warnings : sequence of str
             For the page alone: what the terminal has shown before, or shows as an error.
@@ -162,7 +163,8 @@ class Study:
             A file cannot be written; nothing is printed then.
         """
         record = self.write_result(content) | dict(footer or {})
-        page.write_study(self.folder, title, [*about, *said], self._captions, tables, record, warnings)
+        headline = [*about, *map(str, said)]
+        page.write_study(self.folder, title, headline, self._captions, tables, record, warnings)
         self.say(*tables, *said)
         self.close()
 

@@ -7,9 +7,8 @@ from glob import glob
 from pathlib import Path
 
 from footopt.errors import FileError, SettingError
-from footopt.files import run as files
 from footopt.files.reading import named
-from footopt.report import summary, terminal
+from footopt.report import summary
 from footopt.studies.base import Study
 
 SETTING = "study.runs"
@@ -17,41 +16,36 @@ TRY = "Try footopt study=compare 'study.runs=[outputs/optimize/*]'"
 
 
 def run(study: Study) -> None:
-    """A table of the runs of `study.runs`, as of a multirun's jobs: terminal, summary.csv and report.html."""
-    config, folder, settings = study.config, study.folder, study.settings
-    out, clock = study.console, terminal.clock()
-    runs = list(folders_of(config.study.runs, folder))
+    """Show the runs of `study.runs` as those of a multirun: a table, summary.csv and report.html."""
+    runs = list(run_folders(study.options.runs, study.folder))
     if not runs:
-        raise SettingError(SETTING, config.study.runs, "folders of runs", TRY)
-    summary.of_runs(folder, runs)
-    files.write_json(
-        folder / "result.json",
-        {
-            "study": "compare",
-            "runs": [str(run) for run in runs],
-            "settings": settings,
-            "versions": files.versions(),
-            "wall_time_s": clock(),
-        },
-    )
-    terminal.everything_is_in(out, folder, clock())
+        raise SettingError(SETTING, study.options.runs, "folders of runs", TRY)
+    summary.of_runs(study.folder, runs)
+    study.write_result({"runs": [str(run) for run in runs]})
+    study.close()
 
 
-def folders_of(patterns: Sequence[str], besides: Path) -> Iterator[Path]:
-    """Folders of runs by name or pattern, each once, in order; `besides` the one that is running.
+def run_folders(patterns: Sequence[str], own: Path) -> Iterator[Path]:
+    """Folders of runs, each once, in order; a multirun's folder stands for its jobs.
 
-    A multirun's folder stands for its jobs.
+    Parameters
+    ----------
+    patterns : sequence of str
+        Names or patterns of folders.
+    own : Path
+        The folder of the run that asks, which is left out.
 
     Raises
     ------
-    FileError : there is no run of that name.
+    FileError
+        There is no run of that name.
     """
-    seen = {besides.resolve()}
+    seen = {own.resolve()}
     for pattern in patterns:
         multiruns = [Path(path).parent for path in glob(f"{pattern}/multirun.yaml", recursive=True)]
         jobs = [job for folder in multiruns for job in folder.iterdir() if job.name.isdecimal()]
         alone = [Path(path).parent for path in glob(f"{pattern}/result.json", recursive=True)]
-        found = sorted({*alone, *jobs}, key=_in_order)
+        found = sorted({*alone, *jobs}, key=_order)
         if not found and not (Path(pattern) / ".hydra").is_dir():
             raise FileError(f"{named(pattern, SETTING)}: not the folder of a run. {TRY}")
         for path in found or [Path(pattern)]:
@@ -60,6 +54,6 @@ def folders_of(patterns: Sequence[str], besides: Path) -> Iterator[Path]:
                 yield path
 
 
-def _in_order(folder: Path) -> tuple[str, int, str]:
-    """What to sort a run's folder by: job 10 of a multirun comes after job 9."""
+def _order(folder: Path) -> tuple[str, int, str]:
+    """Sort key of a run's folder: job 10 of a multirun comes after job 9."""
     return str(folder.parent), int(folder.name) if folder.name.isdecimal() else -1, folder.name

@@ -16,14 +16,14 @@ from footopt.compiled import active, kept, processor
 from footopt.errors import FileError, FootoptError
 from footopt.files import run as files
 from footopt.foot import Waypoints
-from footopt.report import summary, terminal
+from footopt.report import terminal
 from footopt.sand import Sand
 from footopt.studies.base import Study
 from footopt.studies.settings import Config
 from footopt.walk import FIVE, STEPPERS, Scene, evaluate
 from footopt.walk.audit import own_time
-from footopt.walk.independent import LIMITS, RAMP, REFERENCE, SAME_PLATES
 from footopt.walk.loop import compiled
+from footopt.walk.reference import LIMITS, PUBLISHED, RAMP, SAME_PLATES
 from footopt.walk.simulate import available_threads
 
 #: Packages that footopt works without: the extra that brings them, and what for.
@@ -36,7 +36,7 @@ EXTRAS = {
     "hydra-joblib-launcher": ("joblib", "hydra/launcher=joblib"),
     "hydra-submitit-launcher": ("submitit", "hydra/launcher=submitit_slurm"),
 }
-SLOW = 10.0  # ms per design and core at accuracy standard: compiled code takes about .3
+SLOW = 10.0  # ms per design and core at accuracy standard; compiled code takes about 0.3
 FEET = 200  # that the speed is measured with
 FAILED = "FAILED"
 
@@ -58,31 +58,26 @@ class Finding:
 
 def run(study: Study) -> None:
     """Look at everything, say what is wrong and what to do about it."""
-    config, folder, settings = study.config, study.folder, study.settings
-    out, clock = study.console, terminal.clock()
-    found = [*libraries(), *safely(machine, config)]
-    with terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ..."):
+    found = [*libraries(), *guarded(machine, study.config)]
+    with study.compiling():
         for ask in (compiled_code, self_test):
-            found += safely(ask, config)
+            found += guarded(ask, study.config)
     found += extras()
     bad = [f for f in found if f.good is False]
-    record = {
-        "study": "doctor",
-        "findings": [asdict(f) for f in found],
-        "settings": settings,
-        "versions": files.versions(),
-        "wall_time_s": clock(),
-    }
-    title = f"{len(bad)} of {len(found)} findings {FAILED}" if bad else "Is all as it should be?"
-    said = [] if bad else ["All is as it should be."]
     wrong = [f"{f.what}: {f.found}. {f.advice}" for f in bad]
     try:
-        summary.conclude(folder, title, said, {}, [table(found)], record, warnings=wrong)
+        study.conclude(
+            f"{len(bad)} of {len(found)} findings {FAILED}" if bad else "Is all as it should be?",
+            [table(found)],
+            {"findings": [asdict(f) for f in found]},
+            said=[] if bad else ["All is as it should be."],
+            warnings=wrong,
+        )
     except FileError as error:
         advice = "Choose a folder that can be written: hydra.run.dir=..."
         found.append(Finding("results", str(error), False, advice))
         wrong.append(f"results: {error}. {advice}")
-        out.print(table(found))
+        study.say(table(found))
     if wrong:
         raise FootoptError(f"study=doctor: {len(wrong)} of {len(found)} findings {FAILED}: {' '.join(wrong)}")
 
@@ -96,7 +91,7 @@ def table(found: Sequence[Finding]) -> Table:
     return shown
 
 
-def safely(ask: Callable[[Config], Iterator[Finding]], config: Config) -> Iterator[Finding]:
+def guarded(ask: Callable[[Config], Iterator[Finding]], config: Config) -> Iterator[Finding]:
     """What was found, or that the question itself breaks the program."""
     try:
         yield from ask(config)
@@ -147,7 +142,7 @@ def compiled_code(config: Config) -> Iterator[Finding]:
     evaluate(feet, scene, threads=1)
     ms = 1e3 * (own_time() - started) / FEET
     found = f"{ms:.2g} ms per design and core at accuracy standard"
-    advice = f"Compiled code takes about .3, and less than {SLOW:g} on any machine: is something emulated?"
+    advice = f"Compiled code takes about 0.3, and less than {SLOW:g} on any machine: is something emulated?"
     yield Finding("speed", found, ms < SLOW, advice)
     threads = config.engine.threads or available_threads()
     seconds = []
@@ -166,7 +161,7 @@ def self_test(config: Config) -> Iterator[Finding]:
     started, walks = time.perf_counter(), 0
     for accuracy in ("standard", "reference", SAME_PLATES):
         name = accuracy if isinstance(accuracy, str) else accuracy.name
-        for published in REFERENCE:
+        for published in PUBLISHED:
             walked = evaluate([RAMP], Scene(sand=Sand.named(published.sand)), accuracy, threads=1)
             walks += 1
             difference = np.abs(walked.values[0] / np.array(published.objectives) - 1.0)

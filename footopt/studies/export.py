@@ -9,18 +9,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.table import Table
+from shapely import Polygon
 
 from footopt.errors import FileError, FootoptError, SettingError
-from footopt.files import run as files
 from footopt.files.drawings import MM
 from footopt.files.reading import is_missing, named, read_json_file
 from footopt.foot import Foot
 from footopt.foot.export import write_all
-from footopt.report import figures, summary, terminal
-from footopt.studies import build
+from footopt.report import figures, terminal
 from footopt.studies.base import Study
+from footopt.studies.build import make_foot
 from footopt.studies.record import foot_entry
 from footopt.studies.settings import FootConfig
 
@@ -38,45 +37,34 @@ DAMAGED = (FootoptError, ArithmeticError, AttributeError, LookupError, TypeError
 
 
 def run(study: Study) -> None:
-    """Write the foot of the run `study.run` to `folder` in every format."""
-    config, folder, settings = study.config, study.folder, study.settings
-    clock = terminal.clock()
-    if config.study.run is None:
-        raise SettingError(
-            "study.run", None, "the folder of a run", "Try footopt study=export run=outputs/optimize/..."
-        )
-    foot = foot_of(Path(config.study.run), config.foot.k)
-    block = config.foot.block
-    written, notes = write_all(foot, folder, block)
+    """Write the foot of the run `study.run` in every format."""
+    config, folder = study.config, study.options.run
+    if folder is None:
+        advice = "Try footopt study=export run=outputs/optimize/..."
+        raise SettingError("study.run", None, "the folder of a run", advice)
+    foot, block = foot_of(Path(folder), config.foot.k), config.foot.block
+    written, notes = write_all(foot, study.folder, block)
     outline, width = MM * foot.body_outline(block), MM * foot.width
-    area, size = area_of(outline), [*np.ptp(outline, axis=0).tolist(), width]
-    figures.save(figures.drawing(foot, block), folder / "figures", "drawing")
-    record = {
-        "study": "export",
-        "run": config.study.run,
-        "design": foot_entry(foot),
-        "area_mm2": area,
-        "volume_mm3": area * width,
-        "size_mm": size,
-        "files": {path.name: {"bytes": path.stat().st_size} for path in written},
-        "notes": notes,
-        "settings": settings,
-        "versions": files.versions(),
-        "wall_time_s": clock(),
-    }
-    said = [
-        f"{terminal.describe_foot(foot)}: {area:.0f} mm^2, {width:g} mm wide, {area * width:.0f} mm^3",
-        *notes,
-    ]
-    says = {"drawing": "The outline of every file, with its sole (blue) and ankle (+), in mm."}
-    summary.conclude(folder, "A foot to make", said, says, [table(written)], record)
-
-
-def area_of(outline: NDArray[np.float64]) -> float:
-    """The area inside a closed outline (m, 2)."""
-    from shapely import Polygon
-
-    return float(Polygon(outline).area)
+    area = float(Polygon(outline).area)
+    caption = "The outline of every file, with its sole (blue) and ankle (+), in mm."
+    study.save("drawing", figures.drawing(foot, block), caption)
+    study.conclude(
+        "A foot to make",
+        [table(written)],
+        {
+            "run": folder,
+            "design": foot_entry(foot),
+            "area_mm2": area,
+            "volume_mm3": area * width,
+            "size_mm": [*np.ptp(outline, axis=0).tolist(), width],
+            "files": {path.name: {"bytes": path.stat().st_size} for path in written},
+            "notes": notes,
+        },
+        said=[
+            f"{terminal.describe_foot(foot)}: {area:.0f} mm^2, {width:g} mm wide, {area * width:.0f} mm^3",
+            *notes,
+        ],
+    )
 
 
 def table(written: Sequence[Path]) -> Table:
@@ -119,13 +107,13 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
         return found
     if saved.shape != "waypoints" or own is None:
         raise SettingError("foot.k", k, f"null: the run's foot is {saved.shape}")
-    return build.make_foot(dataclasses.replace(saved, k=k))
+    return make_foot(dataclasses.replace(saved, k=k))
 
 
 def _saved_foot(folder: Path, design: dict[str, Any], saved: FootConfig) -> Foot:
     """The foot that a run has kept."""
     if design["k"] is not None:
-        foot = build.make_foot(dataclasses.replace(saved, k=design["k"]))
+        foot = make_foot(dataclasses.replace(saved, k=design["k"]))
     else:  # the contour itself: a drawing that it came from may have changed
         width, (x, z) = float(design["width_m"]), design["ankle_m"]
         ankle = float(x), float(z)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,17 +26,17 @@ from footopt.design import (
     SearchResult,
     Solver,
     confirm,
-    make_engine,
+    make_executor,
     search,
 )
+from footopt.design.result import check_finalists
 from footopt.design.robust import RobustProblem, regret
-from footopt.design.search import check_finalists
-from footopt.design.workers import Engine
 from footopt.errors import FootoptError, SettingError, check
 from footopt.files import drawings
 from footopt.files import run as files
 from footopt.foot import Foot
-from footopt.report import figures, robust_figures, summary, terminal
+from footopt.report import figures, summary, terminal
+from footopt.report.figures import robust as robust_figures
 from footopt.report.progress import progress, telling
 from footopt.studies import build
 from footopt.studies.base import Study
@@ -108,7 +109,7 @@ def run(study: Study) -> None:
     unit = "batch" if solver.name == EXHAUSTIVE else "generation"
     store, e = config.study.store or folder / "designs.sqlite", config.engine
     with (
-        make_engine(e.name, e.workers, e.address, e.timeout) as engine,
+        make_executor(e.name, e.workers, e.address, e.timeout) as executor,
         progress(out, each * (len(feet) + 1), unit, work) as step,
     ):
         for scenario in feet:
@@ -116,7 +117,7 @@ def run(study: Study) -> None:
                 scenario.scene, judge.names, scenario.space(judge.space), accuracy, judge.threads
             )
             tell = telling(step, judge.guide, about=f"{scenario.name}: ")
-            result = searched(alone, solver, scenario.name, tell, store, engine)
+            result = searched(alone, solver, scenario.name, tell, store, executor)
             found[scenario.name] = result.k[confirm(result, finer, options.finalists).designs[0]]
             out.print(f"specialist, {scenario.name}: {terminal.describe_search(result)}")
         problem = RobustProblem(
@@ -124,7 +125,7 @@ def run(study: Study) -> None:
             references=compare(judge, found).references,
         )  # fmt: skip
         tell = telling(step, judge.guide, len(scenarios), f"{ROBUST}: ", " of the specialist's")
-        result = searched(problem, solver, ROBUST, tell, store, engine)
+        result = searched(problem, solver, ROBUST, tell, store, executor)
     confirmed = confirm(result, finer, options.finalists)
     found[ROBUST] = result.k[confirmed.designs[0]]
     out.print(f"{ROBUST}: {terminal.describe_search(result)}")
@@ -180,11 +181,11 @@ def searched(
     name: str,
     tell: Callable[[Generation], None],
     store: str | Path,
-    engine: Engine,
+    executor: Executor | None,
 ) -> SearchResult:
     """A search whose evaluations are kept; an interrupted one ends the study."""
     try:
-        result = search(problem, solver, tell, store, engine)
+        result = search(problem, solver, tell, store, executor)
     except FootoptError as error:
         raise FootoptError(f"{name}: {error}") from None
     if result.interrupted:

@@ -26,8 +26,8 @@ from footopt.files import run as files
 from footopt.foot import Foot
 from footopt.report import summary, terminal
 from footopt.report.figures import save
+from footopt.report.figures.sensitivity import sensitivity
 from footopt.report.progress import progress
-from footopt.report.sensitivity_figure import sensitivity
 from footopt.studies import build
 from footopt.studies.base import Study
 from footopt.studies.record import foot_entry, scene_entry

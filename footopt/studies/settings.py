@@ -251,7 +251,7 @@ class SolverConfig:
 
 @dataclass
 class EngineConfig:
-    """Where designs are evaluated: see `footopt.design.engines`; threads are of this process."""
+    """Where designs are evaluated: see `footopt.design.make_executor`; threads are of this process."""
 
     name: str = "local"
     threads: Optional[int] = None  # noqa: UP045

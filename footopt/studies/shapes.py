@@ -7,28 +7,20 @@ from dataclasses import replace
 from typing import Any
 
 from rich.table import Table as RichTable
+from rich.text import Text
 
 from footopt.errors import SettingError, check
-from footopt.files import run as files
 from footopt.foot import SHAPES, Foot
-from footopt.report import figures, page, paper_figures, terminal
-from footopt.report.progress import progress
-from footopt.studies import build
+from footopt.report import figures, terminal
+from footopt.report.figures import paper as paper_figures
 from footopt.studies.base import Study
+from footopt.studies.build import make_foot
 from footopt.studies.record import foot_entry, scene_entry
 from footopt.studies.settings import Config
 from footopt.walk import OBJECTIVES, Accuracy, Scene, Walk, estimate_error, simulate
 from footopt.walk.validity import diagnose
 
 MOUNTS = ("centre", "top")
-
-#: What each figure shows.
-SAYS = {
-    "shapes": "The five shapes with their contact lines and the ankle.",
-    "states": "Position, height and speed of the COM over time, for each shape.",
-    "forces": "Vertical and forward force of each foot over time, for each shape.",
-    "power_work": "Power and work of the sand over time, for each shape.",
-}
 
 
 def make_shapes(config: Config) -> dict[str, Foot]:
@@ -39,7 +31,7 @@ def make_shapes(config: Config) -> dict[str, Foot]:
     """
     mount = config.study.mount
     check(mount in MOUNTS, "study.mount", mount, f"one of {', '.join(MOUNTS)}")
-    feet = {name: build.make_foot(replace(config.foot, shape=name)) for name in SHAPES}
+    feet = {name: make_foot(replace(config.foot, shape=name)) for name in SHAPES}
     if mount == "centre":
         return feet
     # the box's centre is the origin, and every shape's contact line reaches its lower side
@@ -55,18 +47,16 @@ def walk_shapes(feet: Mapping[str, Foot], scene: Scene, accuracy: Accuracy | str
 
 
 def run(study: Study) -> None:
-    """Walk with the five shapes and write tables and figures to `folder`."""
-    config, folder, settings = study.config, study.folder, study.settings
-    out, clock = study.console, terminal.clock()
-    if config.foot.k is not None:
-        raise SettingError("foot.k", config.foot.k, "null: these are the five shapes", "Use study=simulate.")
-    feet = make_shapes(config)
-    scene, accuracy = build.make_scene(config), build.make_accuracy(config.accuracy)
+    """Walk with the five shapes."""
+    k = study.config.foot.k
+    if k is not None:
+        raise SettingError("foot.k", k, "null: these are the five shapes", "Use study=simulate.")
+    feet, scene, accuracy = make_shapes(study.config), study.scene, study.accuracy
     scene.need_heel_strike()
-    with terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ..."):
+    with study.compiling():
         walks = walk_shapes(feet, scene, accuracy)
     entries: dict[str, dict[str, Any]] = {}
-    with progress(out, len(walks), "shape") as step:
+    with study.progress(len(walks), "shape") as step:
         for name, walk in walks.items():
             diagnostics = diagnose(walk)
             entries[name] = {
@@ -79,40 +69,35 @@ def run(study: Study) -> None:
                 "warnings": [f"{d.name}: {d.why}" for d in diagnostics if d.outside],
             }
             step(news=name)
-    files.write_csv(
-        folder / "shapes.csv",
-        ["shape", *OBJECTIVES, "reason"],
-        ([name, *walk.objectives.values(), walk.reason] for name, walk in walks.items()),
-    )
-    record = {
-        "study": "shapes",
-        "shapes": entries,
-        **scene_entry(scene, accuracy, tuple(OBJECTIVES)),
-        "settings": settings,
-        "versions": files.versions(),
-        "wall_time_s": clock(),
-    }
-    files.write_json(folder / "result.json", record)
+    rows = ([name, *walk.objectives.values(), walk.reason] for name, walk in walks.items())
+    study.write_csv("shapes.csv", ["shape", *OBJECTIVES, "reason"], rows)
     shown = paper_figures.labelled(walks)
-    for name, figure in {
-        "shapes": paper_figures.shapes(feet),
-        "states": paper_figures.states(shown),
-        "forces": figures.forces(shown),
-        "power_work": figures.power_work(shown),
-    }.items():
-        figures.save(figure, folder / "figures", name)
-    compared, title = table(walks), f"Five shapes on {scene.sand.name} sand (zeta {scene.sand.zeta:g})"
-    out.print(title)
-    out.print(compared)
-    warnings = []
-    for warning in sorted({w for entry in entries.values() for w in entry["warnings"]}):
+    for name, figure, caption in (
+        ("shapes", paper_figures.shapes(feet), "The five shapes with their contact lines and the ankle."),
+        ("states", paper_figures.states(shown), "Position, height and speed of the COM, for each shape."),
+        ("forces", figures.forces(shown), "Vertical and forward force of each foot, for each shape."),
+        ("power_work", figures.power_work(shown), "Power and work of the sand, for each shape."),
+    ):
+        study.save(name, figure, caption)
+    title = f"Five shapes on {scene.sand.name} sand (zeta {scene.sand.zeta:g})"
+    study.say(title)
+    study.conclude(
+        title,
+        [table(walks)],
+        {"shapes": entries, **scene_entry(scene, accuracy, tuple(OBJECTIVES))},
+        about=[terminal.describe_scene(scene)],
+        said=_warnings(entries),
+        footer={"error_estimate": {name: entry["error_estimate"] for name, entry in entries.items()}},
+    )
+
+
+def _warnings(entries: Mapping[str, dict[str, Any]]) -> list[Text]:
+    """Every warning once, with the shapes that it is about."""
+    found = []
+    for warning in sorted({warning for entry in entries.values() for warning in entry["warnings"]}):
         names = [name for name, entry in entries.items() if warning in entry["warnings"]]
-        warnings.append(f"{warning} ({', '.join(names)}).")
-        terminal.warn(out, warnings[-1])
-    errors = {name: entry["error_estimate"] for name, entry in entries.items()}
-    said = [terminal.describe_scene(scene), *(f"Warning: {warning}" for warning in warnings)]
-    page.write_study(folder, title, said, SAYS, [compared], record | {"error_estimate": errors})
-    terminal.everything_is_in(out, folder, clock())
+        found.append(Text.assemble(("Warning:", "yellow"), f" {warning} ({', '.join(names)})."))
+    return found
 
 
 def table(walks: Mapping[str, Walk]) -> RichTable:
@@ -120,10 +105,10 @@ def table(walks: Mapping[str, Walk]) -> RichTable:
     titles = [paper_figures.title(name) for name in walks]
     shown = terminal.table(("objective", *titles), words=("objective",))
     for objective in OBJECTIVES.values():
-        values = {name: walk.objectives[objective.name] for name, walk in walks.items()}
-        good = [value for value in values.values() if value == value]
+        values = [walk.objectives[objective.name] for walk in walks.values()]
+        good = [value for value in values if value == value]
         best = (max if objective.maximise else min)(good, default=float("nan"))
-        cells = [terminal.number(v) + ("*" if v == best else " ") for v in values.values()]
+        cells = [terminal.number(v) + ("*" if v == best else " ") for v in values]
         sense = "max" if objective.maximise else "min"
         unit = f", {objective.unit}" if objective.unit else ""
         shown.add_row(f"{objective.name.replace('_', ' ')}{unit} ({sense})", *cells)

@@ -2,75 +2,98 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+from rich.text import Text
+
 from footopt.files import run as files
 from footopt.foot.export import write_all
 from footopt.report import figures, film, page, terminal
-from footopt.report.gait_figure import gait_fit
-from footopt.studies import build
-from footopt.studies.auto import settle
+from footopt.report.figures.gait import gait_fit
+from footopt.studies.auto_effects import choose_effects
 from footopt.studies.base import Study
+from footopt.studies.build import make_strides
 from footopt.studies.record import foot_entry, scene_entry, validity_entry
-from footopt.walk import OBJECTIVES, estimate_error, simulate
+from footopt.walk import OBJECTIVES, Walk, estimate_error, simulate
 from footopt.walk.validity import diagnose
 
 
 def run(study: Study) -> None:
-    """Walk with one foot and write everything about it to `folder`."""
-    config, folder, settings = study.config, study.folder, study.settings
-    out, clock = study.console, terminal.clock()
-    if config.study.video is not None:
-        film.check_film(folder / config.study.video, setting="study.video")
-    foot = build.make_foot(config.foot)
-    accuracy = build.make_accuracy(config.accuracy)
-    scene, audits = settle(config, foot, out)
-    with terminal.told_if_slow(out, "Compiling the walk; this is done once and kept on disk ..."):
+    """Walk with one foot and leave everything about the walk."""
+    check_film(study)
+    foot, accuracy = study.foot, study.accuracy
+    scene, audits = choose_effects(study, foot)
+    with study.compiling():
         walk = simulate(foot, scene, accuracy)
-    errors = estimate_error(foot, scene, accuracy)
-    diagnostics = diagnose(walk)
-    files.write_walk(folder / "walk.nc", walk.variables, {"reason": walk.reason})
-    _, notes = write_all(foot, folder, config.foot.block)
-    walks = {foot.name: walk}
-    drawn = {
-        "contour": figures.contour(foot),
-        "com": figures.com(walks),
-        "forces": figures.forces(walks),
-        "power_work": figures.power_work(walks),
-        "step": figures.step(walk),
-    }
-    strides = build.make_strides(config.gait)
+    errors, diagnostics = estimate_error(foot, scene, accuracy), diagnose(walk)
+    strides = make_strides(study.config.gait)
+    notes = write_walk(study, walk, {foot.name: walk})
     if strides is not None:
-        drawn["gait"] = gait_fit(strides, scene.gait)
-    entry = {
-        "study": "simulate",
-        "design": foot_entry(foot),
-        "feasible": walk.feasible,
-        "reason": walk.reason,
-        "objectives": walk.objectives,
-        "error_estimate": errors,
-        **scene_entry(scene, accuracy, tuple(OBJECTIVES)),
-        **validity_entry(diagnostics),
-        "notes": notes,
-        "gait_file": strides.notes if strides is not None else [],
-        "effects_audit": audits,
-        "settings": settings,
-        "versions": files.versions(),
-        "wall_time_s": clock(),
-    }
-    files.write_json(folder / "result.json", entry)
-    for name, figure in drawn.items():
-        figures.save(figure, folder / "figures", name)
-    page.write(folder / "report.html", page.walk_content(walk, entry))
-    if config.study.video is not None and len(walk.t):
-        film.animate(walk, folder / config.study.video)
+        study.save("gait", gait_fit(strides, scene.gait))
+    record = study.write_result(
+        {
+            "design": foot_entry(foot),
+            "feasible": walk.feasible,
+            "reason": walk.reason,
+            "objectives": walk.objectives,
+            "error_estimate": errors,
+            **scene_entry(scene, accuracy, tuple(OBJECTIVES)),
+            **validity_entry(diagnostics),
+            "notes": notes,
+            "gait_file": strides.notes if strides is not None else [],
+            "effects_audit": audits,
+        }
+    )
+    page.write(study.folder / "report.html", page.walk_content(walk, record))
+    write_film(study, walk)
 
-    out.print(f"{terminal.describe_scene(scene)}; {terminal.describe_foot(foot)}")
+    study.say(f"{terminal.describe_scene(scene)}; {terminal.describe_foot(foot)}")
     if strides is not None:
-        fitted = ", ".join(f"{joint} {rms:.2f}" for joint, rms in scene.gait.residual)
-        out.print(f"Gait from {config.gait.path}: {'; '.join(strides.notes)}. Misfit (rms, deg): {fitted}")
+        misfit = ", ".join(f"{joint} {rms:.2f}" for joint, rms in scene.gait.residual)
+        read = "; ".join(strides.notes)
+        study.say(f"Gait from {study.config.gait.path}: {read}. Misfit (rms, deg): {misfit}")
     if not walk.feasible:
-        out.print(f"The walk failed: {walk.reason} after {len(walk.t)} steps of time.", style="yellow")
-    out.print(terminal.objective_table([(foot.name, walk.objectives)], tuple(OBJECTIVES), errors))
-    terminal.print_validity(out, diagnostics)
-    for note in notes:
-        out.print(note)
-    terminal.everything_is_in(out, folder, clock())
+        study.say(Text(f"The walk failed: {walk.reason} after {len(walk.t)} steps of time.", style="yellow"))
+    study.say(terminal.objective_table([(foot.name, walk.objectives)], tuple(OBJECTIVES), errors))
+    terminal.print_validity(study.console, diagnostics)
+    study.say(*notes)
+    study.close()
+
+
+def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]:
+    """Leave a walk's traces, its foot for the workshop, and its figures.
+
+    Parameters
+    ----------
+    study : Study
+        Whose folder it is.
+    walk : Walk
+        What the run is about.
+    walks : mapping of str to Walk
+        What the figures show side by side, by name.
+
+    Returns
+    -------
+    notes : list of str
+        What is to be said of the files for the workshop.
+    """
+    files.write_walk(study.folder / "walk.nc", walk.variables, {"reason": walk.reason})
+    _, notes = write_all(walk.foot, study.folder, study.config.foot.block)
+    study.save("contour", figures.contour(walk.foot))
+    study.save("com", figures.com(walks))
+    study.save("forces", figures.forces(walks))
+    study.save("power_work", figures.power_work(walks))
+    study.save("step", figures.step(walk))
+    return notes
+
+
+def check_film(study: Study) -> None:
+    """Raise a `SettingError` before anything is walked if `study.video` cannot be written."""
+    if study.options.video is not None:
+        film.check_film(study.folder / study.options.video, setting="study.video")
+
+
+def write_film(study: Study, walk: Walk) -> None:
+    """Write the film that `study.video` asks for, unless the walk failed at once."""
+    if study.options.video is not None and len(walk.t):
+        film.animate(walk, study.folder / study.options.video)

@@ -19,8 +19,8 @@ from footopt.design.truth import BATCH, REACHED, Attempt, Tabulated, judge, walk
 from footopt.errors import SettingError, check
 from footopt.files import run as files
 from footopt.report import figures, summary, terminal
+from footopt.report.figures.trust import trust
 from footopt.report.progress import progress
-from footopt.report.trust_figure import trust
 from footopt.sand import Sand
 from footopt.studies import build
 from footopt.studies.accuracy import SANDS

@@ -66,8 +66,7 @@ def _compile(source: str, compiler: Any):
             state = State(0.0, z, 0.0, 0.0, at, Integrals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), True)
             reached = nothing_yet()
             if traced:
-                trace[0, :] = 0.0
-                trace[0, 2] = z
+                fill(trace[0], sample_of(0.0, state))
             status[d] = OK
             n = place = level = 0  # the step n is walked up to place / 2^finest of it
             while n < steps:

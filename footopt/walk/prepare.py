@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache, partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -131,7 +132,8 @@ def soles(plates: Plates) -> Sole:
 
 def sole(plates: Plates) -> Sole:
     """The first foot's plates, as one contact takes them."""
-    return Sole(*(None if column is None else column[0] for column in soles(plates)))
+    found: Any = (None if column is None else column[0] for column in soles(plates))
+    return Sole(*found)
 
 
 def _padded(column: Array, extra: int, value: float | None = None) -> Array:

@@ -55,20 +55,18 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
     plates = foot.plates(accuracy.plates, accuracy.rule, directed)
     raw, status, counts, trace = _walk(plates, scene, accuracy, sink=True, threads=1, traced=True)
     rows = trace[1:][np.isfinite(trace[1:]).all(axis=1)]
-    column = Sample(*rows.T)
+    c: Any = Sample(*rows.T)  # columns
     return Walk(
         foot=foot,
         scene=scene,
         accuracy=accuracy,
-        t=column.t,
-        com=np.stack([column.x, column.z], axis=1),
-        velocity=np.stack([column.vx, column.vz], axis=1),
-        force=np.stack([column.fx_left, column.fz_left, column.fx_right, column.fz_right], axis=1).reshape(
-            -1, 2, 2
-        ),
-        power=np.stack([column.power_left, column.power_right], axis=1),
-        work=np.stack([column.work_left, column.work_right], axis=1),
-        start=trace[0, 1:3],
+        t=c.t,
+        com=_pair(c.x, c.z),
+        velocity=_pair(c.vx, c.vz),
+        force=np.stack([_pair(c.fx_left, c.fz_left), _pair(c.fx_right, c.fz_right)], axis=1),
+        power=_pair(c.power_left, c.power_right),
+        work=_pair(c.work_left, c.work_right),
+        start=np.array(Sample(*trace[0])[1:3]),
         reason=REASONS[int(status[0])],
         totals=dict(zip(RAW, map(float, raw[0]), strict=True)),
         evaluations=int(counts["evaluations"][0]),
@@ -76,6 +74,10 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
         shortened=int(counts["shortened"][0]),
         repeats=int(counts["repeats"][0]),
     )
+
+
+def _pair(a: Array, b: Array) -> Array:
+    return np.stack([a, b], axis=1)
 
 
 def evaluate(
@@ -205,8 +207,8 @@ def _walk(
     sink: bool,
     threads: int | None,
     traced: bool = False,
-) -> tuple[Array, NDArray[np.int64], NDArray[np.int64], Array]:
-    """Run the compiled loop over a batch: raw results, status, tallies, and the trace of one design.
+) -> tuple[Array, NDArray[np.int64], NDArray[Any], Array]:
+    """Run the compiled loop over a batch: raw results, status, counts, and the trace of one design.
 
     Walks that diverge are repeated with a quarter of the time step, `MAX_REPEATS` times at most.
     """
@@ -225,7 +227,7 @@ def _walk(
 
 def _run(
     plates: Plates, scene: Scene, accuracy: Accuracy, sink: bool, threads: int | None, traced: bool
-) -> tuple[Array, NDArray[np.int64], NDArray[np.int64], Array]:
+) -> tuple[Array, NDArray[np.int64], NDArray[Any], Array]:
     """`_walk` once, with the given time step."""
     stepper, designs = STEPPERS[accuracy.stepper], len(plates.x)
     times, pose0, tables = prepare.poses(scene, accuracy)

@@ -14,7 +14,7 @@ from omegaconf import OmegaConf
 from rich.console import Console
 
 import footopt as fo
-from footopt.files import outlines as outline
+from footopt.files import soles as outline
 from footopt.files.run import write_walk
 from footopt.foot.export import write_all
 from footopt.report import figures, page, summary, terminal

@@ -21,8 +21,7 @@ from omegaconf.errors import OmegaConfBaseException
 import footopt as fo
 from footopt import studies
 from footopt.cli.main import CONF, explain, unchosen
-from footopt.design import Solver
-from footopt.design.engines import make_engine
+from footopt.design import Solver, make_executor
 from footopt.design.exhaustive import check_size
 from footopt.errors import FootoptError, SettingError
 from footopt.studies import build
@@ -101,7 +100,7 @@ def used(config):
     if engine.name != "local" and study.name not in studies.DISTRIBUTED:
         studies.run(config, None, {})
     if engine.name != "dask":
-        with make_engine(engine.name, engine.workers, engine.address, engine.timeout):
+        with make_executor(engine.name, engine.workers, engine.address, engine.timeout):
             pass
     CHECKS.get(study.name, lambda config: None)(config)
     walk = fo.simulate(foot, scene, accuracy)

@@ -1,4 +1,4 @@
-"""The pages keep their word: every command and every block of Python runs, every link leads somewhere.
+"""The pages keep their word: every command and every block of Python runs, every message is quoted right.
 
 Commands are those of the `sh` blocks, of code in running text, and of `footopt --help`. They run as they
 stand but for `SMALL`, which makes their studies small, `real`, which puts files for names that are only
@@ -40,9 +40,6 @@ PAGES = sorted(
 )
 TEXTS = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in PAGES}
 HELP = "conf/config.yaml"
-#: Extras that are not installed with footopt[test].
-NOT_INSTALLED = {"cad", "benchmark"}
-
 #: What makes each study small: put for the same key of its command, or else added. The choice of a group
 #: (a key without a dot) is added only where the command makes none.
 SEARCH = {"solver.pop_size": "8", "solver.n_gen": "2", "study.finalists": "2", "accuracy": "draft"}
@@ -74,8 +71,8 @@ SMALL_TOO = {
 #: Programs of other people, and what stands for running them. Besides, what needs Slurm is composed only.
 OTHERS = {
     "python": "benchmarks run with --quick, and print their tables; `test_custom` runs examples",
-    "pip": "runs with --dry-run, where what it names is installed already; .ci/run installs",
-    "pytest": "runs with --collect-only, and finds tests",
+    "pip": ".ci/run installs; `test_every_extra_exists` holds the names",
+    "pytest": "run by .ci/run",
     "sphinx-build": "run by .ci/run",
     "pre-commit": "a convenience for who contributes",
     "sbatch": "needs Slurm; the command that it would run is run",
@@ -252,28 +249,6 @@ class TestSettings:
     def test_the_help_names_every_group(self):
         listed = re.findall(r"^        (\w+)  +\S", (cli.CONF / "config.yaml").read_text(), flags=re.M)
         assert set(GROUPS) <= set(listed)
-
-
-# --- links ----------------------------------------------------------------------------------------
-
-
-def anchors(text):
-    """Anchors of a page's headings, as GitHub makes them."""
-    titles = re.findall(r"^#+ (.+)$", prose(text), flags=re.M)
-    plain = [re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", title).replace("`", "") for title in titles]
-    return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in plain}
-
-
-@pytest.mark.parametrize("page", TEXTS)
-def test_every_link_leads_somewhere(page):
-    for target in re.findall(r"\]\(([^)\s]+)\)", prose(TEXTS[page])):
-        if re.match(r"[a-z]+:", target):
-            continue
-        name, _, anchor = target.partition("#")
-        path = (ROOT / page).parent / name if name else ROOT / page
-        assert path.exists(), f"{page}: {target}"
-        if anchor:
-            assert anchor in anchors(path.read_text(encoding="utf-8")), f"{page}: {target}"
 
 
 # --- commands -------------------------------------------------------------------------------------
@@ -522,25 +497,11 @@ def test_a_script_runs_and_prints_its_table(words):
         assert len({name for name, *_ in rows}) == 6 - len(missing)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("words", of("pip"), ids=" ".join)
-def test_pip_knows_what_it_is_asked_for(words):
-    """Offline: what is asked for is installed, or pip would end with an error. Of extras that are not,
-    footopt alone is asked for, and `test_every_extra_exists` knows their names.
-    """
-    alone = ["--no-deps"] if extras(words[-1]) & NOT_INSTALLED else []
-    said, warned = other("-m", *words, "--dry-run", "--no-index", "--no-build-isolation", *alone)
-    assert "does not provide the extra" not in said + warned
-    assert "footopt" in said
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("words", of("pytest"), ids=" ".join)
-def test_pytest_finds_tests(words):
+def test_the_tests_that_a_page_names_are_there(words):
     """The run that this test is part of runs them."""
-    said, _ = other("-m", *words, "--collect-only")
-    found = int(re.search(r"^(\d+)(?:/\d+)? tests? collected", said, flags=re.M)[1])
-    assert found >= (1 if words[1:] else 1000)
+    named = [word for word in words[1:] if word.startswith("tests")]
+    assert all((ROOT / path.partition("::")[0]).exists() for path in named)
 
 
 # --- Python ---------------------------------------------------------------------------------------

@@ -17,7 +17,7 @@ from study_pages import check_page, data_of
 import footopt as fo
 from footopt import studies
 from footopt.errors import FileError, SettingError
-from footopt.files.outlines import lines_of
+from footopt.files.soles import lines_of
 from footopt.foot import SHAPES
 from footopt.foot.export import FORMATS
 from footopt.foot.outline import WALL, closed_contour

@@ -6,7 +6,7 @@ import pytest
 
 import footopt as fo
 from footopt.errors import FileError, SettingError
-from footopt.files.outlines import lower_edge, read
+from footopt.files.soles import lower_edge, read
 
 HOLLOW = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
 #: A closed outline in mm, clockwise, its lower edge from (-120, -10) over (0, -30) to (130, -12).

@@ -20,7 +20,8 @@ from scipy.io import netcdf_file
 import footopt as fo
 from footopt.errors import FootoptError, MissingError, SettingError
 from footopt.files import run as files
-from footopt.report import body, notebook, show
+from footopt.report import body, cards, notebook, plot
+from footopt.report.figures import walker
 
 NASTY = '<script>alert("&")</script>'
 
@@ -101,7 +102,7 @@ class Parsed(HTMLParser):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_card_has_numbers_and_a_picture_with_words_for_who_cannot_see_it(things, name):
-    card = Parsed(notebook.card(things[name]))
+    card = Parsed(cards.card(things[name]))
     assert card.tags.count("img") == 1
     assert card.tags.count("tr") >= 3
     assert card.image["alt"]
@@ -112,7 +113,7 @@ def test_a_card_has_numbers_and_a_picture_with_words_for_who_cannot_see_it(thing
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_drawing_is_on_the_axes_that_it_was_given(things, name):
-    for what in show.view(things[name]).drawings(things[name]):
+    for what in plot.drawings(things[name]):
         figure = Figure()
         axes = figure.subplots()
         before = dict(matplotlib.rcParams)
@@ -126,7 +127,7 @@ def test_every_drawing_is_on_the_axes_that_it_was_given(things, name):
 def test_a_plot_without_axes_makes_a_figure_that_a_notebook_shows(walked):
     axes = fo.plot(walked)
     assert axes.get_xlabel() == "$x$ (m)"
-    assert imread(io.BytesIO(axes._repr_png_())).shape[1] == pytest.approx(7 * show.RESOLUTION, abs=2)
+    assert imread(io.BytesIO(axes._repr_png_())).shape[1] == pytest.approx(7 * plot.RESOLUTION, abs=2)
     assert plt.get_fignums() == []
 
 
@@ -136,13 +137,13 @@ def test_a_drawing_that_there_is_not_names_those_that_there_are(walked):
 
 
 def test_the_cards_say_what_the_objects_hold(walked, many, searches):
-    text = Parsed(notebook.card(walked)).text
+    text = Parsed(cards.card(walked)).text
     for name in ("distance", "work", "peak_power"):
         assert f"{walked.objectives[name]:.4g}" in text
-    text = Parsed(notebook.card(many)).text
+    text = Parsed(cards.card(many)).text
     assert f"failed: sunk {len(many) - int(many.feasible.sum())}" in text
     best = searches["one"]
-    text = Parsed(notebook.card(best)).text
+    text = Parsed(cards.card(best)).text
     assert ", ".join(map(str, best.k[best.best])) in text
     assert f"{best.values[best.best][0]:.4g} m" in text
 
@@ -151,12 +152,12 @@ def test_the_card_of_a_robust_search_says_over_how_many_scenarios():
     scenarios = fo.draw(fo.Scene(), fo.Spread(zeta=0.5), count=2, seed=1)
     problem = fo.RobustProblem(scenarios, accuracy="draft", space=fo.Waypoints(n=4, K=3))
     result = fo.search(problem, "ga", pop_size=8, n_gen=2, seed=1)
-    assert "worst of 2 scenarios" in Parsed(notebook.card(result)).text
+    assert "worst of 2 scenarios" in Parsed(cards.card(result)).text
 
 
 def test_a_failed_walk_says_why_and_has_no_objectives(things):
     for name in ("sunk", "void"):
-        text = Parsed(notebook.card(things[name])).text
+        text = Parsed(cards.card(things[name])).text
         assert "failed sunk" in text
         assert "peak power" not in text
 
@@ -175,7 +176,7 @@ def test_a_terminal_shows_numbers_with_units_and_no_arrays(things, searches):
 def test_names_are_escaped(walked):
     foot = replace(walked.foot, name=NASTY)
     for shown in (foot, fo.Sand(name=NASTY), replace(walked, foot=foot)):
-        text = notebook.card(shown)
+        text = cards.card(shown)
         assert "<script" not in text
         assert "alert(" in Parsed(text).text
 
@@ -198,7 +199,7 @@ def test_the_classes_that_have_a_card_are_where_ipython_looks_for_them():
 
 
 def test_what_cannot_be_drawn_is_refused():
-    with pytest.raises(SettingError, match="thing = 5: must be one of these: Sand, Gait, Foot"):
+    with pytest.raises(SettingError, match="thing = 5: must be one of these: Walk, Foot"):
         fo.plot(5)
 
 
@@ -241,7 +242,7 @@ def test_soles_are_where_the_plates_of_the_walk_are(walked):
 
 def test_the_arrow_of_a_foot_is_its_force(walked):
     index = np.arange(20, len(walked.t), 40)
-    at, force = body.forces(walked, index).resultant()
+    at, force = body.forces_along(walked, index).resultant()
     np.testing.assert_allclose(force, walked.force[index], rtol=1e-3, atol=0.1)
     loaded = np.linalg.norm(force, axis=-1) > 50
     ankle = body.body(walked, walked.t[index]).legs[:, :, 2]
@@ -255,7 +256,7 @@ def test_the_picture_of_a_walk_has_an_arrow_for_each_loaded_foot(walked):
     axes = fo.plot(walked)
     (arrows,) = axes.findobj(Quiver)
     force = np.hypot(arrows.U, arrows.V)
-    assert show.POSES <= len(force) <= 2 * show.POSES
+    assert walker.POSES <= len(force) <= 2 * walker.POSES
     assert force.max() <= np.linalg.norm(walked.force, axis=-1).max() * (1 + 1e-9)
 
 

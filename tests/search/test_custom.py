@@ -15,8 +15,8 @@ import pytest
 from running import footopt
 
 import footopt as fo
+from footopt.design.context import context
 from footopt.design.solvers import SINGLE, SOLVERS, Solver
-from footopt.design.store import context
 from footopt.effects import base as effects
 from footopt.errors import SettingError
 from footopt.studies.build import load_plugins, make_effects

@@ -11,21 +11,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from running import composed, footopt, program
+from searching import QUICK as COARSE
+from searching import SMALL
 from study_pages import check_page
 
 import footopt as fo
 from footopt import studies
 from footopt.design import Solver, Store, confirm, search
+from footopt.design.context import context, digest
 from footopt.design.robust import regret
-from footopt.design.store import context, digest
 from footopt.errors import FootoptError, SettingError
 from footopt.files.gaits import read_strides
 from footopt.studies import robust as study
 from footopt.studies.build import make_spread
 from footopt.walk.scenarios import COLUMNS, MEASURES, measured, sands, vary
 
-COARSE = fo.Accuracy(dt=1e-2, plates=20)
-SMALL = fo.Waypoints(n=5, K=4)
 SANDS = sands(fo.Scene())
 NOTHING = fo.Spread(**dict.fromkeys(vars(fo.Spread()), 0.0))
 
@@ -165,11 +165,12 @@ class TestRobustProblem:
 
     def test_a_walk_that_fails_anywhere_is_infeasible_and_says_where(self):
         nowhere = fo.Scenario("quicksand", fo.Scene(sand=fo.Sand(1e-3)))
-        out = problem([SANDS[1], nowhere]).evaluate(self.k, return_as_dictionary=True)
-        assert set(out["reasons"]) == {"sunk (quicksand)"}
-        assert (out["G"][:, 0] > 0).all()
-        assert np.isfinite(out["F"]).all()
-        assert np.isnan(out["values"]).all()
+        p = problem([SANDS[1], nowhere])
+        found = p.evaluate(self.k)
+        assert set(found.reasons) == {"sunk (quicksand)"}
+        assert (p.constraints(found)[:, 0] > 0).all()
+        assert np.isfinite(p.minimised(found.values)).all()
+        assert np.isnan(found.values).all()
 
     def test_references_make_the_measure_one_of_the_regret(self):
         best = np.array([-2e-5, -5e-5, -2e-4])

@@ -4,51 +4,27 @@ import contextlib
 import dataclasses
 import math
 import re
-import shutil
 import sqlite3
 import threading
 from typing import NamedTuple
+from unittest import mock
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from searching import QUICK, SMALL, assert_same, objective_of, problem, stop_after
 
 import footopt as fo
-from footopt.design import SINGLE, SOLVERS, Store, evaluate_safely, search
+from footopt.design import SOLVERS, Evaluation, Store, search
+from footopt.design import context as context_module
 from footopt.design import store as store_module
-from footopt.design.search import Archive
-from footopt.design.store import LAYOUT, Evaluation, context, digest, plain
+from footopt.design.archive import Archive
+from footopt.design.context import context, digest, plain
+from footopt.design.evaluator import walk_safely
+from footopt.design.executor import Failed, Walked
+from footopt.design.store import LAYOUT
 from footopt.errors import FileError, FootoptError, SettingError
-
-QUICK = fo.Accuracy(dt=1e-2, plates=20)
-SMALL = fo.Waypoints(n=5, K=4)
-
-
-def problem(objective="efficiency", zeta=5.0, space=SMALL, accuracy=QUICK):
-    return fo.FootProblem(fo.Scene(sand=fo.Sand(zeta)), objective, space, accuracy)
-
-
-def objective_of(name):
-    return "efficiency" if name in SINGLE else "pareto"
-
-
-def stop_after(generations):
-    def progress(generation):
-        if generation.generation == generations:
-            raise KeyboardInterrupt
-
-    return progress
-
-
-def assert_same(a, b):
-    """Two results agree to the last bit in all but the time they took."""
-    for field in dataclasses.fields(a):
-        if field.name not in ("problem", "solver", "history", "seconds", "reused", "interrupted"):
-            np.testing.assert_array_equal(getattr(a, field.name), getattr(b, field.name), err_msg=field.name)
-    assert a.values.tobytes() == b.values.tobytes()
-    timeless = [[dataclasses.replace(g, seconds=0.0) for g in r.history] for r in (a, b)]
-    np.testing.assert_equal(*timeless)
 
 
 @pytest.fixture
@@ -116,12 +92,12 @@ class TestReplay:
         monkeypatch.setattr(p, "walk", interrupted)
         assert_same(whole, search(p, "nsga2", store=path, pop_size=12, n_gen=9, seed=3))
 
-        def extend_front(archive, new, original=Archive._extend_front):
-            original(archive, new)
+        def front(archive, original=Archive._front):
             if len(archive.history) == 2:
                 raise KeyboardInterrupt
+            return original(archive)
 
-        monkeypatch.setattr(Archive, "_extend_front", extend_front)  # walked, but not told to the solver
+        monkeypatch.setattr(Archive, "_front", front)  # walked and told, but not finished
         two = search(p, "nsga2", store=path, pop_size=12, n_gen=9, seed=3)
         assert len(two.history) == 2
         assert max(two.generation) == 2
@@ -272,7 +248,7 @@ class TestContext:
         with Store(path, problem()) as store:
             store.add([[1] * 5], [Evaluation(np.ones(6), "")])
             assert store.describe() == f"1 designs of this search are known from {path}"
-        monkeypatch.setattr(store_module, what, lambda *of: "another")
+        monkeypatch.setattr(context_module, what, lambda *of: "another")
         with Store(path, problem()) as store:
             assert store.get([[1] * 5]) == [None]
             said = store.describe()
@@ -372,16 +348,16 @@ class TestUnusableFiles:
             assert len(store) == 0
 
     @given(data=st.data())
-    def test_damage_anywhere_is_found_or_does_no_harm(self, full_store, data):
+    def test_damage_to_the_file_s_structure_is_found_or_does_no_harm(self, full_store, data):
+        """SQLite finds pages that are lost or overwritten; single bits of numbers it takes as they are."""
         path, k, expected = full_store
         copy = path.with_name("copy.sqlite")
-        shutil.copy(path, copy)
-        content = bytearray(copy.read_bytes())
+        content = bytearray(path.read_bytes())
         if data.draw(st.booleans(), label="cut"):
             del content[data.draw(st.integers(1, len(content) - 1)) :]
         else:
-            for _ in range(data.draw(st.integers(1, 3))):
-                content[data.draw(st.integers(0, len(content) - 1))] ^= data.draw(st.integers(1, 255))
+            page = 4096 * data.draw(st.integers(0, len(content) // 4096 - 1))
+            content[page : page + 4096] = data.draw(st.sampled_from([b"\0", b"\xff", b"k"])) * 4096
         copy.write_bytes(content)
         try:
             with Store(copy, problem()) as store:
@@ -395,27 +371,34 @@ class TestUnusableFiles:
         assert all(e is None or e.values.tobytes() == x for e, x in zip(found, expected, strict=True))
 
 
-class Engine:
-    """A stand-in for a pool of processes that dies with its worker and starts anew."""
+class Fragile:
+    """Walks in batches; some designs break the program, others end the worker, but not always."""
 
-    def __init__(self, bad):
-        self.bad, self.calls = bad, 0
+    def __init__(self, breaking=(), deadly=(), unlucky=()):
+        self.breaking, self.deadly, self.unlucky = set(breaking), set(deadly), set(unlucky)
+        self.calls = 0
 
     def __call__(self, k):
         self.calls += 1
-        if set(k[:, 0].tolist()) & self.bad:
-            raise RuntimeError("a worker has died")
-        return k * 2.0, np.array(["sunk" if i % 7 == 3 else "" for i in k[:, 0]])
+        first, everything = set(k[:, 0].tolist()), np.arange(len(k))
+        if len(k) == 1 and first & self.unlucky:
+            self.unlucky -= first
+            return [(everything, Failed("the worker has died", died=True))]
+        if first & self.deadly:
+            return [(everything, Failed("the worker has died", died=True))]
+        if first & self.breaking:
+            return [(everything, Failed("ZeroDivisionError"))]
+        reasons = np.array(["sunk" if i % 7 == 3 else "" for i in k[:, 0]])
+        return [(everything, Walked(k * 2.0, reasons))]
 
 
 class TestBadDesigns:
     @given(count=st.integers(1, 60), bad=st.sets(st.integers(0, 59), max_size=5))
     def test_halving_finds_exactly_the_designs_that_break_a_batch(self, count, bad):
-        k, engine = np.stack([np.arange(count), np.ones(count, int)], axis=1), Engine(bad)
-        values, reasons, messages = evaluate_safely(engine, k, 2)
+        k, batch = np.stack([np.arange(count), np.ones(count, int)], axis=1), Fragile(breaking=bad)
+        values, reasons, messages = walk_safely(batch, k, 2)
         bad = {i for i in bad if i < count}
-        assert set(messages) == bad
-        assert set(messages.values()) <= {"RuntimeError: a worker has died"}
+        assert messages == dict.fromkeys(bad, "ZeroDivisionError")
         for i in range(count):
             if i in bad:
                 assert np.isnan(values[i]).all()
@@ -423,15 +406,29 @@ class TestBadDesigns:
             else:
                 assert values[i].tolist() == [2.0 * i, 2.0]
                 assert reasons[i] == ("sunk" if i % 7 == 3 else "")
-        assert engine.calls <= 1 + 2 * len(bad) * math.ceil(math.log2(count + 1))
+        assert batch.calls <= 1 + 2 * len(bad) * math.ceil(math.log2(count + 1))
+
+    def test_only_a_design_that_ends_its_worker_alone_and_twice_is_at_fault(self):
+        k = np.arange(40)[:, None]
+        _, reasons, messages = walk_safely(Fragile(deadly=[7], unlucky=[6]), k, 1)
+        assert messages == {7: "the worker has died"}
+        assert np.flatnonzero(reasons == "error").tolist() == [7]
 
     @pytest.mark.parametrize("error", [SettingError("engine.threads", 0, "1"), KeyboardInterrupt()])
-    def test_a_wrong_setting_and_the_user_are_no_bad_designs(self, error):
-        def batch(k):
-            raise error
+    def test_a_wrong_setting_and_the_user_are_no_bad_designs(self, error, monkeypatch):
+        p = problem()
+        monkeypatch.setattr(p, "walk", mock.Mock(side_effect=error))
+        with pytest.raises((SettingError, FootoptError), match=r"threads|before its first generation"):
+            search(p, "ga", pop_size=8, n_gen=2)
 
-        with pytest.raises(type(error)):
-            evaluate_safely(batch, np.ones((4, 2), int), 1)
+    @pytest.mark.parametrize("error", [OSError(28, "No space left on device"), MemoryError("no memory")])
+    def test_a_machine_that_fails_ends_the_run_and_is_no_bad_design(self, error, path, monkeypatch):
+        p = problem()
+        monkeypatch.setattr(p, "walk", mock.Mock(side_effect=error))
+        with pytest.raises(FootoptError, match=r"machine has failed .*(space|memory).* resume"):
+            search(p, "ga", store=path, pop_size=8, n_gen=2)
+        with Store(path, p) as store:
+            assert len(store) == 0
 
     def test_the_search_goes_on_without_a_design_that_breaks_the_program(self, path, monkeypatch, caplog):
         p = problem()
@@ -455,12 +452,17 @@ class TestBadDesigns:
         assert len(r.history) == 5
         assert "ZeroDivisionError: a plate without length" in caplog.text
         assert caplog.text.count("has failed and is left out") == failed.sum()
-        tried.clear()
-        assert_same(r, search(p, "ga", store=path, pop_size=12, n_gen=5, seed=1))
-        assert tried == []
         with Store(path, p) as store:
             (row,) = store.get([r.k[failed][0].tolist()])
         assert row.message == "ZeroDivisionError: a plate without length"
+
+        resumed = search(p, "ga", store=path, pop_size=12, n_gen=5, seed=1)
+        assert_same(r, resumed)  # what had broken the program was tried again, and does so still
+        assert resumed.reused == (~failed).sum()
+        monkeypatch.setattr(p, "walk", walk)  # the program is mended
+        mended = search(p, "ga", store=path, pop_size=12, n_gen=5, seed=1)
+        assert "error" not in mended.reasons
+        assert search(p, "ga", store=path, pop_size=12, n_gen=5, seed=1).reused == len(mended.k)
 
     def test_when_all_designs_break_the_program_the_fault_is_not_theirs(self, path, monkeypatch):
         p = problem()

@@ -3,31 +3,33 @@
 import csv
 import json
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
+import searching
 from hydra import compose, initialize_config_dir
 from hypothesis import given
 from hypothesis import strategies as st
 from omegaconf import OmegaConf
+from searching import QUICK, stop_after
 from study_pages import check_page
 
 import footopt as fo
 from footopt.cli.main import CONF
 from footopt.design import Solver, exhaustive, search
 from footopt.design.exhaustive import batches
-from footopt.design.memetic import ExchangeRun, ShiftRun, shifts
+from footopt.design.pymoo_problem import PymooProblem
+from footopt.design.solvers.memetic import ExchangeRun, ShiftRun, shifts
 from footopt.design.truth import Tabulated, judge, walk_all
 from footopt.errors import FootoptError, SettingError
 from footopt.studies import run
 
-QUICK = fo.Accuracy(dt=1e-2, plates=20)
 SPACE = fo.Waypoints(n=4, K=4)
 EVERYTHING = np.stack(np.meshgrid(*[range(1, 5)] * 4, indexing="ij"), axis=-1).reshape(-1, 4)
 
 
-def problem(objective="efficiency", zeta=5.0, space=SPACE):
-    return fo.FootProblem(fo.Scene(sand=fo.Sand(zeta)), objective, space, QUICK)
+problem = partial(searching.problem, space=SPACE)
 
 
 @pytest.fixture(scope="module")
@@ -93,11 +95,7 @@ class TestExhaustive:
             search(problem(zeta=1e-3), "exhaustive")
 
     def test_interrupted_it_returns_what_it_has(self):
-        def stop(generation):
-            if generation.generation == 2:
-                raise KeyboardInterrupt
-
-        r = search(problem(), "exhaustive", progress=stop, pop_size=64)
+        r = search(problem(), "exhaustive", progress=stop_after(2), pop_size=64)
         assert r.interrupted
         assert r.designs == 128
 
@@ -114,7 +112,7 @@ class TestMemetic:
     def test_a_mutation_shifts_one_run_by_one_level_and_stays_in_range(self):
         x = fo.Waypoints().random(200, seed=1)
         p = fo.FootProblem()
-        moved = ShiftRun()._do(p, x, random_state=np.random.default_rng(1))
+        moved = ShiftRun()._do(PymooProblem(p), x, random_state=np.random.default_rng(1))
         assert moved.dtype == np.int64
         assert ((moved >= 1) & (moved <= 10)).all()
         difference = moved - x
@@ -123,7 +121,8 @@ class TestMemetic:
 
     def test_parents_exchange_one_run(self):
         x = np.stack([np.full((50, 8), 1), np.full((50, 8), 9)])
-        a, b = ExchangeRun()._do(problem(space=fo.Waypoints(n=8)), x, random_state=np.random.default_rng(1))
+        p = PymooProblem(problem(space=fo.Waypoints(n=8)))
+        a, b = ExchangeRun()._do(p, x, random_state=np.random.default_rng(1))
         np.testing.assert_array_equal(a + b, 10)
         changes = np.abs(np.diff(np.pad(a, ((0, 0), (1, 1)), constant_values=1), axis=1)) > 0
         assert (changes.sum(axis=1) == 2).all()
@@ -159,7 +158,7 @@ class TestMemetic:
     )
     def test_the_default_search_finds_the_best_known_design(self, sand, best):
         p = fo.FootProblem(fo.Scene(sand=fo.Sand.named(sand)))
-        known = p.evaluate(np.array([best]), return_as_dictionary=True)["F"][0, 0]
+        known = p.minimised(p.evaluate([best]).values)[0, 0]
         found = [search(p, seed=seed) for seed in (1, 2)]
         assert all(r.column("efficiency")[r.best] <= 0.999 * known for r in found)
 
@@ -187,8 +186,8 @@ class TestTruth:
 
     def test_the_exact_front_has_all_of_its_hypervolume_and_a_part_less(self, truths):
         truth = truths[1]
-        good = (truth.table["G"] <= 0).all(axis=1)
-        f = truth.table["F"][good]
+        good = (truth.constraints(truth.table) <= 0).all(axis=1)
+        f = truth.minimised(truth.table.values)[good]
         assert truth.hypervolume(f) == pytest.approx(1)
         assert truth.igd_plus(f) == pytest.approx(0)
         assert 0 < truth.hypervolume(f[:20]) < 1

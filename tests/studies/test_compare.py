@@ -9,7 +9,7 @@ from test_page import leave_job
 import footopt as fo
 from footopt.errors import FileError, SettingError
 from footopt.studies import run
-from footopt.studies.compare import folders_of
+from footopt.studies.compare import run_folders
 from footopt.studies.settings import Config, StudyConfig
 
 
@@ -84,7 +84,7 @@ def test_objectives_of_plugins_are_compared_by_what_the_runs_say_of_them(runs):
 
 def test_each_run_once_and_not_the_one_that_is_running(runs):
     own = runs / "old" / "a"
-    found = list(folders_of([f"{runs}/*/[ab]", str(runs / "old" / "b"), f"{runs}/**/c"], own))
+    found = list(run_folders([f"{runs}/*/[ab]", str(runs / "old" / "b"), f"{runs}/**/c"], own))
     assert found == [runs / "old" / "b", runs / "new" / "c"]
 
 
@@ -95,8 +95,8 @@ def test_a_multirun_stands_for_its_jobs_in_their_order(runs):
         (runs / "multi" / job / ".hydra").mkdir(parents=True)
     (runs / "old" / "b").rename(runs / "multi" / "0")
     expected = [runs / "multi" / job for job in ("0", "2", "9", "10")]
-    assert list(folders_of([f"{runs}/mul*"], runs)) == expected
-    assert list(folders_of([f"{runs}/multi/0", f"{runs}/multi"], runs)) == expected
+    assert list(run_folders([f"{runs}/mul*"], runs)) == expected
+    assert list(run_folders([f"{runs}/multi/0", f"{runs}/multi"], runs)) == expected
 
 
 def test_the_table_has_units(runs, capsys):

@@ -14,13 +14,15 @@ from study_pages import check_page
 
 import footopt as fo
 from footopt.errors import SettingError
-from footopt.report.stability_figure import Cell, verdicts
+from footopt.report.figures.stability import Cell, verdicts
 from footopt.sand import affine
 from footopt.sand.law import GENERIC
 from footopt.studies import stability
-from footopt.studies.stability import CASES, Measure, Setup, energy_gap, judge, lent, power_from_sand
+from footopt.studies.stability import judge
+from footopt.studies.stability_cases import CASES, ENERGY, Measure, Setup, stamping, unchanged
 from footopt.walk import STEPPERS
-from footopt.walk.contact import MAX_NEWTON, MAX_RESCUE
+from footopt.walk.balances import energy_gap, power_from_sand, set_down_speed, sinking_speed, smoothing_power
+from footopt.walk.newton import MAX_NEWTON, MAX_RESCUE
 
 BY_NAME = {case.name: case for case in CASES}
 SANDS = (0.05, 0.2, 1.0, 5.0, 50.0, 500.0)
@@ -52,7 +54,7 @@ class TestStandingStill:
     @pytest.mark.parametrize("zeta", SANDS)
     def test_what_creeps_is_what_smoothing_lets_yield(self, zeta, flat_foot):
         walk = fo.simulate(flat_foot, still(zeta))
-        expected = stability.yielding(walk, walk.t[-1])
+        expected = sinking_speed(walk, walk.t[-1])
         assert -walk.velocity[-1, 1] <= 1.05 * expected
         if expected > 1.1 * walk.accuracy.creep:
             assert -walk.velocity[-1, 1] == pytest.approx(expected, rel=0.2)
@@ -124,21 +126,21 @@ class TestEnergy:
         velocity = eps * 10.0**decade * np.array([math.cos(direction), math.sin(direction)])
         a, m = affine(beta)
         force = a - m @ (velocity / math.hypot(*velocity, eps))
-        assert force @ velocity <= lent(GENERIC) * eps * np.hypot(*force)
-        if math.hypot(*velocity) > lent(GENERIC) * eps:
+        assert force @ velocity <= smoothing_power(GENERIC) * eps * np.hypot(*force)
+        if math.hypot(*velocity) > smoothing_power(GENERIC) * eps:
             assert force @ velocity < 0
 
     @pytest.mark.parametrize("stepper", STEPPERS)
     @pytest.mark.parametrize("zeta", [0.2, 5.0, 50.0])
     def test_the_sand_gives_no_power_beyond_that(self, zeta, stepper, ramp_foot):
         walk = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand(zeta)), fo.Accuracy(stepper, 1e-3, 64, 1e-4))
-        assert power_from_sand(walk) <= lent(GENERIC)
+        assert power_from_sand(walk) <= smoothing_power(GENERIC)
 
 
 @pytest.fixture(scope="module")
 def stamp(base):
     """A walk whose stages have to be rescued: level feet set down at 3 m/s."""
-    setup = stability.stamping(base)
+    setup = stamping(base)
     return setup, fo.simulate(setup.foot, setup.scene)
 
 
@@ -156,7 +158,7 @@ class TestNewton:
         for name in ("distance", "mean_height", "work", "peak_power", "speed_loss"):
             assert walk.objectives[name] == pytest.approx(finer.objectives[name], rel=0.01)
         assert energy_gap(walk) < 2e-3
-        assert 2.5 < stability.set_down_speed(finer) < 3.5
+        assert 2.5 < set_down_speed(finer) < 3.5
 
     def test_evaluations_are_few_where_nothing_is_hard(self, base):
         walk = fo.simulate(base.foot, base.scene)
@@ -208,17 +210,17 @@ class TestStudy:
             assert measures["chatter"].value > 0.5
 
     def test_what_is_wrong_is_not_called_stable(self, base):
-        case = replace(BY_NAME["spiky soles"], judge=lambda _: [Measure("energy", math.nan, 0.05)])
+        case = BY_NAME["spiky soles"]._replace(judge=lambda _: [Measure("energy", math.nan, 0.05)])
         (verdict,) = judge(case, base, ["sdirk2"])
         assert not verdict.stable
         assert not judge(BY_NAME["sinking to the hip"], base, ["sdirk2"])[0].walk.feasible
-        carried = replace(BY_NAME["sinking to the hip"], build=stability.unchanged)
+        carried = BY_NAME["sinking to the hip"]._replace(build=unchanged)
         assert not judge(carried, base, ["sdirk2"])[0].stable
 
     def test_energy_out_of_nowhere_is_seen(self, base):
         walk = fo.simulate(base.foot, base.scene)
         pushed = replace(walk, velocity=1.5 * walk.velocity)
-        assert energy_gap(pushed) > stability.ENERGY
+        assert energy_gap(pushed) > ENERGY
 
     @pytest.mark.slow
     def test_from_the_command_line_in_a_reduced_form(self, tmp_path):
@@ -272,7 +274,7 @@ class TestFigure:
         (axes,) = figure.axes
         assert [t.get_text() for t in axes.texts] == [
             "✓ chatter 2e-7",
-            "✗ load .084",
+            "✗ load 0.084",
             "✓ sunk",
             "✗ speed 3e5",
         ]

@@ -1,30 +1,24 @@
-"""Gaits from files, as plain data: coefficients (JSON), angles (CSV, MOT, STO) or markers (TRC, C3D, CSV)."""
+"""Gaits from files, as plain data: Fourier coefficients (JSON), or the strides in angles or markers."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
 
-from footopt.errors import SettingError, check
-from footopt.files.gaits.angles import read_csv
+from footopt.errors import check
+from footopt.files.gaits.angles import Recording, check_angles, check_period
+from footopt.files.gaits.c3d import read_c3d
 from footopt.files.gaits.captures import holds_markers, read_capture
-from footopt.files.gaits.coefficients import Coefficients, read_json
-from footopt.files.gaits.markers import to_recording
-from footopt.files.gaits.motion import read_c3d, read_mot, read_trc
-from footopt.files.gaits.strides import Strides, average, check_angles, check_period, cut, wrong
+from footopt.files.gaits.coefficients import read_json
+from footopt.files.gaits.leg import leg_angles
+from footopt.files.gaits.mot import read_mot
+from footopt.files.gaits.strides import Strides, average, cut
+from footopt.files.gaits.table import read_csv
+from footopt.files.gaits.trc import read_trc
+from footopt.files.reading import naming, read_bytes, read_table
 
-__all__ = [
-    "Coefficients",
-    "Strides",
-    "average",
-    "check_angles",
-    "check_period",
-    "read_json",
-    "read_strides",
-    "wrong",
-]
+__all__ = ["Strides", "average", "check_angles", "check_period", "read_json", "read_strides"]
 
-MARKERS = {".trc": read_trc, ".c3d": read_c3d, ".csv": read_capture}
 ENDINGS = (".json", ".csv", ".trc", ".mot", ".sto", ".c3d")
 
 
@@ -34,28 +28,42 @@ def read_strides(
     side: str | None = None,
     max_gap: float = 0.2,
 ) -> Strides:
-    """The strides in a file of angles or markers.
+    """The strides in a file of angles (CSV, MOT, STO) or markers (TRC, C3D, CSV).
 
     Parameters
     ----------
-    names : the file's own names of markers (hip, knee, ankle, heel, toe) or of columns.
-    side : "right" or "left" leg; None: the right one, or the left one if it is the only one.
-    max_gap : longest gap of a marker that is filled, s.
+    path : str or Path
+        The file; its ending says which format it has.
+    names : mapping, optional
+        The file's own names of markers (hip, knee, ankle, heel, toe) or of columns.
+    side : str, optional
+        "right" or "left" leg; by default the right one, or the left one if it is the only one.
+    max_gap : float, s
+        Longest gap of a marker that is filled.
 
     Raises
     ------
-    FileError : the file cannot be read, or does not hold a walk.
-    SettingError : one of the settings above cannot be used.
+    FileError
+        The file cannot be read, or does not hold a walk.
+    SettingError
+        Another argument cannot be used.
     """
+    suffix = Path(path).suffix.lower()
     check(side in (None, "right", "left"), "gait.side", side, "right, left or null")
     check(max_gap >= 0, "gait.max_gap", max_gap, "a time >= 0, in s")
-    names, suffix = names or {}, Path(path).suffix.lower()
-    if suffix in (".mot", ".sto"):
-        return cut(read_mot(path, names, side), path)
-    if suffix == ".csv" and not holds_markers(path):
-        return cut(read_csv(path, names), path)
-    if suffix in MARKERS:
-        return cut(to_recording(MARKERS[suffix](path), path, names, side, max_gap), path)
-    raise SettingError(
-        "gait.path", str(path), f"a file that ends in {', '.join(ENDINGS[:-1])} or {ENDINGS[-1]}"
-    )
+    allowed = f"a file that ends in {', '.join(ENDINGS[:-1])} or {ENDINGS[-1]}"
+    check(suffix in ENDINGS[1:], "gait.path", str(path), allowed)
+
+    def recording(names: Mapping[str, str]) -> Recording:
+        if suffix == ".c3d":
+            content = read_bytes(path, "gait", "gait.path")
+            return leg_angles(read_c3d(path, content), names, side, max_gap)
+        text = read_table(path, "gait", "gait.path")
+        if suffix in (".mot", ".sto"):
+            return read_mot(text, names, side)
+        if suffix == ".csv" and not holds_markers(text):
+            return read_csv(text, names)
+        return leg_angles(read_trc(text) if suffix == ".trc" else read_capture(text), names, side, max_gap)
+
+    with naming(path, "gait.path"):
+        return cut(recording(names or {}))._replace(source=str(path))

@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from footopt.files.gaits.strides import wrong
-from footopt.files.reading import LARGEST, read_json_file
+from footopt.files.reading import LARGEST, Unusable, naming, read_json_file
 
 Series = tuple[float, tuple[float, ...], tuple[float, ...]]
 
@@ -38,30 +37,31 @@ def read_json(path: str | Path) -> Coefficients:
 
     Raises
     ------
-    FileError : the file cannot be read, or holds something else.
+    FileError
+        The file cannot be read, or holds something else.
     """
     data = read_json_file(path, "gait", "gait.path")
-    try:
-        series = {
-            name: (
-                _finite(data[name]["a0"]),
-                tuple(map(_finite, data[name]["a"])),
-                tuple(map(_finite, data[name]["b"])),
-            )
-            for name in ("thigh", "knee", "foot")
-            if name in data or name != "foot"
-        }
-        residual = {
-            str(harmonics): {str(joint): float(rms) for joint, rms in by_joint.items()}
-            for harmonics, by_joint in data.get("rms_residual_deg_by_harmonics", {}).items()
-        }
-        return Coefficients(series, _finite(data["period_s"]), str(data.get("source", "")), residual)
-    except (AttributeError, KeyError, OverflowError, TypeError, ValueError) as error:
-        raise wrong(
-            path,
-            f"not a gait in JSON ({type(error).__name__}: {error}). It must hold "
-            "period_s, and thigh and knee each with a0, a and b in degrees.",
-        ) from None
+    with naming(path, "gait.path"):
+        try:
+            series = {
+                name: (
+                    _finite(data[name]["a0"]),
+                    tuple(map(_finite, data[name]["a"])),
+                    tuple(map(_finite, data[name]["b"])),
+                )
+                for name in ("thigh", "knee", "foot")
+                if name in data or name != "foot"
+            }
+            residual = {
+                str(harmonics): {str(joint): float(rms) for joint, rms in by_joint.items()}
+                for harmonics, by_joint in data.get("rms_residual_deg_by_harmonics", {}).items()
+            }
+            return Coefficients(series, _finite(data["period_s"]), str(data.get("source", "")), residual)
+        except (AttributeError, KeyError, OverflowError, TypeError, ValueError) as error:
+            raise Unusable(
+                f"not a gait in JSON ({type(error).__name__}: {error}). It must hold "
+                "period_s, and thigh and knee each with a0, a and b in degrees."
+            ) from None
 
 
 def _finite(value: Any) -> float:

@@ -1,16 +1,14 @@
-"""From a recording to its strides: they are found, cut out, averaged and closed."""
+"""The strides of a recording: they are found, cut out, averaged and closed."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import FileError
-from footopt.files.reading import named
+from footopt.files.gaits.angles import Recording
+from footopt.files.reading import Unusable
 
 Array = NDArray[np.float64]
 
@@ -20,104 +18,35 @@ OPEN = 0.1  # of a joint's range that the ends of a single stride may differ by
 BENT = 0.4  # of a joint's largest speed that its speeds at the ends of a single stride may differ by
 LATE = 0.1  # of a single stride; a heel strike that is farther inside is where it ought to begin
 ENDS = 0.05  # of a single stride over which these speeds are taken
-PERIODS = (0.2, 5.0)  # of a stride, s: a sprinter's is .45; anything else is a mistake in the units
-#: What a joint of a walker can do, deg; a table in other units or with other columns leaves it.
-LIMITS = {"thigh": (-90.0, 120.0), "knee": (-12.0, 170.0), "foot": (-120.0, 120.0)}
-LEAST = 3.0  # range of the thigh in a walk, deg; in radians no walk reaches it
-JUMP, RARE = 5.0, 12.0  # deg from the mean of its neighbours, and so many times what is usual: a wrong value
-FREQUENT = 0.02  # s; between rows farther apart a joint may turn by as much
-SKIP = 4.0  # a longer step of time than so many usual ones is a hole in a recording
 L1, L2 = 0.47, 0.45  # leg, m; only the ankle's forward extreme is taken from it
 
 
-@dataclass(frozen=True, eq=False)
-class Recording:
-    """Angles of one leg over time, with signs as in `footopt.gait.gait`.
+class Strides(NamedTuple):
+    """Strides of a recording over their phase, from heel strike to heel strike.
 
     Parameters
     ----------
-    t : (n,), s. angles : by joint (thigh, knee and perhaps foot), each (n,), deg.
-    notes : what was recognised, mended or assumed, in words.
+    phase : (phases,) array
+        Of a stride, from 0 to 1: 101 of a stride that was found, or as many as the file has rows.
+    curves : dict of (strides, phases) array, deg
+        By joint: thigh, knee and perhaps foot.
+    periods : (strides,) array, s
+        Duration of each stride.
+    notes : tuple of str
+        What was recognised, mended or assumed.
+    source : str
+        The file.
     """
 
-    t: Array
-    angles: dict[str, Array]
-    notes: tuple[str, ...] = ()
-
-    @classmethod
-    def checked(cls, path: str | Path, rows: Array, notes: tuple[str, ...] = ()) -> Recording:
-        """From rows of time, thigh, knee and perhaps foot, (3 or 4, n)."""
-        t = rows[0]
-        if len(t) < 4 or not np.isfinite(rows).all() or (np.diff(t) <= 0).any():
-            raise wrong(path, "needs at least 4 rows, finite, with the time increasing.")
-        steps = np.diff(t)
-        longest, usual = int(np.argmax(steps)), float(np.median(steps))
-        if steps[longest] > SKIP * usual:
-            raise wrong(
-                path,
-                f"nothing is recorded from {t[longest]:.6g} to "
-                f"{t[longest + 1]:.6g} s, where rows are usually {usual:.3g} s apart. Fill it, or cut there.",
-            )
-        angles = dict(zip(("thigh", "knee", "foot"), rows[1:], strict=False))
-        check_angles(path, angles)
-        for joint, values in angles.items():
-            off = abs(values[1:-1] - 0.5 * (values[:-2] + values[2:]))
-            if usual <= FREQUENT and off.max() > max(JUMP, RARE * float(np.median(off))):
-                at = 1 + int(np.argmax(off))
-                raise wrong(
-                    path,
-                    f"the {joint} jumps at {t[at]:.6g} s: {values[at]:.4g} deg between "
-                    f"{values[at - 1]:.4g} and {values[at + 1]:.4g} deg. Mend it, or cut the file there.",
-                )
-        return cls(t, angles, notes)
-
-
-def wrong(path: str | Path, why: str) -> FileError:
-    """What to say of a file that holds no gait."""
-    return FileError(f"{named(path, 'gait.path')}: {why}")
-
-
-def check_angles(path: str | Path, angles: dict[str, Array]) -> None:
-    """Raise a `FileError` unless these are the angles of a walk, in degrees."""
-    for joint, values in angles.items():
-        least, most, (low, high) = values.min(), values.max(), LIMITS[joint]
-        if not (low <= least and most <= high):
-            raise wrong(
-                path,
-                f"the {joint} goes from {least:.4g} to {most:.4g} deg, beyond "
-                f"{low:g} to {high:g} deg. Check the columns, their signs (a bent knee is +), and the units.",
-            )
-    moved = float(np.ptp(angles["thigh"]))
-    if moved < LEAST:
-        raise wrong(
-            path,
-            f"the thigh moves by {moved:.3g} deg only, which is no walk. "
-            "Angles must be in degrees; of MOT and STO files, inDegrees says which.",
-        )
-
-
-def check_period(path: str | Path, period: float) -> None:
-    """Raise a `FileError` unless a stride can take so long, s."""
-    if not PERIODS[0] <= period <= PERIODS[1]:
-        raise wrong(
-            path,
-            f"a stride would take {period:.4g} s, and must take {PERIODS[0]:g} to "
-            f"{PERIODS[1]:g} s. Check that the time is in s; gait.period sets another one for the walk.",
-        )
-
-
-class Strides(NamedTuple):
-    """Strides of a recording over their phase, from heel strike to heel strike."""
-
-    phase: Array  # (POINTS + 1,) of a found stride, or as many as the file has
-    curves: dict[str, Array]  # by joint, each (strides, phases), deg
-    periods: Array  # (strides,), s
+    phase: Array
+    curves: dict[str, Array]
+    periods: Array
     notes: tuple[str, ...]
-    source: str = ""  # the file
+    source: str = ""
 
     @property
     def period(self) -> float:
-        """The mean, s."""
+        """The mean duration, s."""
         return float(self.periods.mean())
 
     def variation(self) -> tuple[float, float]:
@@ -128,41 +57,48 @@ class Strides(NamedTuple):
         return float(np.std(np.log(self.periods), ddof=1)), float(np.sqrt(np.mean(apart)))
 
 
-def cut(recording: Recording, path: str | Path) -> Strides:
+def cut(recording: Recording) -> Strides:
     """The strides of a recording; one without two heel strikes inside must be one whole stride.
 
     Raises
     ------
-    FileError : it is less than one.
+    Unusable
+        It is less than one.
     """
-    t, notes = recording.t, list(recording.notes)
     begins = heel_strikes(recording)
-    if len(begins) < 2:
-        phase, angles = (t - t[0]) / (t[-1] - t[0]), recording.angles
-        for joint, angle in angles.items():
-            if why := _open(phase, angle):
-                raise wrong(
-                    path,
-                    f"at the end of the stride the {joint} {why}: not one whole stride. Give one heel strike "
-                    "to the next, or several strides.",
-                )
-        notes.append("one stride, from the first row to the last")
-        strike = int(np.argmax(_ankle_ahead(*(np.radians(angles[j][:-1]) for j in ("thigh", "knee")))))
-        if LATE < phase[strike] < 1.0 - LATE:
-            notes.append(f"the heel strikes at {100 * phase[strike]:.0f} % of it, where it now begins")
-            phase = np.append(np.roll((phase[:-1] - phase[strike]) % 1.0, -strike), 1.0)
-            angles = {j: np.append(np.roll(v[:-1], -strike), v[strike]) for j, v in angles.items()}
-        return Strides(phase, {j: v[None] for j, v in angles.items()}, t[-1:] - t[0], tuple(notes), str(path))
+    return _single(recording) if len(begins) < 2 else _several(recording, begins)
+
+
+def _single(recording: Recording) -> Strides:
+    """A recording that is one stride; it begins where the heel strikes."""
+    t, angles, notes = recording
+    phase = (t - t[0]) / (t[-1] - t[0])
+    for joint, angle in angles.items():
+        if why := _open(phase, angle):
+            raise Unusable(
+                f"at the end of the stride the {joint} {why}: not one whole stride. Give one heel strike "
+                "to the next, or several strides."
+            )
+    notes += ("one stride, from the first row to the last",)
+    strike = int(np.argmax(_ankle_ahead(*(np.radians(angles[j][:-1]) for j in ("thigh", "knee")))))
+    if LATE < phase[strike] < 1.0 - LATE:
+        notes += (f"the heel strikes at {100 * phase[strike]:.0f} % of it, where it now begins",)
+        phase = np.append(np.roll((phase[:-1] - phase[strike]) % 1.0, -strike), 1.0)
+        angles = {j: np.append(np.roll(v[:-1], -strike), v[strike]) for j, v in angles.items()}
+    return Strides(phase, {j: v[None] for j, v in angles.items()}, t[-1:] - t[0], notes)
+
+
+def _several(recording: Recording, begins: Array) -> Strides:
+    """The strides between heel strikes, s, without those of another length than usual."""
     lengths = np.diff(begins)
     good = abs(lengths / np.median(lengths) - 1.0) <= ODD
-    phase = np.arange(POINTS + 1) / POINTS
-    times = begins[:-1][good][:, None] + lengths[good][:, None] * phase
-    curves = {joint: np.interp(times, t, angle) for joint, angle in recording.angles.items()}
-    spread = f", {lengths[good].min():.3f} to {lengths[good].max():.3f} s" if good.sum() > 1 else ""
-    left_out = f"; {np.sum(~good)} of another length left out" if not good.all() else ""
-    many = "s" if good.sum() > 1 else ""
-    notes.append(f"{good.sum()} stride{many} of {lengths[good].mean():.3f} s{spread}{left_out}")
-    return Strides(phase, curves, lengths[good], tuple(notes), str(path))
+    kept, phase = lengths[good], np.arange(POINTS + 1) / POINTS
+    times = begins[:-1][good][:, None] + kept[:, None] * phase
+    curves = {joint: np.interp(times, recording.t, angle) for joint, angle in recording.angles.items()}
+    note = f"{len(kept)} stride{'s' if len(kept) > 1 else ''} of {kept.mean():.3f} s"
+    note += f", {kept.min():.3f} to {kept.max():.3f} s" if len(kept) > 1 else ""
+    note += f"; {np.sum(~good)} of another length left out" if not good.all() else ""
+    return Strides(phase, curves, kept, (*recording.notes, note))
 
 
 def heel_strikes(recording: Recording) -> Array:

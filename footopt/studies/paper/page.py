@@ -1,205 +1,157 @@
-"""Claims, sensitivities and errata as tables: for the terminal, as Markdown, and for claims.json."""
+"""claims.json and its page claims.md: what was found, as plain data, and the same data as tables of words."""
 
 from __future__ import annotations
 
-import math
+import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
+from importlib.resources import files
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-from rich.table import Table
-
-from footopt.foot import Foot
+from footopt.files.run import plain
 from footopt.report import terminal
 from footopt.report.terminal import number
-from footopt.studies.paper.claims import CLAIMS, SANDS, Claim, Evidence, inward_turn, rms_curvature
-from footopt.studies.paper.errata import ERRATA
-from footopt.studies.paper.sweep import Factor, Judgement, chance, shown
-from footopt.walk.objectives import FIVE, OBJECTIVES
-from footopt.walk.results import Walk
+from footopt.studies.paper.claims import CLAIMS, Claim
+from footopt.studies.paper.evidence import SANDS, Evidence
+from footopt.studies.paper.factors import Plan, shown
+from footopt.studies.paper.judge import Judgement, chance, summary
+from footopt.studies.paper.quantities import inward_turn, rms_curvature
+from footopt.walk import Walk
+from footopt.walk.objectives import FIVE
 from footopt.walk.validity import diagnose
 
-Array = NDArray[np.float64]
+Entry = Mapping[str, Any]
 
 
-def margin(claim: Claim, value: float) -> str:
-    """A margin with its sign and unit."""
-    if not math.isfinite(value):
+# --- claims.json ----------------------------------------------------------------------------------
+
+
+def content(evidence: Evidence, plan: Plan, judged: Mapping[str, Judgement]) -> dict[str, Any]:
+    """Return what claims.json holds, in JSON's own types."""
+    found = {
+        "sweep": {
+            "samples": len(plan.levels),
+            "search": {"pop_size": plan.config.solver.pop_size, "n_gen": plan.config.solver.n_gen},
+            "factors": [dataclasses.asdict(factor) for factor in plan.chosen],
+        },
+        "claims": [
+            {"id": name, **_words(CLAIMS[name]), **dataclasses.asdict(judgement)}
+            for name, judgement in judged.items()
+        ],
+        "feet": {sand: _foot_entry(evidence, evidence.optima[sand]) for sand in SANDS},
+        "shapes": {name: _walk_entry(evidence, walk) for name, walk in evidence.shapes.items()},
+    }
+    return dict(plain(found))
+
+
+def _words(claim: Claim) -> dict[str, str]:
+    return {"place": claim.place, "says": claim.says, "decided": claim.decided, "unit": claim.unit}
+
+
+def _foot_entry(evidence: Evidence, walk: Walk) -> dict[str, Any]:
+    return {
+        "k": walk.foot.k,
+        "hollow_mm": 1e3 * walk.foot.hollow,
+        "turns_inwards_deg": inward_turn(walk.foot),
+        "rms_curvature_per_m": rms_curvature(walk.foot),
+        **_walk_entry(evidence, walk),
+        "warnings": [terminal.describe_outside(d) for d in diagnose(walk) if d.outside],
+    }
+
+
+def _walk_entry(evidence: Evidence, walk: Walk) -> dict[str, Any]:
+    objectives = {name: evidence.value(walk, name) for name in (*FIVE, "efficiency")}
+    return {"reason": walk.reason, "objectives": objectives}
+
+
+# --- tables ---------------------------------------------------------------------------------------
+
+
+def claim_rows(found: Entry) -> list[list[str]]:
+    """Return a row for each claim: its figure, its words, its margin, its share and the verdict."""
+    rows = []
+    for c in found["claims"]:
+        share = "-"
+        if c["share_of_sweep"] is not None:
+            undecided = f" ({c['undecided']} undecided)" if c["undecided"] else ""
+            share = f"{100 * c['share_of_sweep']:.0f} %{undecided}"
+        verdict = f"{c['verdict']} {c['condition']}".rstrip()
+        rows.append([c["place"], c["says"], _margin(c["margin"], c["unit"]), share, verdict])
+    return rows
+
+
+def _margin(value: float | None, unit: str) -> str:
+    """A margin of three digits with its sign and unit."""
+    if value is None:
         return "-"
     sign = "+" if value > 0 else "-" if value < 0 else ""
-    return f"{sign}{number(abs(float(f'{value:.3g}')))} {claim.unit}".rstrip()
+    return f"{sign}{number(abs(float(f'{value:.3g}')))} {unit}".rstrip()
 
 
-def share(j: Judgement) -> str:
-    """The share of the sweep in percent, and how many combinations were undecided, if any."""
-    if math.isnan(j.share):
-        return "-"
-    return f"{j.share:.0%}" + (f" ({j.undecided} undecided)" if j.undecided else "")
+def decision_rows(found: Entry) -> list[list[str]]:
+    """Return a row for each claim whose outcome changes: three settings that explain most, what turns it."""
+    rows = []
+    for c in found["claims"]:
+        if c["turned_by"] or 0.0 < (c["share_of_sweep"] or 0.0) < 1.0:
+            ranked = sorted(c["sensitivity"].items(), key=lambda item: -item[1])[:3]
+            three = [f"{setting} {value:.2f}" if value >= 0.005 else "-" for setting, value in ranked]
+            rows.append([c["says"], *three, ", ".join(c["turned_by"]) or "none"])
+    return rows
 
 
-def summary(judged: Mapping[str, Judgement]) -> str:
-    """How many claims hold, in one line."""
-    kinds = ("holds", "holds only if", "does not hold")
-    counts = [sum(kind(j) == k for j in judged.values()) for k in kinds]
-    return f"{len(judged)} claims: {counts[0]} hold, {counts[1]} hold only if, {counts[2]} do not hold"
+def _foot_cells(foot: Entry) -> list[str]:
+    numbers = f"{foot['hollow_mm']:.1f} {foot['turns_inwards_deg']:.0f} {foot['rms_curvature_per_m']:.1f}"
+    return [" ".join(map(str, foot["k"])), *numbers.split(), *_walk_cells(foot)]
 
 
-def kind(judged: Judgement) -> str:
-    """The verdict without its condition."""
-    return "holds only if" if judged.verdict.startswith("holds only if") else judged.verdict
+def _walk_cells(walk: Entry) -> list[str]:
+    cells = ["-" if value is None else number(value) for value in walk["objectives"].values()]
+    return [walk["reason"], *cells[1:]] if walk["reason"] else cells
 
 
-def table(judged: Mapping[str, Judgement]) -> Table:
-    """The claims for the terminal."""
-    shown = terminal.table(
-        ("figure", "claim", "margin", "share", "verdict"),
-        words=("figure", "claim", "verdict"),
-        title="What the paper says, and what comes out",
+# --- claims.md ------------------------------------------------------------------------------------
+
+
+def markdown(found: Entry) -> str:
+    """Return the page claims.md: all of claims.json in words, and the errata.
+
+    Parameters
+    ----------
+    found : dict
+        What `content` returned, or claims.json as it was read.
+    """
+    swept, claims = found["sweep"], found["claims"]
+    share = (
+        "The share is that of {samples} random combinations of what the paper leaves open in which the claim "
+        "holds; for each of them feet were searched again on every sand by a GA of {search[pop_size]} x "
+        "{search[n_gen]}. Combinations in which a walk failed are undecided."
     )
-    for name, j in judged.items():
-        c = CLAIMS[name]
-        shown.add_row(c.place, c.says, margin(c, j.margin), share(j), j.verdict)
-    return shown
-
-
-def sensitivity_table(judged: Mapping[str, Judgement], chosen: Sequence[Factor]) -> Table:
-    """For each claim the three settings that explain most of its outcome."""
-    titles = ("claim", "first", "second", "third", "single changes that turn it")
-    table = terminal.table(
-        titles, words=titles, title="Which setting decides: share of the outcome's variance that it explains"
-    )
-    for name, j in judged.items():
-        if 0.0 < j.share < 1.0:
-            table.add_row(name, *_first_three(j), ", ".join(j.flips))
-    return table
-
-
-def _first_three(j: Judgement) -> list[str]:
-    ranked = sorted(j.sensitivities.items(), key=lambda item: -item[1])[:3]
-    return [f"{setting} {value:.2f}" if value >= 0.005 else "-" for setting, value in ranked]
-
-
-def claim_entries(
-    judged: Mapping[str, Judgement], changes: Sequence[str], alone: Array
-) -> list[dict[str, Any]]:
-    """The claims in claims.json; `alone` (changes, claims) are the margins of single changes."""
-    return [
-        {
-            "id": name,
-            "place": CLAIMS[name].place,
-            "says": CLAIMS[name].says,
-            "decided": CLAIMS[name].decided,
-            "unit": CLAIMS[name].unit,
-            "margin": j.margin,
-            "holds_at_the_settings": j.holds,
-            "verdict": kind(j),
-            "condition": j.verdict.removeprefix("holds only if ") if kind(j) == "holds only if" else "",
-            "share_of_sweep": j.share,
-            "undecided": j.undecided,
-            "decides": j.decides,
-            "share_by_level": j.rates,
-            "sensitivity": j.sensitivities,
-            "single_changes": dict(zip(changes, alone[:, i], strict=True)),
-            "turned_by": list(j.flips),
-        }
-        for i, (name, j) in enumerate(judged.items())
-    ]
-
-
-def erratum_entries() -> list[dict[str, str]]:
-    """The errata in claims.json."""
-    return [erratum._asdict() for erratum in ERRATA]
-
-
-def markdown(
-    evidence: Evidence,
-    judged: Mapping[str, Judgement],
-    chosen: Sequence[Factor],
-    samples: int,
-    budget: tuple[int, int],
-) -> str:
-    """Everything that was found, as one page."""
-    swept = (
-        f"Share: of {samples} random combinations of what the paper leaves open (below), each with feet "
-        f"searched again on every sand by a GA of {budget[0]} x {budget[1]}, the part in which the claim "
-        "holds; undecided are those in which a walk failed."
-        if samples
-        else "Nothing was swept (study.samples=0)."
-    )
-    rows = ((CLAIMS[name], j) for name, j in judged.items())
-    parts = [
-        "# The paper, claim by claim",
-        f"{summary(judged)}. Margins are positive where a claim holds at the settings. {swept}",
-        grid(
-            ("figure", "claim", "margin", "share", "verdict"),
-            ((c.place, c.says, margin(c, j.margin), share(j), j.verdict) for c, j in rows),
+    warnings = [f"- {sand} sand: {says}" for sand, foot in found["feet"].items() for says in foot["warnings"]]
+    page = _text("page.md").format(
+        summary=summary([claim["verdict"] for claim in claims]),
+        swept=share.format(**swept) if swept["samples"] else "Nothing was swept (`study.samples=0`).",
+        claims=_lines(claim_rows(found)),
+        feet=_lines([sand, *_foot_cells(foot)] for sand, foot in found["feet"].items()),
+        warnings="\n".join(warnings or ["- nothing"]),
+        shapes=_lines([name, *_walk_cells(shape)] for name, shape in found["shapes"].items()),
+        decided=_lines([c["says"], c["decided"], c["unit"]] for c in claims),
+        factors=_lines(
+            [f["setting"], ", ".join(map(shown, f["levels"])), f["why"]] for f in swept["factors"]
         ),
-        "## The feet",
-        grid(
-            ("sand", "k", "hollow (mm)", "turns inwards (deg)", "rms curvature (1/m)", *_titles()),
-            (
-                (sand, *_shape_of(evidence.optima[sand].foot), *_values(evidence, evidence.optima[sand]))
-                for sand in SANDS
-            ),
-        ),
-        *_outside(evidence),
-        "## The five shapes",
-        grid(("shape", *_titles()), ((n, *_values(evidence, w)) for n, w in evidence.shapes.items())),
-        "## How each claim is decided",
-        grid(("claim", "margin is", "unit"), ((c.says, c.decided, c.unit) for c in CLAIMS.values())),
-    ]
-    if samples:
-        parts += [
-            "## What the paper leaves open",
-            grid(
-                ("setting", "levels (the first is the default)", "why"),
-                ((f.setting, ", ".join(map(shown, f.levels)), f.why) for f in chosen),
-            ),
-            "## Which setting decides",
-            "Share of the variance of a claim's outcome that a setting explains by itself (epsilon squared); "
-            "and single changes from the settings that turn the outcome, with feet searched again by the "
-            "smaller GA: where the settings' own seed turns it, the smaller search does. A setting of three "
-            f"levels without influence reaches {chance(samples, 3):.2f} in one of twenty sweeps like this.",
-            grid(
-                ("claim", "first", "second", "third", "turned by"),
-                (
-                    (CLAIMS[name].says, *_first_three(j), ", ".join(j.flips) or "none")
-                    for name, j in judged.items()
-                ),
-            ),
-        ]
-    parts += ["## Errata", grid(("where", "the paper", "why not", "footopt"), ERRATA)]
-    return "\n\n".join(parts) + "\n"
+        chance=chance(swept["samples"], 3),
+        decides=_lines(decision_rows(found)),
+    )
+    return page + errata()
 
 
-def _outside(evidence: Evidence) -> list[str]:
-    """For each sand what of its best foot's walk is outside the range that RFT has been tested for."""
-    lines = []
-    for sand in SANDS:
-        outside = [d for d in diagnose(evidence.optima[sand]) if d.outside]
-        if outside:
-            numbers = (f"{d.name} {number(d.value)} {d.unit}".rstrip() + f" ({d.why})" for d in outside)
-            lines.append(f"Outside what RFT has been tested for, on {sand} sand: {'; '.join(numbers)}.")
-    return lines
+def _lines(rows: Iterable[Sequence[str]]) -> str:
+    """The rows of a Markdown table."""
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows)
 
 
-def grid(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A Markdown table."""
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+def errata() -> str:
+    """Return the slips found in the paper, as a section of a Markdown page."""
+    return "#" + _text("errata.md")  # one level lower
 
 
-def _titles() -> list[str]:
-    return [*(f"{name.replace('_', ' ')} ({OBJECTIVES[name].unit})" for name in FIVE), "J_W"]
-
-
-def _values(evidence: Evidence, walk: Walk) -> list[str]:
-    if not walk.feasible:
-        return [walk.reason, *["-"] * len(FIVE)]
-    return [number(evidence.value(walk, name)) for name in (*FIVE, "efficiency")]
-
-
-def _shape_of(foot: Foot) -> list[str]:
-    k = " ".join(map(str, foot.k or ()))
-    return [k, f"{1e3 * foot.hollow:.1f}", f"{inward_turn(foot):.0f}", f"{rms_curvature(foot):.1f}"]
+def _text(name: str) -> str:
+    return files(__package__).joinpath(name).read_text(encoding="utf-8")

@@ -1,0 +1,135 @@
+"""What determines a design's result to the last bit, in JSON's types: what stores and workers compare."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+from collections.abc import Sequence
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from footopt.design.problem import FootProblem
+from footopt.walk.objectives import OBJECTIVES
+from footopt.walk.sources import is_own, source, text_of
+from footopt.walk.steppers import STEPPERS
+
+PACKAGE = Path(__file__).parent.parent
+ROOMS = ("sand", "effects", "foot", "gait", "walk")  # whose sources a walk goes through
+SHOWN = 4  # differences between two contexts that a message names
+
+
+def context(problem: FootProblem) -> dict[str, Any]:
+    """All that determines what is recorded of a design.
+
+    The box's tolerance and the choice of objectives are not in it: they judge what is recorded.
+    """
+    space = plain(problem.space)
+    del space["box_tolerance"]
+    stepper = STEPPERS[problem.accuracy.stepper].parameters
+    laws = [effect.law for effect in problem.scene.effects if effect.law is not None]
+    return {
+        "problem": type(problem).__name__,
+        **{name: plain(value) for name, value in problem.conditions.items()},
+        "accuracy": plain(problem.accuracy),
+        "space": space,
+        "record": plain(problem.record),
+        "judges": {  # a user's own objectives
+            name: hashlib.sha256(text_of(OBJECTIVES[name].value)).hexdigest()
+            for name in problem.record
+            if name in OBJECTIVES and is_own(OBJECTIVES[name].value)
+        },
+        "sources": _sources(),
+        "compiled": source(stepper, laws),  # with a user's own stepper and effects
+        "versions": {name: version(name) for name in ("numpy", "scipy", "numba", "llvmlite")},
+        "machine": machine(),
+    }
+
+
+@cache
+def machine() -> dict[str, str]:
+    """What numba compiles for: results are the same, bit for bit, only where this is."""
+    from numba.core.registry import cpu_target
+
+    system, processor, features = cpu_target.target_context.codegen().magic_tuple()
+    return {
+        "system": system,
+        "processor": processor,
+        "features": hashlib.sha256(features.encode()).hexdigest(),
+    }
+
+
+@cache
+def _sources() -> str:
+    """A digest of every source that a walk goes through."""
+    found = hashlib.sha256()
+    for path in (
+        PACKAGE / "compiled.py",
+        *(p for room in ROOMS for p in sorted((PACKAGE / room).rglob("*.py"))),
+    ):
+        found.update(path.read_bytes())
+    return found.hexdigest()
+
+
+def plain(value: Any) -> Any:
+    """Frozen data in JSON's types, with its class, by the fields that it is compared by; arrays, scalars."""
+    if dataclasses.is_dataclass(value):
+        names = [field.name for field in dataclasses.fields(value) if field.compare]
+        return {"class": type(value).__name__} | {name: plain(getattr(value, name)) for name in names}
+    if isinstance(value, tuple) and hasattr(value, "_asdict"):
+        return {"class": type(value).__name__} | plain(value._asdict())
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        kind = f"ndarray {value.dtype}"
+        return {"class": kind, "shape": list(value.shape), "items": value.ravel().tolist()}
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if value is None or isinstance(value, (bool, int, float, str)):
+        return value
+    raise TypeError(f"a {type(value).__name__} cannot be part of a store's context")
+
+
+def canonical(content: Any) -> str:
+    """The one JSON text of some content; floats by their shortest digits that read back exactly."""
+    return json.dumps(content, sort_keys=True, separators=(",", ":"))
+
+
+def digest(content: Any) -> str:
+    """SHA-256 of the canonical JSON."""
+    return hashlib.sha256(canonical(content).encode()).hexdigest()
+
+
+def differences(there: Any, here: Any) -> list[str]:
+    """What differs between two contexts, each with both values."""
+    one, other = _flat(there), _flat(here)
+    names = [name for name in sorted(one | other) if one.get(name) != other.get(name)]
+    return [f"{n} ({_short(one.get(n))} there, {_short(other.get(n))} here)" for n in names]
+
+
+def listed(found: Sequence[str]) -> str:
+    """The first few of many differences."""
+    more = f" and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
+    return f"{', '.join(found[:SHOWN])}{more}"
+
+
+def _flat(content: Any, name: str = "") -> dict[str, Any]:
+    """Nested content as one level: {"scene.sand.zeta": 5.0, ...}."""
+    if not isinstance(content, (dict, list)):
+        return {name: content}
+    items: Any = content.items() if isinstance(content, dict) else enumerate(content)
+    flat: dict[str, Any] = {}
+    for key, item in items:
+        flat |= _flat(item, f"{name}.{key}" if name else str(key))
+    return flat
+
+
+def _short(value: object) -> str:
+    text = str(value)
+    return text if len(text) <= 20 else text[:8] + "..."

@@ -1,0 +1,68 @@
+"""The only door to pymoo: a `FootProblem` as pymoo's algorithms want it, and an algorithm asked and told."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from pymoo.core.problem import Problem
+from pymoo.problems.static import StaticProblem
+
+from footopt.design.problem import Array, FootProblem, Ints
+from footopt.design.solvers import Solver
+
+
+class PymooProblem(Problem):  # type: ignore[misc]
+    """A `FootProblem` as a vectorised pymoo problem with integer variables, for `pymoo.optimize.minimize`.
+
+    One call walks a whole population. A failed walk violates the first constraint, a sole that leaves
+    its box the second. Beside F and G, ``out`` has the fields of `Evaluated`.
+
+    Parameters
+    ----------
+    problem : FootProblem
+        What is evaluated.
+    """
+
+    def __init__(self, problem: FootProblem) -> None:
+        self.problem = problem
+        super().__init__(problem.space.n, problem.n_obj, 2, xl=1, xu=problem.space.K, vtype=int)
+
+    def _evaluate(self, x: Any, out: dict[str, Any], *args: Any, **kwargs: Any) -> None:
+        found = self.problem.evaluate(x)
+        out.update(found._asdict())
+        out["F"], out["G"] = self.problem.minimised(found.values), self.problem.constraints(found)
+
+
+class Algorithm:
+    """A solver's pymoo algorithm at work: `ask` it for designs, `tell` it what became of them.
+
+    Parameters
+    ----------
+    problem : FootProblem
+        Only its size is given to pymoo, which copies what it holds in every generation.
+    solver : Solver
+        Which algorithm, and its budget.
+    """
+
+    def __init__(self, problem: FootProblem, solver: Solver) -> None:
+        n, K = problem.space.n, problem.space.K
+        self._algorithm = solver.build(problem.n_obj)
+        self._size = Problem(n, problem.n_obj, 2, xl=np.ones(n), xu=np.full(n, K), vtype=int)
+        self._algorithm.setup(
+            self._size, termination=("n_gen", solver.n_gen), seed=solver.seed, verbose=False
+        )
+        self._asked: Any = None
+
+    def ask(self) -> Ints | None:
+        """The next generation, (designs, n) heights; None when the budget or the space is used up."""
+        self._asked = self._algorithm.ask() if self._algorithm.has_next() else None
+        if self._asked is None:
+            return None
+        k: Ints = np.round(self._asked.get("X").astype(float)).astype(np.int64)
+        return k
+
+    def tell(self, f: Array, g: Array) -> None:
+        """F and G of the generation that was asked for, (designs, ...)."""
+        self._algorithm.evaluator.eval(StaticProblem(self._size, F=f, G=g), self._asked)
+        self._algorithm.tell(infills=self._asked)

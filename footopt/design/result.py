@@ -1,0 +1,222 @@
+"""What a search returns: every design, which are best, its history, and the best walked again more finely."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from copy import copy
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.design.problem import Array, FootProblem, Ints
+from footopt.design.solvers import Solver
+from footopt.errors import check, needed
+from footopt.foot import Foot
+from footopt.walk.accuracy import Accuracy
+from footopt.walk.objectives import OBJECTIVES
+from footopt.walk.simulate import resolve
+
+
+@dataclass(frozen=True)
+class Generation:
+    """One generation as the search's history keeps it; values are NaN before a design is feasible.
+
+    Parameters
+    ----------
+    generation : int
+        From 1.
+    evaluations : int
+        Designs asked for so far.
+    best : float
+        Smallest value of the single objective so far, or of J_W when there are several.
+    median : float
+        Of that value over the generation's feasible designs.
+    front : int
+        Designs on the front of all evaluated so far; 1 for a single objective.
+    seconds : float, s
+        Since the search began.
+    """
+
+    generation: int
+    evaluations: int
+    best: float
+    median: float
+    front: int
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SearchResult:
+    """Every design that a search evaluated, in order, and which are best.
+
+    Parameters
+    ----------
+    problem : FootProblem
+        What was searched.
+    solver : Solver
+        By whom.
+    k : (designs, n)
+        Heights; no design twice.
+    values : (designs, record)
+        Recorded values with their natural signs, NaN for a failed walk; columns are ``problem.record``.
+    feasible : (designs,)
+        Whether it walked and is inside its box.
+    reasons : (designs,)
+        Why a walk failed ("error": it broke the program), or "box", or "".
+    violation : (designs,), m
+        How far the sole leaves its box.
+    generation : (designs,)
+        In which the design came up.
+    history : list of Generation
+        One entry a generation.
+    best : int
+        Index of the best design: of the objective, or by J_W on the front.
+    front : (front,)
+        Indices of the non-dominated feasible designs, best first by J_W.
+    evaluations : int
+        Designs that the solver asked for; one that comes up again is not walked again.
+    seconds : float, s
+        How long it took.
+    interrupted : bool
+        Whether it was stopped before its last generation; all this is then of the finished ones.
+    reused : int
+        Designs that were read from the store, not walked.
+    """
+
+    problem: FootProblem
+    solver: Solver
+    k: Ints
+    values: Array
+    feasible: NDArray[np.bool_]
+    reasons: NDArray[np.str_]
+    violation: Array
+    generation: Ints
+    history: list[Generation]
+    best: int
+    front: Ints
+    evaluations: int
+    seconds: float
+    interrupted: bool
+    reused: int = 0
+
+    def __repr__(self) -> str:
+        best = zip(self.problem.record, self.values[self.best], strict=True)
+        values = "; ".join(f"{name} {value:.4g}" for name, value in best)
+        title = f"<SearchResult of {self.solver.name} on {self.problem.scene.sand.name} sand"
+        return f"{title}: {self.designs} designs; best {self.foot.name}: {values}>"
+
+    @property
+    def designs(self) -> int:
+        """How many different designs came up."""
+        return len(self.k)
+
+    @property
+    def infeasible(self) -> int:
+        """How many of them failed or leave their box."""
+        return len(self.k) - int(self.feasible.sum())
+
+    @property
+    def foot(self) -> Foot:
+        """The best design."""
+        return Foot.from_waypoints(self.k[self.best], self.problem.space)
+
+    def column(self, name: str) -> Array:
+        """A recorded value of every design, (designs,), natural sign."""
+        return np.asarray(self.values[:, self.problem.record.index(name)])
+
+    @property
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Every evaluated design, (designs,) by the names of designs.csv: SI, natural signs."""
+        return {
+            "generation": self.generation,
+            **{f"k{i + 1}": column for i, column in enumerate(self.k.T)},
+            **dict(zip(self.problem.record, self.values.T, strict=True)),
+            "box_violation": self.violation,
+            "feasible": self.feasible,
+            "reason": self.reasons,
+            "on_front": np.isin(np.arange(len(self.k)), self.front),
+        }
+
+    def to_frame(self) -> Any:
+        """A pandas DataFrame with a row for each evaluated design and the columns of designs.csv.
+
+        Units are in ``frame.attrs["units"]``. Needs pandas: ``pip install "footopt[pandas]"``.
+        """
+        pandas = needed("pandas", "SearchResult.to_frame", "pandas")
+        columns = {name: v.astype(object) if v.dtype.kind == "U" else v for name, v in self.columns.items()}
+        frame = pandas.DataFrame(columns).rename_axis("design")
+        units = {name: OBJECTIVES[name].unit for name in self.problem.record if name in OBJECTIVES}
+        frame.attrs["units"] = units | {"box_violation": "m"}
+        return frame
+
+    @property
+    def failures(self) -> dict[str, int]:
+        """How many designs are infeasible, by reason, the most frequent first."""
+        return dict(Counter(map(str, self.reasons[self.reasons != ""])).most_common())
+
+
+@dataclass(frozen=True, eq=False)
+class Confirmation:
+    """The best designs of a search, walked again more finely.
+
+    Parameters
+    ----------
+    designs : (finalists,)
+        Indices into the search's designs, best first by the finer values.
+    values : (finalists, record)
+        Recorded values with their natural signs.
+    accuracy : Accuracy
+        Of the finer walks.
+    agrees : bool
+        Whether the search's own best is still the best.
+    largest_change : float
+        Relative, of any recorded value of any finalist; NaN if none can be walked.
+    """
+
+    designs: Ints
+    values: Array
+    accuracy: Accuracy
+    agrees: bool
+    largest_change: float
+
+
+def confirm(result: SearchResult, accuracy: Accuracy | str, finalists: int = 20) -> Confirmation:
+    """Search cheap, confirm fine: walk the best designs of a search again at another accuracy.
+
+    Parameters
+    ----------
+    result : SearchResult
+        Its best feasible designs by the single objective, or by J_W on the front, are the finalists.
+    accuracy : Accuracy or str
+        Of the finer walks.
+    finalists : int
+        How many, at most.
+    """
+    check_finalists(finalists)
+    accuracy, problem = resolve(accuracy), result.problem
+    column = problem.record.index(problem.guide)
+    sign = -1.0 if OBJECTIVES[problem.guide].maximise else 1.0
+    pool = np.flatnonzero(result.feasible) if problem.n_obj == 1 else result.front
+    chosen = pool[np.argsort(sign * result.values[pool, column], kind="stable")[:finalists]]
+    finer = copy(problem)
+    finer.accuracy = accuracy
+    values, _ = finer.walk(result.k[chosen])
+    order = np.argsort(sign * values[:, column], kind="stable")  # a walk that fails here comes last
+    with np.errstate(invalid="ignore"):
+        change = np.abs(values / result.values[chosen] - 1.0)
+    change = change[np.isfinite(change)]
+    return Confirmation(
+        designs=chosen[order],
+        values=values[order],
+        accuracy=accuracy,
+        agrees=bool(chosen[order][0] == result.best),
+        largest_change=float(change.max()) if len(change) else math.nan,
+    )
+
+
+def check_finalists(finalists: int) -> None:
+    """Raise a `SettingError` unless so many designs can be walked again by `confirm`."""
+    check(1 <= finalists <= 10_000, "study.finalists", finalists, "a whole number >= 1 and <= 10,000")

@@ -1,0 +1,49 @@
+"""The lines of a DXF drawing's model space, those in blocks too."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from footopt.files.reading import Unusable, read_bytes
+from footopt.files.soles.lines import FLATTEN, PIECES, Line, from_points, unit_of
+
+UNITS = {1: "in", 4: "mm", 5: "cm", 6: "m"}  # of $INSUNITS
+CURVES = ("ARC", "CIRCLE", "ELLIPSE", "SPLINE")
+KINDS = ("LINE", "LWPOLYLINE", "POLYLINE", *CURVES)
+
+
+def read(path: Path, units: str | None) -> Iterator[Line]:
+    """Yield each line, flattened; `units` is one of its unit's names, or None for the file's own."""
+    from ezdxf import path as curves
+    from ezdxf.disassemble import recursive_decompose
+
+    document = _document(path)
+    unit = unit_of(units, UNITS.get(document.units))
+    for entity in recursive_decompose(document.modelspace()):
+        bulged = "POLYLINE" in entity.dxftype() and entity.has_arc
+        for piece in entity.virtual_entities() if bulged else (entity,):
+            if piece.dxftype() in KINDS:
+                # a path's arcs are cubics, 0.03 % off
+                curve = piece if piece.dxftype() in CURVES else curves.make_path(piece)
+                vertices = islice(curve.flattening(FLATTEN / unit), 10 * PIECES + 1)
+                points = unit * np.array([(v.x, v.y) for v in vertices]).reshape(-1, 2)
+                yield from_points(points, entity.dxf.layer)
+
+
+def _document(path: Path) -> Any:
+    """A drawing that is whole."""
+    import ezdxf
+
+    content = read_bytes(path, "sole", "foot.path")
+    if content.startswith(b"AutoCAD Binary DXF"):
+        raise Unusable("is a binary DXF file. Save it as text (ASCII) DXF.")
+    if content.rstrip()[-3:] != b"EOF":
+        raise Unusable("cannot be read as DXF (it does not end with EOF: is it cut off?).")
+    logging.getLogger("ezdxf").setLevel(logging.ERROR)  # what it mends is not the user's concern
+    return ezdxf.readfile(path)

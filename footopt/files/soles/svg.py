@@ -1,0 +1,113 @@
+"""The lines of an SVG drawing: every shape and path, with its transforms."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.files.reading import Unusable, read_text
+from footopt.files.soles.lines import FLATTEN, PIECES, TOO_MANY, UNITS, Line, unit_of
+
+Array = NDArray[np.float64]
+
+#: Numbers, paths and transforms: the library leaves out silently what is none of them.
+NUMBER = r"[+-]?(?:\d++\.?\d*+|\.\d++)(?:[eE][+-]?\d++)?"
+FORMS = {
+    "d": re.compile(rf"\s*(?:[Mm](?:[MmZzLlHhVvCcSsQqTtAa\s,]|{NUMBER})*+)?"),
+    "transform": re.compile(
+        r"(?:\s*(?:matrix|translate|scale|rotate|skewX|skewY)\s*"
+        rf"\((?:[\s,]|{NUMBER}(?:mm|cm|in|pt|px|deg|rad)?)*+\)[\s,]*+)*+"
+    ),
+}
+
+
+def read(path: Path, units: str | None) -> Iterator[Line]:
+    """Yield each line, flattened; `units` is one of its unit's names, or None for the file's own."""
+    from svgelements import SVG, Group, Shape
+    from svgelements import Path as Curve
+
+    root = ElementTree.fromstring(read_text(path, "sole", "foot.path"))
+    if root.tag.rpartition("}")[2] != "svg":
+        raise Unusable(f"cannot be read as SVG (its root is {root.tag[:60]!r}, not svg).")
+    _check(root)
+    unit = UNITS[units] if units else _own_unit(root)
+    for name in ("width", "height", "viewBox"):  # what is left are the drawing's own units
+        root.attrib.pop(name, None)
+
+    def lines(group: Any, layer: str) -> Iterator[Line]:
+        for element in group:
+            if isinstance(element, Group):
+                yield from lines(element, element.id or layer)
+            elif isinstance(element, Shape):
+                for piece in Curve(element).as_subpaths():
+                    yield _line(Curve(piece), unit, layer)
+
+    yield from lines(SVG.parse(io.BytesIO(ElementTree.tostring(root)), reify=True), "")
+
+
+def _check(root: ElementTree.Element) -> None:
+    """Raise if a path or a transform has what is none, or there are more points than in any sole."""
+    numbers = 0
+    for element in root.iter():
+        numbers += len(re.findall(r"\d+", element.get("d", "") + element.get("points", "")))
+        for name, form in FORMS.items():
+            given = element.get(name, "")
+            if not form.fullmatch(given):
+                begin = form.match(given)
+                at = begin.end() if begin else 0
+                raise Unusable(f"cannot be read as SVG ({name} has {given[at : at + 30]!r}).")
+    if numbers > 20 * PIECES:
+        raise Unusable(TOO_MANY)
+
+
+def _line(piece: Any, unit: float, layer: str) -> Line:
+    """One piece of a path, flattened; the y-axis of the file points down."""
+    from svgelements import Close, Move
+    from svgelements import Line as Straight
+
+    points: list[Array] = []
+    for segment in piece:
+        if isinstance(segment, Move | Straight):
+            points.append(np.array([segment.end], float))
+        elif not isinstance(segment, Close):
+            points.append(_flattened(segment.npoint, FLATTEN / unit)[1:])
+    line = unit * np.concatenate([*points, np.empty((0, 2))]) * [1.0, -1.0]
+    return Line(line, any(isinstance(segment, Close) for segment in piece), layer)
+
+
+def _flattened(at: Callable[[Array], Array], tolerance: float) -> Array:
+    """Points on a curve at(t), t in [0, 1], so many that no chord's middle is off by the tolerance."""
+    pieces = 8
+    while True:
+        points = np.asarray(at(np.linspace(0.0, 1.0, 2 * pieces + 1)), float)
+        off = points[1::2] - 0.5 * (points[:-1:2] + points[2::2])
+        if np.linalg.norm(off, axis=1).max() <= tolerance or pieces >= 4096:
+            return points
+        pieces *= 2
+
+
+def _own_unit(root: ElementTree.Element) -> float:
+    """Metres in one unit of a drawing: its width in units of length over its viewBox's."""
+    sizes = [re.fullmatch(rf"\s*({NUMBER})\s*([a-z]*)\s*", root.get(n, "")) for n in ("width", "height")]
+    # a size in px is one on a screen: programs print 72, 90 or 96 of them to an inch
+    own = [float(size[1]) * unit_of(None, size[2]) for size in sizes if size and size[2] != "px"]
+    if not own:
+        return unit_of(None, None)
+    if "viewBox" not in root.attrib:
+        return UNITS["px"]
+    given = root.attrib["viewBox"]
+    box = re.fullmatch(rf"\s*{NUMBER}[\s,]+{NUMBER}[\s,]+({NUMBER})[\s,]+({NUMBER})\s*", given)
+    sides = [float(side) for side in box.groups()] if box else []
+    if not sides or not all(0 < value < np.inf for value in (*own, *sides)):
+        raise Unusable(
+            f"its size is no size: width {root.get('width')!r}, height {root.get('height')!r}, "
+            f"viewBox {given[:60]!r}. Set foot.units to the drawing's unit."
+        )
+    return min(length / side for length, side in zip(own, sides, strict=False))

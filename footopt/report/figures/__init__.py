@@ -1,0 +1,25 @@
+"""Figures for a paper: one function a figure, from plain data to a matplotlib Figure, a file a subject.
+
+Functions named ``draw_*`` draw on Axes of the caller's.
+"""
+
+from footopt.report.figures.foot import contour, contours, drawing
+from footopt.report.figures.search import convergence, parallel, scatter_matrix
+from footopt.report.figures.step import step, steps
+from footopt.report.figures.traces import com, forces, power_work
+from footopt.report.style import save
+
+__all__ = [
+    "com",
+    "contour",
+    "contours",
+    "convergence",
+    "drawing",
+    "forces",
+    "parallel",
+    "power_work",
+    "save",
+    "scatter_matrix",
+    "step",
+    "steps",
+]

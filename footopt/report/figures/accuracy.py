@@ -1,0 +1,84 @@
+"""The figure of study=accuracy: what a smaller error costs, one panel per objective."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from footopt.report.style import GREY, GRID, PAGE, legend_above, marker, new_figure, styled
+from footopt.walk import FIVE
+from footopt.walk.accuracy import Accuracy
+
+WORST = "worst objective"
+
+
+@styled
+def work_precision(measured: Sequence[Any], presets: Sequence[Accuracy], default: str = "standard") -> Figure:
+    """Error against ms per design and core for every setting.
+
+    Parameters
+    ----------
+    measured : sequence of footopt.studies.accuracy.Measurement
+        Those that no other beats in a panel are joined by a line.
+    presets : sequence of Accuracy
+        Marked by name where they were measured.
+    default : str
+        Of the preset with the larger mark.
+    """
+    figure = new_figure(PAGE, 4.4)
+    grid = figure.subplots(2, 3, sharex=True, sharey=True)
+    methods = list(dict.fromkeys(_method(m.accuracy) for m in measured))
+    method = np.array([methods.index(_method(m.accuracy)) for m in measured])
+    ms = np.array([m.ms for m in measured])
+    errors = 100.0 * np.array([[*np.max(m.errors, axis=0), m.error] for m in measured])
+    at = {m.accuracy: i for i, m in enumerate(measured)}
+    nameless = {preset.name: replace(preset, name=Accuracy().name) for preset in presets}
+    marked = {name: at[accuracy] for name, accuracy in nameless.items() if accuracy in at}
+    titles = [*(name.replace("_", " ") for name in FIVE), WORST]
+    for axes, title, error in zip(grid.flat, titles, errors.T, strict=True):
+        for i in range(len(methods)):
+            seen = (method == i) & (error > 0.0) & (error < 100.0)
+            axes.plot(ms[seen], error[seen], **marker(i), ms=3, alpha=0.7)
+        order = np.lexsort((error, ms))
+        order = order[error[order] > 0.0]
+        front = order[error[order] == np.minimum.accumulate(error[order])]
+        axes.plot(ms[front], error[front], color="black", lw=0.8)
+        for name, i in marked.items():
+            if error[i] > 0.0:
+                size = 9 if name == default else 6
+                axes.plot(ms[i], error[i], "o", mfc="none", mec="black", ms=size, mew=1.0)
+                if title == WORST:  # once: the circles are in the same order everywhere
+                    _name(axes, name, (ms[i], error[i]))
+        axes.set(xscale="log", yscale="log", title=title)
+        axes.grid(color=GRID, lw=0.6)
+    for axes in grid[-1]:
+        axes.set_xlabel("time per design and core (ms)")
+    for axes in grid[:, 0]:
+        axes.set_ylabel("relative error (%)")
+    handles = [Line2D([], [], **marker(i), ms=4) for i in range(len(methods))]
+    handles += [
+        Line2D([], [], color="black", lw=0.8),
+        Line2D([], [], ls="", marker="o", mfc="none", mec="black", ms=6),
+    ]
+    legend_above(figure, handles, [*methods, "none better in both", "preset (default larger)"])
+    figure.supxlabel(
+        "error not exceeded by 95 % of the feet, largest over soft, regular and hard sand", color=GREY
+    )
+    return figure
+
+
+def _name(axes: Any, name: str, place: tuple[float, float]) -> None:
+    """A name beside a point, joined to it by a line."""
+    box = {"boxstyle": "square,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85}
+    line = {"arrowstyle": "-", "lw": 0.6}
+    axes.annotate(name, place, xytext=(14, 14), textcoords="offset points", arrowprops=line, bbox=box)
+
+
+def _method(accuracy: Accuracy) -> str:
+    name = accuracy.stepper.replace("_", " ")
+    return name if accuracy.control is None else f"{name}, step control"

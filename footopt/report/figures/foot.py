@@ -1,0 +1,147 @@
+"""Figures of soles: in their box with hull and hollow, several in one frame, and as a workshop's drawing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon, Rectangle
+from numpy.typing import NDArray
+
+from footopt.files.drawings import MM
+from footopt.foot import Foot, lower_hull
+from footopt.report.style import (
+    BLUE,
+    COLUMN,
+    GREY,
+    PAGE,
+    PALE,
+    VERMILLION,
+    Axes,
+    as_text,
+    legend_above,
+    line,
+    new_figure,
+    styled,
+)
+
+Array = NDArray[np.float64]
+Point = tuple[float, float]
+
+ANKLE: dict[str, Any] = {"marker": "+", "ls": "", "color": "black", "ms": 6, "mew": 1}
+HOLLOW = 0.05  # mm; a smaller one is called none
+
+
+@styled
+def contour(foot: Foot) -> Figure:
+    """The sole in its box with its waypoints, its lower convex hull and the depth of its hollow."""
+    figure = new_figure(COLUMN, foot_height(foot))
+    axes = figure.subplots()
+    draw_contour(axes, foot)
+    legend_above(figure, *axes.get_legend_handles_labels())
+    return figure
+
+
+@styled
+def contours(feet: Mapping[str, Foot]) -> Figure:
+    """Several soles in one frame, by label."""
+    figure = new_figure(COLUMN, _height(np.concatenate([foot.contour for foot in feet.values()])))
+    axes = figure.subplots()
+    for i, (label, foot) in enumerate(feet.items()):
+        axes.plot(*(MM * foot.contour).T, **line(i), label=as_text(label))
+    _label_axes(axes)
+    legend_above(figure, *axes.get_legend_handles_labels())
+    return figure
+
+
+@styled
+def drawing(foot: Foot, block: Sequence[float] | None = None) -> Figure:
+    """The outline that a workshop makes, with its dimensions in mm.
+
+    Parameters
+    ----------
+    foot : Foot
+        What is made.
+    block : (float, float), m, optional
+        Length and height of a mounting block above the foot, see `Foot.body_outline`.
+    """
+    outline = MM * foot.body_outline(block)
+    (left, low), (right, high) = outline.min(axis=0), outline.max(axis=0)
+    gap = 0.03 * (right - left)
+    x, z = (left - 4 * gap, right + 4 * gap), (low - 2 * gap, high + (3 * gap if block is not None else gap))
+    figure = new_figure(PAGE, min(0.8 + 6.3 * (z[1] - z[0]) / (x[1] - x[0]), 6.0))
+    axes = figure.subplots()
+    axes.add_patch(Polygon(outline, closed=True, fc=PALE, ec="black", lw=0.8))
+    axes.plot(*(MM * foot.contour).T, color=BLUE, zorder=3)
+    axes.plot(*(MM * np.array(foot.ankle)), **ANKLE, zorder=4)
+    _dimension(axes, (left, low - gap), (right, low - gap))
+    _dimension(axes, (right + gap, low), (right + gap, high))
+    if block is not None:
+        (length, height), middle = MM * np.array(block), MM * foot.ankle[0]
+        ends = middle - length / 2, middle + length / 2
+        _dimension(axes, (ends[0], high + gap), (ends[1], high + gap))
+        _dimension(axes, (ends[0] - 3 * gap, high - height), (ends[0] - 3 * gap, high))
+    axes.set_title(f"{MM * foot.width:.4g} mm wide", loc="left")
+    _label_axes(axes)
+    axes.set(xlim=x, ylim=z)
+    return figure
+
+
+def draw_contour(axes: Axes, foot: Foot) -> None:
+    """A sole in the foot frame, mm; see `contour`."""
+    if foot.space is not None:
+        length, height = MM * foot.space.L, MM * foot.space.H
+        axes.add_patch(Rectangle((-length, -height), 2 * length, 2 * height, color=PALE, lw=0, label="box"))
+    axes.plot(*(MM * foot.contour).T, color=BLUE, label="sole", zorder=3)
+    if foot.space is not None and foot.k is not None:
+        points = foot.space.x, foot.space.heights(foot.k)[0]
+        axes.plot(*(MM * np.array(points)), "o", color=BLUE, mfc="white", label="waypoint", zorder=4)
+    axes.plot(*(MM * np.array(foot.ankle)), **ANKLE, label="ankle", zorder=5)
+    hull, x, low, high = lower_hull(foot.contour)
+    depth = MM * foot.hollow
+    if depth >= HOLLOW:
+        axes.plot(*(MM * hull).T, ":", color=VERMILLION, label="lower hull", zorder=2)
+        _measure(axes, (MM * x, MM * high), (MM * x, MM * low), VERMILLION)
+        # under the hull, where there is never a sole nor an ankle
+        below = {"xytext": (0, -4), "textcoords": "offset points", "ha": "center", "va": "top"}
+        axes.annotate(f"hollow {depth:.1f} mm", (MM * x, MM * low), **below, color=VERMILLION)
+    else:
+        axes.set_title("no hollow", loc="right", color=VERMILLION)
+    _label_axes(axes)
+
+
+def foot_height(foot: Foot) -> float:
+    """Height of a column-wide figure with a sole, its box and its ankle, inches."""
+    boxes = [] if foot.space is None else [[[foot.space.L, foot.space.H], [-foot.space.L, -foot.space.H]]]
+    return _height(np.concatenate([foot.contour, [foot.ankle], *boxes]))
+
+
+def _height(points: Array) -> float:
+    """Height of a column-wide figure whose axes, at equal scales, hold some points, inches."""
+    wide, high = np.ptp(points, axis=0)
+    return float(min(0.52 + 3.6 * max(high, 0.12 * wide) / wide, 6.0))
+
+
+def _label_axes(axes: Axes) -> None:
+    axes.set(xlabel="$x_p$ (mm), to the toe", ylabel="$z_p$ (mm)", aspect="equal")
+    axes.margins(0.05, 0.2)
+
+
+def _measure(axes: Axes, start: Point, end: Point, colour: str) -> None:
+    """An arrow with two heads between two points."""
+    looks = {"arrowstyle": "<->", "color": colour, "lw": 0.8, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", end, start, arrowprops=looks, zorder=4)
+
+
+def _dimension(axes: Axes, start: Point, end: Point) -> None:
+    """An arrow between two points, mm, along x or upwards, and its length."""
+    _measure(axes, start, end, GREY)
+    along = start[1] == end[1]
+    place = {"xytext": (0, 1), "ha": "center", "va": "bottom"} if along else {
+        "xytext": (3, 0), "ha": "left", "va": "center"
+    }  # fmt: skip
+    middle = (start[0] + end[0]) / 2, (start[1] + end[1]) / 2
+    length = max(end[0] - start[0], end[1] - start[1])
+    axes.annotate(f"{length:.4g}", middle, textcoords="offset points", **place)

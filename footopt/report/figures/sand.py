@@ -1,0 +1,39 @@
+"""The figure of a sand: its stress on a plate by the plate's angle and its direction of motion."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.ticker import MaxNLocator
+
+from footopt.report.style import Axes, as_text
+from footopt.sand import Sand
+from footopt.sand.law import PER_CM3, alpha
+
+
+def draw_stress(axes: Axes, sand: Sand, component: str = "alpha_z") -> None:
+    """The stress per depth, N/cm^3, that a plate feels, by its angle beta and its motion's, gamma.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw.
+    sand : Sand
+        Its zeta is in the stress.
+    component : str
+        "alpha_x" or "alpha_z".
+    """
+    angle = np.linspace(-90.0, 90.0, 181)
+    gamma, beta = np.meshgrid(np.radians(angle), np.radians(angle))
+    found = alpha(beta, gamma, sand.stress_map)
+    values = sand.zeta * found[("alpha_x", "alpha_z").index(component)] / PER_CM3
+    most = float(np.abs(values).max()) or 1.0
+    shades = axes.contourf(angle, angle, values, levels=np.linspace(-most, most, 42), cmap="RdBu_r")
+    lines = axes.contour(angle, angle, values, levels=8, colors="black", linewidths=0.5)
+    axes.clabel(lines, fontsize="small")
+    axes.set(xlabel=r"$\gamma$ (deg): motion, + down", ylabel=r"$\beta$ (deg): plate, + toe up")
+    axes.set_aspect("equal")
+    axes.set_xticks([-90, -45, 0, 45, 90])
+    axes.set_yticks([-90, -45, 0, 45, 90])
+    name = rf"\alpha_{component[-1]}"
+    axes.set_title(rf"$\zeta{name}$ (N/cm³), {as_text(sand.name)} sand")
+    axes.figure.colorbar(shades, ax=axes, shrink=0.9, ticks=MaxNLocator(6))

@@ -1,0 +1,70 @@
+"""How numbers are written: each quantity has one format on the terminal, in figures, cards and pages."""
+
+from __future__ import annotations
+
+import math
+
+from footopt.walk import OBJECTIVES
+
+
+def number(value: float) -> str:
+    """Four significant digits: 2.134, 12346, -2.527e-4; 0 for a rounding error, a dash for no number."""
+    if not math.isfinite(value):
+        return "-"
+    if abs(value) < 1e-12:
+        return "0"
+    mantissa, power = f"{value:.3e}".split("e")
+    if -3 <= int(power) < 5:
+        return _shortest(f"{value:.{max(3 - int(power), 0)}f}")
+    return f"{_shortest(mantissa)}e{int(power)}"
+
+
+def quantity(value: float, unit: str) -> str:
+    """A number with its unit, if it has one."""
+    return f"{number(value)} {unit}".rstrip()
+
+
+def percent(share: float) -> str:
+    """A share of 1 with two significant digits and no exponent: 0.00082 %, 12 %; a dash for no number."""
+    value = 100.0 * share
+    if not math.isfinite(value):
+        return "-"
+    digits = 1 - int(f"{value:.1e}".split("e")[1]) if abs(value) > 1e-9 else 0
+    return f"{value:.{max(digits, 0)}f} %"
+
+
+def change(name: str, value: float, base: float) -> str:
+    """What became of an objective: J_W as a multiple of its base, "x 1.788", others as "-2.3 %"."""
+    ratio = value / base if base else math.nan
+    if not math.isfinite(ratio):
+        return "-"
+    return f"x {ratio:.3f}" if name == "efficiency" else f"{100 * (ratio - 1):+.1f} %"
+
+
+def duration(seconds: float) -> str:
+    """Seconds as one says them: 0.4 s, 45 s, 3 min 20 s, 2 h 5 min."""
+    if not math.isfinite(seconds):
+        return "?"
+    if seconds < 10.0:
+        return f"{seconds:.1f} s"
+    whole = round(seconds)
+    if whole < 120:
+        return f"{whole} s"
+    if whole < 7200:
+        return f"{whole // 60} min {whole % 60} s"
+    return f"{whole // 3600} h {whole % 3600 // 60} min"
+
+
+def title(name: str) -> str:
+    """An objective's name as a reader sees it."""
+    return "efficiency J_W" if name == "efficiency" else name.replace("_", " ")
+
+
+def objective_quantity(name: str, value: float) -> str:
+    """An objective's value with its unit."""
+    return quantity(value, OBJECTIVES[name].unit if name in OBJECTIVES else "")
+
+
+def _shortest(text: str) -> str:
+    """Digits without zeros at the end, of which a reader learns nothing."""
+    return text.rstrip("0").rstrip(".") if "." in text else text

@@ -1,0 +1,200 @@
+"""The look of every figure: colours by role, fonts, widths, legends, and how a figure is made and saved.
+
+No pyplot and so no global figure state: figures can be drawn from any thread. Widths are a journal's
+column and page, fonts 8 pt; colours are Okabe & Ito's, which the colour-blind can tell apart, and line
+styles differ too.
+"""
+
+from __future__ import annotations
+
+import io
+import textwrap
+import threading
+from collections.abc import Callable, Sequence
+from functools import wraps
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar
+
+import matplotlib
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from footopt.errors import FileError
+from footopt.report.numbers import number
+
+Axes = Any  # matplotlib.axes.Axes
+
+COLUMN, PAGE = 3.4, 7.0  # widths, inches
+DPI = 200
+
+BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = (
+    "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
+)  # fmt: skip
+GREY, PALE, GRID = "0.55", "0.92", "0.92"
+COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, "black")
+DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)))
+MARKERS = "osD^vP*"
+
+#: Sands in the order that gives them the paper's colours: soft blue, hard red, regular green.
+SANDS = ("soft", "hard", "regular")
+#: Name and colour of the left and the right leg.
+SIDES = (("left", BLUE), ("right", VERMILLION))
+SAND, SURFACE, STRONG_SAND = "#F3E9D2", ORANGE, "#7A5230"
+
+STYLE: dict[str, Any] = {
+    "font.size": 8,
+    "axes.titlesize": 8,
+    "axes.labelsize": 8,
+    "legend.fontsize": 8,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "figure.labelsize": 8,
+    "figure.titlesize": 8,
+    "axes.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "axes.formatter.limits": (-3, 4),
+    "axes.formatter.use_mathtext": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "lines.linewidth": 1.2,
+    "lines.markersize": 4,
+    "legend.frameon": False,
+    "legend.handlelength": 2.2,
+    "legend.handletextpad": 0.6,
+    "legend.columnspacing": 1.2,
+    "pdf.fonttype": 42,  # text stays text, as journals ask
+}
+
+P = ParamSpec("P")
+R = TypeVar("R")
+_lock = threading.RLock()
+
+
+def styled(make: Callable[P, R]) -> Callable[P, R]:
+    """Run a function under the shared style.
+
+    `matplotlib.rc_context` changes settings of the whole process, so threads take turns.
+    """
+
+    @wraps(make)
+    def run(*args: P.args, **kwargs: P.kwargs) -> R:
+        with _lock, matplotlib.rc_context(STYLE):
+            return make(*args, **kwargs)
+
+    return run
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure (inches) with a canvas of its own."""
+    # laid out at the resolution of its picture: formulas are parsed once for both
+    figure = Figure(figsize=(width, height), dpi=DPI, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+@styled
+def save(figure: Figure, folder: str | Path, name: str) -> tuple[Path, Path]:
+    """Write a figure as PNG (200 dpi) and PDF; the same figure gives the same bytes.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        What to write.
+    folder : str or Path
+        Where; made if it is not there.
+    name : str
+        Of the files, without an ending.
+
+    Returns
+    -------
+    png, pdf : Path
+        The files.
+
+    Raises
+    ------
+    FileError
+        The folder or a file cannot be written.
+    """
+    folder = Path(folder)
+    png, pdf = folder / f"{name}.png", folder / f"{name}.pdf"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        # each pass of the layout moves things a little: settle it once for all files
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
+        figure.savefig(png, dpi=DPI)
+        figure.savefig(pdf, metadata={"CreationDate": None})
+    except OSError as error:
+        raise FileError(
+            f"{folder}: the figure {name} cannot be written ({error.strerror or error}). "
+            "Choose a folder that may be written to."
+        ) from error
+    return png, pdf
+
+
+@styled
+def png(figure: Figure, dpi: int) -> bytes:
+    """A figure as a picture in memory."""
+    file = io.BytesIO()
+    figure.savefig(file, format="png", dpi=dpi)
+    return file.getvalue()
+
+
+def line(i: int) -> dict[str, Any]:
+    """Colour and dashes of the i-th line: 35 before a pair returns."""
+    return {"color": COLOURS[i % len(COLOURS)], "ls": DASHES[i % len(DASHES)]}
+
+
+def marker(i: int) -> dict[str, Any]:
+    """Colour and shape of the i-th kind of points."""
+    return {"color": COLOURS[i % len(COLOURS)], "marker": MARKERS[i % len(MARKERS)], "ls": "", "mew": 0}
+
+
+def legend_above(
+    figure: Figure, handles: Sequence[Any], labels: Sequence[str], title: str | None = None
+) -> None:
+    """One legend above all axes, with as many columns as fit beside each other."""
+    short = [textwrap.fill(label, 40) for label in labels]
+    columns = legend_columns(short, figure.get_figwidth())
+    rows = -(-len(short) // columns) + (title is not None)
+    figure.set_figheight(figure.get_figheight() + 0.17 * rows)  # the legend takes nothing from the axes
+    figure.legend(handles, short, loc="outside upper center", ncols=columns, title=title)
+
+
+def legend_columns(labels: Sequence[str], width: float) -> int:
+    """How many columns of a legend with these labels fit into a width, inches."""
+    longest = max((len(part) for label in labels for part in label.split("\n")), default=0)
+    # an 8 pt letter is about 0.062 inches wide, a line and the gaps beside it 0.45
+    return min(max(int(width / (0.45 + 0.062 * longest)), 1), max(len(labels), 1))
+
+
+def legend_entry(axes: Axes, label: str, **looks: Any) -> None:
+    """An entry of the legend that is not drawn."""
+    axes.plot([], [], label=label, **looks)[0].set_in_layout(False)
+
+
+def message(axes: Axes, text: str) -> None:
+    """A plain statement where there is nothing to draw; ticks would be those of no data."""
+    axes.tick_params(left=False, labelleft=False)
+    axes.text(0.5, 0.5, textwrap.fill(text, 60), transform=axes.transAxes, ha="center", va="center")
+
+
+def no_frame(axes: Axes) -> None:
+    """Take away ticks and frame of a table that is drawn as cells."""
+    axes.tick_params(which="both", length=0)
+    for side in axes.spines.values():
+        side.set_visible(False)
+
+
+def formula(value: float) -> str:
+    """A number as `numbers.number` writes it, with a true minus sign and its power of ten raised."""
+    mantissa, _, power = number(value).partition("e")
+    return rf"${mantissa}\times10^{{{power}}}$" if power else mantissa.replace("-", "\N{MINUS SIGN}")
+
+
+def as_text(name: str) -> str:
+    """A user's name as a label: no formula between dollars, and no "_" before it, which would hide it."""
+    plain = name.replace("$", r"\$")
+    return f" {plain}" if plain.startswith("_") else plain

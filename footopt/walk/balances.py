@@ -1,0 +1,88 @@
+"""Balances of a sound walk: its energy adds up, the sand gives none beyond what smoothing allows."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.sand import StressMap, affine
+from footopt.walk.results import Walk
+
+Array = NDArray[np.float64]
+
+
+def energy_gap(walk: Walk) -> float:
+    """What is missing from a walk's energy balance, over the work of the sand.
+
+    |d(kinetic + potential) - work of the sand - net work of the joints| / |work of the sand|, where both
+    works are the stepper's own quadrature.
+    """
+    walker = walk.scene.walker
+    kinetic = 0.5 * walker.mass * float(np.sum(walk.velocity[-1] ** 2))
+    tilt, g = walk.scene.gravity
+    x, z = (walk.com[-1] - walk.start).tolist()
+    potential = float(walker.mass * (g * z - (tilt or 0.0) * x))
+    sand = float(walk.work[-1].sum())
+    return abs(kinetic + potential - sand - walk.totals["net_joint_work"]) / max(abs(sand), 1e-300)
+
+
+def power_from_sand(walk: Walk, samples: int = 64) -> float:
+    """Largest power that a foot gets from the sand, over the creep speed times its plates' forces."""
+    found = 0.0
+    for foot in range(2):
+        power = walk.power[:, foot]
+        largest = np.argsort(power)[-samples:]
+        largest = largest[power[largest] > 0.0]
+        if len(largest):
+            sizes = np.linalg.norm(walk.plates(largest).force[:, foot], axis=-1).sum(axis=-1)
+            found = max(found, float(np.max(power[largest] / sizes)) / walk.accuracy.creep)
+    return found
+
+
+@cache
+def smoothing_power(stress_map: StressMap) -> float:
+    """Bound of `power_from_sand` that smoothing allows: 1.1 for the generic stress map.
+
+    A plate that moves at s along e feels a - q M e with q = s / sqrt(s^2 + eps^2), and gets power only
+    while q < q0 = (a.e) / (e.M e): at speeds below eps q0 / sqrt(1 - q0^2). q0 < 1 wherever the law
+    dissipates; elsewhere there is no bound (inf).
+    """
+    beta, angle = np.linspace(-np.pi / 2, np.pi / 2, 361), np.linspace(-np.pi, np.pi, 721)
+    a, m = affine(beta, stress_map)
+    e = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    q0 = float(np.max((a @ e.T) / np.einsum("ti,bij,tj->bt", e, m, e)))
+    return q0 / math.sqrt(1.0 - q0 * q0) if q0 < 1.0 else math.inf
+
+
+def sinking_speed(walk: Walk, t: float) -> float:
+    """Speed at which smoothing lets a flat sole sink at a time t (s) of standing, m/s.
+
+    The sand carries the weight at the depth d_0 with h = 1, and a little deeper, by a share s, with
+    3/8 + 5/8 h = 1 / (1 + s): a speed eps (5 / 16 s)^(1/2) that falls as ds/dt = v / d_0 goes on, to
+    eps (5 d_0 / (24 eps t))^(1/3). Where that is below eps, eps.
+    """
+    eps, depth = walk.accuracy.creep, walk.totals["maximum_sinkage"]
+    return float(eps * max(1.0, (5.0 * depth / (24.0 * eps * t)) ** (1.0 / 3.0)))
+
+
+def set_down_speed(walk: Walk) -> float:
+    """Largest downward speed of a plate in the first sample after its foot enters the sand, m/s."""
+    loaded = np.abs(walk.force).sum(axis=-1) > 0.0
+    fastest = 0.0
+    for sample, foot in np.argwhere(loaded[1:] & ~loaded[:-1]):
+        states = walk.plates([sample + 1])
+        wet = states.position[0, foot, :, 1] < 0.0
+        fastest = max(fastest, float(-states.velocity[0, foot, wet, 1].min(initial=0.0)))
+    return fastest
+
+
+def momentum_gap(walk: Walk) -> Array:
+    """Momentum that neither the sand's impulse nor gravity explains, (2,), N s; rounding only."""
+    walker = walk.scene.walker
+    tilt, g = walk.scene.gravity
+    gravity = walker.mass * np.array([tilt or 0.0, -g])
+    impulse = np.array([walk.totals["impulse_x"], walk.totals["impulse_z"]]) + gravity * walk.t[-1]
+    return np.asarray(walker.mass * walk.velocity[-1] - impulse)

@@ -1,0 +1,139 @@
+"""The second program: a contact and a walk written again from the readable law, and published numbers.
+
+`lsoda_objectives` walks by SciPy's LSODA with the law in its angles. `PUBLISHED` is what another program,
+written apart from this one, found for one foot: the law in its angles, LSODA, 100 chords for plates, a
+creep speed of 1e-5 m/s, and all else as the defaults are. Every release and study=doctor is held to it.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.foot import Foot
+from footopt.gait.gait import Pose
+from footopt.walk.accuracy import Accuracy
+from footopt.walk.contact import contact
+from footopt.walk.plates import PlateStates, plate_states
+from footopt.walk.prepare import sole, world
+from footopt.walk.results import Walk
+from footopt.walk.scene import Scene
+from footopt.walk.state import COUNTS
+
+Array = NDArray[np.float64]
+
+BURIED = 0.02  # m, mean depth of the sole where the law is asked without a walk
+
+
+class Published(NamedTuple):
+    """Height of the hip at the start, m, and the five objectives in the order of `objectives.FIVE`."""
+
+    sand: str
+    zeta: float
+    start: float
+    objectives: tuple[float, float, float, float, float]
+
+
+#: Heights of the foot's waypoints.
+RAMP = (1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 8)
+
+PUBLISHED = (
+    Published("soft", 0.2, 0.86572, (1.84941, 0.76065, 684.635, 606.292, 0.17711)),
+    Published("regular", 1.0, 0.91440, (2.08141, 0.88027, 364.225, 364.768, 0.23598)),
+    Published("hard", 5.0, 0.93425, (2.16852, 0.91860, 148.094, 502.316, 0.29326)),
+)
+
+#: The program's own plates and creep speed, in steps so short that time adds nothing.
+SAME_PLATES = Accuracy("sdirk2", 1e-4, 100, 1e-5, "same plates", rule="chord")
+
+#: Largest relative difference that is allowed to each accuracy.
+LIMITS = {"standard": 5e-3, "fine": 2e-3, "reference": 2e-3, "same plates": 2e-4}
+
+
+def contact_forces(
+    foot: Foot, scene: Scene, plates: int, motion: tuple[float, float, float], creep: float, angles: bool
+) -> tuple[Array, Array, float]:
+    """The force on one level, buried foot, by the compiled contact and by the readable law.
+
+    Parameters
+    ----------
+    foot : Foot
+        Divided into chords.
+    scene : Scene
+        Its sand and effects are used.
+    plates : int
+        How many.
+    motion : (float, float, float), m/s and rad/s
+        The hip's velocity in x and z, and the foot's rate of turn.
+    creep : float, m/s
+        The creep speed.
+    angles : bool
+        Whether the readable law is that in the angles, or the affine form.
+
+    Returns
+    -------
+    compiled, readable : (2,), N
+        The force in x and z.
+    size : float, N
+        Sum of the plates' forces, to which differences are to be related.
+    """
+    sheets = foot.plates(plates, "chord", directed=True)
+    vx, vz, rate = motion
+    none = np.zeros((1, 2))
+    ankle = -BURIED - float(np.mean(sheets.z))  # of the left foot; the right one is in the air
+    pose = Pose(none, np.array([[ankle, 10.0]]), none, none, none, np.array([[rate, 0.0]]))
+    counts = np.zeros(1, COUNTS)[0]
+    constants = world(scene, Accuracy(creep=creep))
+    left = contact(constants, sole(sheets), pose.table()[0], 0.0, 0.0, vx, vz, creep, 1e-3, counts).left
+    states = plate_states(sheets, pose, np.zeros((1, 2)), np.array([[vx, vz]]), scene, creep, angles)
+    force = states.force[0, 0]
+    return np.array([left.x, left.z]), force.sum(axis=0), float(np.linalg.norm(force, axis=-1).sum())
+
+
+def lsoda_objectives(walk: Walk, rtol: float = 1e-9) -> dict[str, float]:
+    """The five objectives of a walk that is simulated again by SciPy's LSODA.
+
+    It takes the law in its angles, and the plates, the creep speed and the start of the walk that is
+    given, integrates work and height along with the motion, and shares no code with the compiled walk but
+    the effects' hooks.
+
+    Parameters
+    ----------
+    walk : Walk
+        Of chord plates.
+    rtol : float
+        Relative tolerance of the integration.
+    """
+    from scipy.integrate import solve_ivp
+
+    scene, accuracy = walk.scene, walk.accuracy
+    walker, t_f = scene.walker, scene.duration
+    plates = walk.foot.plates(accuracy.plates, "chord", directed=True)
+    tilt, g = scene.gravity
+
+    def at(t: Array, state: Array) -> PlateStates:
+        """The plates at times (T,) in states (4, T)."""
+        pose = scene.gait.pose(t, walker.l1, walker.l2)
+        return plate_states(plates, pose, state[:2].T, state[2:].T, scene, accuracy.creep, angles=True)
+
+    def rate(t: float, y: Array) -> Array:
+        states = at(np.array([t]), y[:4, None])
+        fx, fz = states.force.sum(axis=(0, 1, 2))
+        ax, az = fx / walker.mass + (tilt or 0.0), fz / walker.mass - g
+        return np.array([y[2], y[3], ax, az, states.power.sum(), y[1]])
+
+    start, tight = [0.0, walk.start[1], 0.0, 0.0, 0.0, 0.0], {"rtol": rtol, "atol": 1e-2 * rtol}
+    solution = solve_ivp(rate, (0.0, t_f), start, "LSODA", max_step=5e-3, dense_output=True, **tight)
+    t = np.linspace(scene.gait.heel_strike, t_f, 20_001)
+    states = solution.sol(t)[:4]
+    pieces = [slice(i, i + 1000) for i in range(0, len(t), 1000)]
+    power = np.concatenate([at(t[piece], states[:, piece]).power.sum(axis=-1) for piece in pieces])
+    return {
+        "distance": float(solution.y[0, -1]),
+        "mean_height": float(solution.y[5, -1] / t_f),
+        "work": float(abs(solution.y[4, -1])),
+        "peak_power": float(np.abs(power).max()),
+        "speed_loss": float(np.max(np.maximum.accumulate(states[2]) - states[2])),
+    }

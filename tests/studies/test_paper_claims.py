@@ -1,0 +1,286 @@
+"""The paper's claims are measured on walks: each turns when what it compares is exchanged."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from paper_cases import HOLLOW, ROCKER, config
+
+import footopt as fo
+from footopt.design import Solver, search
+from footopt.errors import SettingError
+from footopt.foot import SHAPES
+from footopt.gait.gait import LEFT, RIGHT
+from footopt.report import figures, style
+from footopt.report.figures import paper as paper_figures
+from footopt.studies.paper import quantities, readings
+from footopt.studies.paper.claims import CLAIMS, measure
+from footopt.studies.paper.evidence import SANDS
+from footopt.studies.paper.measures import LIMITS, MEASURES
+from footopt.studies.paper.readings import Readings, ReadProblem, read, switch_losses
+from footopt.studies.paper.setup import Setup
+from footopt.studies.settings import Config, StudyConfig
+from footopt.walk.phases import STANDS
+
+REFERENCE = Path(__file__).parents[2] / "outputs/reference/paper"
+
+
+def scene(sand):
+    return fo.Scene(sand=fo.Sand.named(sand))
+
+
+@pytest.fixture(scope="module")
+def evidence():
+    """All walks at draft accuracy, with feet that nobody searched for."""
+    feet = {"hard": HOLLOW, "regular": ROCKER, "soft": ROCKER}
+    return Setup(config(study__confirm="draft")).evidence(
+        {sand: fo.Foot.from_waypoints(k) for sand, k in feet.items()}
+    )
+
+
+@pytest.fixture(scope="module")
+def walk():
+    return fo.simulate(fo.Foot.from_waypoints(HOLLOW), scene("hard"), "fine")
+
+
+@pytest.fixture(scope="module")
+def failed():
+    walk = fo.simulate(fo.Foot.from_waypoints(HOLLOW), fo.Scene(sand=fo.Sand(zeta=0.02)), "draft")
+    assert not walk.feasible
+    return walk
+
+
+class TestReadings:
+    def test_the_library_s_own_change_nothing(self, walk):
+        assert read(walk, Readings()).objectives == walk.objectives
+
+    def test_narrower_readings_find_less(self, walk):
+        losses = [
+            read(walk, Readings(speed_loss=name)).objectives["speed_loss"] for name in readings.SPEED_LOSS
+        ]
+        assert losses == sorted(losses, reverse=True)
+        assert losses[-1] > 0.0
+        single = read(walk, Readings(peak_power="single")).objectives["peak_power"]
+        assert 0.0 < single <= walk.objectives["peak_power"]
+
+    def test_j_w_follows_from_its_parts_as_they_are_read(self, walk):
+        o = read(walk, Readings("single", "window")).objectives
+        cost = o["work"] * o["peak_power"] * o["speed_loss"]
+        assert o["efficiency"] == pytest.approx(-o["distance"] * o["mean_height"] / cost)
+        assert o["efficiency"] != walk.objectives["efficiency"]
+
+    @pytest.mark.parametrize("name", readings.SPEED_LOSS)
+    def test_a_fall_at_a_switch_is_found_there_and_nowhere_else(self, walk, name):
+        velocity = np.ones_like(walk.velocity)
+        velocity[walk.t > 1.7] = 0.7
+        losses = switch_losses(replace(walk, velocity=velocity), Readings(speed_loss=name))
+        np.testing.assert_allclose(losses, [0.0, 0.3, 0.0], atol=1e-12)
+
+    def test_power_while_both_feet_stand_does_not_count_in_single_stance(self, walk):
+        both = (walk.force[..., 1] > 0.05 * walk.scene.walker.weight).all(axis=1)
+        power = np.where(both[:, None], -1e6, walk.power)
+        assert readings.single_stance_power(replace(walk, power=power)) == readings.single_stance_power(walk)
+        assert both.any()
+
+    def test_a_failed_walk_has_no_readings(self, failed):
+        assert math.isnan(read(failed, Readings("single", "window")).objectives["efficiency"])
+        assert np.isnan(switch_losses(failed, Readings())).all()
+
+    @pytest.mark.parametrize("chosen", [Readings(), Readings("single", "narrow")])
+    def test_a_search_ranks_by_what_is_read(self, chosen):
+        problem = ReadProblem(chosen, scene=scene("hard"), accuracy="draft")
+        result = search(problem, Solver("ga", pop_size=8, n_gen=2, seed=1))
+        for k, j in zip(result.k, result.column("efficiency"), strict=True):
+            walk = fo.simulate(fo.Foot.from_waypoints(k), scene("hard"), "draft")
+            assert j == pytest.approx(read(walk, chosen).objectives["efficiency"], rel=1e-12)
+
+    @pytest.mark.parametrize(("name", "value"), [("peak_power", "double"), ("speed_loss", "tunnel")])
+    def test_unknown_readings_are_refused(self, name, value):
+        with pytest.raises(SettingError, match=rf"study\.{name} = '{value}': must be one of"):
+            Readings.of(StudyConfig(**{name: value}))
+
+
+def cast(evidence, name, subject, others):
+    """The evidence with one walk for what a claim is about, and one for all that it is compared with."""
+    figure, who = CLAIMS[name].place[:6], name.split("_")[0]
+    if figure == "Fig. 7":
+        return replace(evidence, crossed=subject, filled=subject, optima={**evidence.optima, "hard": others})
+    mine = {
+        "triangle": ["reversed_triangle"],
+        "flat": ["rectangle"],
+        "ellipse": ["ellipse", "rectangle"],
+    }.get(who, [who])
+    group = "shapes" if figure == "Fig. 4" else "optima"
+    return replace(
+        evidence, **{group: {n: subject if n in mine else others for n in getattr(evidence, group)}}
+    )
+
+
+#: Claims with a limit, which compare nothing.
+ALONE = {"circle_loses", "same_vertical_velocity", "push_off_carries"}
+ALONE |= {"hard_hollow", "regular_convex", "soft_convex"}
+
+
+class TestClaims:
+    def test_every_claim_has_a_measure_and_every_measure_a_claim(self, evidence):
+        assert list(CLAIMS) == list(MEASURES)
+        assert np.isfinite(measure(evidence)).all()
+        assert all(claim.says and claim.place.startswith("Fig. ") for claim in CLAIMS.values())
+        assert {claim.about for claim in CLAIMS.values()} == {"shapes", "optima"}
+        assert f"less {LIMITS['marked_loss']:g} m/s" in CLAIMS["circle_loses"].decided
+
+    @pytest.mark.parametrize("name", [name for name in CLAIMS if name not in ALONE])
+    def test_a_claim_turns_when_what_it_compares_is_exchanged(self, evidence, name):
+        one, other = evidence.hard, evidence.optima["soft"]
+        there, back, same = (
+            CLAIMS[name].margin(cast(evidence, name, *walks))
+            for walks in ((one, other), (other, one), (one, one))
+        )
+        assert min(there, back) < 0.0, "a claim and its opposite both hold"
+        assert same == 0.0, "a claim holds of walks that are the same"
+
+    def test_claims_that_compare_nothing_turn_at_their_limits(self, evidence, walk):
+        def margin(name, **changes):
+            return CLAIMS[name].margin(replace(evidence, **changes))
+
+        steady = replace(walk, velocity=np.ones_like(walk.velocity))
+        assert margin("circle_loses", shapes=dict.fromkeys(SHAPES, steady)) == -LIMITS["marked_loss"]
+        assert margin("same_vertical_velocity", shapes=dict.fromkeys(SHAPES, walk)) == pytest.approx(0.2)
+        hopping = replace(walk, velocity=-5.0 * walk.velocity)
+        assert margin("same_vertical_velocity", shapes={"a": walk, "b": hopping}) < 0.0
+        hollow, convex = evidence.hard, evidence.optima["soft"]
+        for name, holds in (("hard_hollow", hollow), ("regular_convex", convex), ("soft_convex", convex)):
+            for found in (hollow, convex):
+                assert (margin(name, optima=dict.fromkeys(SANDS, found)) > 0.0) == (found is holds), name
+        touched = walk.t[quantities.one_step(walk).first] + LIMITS["push_off"]
+        for late in (True, False):
+            force = walk.force * ((walk.t >= touched) == late)[:, None, None]
+            force[..., 1] = walk.force[..., 1]
+            pushes = replace(walk, force=force)
+            assert margin("push_off_carries", optima={"hard": pushes}) == (0.5 if late else -0.5)
+
+    def test_hard_sand_carries_and_soft_sand_yields(self, evidence):
+        for name in ("hard_furthest", "hard_sinks_least", "soft_shortest", "soft_sinks_deepest"):
+            assert CLAIMS[name].margin(evidence) > 0.0, name
+
+    def test_a_walk_that_failed_leaves_its_claims_undecided(self, evidence, failed):
+        broken = replace(evidence, optima={**evidence.optima, "soft": failed})
+        margins = dict(zip(CLAIMS, measure(broken), strict=True))
+        about_the_contour = ("soft_convex", "soft_curves_little")
+        for name in CLAIMS:
+            if name.startswith("soft_") and name not in about_the_contour:
+                assert math.isnan(margins[name]), name
+        assert math.isfinite(margins["regular_foot_more_work"])
+        without_shape = replace(evidence, shapes={**evidence.shapes, "circle": failed})
+        assert math.isnan(CLAIMS["same_vertical_velocity"].margin(without_shape))
+
+    def test_the_stored_margins_are_what_is_measured(self):
+        stored = json.loads((REFERENCE / "claims.json").read_text(encoding="utf-8"))
+        feet = {sand: fo.Foot.from_waypoints(foot["k"]) for sand, foot in stored["feet"].items()}
+        margins = measure(Setup(Config()).evidence(feet))
+        np.testing.assert_allclose(margins, [claim["margin"] for claim in stored["claims"]], rtol=1e-6)
+
+
+class TestQuantities:
+    def test_mean_drags_add_up_to_the_change_of_momentum(self, walk):
+        t, speed = walk.t[walk.t >= 1.1], walk.velocity[walk.t >= 1.1, 0]
+        forth, back = (quantities.mean_drag(walk, way) for way in (1, -1))
+        impulse = (forth - back) * (t[-1] - t[0])
+        gross = (forth + back) * (t[-1] - t[0])
+        assert impulse == pytest.approx(60.0 * (speed[-1] - speed[0]), abs=3e-3 * gross)
+
+    def test_work_after_three_steps_is_all_the_work_of_the_paper_s_walk(self, walk):
+        assert quantities.work_after_three_steps(walk) == pytest.approx(walk.objectives["work"], rel=1e-3)
+
+    def test_the_curvature_of_a_circle_and_of_a_flat_foot(self):
+        circle = fo.Foot.shape("circle")
+        assert quantities.rms_curvature(circle) == pytest.approx(np.pi / 0.26, rel=1e-3)
+        for foot in (circle, fo.Foot.flat(), fo.Foot.shape("ellipse")):
+            assert quantities.inward_turn(foot) == pytest.approx(0.0, abs=1e-6)
+        assert quantities.inward_turn(fo.Foot.from_waypoints(HOLLOW)) > 10.0
+
+    def test_a_filled_foot_is_the_hull_and_has_no_hollow(self):
+        foot = fo.Foot.from_waypoints(HOLLOW)
+        full = quantities.filled(foot)
+        assert foot.hollow > 0.003
+        assert full.hollow == pytest.approx(0.0, abs=1e-12)
+        z = np.interp(foot.contour[:, 0], *full.contour.T)
+        assert (z <= foot.contour[:, 1] + 1e-12).all()
+
+    def test_the_zone_of_a_foot_that_is_all_in_the_sand(self, walk):
+        sunk = quantities.contact_zone(replace(walk, com=walk.com - [0.0, 1.0]))
+        assert sunk.whole == sunk.middle == 1.0
+        zone = quantities.contact_zone(walk)
+        assert 0.0 < zone.middle < 1.0
+        assert abs(zone.centre) < 0.13
+
+    def test_the_push_is_part_of_the_step(self, walk):
+        step = quantities.one_step(walk)
+        assert 0.0 < quantities.push_time(walk) < step.t[-1]
+        assert (step.force[:, 1] > STANDS).all()
+
+
+def texts(figure):
+    return [text.get_text() for text in figure.findobj(match=lambda a: hasattr(a, "get_text"))]
+
+
+class TestFigures:
+    def test_sands_keep_the_paper_s_colours(self, evidence):
+        optima = {sand: evidence.optima[sand] for sand in style.SANDS}
+        for figure in (figures.power_work(optima), paper_figures.states(optima)):
+            lines = {line.get_label(): line.get_color() for line in figure.axes[0].get_lines()}
+            assert lines["soft"] == style.BLUE
+            assert lines["hard"] == style.VERMILLION
+            assert lines["regular"] == style.GREEN
+
+    def test_states_are_the_walks_own(self, evidence):
+        walks = paper_figures.labelled(evidence.shapes)
+        assert "reversed L" in walks
+        path, forward, upward = paper_figures.states(walks).axes
+        for i, walk in enumerate(walks.values()):
+            np.testing.assert_array_equal(path.get_lines()[i].get_xydata(), walk.com)
+        for axes, column in ((forward, 0), (upward, 1)):
+            np.testing.assert_array_equal(axes.get_lines()[-1].get_ydata(), walk.velocity[:, column])
+
+    def test_the_gait_shows_both_ankles(self):
+        _, path, _ = paper_figures.gait(fo.Scene()).axes
+        pose = fo.Gait.human().pose(np.linspace(0.0, 2.9, 1200), 0.47, 0.45)
+        lines = [line for line in path.get_lines() if len(line.get_xdata()) > 1]
+        for line, foot in zip(lines, (LEFT, RIGHT), strict=True):
+            np.testing.assert_allclose(line.get_xydata(), np.stack([pose.x[:, foot], pose.z[:, foot]], 1))
+
+    def test_the_five_contact_lines_have_one_length_and_lie_on_their_shapes(self):
+        feet = {name: fo.Foot.shape(name) for name in SHAPES}
+        for axes, foot in zip(paper_figures.shapes(feet).axes, feet.values(), strict=True):
+            line = axes.get_lines()[0].get_xydata()
+            assert np.hypot(*np.diff(line, axis=0).T).sum() == pytest.approx(260.0, rel=1e-4)
+            outline = axes.patches[0].get_xy()
+            assert outline[:, 1].min() == pytest.approx(1e3 * foot.contour[:, 1].min())
+
+    def test_an_upright_at_the_heel_is_drawn_there(self):
+        feet = {"reversed_l": fo.Foot.shape("reversed_l", upright="heel"), "circle": fo.Foot.shape("circle")}
+        outline = paper_figures.shapes(feet).axes[0].patches[0].get_xy()
+        assert outline[np.argmax(outline[:, 1]), 0] < 0.0
+
+    def test_the_waypoints_scheme(self):
+        said = texts(paper_figures.waypoints(fo.Foot.from_waypoints(HOLLOW)))
+        assert {"$p_{1}$", "$p_{i}$", "$p_{n}$", "$2L$ = 260 mm", "$2H$ = 60 mm"} <= set(said)
+        with pytest.raises(SettingError, match="foot"):
+            paper_figures.waypoints(fo.Foot.shape("circle"))
+
+    def test_two_steps_share_one_scale(self, evidence):
+        figure = figures.steps({"one": evidence.hard, "other": evidence.crossed}, frames=3)
+        assert len({(round(float(np.ptp(a.get_xlim())), 9), a.get_ylim()) for a in figure.axes}) == 1
+        assert any(text.startswith("other, time since") for text in texts(figure))
+
+    def test_claims_that_were_not_swept_are_drawn_as_such(self):
+        entry = {"says": "it holds", "holds_at_the_settings": True, "share_of_sweep": 0.75, "decides": "x.y"}
+        said = texts(paper_figures.claims([entry, {**entry, "share_of_sweep": None}]))
+        assert {"75 %  x.y", "not swept", "it holds"} <= set(said)
+
+    def test_figures_of_a_shape_that_failed_are_drawn(self, evidence, failed):
+        paper_figures.states({**evidence.shapes, "circle": failed}).draw_without_rendering()
+        figures.steps({"hard": failed}).draw_without_rendering()
