@@ -2,6 +2,10 @@
 
 import numpy as np
 
+import footopt as fo
+
+HUMAN = fo.Gait.human()
+OPENSIM = ("pelvis_tilt", "hip_flexion_r", "knee_angle_r", "ankle_angle_r")
 L1, L2 = 0.43, 0.41
 WIDTH, DEPTH = 0.24, 0.14  # of the pelvis between its front markers, and from front to back, m
 #: Names of (hip, knee, ankle, heel, toe) for the right leg, and how a left name is made of it.
@@ -134,3 +138,45 @@ def write_motive(path, t, places, unit=("Meters", 1.0)):
         lines.append(",".join([str(i), f"{now:.6f}", *body, "9", "9", "9", *cells]))
     path.write_text("\n".join(lines) + "\n")
     return path
+
+
+def write_c3d(path, t, places):
+    """C3D as ezc3d writes it, in mm; NaN is a negative residual."""
+    import ezc3d
+
+    file = ezc3d.c3d()
+    file["parameters"]["POINT"]["RATE"]["value"] = [float(round(1 / (t[1] - t[0])))]
+    file["parameters"]["POINT"]["UNITS"]["value"] = ["mm"]
+    file["parameters"]["POINT"]["LABELS"]["value"] = list(places)
+    points = np.ones((4, len(places), len(t)))
+    points[:3] = 1e3 * np.stack(list(places.values())).transpose(2, 0, 1)
+    file["data"]["points"] = points
+    file.write(str(path))
+    return path
+
+
+def write_table(path, gait, strides, rate=60.0, columns=("time", "thigh", "knee", "foot"), phase=0.3):
+    """Angles over some strides as CSV; a single one begins at the heel strike, and its end is its begin."""
+    t = np.arange(round(strides * gait.period * rate) + (strides == 1.0)) / rate
+    p = t / gait.period + (phase if strides > 1 else 0.0)
+    angles = {joint: np.degrees(getattr(gait, joint).at(p)[0]) for joint in ("thigh", "knee", "foot")}
+    rows = zip(*(({"time": t} | angles)[c] for c in columns), strict=True)
+    path.write_text(
+        "\n".join([",".join(columns), *(",".join(f"{v:.5f}" for v in row) for row in rows)]) + "\n"
+    )
+    return path
+
+
+def misfit(gait, joints=("thigh", "knee"), true=HUMAN):
+    """Largest difference of a gait's angles from true ones, deg, at the shift of phase that fits best.
+
+    A heel strike is where the ankle is farthest ahead, a few hundredths of a stride before the sole is
+    set down: the shift says which instant is phase 0, and changes no walk.
+    """
+    phase, shift = np.arange(100) / 100, np.linspace(-0.1, 0.1, 1001)[:, None]
+    differences = []
+    for joint in joints:
+        found, _ = getattr(gait, joint).at(phase)
+        expected, _ = getattr(true, joint).at(phase + shift)
+        differences.append(np.degrees(abs(found - expected)))
+    return np.max(differences, axis=(0, 2)).min()

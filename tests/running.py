@@ -24,6 +24,7 @@ from omegaconf import OmegaConf
 from unrendered.sitecustomize import INSTEAD
 
 from footopt.cli import main as cli
+from footopt.cli.compose import CONF
 
 UNRENDERED = Path(__file__).parent / "unrendered"
 LIMIT = 300  # s, for a process
@@ -38,7 +39,7 @@ TIMES = ("wall_time_s", "search_time_s", "reused")  # what a resumed run may hav
 
 def composed(*overrides):
     """The settings that a command line composes."""
-    with initialize_config_dir(str(cli.CONF), version_base="1.3"):
+    with initialize_config_dir(str(CONF), version_base="1.3"):
         return OmegaConf.to_object(compose("config", list(overrides)))
 
 

@@ -1,7 +1,10 @@
-"""What the page of a study holds, read without a browser."""
+"""What runs leave in their folders: read from the page without a browser, or left as a run would."""
 
 import json
 import re
+
+from footopt.files import run as files
+from footopt.walk import OBJECTIVES
 
 
 def data_of(folder):
@@ -29,3 +32,18 @@ def check_page(folder):
     assert all(entry[name] == result[name] for name in entry if name != "error_estimate")
     assert ("seed" in entry) == ("seed" in result)
     assert "http" not in text.replace("http://www.w3.org/2000/svg", "")
+
+
+def leave_job(folder, walk):
+    """What a job of a multirun leaves in its folder, as far as a table or page over all jobs reads it."""
+    folder.mkdir()
+    walk.foot.to_file(folder / "contour.csv")
+    files.write_walk(folder / "walk.nc", walk.variables, {"reason": walk.reason})
+    result = {
+        "objectives": walk.objectives,
+        "units": {name: OBJECTIVES[name].unit for name in walk.objectives},
+        "design": {"k": walk.foot.k, "hollow_mm": 0.0},
+        "settings": {"foot": {"top": walk.foot.top, "width": walk.foot.width}},
+        "versions": files.versions(),
+    }
+    files.write_json(folder / "result.json", result)

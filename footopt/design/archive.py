@@ -41,15 +41,7 @@ class Closed(NamedTuple):
 
 
 class Archive:
-    """Every distinct design of a run, each walked once, and the history of its generations.
-
-    Parameters
-    ----------
-    problem : FootProblem
-        Whose designs they are.
-    walk : callable
-        From heights (designs, n) to recorded values and reasons; an `Evaluator`, for one.
-    """
+    """Every distinct design of a run; `walk` is called with new ones, an `Evaluator` for one."""
 
     def __init__(self, problem: FootProblem, walk: Callable[[Ints], tuple[Array, Words]]) -> None:
         self.problem, self._walk = problem, walk

@@ -23,25 +23,8 @@ def walk_safely(batch: Batch, k: Ints, columns: int) -> tuple[Array, Words, dict
     """Walk with all designs that can be: what failed is halved, down to the designs that are the cause.
 
     A design's result does not depend on its batch. One whose worker has died is tried once more, alone:
-    that need not have been its doing.
-
-    Parameters
-    ----------
-    batch : callable
-        Walks. It raises only what is no design's fault.
-    k : (designs, n)
-        Heights.
-    columns : int
-        Recorded values of a design.
-
-    Returns
-    -------
-    values : (designs, columns)
-        NaN for a failed walk.
-    reasons : (designs,)
-        Why a walk failed; "error" where it broke the program.
-    messages : dict
-        What was raised, by the design's place.
+    that need not have been its doing. Returns values (designs, columns), reasons (designs,), and what was
+    raised by the places of the designs whose reason is "error".
     """
     values = np.full((len(k), columns), np.nan)
     reasons = np.full(len(k), ERROR, dtype=object)

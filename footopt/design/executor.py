@@ -56,13 +56,7 @@ class Refused(NamedTuple):
 
 
 def attempt(problem: FootProblem, k: Ints) -> Walked | Failed:
-    """Walk with designs (designs, n) in this process.
-
-    Raises
-    ------
-    FootoptError
-        A setting is wrong, or the machine has failed (memory, disk): no design is at fault.
-    """
+    """Walk with designs (designs, n) in this process; raise what is no design's fault."""
     try:
         return Walked(*problem.walk(k))
     except FootoptError:
@@ -80,18 +74,9 @@ _problems: dict[str, FootProblem] = {}  # that this process, a worker, knows, by
 
 
 def walk_chunk(name: str, content: bytes, k: Ints) -> Walked | Failed | Refused:
-    """What a worker does with a chunk.
+    """What a worker does with a chunk: heights k, and the pickled problem, known by its context's digest.
 
     Errors are returned: not all of them survive being raised from one process to another.
-
-    Parameters
-    ----------
-    name : str
-        Digest of the problem's context.
-    content : bytes
-        The pickled problem and its context.
-    k : (designs, n)
-        Heights.
     """
     where = f"The worker {socket.gethostname()}, process {os.getpid()},"
     if (problem := _problems.get(name)) is None:
@@ -122,13 +107,8 @@ def walk_chunk(name: str, content: bytes, k: Ints) -> Walked | Failed | Refused:
 class Chunks:
     """A problem's designs walked by an executor, chunk by chunk.
 
-    Parameters
-    ----------
-    problem : FootProblem
-        Goes out with each chunk.
-    executor : Executor
-        May have `workers` (chunks at a time), `overhead` (s a chunk) and `check()`, which is called while
-        nothing comes back and raises when nothing ever will.
+    The executor may have `workers` (chunks at a time), `overhead` (s a chunk) and `check()`, which is
+    called while nothing comes back and raises when nothing ever will.
     """
 
     def __init__(self, problem: FootProblem, executor: Executor) -> None:
@@ -136,14 +116,9 @@ class Chunks:
         self._cost = 0.0  # s a design, as the last batch took
 
     def __call__(self, k: Ints) -> list[tuple[Ints, Walked | Failed]]:
-        """What became of which designs of a batch, by their places in it.
+        """What became of which designs of a batch, by their places in it; raise if none is at fault.
 
         Those that were lost when an executor broke are one entry: which of them broke it is not known.
-
-        Raises
-        ------
-        FootoptError
-            No design is at fault.
         """
         name, content = self._sent
         places = np.arange(len(k))
@@ -220,18 +195,8 @@ def chunks(designs: int, workers: int, cost: float, overhead: float) -> list[sli
     C chunks on as many workers take C overhead + work / C, with work = designs * cost: shortest for
     C = sqrt(work / overhead), so that a small batch keeps a few workers busy only. If that is more than
     there are workers, further chunks even out what these are slower at, `EACH` a worker at most, as long
-    as their overhead is a `SHARE` of the time, work / workers.
-
-    Parameters
-    ----------
-    designs : int
-        In the batch.
-    workers : int
-        That walk at the same time.
-    cost : float, s
-        Of a design; 0 if it is not known yet.
-    overhead : float, s
-        Of a chunk, paid in turn.
+    as their overhead is a `SHARE` of the time, work / workers. The cost of a design and the overhead of a
+    chunk are in s; a cost of 0 is not known yet.
     """
     work = designs * cost
     soonest = min(math.sqrt(work / overhead), workers) if cost > 0.0 else workers

@@ -109,36 +109,15 @@ class _Best(NamedTuple):
 def enumerate_space(
     problem: FootProblem,
     solver: Solver,
-    progress: Callable[[Generation], None] | None = None,
-    evaluator: Evaluator | None = None,
+    progress: Callable[[Generation], None] | None,
+    evaluator: Evaluator,
 ) -> Enumeration:
     """Walk with every design of a space that is inside its box.
 
-    Parameters
-    ----------
-    problem : FootProblem
-        Whose space it is.
-    solver : Solver
-        Its pop_size is the number of designs in memory at a time.
-    progress : callable, optional
-        Called after every batch.
-    evaluator : Evaluator, optional
-        By default designs are walked here.
-
-    Returns
-    -------
-    Enumeration
-        Exact, unless `interrupted`.
-
-    Raises
-    ------
-    SettingError
-        The space has more than `LIMIT` designs.
-    FootoptError
-        None of them is feasible.
+    The solver's pop_size is the number of designs in memory at a time; `progress` is called after each
+    batch. The result is exact, unless `interrupted`.
     """
     check_size(problem)
-    evaluator = evaluator or Evaluator(problem)
     started, space = time.perf_counter(), problem.space
     column, nan = problem.record.index(problem.guide), float("nan")
     best = _Best(

@@ -37,12 +37,7 @@ class PymooProblem(Problem):  # type: ignore[misc]
 class Algorithm:
     """A solver's pymoo algorithm at work: `ask` it for designs, `tell` it what became of them.
 
-    Parameters
-    ----------
-    problem : FootProblem
-        Only its size is given to pymoo, which copies what it holds in every generation.
-    solver : Solver
-        Which algorithm, and its budget.
+    pymoo knows the problem's size only: it copies what it holds in every generation.
     """
 
     def __init__(self, problem: FootProblem, solver: Solver) -> None:

@@ -21,19 +21,8 @@ REACHED = 0.95  # of the exact hypervolume: counts as having found the front
 def walk_all(problem: FootProblem, step: Callable[[], None] = lambda: None) -> Evaluated:
     """Walk with every design of a space, also those outside their box, for which a solver may ask.
 
-    Parameters
-    ----------
-    problem : FootProblem
-        Whose space it is.
-    step : callable
-        Called after every `BATCH` designs.
-
-    Raises
-    ------
-    SettingError
-        The space is too large.
-    FootoptError
-        No design of it is feasible.
+    `step` is called after every `BATCH` designs. A space that is too large, or without a feasible design,
+    raises a `FootoptError`.
     """
     check_size(problem)
     parts = []

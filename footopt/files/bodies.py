@@ -1,7 +1,8 @@
 """Bodies to print or mill: an outline extruded across the foot's width, as STL and STEP, in millimetres.
 
 x is forward, z up, and y runs from -width/2 to width/2. A contour is a dense polyline here as it is in a
-walk: no spline is fitted to it, which would change the body's volume.
+walk: no spline is fitted to it, which would change the body's volume. Each function returns
+the path, and raises `FileError` if it cannot be written.
 """
 
 from __future__ import annotations
@@ -19,27 +20,7 @@ Array = NDArray[np.float64]
 
 
 def write_stl(path: Path, outline: Array, width: float) -> Path:
-    """Write a body as binary STL.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    outline : (p, 2), m
-        The closed outline, counter-clockwise, its first point not repeated.
-    width : float, m
-        Of the foot.
-
-    Returns
-    -------
-    path : Path
-        The file.
-
-    Raises
-    ------
-    FileError
-        The file cannot be written.
-    """
+    """Write the body of an outline (p, 2), m, that runs counter-clockwise, as binary STL; `width` in m."""
     from shapely import Polygon
     from trimesh.creation import extrude_polygon
 
@@ -52,16 +33,10 @@ def write_stl(path: Path, outline: Array, width: float) -> Path:
 
 
 def write_step(path: Path, outline: Array, width: float) -> Path:
-    """Write a body as STEP (ISO 10303-21, AP214): a solid of plane faces, one for each side of the outline.
+    """Write the body of an outline (p, 2), m, as STEP (ISO 10303-21, AP214); `width` in m.
 
-    Parameters and returns are those of `write_stl`.
-
-    Raises
-    ------
-    FileError
-        The file cannot be written.
-    MissingError
-        OpenCASCADE is not installed.
+    It is one solid of plane faces, one for each side of the outline. Raises `MissingError` without
+    OpenCASCADE.
     """
     needed("OCP", "STEP", "cad")
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakePolygon

@@ -1,4 +1,7 @@
-"""Drawings of a foot: the sole as CSV, its outline and sole as DXF and SVG, in millimetres."""
+"""Drawings of a foot: the sole as CSV, its outline and sole as DXF and SVG, in millimetres.
+
+Each function returns the path, and raises `FileError` if it cannot be written.
+"""
 
 from __future__ import annotations
 
@@ -16,25 +19,7 @@ SOLE, OUTLINE = "SOLE", "OUTLINE"  # layers of the DXF file, groups of the SVG f
 
 
 def write_csv(path: Path, sole: Array) -> Path:
-    """Write a sole as a table of x_mm and z_mm.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    sole : (m, 2), m
-        From heel to toe.
-
-    Returns
-    -------
-    path : Path
-        The file.
-
-    Raises
-    ------
-    FileError
-        The file cannot be written.
-    """
+    """Write a sole (m, 2), m, from heel to toe, as a table of x_mm and z_mm."""
     rows = np.round(MM * sole, 6) + 0.0  # + 0.0 turns -0 into 0
     with whole(path) as new:
         np.savetxt(new, rows, fmt="%.6f", delimiter=",", header="x_mm,z_mm", comments="")
@@ -42,27 +27,7 @@ def write_csv(path: Path, sole: Array) -> Path:
 
 
 def write_dxf(path: Path, sole: Array, outline: Array) -> Path:
-    """Write an outline (layer OUTLINE) and the sole alone (layer SOLE) as polylines.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    sole : (m, 2), m
-        From heel to toe.
-    outline : (p, 2), m
-        The closed outline, its first point not repeated.
-
-    Returns
-    -------
-    path : Path
-        The file.
-
-    Raises
-    ------
-    FileError
-        The file cannot be written.
-    """
+    """Write an outline (p, 2), m, on layer OUTLINE and the sole (m, 2), m, on layer SOLE, as polylines."""
     import ezdxf
 
     document = ezdxf.new("R2010")
@@ -78,14 +43,12 @@ def write_dxf(path: Path, sole: Array, outline: Array) -> Path:
 
 
 def write_svg(path: Path, sole: Array, outline: Array) -> Path:
-    """Write an outline and the sole as paths of a drawing at full size, one unit a millimetre.
-
-    The y-axis of an SVG points down: z_p = -y. Parameters, returns and errors are those of `write_dxf`.
-    """
+    """Write an outline (p, 2), m, and the sole (m, 2), m, as paths at full size, one unit a millimetre."""
     (left, low), (right, high) = MM * outline.min(axis=0) - 1.0, MM * outline.max(axis=0) + 1.0
     wide, tall = right - left, high - low
 
     def group(name: str, points: Array, end: str, colour: str) -> str:
+        # the y-axis of an SVG points down
         line = " L ".join(f"{x:.6f} {-z:.6f}" for x, z in MM * points)
         style = f'fill="none" stroke="{colour}" stroke-width="0.1"'
         return f'<g id="{name}"><path d="M {line}{end}" {style}/></g>'

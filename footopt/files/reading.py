@@ -152,25 +152,6 @@ def read_json_file(path: str | Path, kind: str, setting: str) -> Any:
             raise Unusable(f"cannot be read as JSON ({_brief(error)}).") from None
 
 
-def read_yaml(path: str | Path, setting: str) -> str:
-    """The text of a YAML file of settings; errors as `read_text`.
-
-    Raises
-    ------
-    FileError
-        It is not YAML.
-    """
-    import yaml
-
-    text = read_text(path, "settings", setting)
-    with naming(path, setting):
-        try:
-            yaml.safe_load(text)
-        except (yaml.YAMLError, ValueError, RecursionError) as error:
-            raise Unusable(f"cannot be read as YAML ({_brief(error)}).") from None
-    return text
-
-
 def number(cell: str) -> float:
     """A cell of a table as a number: none with underscores or of other scripts, which Python would allow.
 

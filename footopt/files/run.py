@@ -37,9 +37,7 @@ def write_json(path: Path, content: dict[str, Any]) -> None:
 def whole(path: Path) -> Iterator[Path]:
     """A path to write to: it replaces the file at the end; what breaks off leaves the file as it was.
 
-    Raises
-    ------
-    FileError : it cannot be written.
+    Raises `FileError` if the file cannot be written.
     """
     new = path.with_name(path.name + ".new")
     try:
@@ -71,15 +69,7 @@ def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]
 
 
 def write_designs(path: Path, columns: Mapping[str, NDArray[Any]]) -> None:
-    """Write a table of designs.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    columns : dict of (designs,) arrays
-        By name; truth values are written as 0 and 1.
-    """
+    """Write a table of designs from its columns (designs,) by name; truth values become 0 and 1."""
     numbers = [v.astype(int) if v.dtype == bool else v for v in columns.values()]
     write_csv(path, list(columns), zip(*(v.tolist() for v in numbers), strict=True))
 
@@ -87,14 +77,7 @@ def write_designs(path: Path, columns: Mapping[str, NDArray[Any]]) -> None:
 def write_walk(path: Path, variables: Mapping[str, Variable], attributes: Mapping[str, str]) -> None:
     """Write the traces of a walk as NetCDF 3, which xarray, MATLAB and ncdump read, in SI units.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    variables : dict
-        By name: the names of the dimensions, the unit, and the values.
-    attributes : dict of str
-        What the file says of the whole walk, such as the reason of its failure.
+    `attributes` say something of the whole walk, such as the reason of its failure.
     """
     from scipy.io import netcdf_file
 

@@ -1,7 +1,8 @@
 """The foot: a sole's contour, the design space of waypoints, and the plates that feel the sand."""
 
 from footopt.foot.foot import Foot, as_plates
-from footopt.foot.plates import Plates, hollow, lower_hull
+from footopt.foot.outline import hollow, lower_hull
+from footopt.foot.plates import Plates
 from footopt.foot.shapes import SHAPES
 from footopt.foot.waypoints import Waypoints
 

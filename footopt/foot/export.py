@@ -12,28 +12,9 @@ FORMATS = ("csv", "dxf", "svg", "stl", "step")
 
 
 def write_all(foot: Foot, folder: Path, block: Sequence[float] | None = None) -> tuple[list[Path], list[str]]:
-    """Write contour.csv, .dxf, .svg, .stl and .step to a folder.
+    """Write contour.csv, .dxf, .svg, .stl and .step to a folder (see `Foot.to_file`).
 
-    Parameters
-    ----------
-    foot : Foot
-        What is made.
-    folder : Path
-        Where the files go.
-    block : (2,), m, optional
-        Length and height of a mounting block (see `Foot.body_outline`).
-
-    Returns
-    -------
-    written : list of Path
-        The files.
-    notes : list of str
-        Which format is left out because a library is missing, and how to install it.
-
-    Raises
-    ------
-    FileError, SettingError
-        See `Foot.to_file`.
+    Returns the files, and notes on what is left out because a library is missing.
     """
     written, notes = [], []
     for ending in FORMATS:

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import check, one_line
+from footopt.files import bodies, drawings, soles
 from footopt.foot import outline
-from footopt.foot.plates import RULES, Plates, along_arc, hollow
+from footopt.foot.plates import RULES, Plates, along_arc
 from footopt.foot.shapes import shape
 from footopt.foot.waypoints import Waypoints, check_ankle, check_length, check_top
 
@@ -21,16 +22,33 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Foot:
-    """A sole in the foot frame (origin at the centre of the foot's box, x_p to the toe, z_p up).
+    """A sole in the foot frame: origin at the centre of the foot's box, x_p to the toe, z_p up.
 
     Make one with `from_waypoints`, `shape` or `from_file`.
 
     Parameters
     ----------
-    contour : (m, 2), m, a dense polyline from heel to toe with the sand below it.
-    width : m. ankle : place of the ankle in the foot frame, m. name : for legends.
-    k, space : the waypoint heights and their space, if that is where the sole comes from.
-    closed : whether sides and a flat top at z_p = `top` (m) feel the sand too, or only the sole.
+    contour : (m, 2), m
+        A dense polyline from heel to toe, with the sand below it.
+    width : float, m
+        Of the sole.
+    ankle : (2,), m
+        Place of the ankle in the foot frame.
+    name : str
+        For legends.
+    k : (n,), optional
+        The waypoints' heights, if that is where the sole comes from.
+    space : Waypoints, optional
+        Their design space.
+    closed : bool
+        Whether the sides and the top feel the sand too, or only the sole.
+    top : float, m
+        z_p of the flat top.
+
+    Raises
+    ------
+    SettingError
+        The contour has fewer than two points, or a value is not finite or out of range.
     """
 
     contour: Array
@@ -64,13 +82,21 @@ class Foot:
     def from_waypoints(
         cls, k: Sequence[int] | Array, space: Waypoints | None = None, **parameters: object
     ) -> Foot:
-        """A sole through waypoints at the heights k.
+        """Make a sole through waypoints.
 
         Parameters
         ----------
-        k : (n,), whole numbers from 1 (high) to K (low)
-        space : the design space; by default the paper's, with n = len(k) and `parameters`
-            (K, L, H, width, ankle, box_tolerance, closed, top).
+        k : (n,)
+            The waypoints' heights, whole numbers from 1 (high) to K (low).
+        space : Waypoints, optional
+            The design space; by default the paper's, with n = len(k).
+        **parameters
+            What is different in the space: K, L, H, width, ankle, box_tolerance, closed or top.
+
+        Raises
+        ------
+        SettingError
+            A height is not in the space.
         """
         check(np.ndim(k) == 1, "foot.k", k, "one design: a list of whole numbers")
         space = replace(space or Waypoints(n=len(k)), **parameters)  # type: ignore[arg-type]
@@ -81,7 +107,7 @@ class Foot:
 
     @classmethod
     def flat(cls, space: Waypoints | None = None) -> Foot:
-        """The flat sole at the bottom of the box (k = K everywhere): what a gain is measured from."""
+        """Make the flat sole at the bottom of the box (k = K everywhere), which a gain is measured from."""
         space = space or Waypoints()
         return replace(cls.from_waypoints([space.K] * space.n, space), name="flat")
 
@@ -96,7 +122,24 @@ class Foot:
         top: float = 0.0,
         **options: str,
     ) -> Foot:
-        """One of the paper's five shapes by name (`footopt.foot.shapes`), with a contact length in m."""
+        """Make one of the paper's five shapes (Fig. 3).
+
+        Parameters
+        ----------
+        name : {"ellipse", "rectangle", "circle", "reversed_l", "reversed_triangle"}
+            The shape.
+        length : float, m
+            Of the contact line.
+        width, ankle, closed, top
+            As of every `Foot`.
+        **options
+            ``upright`` of an L, ``apex`` of a triangle (see `footopt.foot.shapes`).
+
+        Raises
+        ------
+        SettingError
+            There is no such shape, or a value is out of range.
+        """
         contour = shape(name, length, **options)
         return cls(contour, width, (ankle[0], ankle[1]), name, closed=closed, top=top)
 
@@ -110,27 +153,58 @@ class Foot:
         top: float = 0.0,
         **options: Any,
     ) -> Foot:
-        """The sole in a DXF, SVG or CSV file; `options` (units, scale, layer, toe, origin) as in
-        `footopt.files.soles.read`.
-        """
-        from footopt.files.soles import read
+        """Make the sole that a DXF, SVG or CSV file holds.
 
-        contour = read(path, **options)
+        Parameters
+        ----------
+        path : str or Path
+            Ends in .dxf, .svg or .csv.
+        width, ankle, closed, top
+            As of every `Foot`.
+        **options
+            ``units``, ``scale``, ``layer``, ``toe`` and ``origin`` (see `footopt.files.soles.read`).
+
+        Raises
+        ------
+        FileError
+            The file cannot be read, or does not hold one line that can be a sole.
+        SettingError
+            A setting cannot be used.
+        """
+        contour = soles.read(path, **options)
         return cls(contour, width, (ankle[0], ankle[1]), Path(path).stem, closed=closed, top=top)
 
     def points(self, steps: int) -> Array:
-        """Points at equal steps along the arc, (steps + 1, 2), m."""
+        """Points at equal steps along the sole's arc, (steps + 1, 2), m."""
         if self.space is not None and self.k is not None:
             points: Array = self.space.points(self.k, steps)[0]
             return points
         return along_arc(self.contour, steps)
 
     def plates(self, plates: int, rule: str = "arc", directed: bool = False) -> Plates:
-        """The foot's plates, (1, plates); see `Plates.from_points`."""
+        """Cut the sole into plates, (1, plates); see `Plates.from_points`."""
         return stack_plates([self], plates, rule, directed)
 
     def body_outline(self, block: Sequence[float] | None = None) -> Array:
-        """The closed outline that a workshop makes, (p, 2), m; see `footopt.foot.outline.body_outline`."""
+        """The closed outline that a workshop makes.
+
+        It is in one piece: where a hump of the sole nearly reaches the top, the top is raised.
+
+        Parameters
+        ----------
+        block : (2,), m, optional
+            Length and height of a mounting block on the top, its middle above the ankle.
+
+        Returns
+        -------
+        outline : (p, 2), m
+            Counter-clockwise from the heel; the first point is not repeated at the end.
+
+        Raises
+        ------
+        SettingError
+            The block does not fit on the top, or the outline crosses itself or encloses nothing.
+        """
         return outline.body_outline(self.contour, self.top, self.ankle[0], block)
 
     def to_file(self, path: str | Path, block: Sequence[float] | None = None) -> Path:
@@ -157,8 +231,6 @@ class Foot:
         MissingError
             STEP needs OpenCASCADE: ``pip install "footopt[cad]"``.
         """
-        from footopt.files import bodies, drawings
-
         path = Path(path)
         writers: dict[str, Callable[[Path], Path]] = {
             ".csv": lambda path: drawings.write_csv(path, self.contour),
@@ -173,8 +245,8 @@ class Foot:
 
     @property
     def hollow(self) -> float:
-        """Largest gap between the sole and its lower convex hull, m (see `plates.hollow`)."""
-        return hollow(self.contour)
+        """Largest gap between the sole and its lower convex hull, m (see `footopt.foot.outline.hollow`)."""
+        return outline.hollow(self.contour)
 
     @property
     def box_violation(self) -> float | None:
@@ -183,7 +255,7 @@ class Foot:
 
 
 def stack_plates(feet: Sequence[Foot], plates: int, rule: str = "arc", directed: bool = False) -> Plates:
-    """The plates of many feet at once, (feet, plates)."""
+    """Cut many feet into plates at once, (feet, plates); all are closed, or none."""
     closed = {foot.closed for foot in feet}
     check(len(closed) == 1, "foot.closed", "both in one batch", "the same for all feet of a batch")
     return Plates.from_points(
@@ -203,7 +275,13 @@ def as_plates(
     space: Waypoints | None,
     directed: bool = False,
 ) -> Plates:
-    """Plates of feet, of plates (as they are), or of waypoint heights (designs, n) in `space`."""
+    """The plates of feet, of plates (as they are), or of waypoint heights (designs, n) in `space`.
+
+    Raises
+    ------
+    SettingError
+        There are feet and other things among `feet`, or open and closed feet.
+    """
     if isinstance(feet, Plates):
         return feet
     if isinstance(feet, Sequence) and any(isinstance(foot, Foot) for foot in feet):

@@ -1,4 +1,4 @@
-"""The closed outline that a foot is made by: its sole, vertical sides, a flat top and a mounting block."""
+"""A sole's hull, and the closed outline that it is made by: vertical sides, a flat top, a mounting block."""
 
 from __future__ import annotations
 
@@ -18,24 +18,10 @@ WALL = 2e-3  # least material above a sole's hump, m: a body must not fall in tw
 
 
 def closed_contour(sole: Array, top: float) -> Array:
-    """Close a sole with vertical sides and a flat top.
+    """Close a sole (m, 2), m, with vertical sides and a flat top at z_p = `top`, m.
 
-    Parameters
-    ----------
-    sole : (m, 2), m
-        From heel to toe.
-    top : float, m
-        z_p of the flat top. A sole that reaches higher raises it to its own highest point.
-
-    Returns
-    -------
-    outline : (p, 2), m
-        Counter-clockwise from the heel; the first point is not repeated at the end.
-
-    Raises
-    ------
-    SettingError
-        The top is not finite, or encloses nothing with the sole.
+    The outline runs counter-clockwise from the heel and does not repeat its first point. A sole that reaches
+    higher than the top raises it. Raises `SettingError` if sole and top enclose nothing.
     """
     from shapely import LinearRing, Polygon
 
@@ -58,29 +44,10 @@ def closed_contour(sole: Array, top: float) -> Array:
 def body_outline(sole: Array, top: float, ankle_x: float, block: Sequence[float] | None = None) -> Array:
     """The outline of the body that is made: a closed contour in one piece, with a mounting block.
 
-    Where a hump of the sole comes nearer to the top than `WALL`, the top is raised to that distance,
-    because the body would fall in two there.
-
-    Parameters
-    ----------
-    sole : (m, 2), m
-        From heel to toe.
-    top : float, m
-        z_p of the flat top.
-    ankle_x : float, m
-        x_p of the ankle; the block's middle is above it.
-    block : (2,), m, optional
-        Length and height of a rectangle on the top.
-
-    Returns
-    -------
-    outline : (p, 2), m
-        Counter-clockwise from the heel; the first point is not repeated at the end.
-
-    Raises
-    ------
-    SettingError
-        The block does not fit on the top, the outline crosses itself, or see `closed_contour`.
+    `block` is the length and height (m) of a rectangle on the top, its middle above `ankle_x`, m. Where a
+    hump of the sole comes nearer to the top than `WALL`, the top is raised to that distance, because the
+    body would fall in two there. Raises `SettingError` if the block does not fit on the top, or the outline
+    crosses itself.
     """
     given, hump = top, sole[1:-1, 1].max(initial=-np.inf)
     if hump > max(sole[0, 1], sole[-1, 1]) - SAME:
@@ -122,3 +89,39 @@ def _block(heel: float, toe: float, level: float, middle: float, block: Sequence
     )
     ahead, behind, high = middle + length / 2, middle - length / 2, level + height
     return np.array([(ahead, level), (ahead, high), (behind, high), (behind, level)])
+
+
+def lower_hull(contour: Array) -> tuple[Array, float, float, float]:
+    """Lower convex hull of a sole (m, 2), m, and where the sole is farthest above it.
+
+    Returns the hull from heel to toe, x where the gap is largest, and the heights of hull and sole there.
+    """
+    hull: list[Array] = []
+    for p in contour[np.lexsort((contour[:, 1], contour[:, 0]))]:  # Andrew's monotone chain
+        while len(hull) >= 2:
+            (ax, az), (bx, bz) = hull[-1] - hull[-2], p - hull[-2]
+            if ax * bz - az * bx > 0.0:
+                break
+            hull.pop()
+        hull.append(p)
+    corners = np.array(hull)
+    left, right = corners[0, 0], corners[-1, 0]
+    margin = 1e-9 * (right - left)
+    inner = contour[(contour[:, 0] > left + margin) & (contour[:, 0] < right - margin)]
+    # a vertical side at an end is part of the chain, but has no inside
+    flat = corners[np.concatenate([[True], np.diff(corners[:, 0]) > 0.0])]
+    if len(inner) == 0:  # nothing between the ends but the straight hull itself
+        inner = flat.mean(axis=0, keepdims=True)
+    floor = np.interp(inner[:, 0], flat[:, 0], flat[:, 1])
+    i = int(np.argmax(inner[:, 1] - floor))
+    return flat, float(inner[i, 0]), float(floor[i]), float(inner[i, 1])
+
+
+def hollow(contour: Array) -> float:
+    """Largest gap, along z_p, between a sole (m, 2), m, and its lower convex hull, m.
+
+    0 for a convex sole; the depth of the hollow for one that touches ground at heel and toe only. Points on
+    the contour's vertical sides do not count.
+    """
+    _, _, low, high = lower_hull(contour)
+    return max(high - low, 0.0)

@@ -18,19 +18,26 @@ RULES = {"chord": 1, "arc": 4}
 
 
 class Plates(NamedTuple):
-    """The plates of a batch of feet, structure of arrays, each of shape (designs, plates).
+    """The plates of a batch of feet: arrays of shape (designs, plates).
 
-    Places are in the foot frame, from the ankle; ``c2`` and ``s2`` are cos and sin of twice the
-    plate's angle (or their means), all that the stress law needs of it. ``tx`` and ``tz`` are the
-    plate's direction along the contour, a unit vector, for its outward normal (t_z, -t_x); None where
-    nothing asks for them.
+    Parameters
+    ----------
+    x, z : (designs, plates), m
+        Places in the foot frame, from the ankle.
+    c2, s2 : (designs, plates)
+        Cosine and sine of twice the plate's angle, or their means: all that the stress law needs of it.
+    area : (designs, plates), m^2
+        Width times length.
+    tx, tz : (designs, plates), optional
+        The plate's direction along the contour, a unit vector; its outward normal is (t_z, -t_x). None
+        where nothing asks for it.
     """
 
-    x: Array  # m
-    z: Array  # m
+    x: Array
+    z: Array
     c2: Array
     s2: Array
-    area: Array  # m^2, width times length
+    area: Array
     tx: Array | None = None
     tz: Array | None = None
 
@@ -44,16 +51,27 @@ class Plates(NamedTuple):
         directed: bool = False,
         top: Array | None = None,
     ) -> Plates:
-        """Plates along a contour.
+        """Cut contours into plates.
 
         Parameters
         ----------
-        points : (designs, plates * RULES[rule] + 1, 2), m, at equal steps along the arc, from heel
-            to toe with the sand below
-        ankle : (designs, 2), m, foot frame
+        points : (designs, plates * RULES[rule] + 1, 2), m
+            At equal steps along the arc, from heel to toe with the sand below.
+        ankle : (designs, 2), m
+            In the foot frame.
         width : (designs,), m
-        rule : a name in `RULES`. directed : whether ``tx`` and ``tz`` are wanted.
-        top : (designs,), z_p of a flat top (m) that closes the contour with vertical sides, see `cap`.
+            Of the feet.
+        rule : str
+            A name in `RULES`.
+        directed : bool
+            Whether ``tx`` and ``tz`` are wanted.
+        top : (designs,), m, optional
+            z_p of a flat top that closes each contour with vertical sides (see `cap`).
+
+        Returns
+        -------
+        plates : Plates
+            Those of the sole, then those of the sides and the top.
         """
         sole = cls._along(points, ankle, width, RULES[rule], directed)
         if top is None:
@@ -103,17 +121,10 @@ def _sum_parts(value: Array, parts: int) -> Array:
 
 
 def cap(sole: Array, top: Array, plates: int) -> Array:
-    """What closes a sole: up from the toe, back along a flat top, down to the heel.
+    """What closes soles (designs, m, 2), m: up from the toe, back along a flat top, down to the heel.
 
-    Parameters
-    ----------
-    sole : (designs, m, 2), m, from heel to toe
-    top : (designs,), m; a sole that reaches higher raises it to its own highest point
-    plates : of the sole; a side gets an eighth as many, the top half as many
-
-    Returns
-    -------
-    points : (designs, cap's plates + 1, 2), m
+    Returns the ends of the plates, (designs, cap's plates + 1, 2), m: on a side an eighth of the sole's
+    `plates`, on the top half as many. A sole that reaches higher than `top` (designs,), m, raises it.
     """
     level = np.maximum(top, sole[..., 1].max(axis=1))
     heel, toe = sole[:, 0], sole[:, -1]
@@ -127,64 +138,8 @@ def cap(sole: Array, top: Array, plates: int) -> Array:
 
 
 def along_arc(polyline: Array, plates: int) -> Array:
-    """Points at equal arc lengths of a polyline.
-
-    Parameters
-    ----------
-    polyline : (m, 2), m
-
-    Returns
-    -------
-    points : (plates + 1, 2), m
-    """
+    """Points at equal steps along the arc of a polyline (m, 2), m: (plates + 1, 2), m."""
     steps = np.hypot(*np.diff(polyline, axis=0).T)
     arc = np.concatenate([[0.0], np.cumsum(steps)])
     at = arc[-1] * np.arange(plates + 1) / plates
     return np.stack([np.interp(at, arc, polyline[:, 0]), np.interp(at, arc, polyline[:, 1])], axis=1)
-
-
-def lower_hull(contour: Array) -> tuple[Array, float, float, float]:
-    """Lower convex hull of a sole and where the sole is farthest above it.
-
-    Parameters
-    ----------
-    contour : (m, 2), m
-
-    Returns
-    -------
-    hull : (h, 2), m, from heel to toe
-    x, low, high : where the gap is largest; the hull's height there and the sole's, m
-    """
-    hull: list[Array] = []
-    for p in contour[np.lexsort((contour[:, 1], contour[:, 0]))]:  # Andrew's monotone chain
-        while len(hull) >= 2:
-            (ax, az), (bx, bz) = hull[-1] - hull[-2], p - hull[-2]
-            if ax * bz - az * bx > 0.0:
-                break
-            hull.pop()
-        hull.append(p)
-    corners = np.array(hull)
-    left, right = corners[0, 0], corners[-1, 0]
-    margin = 1e-9 * (right - left)
-    inner = contour[(contour[:, 0] > left + margin) & (contour[:, 0] < right - margin)]
-    # a vertical side at an end is part of the chain, but has no inside
-    flat = corners[np.concatenate([[True], np.diff(corners[:, 0]) > 0.0])]
-    if len(inner) == 0:  # nothing between the ends but the straight hull itself
-        inner = flat.mean(axis=0, keepdims=True)
-    floor = np.interp(inner[:, 0], flat[:, 0], flat[:, 1])
-    i = int(np.argmax(inner[:, 1] - floor))
-    return flat, float(inner[i, 0]), float(floor[i]), float(inner[i, 1])
-
-
-def hollow(contour: Array) -> float:
-    """Largest gap, along z_p, between a sole and its lower convex hull, m.
-
-    0 for a convex sole; the depth of the hollow for one that touches ground at heel and toe only.
-    Points on the contour's vertical sides do not count.
-
-    Parameters
-    ----------
-    contour : (m, 2), m
-    """
-    _, _, low, high = lower_hull(contour)
-    return max(high - low, 0.0)

@@ -1,8 +1,8 @@
 """The paper's five shapes (its Fig. 3), all with the same contact length.
 
-Each function takes the contact length (m) and returns the contact line as a polyline from heel to
-toe, (m, 2), in the foot frame: the centre of the *whole* shape's bounding box is the origin.
-The paper's drawings are not available; what it leaves open is a parameter here.
+Each function takes the contact length (m) and returns the contact line as a polyline from heel to toe,
+(m, 2), m, in the foot frame: the origin is the centre of the *whole* shape's bounding box. The paper's
+drawings are not available; what it leaves open is a parameter here.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ SHAPES: dict[str, Callable[..., Array]] = {
 
 
 def shape(name: str, length: float = 0.26, **options: str) -> Array:
-    """Contact line of a shape by name, (m, 2), m; `options` are that shape's own."""
+    """Contact line of a shape by name, (m, 2), m; the length in m, `options` are the shape's own."""
     if name not in SHAPES:
         raise SettingError("foot.shape", name, f"one of {', '.join(SHAPES)}")
     check_length("foot.length", length)

@@ -26,17 +26,32 @@ FINE = 32  # samples of the spline between two waypoints, for its arc length and
 class Waypoints:
     """A space of soles: n waypoints, uniform in x over [-L, L], at z_i = -k_i H / K.
 
-    The heights k_i are whole numbers from 1 (high) to K (low); a cubic spline with not-a-knot ends
-    joins the points. The paper's eq. 8 gives x_i = (i-1)(3-n)L/(n-1), which does not span
-    the box; x_i = -L + 2L(i-1)/(n-1) does, and is used here.
+    The heights k_i are whole numbers from 1 (high) to K (low); a cubic spline with not-a-knot ends joins
+    the points. The paper's eq. 8 gives x_i = (i-1)(3-n)L/(n-1), which does not span the box;
+    x_i = -L + 2L(i-1)/(n-1) does, and is used here.
 
     Parameters
     ----------
-    n : waypoints, >= 4. K : levels, >= 1. L, H : half length and half height of the box, m.
-    width : of the foot, m. ankle : its place in the foot frame, m (the paper gives neither).
-    box_tolerance : how far a spline may leave the box [-H, 0] between waypoints before the design
-        is infeasible, in units of H; infinity is the paper.
-    closed, top : see `Foot`.
+    n : int
+        Waypoints, 4 or more.
+    K : int
+        Levels of height.
+    L, H : float, m
+        Half the length and half the height of the box.
+    width : float, m
+        Of the feet; the paper does not give it.
+    ankle : (2,), m
+        Place of the ankle in the foot frame; the paper does not give it.
+    box_tolerance : float
+        How far a spline may leave the box [-H, 0] between waypoints before the design is infeasible, in
+        units of H; infinity is the paper's choice.
+    closed, top
+        As of every `Foot`.
+
+    Raises
+    ------
+    SettingError
+        A value is out of range.
     """
 
     n: int = 11
@@ -76,7 +91,7 @@ class Waypoints:
         return -self.L + 2.0 * self.L * np.arange(self.n) / (self.n - 1)
 
     def check(self, k: ArrayLike) -> Ints:
-        """The heights as an integer array (designs, n), or a `SettingError` that says what is wrong."""
+        """The heights as whole numbers, (designs, n); raises `SettingError` for what is none in the space."""
         said = np.asarray(k).tolist()
         given = np.atleast_2d(np.asarray(k))
         if given.ndim != 2 or given.shape[1] != self.n:
@@ -119,7 +134,7 @@ class Waypoints:
         return points
 
     def plates(self, k: ArrayLike, plates: int, rule: str = "arc", directed: bool = False) -> Plates:
-        """The plates of a population, (designs, plates); see `Plates.from_points`."""
+        """Cut the soles into plates, (designs, plates); see `Plates.from_points`."""
         points = self.points(k, plates * RULES[rule])
         designs = len(points)
         ankle, width = np.tile(self.ankle, (designs, 1)), np.full(designs, self.width)
@@ -133,7 +148,22 @@ class Waypoints:
         return out
 
     def random(self, designs: int, seed: int, inside: bool = False) -> Ints:
-        """Random designs, (designs, n); with `inside`, only such as respect the box."""
+        """Draw designs at random, (designs, n).
+
+        Parameters
+        ----------
+        designs : int
+            How many.
+        seed : int
+            The same seed gives the same designs.
+        inside : bool
+            Whether all respect the box.
+
+        Raises
+        ------
+        SettingError
+            Hardly any random sole respects the box.
+        """
         rng = np.random.default_rng(seed)
         if not inside:
             return rng.integers(1, self.K + 1, (designs, self.n))
@@ -209,10 +239,11 @@ def _spline(z: Array, slopes: Array, u: Array) -> Array:
 
 @cached_njit(nogil=True, error_model="numpy")
 def arc_points(z, slopes, spacing, steps):  # type: ignore[no-untyped-def]
-    """Points at equal arcs of splines z(u): z, slopes (designs, n); `spacing` is dx/du.
+    """Points at equal steps along the arcs of splines z(u), (designs, steps + 1, 2), m.
 
-    The arc length is summed by the trapezoidal rule over `FINE` pieces between two waypoints;
-    within a piece, u is linear in it. The points themselves are on the spline.
+    z and its slopes dz/du are (designs, n), m; u counts waypoints from 0, `spacing` is dx/du, m. The arc
+    length is summed by the trapezoidal rule over `FINE` pieces between two waypoints; within a piece, u is
+    linear in it. The points themselves are on the spline.
     """
     designs, n = z.shape
     pieces = (n - 1) * FINE

@@ -37,16 +37,21 @@ WIDEST = 3.0  # times its height: a longer walk is followed by the camera
 def check_film(
     path: str | Path, fps: int = 25, speed: float = 0.5, dpi: int = 120, setting: str = "path"
 ) -> Path:
-    """Raise unless such a film can be written; see `animate`. Its folder is made.
+    """Raise unless such a film can be written; its folder is made.
 
     Parameters
     ----------
-    setting : that names the file, for the message.
+    path, fps, speed, dpi
+        See `animate`.
+    setting : str
+        Which setting names the file, for the message.
 
     Raises
     ------
-    SettingError : another ending, or a number that cannot be used.
-    FileError : ffmpeg is missing, or there can be no such folder.
+    SettingError
+        The file has another ending, or a number cannot be used.
+    FileError
+        ffmpeg is missing, or there can be no such folder.
     """
     path = Path(path)
     if path.suffix.lower() not in (".gif", ".mp4"):

@@ -25,12 +25,12 @@ def quantity(value: float, unit: str) -> str:
 
 
 def percent(share: float) -> str:
-    """A share of 1 with two significant digits and no exponent: 0.00082 %, 12 %; a dash for no number."""
+    """A share of 1 with two significant digits, without exponent: 0.00082 %, 12 %; a dash for no number."""
     value = 100.0 * share
     if not math.isfinite(value):
         return "-"
     digits = 1 - int(f"{value:.1e}".split("e")[1]) if abs(value) > 1e-9 else 0
-    return f"{value:.{max(digits, 0)}f} %"
+    return f"{_shortest(f'{value:.{max(digits, 0)}f}')} %"
 
 
 def change(name: str, value: float, base: float) -> str:

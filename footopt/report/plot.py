@@ -149,5 +149,5 @@ def picture(thing: object, rows: Sequence[Sequence[str]]) -> Figure:
                 axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2,
                             bbox_transform=axes.transAxes + above,
                             ncols=legend_columns(labels, sizes[i][j][0] - 0.5))  # fmt: skip
-    figure.draw_without_rendering()  # a second pass of the layout settles it
+    figure.draw_without_rendering()  # a second pass of the layout, after which nothing moves
     return figure

@@ -16,7 +16,7 @@ from rich.table import Column
 from rich.text import Text
 
 from footopt.design import Generation
-from footopt.walk import OBJECTIVES
+from footopt.report.numbers import duration, number, title
 
 PATIENCE = 2.0  # s; of what takes less nothing is shown
 LINES = 10  # where there is no terminal
@@ -39,8 +39,10 @@ class Pace:
 
     Parameters
     ----------
-    work : all of it, in any unit.
-    clock : s.
+    work : float
+        All of it, in any unit.
+    clock : callable
+        The time, s.
     """
 
     def __init__(self, work: float, clock: Callable[[], float] = time.perf_counter) -> None:
@@ -97,29 +99,20 @@ class Pace:
         return mark if mark.seconds <= 0.75 * now else self._marks[0]
 
 
-def duration(seconds: float) -> str:
-    """Seconds as one says them: .35 s, 45 s, 3 min 20 s, 2 h 5 min."""
-    if not math.isfinite(seconds):
-        return "?"
-    if seconds < 10.0:
-        return f"{seconds:.1f} s"
-    whole = round(seconds)
-    if whole < 120:
-        return f"{whole} s"
-    if whole < 7200:
-        return f"{whole // 60} min {whole % 60} s"
-    return f"{whole // 3600} h {whole % 3600 // 60} min"
-
-
 @contextmanager
 def progress(out: Console, total: int, unit: str, work: float | None = None) -> Iterator[Step]:
     """Show how far a block is that calls what it is given after each of its units.
 
     Parameters
     ----------
-    total : how many units there are. unit : what they are, in the singular.
-    work : where they cost differently, what all of them cost together, in the same measure as what
-        each says that it did; by default they cost the same.
+    out : rich.console.Console
+        Where to show it.
+    total : int
+        How many units there are.
+    unit : str
+        What a unit is, in the singular.
+    work : float, optional
+        What all units cost together, in the measure of each step's `work`; by default they cost the same.
     """
     pace = Pace(float(total) if work is None else work)
     shown = _bar(out, total, unit, pace) if out.is_interactive else _lines(out, total, unit, pace)
@@ -179,21 +172,30 @@ def _lines(out: Console, total: int, unit: str, pace: Pace) -> Iterator[Step]:
     yield step
 
 
-def telling(
+def report_generations(
     step: Step, guide: str, work: float = 1.0, about: str = "", scale: str = ""
 ) -> Callable[[Generation], None]:
-    """What a search calls after each generation.
+    """What a search calls after each generation to show its best value.
 
     Parameters
     ----------
-    guide : the objective whose best value is told. work : of a generation. about : which search it is.
-    scale : what its values are in, if not in the objective's own unit.
+    step : Step
+        Of `progress`.
+    guide : str
+        Name of the objective whose best value is shown.
+    work : float
+        Of a generation, see `progress`.
+    about : str
+        Which search it is.
+    scale : str
+        What the values are in, if not in the objective's own unit.
     """
 
     def show(g: Generation) -> None:
         front = f", front {g.front}" if g.front > 1 else ""
-        name = OBJECTIVES[guide].name
-        best = f"best {name} {g.best:.4g}{scale}" if math.isfinite(g.best) else "none feasible yet"
+        best = (
+            f"best {title(guide)} {number(g.best)}{scale}" if math.isfinite(g.best) else "none feasible yet"
+        )
         speed = f"{g.evaluations / max(g.seconds, 1e-9):.0f} evaluations/s"
         step(work, f"{about}{best}{front}, {speed}")
 

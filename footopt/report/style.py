@@ -121,7 +121,7 @@ def save(figure: Figure, folder: str | Path, name: str) -> tuple[Path, Path]:
     png, pdf = folder / f"{name}.png", folder / f"{name}.pdf"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        # each pass of the layout moves things a little: settle it once for all files
+        # each pass of the layout moves things a little: all files have the same one
         figure.draw_without_rendering()
         figure.set_layout_engine("none")
         figure.savefig(png, dpi=DPI)

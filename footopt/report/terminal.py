@@ -1,14 +1,12 @@
-"""What a run says on the terminal: closing tables, warnings. Plain lines in a log file."""
+"""What a run says on the terminal: tables, descriptions in a line, warnings. Plain lines in a log file."""
 
 from __future__ import annotations
 
 import math
 import textwrap
 import threading
-import time
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
-from pathlib import Path
 
 from rich import box
 from rich.console import Console
@@ -18,33 +16,28 @@ from rich.text import Text
 from footopt.design import Confirmation, SearchResult
 from footopt.effects import name_of
 from footopt.foot import Foot
+from footopt.report.numbers import change, percent, quantity
+from footopt.report.numbers import number as number
 from footopt.walk import OBJECTIVES, Scene, gain_shares
 from footopt.walk.audit import parameters
 from footopt.walk.validity import Diagnostic
 
 HEADER = 8  # letters of a line of a number's header
-WORDS = 10  # letters that a table's first column has in the narrowest terminal
+WORDS = 10  # letters of a table's first column in the narrowest terminal
 
 
 def console() -> Console:
-    """Standard output; when it is not a terminal wide enough for a table, and long lines unbroken.
+    """Standard output; where it is no terminal, it is wide enough for tables and long lines are not broken.
 
-    Colours only on a terminal, and not with NO_COLOR or TERM=dumb. Brackets are no markup: a user's names
-    and folders may hold them.
+    It has colours only on a terminal, and not with NO_COLOR or TERM=dumb. Brackets are no markup, because
+    a user's names and folders may hold them.
     """
     out = Console(highlight=False, markup=False)
     return out if out.is_terminal else Console(highlight=False, soft_wrap=True, markup=False, width=130)
 
 
-def everything_is_in(out: Console, folder: Path, seconds: float) -> None:
-    """The last line: where a run has left what it found."""
-    long = len(str(folder)) > out.width  # no line break in what is to be copied
-    words = f"Everything is in {folder} ({seconds:.3g} s in all)"
-    out.print(words, soft_wrap=long or not out.is_terminal)
-
-
 def table(columns: Sequence[str], words: Collection[str] = (), title: str | None = None) -> RichTable:
-    """An empty table that fits into 80 columns if it can: columns of `words` wrap, numbers never."""
+    """An empty table that fits into 80 columns if it can: columns of `words` wrap, those of numbers never."""
     shown = RichTable(
         title=title,
         title_justify="left",
@@ -64,7 +57,7 @@ def table(columns: Sequence[str], words: Collection[str] = (), title: str | None
 
 
 @contextmanager
-def told_if_slow(out: Console, message: str, patience: float = 1.5) -> Iterator[None]:
+def announce_if_slow(out: Console, message: str, patience: float = 1.5) -> Iterator[None]:
     """Say what is going on if the block takes longer than `patience` seconds."""
     timer = threading.Timer(patience, lambda: out.print(message))
     timer.start()
@@ -80,32 +73,35 @@ def objective_table(
     errors: dict[str, float],
     gain: bool = False,
 ) -> RichTable:
-    """Objectives (rows) of feet (columns: title, values by name).
+    """Objectives (rows) of feet (columns).
 
-    `errors` are the estimates for the first foot. With `gain`, also the change from the second foot
-    to the first and each factor's share in the gain of J_W.
+    Parameters
+    ----------
+    feet : sequence of (str, dict)
+        Title and values by name of each foot.
+    names : sequence of str
+        Of the objectives.
+    errors : dict
+        Estimated errors of the first foot's values, by name.
+    gain : bool
+        Whether to show the change from the second foot to the first, and each factor's share in the gain
+        of J_W.
     """
-    (first_title, _), *rest = feet
-    titles = ["objective", "unit", first_title, "error", *(title for title, _ in rest)]
-    shares: dict[str, float] = {}
+    (first, values), *others = feet
+    titles = ["objective", "unit", first, "error", *(title for title, _ in others)]
     if gain:
+        base = others[0][1]
         titles += ["change", "share of J_W's gain"]
-        shares = gain_shares(feet[0][1], feet[1][1])
+        shares = gain_shares(values, base)
     shown = table(titles, words=("objective", "unit"))
     for name in names:
-        o = OBJECTIVES[name]
-        cells = [f"{name.replace('_', ' ')} ({'max' if o.maximise else 'min'})", o.unit]
-        first, *others = (values[name] for _, values in feet)
-        share_of_value = 100.0 * abs(errors[name] / first) if first else float("nan")
-        cells += [number(first), f"{share_of_value:.2g} %" if math.isfinite(share_of_value) else "-"]
-        cells += [number(value) for value in others]
+        o, value = OBJECTIVES[name], values[name]
+        cells = [f"{name.replace('_', ' ')} ({'max' if o.maximise else 'min'})", o.unit, number(value)]
+        cells += [percent(abs(errors[name] / value)) if value else "-", *(number(v[name]) for _, v in others)]
         if gain:
-            new, base = feet[0][1][name], feet[1][1][name]
-            ratio = new / base if base else float("nan")
-            times = f"x {ratio:.3f}" if name == "efficiency" else f"{100 * (ratio - 1):+.1f} %"
-            cells.append(times if math.isfinite(ratio) else "-")
-            share = shares.get(name, float("nan"))
-            cells.append(f"{100 * share + 0.0:.1f} %" if math.isfinite(share) else "")
+            share = shares.get(name, math.nan)
+            cells += [change(name, value, base[name])]
+            cells += [f"{100 * share + 0.0:.1f} %" if math.isfinite(share) else ""]
         shown.add_row(*cells)
     return shown
 
@@ -142,7 +138,7 @@ def describe_search(result: SearchResult) -> str:
 
 
 def describe_confirmation(confirmed: Confirmation) -> str:
-    """What walking the finalists again has shown, in one line."""
+    """What a second walk with the finalists has shown, in one line."""
     verdict = "the best stays the best" if confirmed.agrees else "another one is now the best"
     if math.isnan(confirmed.largest_change):
         return (
@@ -150,14 +146,13 @@ def describe_confirmation(confirmed: Confirmation) -> str:
         )
     return (
         f"{len(confirmed.designs)} finalists walked again at accuracy {confirmed.accuracy.name}: "
-        f"values change by up to {100 * confirmed.largest_change:.2g} %, {verdict}"
+        f"values change by up to {percent(confirmed.largest_change)}, {verdict}"
     )
 
 
 def print_validity(out: Console, diagnostics: Sequence[Diagnostic]) -> None:
     """The validity of a walk, with a warning for each value outside the tested range."""
-    numbers = (f"{d.name} {number(d.value)}{' ' + d.unit if d.unit else ''}" for d in diagnostics)
-    out.print("Validity: " + "; ".join(numbers))
+    out.print("Validity: " + "; ".join(f"{d.name} {quantity(d.value, d.unit)}" for d in diagnostics))
     for d in diagnostics:
         if d.outside:
             warn(out, f"{describe_outside(d)}.")
@@ -165,23 +160,9 @@ def print_validity(out: Console, diagnostics: Sequence[Diagnostic]) -> None:
 
 def describe_outside(d: Diagnostic) -> str:
     """What a value outside the tested range means, with the value and its limit."""
-    value, limit = (f"{number(v)}{' ' + d.unit if d.unit else ''}" for v in (d.value, d.limit))
-    return f"{d.name} {value} is above {limit}: {d.why}"
+    return f"{d.name} {quantity(d.value, d.unit)} is above {quantity(d.limit, d.unit)}: {d.why}"
 
 
 def warn(out: Console, words: str) -> None:
     """One line that begins with a coloured "warning"."""
     out.print(Text.assemble("  ", ("warning:", "yellow"), f" {words}"))
-
-
-def number(value: float) -> str:
-    """Four significant digits, 0 for rounding errors, a dash for what is not a number."""
-    if not math.isfinite(value):
-        return "-"
-    return f"{value:.4g}" if abs(value) > 1e-12 else "0"
-
-
-def clock() -> Callable[[], float]:
-    """Seconds since this call."""
-    started = time.perf_counter()
-    return lambda: time.perf_counter() - started

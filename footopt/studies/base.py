@@ -96,7 +96,7 @@ class Study:
 
     def compiling(self, what: str = "the walk") -> AbstractContextManager[None]:
         """Say that something is being compiled if the block takes long."""
-        return terminal.told_if_slow(
+        return terminal.announce_if_slow(
             self.console, f"Compiling {what}; this is done once and kept on disk ..."
         )
 

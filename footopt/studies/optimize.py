@@ -23,7 +23,7 @@ from footopt.design.result import check_finalists
 from footopt.files import run as files
 from footopt.foot import Foot
 from footopt.report import figures, page, terminal
-from footopt.report.progress import telling
+from footopt.report.progress import report_generations
 from footopt.studies.auto_effects import choose_effects
 from footopt.studies.base import Study
 from footopt.studies.build import check_searchable
@@ -77,7 +77,11 @@ def run(study: Study) -> None:
             "notes": notes,
         }
     )
-    shown = page.search_content(result, confirmed, walk, flat, record)
+    others = (
+        (i, simulate(Foot.from_waypoints(result.k[i], problem.space), scene, problem.accuracy))
+        for i in page.walked_designs(result, confirmed)
+    )
+    shown = page.search_content(result, confirmed, walk, flat, others, record)
     page.write(study.folder / "report.html", shown)
     write_film(study, walk)
 
@@ -116,7 +120,7 @@ def _search(study: Study, problem: FootProblem, solver: Solver) -> SearchResult:
         if known := store.describe():
             study.say(known)
         with study.progress(solver.generations(space), _unit(solver)) as step:
-            return search(problem, solver, telling(step, problem.guide), store, executor)
+            return search(problem, solver, report_generations(step, problem.guide), store, executor)
 
 
 def _search_entry(result: SearchResult, confirmed: Confirmation) -> dict[str, Any]:

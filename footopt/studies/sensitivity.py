@@ -15,21 +15,17 @@ from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from rich.table import Table as RichTable
 
 from footopt.errors import FootoptError, check, needed
-from footopt.files import run as files
 from footopt.foot import Foot
-from footopt.report import summary, terminal
-from footopt.report.figures import save
+from footopt.report import terminal
 from footopt.report.figures.sensitivity import sensitivity
-from footopt.report.progress import progress
-from footopt.studies import build
 from footopt.studies.base import Study
+from footopt.studies.build import make_spread
 from footopt.studies.record import foot_entry, scene_entry
 from footopt.walk import FIVE, Accuracy, Scene, evaluate
 from footopt.walk.scenarios import COLUMNS, Spread, vary
@@ -51,8 +47,18 @@ class Setting:
 
     Parameters
     ----------
-    waypoint : standard deviation of each waypoint's height, m; of no use for a foot without any.
-    width, creep : of their logarithms.
+    foot : Foot
+        In the middle.
+    scene : Scene
+        In the middle.
+    accuracy : Accuracy
+        Its creep speed is in the middle.
+    spread : Spread
+        How far scenes lie apart.
+    waypoint : float, m
+        Standard deviation of each waypoint's height; of no use for a foot without any.
+    width, creep : float
+        Standard deviations of their logarithms.
     """
 
     foot: Foot
@@ -124,11 +130,20 @@ class Setting:
 
 @dataclass(frozen=True, eq=False)
 class Indices:
-    """Sobol indices and single changes of a setting's parameters, (parameters, objectives).
+    """Sobol indices and single changes of a setting's parameters.
 
-    first, total : indices, with the half width of their intervals of `CONFIDENCE`.
-    change : relative, of one standard deviation up; NaN for a parameter of several variables.
-    walks : how many it took.
+    Parameters
+    ----------
+    parameters : (parameters,)
+        Their names.
+    first, total : (parameters, objectives)
+        Indices.
+    first_error, total_error : (parameters, objectives)
+        The half width of their intervals of `CONFIDENCE`.
+    change : (parameters, objectives)
+        Relative, of one standard deviation up; NaN for a parameter of several variables.
+    walks : int
+        How many it took.
     """
 
     parameters: tuple[str, ...]
@@ -138,6 +153,12 @@ class Indices:
     total_error: Array
     change: Array
     walks: int
+
+    @property
+    def rows(self) -> Array:
+        """All numbers, (parameters, objectives, 5), as sensitivity.csv has them."""
+        numbers = (self.first, self.first_error, self.total, self.total_error, self.change)
+        return np.stack(numbers, axis=-1)
 
 
 def analyse(
@@ -150,21 +171,36 @@ def analyse(
 ) -> Indices:
     """Walk with samples of some parameters, the others in the middle, and attribute the variance.
 
-    `step` is called after every walk.
+    Parameters
+    ----------
+    setting : Setting
+        What is varied.
+    parameters : tuple of str
+        Which of its parameters.
+    samples, seed : int
+        Of Sobol's sequence; a power of two.
+    threads : int, optional
+        All by default.
+    step : callable
+        Called after every walk.
 
     Raises
     ------
-    SettingError : `samples` is no power of two. FootoptError : SALib is missing, or a walk fails:
-        the indices need every one.
+    SettingError
+        `samples` is no power of two.
+    FootoptError
+        SALib is missing, or a walk fails: the indices need every one.
     """
-    sobol_sample, sobol_analyse = _salib()
+    needed("SALib.sample", "study=sensitivity", "sensitivity")
+    from SALib.analyze import sobol as sobol_analysis
+    from SALib.sample import sobol as sobol_sampling
+    from scipy.special import ndtri
+
     check(
         2 <= samples <= 2**16 and samples & (samples - 1) == 0, "study.samples", samples,
         "a power of two, at least 2 and at most 65536",
         "Sobol's sequence is even only then.",
     )  # fmt: skip
-    from scipy.special import ndtri
-
     columns = setting.columns
     used = [i for i, name in enumerate(columns) if name in parameters]
     problem = {
@@ -173,7 +209,7 @@ def analyse(
         "groups": [columns[i] for i in used],
         "bounds": [[0.0, 1.0]] * len(used),
     }
-    quantiles = sobol_sample(problem, samples, calc_second_order=False, seed=seed)
+    quantiles = sobol_sampling.sample(problem, samples, calc_second_order=False, seed=seed)
     normals = np.zeros((len(quantiles), len(columns)))
     normals[:, used] = ndtri(np.clip(quantiles, 1e-6, 1.0 - 1e-6))
     single = _single(columns, parameters)
@@ -181,29 +217,15 @@ def analyse(
     low, high = values[1 : len(single)].reshape(len(parameters), 2, -1).transpose(1, 0, 2)
     change = (high - low) / (2.0 * values[0])
     change[[columns.count(name) > 1 for name in parameters]] = np.nan
+    options = {"num_resamples": RESAMPLES, "conf_level": CONFIDENCE, "seed": seed}
     found = [
-        sobol_analyse(
-            problem,
-            column,
-            calc_second_order=False,
-            num_resamples=RESAMPLES,
-            conf_level=CONFIDENCE,
-            seed=seed,
-        )
+        sobol_analysis.analyze(problem, column, calc_second_order=False, **options)
         for column in values[len(single) :].T
     ]
     first, first_error, total, total_error = (
         np.stack([np.asarray(f[name]) for f in found], axis=1) for name in ("S1", "S1_conf", "ST", "ST_conf")
     )
     return Indices(parameters, first, first_error, total, total_error, change, len(values))
-
-
-def _salib() -> tuple[Any, Any]:
-    needed("SALib.sample", "study=sensitivity", "sensitivity")
-    from SALib.analyze import sobol as analyse_sobol
-    from SALib.sample import sobol as sample_sobol
-
-    return sample_sobol.sample, analyse_sobol.analyze
 
 
 def _single(columns: tuple[str, ...], parameters: tuple[str, ...]) -> Array:
@@ -234,71 +256,55 @@ def _walk_all(
 
 
 def run(study: Study) -> None:
-    """Analyse one foot in one scene and write the indices to `folder`."""
-    config, folder, settings = study.config, study.folder, study.settings
-    out, clock = study.console, terminal.clock()
-    options = config.study
-    scene, foot = build.make_scene(config), build.make_foot(config.foot)
+    """Analyse one foot in one scene."""
+    options, scene, foot = study.options, study.scene, study.foot
     scene.need_heel_strike()
-    setting = Setting(
-        foot,
-        scene,
-        build.make_accuracy(config.accuracy),
-        build.make_spread(config),
-        **vars(options.foot_spread),
-    )
+    spread = make_spread(study.config)
+    setting = Setting(foot, scene, study.accuracy, spread, **vars(options.foot_spread))
     blocks = setting.blocks
     check(blocks, "study.spread", "all 0", "more than 0 for something")
     samples = min(options.samples, QUICK_SAMPLES) if options.quick else options.samples
     each = {title: samples * (len(part) + 2) + 2 * len(part) + 1 for title, part in blocks.items()}
     walks = sum(each.values())
     about = f"{terminal.describe_scene(scene)}; {terminal.describe_foot(foot)}"
-    out.print(f"{about}: {walks} walks")
-    seed, threads = config.solver.seed, config.engine.threads
+    study.say(f"{about}: {walks} walks")
     work = sum(count * COST[title] for title, count in each.items())
-    with progress(out, walks, "walk", work) as step:
+    with study.progress(walks, "walk", work) as step:
         found = {
-            title: analyse(setting, part, samples, seed, threads, partial(step, COST[title]))
+            title: analyse(setting, part, samples, study.seed, study.threads, partial(step, COST[title]))
             for title, part in blocks.items()
         }
-    files.write_csv(
-        folder / "sensitivity.csv",
+    study.write_csv(
+        "sensitivity.csv",
         ["block", "parameter", "objective", "first", "first_error", "total", "total_error", "change"],
         (
             [title, parameter, name, *map(float, numbers)]
             for title, block in found.items()
-            for parameter, rows in zip(block.parameters, _rows(block), strict=True)
+            for parameter, rows in zip(block.parameters, block.rows, strict=True)
             for name, numbers in zip(NAMES, rows, strict=True)
         ),
     )
-    save(sensitivity(found, NAMES, setting.label), folder / "figures", "sensitivity")
-    record = {
-        "study": "sensitivity",
-        "design": foot_entry(foot),
-        "objectives": NAMES,
-        "blocks": {title: vars(block) for title, block in found.items()},
-        "confidence": CONFIDENCE,
-        "samples": samples,
-        "seed": seed,
-        **scene_entry(scene, setting.accuracy, NAMES),
-        "settings": settings,
-        "versions": files.versions(),
-        "wall_time_s": clock(),
-    }
+    caption = "Total Sobol index of every parameter in every objective, with its interval."
+    study.save("sensitivity", sensitivity(found, NAMES, setting.label), caption)
     widest = max(float(block.total_error.max()) for block in found.values())
-    said = [
-        f"{sum(block.walks for block in found.values())} walks; the widest interval is +- {widest:.2f}, and "
-        "four times the study.samples halve it"
-    ]
-    says = {"sensitivity": "Total Sobol index of every parameter in every objective, with its interval."}
-    summary.conclude(
-        folder, "What the objectives depend on", said, says, [table(found, setting)], record, about=[about]
+    study.conclude(
+        "What the objectives depend on",
+        [table(found, setting)],
+        {
+            "design": foot_entry(foot),
+            "objectives": NAMES,
+            "blocks": {title: vars(block) for title, block in found.items()},
+            "confidence": CONFIDENCE,
+            "samples": samples,
+            "seed": study.seed,
+            **scene_entry(scene, study.accuracy, NAMES),
+        },
+        said=[
+            f"{sum(block.walks for block in found.values())} walks; the widest interval is +- {widest:.2f}, "
+            "and four times the study.samples halve it"
+        ],
+        about=[about],
     )
-
-
-def _rows(block: Indices) -> Array:
-    """All numbers of a block, (parameters, objectives, 5), as the table has them."""
-    return np.stack([block.first, block.first_error, block.total, block.total_error, block.change], axis=-1)
 
 
 def table(found: Mapping[str, Indices], setting: Setting) -> RichTable:
@@ -307,16 +313,11 @@ def table(found: Mapping[str, Indices], setting: Setting) -> RichTable:
     shown = terminal.table(
         (first, *(name.replace("_", " ") for name in NAMES)),
         words=(first,),
-        title=f"total Sobol index ± half width of its {CONFIDENCE:.0%} interval",
+        title=f"total Sobol index±half width of its {CONFIDENCE:.0%} interval",
     )
     for block in found.values():
         for parameter, total, error in zip(block.parameters, block.total, block.total_error, strict=True):
-            cells = [f"{_short(t)} ±{_short(e)}" for t, e in zip(total, error, strict=True)]
+            cells = [f"{t:.2f}±{e:.2f}" for t, e in zip(total, error, strict=True)]
             shown.add_row(setting.label(parameter), *cells)
         shown.add_section()
     return shown
-
-
-def _short(value: float) -> str:
-    """Two decimals without a leading zero: six of them with their intervals fit into 80 columns."""
-    return f"{value:.2f}".replace("0.", ".", 1) if abs(value) < 1.0 else f"{value:.2f}"

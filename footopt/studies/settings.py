@@ -1,26 +1,52 @@
-"""The settings as plain dataclasses: the schemas of what the YAML files compose.
+"""The settings of a run: their names, their types, and where each default comes from.
 
-`footopt.studies.build` makes the library's own objects of them; this module imports nothing, so
-that `footopt --help` is quick.
+What the library has a default for takes it from there, so that a default is written once; the other defaults
+are written here. The YAML files of conf/ only name what differs. `footopt.studies.build` makes the library's
+objects of the settings, `footopt.cli` composes them.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any, Optional  # OmegaConf resolves these annotations itself
+import inspect
+from collections.abc import Callable
+from dataclasses import MISSING, dataclass, field, fields, make_dataclass
+from typing import Any, Optional, get_type_hints
+
+from footopt.design import RobustProblem, Solver, make_executor
+from footopt.design.problem import SETS
+from footopt.effects import EFFECTS
+from footopt.files import soles
+from footopt.foot import Foot, Waypoints, shapes
+from footopt.gait import Gait
+from footopt.sand import MEDIA, Sand, StressMap
+from footopt.walk import PRESETS, Spread, Walker
+
+
+def default(function: Callable[..., Any], name: str) -> Any:
+    """The default of a function's parameter."""
+    return inspect.signature(function).parameters[name].default
+
+
+def parameters(kind: type) -> type:
+    """A dataclass with the fields and defaults of a frozen one, for OmegaConf to change."""
+    kinds = get_type_hints(kind)
+    assert all(f.default is not MISSING for f in fields(kind)), kind
+    return make_dataclass(
+        kind.__name__, [(f.name, kinds[f.name], field(default=f.default)) for f in fields(kind)]
+    )
 
 
 @dataclass
 class SpreadConfig:
-    """How far the parameters of a scene lie apart: see `footopt.Spread`; null is measured from gait.path."""
+    """How far the parameters of a scene lie apart: see `footopt.Spread`; null: measured from gait.path."""
 
-    zeta: float = 0.3
-    mass: float = 0.1
-    period: Optional[float] = 0.05  # noqa: UP045
-    stride: float = 0.05
-    angles: Optional[float] = 2.0  # noqa: UP045
-    ankle_x: float = 0.005
-    ankle_z: float = 0.005
+    zeta: float = Spread.zeta
+    mass: float = Spread.mass
+    period: float | None = Spread.period
+    stride: float = Spread.stride
+    angles: float | None = Spread.angles
+    ankle_x: float = Spread.ankle_x
+    ankle_z: float = Spread.ankle_z
 
 
 @dataclass
@@ -37,13 +63,13 @@ class StudyConfig:
     """Which question is asked, and what only one study or the other needs to know."""
 
     name: str = "optimize"
-    confirm: Optional[str] = "fine"  # noqa: UP045
+    confirm: str | None = "fine"
     finalists: int = 20
-    store: Optional[str] = None  # noqa: UP045
+    store: str | None = None
     feet: int = 40
     quick: bool = False
-    cases: Optional[list[str]] = None  # noqa: UP045
-    methods: Optional[list[str]] = None  # noqa: UP045
+    cases: list[str] | None = None
+    methods: list[str] | None = None
     seeds: int = 5
     samples: int = 48
     shape_sand: str = "regular"
@@ -51,71 +77,71 @@ class StudyConfig:
     peak_power: str = "stance"
     speed_loss: str = "walk"
     leading_edge: bool = False
-    solvers: Optional[list[str]] = None  # noqa: UP045
+    solvers: list[str] | None = None
     budget: int = 3000
     scenarios: str = "sands"
     draws: int = 16
-    measure: str = "worst"
-    tail: float = 0.25
+    measure: str = default(RobustProblem, "measure")
+    tail: float = default(RobustProblem, "tail")
     spread: SpreadConfig = field(default_factory=SpreadConfig)
     foot_spread: FootSpreadConfig = field(default_factory=FootSpreadConfig)
-    run: Optional[str] = None  # noqa: UP045
+    run: str | None = None
     runs: list[str] = field(default_factory=list)
-    video: Optional[str] = None  # noqa: UP045
+    video: str | None = None
 
 
 @dataclass
 class CoefficientsConfig:
     """The nine Fourier coefficients of the stress map, N/cm^3: see `footopt.StressMap`."""
 
-    A00: float = 0.206
-    A10: float = 0.169
-    B11: float = 0.212
-    B01: float = 0.358
-    Bm11: float = 0.055
-    C11: float = -0.124
-    C01: float = 0.253
-    Cm11: float = 0.007
-    D10: float = 0.088
+    A00: float = StressMap.A00
+    A10: float = StressMap.A10
+    B11: float = StressMap.B11
+    B01: float = StressMap.B01
+    Bm11: float = StressMap.Bm11
+    C11: float = StressMap.C11
+    C01: float = StressMap.C01
+    Cm11: float = StressMap.Cm11
+    D10: float = StressMap.D10
 
 
 @dataclass
 class SandConfig:
     """The sand: zeta scales the generic stress map, or nine coefficients, or a table of stresses."""
 
-    name: str = "custom"
-    zeta: float = 1.0
+    name: str = Sand.name
+    zeta: float = Sand.zeta
     coefficients: CoefficientsConfig = field(default_factory=CoefficientsConfig)
-    table: Optional[str] = None  # noqa: UP045
+    table: str | None = None
 
 
 @dataclass
 class NamesConfig:
     """A gait file's own names of markers and columns, where they are not usual."""
 
-    hip: Optional[str] = None  # noqa: UP045
-    knee: Optional[str] = None  # noqa: UP045
-    ankle: Optional[str] = None  # noqa: UP045
-    heel: Optional[str] = None  # noqa: UP045
-    toe: Optional[str] = None  # noqa: UP045
-    pelvis: Optional[str] = None  # noqa: UP045
-    time: Optional[str] = None  # noqa: UP045
-    thigh: Optional[str] = None  # noqa: UP045
-    foot: Optional[str] = None  # noqa: UP045
+    hip: str | None = None
+    knee: str | None = None
+    ankle: str | None = None
+    heel: str | None = None
+    toe: str | None = None
+    pelvis: str | None = None
+    time: str | None = None
+    thigh: str | None = None
+    foot: str | None = None
 
 
 @dataclass
 class GaitConfig:
-    """The gait: the built-in human walk or a file."""
+    """The gait: the built-in human walk, or a file, whose own period null is."""
 
     name: str = "human"
-    path: Optional[str] = None  # noqa: UP045
-    period: Optional[float] = None  # noqa: UP045
-    harmonics: int = 6
-    pitch: str = "shank"
-    start: float = 0.5
-    side: Optional[str] = None  # noqa: UP045
-    max_gap: float = 0.2
+    path: str | None = None
+    period: float | None = Gait.period
+    harmonics: int = default(Gait.human, "harmonics")
+    pitch: str = Gait.pitch
+    start: float = Gait.start
+    side: str | None = None
+    max_gap: float = default(Gait.from_file, "max_gap")
     names: NamesConfig = field(default_factory=NamesConfig)
 
 
@@ -124,90 +150,63 @@ class FootConfig:
     """The foot: a space of waypoints (and one sole k in it, to simulate), a shape, or a drawing."""
 
     shape: str = "waypoints"
-    width: float = 0.10
-    ankle: list[float] = field(default_factory=lambda: [0.0, 0.0])
-    n: int = 11
-    K: int = 10
-    L: float = 0.13
-    H: float = 0.03
-    box_tolerance: float = 0.05
-    k: Optional[list[int]] = None  # noqa: UP045
-    length: float = 0.26
-    apex: str = "middle"
-    upright: str = "toe"
-    closed: bool = False
-    top: float = 0.0
-    path: Optional[str] = None  # noqa: UP045
-    units: Optional[str] = None  # noqa: UP045
-    scale: float = 1.0
-    layer: Optional[str] = None  # noqa: UP045
-    toe: str = "right"
-    origin: str = "file"
-    block: Optional[list[float]] = None  # noqa: UP045
-
-
-@dataclass
-class LeadingEdgeConfig:
-    """Only faces that lead feel sand: see `footopt.LeadingEdge`."""
-
-
-@dataclass
-class InertiaConfig:
-    """The grains' inertia: see `footopt.Inertia`."""
-
-    factor: float = 1.1
-    rho: float = 1600.0
-
-
-@dataclass
-class SlopeConfig:
-    """An inclined plane, uphill positive: see `footopt.Slope`."""
-
-    angle: float = 5.0
-
-
-@dataclass
-class LayersConfig:
-    """Strength that changes with depth: see `footopt.Layers`."""
-
-    depths: list[float] = field(default_factory=lambda: [0.03])
-    factors: list[float] = field(default_factory=lambda: [0.3])
-
-
-@dataclass
-class PatchesConfig:
-    """Strength that changes along the way: see `footopt.Patches`."""
-
-    begins: list[float] = field(default_factory=lambda: [0.35])
-    ends: list[float] = field(default_factory=lambda: [0.95])
-    factors: list[float] = field(default_factory=lambda: [0.2])
-    blur: float = 0.05
+    n: int = Waypoints.n
+    K: int = Waypoints.K
+    L: float = Waypoints.L
+    H: float = Waypoints.H
+    width: float = Waypoints.width
+    ankle: list[float] = field(default_factory=lambda: list(Waypoints.ankle))
+    box_tolerance: float = Waypoints.box_tolerance
+    closed: bool = Waypoints.closed
+    top: float = Waypoints.top
+    k: list[int] | None = None
+    length: float = default(Foot.shape, "length")
+    apex: str = default(shapes.reversed_triangle, "apex")
+    upright: str = default(shapes.reversed_l, "upright")
+    path: str | None = None
+    units: str | None = None
+    scale: float = default(soles.read, "scale")
+    layer: str | None = None
+    toe: str = default(soles.read, "toe")
+    origin: str = default(soles.read, "origin")
+    block: list[float] | None = None
 
 
 @dataclass
 class EffectsConfig:
-    """Effects beyond the plain law; null: not simulated. own: a plugin's effects with their parameters,
-    by name. auto: those that matter at the accuracy.
+    """Effects beyond the plain law, whichever there are.
+
+    Attributes
+    ----------
+    own : dict
+        Effects of a plugin, with their parameters, by name.
+    auto : bool
+        Whether to simulate those that matter at the accuracy.
+    tolerance : float
+        Relative change that matters to `auto`; null: the accuracy's own tolerance.
     """
 
-    layers: Optional[LayersConfig] = None  # noqa: UP045
-    patches: Optional[PatchesConfig] = None  # noqa: UP045
-    leading_edge: Optional[LeadingEdgeConfig] = None  # noqa: UP045
-    inertia: Optional[InertiaConfig] = None  # noqa: UP045
-    slope: Optional[SlopeConfig] = None  # noqa: UP045
     own: Any = None
     auto: bool = False
-    tolerance: Optional[float] = None  # noqa: UP045
+    tolerance: float | None = None
+
+
+#: With a setting for each effect: its parameters, or null where it is not simulated.
+AllEffects = make_dataclass(
+    "AllEffects",
+    [(name, Optional[parameters(kind)], None) for name, kind in EFFECTS.items()],  # noqa: UP045
+    bases=(EffectsConfig,),
+)
 
 
 @dataclass
 class WalkerConfig:
     """The walker: see `footopt.Walker`."""
 
-    mass: float = 60.0
-    l1: float = 0.47
-    l2: float = 0.45
-    g: float = 9.81
+    mass: float = Walker.mass
+    l1: float = Walker.l1
+    l2: float = Walker.l2
+    g: float = Walker.g
 
 
 @dataclass
@@ -215,49 +214,49 @@ class SceneConfig:
     """How long the walk lasts; null is two strides after the start."""
 
     name: str = "walk"
-    t_f: Optional[float] = None  # noqa: UP045
+    t_f: float | None = None
 
 
 @dataclass
 class AccuracyConfig:
-    """How finely it is simulated: the cheapest setting within a tolerance, or parts of it by hand."""
+    """How finely it is simulated: a preset, the cheapest within a tolerance, or parts of it by hand."""
 
     name: str = "custom"
-    tolerance: Optional[float] = None  # noqa: UP045
-    stepper: Optional[str] = None  # noqa: UP045
-    dt: Optional[float] = None  # noqa: UP045
-    plates: Optional[int] = None  # noqa: UP045
-    creep: Optional[float] = None  # noqa: UP045
-    rule: Optional[str] = None  # noqa: UP045
-    control: Optional[float] = None  # noqa: UP045
+    tolerance: float | None = None
+    stepper: str | None = None
+    dt: float | None = None
+    plates: int | None = None
+    creep: float | None = None
+    rule: str | None = None
+    control: float | None = None
 
 
 @dataclass
 class ObjectiveConfig:
     """What is optimised: names from the objectives."""
 
-    names: list[str] = field(default_factory=lambda: ["efficiency"])
+    names: list[str] = field(default_factory=lambda: list(SETS["efficiency"]))
 
 
 @dataclass
 class SolverConfig:
     """Who searches, and for how long."""
 
-    name: str = "memetic"
-    pop_size: int = 100
-    n_gen: int = 100
-    seed: int = 1
+    name: str = Solver.name
+    pop_size: int = Solver.pop_size
+    n_gen: int = Solver.n_gen
+    seed: int = Solver.seed
 
 
 @dataclass
 class EngineConfig:
     """Where designs are evaluated: see `footopt.design.make_executor`; threads are of this process."""
 
-    name: str = "local"
-    threads: Optional[int] = None  # noqa: UP045
-    workers: Optional[int] = None  # noqa: UP045
-    address: Optional[str] = None  # noqa: UP045
-    timeout: float = 10.0
+    name: str = default(make_executor, "name")
+    threads: int | None = None
+    workers: int | None = None
+    address: str | None = None
+    timeout: float = default(make_executor, "timeout")
 
 
 @dataclass
@@ -270,9 +269,18 @@ class Config:
     gait: GaitConfig = field(default_factory=GaitConfig)
     foot: FootConfig = field(default_factory=FootConfig)
     walker: WalkerConfig = field(default_factory=WalkerConfig)
-    effects: EffectsConfig = field(default_factory=EffectsConfig)
+    effects: EffectsConfig = field(default_factory=AllEffects)
     scene: SceneConfig = field(default_factory=SceneConfig)
     accuracy: AccuracyConfig = field(default_factory=AccuracyConfig)
     objective: ObjectiveConfig = field(default_factory=ObjectiveConfig)
     solver: SolverConfig = field(default_factory=SolverConfig)
     engine: EngineConfig = field(default_factory=EngineConfig)
+
+
+#: Choices of groups that the library knows by name: what each sets. Those in conf/ join them.
+CHOICES: dict[str, dict[str, dict[str, Any]]] = {
+    "sand": {name: {"name": name, "zeta": zeta} for name, zeta in MEDIA.items()},
+    "effects": {name: {name: {}} for name in EFFECTS},
+    "accuracy": {name: {"name": name} for name in (*PRESETS, "custom")},
+    "objective": {name: {"names": list(names)} for name, names in SETS.items()},
+}

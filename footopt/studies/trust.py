@@ -6,10 +6,9 @@ table, many times each. `solver.pop_size` is theirs too; `study.budget` is what 
 
 from __future__ import annotations
 
-import dataclasses
-from dataclasses import dataclass, replace
+from dataclasses import asdict, replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from rich.table import Table as RichTable
@@ -17,26 +16,31 @@ from rich.table import Table as RichTable
 from footopt.design import EXHAUSTIVE, SINGLE, SOLVERS, FootProblem, Solver, search
 from footopt.design.truth import BATCH, REACHED, Attempt, Tabulated, judge, walk_all
 from footopt.errors import SettingError, check
-from footopt.files import run as files
-from footopt.report import figures, summary, terminal
+from footopt.report import terminal
 from footopt.report.figures.trust import trust
-from footopt.report.progress import progress
 from footopt.sand import Sand
-from footopt.studies import build
 from footopt.studies.accuracy import SANDS
 from footopt.studies.base import Study
 
 WALKED_IN_A_SEARCH = 2500  # designs that are walked in the time of one search, about
 
 
-@dataclass(frozen=True)
-class Score:
+class Score(NamedTuple):
     """All attempts of a solver on one sand.
 
-    found : share that came upon the design with the best J_W. regret : median, of J_W, relative.
-    found_at : median evaluations until the optimum, or of several objectives `truth.REACHED` of the
-        exact hypervolume; infinite if half of the attempts never came that far.
-    hypervolume, igd_plus : medians, against the exact front; NaN for one objective.
+    Parameters
+    ----------
+    sand, solver : str
+        Whose they are.
+    found : float
+        Share that came upon the design with the best J_W.
+    regret : float
+        Median of J_W's, relative.
+    found_at : float
+        Median evaluations until the optimum, or of several objectives `truth.REACHED` of the exact
+        hypervolume; infinite if half of the attempts never came that far.
+    hypervolume, igd_plus : float
+        Medians, against the exact front; NaN for one objective.
     """
 
     sand: str
@@ -49,58 +53,47 @@ class Score:
 
 
 def run(study: Study) -> None:
-    """Walk the space, let every solver search it, and write what each was worth."""
-    config, folder, settings = study.config, study.folder, study.settings
-    out, clock = study.console, terminal.clock()
-    options = config.study
+    """Walk with the whole space, let every solver search it, and say what each was worth."""
+    options, space = study.options, study.space
     check(1 <= options.seeds <= 1000, "study.seeds", options.seeds, "a whole number >= 1 and <= 1000")
-    size = config.solver.pop_size if config.solver.name != EXHAUSTIVE else 100
-    check(
-        size <= options.budget <= 10**7,
-        "study.budget",
-        options.budget,
-        f"at least one generation, {size}, and <= 1e7",
-    )
+    size = study.config.solver.pop_size if study.config.solver.name != EXHAUSTIVE else 100
+    allowed = f"at least one generation, {size}, and <= 1e7"
+    check(size <= options.budget <= 10**7, "study.budget", options.budget, allowed)
     names = list(SOLVERS) if options.solvers is None else options.solvers
     if unknown := [name for name in names if name not in SOLVERS]:
         raise SettingError("study.solvers", unknown, f"some of {', '.join(SOLVERS)}")
-    scene, space = build.make_scene(config), build.make_space(config.foot)
-    accuracy = build.make_accuracy(config.accuracy)
-    seeds = 2 if options.quick else options.seeds
+    seeds, generations = 2 if options.quick else options.seeds, options.budget // size
     solvers = [
-        Solver(name, size, options.budget // size, seed)
-        for seed in range(config.solver.seed, config.solver.seed + seeds)  # each round has all of them
+        Solver(name, size, generations, seed)
+        for seed in range(study.seed, study.seed + seeds)  # each round has all of them
         for name in names
     ]
     attempts: dict[str, list[Attempt]] = {}
     exact: dict[str, dict[str, Any]] = {}
-    parts = -(-(space.K**space.n) // BATCH)
-    work = len(SANDS) * (parts * BATCH / WALKED_IN_A_SEARCH + len(solvers))
-    with progress(out, len(SANDS) * (parts + len(solvers)), "task", work) as step:
+    designs, each = space.K**space.n, BATCH / WALKED_IN_A_SEARCH
+    parts = -(-designs // BATCH)
+    work = len(SANDS) * (parts * each + len(solvers))
+    with study.progress(len(SANDS) * (parts + len(solvers)), "task", work) as step:
         for sand in SANDS:
-            problem = FootProblem(
-                replace(scene, sand=Sand.named(sand)), "pareto", space, accuracy, config.engine.threads
-            )
-            all_soles = f"walking with all {space.K}^{space.n} soles on {sand} sand"
-            table = walk_all(problem, partial(step, BATCH / WALKED_IN_A_SEARCH, all_soles))
-            truths = {
-                True: Tabulated(problem, table, "efficiency"),
-                False: Tabulated(problem, table, "pareto"),
-            }
+            scene = replace(study.scene, sand=Sand.named(sand))
+            problem = FootProblem(scene, "pareto", space, study.accuracy, study.threads)
+            news = f"walking with all {space.K}^{space.n} soles on {sand} sand"
+            walked = walk_all(problem, partial(step, each, news))
+            single, several = (Tabulated(problem, walked, name) for name in ("efficiency", "pareto"))
             exact[sand] = {
-                "efficiency": truths[True].optimum,
-                "k": truths[True].best_k.tolist(),
-                "front": len(truths[False].front),
-                "feasible": truths[True].feasible,
+                "efficiency": single.optimum,
+                "k": single.best_k.tolist(),
+                "front": len(several.front),
+                "feasible": single.feasible,
             }
             attempts[sand] = []
             for solver in solvers:
-                truth = truths[solver.name in SINGLE]
+                truth = single if solver.name in SINGLE else several
                 attempts[sand].append(judge(search(truth, solver), truth))
                 step(news=f"{solver.name}, seed {solver.seed}, on {sand} sand")
     scores = [score(sand, name, attempts[sand]) for sand in SANDS for name in names]
-    files.write_csv(
-        folder / "trust.csv",
+    study.write_csv(
+        "trust.csv",
         ["sand", "solver", "seed", "regret", "found_at", "hypervolume", "igd_plus"],
         (
             [sand, a.solver, a.seed, a.regret, a.found_at, a.hypervolume, a.igd_plus]
@@ -108,71 +101,54 @@ def run(study: Study) -> None:
             for a in attempts[sand]
         ),
     )
-    figures.save(trust(attempts, names, size * (options.budget // size)), folder / "figures", "trust")
-    record = {
-        "study": "trust",
-        "seed": config.solver.seed,
-        "designs": space.K**space.n,
-        "accuracy": dataclasses.asdict(accuracy),
-        "seeds": seeds,
-        "evaluations": size * (options.budget // size),
-        "exact": exact,
-        "scores": [dataclasses.asdict(s) for s in scores],
-        "settings": settings,
-        "versions": files.versions(),
-        "wall_time_s": clock(),
-    }
-    shown = _table(scores, space.K**space.n, seeds, size * (options.budget // size))
-    said = [
-        f"{sand} sand: {e['feasible']} of {space.K**space.n} soles are feasible, {e['front']} on the "
-        f"exact front; best J_W {terminal.number(e['efficiency'])} with k = {e['k']}"
-        for sand, e in exact.items()
-    ]
-    says = {"trust": "What each search came to, for every solver and sand, against the exact answer."}
-    summary.conclude(folder, "Solvers against the exact answer", said, says, [shown], record)
+    evaluations = size * generations
+    caption = "What each search came to, for every solver and sand, against the exact answer."
+    study.save("trust", trust(attempts, names, evaluations), caption)
+    study.conclude(
+        "Solvers against the exact answer",
+        [table(scores, f"{seeds} searches each among {designs} soles", evaluations)],
+        {
+            "seed": study.seed,
+            "designs": designs,
+            "accuracy": asdict(study.accuracy),
+            "seeds": seeds,
+            "evaluations": evaluations,
+            "exact": exact,
+            "scores": [s._asdict() for s in scores],
+        },
+        said=[
+            f"{sand} sand: {e['feasible']} of {designs} soles are feasible, {e['front']} on the "
+            f"exact front; best J_W {terminal.number(e['efficiency'])} with k = {e['k']}"
+            for sand, e in exact.items()
+        ],
+    )
 
 
 def score(sand: str, solver: str, attempts: list[Attempt]) -> Score:
     """What one solver's attempts on a sand come to."""
     own = [a for a in attempts if a.solver == solver]
-    late = [a.found_at if np.isfinite(a.found_at) else np.inf for a in own]
     return Score(
         sand=sand,
         solver=solver,
         found=float(np.mean([a.hit for a in own])),
         regret=float(np.median([a.regret for a in own])),
-        found_at=float(np.median(late)),
+        found_at=float(np.median([a.found_at if np.isfinite(a.found_at) else np.inf for a in own])),
         hypervolume=float(np.median([a.hypervolume for a in own])),
         igd_plus=float(np.median([a.igd_plus for a in own])),
     )
 
 
-def _table(scores: list[Score], designs: int, seeds: int, evaluations: int) -> RichTable:
-    table = terminal.table(
-        (
-            "sand",
-            "solver",
-            "best J_W found",
-            "median regret",
-            "evaluations until found",
-            "hypervolume",
-            "IGD+",
-        ),
-        words=("sand", "solver"),
-        title=f"{seeds} searches each among {designs} soles, {evaluations} evaluations",
-    )
+def table(scores: list[Score], what: str, evaluations: int) -> RichTable:
+    """Scores for the terminal, the sands apart."""
+    numbers = ("best J_W found", "median regret", "evaluations until found", "hypervolume", "IGD+")
+    words = ("sand", "solver")
+    shown = terminal.table((*words, *numbers), words, title=f"{what}, {evaluations} evaluations")
     for i, s in enumerate(scores):
-        single = s.solver in SINGLE
         found_at = f"{s.found_at:.0f}" if np.isfinite(s.found_at) else f"> {evaluations}"
-        table.add_row(
-            s.sand,
-            s.solver,
-            f"{s.found:.0%}",
-            f"{s.regret:.2%}",
-            found_at,
-            "" if single else f"{s.hypervolume:.1%}",
-            "" if single else f"{s.igd_plus:.3f}",
-            end_section=i + 1 < len(scores) and scores[i + 1].sand != s.sand,
+        front = ("", "") if s.solver in SINGLE else (f"{s.hypervolume:.1%}", f"{s.igd_plus:.3f}")
+        last = i + 1 < len(scores) and scores[i + 1].sand != s.sand
+        shown.add_row(
+            s.sand, s.solver, f"{s.found:.0%}", f"{s.regret:.2%}", found_at, *front, end_section=last
         )
-    table.caption = f"found: the optimum; of several objectives {REACHED:.0%} of the exact hypervolume"
-    return table
+    shown.caption = f"found: the optimum; of several objectives {REACHED:.0%} of the exact hypervolume"
+    return shown

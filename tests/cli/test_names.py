@@ -18,6 +18,7 @@ from footopt.files import soles as outline
 from footopt.files.run import write_walk
 from footopt.foot.export import write_all
 from footopt.report import figures, page, summary, terminal
+from footopt.report.page.file import SCRIPTS, resources
 from footopt.studies.record import foot_entry, scene_entry
 from footopt.walk import OBJECTIVES
 
@@ -88,8 +89,8 @@ def test_no_name_adds_an_element_to_a_page(name, walk, tmp_path):
 
 def test_the_pages_own_scripts_write_no_markup():
     """Names reach the page as JSON; from there only as text."""
-    parts = page.resources("footopt.report") / "page"
-    for name in page.SCRIPTS:
+    parts = resources("footopt.report.page")
+    for name in SCRIPTS:
         source = (parts / name).read_text(encoding="utf-8")
         assert not re.search(
             r"innerHTML|outerHTML|insertAdjacent|document\.write|eval\(|new Function", source
@@ -149,7 +150,7 @@ def test_the_table_over_jobs_has_a_long_setting_whole_and_a_value_of_zero(walk, 
         "settings": {"foot": {"top": 0.0, "width": 0.1}}, "versions": {},
     }  # fmt: skip
     (tmp_path / "0" / "result.json").write_text(json.dumps(result))
-    assert summary.report(tmp_path) == 0
+    assert summary.of_multirun(tmp_path) == 0
     with open(tmp_path / "summary.csv", newline="") as file:
         (row,) = csv.DictReader(file)
     assert row["overrides"] == f"{setting} sand=soft"
@@ -177,7 +178,7 @@ def test_the_page_over_jobs_keeps_their_names_as_text(name, walk, tmp_path, caps
         }  # fmt: skip
         (top / "0" / "result.json").write_text(json.dumps(result), encoding="utf-8")
         (top / "1" / "error.txt").write_text(f"footopt: {text}", encoding="utf-8")
-        assert summary.report(top) == 1
+        assert summary.of_multirun(top) == 1
         found = Elements((top / "report.html").read_text(encoding="utf-8"))
         tags.append(found.tags)
         assert not found.handlers

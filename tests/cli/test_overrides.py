@@ -20,12 +20,13 @@ from omegaconf.errors import OmegaConfBaseException
 
 import footopt as fo
 from footopt import studies
-from footopt.cli.main import CONF, explain, unchosen
+from footopt.cli.compose import CONF
+from footopt.cli.messages import explain
 from footopt.design import Solver, make_executor
 from footopt.design.exhaustive import check_size
 from footopt.errors import FootoptError, SettingError
 from footopt.studies import build
-from footopt.studies.settings import Config, EffectsConfig
+from footopt.studies.settings import Config
 
 PATIENCE = 20.0  # s of processor time: a walk may have to be compiled first
 
@@ -219,17 +220,6 @@ def test_what_would_take_years_or_all_memory_is_refused_at_once(study, word, tmp
     assert not list(tmp_path.glob("*.json"))
 
 
-@pytest.mark.parametrize("word", ["effects.layers.depths=[0.1]", "effects.slope.angle=3"])
-def test_a_setting_of_an_effect_that_is_not_chosen(word):
-    with pytest.raises(AssertionError) as caught:  # OmegaConf's own
-        composed([], word)
-    effect = word.split(".")[1]
-    chosen = ["effects=[inertia]", "effects.inertia.rho=1500"]  # not this one's fault
-    said = explain(unchosen(caught.value, ["study=simulate", *chosen, word]))
-    assert said.startswith(f"{word.partition('=')[0]} = ")
-    assert said.endswith(f"Add effects={effect}.")
-
-
 def test_reference_directions_for_very_many_are_refused():
     with pytest.raises(SettingError, match=r"solver\.pop_size = 5000: must be at most 1000"):
         Solver("nsga3", 5000).build(5)
@@ -245,13 +235,3 @@ def test_absurd_values_of_every_setting(group):
                 said = outcome(context(key), key, value)
                 wrong += [f"{key}={value[:40]}: {said}"] if said else []
     assert not wrong, "\n".join(wrong)
-
-
-def test_every_setting_is_tried():
-    assert len(KEYS) >= 100
-    assert EffectsConfig.__dataclass_fields__.keys() - EFFECTS.keys() == {
-        "leading_edge",
-        "own",
-        "auto",
-        "tolerance",
-    }

@@ -11,7 +11,7 @@ import pytest
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from running import BRIEF, QUICK, ended, footopt, outcome, started, wait_for, wait_for_designs
 
-from footopt.cli.main import resumed
+from footopt.cli.resume import resumed
 
 
 @pytest.fixture(scope="module")

@@ -14,10 +14,8 @@ import subprocess
 import sys
 import time
 import tomllib
-from dataclasses import fields, is_dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import get_args, get_type_hints
 
 import numpy as np
 import pytest
@@ -27,10 +25,9 @@ from running import LIMIT, footopt, program
 from test_custom import EXAMPLES
 
 import footopt as fo
-from footopt.cli import main as cli
-from footopt.report.terminal import number
+from footopt.cli.compose import CONF, groups, known
+from footopt.report.numbers import number
 from footopt.studies import STUDIES
-from footopt.studies.settings import Config
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted(
@@ -127,7 +124,7 @@ def commands_of(text):
 
 def help_commands():
     """Commands that `footopt --help` shows: what follows after two spaces says what they do."""
-    lines = re.findall(r"^ {8}(footopt(?: [^ \n]+)*)(?:  .*)?$", (cli.CONF / "config.yaml").read_text(), re.M)
+    lines = re.findall(r"^ {8}(footopt(?: [^ \n]+)*)(?:  .*)?$", (CONF / "config.yaml").read_text(), re.M)
     return [tuple(shlex.split(line)) for line in lines]
 
 
@@ -204,25 +201,8 @@ def settings_named(text):
 # --- what footopt knows ---------------------------------------------------------------------------
 
 
-def choices(group):
-    """What a group's folder in conf/ offers."""
-    return {path.stem for path in (cli.CONF / group).glob("*.yaml")}
-
-
-def keys(kind=Config, before=""):
-    """Every setting's name, from the schema."""
-    found = set()
-    for field in fields(kind):
-        hint = get_type_hints(kind)[field.name]
-        inner = next((part for part in (hint, *get_args(hint)) if is_dataclass(part)), None)
-        found.add(before + field.name)
-        if inner:
-            found |= keys(inner, f"{before}{field.name}.")
-    return found
-
-
-GROUPS = sorted(path.name for path in cli.CONF.iterdir() if path.is_dir())
-KEYS = keys()
+GROUPS = groups()
+KEYS = {key[:end] for key in known() for end in (*(i for i, c in enumerate(key) if c == "."), len(key))}
 
 
 class TestSettings:
@@ -235,7 +215,7 @@ class TestSettings:
                 continue
             if key in GROUPS:
                 named = [name for name in re.findall(r"\w+", value) if not name.isdigit()]
-                assert set(named) <= choices(key) | own, f"{page}: {key}={value}"
+                assert set(named) <= set(GROUPS[key]) | own, f"{page}: {key}={value}"
             elif "." in key:
                 assert key in KEYS, f"{page}: {key}={value}"
 
@@ -244,11 +224,11 @@ class TestSettings:
         assert {"sand", "accuracy", "effects", "scene", "solver", "engine"} <= {group for group, _ in rows}
         for group, text in rows:
             listed = set(re.findall(r"\w+", re.sub(r"\([^)]*\)|;.*|, or .*", "", text)))
-            assert listed == choices(group), group
+            assert listed == set(GROUPS[group]), group
 
     def test_the_help_names_every_group(self):
-        listed = re.findall(r"^        (\w+)  +\S", (cli.CONF / "config.yaml").read_text(), flags=re.M)
-        assert set(GROUPS) <= set(listed)
+        listed = re.findall(r"^        (\w+)  +\S", (CONF / "config.yaml").read_text(), flags=re.M)
+        assert GROUPS.keys() <= set(listed)
 
 
 # --- commands -------------------------------------------------------------------------------------

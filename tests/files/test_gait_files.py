@@ -5,7 +5,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from motion_files import DIALECTS, L1, L2, record, turned, write_mot, write_motive, write_nexus, write_trc
+from motion_files import (
+    DIALECTS,
+    HUMAN,
+    L1,
+    L2,
+    OPENSIM,
+    misfit,
+    record,
+    turned,
+    write_mot,
+    write_motive,
+    write_nexus,
+    write_trc,
+)
 
 import footopt as fo
 from footopt.errors import FileError, SettingError
@@ -13,28 +26,11 @@ from footopt.files.gaits import Strides, read_strides
 from footopt.files.gaits.c3d import read_c3d
 from footopt.files.gaits.leg import leg_angles
 
-HUMAN = fo.Gait.human()
 TREADMILL = Path(__file__).parents[2] / "examples" / "gait" / "treadmill.c3d"
-OPENSIM = ("pelvis_tilt", "hip_flexion_r", "knee_angle_r", "ankle_angle_r")
 PATHS = tuple(
     f"/jointset/{joint}/{name}/value"
     for joint, name in zip(("ground", "hip_r", "knee_r", "ankle_r"), OPENSIM, strict=True)
 )
-
-
-def misfit(gait, joints=("thigh", "knee")):
-    """Largest difference of a gait's angles from the human's, deg, at the shift of phase that fits best.
-
-    A heel strike is where the ankle is farthest ahead, a few hundredths of a stride before the sole is
-    set down: the shift says which instant is phase 0, and changes no walk.
-    """
-    phase, shift = np.arange(100) / 100, np.linspace(-0.1, 0.1, 1001)[:, None]
-    differences = []
-    for joint in joints:
-        found, _ = getattr(gait, joint).at(phase)
-        true, _ = getattr(HUMAN, joint).at(phase + shift)
-        differences.append(np.degrees(abs(found - true)))
-    return np.max(differences, axis=(0, 2)).min()
 
 
 def trc(path, change=None, heading=0.0, up="y", unit=1000.0, units="mm", **options):

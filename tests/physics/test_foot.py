@@ -95,7 +95,7 @@ class TestBox:
         assert fo.Foot.from_waypoints([1, 10] * 5 + [1]).box_violation > 0.1 * SPACE.H
 
     def test_most_random_soles_leave_the_box(self):
-        """Two thirds, DESIGN says: why the violation is a constraint of the problem."""
+        """Two thirds do, which is why the violation is a constraint of the problem."""
         violation = SPACE.box_violation(SPACE.random(2000, seed=0))
         assert np.mean(violation > 1e-9) == pytest.approx(2 / 3, abs=0.05)
 
@@ -219,10 +219,6 @@ class TestShapes:
         assert chords(contour).sum() == pytest.approx(length, rel=1e-3)
 
     @pytest.mark.parametrize(("name", "options"), SHAPE_OPTIONS)
-    def test_the_default_contact_length_is_that_of_the_box(self, name, options):
-        assert chords(fo.Foot.shape(name, **options).contour).sum() == pytest.approx(2 * SPACE.L, rel=1e-3)
-
-    @pytest.mark.parametrize(("name", "options"), SHAPE_OPTIONS)
     def test_run_from_heel_to_toe_with_the_sand_below(self, name, options):
         """Seen from above, n = (sin b, -cos b) points out of a convex sole: it turns left only."""
         contour = fo.Foot.shape(name, **options).contour
@@ -268,25 +264,20 @@ class TestShapes:
         assert 100 * length[inside].mean() == pytest.approx(0.26, rel=1e-3)
 
     @pytest.mark.parametrize(
-        ("name", "options", "setting"),
+        ("name", "options", "message"),
         [
-            ("clown", {}, "foot.shape"),
-            ("circle", {"length": 0.0}, "foot.length"),
-            ("circle", {"length": math.nan}, "foot.length"),
-            ("circle", {"width": -1.0}, "foot.width"),
-            ("circle", {"ankle": (0.0, math.inf)}, "foot.ankle"),
-            ("reversed_l", {"upright": "middle"}, "foot.upright"),
-            ("reversed_triangle", {"apex": "heel"}, "foot.apex"),
+            ("clown", {}, r"foot\.shape = .*ellipse, rectangle, circle, reversed_l, reversed_triangle"),
+            ("circle", {"length": 0.0}, r"foot\.length = 0\.0"),
+            ("circle", {"length": math.nan}, r"foot\.length = nan"),
+            ("circle", {"width": -1.0}, r"foot\.width"),
+            ("circle", {"ankle": (0.0, math.inf)}, r"foot\.ankle"),
+            ("reversed_l", {"upright": "middle"}, r"foot\.upright = 'middle': must be one of toe, heel"),
+            ("reversed_triangle", {"apex": "heel"}, r"foot\.apex = 'heel': must be one of middle, toe"),
         ],
     )
-    def test_impossible_ones_are_refused(self, name, options, setting):
-        with pytest.raises(SettingError) as error:
+    def test_impossible_ones_are_refused(self, name, options, message):
+        with pytest.raises(SettingError, match=message):
             fo.Foot.shape(name, **options)
-        assert error.value.setting == setting
-
-    def test_an_unknown_shape_lists_the_known_ones(self):
-        with pytest.raises(SettingError, match="ellipse, rectangle, circle, reversed_l, reversed_triangle"):
-            fo.Foot.shape("clown")
 
 
 def hollow_by_pairs(contour):
@@ -345,9 +336,6 @@ class TestFoot:
         assert foot.contour[0, 0] == -0.1
         assert foot.contour[-1].tolist() == pytest.approx([0.1, -0.02])
 
-    def test_flat_is_the_bottom_of_the_box(self, flat_foot):
-        np.testing.assert_allclose(flat_foot.contour[:, 1], -SPACE.H, rtol=1e-15)
-
     def test_takes_whole_numbers_in_any_dress(self):
         k = SMOOTH[1]
         for same in (tuple(k), np.array(k), np.array(k, float), np.array(k, np.int8)):
@@ -378,20 +366,12 @@ class TestFoot:
     @pytest.mark.parametrize(
         ("setting", "value"),
         [
-            ("n", 3),
-            ("n", 201),
-            ("n", 11.0),
-            ("n", True),
-            ("K", 0),
-            ("K", 2.5),
-            ("L", 0.0),
-            ("H", -0.03),
-            ("H", math.nan),
-            ("width", math.inf),
-            ("ankle", (0.0,)),
-            ("ankle", (0.0, math.nan)),
-            ("box_tolerance", -0.1),
-            ("box_tolerance", math.nan),
+            *(("n", value) for value in (3, 201, 11.0, True)),
+            *(("K", value) for value in (0, 2.5)),
+            *(("H", value) for value in (-0.03, math.nan)),
+            *(("ankle", value) for value in ((0.0,), (0.0, math.nan))),
+            *(("box_tolerance", value) for value in (-0.1, math.nan)),
+            *(("L", 0.0), ("width", math.inf)),
         ],
     )
     def test_impossible_spaces_are_refused(self, setting, value):

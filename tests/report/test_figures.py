@@ -1,9 +1,9 @@
 """Figures say what they show, with units, and a walk that failed does not break them."""
 
 import threading
+from types import SimpleNamespace
 
 import matplotlib
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from hypothesis import given
@@ -102,36 +102,26 @@ HISTORY = [
 ]
 
 
-@pytest.fixture(
-    params=[
-        "contour",
-        "contours",
-        "drawing",
-        "convergence",
-        "com",
-        "forces",
-        "power_work",
-        "step",
-        "scatter",
-        "parallel",
-    ]
-)
-def figure(request, foot, hard, soft, sunk, table):
-    walks = {"hard": hard, "soft": soft, "failed": sunk}
-    return {
-        "contour": lambda: figures.contour(foot),
-        "contours": lambda: figures.contours(
-            {name: fo.Foot.shape(name) for name in ("ellipse", "reversed_l")}
-        ),
-        "drawing": lambda: figures.drawing(foot, (0.06, 0.02)),
-        "convergence": lambda: figures.convergence(HISTORY, "efficiency $J_W$"),
-        "com": lambda: figures.com(walks),
-        "forces": lambda: figures.forces(walks),
-        "power_work": lambda: figures.power_work(walks),
-        "step": lambda: figures.step(hard),
-        "scatter": lambda: figures.scatter_matrix(table, FIVE, 7),
-        "parallel": lambda: figures.parallel(table, FIVE, 7),
-    }[request.param]()
+#: How to draw each figure from walks by name and a table of objectives.
+FIGURES = {
+    "contour": lambda walks, table: figures.contour(walks["hard"].foot),
+    "contours": lambda walks, table: figures.contours(
+        {n: fo.Foot.shape(n) for n in ("ellipse", "reversed_l")}
+    ),
+    "drawing": lambda walks, table: figures.drawing(walks["hard"].foot, (0.06, 0.02)),
+    "convergence": lambda walks, table: figures.convergence(HISTORY, "efficiency $J_W$"),
+    "com": lambda walks, table: figures.com(walks),
+    "forces": lambda walks, table: figures.forces(walks),
+    "power_work": lambda walks, table: figures.power_work(walks),
+    "step": lambda walks, table: figures.step(walks["hard"]),
+    "scatter": lambda walks, table: figures.scatter_matrix(table, FIVE, 7),
+    "parallel": lambda walks, table: figures.parallel(table, FIVE, 7),
+}
+
+
+@pytest.fixture(params=FIGURES)
+def figure(request, hard, soft, sunk, table):
+    return FIGURES[request.param]({"hard": hard, "soft": soft, "failed": sunk}, table)
 
 
 def test_every_figure_is_saved_as_picture_and_as_the_same_bytes_again(figure, tmp_path):
@@ -154,13 +144,6 @@ def test_every_figure_fits_a_journal_and_is_legible(figure):
 def test_no_label_covers_another_or_leaves_the_page(figure):
     assert overlapping(figure) == []
     assert outside(figure) == []
-
-
-def test_figures_leave_no_trace_in_the_process(foot):
-    before = dict(matplotlib.rcParams)
-    figures.contour(foot)
-    assert dict(matplotlib.rcParams) == before
-    assert plt.get_fignums() == []
 
 
 @pytest.mark.slow
@@ -209,16 +192,12 @@ def test_a_contour_shows_sole_waypoints_box_and_hollow_in_mm(foot):
     assert drawn["lower hull"].get_linestyle() == ":"
 
 
-def test_a_flat_sole_is_said_to_have_no_hollow():
-    axes = figures.contour(fo.Foot.flat()).axes[0]
-    assert "no hollow" in texts(axes)
-    assert "lower hull" not in lines(axes)
-
-
-def test_a_shape_has_neither_box_nor_waypoints():
-    axes = figures.contour(fo.Foot.shape("ellipse")).axes[0]
-    assert not axes.patches
-    assert "waypoint" not in lines(axes)
+def test_a_foot_without_a_hollow_or_without_waypoints_says_or_shows_none():
+    flat, shape = figures.contour(fo.Foot.flat()).axes[0], figures.contour(fo.Foot.shape("ellipse")).axes[0]
+    assert "no hollow" in texts(flat)
+    assert "lower hull" not in lines(flat)
+    assert not shape.patches
+    assert "waypoint" not in lines(shape)
 
 
 @given(k=st.lists(st.integers(1, 10), min_size=4, max_size=12))
@@ -234,7 +213,10 @@ def test_the_hull_is_convex_below_the_sole_and_its_gap_is_the_hollow(k):
 # --- a search -------------------------------------------------------------------------------------
 
 
-def test_convergence_plots_best_and_median_against_evaluations():
+def test_convergence_plots_best_median_and_a_band_against_evaluations():
+    rows = [SimpleNamespace(**row, low=row["median"] - 0.1, high=row["median"] + 0.1) for row in HISTORY]
+    (band,) = figures.convergence(rows, "work (J)").axes[0].collections
+    assert band.get_label() == "spread"
     axes = figures.convergence(HISTORY, "work (J)").axes[0]
     drawn = lines(axes)
     assert axes.get_ylabel() == "work (J)"
@@ -243,16 +225,6 @@ def test_convergence_plots_best_and_median_against_evaluations():
     assert drawn["best"].get_linestyle() != drawn["median"].get_linestyle()
     assert "best −4" in texts(axes)
     assert not axes.collections
-
-
-def test_convergence_takes_objects_and_shades_a_band():
-    class Row:
-        def __init__(self, i):
-            self.evaluations, self.best, self.median, self.low, self.high = i, -i, 0.0, -0.5, 0.5
-
-    axes = figures.convergence([Row(1), Row(2)], "$J_W$").axes[0]
-    assert len(axes.collections) == 1
-    assert axes.collections[0].get_label() == "spread"
 
 
 @pytest.mark.parametrize("history", [[], [{"evaluations": 10, "best": float("nan")}]])
@@ -264,8 +236,8 @@ def test_a_search_without_a_feasible_design_says_so(history):
 
 UNITS = {
     "com": ["(m)", "(m)", "(m/s)", "(m/s)"],
-    "forces": ["$f_x$ (N)", "$f_z$ (N)"] * 2,
-    "power_work": ["$P_l$ (W)", "$W_l$ (J)", "$P_r$ (W)", "$W_r$ (J)"],
+    "forces": [f"{side} foot $f_{axis}$ (N)" for side in ("left", "right") for axis in "xz"],
+    "power_work": ["left foot power $P_l$ (W)", "$W_l$ (J)", "right foot power $P_r$ (W)", "$W_r$ (J)"],
 }
 TRACES = {
     "com": lambda w: [w.com[:, 0], w.com[:, 1], w.velocity[:, 0], w.velocity[:, 1]],
@@ -291,11 +263,6 @@ def test_traces_are_the_walk_s_with_units_and_heel_strikes(name, hard, soft):
         strikes = [x[0] for x in (line.get_xdata() for line in axes.get_lines()) if len(x) == 2]
         assert strikes[:3] == pytest.approx([1.1, 1.7, 2.3])
     assert {"hard sand", "soft sand", "heel strike"} <= set(texts(figure))
-
-
-def test_the_rows_of_forces_tell_left_from_right(hard):
-    labels = [axes.get_ylabel().split()[0] for axes in figures.forces({"hard": hard}).axes]
-    assert labels == ["left", "left", "right", "right"]
 
 
 @pytest.mark.parametrize("name", UNITS)
@@ -379,16 +346,13 @@ def test_arrows_carry_the_force_on_the_foot(hard):
     assert key.text.get_text() == f"{key.U:g} N"
 
 
-def test_a_walk_without_a_step_says_why(void, foot):
+def test_a_walk_without_a_step_says_why(void, sunk, foot):
     assert any("the walk failed: sunk" in text for text in texts(figures.step(void)))
     short = fo.simulate(foot, fo.Scene(t_f=0.3), "draft")
     assert any("never touched" in text for text in texts(figures.step(short)))
-
-
-def test_a_step_of_a_failed_walk_is_drawn_as_far_as_it_went(sunk):
-    figure = figures.step(sunk)
-    assert len(figure.axes) == 6
-    assert any("failed: sunk" in text for text in texts(figure))
+    as_far_as_it_went = figures.step(sunk)
+    assert len(as_far_as_it_went.axes) == 6
+    assert any("failed: sunk" in text for text in texts(as_far_as_it_went))
 
 
 def test_no_frames_are_refused(hard):

@@ -13,14 +13,17 @@ import numpy as np
 import pytest
 from rich.text import Text
 from shapely import Polygon
+from study_pages import leave_job
 
 import footopt as fo
 from footopt.design import confirm
 from footopt.errors import FileError
-from footopt.files import run as files
 from footopt.foot.outline import closed_contour
 from footopt.report import figures, page, summary, terminal
-from footopt.walk import OBJECTIVES
+from footopt.report.numbers import number
+from footopt.report.page import walks
+from footopt.report.page.file import packed
+from footopt.report.runs import Run
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 browser_needed = pytest.mark.skipif(
@@ -57,7 +60,10 @@ def searched(objective, solver, space=None):
         "wall_time_s": 1.0,
         "versions": {"footopt": fo.__version__},
     }
-    return result, confirmed, best, flat, entry
+    chosen = page.walked_designs(result, confirmed)
+    feet = [fo.Foot.from_waypoints(result.k[i], problem.space) for i in chosen]
+    others = [(i, fo.simulate(foot, problem.scene, "draft")) for i, foot in zip(chosen, feet, strict=True)]
+    return result, confirmed, best, flat, others, entry
 
 
 @pytest.fixture(scope="module")
@@ -88,24 +94,11 @@ def pages(front, single, tmp_path_factory):
     (folder / "1" / "report.html").touch()
     (folder / "2").mkdir()
     (folder / "2" / "error.txt").write_text("sand.zeta = 0: must be a number > 0\n")
-    assert summary.report(folder) == 1
+    assert summary.of_multirun(folder) == 1
     (folder / "report.html").rename(folder / "jobs.html")
     contents["exact"] = page.search_content(*searched("work", "exhaustive", fo.Waypoints(n=4, K=3)))
-    contents["no jobs"] = page.jobs_content(
-        folder,
-        [
-            {
-                "name": "job 9",
-                "place": "",
-                "folder": folder / "9",
-                "result": None,
-                "settings": "",
-                "hollow": "-",
-                "note": "no result",
-            }
-        ],
-        [],
-    )
+    dead = Run("job 9", "9", "", folder / "9", note="no result", failed=True)
+    contents["no jobs"] = page.jobs_content(folder, [dead], [])
     (folder / "figures").mkdir()
     walk = fo.simulate(fo.Foot.flat(), accuracy="draft")
     figures.save(figures.contour(walk.foot), folder / "figures", "contour")
@@ -115,21 +108,6 @@ def pages(front, single, tmp_path_factory):
     (folder / "report.html").rename(folder / "study.html")
     written = {name: page.write(folder / f"{name}.html", content) for name, content in contents.items()}
     return written | {"jobs": folder / "jobs.html", "study": folder / "study.html"}
-
-
-def leave_job(folder, walk):
-    """What a job of a multirun leaves in its folder, as far as the page over all jobs reads it."""
-    folder.mkdir()
-    walk.foot.to_file(folder / "contour.csv")
-    files.write_walk(folder / "walk.nc", walk.variables, {"reason": walk.reason})
-    result = {
-        "objectives": walk.objectives,
-        "units": {name: OBJECTIVES[name].unit for name in walk.objectives},
-        "design": {"k": walk.foot.k, "hollow_mm": 0.0},
-        "settings": {"foot": {"top": walk.foot.top, "width": walk.foot.width}},
-        "versions": files.versions(),
-    }
-    files.write_json(folder / "result.json", result)
 
 
 #: The figures of a page of a study, its table, and what result.json says.
@@ -332,6 +310,11 @@ class TestExplorer:
         assert shown["#walk-choice option:checked"].text == f"design {chosen}"
         assert shown.js("document.querySelector('#walk figure path').getAttribute('d')") != walk
 
+    def test_numbers_are_written_as_on_the_terminal(self, pages, browser):
+        values = [2.1344, 2.1, 278.46, 12345.6, -0.00025268, 1.5e6, -5.0, 3e-15]
+        shown = Page(browser, pages["front"]).js(f"{values}.map(number)")
+        assert [text.replace("−", "-") for text in shown] == [number(value) for value in values]
+
     def test_works_from_the_keyboard_alone(self, front, pages, browser):
         from selenium.webdriver.common.keys import Keys
 
@@ -420,9 +403,9 @@ class TestSearch:
         result = single[0]
         shown = Page(browser, pages["single"])
         buttons = shown.all(".lineage button")
-        assert len(buttons) == len(page.successive_bests(result))
+        assert len(buttons) == len(walks.successive_bests(result))
         buttons[0].click()
-        i = page.successive_bests(result)[0]
+        i = walks.successive_bests(result)[0]
         assert ", ".join(map(str, result.k[i])) in shown.text("#design-words")
         assert shown["#walk-choice option:checked"].text == f"design {i}"
 
@@ -511,7 +494,7 @@ def test_a_multirun_shows_every_job_the_failed_ones_too(pages, browser):
 class TestFile:
     def test_successive_bests_get_better_and_end_with_the_best(self, single):
         result = single[0]
-        line = page.successive_bests(result)
+        line = walks.successive_bests(result)
         values = result.column("efficiency")[line]
         assert np.all(np.diff(values) < 0)
         assert np.all(np.diff(result.generation[line]) > 0)
@@ -519,7 +502,7 @@ class TestFile:
         assert [g.best for g in result.history][-1] == values[-1]
 
     def test_a_front_of_ten_thousand_designs_stays_small(self, front, tmp_path):
-        result, *rest = front
+        result, confirmed, best, flat, _, entry = front
         some = np.resize(np.flatnonzero(result.feasible), 10_000)
         many = dataclasses.replace(
             result,
@@ -529,13 +512,14 @@ class TestFile:
             },
             front=np.arange(3000),
         )
-        content = page.search_content(many, *rest)
-        assert len({w["design"] for w in content["walks"]}) == page.WALKS + 2  # the best one, the flat sole
+        chosen = page.walked_designs(many, confirmed)
+        assert walks.WALKS - 1 <= len(set(chosen)) <= walks.WALKS  # without the best one
+        content = page.search_content(many, confirmed, best, flat, [(i, best) for i in chosen], entry)
         assert page.write(tmp_path / "report.html", content).stat().st_size < LIMIT
 
     def test_of_very_many_designs_the_front_and_an_even_selection_are_shown(self, front, monkeypatch):
         result = front[0]
-        monkeypatch.setattr(page, "DESIGNS", 10)
+        monkeypatch.setattr(walks, "DESIGNS", 10)
         content = page.search_content(*front)
         (count,) = content["designs"]["rows"]["shape"]
         assert len(result.front) <= count <= len(result.front) + 10 < result.designs
@@ -547,14 +531,14 @@ class TestFile:
         import base64
 
         values = np.random.default_rng(1).normal(size=(40, 3)) * 1e3
-        packed = page.packed(values, exact)
-        raw = np.frombuffer(base64.b64decode(packed["data"]), "<f4" if exact else "<u2").astype(float)
-        back = raw if exact else packed["low"] + packed["step"] * raw
+        found = packed(values, exact)
+        raw = np.frombuffer(base64.b64decode(found["data"]), "<f4" if exact else "<u2").astype(float)
+        back = raw if exact else found["low"] + found["step"] * raw
         error = 1e-7 * np.abs(values).max() if exact else np.ptp(values) / 65535
-        np.testing.assert_allclose(back.reshape(packed["shape"]), values, rtol=0, atol=error)
-        whole = page.packed(np.arange(-5, 300))
+        np.testing.assert_allclose(back.reshape(found["shape"]), values, rtol=0, atol=error)
+        whole = packed(np.arange(-5, 300))
         assert (whole["low"], whole["step"]) == (-5, 1)
-        large = page.packed(np.array([1, 70_000, 99_999, 1_000_000]))  # heights of foot.K = 1e6
+        large = packed(np.array([1, 70_000, 99_999, 1_000_000]))  # heights of foot.K = 1e6
         kept = np.frombuffer(base64.b64decode(large["data"]), "<f4")
         assert (large["step"], kept.tolist()) == (0.0, [1, 70_000, 99_999, 1_000_000])
 
@@ -570,7 +554,7 @@ class TestFile:
         for i, (name, more) in enumerate(results.items()):
             (tmp_path / str(i)).mkdir()
             (tmp_path / str(i) / "result.json").write_text(json.dumps({"study": name, **more}))
-        assert summary.report(tmp_path) == 0
+        assert summary.of_multirun(tmp_path) == 0
         text = (tmp_path / "report.html").read_text()
         assert all(f"study={name}: see its own folder" in text for name in results)
 

@@ -152,7 +152,7 @@ class TestPlugins:
             load_plugins(["no_such_module"])
 
     def test_an_effect_that_is_not_loaded_or_has_no_such_parameter_is_named(self):
-        with pytest.raises(SettingError, match=r"effects\.own = 'floor'.*none is loaded.*plugins="):
+        with pytest.raises(SettingError, match=r"effects\.own = 'floor'.*plugins="):
             make_effects(EffectsConfig(own={"floor": None}))
         with pytest.raises(SettingError, match=r"effects\.own = 'slope'"):
             make_effects(EffectsConfig(own={"slope": {"angle": 5}}))

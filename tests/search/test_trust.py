@@ -16,7 +16,7 @@ from searching import QUICK, stop_after
 from study_pages import check_page
 
 import footopt as fo
-from footopt.cli.main import CONF
+from footopt.cli.compose import CONF
 from footopt.design import Solver, exhaustive, search
 from footopt.design.exhaustive import batches
 from footopt.design.pymoo_problem import PymooProblem

@@ -4,7 +4,7 @@ import csv
 import json
 
 import pytest
-from test_page import leave_job
+from study_pages import leave_job
 
 import footopt as fo
 from footopt.errors import FileError, SettingError

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from running import composed, footopt
+from searching import QUICK as COARSE
 from study_pages import check_page
-from test_robust import COARSE, NOTHING
 
 import footopt as fo
 from footopt import studies
@@ -17,6 +17,7 @@ from footopt.errors import FootoptError, SettingError
 from footopt.studies import sensitivity as study
 from footopt.studies.sensitivity import NAMES, Setting, analyse
 
+NOTHING = fo.Spread(**dict.fromkeys(vars(fo.Spread()), 0.0))
 ZETA_MASS = replace(NOTHING, zeta=0.2, mass=0.2)
 
 

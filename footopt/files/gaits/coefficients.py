@@ -15,14 +15,14 @@ class Coefficients(NamedTuple):
 
     Parameters
     ----------
-    series : dict of (a0, a, b)
-        Fourier coefficients by joint (thigh, knee and perhaps foot), in degrees.
+    series : dict of (float, tuple, tuple), deg
+        Fourier coefficients a0, a and b by joint (thigh, knee and perhaps foot).
     period : float, s
         Duration of a stride.
     source : str
         Where the data come from.
-    residual : dict
-        By number of harmonics (as text), the rms misfit of each joint, in degrees.
+    residual : dict of dict, deg
+        By number of harmonics, as text, and joint: the rms misfit against what was measured.
     """
 
     series: dict[str, Series]
@@ -43,25 +43,31 @@ def read_json(path: str | Path) -> Coefficients:
     data = read_json_file(path, "gait", "gait.path")
     with naming(path, "gait.path"):
         try:
-            series = {
-                name: (
-                    _finite(data[name]["a0"]),
-                    tuple(map(_finite, data[name]["a"])),
-                    tuple(map(_finite, data[name]["b"])),
-                )
-                for name in ("thigh", "knee", "foot")
-                if name in data or name != "foot"
-            }
-            residual = {
-                str(harmonics): {str(joint): float(rms) for joint, rms in by_joint.items()}
-                for harmonics, by_joint in data.get("rms_residual_deg_by_harmonics", {}).items()
-            }
-            return Coefficients(series, _finite(data["period_s"]), str(data.get("source", "")), residual)
-        except (AttributeError, KeyError, OverflowError, TypeError, ValueError) as error:
-            raise Unusable(
-                f"not a gait in JSON ({type(error).__name__}: {error}). It must hold "
-                "period_s, and thigh and knee each with a0, a and b in degrees."
-            ) from None
+            residual = data.get("rms_residual_deg_by_harmonics", {})
+            return Coefficients(
+                {
+                    name: _series(data[name])
+                    for name in ("thigh", "knee", "foot")
+                    if name in data or name != "foot"
+                },
+                _finite(data["period_s"]),
+                str(data.get("source", "")),
+                {many: {joint: _finite(rms) for joint, rms in fit.items()} for many, fit in residual.items()},
+            )
+        except KeyError as error:
+            why = f"{error} is missing"
+        except ValueError as error:
+            why = str(error)
+        except (AttributeError, TypeError):
+            why = "a part of it has another form"
+        raise Unusable(
+            f"not a gait in JSON ({why}). It must hold period_s, and thigh and knee each with a0, a and b in "
+            "degrees."
+        )
+
+
+def _series(joint: Any) -> Series:
+    return _finite(joint["a0"]), tuple(map(_finite, joint["a"])), tuple(map(_finite, joint["b"]))
 
 
 def _finite(value: Any) -> float:

@@ -104,15 +104,7 @@ def lines_of(path: Path, units: str | None = None) -> list[Line]:
 
 
 def the_line(lines: Sequence[Line], name: str, layer: str | None = None) -> Line:
-    """The one line of a drawing, its pieces joined.
-
-    Raises
-    ------
-    Unusable
-        There is none, or more than one.
-    SettingError
-        There is no such layer.
-    """
+    """The one line of a drawing, its pieces joined; raises `Unusable` unless there is just one."""
     layers = sorted({line.layer for line in lines})
     if layer is not None and layer not in layers:
         held = ", ".join(map(repr, layers)) or "none"
@@ -194,7 +186,8 @@ def _from_heel(line: Array) -> Array:
 
 
 def _where(place: Array) -> str:
-    return f"({MM * place[0]:.2f}, {MM * place[1]:.2f}) mm"
+    x, z = np.round(MM * place, 2) + 0.0  # + 0.0 turns -0 into 0
+    return f"({x:.2f}, {z:.2f}) mm"
 
 
 def _told(line: Line) -> str:

@@ -64,20 +64,7 @@ def join(lines: Sequence[Line]) -> list[Line]:
 
 
 def crossing(points: Array, closed: bool) -> Array | None:
-    """Where a line first meets itself.
-
-    Parameters
-    ----------
-    points : (m, 2), m
-        No two neighbours in one place.
-    closed : bool
-        Whether the last point is joined to the first.
-
-    Returns
-    -------
-    place : (2,), m, or None
-        None where it does not.
-    """
+    """Where a line (m, 2) first meets itself, (2,), or None; no two neighbours are in one place."""
     from shapely import LinearRing, LineString, Point, get_coordinates, node
 
     line = LinearRing(points) if closed else LineString(points)

@@ -159,7 +159,13 @@ def waypoints(foot: Foot) -> Figure:
 
     Parameters
     ----------
-    foot : a sole with a space of waypoints.
+    foot : Foot
+        A sole with a space of waypoints.
+
+    Raises
+    ------
+    SettingError
+        The sole has no waypoints.
     """
     space = foot.space
     if space is None or foot.k is None:
@@ -202,12 +208,12 @@ CAPTIONS = {
     "fig4b_shapes_power_work": "Power and work of the sand over time, for each shape (figure 4b).",
     "fig5_waypoints": "The waypoints of a sole, their box, and the spline through them (figure 5).",
     "fig6_contours": "The best soles for soft, regular and hard sand (figure 6).",
-    "fig7_steps": "A step on hard sand with force arrows along the sole: its own foot, and regular sand's "
-    "(figure 7).",
+    "fig7_steps": "A step on hard sand with force arrows along the sole: with its own best foot, and "
+    "with that for regular sand (figure 7).",
     "fig8a_sands_states": "Position, height and speed of the COM on each sand, best foot (figure 8a).",
     "fig8b_sands_forces": "Vertical and forward force of each foot on each sand (figure 8b).",
-    "fig8c_sands_power_work": "Power and work of each sand with its best foot (figure 8c).",
-    "claims": "Every claim: whether it holds at the settings, and in what share of the combinations.",
+    "fig8c_sands_power_work": "Power and work on each sand, best foot (figure 8c).",
+    "claims": "Every claim: whether it holds at the settings, and in which share of the combinations.",
 }
 
 
@@ -218,8 +224,12 @@ def all_figures(
 
     Parameters
     ----------
-    of_shapes : walks of the five shapes, by name. optima : of each sand's best foot, by sand.
-    crossed : of the regular sand's best foot on hard sand.
+    of_shapes : dict of Walk
+        Walks of the five shapes, by name.
+    optima : dict of Walk
+        Walks of the best foot of each sand, by sand.
+    crossed : Walk
+        The best foot for regular sand, on hard sand.
     """
     by_shape = labelled(of_shapes)
     by_sand = {sand: optima[sand] for sand in SANDS}

@@ -19,8 +19,12 @@ def sensitivity(found: Mapping[str, Any], names: Sequence[str], label: Callable[
 
     Parameters
     ----------
-    found : of `studies.sensitivity.Indices`, by block; each block has indices of its own.
-    names : of the objectives. label : of a parameter, with its standard deviation.
+    found : mapping of str to footopt.studies.sensitivity.Indices
+        By block; each block has indices of its own.
+    names : sequence of str
+        Of the objectives.
+    label : callable
+        From a parameter's name to its label with the standard deviation.
     """
     columns = [name.replace("_", "\n") for name in names]
     heights = [len(block.parameters) for block in found.values()]

@@ -17,8 +17,12 @@ def trust(attempts: Mapping[str, Sequence[Any]], solvers: Sequence[str], evaluat
 
     Parameters
     ----------
-    attempts : of `design.truth.Attempt`, by sand. solvers : names, in the legend's order.
-    evaluations : that each attempt had.
+    attempts : mapping of str to sequence of footopt.design.truth.Attempt
+        By sand.
+    solvers : sequence of str
+        Names, in the legend's order.
+    evaluations : int
+        That each attempt had.
     """
     several = {a.solver for rows in attempts.values() for a in rows if a.checkpoints}
     rows = [

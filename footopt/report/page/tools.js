@@ -30,8 +30,8 @@ function number(value) {
   if (value === null || !Number.isFinite(value)) return "–";
   if (Math.abs(value) < 1e-12) return "0";
   if (Number.isInteger(value) && Math.abs(value) < 1e5) return String(value).replace("-", "−");
-  const power = Math.floor(Math.log10(Math.abs(value)) + 1e-12);
-  const text = power < -3 || power >= 5 ? value.toExponential(3) : value.toFixed(Math.max(3 - power, 0));
+  const [mantissa, power] = value.toExponential(3).split("e").map(Number);
+  const text = power < -3 || power >= 5 ? `${mantissa}e${power}` : String(Number(value.toFixed(Math.max(3 - power, 0))));
   return text.replace("-", "−");
 }
 const quantity = (value, unit) => number(value) + (unit ? ` ${unit}` : "");

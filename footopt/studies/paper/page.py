@@ -9,7 +9,7 @@ from typing import Any
 
 from footopt.files.run import plain
 from footopt.report import terminal
-from footopt.report.terminal import number
+from footopt.report.numbers import number
 from footopt.studies.paper.claims import CLAIMS, Claim
 from footopt.studies.paper.evidence import SANDS, Evidence
 from footopt.studies.paper.factors import Plan, shown

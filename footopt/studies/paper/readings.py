@@ -1,4 +1,4 @@
-"""What the paper's p_max and dV_x may mean: a walk as one reads it, and a problem ranked that way."""
+"""The meanings that the paper's p_max and dV_x may have: walks read that way, and a search that ranks so."""
 
 from __future__ import annotations
 
@@ -28,11 +28,15 @@ SWITCHES = 3  # stance switches that the paper names: t = 1.1, 1.7, 2.3 s
 class Readings(NamedTuple):
     """How two quantities that the paper does not define are read.
 
-    peak_power : "stance", any instant from the first heel strike on; or "single", only such at which
-        the other foot carries less than `LIFTED` of the weight.
-    speed_loss : "walk", the largest fall below the running maximum from the first heel strike to
-        t_f; or the largest within a quarter ("window") or an eighth of a stride ("narrow", about as
-        long as both feet stand) of a heel strike.
+    Parameters
+    ----------
+    peak_power : {"stance", "single"}
+        p_max from any instant after the first heel strike; or only from those at which the other foot
+        carries less than `LIFTED` of the weight.
+    speed_loss : {"walk", "window", "narrow"}
+        dV_x as the largest fall below the running maximum from the first heel strike to t_f; or as the
+        largest one within a quarter, or an eighth, of a stride about a heel strike. An eighth is about as
+        long as both feet stand.
     """
 
     peak_power: str = "stance"
@@ -40,7 +44,7 @@ class Readings(NamedTuple):
 
     @classmethod
     def of(cls, config: StudyConfig) -> Readings:
-        """The readings that the settings name."""
+        """Return the readings that the settings name."""
         for name, allowed in (("peak_power", PEAK_POWER), ("speed_loss", SPEED_LOSS)):
             value = getattr(config, name)
             check(value in allowed, f"study.{name}", value, f"one of {', '.join(allowed)}")
@@ -48,10 +52,10 @@ class Readings(NamedTuple):
 
 
 def read(walk: Walk, readings: Readings) -> Walk:
-    """The walk with p_max and dV_x as they are read; J_W and all other objectives follow.
+    """Return the walk with p_max and dV_x as they are read; J_W follows.
 
-    The library's own readings (the defaults) are the loop's, with extremes between steps; the others
-    are taken from the traces, at the ends of steps.
+    The default readings are the library's own, with extremes between steps; the others are taken from the
+    traces, at the ends of steps.
     """
     totals = dict(walk.totals)
     if walk.feasible and readings.peak_power == "single":
@@ -63,7 +67,7 @@ def read(walk: Walk, readings: Readings) -> Walk:
 
 
 def single_stance_power(walk: Walk) -> float:
-    """Largest |sum f.v| of the foot that stands alone, W; NaN if none ever does."""
+    """Return the largest |sum f.v| of a foot that stands alone, W; NaN if none ever does."""
     after = walk.t >= walk.scene.gait.heel_strike
     up = walk.force[after, :, 1]
     alone = np.abs(up[:, ::-1]) < LIFTED * walk.scene.walker.weight
@@ -71,10 +75,10 @@ def single_stance_power(walk: Walk) -> float:
 
 
 def switch_losses(walk: Walk, readings: Readings) -> Array:
-    """Fall of V_x about each of the paper's three switches, (3,), m/s; NaN where there is none.
+    """Return the fall of V_x about each of the paper's three switches, (3,), m/s; NaN where there is none.
 
-    Within the window of the reading; for "walk", from a quarter of a stride before the heel strike
-    to the next one.
+    The fall is that within the window of the reading; for "walk", from a quarter of a stride before the heel
+    strike to the next one.
     """
     window = SPEED_LOSS[readings.speed_loss]
     losses = _falls(walk, 0.25, 0.5) if window is None else _falls(walk, window, window)
@@ -103,7 +107,7 @@ def _fall(walk: Walk, begin: float, end: float) -> float:
 class ReadProblem(FootProblem):
     """A `FootProblem` on J_W with p_max and dV_x as they are read.
 
-    Other readings than the library's need the traces of every design: about twice the time.
+    Other readings than the library's need the traces of every design, which takes about twice the time.
     """
 
     def __init__(self, readings: Readings, **parameters: Any) -> None:

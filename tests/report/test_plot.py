@@ -1,4 +1,4 @@
-"""Objects show themselves: cards for notebooks, drawings on one Axes, tables for pandas and xarray."""
+"""Objects as drawings on one Axes, cards in notebooks, a line of a terminal, tables of pandas and xarray."""
 
 import base64
 import importlib

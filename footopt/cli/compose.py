@@ -1,0 +1,61 @@
+"""What Hydra composes the settings of: the schema, the groups and their choices; and the text of `--help`."""
+
+from __future__ import annotations
+
+import string
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from hydra import compose, initialize_config_dir
+from hydra.core.config_store import ConfigStore
+from omegaconf import OmegaConf, open_dict
+
+from footopt.effects import EFFECTS
+from footopt.studies.settings import CHOICES, Config
+
+PACKAGE = Path(__file__).parents[1]
+#: conf/ inside the installed package, or at the top of a checkout.
+CONF = PACKAGE / "conf" if (PACKAGE / "conf").is_dir() else PACKAGE.parent / "conf"
+
+STORE = ConfigStore.instance()
+STORE.store(name="footopt_schema", node=Config)
+for _group, _choices in CHOICES.items():
+    for _name, _node in _choices.items():
+        STORE.store(group=_group, name=_name, node=_node)
+
+
+def groups() -> dict[str, list[str]]:
+    """Names of the choices of every group: those of conf/ and those that the library knows."""
+    found = {group: set(choices) for group, choices in CHOICES.items()}
+    for path in CONF.glob("*/*.yaml"):
+        found.setdefault(path.parent.name, set()).add(path.stem)
+    return {group: sorted(found[group]) for group in sorted(found)}
+
+
+def known() -> list[str]:
+    """Full names of all settings, with those of effects that are not chosen."""
+    with_all = OmegaConf.merge(OmegaConf.structured(Config), {"effects": {name: {} for name in EFFECTS}})
+    return list(_leaves(OmegaConf.to_container(with_all)))
+
+
+def _leaves(values: Any, prefix: str = "") -> Iterator[str]:
+    for name, value in values.items():
+        if isinstance(value, Mapping) and value:
+            yield from _leaves(value, f"{prefix}{name}.")
+        else:
+            yield prefix + name
+
+
+def help_text(words: Sequence[str]) -> str:
+    """What `footopt [settings] --help` says; "" where that is left to Hydra, which takes a second longer."""
+    given = [word for word in words if word not in ("-h", "--help")]
+    if len(given) == len(words) or any(word.startswith("-") for word in given):
+        return ""
+    with initialize_config_dir(str(CONF), version_base="1.3"):
+        settings = compose("config", given, return_hydra_config=True)
+    template = string.Template(settings.hydra.help.template)
+    with open_dict(settings):
+        del settings["hydra"]
+    choices = "".join(f"{group}: {', '.join(names)}\n" for group, names in groups().items())
+    return template.substitute(APP_CONFIG_GROUPS=choices, CONFIG=OmegaConf.to_yaml(settings))

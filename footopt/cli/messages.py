@@ -1,0 +1,194 @@
+"""Errors in the user's terms: those of Hydra and OmegaConf, too, name the setting and say what to try."""
+
+from __future__ import annotations
+
+import errno
+import re
+from collections.abc import Mapping, Sequence
+
+from hydra.errors import HydraException, MissingConfigException, OverrideParseException
+from omegaconf.errors import (
+    ConfigAttributeError,
+    ConfigKeyError,
+    ConfigTypeError,
+    OmegaConfBaseException,
+    ValidationError,
+)
+from yaml import YAMLError
+
+from footopt.cli.compose import groups, known
+from footopt.errors import FootoptError, SettingError, meant
+
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+NO_RIGHT = (errno.EACCES, errno.EROFS, errno.EPERM)
+MORE = "`footopt --help` lists all settings."
+
+#: What OmegaConf's errors begin with or hold, and what is allowed instead.
+KINDS = {
+    "converted to Float": "a number",
+    "converted to Integer": "a whole number",
+    "not a valid bool": "true or false",
+    "is not a ListConfig": "a list in brackets",
+    "DictConfig with ListConfig": "a list in brackets",
+    "to string": "a text",
+}
+
+
+def explain(error: BaseException, words: Sequence[str] = ()) -> str:
+    """What a user is told of an error, whatever it is.
+
+    Parameters
+    ----------
+    error : BaseException
+        What was raised.
+    words : sequence of str
+        The command line.
+    """
+    if isinstance(error, FootoptError):
+        return str(error)
+    if (composed := refusal(error, words)) is not None:
+        return str(composed)
+    if isinstance(error, OSError):
+        if error.errno in NO_ROOM:
+            return f"a file cannot be written ({error.strerror}). Make room on the disk and run it again."
+        said = f"{error.strerror or error}: {error.filename or ''}".rstrip(": ")
+        return (
+            f"{said}. Write to another folder with hydra.run.dir=FOLDER." if error.errno in NO_RIGHT else said
+        )
+    return (
+        f"unexpected {type(error).__name__}: {error}\n"
+        "This is a bug in footopt; HYDRA_FULL_ERROR=1 shows where."
+    )
+
+
+def refusal(error: BaseException, words: Sequence[str]) -> FootoptError | None:
+    """What Hydra or OmegaConf refuse, in footopt's terms; None for another error."""
+    given = {name.lstrip("+"): value for name, _, value in (word.partition("=") for word in words)}
+    cause = error.__cause__ or error
+    said = str(cause).partition("\n")[0]
+    path = getattr(cause, "full_key", None) or ""
+    key = path.partition("[")[0]  # of a list, without the place in it
+    if isinstance(error, MissingConfigException) and "/" in (error.missing_cfg_file or ""):
+        group, _, choice = str(error.missing_cfg_file).rpartition("/")
+        return _no_choice(group, choice, error.options or groups().get(group, []))
+    if isinstance(error, ValueError) and "Config group override must be" in said:
+        for group in given.keys() & groups().keys():
+            if given[group] not in groups()[group]:
+                return _no_choice(group, given[group], groups()[group])
+        return FootoptError(said)
+    if isinstance(error, OverrideParseException):
+        return _unreadable(error.override, words)
+    if ambiguous := re.match(r"Ambiguous value for argument '(.*)'", str(error)):
+        return _several(ambiguous[1])
+    if isinstance(error, (AssertionError, AttributeError)) and any(n.startswith("effects.") for n in given):
+        return _not_chosen(given)
+    if isinstance(cause, (ConfigAttributeError, ConfigKeyError)) and key:
+        return _unknown(key, given.get(key, ""))
+    if isinstance(cause, (ValidationError, ConfigTypeError)) and key:
+        return _wrong_kind(key, given.get(key), said, listed=path != key)
+    if isinstance(error, OmegaConfBaseException):
+        return FootoptError(f"{key}: {said}" if key else said)
+    if isinstance(error, HydraException):
+        lines = [line.strip() for line in str(error).partition("\nConfig search path:")[0].splitlines()]
+        where = ("full_key", "reference_type", "object_type")
+        return FootoptError(" ".join(line for line in lines if not line.startswith(where)))
+    if isinstance(error, (YAMLError, UnicodeDecodeError)):
+        return FootoptError(f"a file of settings cannot be read as YAML: {' '.join(str(error).split())}")
+    return None
+
+
+def _no_choice(group: str, choice: object, choices: Sequence[str]) -> FootoptError:
+    """A group has no such choice."""
+    hint = ""
+    if re.fullmatch(r"[-+\d.e]+", str(choice)):
+        named = next(
+            (name for name in known() if name.startswith(f"{group}.") and name != f"{group}.name"), ""
+        )
+        hint = f"A number needs its name, such as {named}={choice}."
+    return SettingError(
+        group, choice, f"one of {', '.join(choices)}" if choices else "a choice that there is", hint
+    )
+
+
+def _unreadable(word: str, words: Sequence[str]) -> FootoptError:
+    """A word is no setting."""
+    name, equals, value = word.partition("=")
+    later = list(words)[list(words).index(word) + 1 :] if word in words else []
+    if value.count("[") > value.count("]"):
+        more = next((later[: i + 1] for i, other in enumerate(later) if "]" in other), [])
+        hint = f"Leave out its spaces, or quote it: '{' '.join([word, *more])}'" if more else f"Try '{word}]'"
+        return FootoptError(f"{word}: the list does not end. {hint}")
+    if equals:
+        return FootoptError(f"{word}: the value cannot be read. Try quotes around it: {name}=\"'...'\"")
+    owners = {choice: group for group, choices in groups().items() for choice in choices}
+    close = meant(word, owners)
+    if word in ("help", "?"):
+        hint = "Try footopt --help"
+    elif word in groups():
+        hint = f"Try {word}={later[0] if later and later[0] in groups()[word] else groups()[word][0]}"
+    elif word in owners:
+        hint = f"Try {' or '.join(f'{group}={word}' for group, own in groups().items() if word in own)}"
+    elif close:
+        hint = f"Did you mean {owners[close]}={close}?"
+    else:
+        hint = f"Such as sand=soft; {MORE}"
+    return FootoptError(f"{word}: settings are given as name=value. {hint}")
+
+
+def _several(word: str) -> FootoptError:
+    """A value has a comma, and is no list, no text in quotes, and no sweep."""
+    name, _, value = word.partition("=")
+    if name in groups():
+        for choice in value.split(","):
+            if choice not in groups()[name]:
+                return _no_choice(name, choice, groups()[name])
+        both = f"For both at once: effects=[{value}]. " if name == "effects" else ""
+        return SettingError(name, value, "one choice", f"{both}For a run of each: footopt -m {word}")
+    number = (
+        f"{name}={value.replace(',', '.')} for a number, " if re.fullmatch(r"[-+]?\d*,\d+", value) else ""
+    )
+    hint = f"Try {number}'{name}=[{value}]' for a list, '{name}=\"{value}\"' for a text"
+    return SettingError(name, value, "without a comma", f"{hint}; footopt -m {word} is a run of each.")
+
+
+def _not_chosen(given: Mapping[str, str]) -> FootoptError:
+    """OmegaConf cannot assign a setting of an effect that is not chosen."""
+    setting = next(
+        n for n in given if n.startswith("effects.") and n.split(".")[1] not in given.get("effects", "")
+    )
+    value, effect = given[setting], setting.split(".")[1]
+    hint = f"Try effects={effect} {setting}={value}"
+    return SettingError(setting, value, f"given with the effect {effect}", hint)
+
+
+def _unknown(key: str, value: str) -> FootoptError:
+    """There is no such setting."""
+    group, _, last = key.rpartition(".")
+    names = known()
+    own = {name.removeprefix(f"{group}."): name for name in names if name.startswith(f"{group}.")}
+    same = [name for name in names if name.rpartition(".")[2] == last]
+    same = [name for name in same if name.count(".") == min(name.count(".") for name in same)]
+    close = meant(last, own) if own else ""
+    if same:
+        hint = f"Did you mean {' or '.join(f'{name}={value}' for name in same)}?"
+    elif close:
+        hint = f"Did you mean {own[close]}={value}?"
+    elif own:
+        hint = f"Those of {group}: {', '.join(own)}."
+    else:
+        close = meant(key, [*groups(), *names])
+        hint = f"Did you mean {close}={value}?" if close else MORE
+    return FootoptError(f"{key}: there is no such setting. {hint}")
+
+
+def _wrong_kind(key: str, value: str | None, said: str, listed: bool) -> FootoptError:
+    """A setting's value is of another kind."""
+    if inside := [name for name in known() if name.startswith(f"{key}.")]:
+        return FootoptError(f"{key}: holds several settings. Try {inside[0]}=...; all: {', '.join(inside)}.")
+    kind = next((kind for words, kind in KINDS.items() if words in said), "")
+    if not kind or value is None:
+        return FootoptError(f"{key}: {said}")
+    if listed:
+        kind = f"a list of {kind.removeprefix('a ')}s"
+    hint = f"Try '{key}=[{value}]'" if kind == "a list in brackets" else ""
+    return SettingError(key, value, kind, hint)

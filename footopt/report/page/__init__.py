@@ -1,0 +1,8 @@
+"""report.html: what each kind of run shows in a browser; how it looks is in the files beside this one."""
+
+from footopt.report.page.file import write
+from footopt.report.page.jobs import jobs_content
+from footopt.report.page.study import write_study
+from footopt.report.page.walks import search_content, walk_content, walked_designs
+
+__all__ = ["jobs_content", "search_content", "walk_content", "walked_designs", "write", "write_study"]

@@ -1,0 +1,80 @@
+"""The page over the jobs of a multirun, or other runs: soles, values and traces side by side."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Collection, Sequence
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+import numpy as np
+
+from footopt.report.numbers import number
+from footopt.report.page.file import column, packed
+from footopt.report.runs import Run
+from footopt.walk import OBJECTIVES
+
+
+def jobs_content(folder: Path, runs: Sequence[Run], common: Collection[str]) -> dict[str, Any]:
+    """The page over several runs.
+
+    Parameters
+    ----------
+    folder : Path
+        That the page is for.
+    runs : sequence of Run
+        What is compared.
+    common : collection of str
+        Settings that all of them share.
+    """
+    done = [run for run in runs if run.result is not None]
+    results = [run.result or {} for run in done]
+    known = {name: (objective.unit, objective.maximise) for name, objective in OBJECTIVES.items()}
+    for result in results:  # those of plugins are in their own results
+        known |= {name: (result["units"][name], most) for name, most in result.get("maximise", {}).items()}
+    # what not all have could not be compared
+    names = [name for name in known if done and all(name in run.objectives for run in done)]
+    values = [[run.objectives[name] for name in names] for run in done]
+    feet = [result["settings"]["foot"] for result in results]
+    return {
+        "title": f"{len(runs)} {runs[0].name.split()[0]}s",
+        "headline": [f"All with {' '.join(common)}"] if common else [],
+        "columns": [column(name, *known[name]) for name in names],
+        "jobs": [
+            {
+                "name": run.name,
+                "place": run.place,
+                "settings": " ".join(o for o in run.overrides if o not in common),
+                "hollow": number(run.hollow),
+                "note": run.note,
+                "seed": (run.result or {}).get("seed"),
+                "seconds": (run.result or {}).get("wall_time_s"),
+                "design": done.index(run) if run in done else None,
+                "link": _link(run.folder / "report.html", folder),
+            }
+            for run in runs
+        ],
+        "designs": {
+            "values": packed(np.array(values, float).reshape(len(done), len(names)), exact=True),
+            "labels": [run.name for run in done],
+            # a walk that failed has no values to place it by
+            "feasible": [int(not result.get("reason")) for result in results],
+            "reasons": [result.get("reason", "") for result in results],
+            "soles": [packed(run.contour, exact=True) for run in done],
+        },
+        "top": [foot["top"] for foot in feet],
+        "width": [foot["width"] for foot in feet],
+        "best": 0,
+        "entry": {"versions": results[0]["versions"]} if done else None,
+        "traces": [
+            {"design": i} | {name: packed(trace, exact=True) for name, trace in traces.items()}
+            for i, run in enumerate(done)
+            if (traces := run.traces) is not None
+        ],
+    }
+
+
+def _link(path: Path, folder: Path) -> str | None:
+    """The address of a file, from a page in a folder; None if there is no such file."""
+    return quote(Path(os.path.relpath(path, folder)).as_posix()) if path.is_file() else None

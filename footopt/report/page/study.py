@@ -1,0 +1,100 @@
+"""The page of a study of many walks: its figures and tables as they are."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Collection, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.table import Table as RichTable
+from rich.text import Text
+
+from footopt.report.page.file import packed, write
+
+SCALE = 0.75  # of a figure's pixels: a wide one then fills the page
+
+#: What the foot of a page says of a study, of all that is in its result.json.
+FOOTER = (
+    "seed", "wall_time_s", "accuracy", "evaluations", "designs", "versions", "error_estimate", "settings",
+    "scene",
+)  # fmt: skip
+
+
+def write_study(
+    folder: Path,
+    title: str,
+    headline: Sequence[str],
+    figures: Mapping[str, str],
+    tables: Sequence[RichTable],
+    entry: Mapping[str, Any],
+    warnings: Sequence[str] = (),
+) -> Path:
+    """Write the page of a study of many walks.
+
+    A cell of a table that is the name of a file in the folder is a link to it.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the run; its folder "figures" holds the figures as PNG.
+    title : str
+        Of the page.
+    headline : sequence of str
+        What was found, a paragraph each.
+    figures : mapping of str to str
+        What each figure shows, in words, by its name.
+    tables : sequence of rich.table.Table
+        As the terminal shows them.
+    entry : mapping
+        What result.json says of the run.
+    warnings : sequence of str
+        A marked paragraph each.
+
+    Returns
+    -------
+    Path
+        The page.
+
+    Raises
+    ------
+    FileError
+        The page cannot be written.
+    """
+    files = {path.name for path in folder.iterdir() if path.is_file()}
+    content = {
+        "title": title,
+        "headline": list(headline),
+        "warnings": list(warnings),
+        "figures": [
+            {"says": says, **_inline(folder / "figures" / f"{name}.png")} for name, says in figures.items()
+        ],
+        "tables": [_plain_table(table, files) for table in tables],
+        "columns": [],
+        "designs": {"values": packed(np.empty((0, 0)), exact=True), "feasible": [], "reasons": []},
+        "entry": {name: entry[name] for name in FOOTER if name in entry},
+    }
+    return write(folder / "report.html", content)
+
+
+def _inline(path: Path) -> dict[str, Any]:
+    """A PNG as the address of itself, and the width that gives the letters of all figures one size."""
+    picture = path.read_bytes()
+    width = int.from_bytes(picture[16:20], "big")
+    data = base64.b64encode(picture).decode("ascii")
+    return {"source": f"data:image/png;base64,{data}", "width": round(width * SCALE)}
+
+
+def _plain_table(table: RichTable, files: Collection[str]) -> dict[str, Any]:
+    """A terminal's table as plain text; `bad`: which cells are bold there, `links`: which name a file."""
+    rows = list(zip(*(column.cells for column in table.columns), strict=True))
+    return {
+        "title": table.title,
+        "head": [str(column.header).replace("\n", " ") for column in table.columns],
+        "words": [column.justify != "right" for column in table.columns],
+        "rows": [[str(cell) for cell in row] for row in rows],
+        "bad": [[isinstance(cell, Text) and "bold" in str(cell.style) for cell in row] for row in rows],
+        "links": [[str(cell) in files for cell in row] for row in rows],
+        "caption": table.caption,
+    }

@@ -1,0 +1,230 @@
+"""Pages of one walk, and of a search with the walks of its designs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from footopt.design import Confirmation, SearchResult
+from footopt.design.exhaustive import Enumeration
+from footopt.foot import Waypoints
+from footopt.report.body import groups
+from footopt.report.page.file import column, packed
+from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
+from footopt.walk import OBJECTIVES, Scene, Walk
+
+DESIGNS = 20_000  # besides the front that are on the page
+LEADERS = 20  # best designs of an enumerated space whose walks are on the page
+WALKS = 200  # designs of a front whose walks are on the page
+FRAMES = 90  # samples of each of their walks
+FINE_FRAMES = 500  # of the walk that the page is about
+ARROWS = 10  # force arrows along a sole
+POSE_STEP = 0.01  # s, between the poses of the gait
+
+
+def walk_content(walk: Walk, entry: dict[str, Any]) -> dict[str, Any]:
+    """The page of one walk.
+
+    Parameters
+    ----------
+    walk : Walk
+        What the page is about.
+    entry : dict
+        What result.json says of the run.
+    """
+    foot = walk.foot
+    if foot.space is not None and foot.k is not None:
+        shape: dict[str, Any] = {"k": packed(np.array(foot.k))}
+    else:
+        shape = {"soles": [packed(foot.contour, exact=True)]}
+    return {
+        **_common(entry, walk.scene, tuple(OBJECTIVES)),
+        "title": f"{foot.name} on {walk.scene.sand.name} sand",
+        "headline": [f"{describe_scene(walk.scene)}; {describe_foot(foot)}"],
+        "space": _splines(foot.space) if "k" in shape and foot.space else None,
+        "top": foot.top,
+        "width": foot.width,
+        "designs": {
+            "values": packed(np.array([list(walk.objectives.values())]), exact=True),
+            "labels": [foot.name],
+            "feasible": [int(walk.feasible)],
+            "reasons": [walk.reason],
+            **shape,
+        },
+        "best": 0,
+        "walks": [{"design": 0, "label": foot.name, **_traces(walk, FINE_FRAMES)}],
+    }
+
+
+def walked_designs(result: SearchResult, confirmed: Confirmation) -> list[int]:
+    """The designs beside the best one whose walks `search_content` shows.
+
+    Those of the front, evenly spread over its ranks where it is larger than `WALKS`; or those that were
+    the best so far; or the best of an enumerated space.
+    """
+    if result.problem.n_obj > 1:
+        chosen = _spread(result.front.tolist(), WALKS)
+    else:
+        chosen = successive_bests(result) or list(range(min(LEADERS, len(result.k))))
+    return [i for i in chosen if i != confirmed.designs[0]]
+
+
+def search_content(
+    result: SearchResult,
+    confirmed: Confirmation,
+    best: Walk,
+    flat: Walk,
+    walks: Iterable[tuple[int, Walk]],
+    entry: dict[str, Any],
+) -> dict[str, Any]:
+    """The page of a search.
+
+    Designs beyond `DESIGNS` are thinned out evenly, the front and the lineage never.
+
+    Parameters
+    ----------
+    result : SearchResult
+        What the page is about.
+    confirmed : Confirmation
+        Its finalists, walked again.
+    best, flat : Walk
+        Of the best design and of the flat sole.
+    walks : iterable of (int, Walk)
+        Of `walked_designs`, with the design of each, at the search's accuracy.
+    entry : dict
+        What result.json says of the run.
+    """
+    problem = result.problem
+    record, chosen = problem.record, int(confirmed.designs[0])
+    front = result.front.tolist() if problem.n_obj > 1 else []
+    lineage = successive_bests(result)
+    exact = isinstance(result, Enumeration)
+    rows = np.unique([*front, *lineage, chosen, *_spread(list(range(len(result.k))), DESIGNS)])
+    place = {row: i for i, row in enumerate(rows.tolist())}
+    reasons = [*dict.fromkeys(map(str, result.reasons))]
+    codes = np.array([reasons.index(str(r)) for r in result.reasons])
+    return {
+        **_common(entry, problem.scene, record),
+        "title": f"{result.solver.name} on {problem.scene.sand.name} sand",
+        "headline": [
+            f"Soles for {', '.join(problem.names)} on {describe_scene(problem.scene)}",
+            describe_search(result),
+            describe_confirmation(confirmed),
+            *([f"{len(rows)} of the designs are on this page"] if len(rows) < result.designs else []),
+        ],
+        "guide": problem.guide,
+        "objectives": list(problem.names),
+        "designs": {
+            "rows": packed(rows, exact=True),
+            "values": packed(result.values[rows], exact=True),
+            "k": packed(result.k[rows]),
+            "generation": None if exact else packed(result.generation[rows]),
+            "feasible": packed(result.feasible[rows].astype(int)),
+            "reasons": reasons,
+            "reason": packed(codes[rows]),
+        },
+        "space": _splines(problem.space),
+        "top": problem.space.top,
+        "width": problem.space.width,
+        "best": place[chosen],
+        "bestValues": confirmed.values[0],
+        "front": [place[i] for i in front],
+        "walks": [
+            {"design": place[chosen], "label": "best", **_traces(best, FINE_FRAMES)},
+            {
+                "design": None, "label": "flat", **_traces(flat, FINE_FRAMES),
+                "sole": packed(flat.foot.contour),
+            },
+            *({"design": place[i], "label": f"design {i}", **_traces(walk, FRAMES)} for i, walk in walks),
+        ],
+        "lineage": [place[i] for i in lineage],
+        "history": [] if exact else [
+            {"evaluations": g.evaluations, "best": g.best, "median": g.median, "front": g.front}
+            for g in result.history
+        ],
+    }  # fmt: skip
+
+
+def successive_bests(result: SearchResult) -> list[int]:
+    """The designs that were the best so far at the end of a generation, in order; the last is the best.
+
+    None for several objectives, and for a space that was enumerated: no search came to its designs.
+    """
+    if result.problem.n_obj > 1 or isinstance(result, Enumeration):
+        return []
+    f = np.where(result.feasible, result.problem.minimised(result.values)[:, 0], np.inf)
+    before = np.concatenate([[np.inf], np.minimum.accumulate(f)[:-1]])
+    better = np.flatnonzero(f < before)
+    last = np.append(result.generation[better][1:] != result.generation[better][:-1], True)
+    return [int(i) for i in better[last]]
+
+
+def _common(entry: dict[str, Any], scene: Scene, names: Sequence[str]) -> dict[str, Any]:
+    """What every page of walks holds: the columns of values, the scene's gait, the run's own facts."""
+    t = np.linspace(0.0, scene.duration, int(np.ceil(scene.duration / POSE_STEP)) + 1)
+    thigh, shank, pitch = (angle for angle, _ in scene.gait.angles(t))
+    return {
+        "columns": [column(name, OBJECTIVES[name].unit, OBJECTIVES[name].maximise) for name in names],
+        # the designs are on the page anyway
+        "entry": {name: value for name, value in entry.items() if name not in ("front", "confirmed")},
+        "gait": {
+            "end": scene.duration,
+            "angles": packed(np.stack([thigh, shank, pitch], axis=-1)),
+            "strikes": scene.gait.heel_strikes(scene.duration),
+            "l1": scene.walker.l1,
+            "l2": scene.walker.l2,
+        },
+    }
+
+
+def _spread(ranked: list[int], most: int) -> list[int]:
+    """At most so many of a ranking, evenly spread, the first and the last among them."""
+    picks = np.unique(np.linspace(0, len(ranked) - 1, min(most, len(ranked))).round().astype(int))
+    return [ranked[i] for i in picks]
+
+
+def _splines(space: Waypoints) -> dict[str, Any]:
+    """Every sole of a space at once: a spline is linear in its heights.
+
+    contour(k) = base + sum_i (k_i - 1) columns_i, in z; x is the same for all.
+    """
+    one = np.ones((1, space.n), int)
+    base = space.contour(one)[0]
+    raised = one + np.eye(space.n, dtype=int) if space.K > 1 else np.tile(one, (space.n, 1))
+    columns = space.contour(raised)[:, :, 1] - base[:, 1]
+    return {
+        "n": space.n,
+        "x": packed(base[:, 0], exact=True),
+        "base": packed(base[:, 1], exact=True),
+        "columns": packed(columns, exact=True),
+        "waypoints": packed(space.x, exact=True),
+        "step": space.H / space.K,
+        "L": space.L,
+        "H": space.H,
+    }
+
+
+def _traces(walk: Walk, frames: int) -> dict[str, Any]:
+    """A walk at some of its samples, its peaks among them, and the forces along its sole."""
+    foot = walk.foot
+    shared = {"ankle": foot.ankle, "top": foot.top, "reason": walk.reason}
+    if len(walk.t) == 0:
+        return {**shared, "t": packed(walk.t)}
+    peaks = [np.abs(walk.power).argmax(axis=0), np.abs(walk.force).reshape(len(walk.t), -1).argmax(axis=0)]
+    even = np.searchsorted(walk.t, np.linspace(walk.t[0], walk.t[-1], frames))
+    index = np.unique(np.concatenate([even, *peaks]))
+    sole = foot.plates(walk.accuracy.plates, walk.accuracy.rule)
+    begin, size = groups(sole.x.shape[1], ARROWS)
+    # relative to the ankle, as plates are; the page turns and carries them
+    at = [np.add.reduceat(part[0], begin) / size for part in (sole.x, sole.z)]
+    force = np.add.reduceat(walk.plates(index).force, begin, axis=2)
+    traces = ("com", "velocity", "force", "power", "work")
+    return {
+        **shared,
+        "t": packed(walk.t[index], exact=True),
+        **{name: packed(getattr(walk, name)[index]) for name in traces},
+        "at": packed(np.stack(at, axis=-1)),
+        "arrows": packed(force),
+    }

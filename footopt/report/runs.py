@@ -1,0 +1,121 @@
+"""What runs left in their folders, read again to be compared: settings, objectives, sole and traces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.errors import ERROR_FILE
+from footopt.files.drawings import MM
+from footopt.files.reading import read_json_file
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A run, or a job of a multirun.
+
+    Parameters
+    ----------
+    name : str
+        As tables call it: "job 3".
+    key : str
+        As summary.csv calls it.
+    place : str
+        Where it is, in words.
+    folder : Path
+        Where it left what it found.
+    overrides : tuple of str
+        What it was given on the command line.
+    result : mapping, optional
+        What its result.json says, if it is about one foot.
+    note : str
+        Why there are no objectives, or no better ones.
+    failed : bool
+        Whether it ended in an error, or died.
+    """
+
+    name: str
+    key: str
+    place: str
+    folder: Path
+    overrides: tuple[str, ...] = ()
+    result: Mapping[str, Any] | None = None
+    note: str = ""
+    failed: bool = False
+
+    @property
+    def objectives(self) -> dict[str, float]:
+        """Its objectives by name, NaN for those that it could not tell; empty if it left none."""
+        found = self.result["objectives"] if self.result else {}
+        return {name: math.nan if value is None else value for name, value in found.items()}
+
+    @property
+    def hollow(self) -> float:
+        """Of its foot, mm; NaN if it left none."""
+        return float(self.result["design"]["hollow_mm"]) if self.result else math.nan
+
+    @property
+    def k(self) -> list[int]:
+        """Heights of its foot, if it is made of waypoints."""
+        return (self.result["design"]["k"] if self.result else None) or []
+
+    @property
+    def contour(self) -> Array:
+        """Its sole, (m, 2), m."""
+        points: Array = np.loadtxt(self.folder / "contour.csv", delimiter=",", skiprows=1, ndmin=2) / MM
+        return points
+
+    @property
+    def traces(self) -> dict[str, Array] | None:
+        """Height, speed, power and work of both feet against time `t`, (T,) each; None if it left no walk."""
+        from scipy.io import netcdf_file
+
+        if not (self.folder / "walk.nc").is_file():  # a study of many scenarios
+            return None
+        with netcdf_file(self.folder / "walk.nc", mmap=False) as file:
+            t, com, velocity, power, work = (
+                np.array(file.variables[name][:]) for name in ("t", "com", "velocity", "power", "work")
+            )
+        return {
+            "t": t,
+            "height": com[:, 1],
+            "speed": velocity[:, 0],
+            "power": power.sum(axis=1),
+            "work": work.sum(axis=1),
+        }
+
+
+def read_run(folder: Path, name: str, key: str, place: str = "") -> Run:
+    """Read what a run left: its result.json, or an `ERROR_FILE` if it failed; one that has neither died.
+
+    Raises
+    ------
+    FileError
+        Its result.json cannot be read.
+    """
+    own = (name, key, place, folder, _overrides(folder / ".hydra" / "overrides.yaml"))
+    if (folder / ERROR_FILE).is_file():
+        return Run(*own, note=(folder / ERROR_FILE).read_text(encoding="utf-8").strip(), failed=True)
+    if not (folder / "result.json").is_file():
+        return Run(*own, note="no result", failed=True)
+    result = read_json_file(folder / "result.json", "run", "study.runs")
+    if not (isinstance(result.get("objectives"), dict) and (folder / "contour.csv").is_file()):
+        # a study of many feet or of none
+        return Run(*own, note=f"study={result['study']}: see its own folder")
+    note = result.get("reason", "") or ("interrupted" if result.get("interrupted") else "")
+    return Run(*own, result=result, note=note)
+
+
+def _overrides(path: Path) -> tuple[str, ...]:
+    """What a job was given on the command line, as Hydra writes it down: a list in YAML."""
+    import yaml
+
+    return tuple(map(str, yaml.safe_load(path.read_bytes()) or [])) if path.is_file() else ()

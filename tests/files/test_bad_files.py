@@ -1,0 +1,325 @@
+"""Every file that a user gives is read to what it says, or refused with one clear message; never a traceback.
+
+The bad files are made by `bad_files`. What a reader makes of one must be right: what a file says again in
+another way (its frames, its rates, the length of a bone) must agree, a walk must be one, and where part of
+a file is missing what is left must be what was there.
+"""
+
+import json
+import os
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+from bad_files import FOOT, GAITS, KINDS, LESS, REFUSED, SAME, SOLES, Files, bad, cut_off, good_files, tree
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from motion_files import misfit
+from shapely import LineString
+
+import footopt as fo
+from footopt.design import FootProblem, Store
+from footopt.design.store import Evaluation
+from footopt.errors import FileError, FootoptError, SettingError
+from footopt.files import reading
+from footopt.files.gaits import read_strides
+from footopt.files.gaits.angles import LIMITS, PERIODS
+from footopt.studies.export import foot_of
+
+
+@pytest.fixture(scope="session")
+def good(tmp_path_factory):
+    return good_files(tmp_path_factory.mktemp("good"))
+
+
+@pytest.fixture(scope="session")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("bad")
+
+
+def opened(kind, path):
+    """What a file of a kind is read as: a gait, a sole (n, 2) or sand."""
+    if kind in GAITS:
+        return fo.Gait.from_file(path)
+    if kind in SOLES:
+        return fo.Foot.from_file(path, layer="FOOT" if kind == "dxf lines" else None).contour
+    return fo.Sand.from_table(path)
+
+
+def assert_clear(error, name):
+    """A message that names the file in one line, not too long."""
+    text = str(error)
+    assert isinstance(error, FootoptError)
+    assert name in text
+    assert len(text) < 500
+    assert text.isprintable()
+    assert not any(private in text for private in ("Traceback", "0x7f", "<function", "broadcast"))
+
+
+def assert_right(kind, found, true, owed):
+    """What was read is what the file says, as far as anyone can tell."""
+    if kind in GAITS:
+        assert_right_gait(kind, found, true, owed)
+    elif kind in SOLES:
+        assert_right_sole(found, true, owed)
+    else:
+        told = max(found.fit_error) > 2 * max(true.fit_error)
+        off = max(abs(a - b) for a, b in zip(found.stress_map.law, true.stress_map.law, strict=True))
+        assert off < (0.1 if told or owed == LESS else 0.03), "coefficients, N/cm^3"
+
+
+def assert_right_gait(kind, found, true, owed):
+    for joint in ("thigh", "knee"):
+        angles = np.degrees(getattr(found, joint).at(np.arange(200) / 200)[0])
+        low, high = LIMITS[joint]
+        assert low - 5 <= angles.min()
+        assert angles.max() <= high + 5
+    assert PERIODS[0] <= found.period <= PERIODS[1]
+    if kind == "json":  # it says nothing twice
+        assert owed != SAME or found == true
+        return
+    notes = " ".join(read_strides(found.source).notes)
+    off, longer = 1.0, 0.02
+    if "one stride" in notes:  # nothing averages a wrong value out
+        off = 2.5
+    if "one stride, from the first row to the last" in notes and owed == LESS:
+        off, longer = 8.0, 0.08  # it ends too soon, or is shorter: who can tell?
+    if "the pelvis is taken to be level" in notes:
+        off = 5.1  # it is tilted by 5 deg
+    assert found.period == pytest.approx(true.period, rel=longer)
+    assert misfit(found) < off
+
+
+def assert_right_sole(found, true, owed):
+    length = np.ptp(found[:, 0])
+    assert np.isfinite(found).all()
+    assert found[0, 0] < found[-1, 0]
+    assert 5e-3 <= length <= 1.5
+    assert np.ptp(found[:, 1]) <= 2 * length
+    assert LineString(found).is_simple
+    if owed == SAME:
+        np.testing.assert_allclose(found, true, rtol=0, atol=1e-9)
+    elif owed == LESS:
+        apart = np.linalg.norm(found[:, None] - true, axis=2).min(axis=1)
+        assert apart.max() < 1e-9, "points that were not there"
+
+
+def judge(kind, case, good, folder):
+    """Open a bad file: it gives what is owed."""
+    path = folder / f"bad_file.{kind.split()[0]}"
+    path.write_bytes(good[kind])
+    true = opened(kind, path)
+    path.write_bytes(case.content)
+    try:
+        found = opened(kind, path)
+    except Exception as error:
+        found = error
+    if isinstance(found, Exception):
+        assert_clear(found, path.name)
+        assert case.owed != SAME or case.content == good[kind], str(found)
+    else:
+        assert case.owed != REFUSED
+        assert_right(kind, found, true, case.owed)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+class TestBadFiles:
+    @given(data=st.data())
+    def test_are_read_right_or_refused_with_a_clear_message(self, kind, good, folder, data):
+        judge(kind, bad(data.draw, kind, good), good, folder)
+
+    @pytest.mark.slow
+    @settings(max_examples=500)
+    @given(data=st.data())
+    def test_in_larger_number(self, kind, good, folder, data):
+        judge(kind, bad(data.draw, kind, good), good, folder)
+
+
+# --- what is no file --------------------------------------------------------------------------------
+
+READERS = {
+    "a.trc": fo.Gait.from_file,
+    "a.c3d": fo.Gait.from_file,
+    "a.json": fo.Gait.from_file,
+    "a.dxf": fo.Foot.from_file,
+    "a.svg": fo.Foot.from_file,
+    "a.csv": fo.Sand.from_table,
+}
+
+
+def in_the_way(folder, what, name):
+    """Something that cannot be read, under a file's name."""
+    path = folder / name
+    if what == "folder":
+        path.mkdir()
+    elif what == "secret":
+        path.write_text("x")
+        path.chmod(0)
+    elif what == "too long":
+        path = folder / ("n" * 300 + name)
+    elif what == "with a line break":
+        path = folder / f"a\n\x1b[31m{name}"
+    return path
+
+
+@contextmanager
+def nobody():
+    """A user who may not read everything, should it be root who tests."""
+    root = os.geteuid() == 0
+    if root:
+        os.seteuid(65534)
+    try:
+        yield
+    finally:
+        if root:
+            os.seteuid(0)
+
+
+@pytest.mark.parametrize("what", ["folder", "secret", "too long", "with a line break", "missing"])
+class TestWhatCannotBeRead:
+    @pytest.mark.parametrize("name", READERS)
+    def test_is_named(self, what, name, tmp_path):
+        path = in_the_way(tmp_path, what, name)
+        with nobody(), pytest.raises(FileError, match="cannot be read") as caught:
+            READERS[name](path)
+        assert_clear(caught.value, name)
+
+    def test_as_the_result_of_a_run(self, what, tmp_path):
+        if what in ("folder", "secret"):
+            in_the_way(tmp_path, what, "result.json")
+        with nobody(), pytest.raises(FileError, match=r"study\.run = .*not the folder of a run") as caught:
+            foot_of(tmp_path)
+        assert_clear(caught.value, tmp_path.name)
+
+
+@pytest.mark.parametrize("what", ["folder", "too long"])
+def test_what_cannot_be_a_store_is_named(what, tmp_path):
+    path = in_the_way(tmp_path, what, "designs.sqlite")
+    with pytest.raises(FileError, match=r"study\.store = ") as caught:
+        Store(path, FootProblem())
+    assert_clear(caught.value, "designs.sqlite")
+
+
+def test_a_file_that_is_too_large_is_not_read_to_its_end(tmp_path, monkeypatch):
+    monkeypatch.setitem(reading.LIMITS, "sand", 100)
+    (tmp_path / "a.csv").write_text("beta,gamma,alpha_x,alpha_z\n" + "1,2,3,4\n" * 20)
+    with pytest.raises(FileError, match=r"larger than 0\.0001 MB, the most for a sand file"):
+        fo.Sand.from_table(tmp_path / "a.csv")
+
+
+@pytest.mark.parametrize(
+    ("begin", "said"),
+    [
+        (b"\x1f\x8b", "compressed by gzip: unpack it first"),
+        (b"PK\x03\x04", "a zip archive, such as a spreadsheet: save it as text"),
+        (b"%PDF", "PDF"),
+        (b"\xff\xfe", "text in UTF-16: save it as UTF-8"),
+        (b"a\0", "no text: it holds NUL bytes"),
+        (b"time\n\xfc", "line 2 is not UTF-8. Save it as UTF-8"),
+    ],
+)
+def test_what_is_no_text_is_said(tmp_path, begin, said):
+    (tmp_path / "a.trc").write_bytes(begin + b"12")
+    with pytest.raises(FileError, match=rf"gait\.path = .*a\.trc.*cannot be read as text: .*{said}"):
+        fo.Gait.from_file(tmp_path / "a.trc")
+
+
+# --- the folders of runs, stores, YAML --------------------------------------------------------------
+
+
+def run_folder(folder, shape):
+    """What `footopt study=export` needs of a run; its result is returned."""
+    FOOT.to_file(folder / "contour.csv")
+    foot = {"shape": shape, "width": 0.1, "ankle": [0.0, 0.0], "n": 11, "K": 10, "L": 0.13, "H": 0.03}
+    k = list(FOOT.k) if shape == "waypoints" else None
+    design = {"name": "one", "k": k, "width_m": 0.1, "ankle_m": [0.0, 0.0]}
+    return {"design": design, "settings": {"foot": foot}}
+
+
+@pytest.mark.parametrize("shape", ["waypoints", "ellipse"])
+@given(data=st.data())
+def test_a_run_that_was_changed_gives_its_foot_or_a_message(shape, folder, data):
+    result = json.dumps(run_folder(folder, shape))
+    (folder / "result.json").write_text(json.dumps(tree(data.draw, result)))
+    try:
+        foot = foot_of(folder)
+    except FootoptError as error:
+        assert_clear(error, "")
+    else:
+        assert np.isfinite(foot.contour).all()
+        assert 0 < foot.width < 100
+        assert np.isfinite(foot.ankle).all()
+
+
+YAML = {
+    "code": "a: !!python/object/apply:os.system ['touch made']\n",
+    "tabs": "study:\n\tname: optimize\n",
+    "open": "study: {name: optimize\n",
+    "a list": "- 1\n- 2\n",
+    "nothing": "",
+    "several": "study: {name: optimize}\n---\nstudy: {name: optimize}\n",
+    "large": "a: " + "x" * 1_100_000,
+    "a zero byte": "study: \0\n",
+    "interpolation of itself": "study: ${study}\n",
+    "no study": "sand: {name: hard}\n",
+    "a study that is none": "study: {name: [1]}\n",
+}
+
+
+@pytest.mark.parametrize("name", YAML)
+@pytest.mark.parametrize("file", ["config", "overrides"])
+def test_bad_yaml_of_a_run_to_resume_is_refused(name, file, tmp_path, monkeypatch):
+    from footopt.cli.main import resumed
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / ".hydra").mkdir()
+    good = {"config": "study: {name: optimize}\n", "overrides": "[]\n"}
+    for part, text in (good | {file: YAML[name]}).items():
+        (tmp_path / ".hydra" / f"{part}.yaml").write_text(text)
+    with pytest.raises((FileError, SettingError), match=r"resume = ") as caught:
+        resumed([f"resume={tmp_path}"])
+    assert_clear(caught.value, "")
+    assert not (tmp_path / "made").exists()
+
+
+@pytest.mark.parametrize("name", ["tabs", "open", "large", "a zero byte"])
+@pytest.mark.parametrize("words", [["--config-dir", "."], ["--config-dir=."], ["-cd", "."]], ids=" ".join)
+def test_yaml_of_ones_own_is_looked_at_before_hydra_does(name, words, tmp_path, monkeypatch):
+    from footopt.cli.main import check_own_yaml
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "sand").mkdir()
+    (tmp_path / "sand" / "dune.yaml").write_text("name: dune\nzeta: 1.3\n")
+    check_own_yaml([*words, "sand=dune"])
+    (tmp_path / "sand" / "dune.yaml").write_text(YAML[name])
+    with pytest.raises(FileError, match=r"dune\.yaml"):
+        check_own_yaml([*words, "sand=dune"])
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory):
+    """A store of 40 designs, as bytes: its problem, designs, evaluations and content."""
+    problem = FootProblem(accuracy=fo.Accuracy.named("draft"))
+    path = tmp_path_factory.mktemp("store") / "designs.sqlite"
+    k = problem.space.random(40, seed=1, inside=True).tolist()
+    evaluations = [Evaluation(np.arange(len(problem.record), dtype=float) + i, "") for i in range(40)]
+    with Store(path, problem) as whole:
+        whole.add(k, evaluations)
+    return problem, k, evaluations, Files(store=path.read_bytes())
+
+
+@given(data=st.data())
+def test_a_store_that_was_cut_off_is_named_or_gives_what_was_kept(store, folder, data):
+    problem, k, evaluations, content = store
+    for left in folder.glob("designs.sqlite*"):
+        left.unlink()
+    path = folder / "designs.sqlite"
+    path.write_bytes(cut_off(data.draw, content["store"]))
+    try:
+        with Store(path, problem) as opened_again:
+            found = opened_again.get(k)
+    except FileError as error:
+        assert_clear(error, path.name)
+    else:
+        for one, kept in zip(found, evaluations, strict=True):
+            assert one is None or (one.values == kept.values).all()

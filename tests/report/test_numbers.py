@@ -1,0 +1,53 @@
+"""One format for each quantity."""
+
+import math
+
+import pytest
+
+from footopt.report.numbers import change, duration, number, percent, quantity, title
+from footopt.report.style import formula
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(2.1344, "2.134"), (2.1, "2.1"), (278.46, "278.5"), (12345.6, "12346"), (-0.00025268, "-2.527e-4"),
+     (0.0009999999, "0.001"), (1.5e6, "1.5e6"), (-5.0, "-5"), (3e-15, "0"), (math.nan, "-")],
+)  # fmt: skip
+def test_numbers_have_four_digits_and_short_exponents(value, text):
+    assert number(value) == text
+
+
+def test_units_follow_where_there_are_any():
+    assert quantity(0.5, "m/s") == "0.5 m/s"
+    assert quantity(0.5, "") == "0.5"
+
+
+@pytest.mark.parametrize(
+    ("share", "text"), [(0.0000082, "0.00082 %"), (0.0005, "0.05 %"), (0.124, "12 %"), (3.456, "346 %"),
+                        (0.0, "0 %"), (math.inf, "-")],
+)  # fmt: skip
+def test_a_percentage_has_two_digits_and_its_zero(share, text):
+    assert percent(share) == text
+
+
+def test_a_change_of_j_w_is_a_multiple_and_others_are_percentages():
+    assert change("efficiency", -2.527e-4, -1.413e-4) == "x 1.788"
+    assert change("work", 90.0, 100.0) == "-10.0 %"
+    assert change("work", 1.0, 0.0) == "-"
+
+
+def test_figures_raise_the_power_of_ten():
+    assert formula(-0.0002527) == r"$-2.527\times10^{-4}$"
+    assert formula(-4.0) == "−4"
+
+
+def test_names_are_words():
+    assert (title("peak_power"), title("efficiency")) == ("peak power", "efficiency J_W")
+
+
+@pytest.mark.parametrize(
+    ("seconds", "said"),
+    [(0.25, "0.2 s"), (45.4, "45 s"), (200.0, "3 min 20 s"), (7500.0, "2 h 5 min"), (math.nan, "?")],
+)
+def test_durations_as_one_says_them(seconds, said):
+    assert duration(seconds) == said

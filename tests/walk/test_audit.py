@@ -1,0 +1,43 @@
+"""The effect audit: what an effect changes in a scene, and whether that matters."""
+
+import numpy as np
+import pytest
+
+import footopt as fo
+from footopt.walk.audit import audit
+
+FEET = fo.Waypoints().random(12, seed=3, inside=True)
+
+
+def test_an_effect_that_hardly_acts_is_left_out_and_ranks_feet_alike():
+    found = audit(fo.Inertia(rho=0.01), fo.Scene(), FEET, "draft", 0.01, repeats=1)
+    assert not found.matters
+    assert "leave it out" in found.verdict
+    assert (found.lost, found.feet) == (0, 12)
+    assert found.tau == pytest.approx(1.0)
+    assert (found.changes < 1e-3).all()
+
+
+def test_an_effect_that_acts_is_kept_and_says_what_it_changes():
+    found = audit(fo.Inertia(rho=8000.0), fo.Scene(), FEET, "draft", 0.01, repeats=1)
+    assert found.matters
+    assert found.worst == "peak_power"
+    assert found.verdict.startswith("changes peak power by")
+    assert found.verdict.endswith("above your 1 %, keep it")
+    with_ = fo.evaluate(FEET, fo.Scene(effects=(fo.Inertia(rho=8000.0),)), "draft").values
+    without = fo.evaluate(FEET, fo.Scene(), "draft").values
+    expected = np.percentile(np.abs(with_ / without - 1.0), 95.0, axis=0)
+    np.testing.assert_allclose(found.changes, expected)
+
+
+def test_the_effect_takes_the_place_of_one_of_its_kind():
+    scene = fo.Scene(effects=(fo.Inertia(rho=100.0),))
+    found = audit(fo.Inertia(rho=8000.0), scene, FEET[:3], "draft", repeats=1)
+    assert found.scene.effects == ()
+
+
+@pytest.mark.slow
+def test_walks_that_fail_with_it_are_counted_and_matter():
+    found = audit(fo.Layers((1e-3,), (1e-4,)), fo.Scene(), FEET[:3], "draft", repeats=1)
+    assert (found.lost, found.feet, found.matters) == (3, 0, True)
+    assert "3 walks fail" in found.verdict

@@ -1,0 +1,175 @@
+"""Hard walks keep their balances: standing still, energy, the sand's power, and Newton's rescues."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import footopt as fo
+from footopt.sand import affine
+from footopt.sand.law import GENERIC
+from footopt.studies.stability_cases import Setup, stamping
+from footopt.walk import STEPPERS
+from footopt.walk.balances import energy_gap, power_from_sand, set_down_speed, sinking_speed, smoothing_power
+from footopt.walk.contact import MAX_NEWTON, MAX_RESCUE
+
+SANDS = (0.05, 0.2, 1.0, 5.0, 50.0, 500.0)
+
+
+def still(zeta, t_f=10.0):
+    return fo.Scene(sand=fo.Sand(zeta), gait=fo.Gait.human(start=math.inf), t_f=t_f)
+
+
+def vertical(walk):
+    """Vertical force of the second half over the weight."""
+    return walk.force[walk.t > 0.5 * walk.t[-1]].sum(axis=1)[:, 1] / walk.scene.walker.weight
+
+
+class TestStandingStill:
+    @pytest.mark.parametrize("zeta", SANDS)
+    def test_the_force_does_not_chatter(self, zeta, flat_foot, ramp_foot):
+        for foot in (flat_foot, ramp_foot):
+            walk = fo.simulate(foot, still(zeta))
+            assert walk.feasible
+            assert vertical(walk).std() < 1e-3
+            assert vertical(walk).mean() == pytest.approx(1.0, abs=1e-3)
+
+    @pytest.mark.parametrize("zeta", SANDS)
+    def test_what_creeps_is_what_smoothing_lets_yield(self, zeta, flat_foot):
+        walk = fo.simulate(flat_foot, still(zeta))
+        expected = sinking_speed(walk, walk.t[-1])
+        assert -walk.velocity[-1, 1] <= 1.05 * expected
+        if expected > 1.1 * walk.accuracy.creep:
+            assert -walk.velocity[-1, 1] == pytest.approx(expected, rel=0.2)
+        assert abs(walk.com[-1, 0]) < 1e-9
+
+    @pytest.mark.parametrize("zeta", [0.2, 1.0, 5.0, 50.0])
+    @pytest.mark.parametrize("dt", [1e-3, 1e-4])
+    def test_explicit_euler_chatters_as_creep_goes_to_zero(self, zeta, dt, flat_foot):
+        walk = fo.simulate(flat_foot, still(zeta, 2.0), fo.Accuracy("explicit_euler", dt, 64, 1e-9))
+        assert vertical(walk).std() > 0.1
+
+    def test_sand_that_is_too_soft_is_said_to_be(self, flat_foot):
+        assert fo.simulate(flat_foot, still(1e-3)).reason == "sunk"
+
+
+@st.composite
+def hard_scenes(draw):
+    """Feet and scenes across five decades of the sand's stiffness and of mass."""
+    zeta = 10.0 ** draw(st.floats(-2.0, 3.0))
+    mass = 10.0 ** draw(st.floats(-1.0, 4.0))
+    period = draw(st.floats(0.4, 3.0))
+    heights = draw(st.lists(st.integers(1, 10), min_size=11, max_size=11))
+    scene = fo.Scene(fo.Sand(zeta), fo.Gait.human(period), fo.Walker(mass=mass))
+    return fo.Foot.from_waypoints(heights), scene
+
+
+def finite_or_infeasible_with_a_reason(foot, scene):
+    table = fo.evaluate([foot], scene)
+    if table.feasible[0]:
+        assert np.isfinite(table.values).all()
+        assert (table.column("work") >= 0).all()
+    else:
+        assert table.reasons[0] in ("sunk", "backward", "diverged")
+        assert np.isnan(table.values).all()
+    walk = fo.simulate(foot, scene)
+    assert walk.reason == table.reasons[0]
+    assert np.isfinite(walk.force).all()
+    assert np.isfinite(walk.com).all()
+    assert walk.evaluations <= 2 * MAX_RESCUE * 85 * walk.accuracy.steps(scene.duration)
+
+
+class TestRandomScenes:
+    @settings(max_examples=100)
+    @given(hard_scenes())
+    def test_no_nan_in_any(self, scene):
+        finite_or_infeasible_with_a_reason(*scene)
+
+    @pytest.mark.slow
+    @settings(max_examples=1000, suppress_health_check=[HealthCheck.too_slow])
+    @given(hard_scenes())
+    def test_no_nan_in_a_thousand(self, scene):
+        finite_or_infeasible_with_a_reason(*scene)
+
+
+class TestEnergy:
+    @pytest.mark.parametrize("zeta", [0.2, 1.0, 5.0, 50.0])
+    def test_what_the_sand_takes_and_the_joints_give_is_what_the_walker_has(self, zeta, ramp_foot, flat_foot):
+        for foot in (ramp_foot, flat_foot):
+            walk = fo.simulate(foot, fo.Scene(sand=fo.Sand(zeta)))
+            assert energy_gap(walk) < (1e-3 if zeta <= 5.0 else 5e-3)
+
+    @given(
+        st.floats(-math.pi / 2, math.pi / 2),
+        st.floats(-math.pi, math.pi),
+        st.floats(-4.0, 4.0),
+    )
+    def test_the_smoothed_law_lends_no_more_than_its_bound(self, beta, direction, decade):
+        eps = 1e-4
+        velocity = eps * 10.0**decade * np.array([math.cos(direction), math.sin(direction)])
+        a, m = affine(beta)
+        force = a - m @ (velocity / math.hypot(*velocity, eps))
+        assert force @ velocity <= smoothing_power(GENERIC) * eps * np.hypot(*force)
+        if math.hypot(*velocity) > smoothing_power(GENERIC) * eps:
+            assert force @ velocity < 0
+
+    @pytest.mark.parametrize("stepper", STEPPERS)
+    @pytest.mark.parametrize("zeta", [0.2, 5.0, 50.0])
+    def test_the_sand_gives_no_power_beyond_that(self, zeta, stepper, ramp_foot):
+        walk = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand(zeta)), fo.Accuracy(stepper, 1e-3, 64, 1e-4))
+        assert power_from_sand(walk) <= smoothing_power(GENERIC)
+
+
+@pytest.fixture(scope="module")
+def stamp(flat_foot):
+    """A walk whose stages have to be rescued: level feet set down at 3 m/s."""
+    setup = stamping(Setup(flat_foot, fo.Scene(), fo.Accuracy.named("standard")))
+    return setup, fo.simulate(setup.foot, setup.scene)
+
+
+class TestNewton:
+    def test_rescues_are_counted_in_walks_and_tables(self, stamp):
+        setup, walk = stamp
+        table = fo.evaluate([setup.foot], setup.scene)
+        assert walk.rescues > 0
+        assert (table.rescues[0], table.repeats[0]) == (walk.rescues, walk.repeats)
+        assert table.evaluations[0] == walk.evaluations
+
+    def test_a_rescued_walk_is_right(self, stamp):
+        setup, walk = stamp
+        finer = fo.simulate(setup.foot, setup.scene, replace(walk.accuracy, dt=walk.accuracy.dt / 25))
+        for name in ("distance", "mean_height", "work", "peak_power", "speed_loss"):
+            assert walk.objectives[name] == pytest.approx(finer.objectives[name], rel=0.01)
+        assert energy_gap(walk) < 2e-3
+        assert 2.5 < set_down_speed(finer) < 3.5
+
+    def test_evaluations_are_few_where_nothing_is_hard(self, flat_foot):
+        walk = fo.simulate(flat_foot, fo.Scene())
+        assert walk.rescues == walk.repeats == 0
+        assert walk.evaluations <= 3 * len(walk.t)
+
+    def test_evaluations_are_bounded_where_everything_is(self, stamp):
+        _, walk = stamp
+        plain = 2 * MAX_NEWTON * len(walk.t)
+        assert walk.evaluations <= plain + walk.rescues * MAX_RESCUE
+
+    def test_repeats_are_counted_and_the_walk_is_right(self, ramp_foot):
+        """Hard sand with little smoothing, in long steps."""
+        scene = fo.Scene(sand=fo.Sand(50.0))
+        walk = fo.simulate(ramp_foot, scene, fo.Accuracy("sdirk2", 1.25e-2, 64, 1e-6))
+        assert walk.feasible
+        finer = fo.simulate(ramp_foot, scene, fo.Accuracy("sdirk2", 1e-3, 64, 1e-5))
+        for name in ("distance", "mean_height", "work", "speed_loss"):
+            assert walk.objectives[name] == pytest.approx(finer.objectives[name], rel=0.05)
+        step = walk.accuracy.dt / 4**walk.repeats
+        assert np.median(np.diff(walk.t)) == pytest.approx(step, rel=0.02)
+
+    @pytest.mark.parametrize("stepper", ["sdirk2", "implicit_euler"])
+    def test_a_step_that_begins_in_the_air_sees_the_sand_it_ends_in(self, stepper, flat_foot):
+        walk = fo.simulate(flat_foot, fo.Scene(), fo.Accuracy(stepper, 6.25e-2, 64, 1e-4, rule="chord"))
+        law = walk.plates(np.arange(len(walk.t))).force.sum(axis=2)
+        # Newton's last step leaves 2 % of the weight in so long a step; an unseen landing more than all
+        assert np.abs(walk.force - law).max() < 0.1 * walk.scene.walker.weight
