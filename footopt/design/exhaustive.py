@@ -10,13 +10,12 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.design.archive import Designs, no_designs
 from footopt.design.evaluator import Evaluator
-from footopt.design.problem import Array, FootProblem, Ints
+from footopt.design.problem import FootProblem, Ints
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import Solver
 from footopt.errors import FootoptError, SettingError
@@ -84,26 +83,15 @@ def check_size(problem: FootProblem) -> None:
     )
 
 
-class _Best(NamedTuple):
-    """What is worth keeping so far, one row a design."""
+def best_of(designs: Designs, problem: FootProblem) -> Designs:
+    """What is worth keeping, best first: the `KEPT` best by a single objective, or the front of several."""
+    f = problem.minimised(designs.values)
+    if problem.n_obj == 1:
+        return designs.take(np.argsort(f[:, 0], kind="stable")[:KEPT])
+    from moocore import is_nondominated
 
-    k: Ints
-    values: Array
-    violation: Array
-    batch: Ints
-
-    def take(self, rows: Ints | NDArray[np.bool_]) -> _Best:
-        return _Best._make(column[rows] for column in self)
-
-    def joined(self, new: _Best, problem: FootProblem) -> _Best:
-        """The best of both, best first."""
-        both = _Best._make(np.concatenate(columns) for columns in zip(self, new, strict=True))
-        if problem.n_obj == 1:
-            return both.take(np.argsort(problem.minimised(both.values)[:, 0], kind="stable")[:KEPT])
-        from moocore import is_nondominated
-
-        front = both.take(is_nondominated(problem.minimised(both.values), keep_weakly=True))
-        return front.take(np.argsort(front.values[:, problem.record.index(problem.guide)], kind="stable"))
+    front = designs.take(is_nondominated(f, keep_weakly=True))
+    return front.take(np.argsort(front.values[:, problem.record.index(problem.guide)], kind="stable"))
 
 
 def enumerate_space(
@@ -120,12 +108,7 @@ def enumerate_space(
     check_size(problem)
     started, space = time.perf_counter(), problem.space
     column, nan = problem.record.index(problem.guide), float("nan")
-    best = _Best(
-        np.empty((0, space.n), np.int64),
-        np.empty((0, len(problem.record))),
-        np.empty(0),
-        np.empty(0, np.int64),
-    )
+    best = no_designs(problem)
     counts: Counter[str] = Counter()
     history: list[Generation] = []
     interrupted = False
@@ -137,9 +120,9 @@ def enumerate_space(
             if inside.any():
                 values, why = evaluator(k[inside])
                 reasons[inside] = why
-                walked = _Best(k[inside], values, violation[inside], np.full(inside.sum(), number))
+                walked = Designs(k[inside], values, why, violation[inside], np.full(inside.sum(), number))
                 feasible = walked.take(why == "")
-                best = best.joined(feasible, problem)
+                best = best_of(best.joined(feasible), problem)
                 median = float(np.median(feasible.values[:, column])) if len(feasible.k) else nan
             counts.update(reasons)
             history.append(
@@ -165,12 +148,8 @@ def enumerate_space(
     return Enumeration(
         problem=problem,
         solver=solver,
-        k=best.k,
-        values=best.values,
+        **best._asdict(),
         feasible=np.full(len(best.k), True),
-        reasons=np.full(len(best.k), ""),
-        violation=best.violation,
-        generation=best.batch,
         history=history,
         best=0,
         front=np.arange(1 if problem.n_obj == 1 else len(best.k)),

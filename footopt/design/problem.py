@@ -126,9 +126,9 @@ class FootProblem:
             columns.append(-natural if o.maximise else natural)
         return np.stack(columns, axis=1)
 
-    def constraints(self, evaluated: Evaluated) -> Array:
+    def constraints(self, reasons: Words, violation: Array) -> Array:
         """G (designs, 2), met where at most 0: the walk succeeds; the sole stays in its box (units of H)."""
-        failed = np.where(evaluated.reasons == "", -1.0, 1.0)
+        failed = np.where(reasons == "", -1.0, 1.0)
         tolerance = self.space.box_tolerance
-        box = evaluated.violation / self.space.H - tolerance
+        box = violation / self.space.H - tolerance
         return np.stack([failed, box if np.isfinite(tolerance) else np.full_like(failed, -1.0)], axis=1)

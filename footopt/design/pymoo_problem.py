@@ -31,7 +31,10 @@ class PymooProblem(Problem):  # type: ignore[misc]
     def _evaluate(self, x: Any, out: dict[str, Any], *args: Any, **kwargs: Any) -> None:
         found = self.problem.evaluate(x)
         out.update(found._asdict())
-        out["F"], out["G"] = self.problem.minimised(found.values), self.problem.constraints(found)
+        out["F"], out["G"] = (
+            self.problem.minimised(found.values),
+            self.problem.constraints(found.reasons, found.violation),
+        )
 
 
 class Algorithm:

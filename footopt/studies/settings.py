@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from dataclasses import MISSING, dataclass, field, fields, make_dataclass
-from typing import Any, Optional, get_type_hints
+from dataclasses import dataclass, field, fields, make_dataclass
+from typing import TYPE_CHECKING, Any, get_type_hints
 
 from footopt.design import RobustProblem, Solver, make_executor
 from footopt.design.problem import SETS
@@ -27,26 +27,35 @@ def default(function: Callable[..., Any], name: str) -> Any:
     return inspect.signature(function).parameters[name].default
 
 
-def parameters(kind: type) -> type:
-    """A dataclass with the fields and defaults of a frozen one, for OmegaConf to change."""
-    kinds = get_type_hints(kind)
-    assert all(f.default is not MISSING for f in fields(kind)), kind
+def parameters(kind: type, null: tuple[str, ...] = ()) -> Any:
+    """The fields and defaults of one of the library's dataclasses, which is frozen, as a dataclass to change.
+
+    Parameters
+    ----------
+    kind : type
+        A dataclass whose fields all have defaults.
+    null : tuple of str
+        Fields that may be null, too.
+    """
+    kinds = {name: t | None if name in null else t for name, t in get_type_hints(kind).items()}
     return make_dataclass(
         kind.__name__, [(f.name, kinds[f.name], field(default=f.default)) for f in fields(kind)]
     )
 
 
-@dataclass
-class SpreadConfig:
-    """How far the parameters of a scene lie apart: see `footopt.Spread`; null: measured from gait.path."""
-
-    zeta: float = Spread.zeta
-    mass: float = Spread.mass
-    period: float | None = Spread.period
-    stride: float = Spread.stride
-    angles: float | None = Spread.angles
-    ankle_x: float = Spread.ankle_x
-    ankle_z: float = Spread.ankle_z
+if TYPE_CHECKING:
+    from footopt.design import Solver as SolverConfig
+    from footopt.foot import Waypoints as SpaceConfig
+    from footopt.sand import StressMap as CoefficientsConfig
+    from footopt.walk import Spread as SpreadConfig
+    from footopt.walk import Walker as WalkerConfig
+else:
+    SolverConfig, SpaceConfig, CoefficientsConfig, WalkerConfig = map(
+        parameters, (Solver, Waypoints, StressMap, Walker)
+    )
+    SpreadConfig = parameters(
+        Spread, null=("period", "angles")
+    )  # null: measured from the strides of gait.path
 
 
 @dataclass
@@ -91,21 +100,6 @@ class StudyConfig:
 
 
 @dataclass
-class CoefficientsConfig:
-    """The nine Fourier coefficients of the stress map, N/cm^3: see `footopt.StressMap`."""
-
-    A00: float = StressMap.A00
-    A10: float = StressMap.A10
-    B11: float = StressMap.B11
-    B01: float = StressMap.B01
-    Bm11: float = StressMap.Bm11
-    C11: float = StressMap.C11
-    C01: float = StressMap.C01
-    Cm11: float = StressMap.Cm11
-    D10: float = StressMap.D10
-
-
-@dataclass
 class SandConfig:
     """The sand: zeta scales the generic stress map, or nine coefficients, or a table of stresses."""
 
@@ -146,19 +140,10 @@ class GaitConfig:
 
 
 @dataclass
-class FootConfig:
-    """The foot: a space of waypoints (and one sole k in it, to simulate), a shape, or a drawing."""
+class FootConfig(SpaceConfig):  # type: ignore[misc]
+    """The foot: a space of `Waypoints` (and one sole k in it, to simulate), a shape, or a drawing."""
 
     shape: str = "waypoints"
-    n: int = Waypoints.n
-    K: int = Waypoints.K
-    L: float = Waypoints.L
-    H: float = Waypoints.H
-    width: float = Waypoints.width
-    ankle: list[float] = field(default_factory=lambda: list(Waypoints.ankle))
-    box_tolerance: float = Waypoints.box_tolerance
-    closed: bool = Waypoints.closed
-    top: float = Waypoints.top
     k: list[int] | None = None
     length: float = default(Foot.shape, "length")
     apex: str = default(shapes.reversed_triangle, "apex")
@@ -194,19 +179,9 @@ class EffectsConfig:
 #: With a setting for each effect: its parameters, or null where it is not simulated.
 AllEffects = make_dataclass(
     "AllEffects",
-    [(name, Optional[parameters(kind)], None) for name, kind in EFFECTS.items()],  # noqa: UP045
+    [(name, parameters(kind) | None, None) for name, kind in EFFECTS.items()],
     bases=(EffectsConfig,),
 )
-
-
-@dataclass
-class WalkerConfig:
-    """The walker: see `footopt.Walker`."""
-
-    mass: float = Walker.mass
-    l1: float = Walker.l1
-    l2: float = Walker.l2
-    g: float = Walker.g
 
 
 @dataclass
@@ -236,16 +211,6 @@ class ObjectiveConfig:
     """What is optimised: names from the objectives."""
 
     names: list[str] = field(default_factory=lambda: list(SETS["efficiency"]))
-
-
-@dataclass
-class SolverConfig:
-    """Who searches, and for how long."""
-
-    name: str = Solver.name
-    pop_size: int = Solver.pop_size
-    n_gen: int = Solver.n_gen
-    seed: int = Solver.seed
 
 
 @dataclass

@@ -2,25 +2,21 @@
 
 import csv
 import json
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
-from hydra.core.override_parser.overrides_parser import OverridesParser
-from running import LIMIT, QUICK, composed, footopt, only_folder, program, started
+from running import LIMIT, QUICK, footopt, only_folder, program, started
 from scipy.io import netcdf_file
 from shapely import Polygon
 from study_pages import check_page
 
 import footopt as fo
-from footopt.cli.compose import CONF
-from footopt.cli.words import readable
-from footopt.errors import SettingError
-from footopt.studies import STUDIES, build
+from footopt.cli.compose import groups
 from footopt.studies.export import foot_of
 from footopt.walk import STEPPERS
-from footopt.walk.accuracy import MARGIN, measured_settings
 
-GROUPS = sorted(p.name for p in CONF.iterdir() if p.is_dir())
+STEP = ["step"] if find_spec("OCP") else []  # needs footopt[cad]
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +35,7 @@ class TestOptimize:
         assert files >= {
             *(f".hydra/{name}.yaml" for name in ("config", "hydra", "overrides")),
             *("result.json", "designs.csv", "walk.nc", "report.html"),
-            *(f"contour.{end}" for end in ("csv", "dxf", "svg", "stl", "step")),
+            *(f"contour.{end}" for end in ("csv", "dxf", "svg", "stl", *STEP)),
             *(f"figures/{name}.{end}" for name in figures for end in ("png", "pdf")),
         }
         assert folder.parts[-3:-1] == ("outputs", "optimize")
@@ -202,34 +198,6 @@ class TestAccuracy:
         assert (folder / "figures" / "accuracy.png").is_file()
         check_page(folder)
 
-    def test_a_tolerance_picks_the_cheapest_measured_setting(self):
-        for tolerance in (0.02, 0.01, 0.005):
-            picked = build.make_accuracy(
-                composed("accuracy=custom", f"accuracy.tolerance={tolerance}").accuracy
-            )
-            held = [r for r in measured_settings() if r["control"] is not None]
-            good = [r for r in held if r["error"] <= MARGIN * tolerance]
-            (row,) = [r for r in good if r["ms"] == min(g["ms"] for g in good)][:1]
-            for name in ("stepper", "dt", "control", "plates", "creep", "rule"):
-                assert getattr(picked, name) == row[name]
-
-    def test_a_sand_is_called_what_it_is(self):
-        for words, name in (
-            ("sand=hard", "hard"), ("sand=hard sand.zeta=5", "hard"), ("sand.zeta=2.5", "custom"),
-            ("sand=soft sand.coefficients.A00=0.3", "custom"), ("sand.name=dune sand.zeta=1.4", "dune"),
-        ):  # fmt: skip
-            assert build.make_sand(composed(*words.split()).sand).name == name
-
-    def test_an_accuracy_is_called_what_it_is(self):
-        picked = build.make_accuracy(composed("accuracy.tolerance=0.02").accuracy)  # beside the default name
-        assert picked == fo.Accuracy.within(0.02)
-        assert picked.name == "within 0.02"
-
-    def test_parts_of_an_accuracy_are_set_by_hand_over_a_preset(self):
-        fine = fo.Accuracy.named("fine")
-        mine = build.make_accuracy(composed("accuracy=fine", "accuracy.plates=300").accuracy)
-        assert (mine.plates, mine.dt, mine.name) == (300, fine.dt, "custom")
-
 
 class TestMultirun:
     @pytest.mark.slow
@@ -265,157 +233,6 @@ def test_three_sands_and_two_solvers_are_six_jobs(tmp_path):
     assert min(hard) > max(soft)
 
 
-BAD = {
-    "sand=mud": "sand = 'mud': must be one of",
-    "sand.zeta=0": "sand.zeta = 0.0: must be a number > 0",
-    "accuracy.plates=1": "accuracy.plates = 1: must be a whole number from 2 to 20000",
-    "accuracy.stepper=leapfrog": "accuracy.stepper = 'leapfrog': must be one of",
-    "scene.t_f=0.9": "scene.t_f = 0.9: must be later than the first heel strike at 1.1 s",
-    "scene=stand": "stands still",
-    "gait=file": "gait.path = None",
-    "gait=file gait.path=missing.csv": "gait.path = 'missing.csv': cannot be read",
-    "gait=file gait.path=broken.csv": "the header lacks thigh, knee",
-    "sand=custom sand.table=missing.csv": "sand.table = 'missing.csv': cannot be read",
-    "solver=ga objective=pareto": "solver = 'ga': must be a solver of several objectives",
-    "objective.names=[speed]": "objective.names = 'speed': must be made of distance",
-    "study=simulate foot.k=[0,2,3,4,5,6,7,8,8,8,8]": "foot.k[0] = 0.0: must be a whole number",
-    "study=simulate foot.k=[1.5,2,3,4,5,6,7,8,8,8,8]": "foot.k",
-    "study=simulate foot.k=[1,2,3]": "foot.k = [1, 2, 3]: must be 11 heights",
-    "hydra.run.dir=a_file": "a_file",
-    "hydra.run.dir=a_file/below": "a_file",
-    "accuracy.name=fein": "accuracy.name = 'fein': must be one of draft, standard, fine, reference, custom.",
-    "study=sensitivity engine.threads=-1": "engine.threads = -1: must be a whole number >= 1 and <= 4096",
-    "study=accuracy study.feet=-60": "study.feet = -60: must be a whole number, 1 to 10,000",
-    "accuracy.tolerance=1e-9": "accuracy.tolerance = 1e-09: must be at least",
-    "study.finalists=0": "study.finalists = 0: must be a whole number >= 1",
-    "study.confirm=best": "accuracy = 'best': must be one of",
-    "study=export": "study.run = None: must be the folder of a run",
-    "study=export run=a_file": "study.run = 'a_file': not the folder of a run with one foot",
-    "study=simulate foot=outline": "foot.path = None: must be a drawing",
-    "study=simulate foot.path=sole.dxf": "foot.path = 'sole.dxf': must be null without foot=outline",
-    "study=simulate foot=outline foot.path=a.doc": "foot.path = 'a.doc': must be a file that ends in .dxf",
-    "foot=outline foot.path=sole.dxf": "foot.shape = 'outline': must be waypoints for a search",
-    "engine.threads=0": "engine.threads = 0: must be a whole number >= 1",
-}
-
-
-#: ... by the program itself too: before Hydra begins, by Hydra, and by a study.
-IN_A_PROCESS = ("sand=mud", "hydra.run.dir=a_file", "gait=file gait.path=broken.csv")
-
-
-@pytest.mark.parametrize(
-    ("run", "arguments"),
-    [*((footopt, words) for words in BAD), *((program, words) for words in IN_A_PROCESS)],
-)
-def test_bad_input_gets_one_clear_message(run, arguments, tmp_path):
-    (tmp_path / "a_file").write_text("in the way\n")
-    (tmp_path / "broken.csv").write_text("time,hip\n0,1\n")
-    done = run(*arguments.split(), cwd=tmp_path)
-    assert done.returncode == 1
-    assert done.stderr.startswith("footopt: error: ")
-    assert BAD[arguments] in done.stderr
-    assert "Traceback" not in done.stderr
-    assert not list(tmp_path.rglob("result.json"))
-
-
-def test_what_was_refused_leaves_no_folder_but_what_was_there_stays(tmp_path):
-    for words in (["study=simulate", "gait=file", "gait.path=nowhere.trc"], ["foot.width=0"]):
-        assert footopt(*words, cwd=tmp_path).returncode == 1
-        assert footopt(*words, "hydra.run.dir=mine", cwd=tmp_path).returncode == 1
-    assert not list(tmp_path.rglob(".hydra"))
-    (tmp_path / "mine").mkdir()
-    (tmp_path / "mine" / "notes.txt").write_text("mine")
-    assert footopt("foot.width=0", "hydra.run.dir=mine", cwd=tmp_path).returncode == 1
-    assert (tmp_path / "mine" / "notes.txt").read_text() == "mine"
-
-
-#: What newcomers type, and what they are told.
-MISTAKES = {
-    "snad=soft": "snad: there is no such setting. Did you mean sand=soft?",
-    "sand.zta=2": "sand.zta: there is no such setting. Did you mean sand.zeta=2?",
-    "+sand.density=1600": "sand.density: there is no such setting. Those of sand: name, zeta, ",
-    "seed=3": "seed: there is no such setting. Did you mean solver.seed=3?",
-    "effects.slope=5": "effects.slope: holds several settings. Try effects.slope.angle=...",
-    "sand=Hard": "sand = 'Hard': must be one of custom, glass_beads, hard, ",
-    "-m sand=Hard,soft": "Did you mean hard?",
-    "study=optimise": "Did you mean optimize?",
-    "effects=[slop]": "Did you mean slope?",
-    "sand=2.5": "A number needs its name, such as sand.zeta=2.5.",
-    "sand=soft,hard": "sand = 'soft,hard': must be one choice. For a run of each: footopt -m sand=soft,hard",
-    "effects=slope,inertia": "For both at once: effects=[slope,inertia]",
-    "effects.slope.angle=5": "Try effects=slope effects.slope.angle=5",
-    "effects=inertia effects.layers.depths=[0.1]": "Try effects=layers effects.layers.depths=[0.1]",
-    "sand soft": "sand: settings are given as name=value. Try sand=soft",
-    "optimize": "optimize: settings are given as name=value. Try study=optimize",
-    "sotf": "Did you mean sand=soft?",
-    "help": "Try footopt --help",
-    "--sand.zeta=2": "--sand.zeta=2: settings have no dashes. Try sand.zeta=2",
-    "sand.zeta=loose": "sand.zeta = 'loose': must be a number.",
-    "sand.zeta=": "sand.zeta = '': must be a number.",
-    "sand.zeta=2,5": "sand.zeta = '2,5': must be without a comma. Try sand.zeta=2.5 for a number",
-    "solver.n_gen=10.5": "solver.n_gen = '10.5': must be a whole number.",
-    "study.quick=maybe": "study.quick = 'maybe': must be true or false.",
-    "foot.k=[1,x]": "foot.k = '[1,x]': must be a list of whole numbers.",
-    "foot.k=5": "foot.k = '5': must be a list in brackets. Try 'foot.k=[5]'",
-    "foot.k=[1,2,3": "foot.k=[1,2,3: the list does not end. Try 'foot.k=[1,2,3]'",
-    "foot.k=[1, 2, 3]": "Leave out its spaces, or quote it: 'foot.k=[1, 2, 3]'",
-    "foot.k=1,2,3": "Try 'foot.k=[1,2,3]' for a list",
-    "foot.path=a,b.dxf": "'foot.path=\"a,b.dxf\"' for a text",
-    "study=simulate foot.k=[1,2,3]": "These are 3: give 11 of 1 to 10, or change foot.n.",
-    "study.confirm=fien": "Did you mean fine?",
-    "study=stability study.cases=[spiky]": "Did you mean spiky soles?",
-}
-
-
-@pytest.mark.parametrize("arguments", MISTAKES)
-def test_a_mistake_is_told_with_what_to_try(arguments, tmp_path):
-    done = footopt(*arguments.split(" "), cwd=tmp_path)
-    said = done.stderr
-    assert done.returncode == 1
-    assert said.startswith("footopt: error: ")
-    assert MISTAKES[arguments] in said
-    assert "hydra" not in said.lower()
-    assert not list(tmp_path.rglob("result.json"))
-
-
-@pytest.mark.parametrize(
-    ("word", "read"),
-    {
-        "gait.path=Größe.trc": "Größe.trc",
-        "gait.path=my walk(1).trc": "my walk(1).trc",
-        "gait.path=it's=mine{2}.trc": "it's=mine{2}.trc",
-        "gait.path=a[1].trc": "a[1].trc",
-        "gait.path='Größe 1.trc'": "Größe 1.trc",
-        "gait.path=a\\(1\\).trc": "a(1).trc",
-        "gait.path=null": None,
-        "gait.path=C:\\Jörg\\a.trc": "C:\\Jörg\\a.trc",
-        "gait.path=~/a.trc": "/at/home/a.trc",
-        "study.runs=[Läufe/*, b, ~/c]": ["Läufe/*", "b", "/at/home/c"],
-        "study.runs=['a, ü','b']": ["a, ü", "b"],
-        "study.runs=[]": [],
-        "run=grün [1], it's": "grün [1], it's",
-        "sand.name=~/x": "~/x",
-    }.items(),
-)
-def test_files_may_have_any_name(word, read, monkeypatch):
-    monkeypatch.setenv("HOME", "/at/home")
-    quoted = readable(word)
-    if word.startswith("sand"):
-        assert quoted == word
-    else:
-        assert OverridesParser.create().parse_override(quoted).value() == read
-
-
-def test_files_with_any_name_are_jobs_of_a_multirun():
-    words = {
-        "gait.path=ä.trc,b.trc": ["ä.trc", "b.trc"],
-        "gait.path=choice(b.trc,c.trc)": ["b.trc", "c.trc"],
-    }
-    for word, jobs in words.items():
-        swept = OverridesParser.create().parse_override(readable(word))
-        assert [job.strip("'") for job in swept.sweep_string_iterator()] == jobs
-
-
 def test_the_version_is_ours(tmp_path):
     done = footopt("--version", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (0, f"footopt {fo.__version__}\n")
@@ -427,90 +244,11 @@ def test_a_traceback_on_request(tmp_path):
 
 def test_help_explains_the_groups(tmp_path):
     text = footopt("--help", cwd=tmp_path).stdout
-    for group in GROUPS:
+    for group, choices in groups().items():
         assert f"  {group} " in text
-        assert f"{group}: " in text
+        assert f"{group}: {', '.join(choices)}\n" in text
 
 
 def test_shell_completion_knows_groups_and_options(tmp_path):
     done = program("-sc", "query=bash", cwd=tmp_path, COMP_LINE="footopt sand=", COMP_POINT="13")
     assert {"sand=soft", "sand=regular", "sand=hard"} <= set(done.stdout.split())
-
-
-def test_a_named_sand_that_is_changed_loses_its_name():
-    names = {
-        ("sand=hard",): "hard",
-        ("sand=hard", "sand.zeta=2.5"): "custom",
-        ("sand=soft", "sand.coefficients.A00=0.3"): "custom",
-        ("sand=hard", "sand.zeta=2.5", "sand.name=mine"): "mine",
-    }
-    for words, name in names.items():
-        assert build.make_sand(composed(*words).sand).name == name
-
-
-@pytest.mark.parametrize("choice", [f"{p.parent.name}={p.stem}" for p in sorted(CONF.glob("*/*.yaml"))])
-def test_every_yaml_file_composes_and_builds(choice):
-    config = composed(choice)
-    group, name = choice.split("=")
-    if choice not in ("gait=file", "effects=auto"):
-        build.make_scene(config)
-    build.make_accuracy(config.accuracy)
-    if choice != "foot=outline":
-        build.make_foot(config.foot)
-    if group in ("study", "sand", "gait", "scene", "accuracy", "solver"):
-        assert getattr(config, group).name == name
-
-
-def test_presets_are_the_same_from_yaml_and_from_python():
-    from footopt.sand import MEDIA
-    from footopt.walk import PRESETS
-
-    for name, accuracy in PRESETS.items():
-        assert build.make_accuracy(composed(f"accuracy={name}").accuracy) == accuracy
-    for name in MEDIA:
-        assert build.make_sand(composed(f"sand={name}").sand) == fo.Sand.named(name)
-    assert build.make_scene(composed()) == fo.Scene()
-    assert build.make_space(composed().foot) == fo.Waypoints()
-    assert {p.stem for p in (CONF / "study").iterdir()} == set(STUDIES)
-
-
-@pytest.mark.parametrize(("solver", "names"), [("ga", 1), ("nsga2", 5)])
-def test_a_solver_brings_its_objective_and_the_command_line_wins(solver, names):
-    assert len(composed(f"solver={solver}").objective.names) == names
-    assert composed(f"solver={solver}", "objective.names=[work]").objective.names == ["work"]
-    assert composed("solver=nsga2", "objective=efficiency").objective.names == ["efficiency"]
-    assert composed("scene=stand", "gait.start=1.0").gait.start == 1.0
-
-
-def test_a_table_of_stresses_from_the_command_line(tmp_path):
-    angles = [(b, g) for b in range(-80, 90, 20) for g in range(-180, 180, 20)]
-    with open(tmp_path / "stress.csv", "w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["beta", "gamma", "alpha_x", "alpha_z"])
-        for b, g in angles:
-            ax, az = fo.stress.alpha(np.radians(b), np.radians(g))
-            writer.writerow([b, g, ax / 1e6, az / 1e6])
-    sand = build.make_sand(
-        composed("sand=custom", f"sand.table={tmp_path / 'stress.csv'}", "sand.zeta=2").sand
-    )
-    assert sand.zeta == 2.0
-    assert sand.stress_map.B01 == pytest.approx(0.358)
-
-
-def test_nine_coefficients_from_the_command_line(tmp_path):
-    nine = {
-        "A00": 0.2,
-        "A10": 0.1,
-        "B11": 0.2,
-        "B01": 0.3,
-        "Bm11": 0.05,
-        "C11": -0.1,
-        "C01": 0.2,
-        "Cm11": 0.01,
-    }
-    changed = [f"sand.coefficients.{name}={value}" for name, value in nine.items()]
-    sand = build.make_sand(composed("sand=custom", *changed).sand)
-    assert sand.stress_map == fo.StressMap(0.2, 0.1, 0.2, 0.3, 0.05, -0.1, 0.2, 0.01, 0.088)
-    assert build.make_sand(composed("sand=custom").sand).stress_map == fo.StressMap()
-    with pytest.raises(SettingError, match=r"sand\.table = 'x\.csv': must be null when"):
-        build.make_sand(composed("sand=custom", *changed, "sand.table=x.csv").sand)

@@ -20,7 +20,7 @@ from footopt.design.solvers import SINGLE, SOLVERS, Solver
 from footopt.effects import base as effects
 from footopt.errors import SettingError
 from footopt.studies.build import load_plugins, make_effects
-from footopt.studies.settings import EffectsConfig
+from footopt.studies.settings import AllEffects
 from footopt.walk.objectives import OBJECTIVES
 
 CUSTOM = Path(__file__).parents[2] / "examples" / "custom"
@@ -88,9 +88,9 @@ def test_an_example_runs_and_says_what_it_found(name, says):
 class TestPlugins:
     def test_an_effect_becomes_a_setting(self):
         load_plugins([str(CUSTOM / "effect.py")])
-        (floor,) = make_effects(EffectsConfig(own={"floor": {"depth": 0.05}}))
+        (floor,) = make_effects(AllEffects(own={"floor": {"depth": 0.05}}))
         assert (floor.depth, floor.length) == (0.05, 0.01)
-        (floor,) = make_effects(EffectsConfig(own={"floor": None}))
+        (floor,) = make_effects(AllEffects(own={"floor": None}))
         assert floor.depth == 0.1
 
     def test_the_floor_s_derivatives_are_those_of_its_load(self):
@@ -152,13 +152,13 @@ class TestPlugins:
             load_plugins(["no_such_module"])
 
     def test_an_effect_that_is_not_loaded_or_has_no_such_parameter_is_named(self):
-        with pytest.raises(SettingError, match=r"effects\.own = 'floor'.*plugins="):
-            make_effects(EffectsConfig(own={"floor": None}))
+        with pytest.raises(SettingError, match=r"effects\.own = 'floor'.*none is loaded.*plugins="):
+            make_effects(AllEffects(own={"floor": None}))
         with pytest.raises(SettingError, match=r"effects\.own = 'slope'"):
-            make_effects(EffectsConfig(own={"slope": {"angle": 5}}))
+            make_effects(AllEffects(own={"slope": {"angle": 5}}))
         load_plugins([str(CUSTOM / "effect.py")])
         with pytest.raises(SettingError, match="deep"):
-            make_effects(EffectsConfig(own={"floor": {"deep": 1.0}}))
+            make_effects(AllEffects(own={"floor": {"deep": 1.0}}))
 
 
 def test_the_yaml_s_sand_is_the_script_s():

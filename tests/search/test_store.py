@@ -92,10 +92,10 @@ class TestReplay:
         monkeypatch.setattr(p, "walk", interrupted)
         assert_same(whole, search(p, "nsga2", store=path, pop_size=12, n_gen=9, seed=3))
 
-        def front(archive, original=Archive._front):
+        def front(archive, feasible, original=Archive._front):
             if len(archive.history) == 2:
                 raise KeyboardInterrupt
-            return original(archive)
+            return original(archive, feasible)
 
         monkeypatch.setattr(Archive, "_front", front)  # walked and told, but not finished
         two = search(p, "nsga2", store=path, pop_size=12, n_gen=9, seed=3)

@@ -1,0 +1,150 @@
+"""What a user is told: which setting, which value, what is allowed, what to try; files may have any name."""
+
+import pytest
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from running import footopt, program
+
+from footopt.cli.words import readable
+
+#: What only the library, or the system, can refuse.
+BAD = {
+    "sand=mud": "sand = 'mud': must be one of",
+    "sand.zeta=0": "sand.zeta = 0.0: must be a number > 0",
+    "accuracy.plates=1": "accuracy.plates = 1: must be a whole number from 2 to 20000",
+    "accuracy.stepper=leapfrog": "accuracy.stepper = 'leapfrog': must be one of",
+    "scene.t_f=0.9": "scene.t_f = 0.9: must be later than the first heel strike at 1.1 s",
+    "scene=stand": "stands still",
+    "gait=file": "gait.path = None",
+    "gait=file gait.path=broken.csv": "the header lacks thigh, knee",
+    "sand=custom sand.table=missing.csv": "sand.table = 'missing.csv': cannot be read",
+    "solver=ga objective=pareto": "solver = 'ga': must be a solver of several objectives",
+    "objective.names=[speed]": "objective.names = 'speed': must be made of distance",
+    "study=simulate foot.k=[0,2,3,4,5,6,7,8,8,8,8]": "foot.k[0] = 0.0: must be a whole number",
+    "hydra.run.dir=a_file": "a_file",
+    "accuracy.name=fein": "accuracy.name = 'fein': must be one of draft, standard, fine, reference, custom.",
+    "study=sensitivity engine.threads=-1": "engine.threads = -1: must be a whole number >= 1 and <= 4096",
+    "accuracy.tolerance=1e-9": "accuracy.tolerance = 1e-09: must be at least",
+    "study.confirm=best": "accuracy = 'best': must be one of",
+    "study=export": "study.run = None: must be the folder of a run",
+    "study=simulate foot=outline": "foot.path = None: must be a drawing",
+    "study=simulate foot.path=sole.dxf": "foot.path = 'sole.dxf': must be null without foot=outline",
+    "study=simulate foot=outline foot.path=a.doc": "foot.path = 'a.doc': must be a file that ends in .dxf",
+    "foot=outline foot.path=sole.dxf": "foot.shape = 'outline': must be waypoints for a search",
+}
+
+
+#: Some of them in a process of its own: refused by Hydra, by the system, and by a study.
+IN_A_PROCESS = ("sand=mud", "hydra.run.dir=a_file", "gait=file gait.path=broken.csv")
+
+
+@pytest.mark.parametrize(
+    ("run", "arguments"),
+    [*((footopt, words) for words in BAD), *((program, words) for words in IN_A_PROCESS)],
+)
+def test_bad_input_gets_one_clear_message(run, arguments, tmp_path):
+    (tmp_path / "a_file").write_text("in the way\n")
+    (tmp_path / "broken.csv").write_text("time,hip\n0,1\n")
+    done = run(*arguments.split(), cwd=tmp_path)
+    assert done.returncode == 1
+    assert done.stderr.startswith("footopt: error: ")
+    assert BAD[arguments] in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not list(tmp_path.rglob("result.json"))
+
+
+def test_what_was_refused_leaves_no_folder_but_what_was_there_stays(tmp_path):
+    for words in (["study=simulate", "gait=file", "gait.path=nowhere.trc"], ["foot.width=0"]):
+        assert footopt(*words, cwd=tmp_path).returncode == 1
+        assert footopt(*words, "hydra.run.dir=mine", cwd=tmp_path).returncode == 1
+    assert not list(tmp_path.rglob(".hydra"))
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "notes.txt").write_text("mine")
+    assert footopt("foot.width=0", "hydra.run.dir=mine", cwd=tmp_path).returncode == 1
+    assert (tmp_path / "mine" / "notes.txt").read_text() == "mine"
+
+
+#: What newcomers type, and what they are told.
+MISTAKES = {
+    "snad=soft": "snad: there is no such setting. Did you mean sand=soft?",
+    "sand.zta=2": "sand.zta: there is no such setting. Did you mean sand.zeta=2?",
+    "+sand.density=1600": "sand.density: there is no such setting. Those of sand: name, zeta, ",
+    "seed=3": "seed: there is no such setting. Did you mean solver.seed=3?",
+    "effects.slope=5": "effects.slope: holds several settings. Try effects.slope.angle=...",
+    "sand=Hard": "sand = 'Hard': must be one of custom, glass_beads, hard, ",
+    "-m sand=Hard,soft": "Did you mean hard?",
+    "study=optimise": "Did you mean optimize?",
+    "effects=[slop]": "Did you mean slope?",
+    "sand=2.5": "A number needs its name, such as sand.zeta=2.5.",
+    "sand=soft,hard": "sand = 'soft,hard': must be one choice. For a run of each: footopt -m sand=soft,hard",
+    "effects=slope,inertia": "For both at once: effects=[slope,inertia]",
+    "effects.slope.angle=5": "Try effects=slope effects.slope.angle=5",
+    "effects=inertia effects.layers.depths=[0.1]": "Try effects=layers effects.layers.depths=[0.1]",
+    "sand soft": "sand: settings are given as name=value. Try sand=soft",
+    "optimize": "optimize: settings are given as name=value. Try study=optimize",
+    "sotf": "Did you mean sand=soft?",
+    "help": "Try footopt --help",
+    "--sand.zeta=2": "--sand.zeta=2: settings have no dashes. Try sand.zeta=2",
+    "sand.zeta=loose": "sand.zeta = 'loose': must be a number.",
+    "sand.zeta=": "sand.zeta = '': must be a number.",
+    "sand.zeta=2,5": "sand.zeta = '2,5': must be without a comma. Try sand.zeta=2.5 for a number",
+    "solver.n_gen=10.5": "solver.n_gen = '10.5': must be a whole number.",
+    "study.quick=maybe": "study.quick = 'maybe': must be true or false.",
+    "foot.k=[1,x]": "foot.k = '[1,x]': must be a list of whole numbers.",
+    "foot.k=5": "foot.k = '5': must be a list in brackets. Try 'foot.k=[5]'",
+    "foot.k=[1,2,3": "foot.k=[1,2,3: the list does not end. Try 'foot.k=[1,2,3]'",
+    "foot.k=[1, 2, 3]": "the list has spaces in it. Leave them out, or quote it: 'foot.k=[1, 2, 3]'",
+    "foot.k=1,2,3": "Try 'foot.k=[1,2,3]' for a list",
+    "foot.path=a,b.dxf": "'foot.path=\"a,b.dxf\"' for a text",
+    "study=simulate foot.k=[1,2,3]": "These are 3: give 11 of 1 to 10, or change foot.n.",
+    "study.confirm=fien": "Did you mean fine?",
+    "study=stability study.cases=[spiky]": "Did you mean spiky soles?",
+}
+
+
+@pytest.mark.parametrize("arguments", MISTAKES)
+def test_a_mistake_is_told_with_what_to_try(arguments, tmp_path):
+    done = footopt(*arguments.split(" "), cwd=tmp_path)
+    said = done.stderr
+    assert done.returncode == 1
+    assert said.startswith("footopt: error: ")
+    assert MISTAKES[arguments] in said
+    assert "hydra" not in said.lower()
+    assert not list(tmp_path.rglob("result.json"))
+
+
+@pytest.mark.parametrize(
+    ("word", "read"),
+    {
+        "gait.path=Größe.trc": "Größe.trc",
+        "gait.path=my walk(1).trc": "my walk(1).trc",
+        "gait.path=it's=mine{2}.trc": "it's=mine{2}.trc",
+        "gait.path=a[1].trc": "a[1].trc",
+        "gait.path='Größe 1.trc'": "Größe 1.trc",
+        "gait.path=a\\(1\\).trc": "a(1).trc",
+        "gait.path=null": None,
+        "gait.path=C:\\Jörg\\a.trc": "C:\\Jörg\\a.trc",
+        "gait.path=~/a.trc": "/at/home/a.trc",
+        "study.runs=[Läufe/*, b, ~/c]": ["Läufe/*", "b", "/at/home/c"],
+        "study.runs=['a, ü','b']": ["a, ü", "b"],
+        "study.runs=[]": [],
+        "run=grün [1], it's": "grün [1], it's",
+        "sand.name=~/x": "~/x",
+    }.items(),
+)
+def test_files_may_have_any_name(word, read, monkeypatch):
+    monkeypatch.setenv("HOME", "/at/home")
+    quoted = readable(word)
+    if word.startswith("sand"):
+        assert quoted == word
+    else:
+        assert OverridesParser.create().parse_override(quoted).value() == read
+
+
+def test_files_with_any_name_are_jobs_of_a_multirun():
+    words = {
+        "gait.path=ä.trc,b.trc": ["ä.trc", "b.trc"],
+        "gait.path=choice(b.trc,c.trc)": ["b.trc", "c.trc"],
+    }
+    for word, jobs in words.items():
+        swept = OverridesParser.create().parse_override(readable(word))
+        assert [job.strip("'") for job in swept.sweep_string_iterator()] == jobs

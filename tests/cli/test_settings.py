@@ -1,0 +1,266 @@
+"""Settings: a default is written once, and any value of any setting is used, or refused by its name."""
+
+import copy
+import csv
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+from hydra import compose, initialize_config_dir
+from hydra._internal.config_loader_impl import ConfigLoaderImpl
+from hydra.core.global_hydra import GlobalHydra
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from hydra.errors import HydraException
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from omegaconf import OmegaConf
+from omegaconf.errors import OmegaConfBaseException
+from running import composed
+
+import footopt as fo
+from footopt import studies
+from footopt.cli.compose import CONF, groups, known
+from footopt.cli.messages import explain
+from footopt.design import Solver, make_executor
+from footopt.design.exhaustive import check_size
+from footopt.effects import EFFECTS
+from footopt.errors import FootoptError, SettingError
+from footopt.sand import MEDIA
+from footopt.studies import build
+from footopt.studies.robust import make_scenarios
+from footopt.studies.settings import Config
+from footopt.walk import PRESETS
+from footopt.walk.accuracy import MARGIN, measured_settings
+
+
+class TestDefaults:
+    def test_are_those_of_the_library(self):
+        config = composed()
+        assert build.make_scene(config) == fo.Scene()
+        assert build.make_space(config.foot) == fo.Waypoints()
+        assert build.make_accuracy(config.accuracy) == fo.Accuracy.named("standard")
+        assert build.make_spread(config) == fo.Spread()
+        assert Solver(**vars(config.solver)) == Solver()
+        for effect, kind in EFFECTS.items():
+            assert build.make_effects(composed(f"effects={effect}").effects) == (kind(),)
+        for name, accuracy in PRESETS.items():
+            assert build.make_accuracy(composed(f"accuracy={name}").accuracy) == accuracy
+        for name in MEDIA:
+            assert build.make_sand(composed(f"sand={name}").sand) == fo.Sand.named(name)
+        assert set(groups()["study"]) == set(studies.STUDIES)
+
+    @pytest.mark.parametrize(
+        "path", sorted(CONF.glob("*/*.yaml")), ids=lambda path: f"{path.parent.name}={path.stem}"
+    )
+    def test_are_not_written_again_in_a_yaml_file(self, path):
+        """A file of conf/ sets what differs from the default, and the name of its choice."""
+        everything = OmegaConf.merge(Config, {"effects": {name: {} for name in EFFECTS}})
+        defaults = dict(leaves(OmegaConf.to_container(everything)))
+        place = "" if "@package _global_" in path.read_text() else f"{path.parent.name}."
+        for name, value in leaves(OmegaConf.to_container(OmegaConf.load(path)), place):
+            if name.partition(".")[2] not in ("name", "shape") and "defaults" not in name:
+                assert value != defaults[name], f"{name}: {value}"
+
+    @pytest.mark.parametrize(
+        "choice", [f"{group}={name}" for group, names in groups().items() for name in names]
+    )
+    def test_every_choice_composes_and_builds(self, choice):
+        config = composed(choice)
+        group, name = choice.split("=")
+        if choice not in ("gait=file", "effects=auto"):
+            build.make_scene(config)
+        build.make_accuracy(config.accuracy)
+        if choice != "foot=outline":
+            build.make_foot(config.foot)
+        if group in ("study", "sand", "gait", "scene", "accuracy", "solver"):
+            assert getattr(config, group).name == name
+
+    @pytest.mark.parametrize(("solver", "names"), [("ga", 1), ("nsga2", 5)])
+    def test_a_solver_brings_its_objective_and_the_command_line_wins(self, solver, names):
+        assert len(composed(f"solver={solver}").objective.names) == names
+        assert composed(f"solver={solver}", "objective.names=[work]").objective.names == ["work"]
+        assert composed("solver=nsga2", "objective=efficiency").objective.names == ["efficiency"]
+        assert composed("scene=stand", "gait.start=1.0").gait.start == 1.0
+
+
+def leaves(values, place=""):
+    """All values of nested settings by their full names."""
+    for name, value in values.items():
+        if isinstance(value, dict):
+            yield from leaves(value, f"{place}{name}.")
+        else:
+            yield place + name, value
+
+
+class TestBuild:
+    def test_a_tolerance_picks_the_cheapest_measured_setting(self):
+        for tolerance in (0.02, 0.01, 0.005):
+            picked = build.make_accuracy(
+                composed("accuracy=custom", f"accuracy.tolerance={tolerance}").accuracy
+            )
+            held = [r for r in measured_settings() if r["control"] is not None]
+            good = [r for r in held if r["error"] <= MARGIN * tolerance]
+            (row,) = [r for r in good if r["ms"] == min(g["ms"] for g in good)][:1]
+            for name in ("stepper", "dt", "control", "plates", "creep", "rule"):
+                assert getattr(picked, name) == row[name]
+
+    def test_a_sand_is_called_what_it_is(self):
+        for words, name in (
+            ("sand=hard", "hard"), ("sand=hard sand.zeta=5", "hard"), ("sand.zeta=2.5", "custom"),
+            ("sand=soft sand.coefficients.A00=0.3", "custom"), ("sand.name=dune sand.zeta=1.4", "dune"),
+        ):  # fmt: skip
+            assert build.make_sand(composed(*words.split()).sand).name == name
+
+    def test_an_accuracy_is_called_what_it_is(self):
+        picked = build.make_accuracy(composed("accuracy.tolerance=0.02").accuracy)  # beside the default name
+        assert picked == fo.Accuracy.within(0.02)
+        assert picked.name == "within 0.02"
+
+    def test_parts_of_an_accuracy_are_set_by_hand_over_a_preset(self):
+        fine = fo.Accuracy.named("fine")
+        mine = build.make_accuracy(composed("accuracy=fine", "accuracy.plates=300").accuracy)
+        assert (mine.plates, mine.dt, mine.name) == (300, fine.dt, "custom")
+
+    def test_a_table_of_stresses_or_coefficients_make_a_sand(self, tmp_path):
+        path = tmp_path / "stress.csv"
+        with open(path, "w", newline="") as file:
+            writer = csv.writer(file)
+            writer.writerow(["beta", "gamma", "alpha_x", "alpha_z"])
+            for b, g in [(b, g) for b in range(-80, 90, 20) for g in range(-180, 180, 20)]:
+                ax, az = fo.stress.alpha(np.radians(b), np.radians(g))
+                writer.writerow([b, g, ax / 1e6, az / 1e6])
+        sand = build.make_sand(composed("sand=custom", f"sand.table={path}", "sand.zeta=2").sand)
+        assert sand.zeta == 2.0
+        assert sand.stress_map.B01 == pytest.approx(0.358)
+        changed = ("sand=custom", "sand.coefficients.A00=0.2", "sand.coefficients.Cm11=0.01")
+        assert build.make_sand(composed(*changed).sand).stress_map == fo.StressMap(A00=0.2, Cm11=0.01)
+        with pytest.raises(SettingError, match=r"sand\.table = 'x\.csv': must be null when"):
+            build.make_sand(composed(*changed, "sand.table=x.csv").sand)
+
+
+#: What composing needs besides, so that a setting is there and is looked at.
+WITH = {
+    **{f"effects.{effect}.": [f"effects={effect}"] for effect in EFFECTS},
+    "foot.length": ["foot=ellipse"], "foot.apex": ["foot=reversed_triangle"], "foot.upright": ["foot=reversed_l"],
+    "sand.": ["sand=custom"], "gait.path": ["gait=file"], "foot.path": ["foot=outline"],
+    "study.tail": ["study=robust"], "study.draws": ["study=robust", "study.scenarios=drawn"],
+    "study.spread": ["study=robust", "study.scenarios=drawn"],
+}  # fmt: skip
+ABSURD = (
+    "0", "-1", "1e-300", "1e300", "10" * 40, "nan", ".inf", "-.inf", "null", "true", "", "''", "x", "'<script>'", "'\\n'",
+    "'é∞\u202e'", "[]", "[1,2,3]", "[nan,nan]", "[1e300,1e300]", "[x]", "[[1]]", "[null]", "{}", "{a: 1}",
+    "'${oc.env:HOME}'", "${study}", "0x10", "1_0", "[" + ",".join("1" * 400) + "]",
+)  # fmt: skip
+ANY_VALUE = st.one_of(
+    st.sampled_from(ABSURD),
+    st.integers().map(str),
+    st.floats().map(repr),
+    st.lists(st.floats(-3, 12) | st.integers(-3, 12), max_size=12).map(repr),
+    st.text(max_size=30).map(lambda text: "'" + text.replace("\\", "\\\\").replace("'", "\\'") + "'"),
+    st.text(alphabet="[]{}()=:,.$\\'\"!*&#%@ae1", max_size=12),
+)
+#: Settings that are numbers, none of them so that a walk takes long.
+NUMBERS = [name for name in known() if name.partition(".")[0] in ("foot", "gait", "sand", "walker")]
+
+
+@cache
+def base(words):
+    """The settings that a value is tried in."""
+    GlobalHydra.instance().clear()
+    with initialize_config_dir(str(CONF), version_base="1.3"):
+        return compose("config", ["accuracy=draft", *words])
+
+
+def used(*overrides):
+    """Build what settings name, check the search, and walk once; a whole composition takes twenty times as long."""
+    words = tuple(
+        sorted({w for o in overrides for start in WITH if o.startswith(start) for w in WITH[start]})
+    )
+    chosen = copy.deepcopy(base(words))
+    ConfigLoaderImpl._apply_overrides_to_config(
+        OverridesParser.create().parse_overrides(list(overrides)), chosen
+    )
+    config = OmegaConf.to_object(OmegaConf.merge(Config, OmegaConf.to_container(chosen, resolve=True)))
+    study, engine = config.study, config.engine
+    build.check_lists(config)
+    if study.name not in studies.STUDIES or (
+        engine.name != "local" and study.name not in studies.DISTRIBUTED
+    ):
+        studies.run(config, None, {})
+    scene, accuracy = build.make_scene(config), build.make_accuracy(config.accuracy)
+    foot = build.make_foot(config.foot)
+    solver = Solver(**vars(config.solver))
+    if config.foot.shape == "waypoints":
+        space = build.make_space(config.foot)
+        problem = fo.FootProblem(scene, config.objective.names, space, accuracy, engine.threads)
+        check_size(problem) if solver.name == "exhaustive" else solver.build(problem.n_obj)
+    if engine.name != "dask":
+        with make_executor(engine.name, engine.workers, engine.address, engine.timeout):
+            pass
+    if study.name == "robust":
+        make_scenarios(config)
+    walk = fo.simulate(foot, scene, accuracy)
+    if walk.feasible and math.isfinite(scene.gait.start) and scene.duration > scene.gait.heel_strike:
+        values = fo.evaluate([foot], scene, accuracy, threads=engine.threads).values
+        assert np.isfinite(values).all(), f"a walk without a reason has {values}"
+    assert walk.feasible or walk.reason
+
+
+def told(*words):
+    """What a user is told of settings that are refused; "" where they are used."""
+    try:
+        used(*words)
+    except (FootoptError, HydraException, OmegaConfBaseException) as error:
+        return explain(error, words)
+    return ""
+
+
+@pytest.mark.slow
+@settings(max_examples=600, suppress_health_check=list(HealthCheck))
+@given(st.sampled_from(known()), ANY_VALUE)
+def test_any_value_of_any_setting_is_used_or_refused_by_its_name(name, value):
+    said = told(f"{name}={value}")
+    assert not said or any(part in said for part in (name, name.rpartition(".")[2], name.partition(".")[0]))
+    assert "unexpected" not in said
+    assert len(said) < 1500
+
+
+@settings(max_examples=60, suppress_health_check=list(HealthCheck))
+@given(
+    st.dictionaries(
+        st.sampled_from(NUMBERS), st.floats(1e-3, 3).map(repr) | st.integers(0, 12).map(str), max_size=6
+    )
+)
+def test_several_settings_at_once_may_clash_and_then_one_is_named(chosen):
+    assert "unexpected" not in told(*(f"{name}={value}" for name, value in chosen.items()))
+
+
+#: What would take years or all memory.
+HUGE = [
+    ("effects", "study.feet=1000000000"), ("trust", "study.seeds=1000000000"), ("trust", "study.budget=100000000000"),
+    ("sensitivity", "study.samples=1073741824"), ("robust", "study.draws=1000000000"),
+    ("paper", "study.samples=1000000000"), ("paper", "study.seeds=1000000000"), ("robust", "study.finalists=1000000000"),
+    ("optimize", "study.finalists=1000000000"), ("optimize", "solver.pop_size=1000000000"),
+    ("optimize", "solver.n_gen=1000000000"), ("optimize", "accuracy.dt=1e-12"), ("simulate", "accuracy.dt=1e-8"),
+    ("simulate", "accuracy.plates=1000000000"), ("simulate", "scene.t_f=1e6"), ("simulate", "gait.period=1e6"),
+    ("simulate", "gait.harmonics=1000000"), ("simulate", "foot.n=1000000"), ("optimize", "foot.n=1000000"),
+    ("optimize", "foot.K=1000000000000"), ("optimize", "engine.threads=1000000000"), ("shapes", "foot.length=1e9"),
+    ("robust", "study.spread.zeta=1e9"), ("sensitivity", "study.foot_spread.creep=1e9"), ("simulate", "sand.zeta=1e300"),
+    ("simulate", "walker.mass=1e300"), ("optimize", "scene.t_f=1e5"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("study", "word"), HUGE, ids=lambda name: name)
+def test_what_would_take_years_or_all_memory_is_refused_at_once(study, word, tmp_path):
+    drawn = ["study.scenarios=drawn"] if study == "robust" else []
+    with pytest.raises(SettingError) as caught:
+        studies.run(composed("accuracy=draft", f"study={study}", *drawn, word), tmp_path, {})
+    allowed = ("accuracy.dt", "scene.t_f") if word.startswith(("scene.t_f", "gait.period")) else ()
+    assert any(name in str(caught.value) for name in (word.partition("=")[0], *allowed))
+    assert not list(tmp_path.glob("*.json"))
+
+
+def test_reference_directions_for_very_many_are_refused():
+    with pytest.raises(SettingError, match=r"solver\.pop_size = 5000: must be at most 1000"):
+        Solver("nsga3", 5000).build(5)
