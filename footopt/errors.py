@@ -1,4 +1,4 @@
-"""The errors a user can mend: each names the setting, its value, what is allowed and what to try."""
+"""Errors that a user can mend: each names the setting, its value, what is allowed and what to try."""
 
 from __future__ import annotations
 
@@ -24,10 +24,14 @@ class SettingError(FootoptError, ValueError):
 
     Parameters
     ----------
-    setting : the setting's name as the user writes it, e.g. ``"sand.zeta"``.
-    value : what was given.
-    allowed : what is allowed, in words.
-    hint : what to try; optional.
+    setting : str
+        Its name as the user writes it, such as ``"sand.zeta"``.
+    value : object
+        What was given.
+    allowed : str
+        What is allowed, in words.
+    hint : str, optional
+        What to try; by default the nearest of the names that are allowed.
     """
 
     def __init__(self, setting: str, value: object, allowed: str, hint: str = "") -> None:
@@ -48,7 +52,7 @@ class FileError(FootoptError, OSError):
 
 
 class MissingError(FootoptError, ImportError):
-    """A library is not installed that only some need."""
+    """A library that only some features need is not installed."""
 
 
 def needed(library: str, what: str, extra: str) -> Any:

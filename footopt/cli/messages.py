@@ -97,17 +97,12 @@ def refusal(error: BaseException, words: Sequence[str]) -> FootoptError | None:
     return None
 
 
-def _no_choice(group: str, choice: object, choices: Sequence[str]) -> FootoptError:
+def _no_choice(group: str, choice: str, choices: Sequence[str]) -> FootoptError:
     """A group has no such choice."""
-    hint = ""
-    if re.fullmatch(r"[-+\d.e]+", str(choice)):
-        named = next(
-            (name for name in known() if name.startswith(f"{group}.") and name != f"{group}.name"), ""
-        )
-        hint = f"A number needs its name, such as {named}={choice}."
-    return SettingError(
-        group, choice, f"one of {', '.join(choices)}" if choices else "a choice that there is", hint
-    )
+    own = [name for name in known() if name.startswith(f"{group}.") and name != f"{group}.name"]
+    is_number = own and re.fullmatch(r"[-+\d.e]+", choice)
+    hint = f"A number needs its name, such as {own[0]}={choice}." if is_number else ""
+    return SettingError(group, choice, f"one of {', '.join(choices)}", hint)
 
 
 def _unreadable(word: str, words: Sequence[str]) -> FootoptError:
@@ -115,40 +110,38 @@ def _unreadable(word: str, words: Sequence[str]) -> FootoptError:
     name, equals, value = word.partition("=")
     later = list(words)[list(words).index(word) + 1 :] if word in words else []
     if value.count("[") > value.count("]"):
-        more = next((later[: i + 1] for i, other in enumerate(later) if "]" in other), [])
-        hint = f"Leave out its spaces, or quote it: '{' '.join([word, *more])}'" if more else f"Try '{word}]'"
-        return FootoptError(f"{word}: the list does not end. {hint}")
+        if more := next((later[: i + 1] for i, other in enumerate(later) if "]" in other), []):
+            whole = " ".join([word, *more])
+            return FootoptError(f"{word}: the list has spaces in it. Leave them out, or quote it: '{whole}'")
+        return FootoptError(f"{word}: the list does not end. Try '{word}]'")
     if equals:
         return FootoptError(f"{word}: the value cannot be read. Try quotes around it: {name}=\"'...'\"")
-    owners = {choice: group for group, choices in groups().items() for choice in choices}
+    choices = groups()
+    owners = {choice: group for group in choices for choice in choices[group]}
     close = meant(word, owners)
-    if word in ("help", "?"):
+    if word == "help":
         hint = "Try footopt --help"
-    elif word in groups():
-        hint = f"Try {word}={later[0] if later and later[0] in groups()[word] else groups()[word][0]}"
+    elif word in choices:
+        hint = f"Try {word}={later[0] if later and later[0] in choices[word] else choices[word][0]}"
     elif word in owners:
-        hint = f"Try {' or '.join(f'{group}={word}' for group, own in groups().items() if word in own)}"
-    elif close:
-        hint = f"Did you mean {owners[close]}={close}?"
+        hint = f"Try {' or '.join(f'{group}={word}' for group in choices if word in choices[group])}"
     else:
-        hint = f"Such as sand=soft; {MORE}"
+        hint = f"Did you mean {owners[close]}={close}?" if close else f"Such as sand=soft; {MORE}"
     return FootoptError(f"{word}: settings are given as name=value. {hint}")
 
 
 def _several(word: str) -> FootoptError:
     """A value has a comma, and is no list, no text in quotes, and no sweep."""
     name, _, value = word.partition("=")
+    each = f"footopt -m {word}"
     if name in groups():
-        for choice in value.split(","):
-            if choice not in groups()[name]:
-                return _no_choice(name, choice, groups()[name])
         both = f"For both at once: effects=[{value}]. " if name == "effects" else ""
-        return SettingError(name, value, "one choice", f"{both}For a run of each: footopt -m {word}")
-    number = (
-        f"{name}={value.replace(',', '.')} for a number, " if re.fullmatch(r"[-+]?\d*,\d+", value) else ""
+        return SettingError(name, value, "one choice", f"{both}For a run of each: {each}")
+    dot = f"{name}={value.replace(',', '.')} for a number, " if re.fullmatch(r"[-+]?\d*,\d+", value) else ""
+    hint = (
+        f"Try {dot}'{name}=[{value}]' for a list, '{name}=\"{value}\"' for a text; {each} is a run of each."
     )
-    hint = f"Try {number}'{name}=[{value}]' for a list, '{name}=\"{value}\"' for a text"
-    return SettingError(name, value, "without a comma", f"{hint}; footopt -m {word} is a run of each.")
+    return SettingError(name, value, "without a comma", hint)
 
 
 def _not_chosen(given: Mapping[str, str]) -> FootoptError:

@@ -69,6 +69,11 @@ class Study:
         return make_accuracy(self.config.accuracy)
 
     @cached_property
+    def finer_accuracy(self) -> Accuracy:
+        """The accuracy that what a search found is walked again at: study.confirm, or the search's own."""
+        return Accuracy.named(self.options.confirm) if self.options.confirm else self.accuracy
+
+    @cached_property
     def space(self) -> Waypoints:
         """The design space of the settings."""
         return make_space(self.config.foot)

@@ -29,7 +29,7 @@ from footopt.studies.base import Study
 from footopt.studies.build import check_searchable
 from footopt.studies.record import foot_entry, scene_entry, validity_entry
 from footopt.studies.simulate import check_film, write_film, write_walk
-from footopt.walk import OBJECTIVES, Accuracy, estimate_error, gain_shares, simulate
+from footopt.walk import OBJECTIVES, estimate_error, gain_shares, simulate
 from footopt.walk.validity import diagnose
 
 LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
@@ -48,7 +48,7 @@ def run(study: Study) -> None:
     else:
         solver.build(problem.n_obj)
     check_finalists(options.finalists)
-    finer = Accuracy.named(options.confirm) if options.confirm else problem.accuracy
+    finer = study.finer_accuracy
     with study.compiling():
         flat = simulate(Foot.flat(problem.space), scene, finer)
     result = _search(study, problem, solver)

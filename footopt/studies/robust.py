@@ -30,7 +30,7 @@ from footopt.studies.base import Study
 from footopt.studies.build import check_searchable, make_scene, make_spread
 from footopt.studies.record import foot_entry, scene_entry
 from footopt.studies.settings import Config
-from footopt.walk import OBJECTIVES, Accuracy, Scene
+from footopt.walk import OBJECTIVES, Scene
 from footopt.walk.scenarios import Scenario, draw, sands
 
 Array = NDArray[np.float64]
@@ -76,8 +76,7 @@ def run(study: Study) -> None:
     solver = Solver(**vars(config.solver))
     if options.quick:
         solver = dataclasses.replace(solver, n_gen=min(solver.n_gen, QUICK_GENERATIONS))
-    accuracy = study.accuracy
-    finer = Accuracy.named(options.confirm) if options.confirm else accuracy
+    accuracy, finer = study.accuracy, study.finer_accuracy
     check_finalists(options.finalists)
     judge = RobustProblem(
         scenarios, config.objective.names, study.space, accuracy, study.threads, options.measure, options.tail

@@ -92,7 +92,7 @@ MISTAKES = {
     "foot.k=[1,x]": "foot.k = '[1,x]': must be a list of whole numbers.",
     "foot.k=5": "foot.k = '5': must be a list in brackets. Try 'foot.k=[5]'",
     "foot.k=[1,2,3": "foot.k=[1,2,3: the list does not end. Try 'foot.k=[1,2,3]'",
-    "foot.k=[1, 2, 3]": "Leave out its spaces, or quote it: 'foot.k=[1, 2, 3]'",
+    "foot.k=[1, 2, 3]": "the list has spaces in it. Leave them out, or quote it: 'foot.k=[1, 2, 3]'",
     "foot.k=1,2,3": "Try 'foot.k=[1,2,3]' for a list",
     "foot.path=a,b.dxf": "'foot.path=\"a,b.dxf\"' for a text",
     "study=simulate foot.k=[1,2,3]": "These are 3: give 11 of 1 to 10, or change foot.n.",

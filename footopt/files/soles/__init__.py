@@ -115,7 +115,7 @@ def the_line(lines: Sequence[Line], name: str, layer: str | None = None) -> Line
     if not found:
         raise Unusable("holds no line, arc, spline or polyline.")
     if len(found) > 1:
-        told = "; ".join(_told(line) for line in found[:6]) + ("; ..." if len(found) > 6 else "")
+        told = "; ".join(_described(line) for line in found[:6]) + ("; ..." if len(found) > 6 else "")
         raise Unusable(
             "must hold one line that is the sole, or one closed outline; it holds "
             f"{len(found)}: {told}. Choose one with foot.layer (there: {', '.join(layers)}), delete what is "
@@ -190,7 +190,7 @@ def _where(place: Array) -> str:
     return f"({x:.2f}, {z:.2f}) mm"
 
 
-def _told(line: Line) -> str:
+def _described(line: Line) -> str:
     wide, high = MM * np.ptp(line.points, axis=0)
     kind = "a closed outline" if line.closed else "an open line"
     return f"{kind} of {wide:.4g} x {high:.4g} mm{f' on {line.layer!r}' if line.layer else ''}"

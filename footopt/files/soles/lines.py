@@ -65,14 +65,16 @@ def join(lines: Sequence[Line]) -> list[Line]:
 
 def crossing(points: Array, closed: bool) -> Array | None:
     """Where a line (m, 2) first meets itself, (2,), or None; no two neighbours are in one place."""
-    from shapely import LinearRing, LineString, Point, get_coordinates, node
+    from shapely import STRtree, get_coordinates, intersection, linestrings
 
-    line = LinearRing(points) if closed else LineString(points)
-    if line.is_simple:
-        return None
-    # split where it meets itself, the pieces end there, and at the ends of the line
-    ends = np.concatenate([get_coordinates(piece)[[0, -1]] for piece in node(line).geoms])
-    along = np.array([line.project(Point(end)) for end in ends])
-    inner = (along > SAME) & (along < line.length - SAME)
-    place: Array = ends[inner][np.argmin(along[inner])] if inner.any() else points[0]
-    return place
+    ends = np.concatenate([points, points[:closed]])
+    sides = linestrings(np.stack([ends[:-1], ends[1:]], axis=1))
+    tree = STRtree(sides)
+    for i, side in enumerate(sides):
+        met = tree.query(side, predicate="intersects")
+        # neighbours share a point; so do the first and the last side of a closed line
+        met = met[(met - i > 1) & (met - i < len(sides) - closed)]
+        if len(met):
+            place: Array = get_coordinates(intersection(side, sides[met.min()]))[0]
+            return place
+    return None

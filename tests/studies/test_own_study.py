@@ -1,0 +1,41 @@
+"""A study of one's own is a function in a plugin: it is run, shown and recorded as those of footopt are."""
+
+import json
+
+import pytest
+from running import composed
+from study_pages import check_page
+
+from footopt import studies
+from footopt.errors import SettingError
+
+PLUGIN = """
+from footopt.report import figures, terminal
+from footopt.studies import STUDIES
+
+
+def run(study):
+    study.save("contour", figures.contour(study.foot), "The sole.")
+    table = terminal.table(("hollow (mm)",))
+    table.add_row(f"{1e3 * study.foot.hollow:.1f}")
+    study.conclude("A sole", [table], {"hollow": study.foot.hollow}, said=["It is hollow."])
+
+
+STUDIES["hollow"] = run
+"""
+
+
+def test_it_is_found_by_its_name(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(studies, "STUDIES", dict(studies.STUDIES))
+    (tmp_path / "hollow_study.py").write_text(PLUGIN)
+    monkeypatch.syspath_prepend(tmp_path)
+    words = ("foot.k=[5,8,9,8,5,4,4,2,2,3,4]", f"plugins=[{tmp_path / 'hollow_study.py'}]")
+    with pytest.raises(SettingError, match=r"study\.name = 'hollow': must be one of optimize"):
+        studies.run(composed("study.name=hollow"), tmp_path, {})
+    studies.run(composed("study.name=hollow", *words), tmp_path, {"any": 1})
+    check_page(tmp_path)
+    result = json.loads((tmp_path / "result.json").read_text())
+    assert list(result) == ["study", "hollow", "settings", "versions", "wall_time_s"]
+    assert (result["study"], result["settings"]) == ("hollow", {"any": 1})
+    said = capsys.readouterr().out
+    assert said.index("It is hollow.") < said.index(f"Everything is in {tmp_path}")
