@@ -155,14 +155,17 @@ def write_c3d(path, t, places):
     return path
 
 
-def write_table(path, gait, strides, rate=60.0, columns=("time", "thigh", "knee", "foot"), phase=0.3):
-    """Angles over some strides as CSV; a single one begins at the heel strike, and its end is its begin."""
+def write_table(path, gait, strides, rate=60.0, columns=("time", "thigh", "knee", "foot"), phase=None):
+    """Angles over some strides as CSV; of a single one the last row is the first.
+
+    `phase` of time says how far the stride is; a single one begins at the heel strike.
+    """
     t = np.arange(round(strides * gait.period * rate) + (strides == 1.0)) / rate
-    p = t / gait.period + (phase if strides > 1 else 0.0)
-    angles = {joint: np.degrees(getattr(gait, joint).at(p)[0]) for joint in ("thigh", "knee", "foot")}
-    rows = zip(*(({"time": t} | angles)[c] for c in columns), strict=True)
+    p = phase(t) if phase else t / gait.period + (0.3 if strides > 1 else 0.0)
+    values = {"time": t} | {j: np.degrees(getattr(gait, j).at(p)[0]) for j in ("thigh", "knee", "foot")}
+    rows = zip(*(values.get(column, p) for column in columns), strict=True)
     path.write_text(
-        "\n".join([",".join(columns), *(",".join(f"{v:.5f}" for v in row) for row in rows)]) + "\n"
+        "\n".join([",".join(columns), *(",".join(f"{v:.9f}" for v in row) for row in rows)]) + "\n"
     )
     return path
 

@@ -21,7 +21,6 @@ LIMITS = {
     "settings": 1 * MB,
 }
 LARGEST = 1e12  # of a measured number, in any unit
-DEPTH = 50  # of nested groups in a drawing
 
 #: How files begin that are often given an ending that is not theirs.
 FOREIGN = {

@@ -74,12 +74,12 @@ class Fourier(NamedTuple):
 class Pose(NamedTuple):
     """Where both feet are relative to the hip; every array is (times, 2 feet), left foot first."""
 
-    x: Array  # ankle, m
-    z: Array
-    vx: Array  # ankle, m/s
-    vz: Array
-    pitch: Array  # rad
-    rate: Array  # rad/s
+    x: Array  # of the ankle, forwards, m
+    z: Array  # of the ankle, upwards, m
+    vx: Array  # m/s
+    vz: Array  # m/s
+    pitch: Array  # of the foot, rad
+    rate: Array  # of the pitch, rad/s
 
     def table(self) -> Array:
         """The pose as the kernels read it: (times, 2, 7) = x, z, vx, vz, cos, sin, rate."""
@@ -93,12 +93,24 @@ class Gait:
 
     Parameters
     ----------
-    thigh, knee : the angles over a stride. foot : measured pitch of the foot, if there is one.
-    period : of the stride, s.
-    pitch : "shank" (the foot turns with the shank, as in the paper) or "measured".
-    start : time at which the walker begins to move, s; infinity for standing still.
-    name, source : for tables and files.
-    residual : rms misfit of the series against the curve it was fitted to, deg, by joint.
+    thigh : Fourier
+        Angle over a stride from the vertical, + knee ahead of the hip.
+    knee : Fourier
+        Flexion over a stride.
+    foot : Fourier, optional
+        Measured pitch of the foot, + toe up.
+    period : float, s
+        Duration of a stride.
+    pitch : str
+        "shank" (the foot turns with the shank, as in the paper) or "measured".
+    start : float, s
+        Time at which the walker begins to move; infinity for standing still.
+    name : str
+        For tables and figures.
+    source : str
+        Where the data come from.
+    residual : tuple of (str, float), deg
+        By joint, the rms misfit of the series against the curve it was fitted to.
     """
 
     thigh: Fourier = field(repr=False)
@@ -113,7 +125,7 @@ class Gait:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", one_line(self.name))
-        check(1e-3 <= self.period <= 1e3, "gait.period", self.period, "a time from .001 to 1000, in s")
+        check(1e-3 <= self.period <= 1e3, "gait.period", self.period, "a time from 0.001 to 1000, in s")
         check(
             0 <= self.start <= 1e5 or self.start == math.inf,
             "gait.start",
@@ -150,8 +162,12 @@ class Gait:
             The file; its ending says which format it has.
         harmonics : int
             Harmonics of the series.
-        names, side, max_gap
-            How angles or markers are read: see `footopt.files.gaits.read_strides`.
+        names : mapping, optional
+            The file's own names of markers (hip, knee, ankle, heel, toe) or of columns.
+        side : str, optional
+            "right" or "left" leg; by default the right one, or the left one if it is the only one.
+        max_gap : float, s
+            Longest gap of a marker that is filled.
 
         Raises
         ------
@@ -269,7 +285,10 @@ def _fitted(joint: str, strides: Strides, harmonics: int) -> tuple[Fourier, floa
 def ankle(
     thigh: Array, thigh_rate: Array, shank: Array, shank_rate: Array, l1: float, l2: float
 ) -> tuple[Array, Array, Array, Array]:
-    """Position and velocity of the ankle relative to the hip: x, z, vx, vz."""
+    """Position (m) and velocity (m/s) of the ankle relative to the hip: x, z, vx, vz.
+
+    Angles are in rad, their rates in rad/s, and the leg's segments l1 and l2 in m.
+    """
     st, ct, ss, cs = np.sin(thigh), np.cos(thigh), np.sin(shank), np.cos(shank)
     return (
         l1 * st + l2 * ss,

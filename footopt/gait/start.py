@@ -8,7 +8,7 @@ With r = T/2, S5(s) = 10 s^3 - 15 s^4 + 6 s^5 and I5 its integral,
     angles = (1 - w) standing + w cycle(phase),  w_left = S5(q), w_right = S5(s)
 
 The left foot's weight ends sooner because it carries the body; angles and rates are continuous for
-every T. The paper's walker "first stands with the left leg steadily" and starts at .5 s.
+every T. The paper's walker "first stands with the left leg steadily" and starts at 0.5 s.
 """
 
 from __future__ import annotations
@@ -34,7 +34,12 @@ def ramp(t: Array, t0: float, period: float) -> tuple[Array, Array, Array, Array
 
     Parameters
     ----------
-    t : (T,), s. t0 : start, s; infinite for standing still. period : T, s.
+    t : (T,) array, s
+        Times.
+    t0 : float, s
+        Time of the start; infinite for standing still.
+    period : float, s
+        Duration of a stride.
     """
     r = period / 2.0
     since = t - t0

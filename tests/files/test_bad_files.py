@@ -15,9 +15,11 @@ from bad_files import FOOT, GAITS, KINDS, LESS, REFUSED, SAME, SOLES, Files, bad
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from motion_files import misfit
+from running import footopt
 from shapely import LineString
 
 import footopt as fo
+from footopt.cli.resume import resumed
 from footopt.design import FootProblem, Store
 from footopt.design.store import Evaluation
 from footopt.errors import FileError, FootoptError, SettingError
@@ -269,8 +271,6 @@ YAML = {
 @pytest.mark.parametrize("name", YAML)
 @pytest.mark.parametrize("file", ["config", "overrides"])
 def test_bad_yaml_of_a_run_to_resume_is_refused(name, file, tmp_path, monkeypatch):
-    from footopt.cli.main import resumed
-
     monkeypatch.chdir(tmp_path)
     (tmp_path / ".hydra").mkdir()
     good = {"config": "study: {name: optimize}\n", "overrides": "[]\n"}
@@ -282,18 +282,14 @@ def test_bad_yaml_of_a_run_to_resume_is_refused(name, file, tmp_path, monkeypatc
     assert not (tmp_path / "made").exists()
 
 
-@pytest.mark.parametrize("name", ["tabs", "open", "large", "a zero byte"])
-@pytest.mark.parametrize("words", [["--config-dir", "."], ["--config-dir=."], ["-cd", "."]], ids=" ".join)
-def test_yaml_of_ones_own_is_looked_at_before_hydra_does(name, words, tmp_path, monkeypatch):
-    from footopt.cli.main import check_own_yaml
-
-    monkeypatch.chdir(tmp_path)
+@pytest.mark.parametrize("name", ["tabs", "a zero byte", "open"])
+def test_a_yaml_file_of_ones_own_is_named(name, tmp_path):
     (tmp_path / "sand").mkdir()
-    (tmp_path / "sand" / "dune.yaml").write_text("name: dune\nzeta: 1.3\n")
-    check_own_yaml([*words, "sand=dune"])
     (tmp_path / "sand" / "dune.yaml").write_text(YAML[name])
-    with pytest.raises(FileError, match=r"dune\.yaml"):
-        check_own_yaml([*words, "sand=dune"])
+    done = footopt("--config-dir", str(tmp_path), "sand=dune", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "a file of settings cannot be read as YAML: " in done.stderr
+    assert "dune.yaml" in done.stderr
 
 
 @pytest.fixture(scope="module")
