@@ -11,12 +11,13 @@ from pathlib import Path
 from types import ModuleType
 from unittest.mock import patch
 
+import footopt.effects.slope
 import footopt.walk
 
 #: Names that are None where a scene has no effect that needs them, besides a test on `column`, a row of
 #: directions.
 ABSENT = {"loads", "gates", "pushes", "all_tx", "tilt", "column"}
-SOURCES = ("contact", "steppers", "loop")
+SOURCES = ("state", "contact", "newton", "metrics", "sources", "loop", "steppers")
 
 
 class Delete(ast.NodeTransformer):
@@ -48,18 +49,24 @@ def write(folder: Path, name: str = "footopt_deleted", delete: bool = True) -> N
     name : of the package. delete : False for a plain copy.
     """
     package = folder / name
-    package.mkdir()
+    (package / "steppers").mkdir(parents=True)
     (package / "__init__.py").touch()
-    for source in SOURCES:
-        text = (Path(footopt.walk.__file__).parent / f"{source}.py").read_text(encoding="utf-8")
-        tree: ast.AST = ast.parse(text.replace("footopt.walk", name))
+    walk, slope = Path(footopt.walk.__file__).parent, Path(footopt.effects.slope.__file__)
+    files = [path for source in SOURCES for path in (walk / f"{source}.py", *(walk / source).glob("*.py"))]
+    for path in (*filter(Path.exists, files), slope):
+        text = path.read_text(encoding="utf-8")
+        for old in ("footopt.walk", "footopt.effects.slope"):
+            text = text.replace(old, name if old == "footopt.walk" else f"{name}.slope")
+        text = text.replace('EFFECTS["slope"] = Slope', "")
+        tree: ast.AST = ast.parse(text)
         if delete:
             tree = Delete().visit(tree)
-        (package / f"{source}.py").write_text(ast.unparse(tree), encoding="utf-8")
+        place = package / (path.relative_to(walk) if path != slope else "slope.py")
+        place.write_text(ast.unparse(tree), encoding="utf-8")
 
 
 def load(folder: Path, name: str = "footopt_deleted") -> ModuleType:
-    """The loop of a package that `write` has written."""
+    """The loop of a package that `write` has written, with its contact and its steppers."""
     sys.path.insert(0, str(folder))
     try:
         return importlib.import_module(f"{name}.loop")
@@ -71,5 +78,6 @@ def load(folder: Path, name: str = "footopt_deleted") -> ModuleType:
 def walking(loop: ModuleType) -> Iterator[None]:
     """footopt walks by another package's loop."""
     simulate = sys.modules["footopt.walk.simulate"]
-    with patch.multiple(simulate, walk_range=loop.walk_range, STEPPERS=loop.steppers.STEPPERS):
+    steppers = sys.modules[f"{loop.__package__}.steppers"]
+    with patch.multiple(simulate, walk_range=loop.walk_range, STEPPERS=steppers.STEPPERS):
         yield

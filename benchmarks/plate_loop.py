@@ -17,8 +17,9 @@ from numba import njit
 from numpy.typing import NDArray
 
 import footopt as fo
-from footopt.walk.contact import Sole, World, plate_sums
+from footopt.walk.contact import plate_sums
 from footopt.walk.prepare import sole, world
+from footopt.walk.state import Sole, World
 
 Array = NDArray[np.float64]
 Sums = Callable[[int], Array]
@@ -36,7 +37,7 @@ def _repeat(out, sole, world, motion, jacobian, repeats, change):  # type: ignor
     za, vx, vz, cos, sin, rate, creep = motion
     for r in range(repeats):
         sums = plate_sums(
-            sole, world, None, None, None, None, None, 0, len(sole.x), 0.0, za, vx + change * r, vz,
+            sole, world.law, None, None, None, None, None, 0, len(sole.x), 0.0, za, vx + change * r, vz,
             cos, sin, rate, creep, jacobian,
         )  # fmt: skip
         for j in range(7):
@@ -81,7 +82,7 @@ def by_hand(library: ctypes.CDLL, plates: int, jacobian: bool) -> Sums:
     """The C loop: repetitions to the total of the seven sums."""
     sole, law = submerged_sole(plates)
     columns = [np.ascontiguousarray(c) for c in (sole.x, sole.z, sole.c2, sole.s2, sole.area)]
-    coefficients, motion = np.array(law[:9]), np.array(MOTION)
+    coefficients, motion = np.array(law.law), np.array(MOTION)
 
     def pointer(array: Array) -> ctypes.c_void_p:
         return ctypes.c_void_p(array.ctypes.data)

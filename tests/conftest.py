@@ -6,7 +6,7 @@ import pytest
 from hypothesis import settings
 
 import footopt as fo
-from footopt.walk.independent import RAMP
+from footopt.walk.reference import RAMP
 
 # a shell that starts the tests in the background has them ignore Ctrl-C, and what they start inherits that
 signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from footopt.design.problem import FootProblem
-from footopt.walk.loop import is_own, source, text_of
 from footopt.walk.objectives import OBJECTIVES
+from footopt.walk.sources import is_own, source, text_of
 from footopt.walk.steppers import STEPPERS
 
 PACKAGE = Path(__file__).parent.parent

@@ -22,8 +22,8 @@ from footopt.studies.base import Study
 from footopt.studies.settings import Config
 from footopt.walk import FIVE, STEPPERS, Scene, evaluate
 from footopt.walk.audit import own_time
-from footopt.walk.independent import LIMITS, RAMP, REFERENCE, SAME_PLATES
 from footopt.walk.loop import compiled
+from footopt.walk.reference import LIMITS, PUBLISHED, RAMP, SAME_PLATES
 from footopt.walk.simulate import available_threads
 
 #: Packages that footopt works without: the extra that brings them, and what for.
@@ -162,7 +162,7 @@ def self_test(config: Config) -> Iterator[Finding]:
     started, walks = time.perf_counter(), 0
     for accuracy in ("standard", "reference", SAME_PLATES):
         name = accuracy if isinstance(accuracy, str) else accuracy.name
-        for published in REFERENCE:
+        for published in PUBLISHED:
             walked = evaluate([RAMP], Scene(sand=Sand.named(published.sand)), accuracy, threads=1)
             walks += 1
             difference = np.abs(walked.values[0] / np.array(published.objectives) - 1.0)

@@ -39,8 +39,13 @@ def parameters(kind: type, null: tuple[str, ...] = ()) -> Any:
     """
     kinds = {name: t | None if name in null else t for name, t in get_type_hints(kind).items()}
     return make_dataclass(
-        kind.__name__, [(f.name, kinds[f.name], field(default=f.default)) for f in fields(kind)]
+        kind.__name__, [(f.name, kinds[f.name], _changeable(f.default)) for f in fields(kind)]
     )
+
+
+def _changeable(value: Any) -> Any:
+    """A field with a default; a tuple is a list, as OmegaConf has it."""
+    return field(default_factory=lambda: list(value)) if isinstance(value, tuple) else field(default=value)
 
 
 if TYPE_CHECKING:

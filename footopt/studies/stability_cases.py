@@ -24,7 +24,7 @@ from footopt.gait import Fourier, Gait
 from footopt.walk import FIVE, Accuracy, Scene, Walk, simulate
 from footopt.walk.balances import energy_gap, power_from_sand, set_down_speed, sinking_speed, smoothing_power
 from footopt.walk.objectives import FLOORS
-from footopt.walk.reference import contact_forces, law_of_angles, smoothed_law
+from footopt.walk.reference import contact_forces
 
 # Limits, each with its reason; none depends on the stepper.
 CHATTER = 1e-3  # of the weight: what a force plate resolves; the trapped state has none at all
@@ -179,13 +179,13 @@ def judge_still_plate(trial: Trial) -> list[Measure]:
         for x, z in zip(sole.x[0], sole.z[0], strict=True):
             vx, vz = rate * z, -rate * x  # of the hip, which leave this plate at rest
             here, expected, size = contact_forces(
-                foot, scene, accuracy.plates, (vx, vz, rate), eps, smoothed_law
+                foot, scene, accuracy.plates, (vx, vz, rate), eps, angles=False
             )
             bad += int((~np.isfinite(here)).sum())
             error = max(error, float(np.abs(here - expected).max()) / size)
             for dx, dz in NUDGE * eps * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]):
                 motion = (vx + dx, vz + dz, rate)
-                there, *_ = contact_forces(foot, scene, accuracy.plates, motion, eps, smoothed_law)
+                there, *_ = contact_forces(foot, scene, accuracy.plates, motion, eps, angles=False)
                 jump = max(jump, float(np.abs(there - here).max()) / size)
     return [Measure("not finite", bad, 0.0), Measure("jump", jump, JUMP), Measure("law", error, LAW)]
 
@@ -197,7 +197,7 @@ def judge_direction(directions: Sequence[tuple[float, float]], trial: Trial) -> 
     for vx, vz in directions:
         for speed in (1e-3, 1.0, 10.0):  # m/s; smoothing of 1e-9 m/s is below rounding in all of them
             motion = (speed * vx, speed * vz, 0.0)
-            found, expected, size = contact_forces(foot, scene, plates, motion, 1e-9, law_of_angles)
+            found, expected, size = contact_forces(foot, scene, plates, motion, 1e-9, angles=True)
             bad += int((~np.isfinite(found)).sum())
             error = max(error, float(np.abs(found - expected).max()) / max(size, 1e-300))
     return [Measure("not finite", bad, 0.0), Measure("law", error, LAW)]

@@ -6,9 +6,12 @@ import math
 from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from footopt.sand import StressMap, affine
 from footopt.walk.results import Walk
+
+Array = NDArray[np.float64]
 
 
 def energy_gap(walk: Walk) -> float:
@@ -74,3 +77,12 @@ def set_down_speed(walk: Walk) -> float:
         wet = states.position[0, foot, :, 1] < 0.0
         fastest = max(fastest, float(-states.velocity[0, foot, wet, 1].min(initial=0.0)))
     return fastest
+
+
+def momentum_gap(walk: Walk) -> Array:
+    """Momentum that neither the sand's impulse nor gravity explains, (2,), N s; rounding only."""
+    walker = walk.scene.walker
+    tilt, g = walk.scene.gravity
+    gravity = walker.mass * np.array([tilt or 0.0, -g])
+    impulse = np.array([walk.totals["impulse_x"], walk.totals["impulse_z"]]) + gravity * walk.t[-1]
+    return np.asarray(walker.mass * walk.velocity[-1] - impulse)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.errors import SettingError
-from footopt.walk.loop import RAW
+from footopt.walk.metrics import RAW
 from footopt.walk.scene import Scene
 
 Array = NDArray[np.float64]

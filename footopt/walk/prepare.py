@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache, partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +12,10 @@ from numpy.typing import NDArray
 from footopt.effects import base as effects
 from footopt.errors import SettingError
 from footopt.foot import Plates
+from footopt.sand.law import Law
 from footopt.walk.accuracy import Accuracy
-from footopt.walk.contact import LANES, Sole, World
 from footopt.walk.scene import Scene, Walker
+from footopt.walk.state import LANES, Sole, World
 from footopt.walk.steppers import STEPPERS
 
 Array = NDArray[np.float64]
@@ -29,12 +31,12 @@ LONG_ONES = 2
 
 def world(scene: Scene, accuracy: Accuracy) -> World:
     """What the compiled loops need to know of a scene."""
-    law = scene.sand.stress_map.law._asdict()
+    law = Law(*(float(scene.sand.stiffness * c) for c in scene.sand.stress_map.law))
     tilt, g = scene.gravity
     laws = effects.laws(scene.effects)
     # floats throughout: a whole number would be another type, and compile the loop again
     return World(
-        **{name: float(scene.sand.stiffness * c) for name, c in law.items()},
+        law=law,
         mass=float(scene.walker.mass),
         g=float(g),
         tilt=None if tilt is None else float(tilt),
@@ -106,35 +108,35 @@ pose_tables = lru_cache(maxsize=POSES)(_pose_tables)
 long_pose_tables = lru_cache(maxsize=LONG_ONES)(_pose_tables)
 
 
-def blocks_of(plates: Plates) -> tuple[tuple[Array, ...], tuple[Array, ...], Array]:
-    """Plates in whole blocks (the last one repeated without area), a circle around each, the reach."""
+def soles(plates: Plates) -> Sole:
+    """Plates of all designs in whole blocks (the last one repeated without area), with circles and reach."""
     extra = -plates.x.shape[1] % LANES
-    columns = [_padded(column, extra) for column in (plates.x, plates.z, plates.c2, plates.s2)]
-    columns.append(_padded(plates.area, extra, 0.0))
-    x, z = (column.reshape(len(column), -1, LANES) for column in columns[:2])
-    centre_x, centre_z = (0.5 * (q.min(axis=2) + q.max(axis=2)) for q in (x, z))
-    square = (x - centre_x[..., None]) ** 2 + (z - centre_z[..., None]) ** 2
-    radius = np.sqrt(square.max(axis=2))
-    reach = np.sqrt(np.max(plates.x**2 + plates.z**2, axis=1))
-    return tuple(columns), (centre_x, centre_z, radius), reach
+    x, z = _padded(plates.x, extra), _padded(plates.z, extra)
+    by_block_x, by_block_z = (column.reshape(len(column), -1, LANES) for column in (x, z))
+    centre_x, centre_z = (0.5 * (q.min(axis=2) + q.max(axis=2)) for q in (by_block_x, by_block_z))
+    square = (by_block_x - centre_x[..., None]) ** 2 + (by_block_z - centre_z[..., None]) ** 2
+    return Sole(
+        x=x,
+        z=z,
+        c2=_padded(plates.c2, extra),
+        s2=_padded(plates.s2, extra),
+        area=_padded(plates.area, extra, 0.0),
+        block_x=centre_x,
+        block_z=centre_z,
+        block_r=np.sqrt(square.max(axis=2)),
+        reach=np.sqrt(np.max(plates.x**2 + plates.z**2, axis=1)),
+        tx=None if plates.tx is None else _padded(plates.tx, extra),
+        tz=None if plates.tz is None else _padded(plates.tz, extra),
+    )
 
 
 def sole(plates: Plates) -> Sole:
-    """The first foot's plates as one contact takes them; the population's loop has its own."""
-    columns, circles, reach = blocks_of(plates)
-    tangents = [None if column is None else column[0] for column in tangents_of(plates)]
-    return Sole._make([*(c[0] for c in (*columns, *circles)), float(reach[0]), *tangents])
+    """The first foot's plates, as one contact takes them."""
+    found: Any = (None if column is None else column[0] for column in soles(plates))
+    return Sole(*found)
 
 
 def _padded(column: Array, extra: int, value: float | None = None) -> Array:
     """A column with more plates at the end: the last one again, or a value."""
     last = column[:, -1:] if value is None else np.full((len(column), 1), value)
     return np.concatenate([column, np.repeat(last, extra, axis=1)], axis=1)
-
-
-def tangents_of(plates: Plates) -> tuple[Array | None, Array | None]:
-    """The plates' directions in whole blocks, where an effect needs them."""
-    if plates.tx is None or plates.tz is None:
-        return None, None
-    extra = -plates.x.shape[1] % LANES
-    return _padded(plates.tx, extra), _padded(plates.tz, extra)

@@ -1,46 +1,61 @@
-"""The walk and the contact of a foot written a second time, from the readable law: what the compiled
-ones are held against."""
+"""The second program: a contact and a walk written again from the readable law, and published numbers.
+
+`lsoda_objectives` walks by SciPy's LSODA with the law in its angles. `PUBLISHED` is what another program,
+written apart from this one, found for one foot: the law in its angles, LSODA, 100 chords for plates, a
+creep speed of 1e-5 m/s, and all else as the defaults are. Every release and study=doctor is held to it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.effects import readable
 from footopt.foot import Foot
-from footopt.sand import StressMap, affine, alpha
+from footopt.gait.gait import Pose
 from footopt.walk.accuracy import Accuracy
-from footopt.walk.contact import CONTACT, FX, FZ, TALLY, contact
+from footopt.walk.contact import contact
+from footopt.walk.plates import PlateStates, plate_states
 from footopt.walk.prepare import sole, world
 from footopt.walk.results import Walk
 from footopt.walk.scene import Scene
+from footopt.walk.state import COUNTS
 
 Array = NDArray[np.float64]
-#: Stresses per depth, (plates, 2), of slopes beta (plates,), velocities (plates, 2) and a creep speed.
-Law = Callable[[Array, Array, float, StressMap], Array]
 
 BURIED = 0.02  # m, mean depth of the sole where the law is asked without a walk
 
 
-def smoothed_law(beta: Array, velocity: Array, creep: float, stress_map: StressMap) -> Array:
-    """Stresses per depth by the affine form, with the direction of motion smoothed as in the walk."""
-    a, m = affine(beta, stress_map)
-    h = velocity / np.sqrt(np.sum(velocity**2, axis=-1, keepdims=True) + creep**2)
-    return np.asarray(a - np.einsum("pij,pj->pi", m, h))
+class Published(NamedTuple):
+    """Height of the hip at the start, m, and the five objectives in the order of `objectives.FIVE`."""
+
+    sand: str
+    zeta: float
+    start: float
+    objectives: tuple[float, float, float, float, float]
 
 
-def law_of_angles(beta: Array, velocity: Array, creep: float, stress_map: StressMap) -> Array:
-    """Stresses per depth as published, in the angles beta and gamma; `creep` is not in it."""
-    ax, az = alpha(beta, np.arctan2(-velocity[:, 1], velocity[:, 0]), stress_map)
-    return np.stack([-ax, az], axis=-1)
+#: Heights of the foot's waypoints.
+RAMP = (1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 8)
+
+PUBLISHED = (
+    Published("soft", 0.2, 0.86572, (1.84941, 0.76065, 684.635, 606.292, 0.17711)),
+    Published("regular", 1.0, 0.91440, (2.08141, 0.88027, 364.225, 364.768, 0.23598)),
+    Published("hard", 5.0, 0.93425, (2.16852, 0.91860, 148.094, 502.316, 0.29326)),
+)
+
+#: The program's own plates and creep speed, in steps so short that time adds nothing.
+SAME_PLATES = Accuracy("sdirk2", 1e-4, 100, 1e-5, "same plates", rule="chord")
+
+#: Largest relative difference that is allowed to each accuracy.
+LIMITS = {"standard": 5e-3, "fine": 2e-3, "reference": 2e-3, "same plates": 2e-4}
 
 
 def contact_forces(
-    foot: Foot, scene: Scene, plates: int, motion: tuple[float, float, float], creep: float, law: Law
+    foot: Foot, scene: Scene, plates: int, motion: tuple[float, float, float], creep: float, angles: bool
 ) -> tuple[Array, Array, float]:
-    """The force on one level, buried foot, by the compiled contact and by a readable law.
+    """The force on one level, buried foot, by the compiled contact and by the readable law.
 
     Parameters
     ----------
@@ -54,8 +69,8 @@ def contact_forces(
         The hip's velocity in x and z, and the foot's rate of turn.
     creep : float, m/s
         The creep speed.
-    law : callable
-        `smoothed_law` or `law_of_angles`.
+    angles : bool
+        Whether the readable law is that in the angles, or the affine form.
 
     Returns
     -------
@@ -64,33 +79,25 @@ def contact_forces(
     size : float, N
         Sum of the plates' forces, to which differences are to be related.
     """
-    p = foot.plates(plates, "chord", directed=True)
-    assert p.tx is not None, "asked for"
-    assert p.tz is not None, "asked for"
-    (vx, vz, rate), out, tally = motion, np.zeros((2, CONTACT)), np.zeros(TALLY, np.int64)
-    pose = np.zeros((2, 7))
-    pose[:, 4], pose[0, 6] = 1.0, rate
-    pose[0, 1], pose[1, 1] = -1.0, 10.0  # the other foot is in the air
-    z = 1.0 - float(np.mean(p.z)) - BURIED
-    laws = world(scene, Accuracy(creep=creep))
-    contact(out, tally, sole(p), laws, pose, 0.0, z, vx, vz, creep, 1e-3)
-    x, depth = p.x[0], np.maximum(-(z - 1.0 + p.z[0]), 0.0)
-    velocity = np.stack([vx - rate * p.z[0], vz + rate * x], axis=-1)
-    normal = np.stack([p.tz[0], -p.tx[0]], axis=-1)
-    stress = law(np.arctan2(p.tz[0], p.tx[0]), velocity, creep, scene.sand.stress_map)
-    into = np.sum(normal * velocity, axis=-1)
-    load, share, push = readable(scene.effects, depth, x, into, creep)
-    forces = (scene.sand.zeta * load * share)[:, None] * stress - push[:, None] * normal
-    forces *= p.area[0][:, None]
-    return out[0][[FX, FZ]], forces.sum(axis=0), float(np.linalg.norm(forces, axis=-1).sum())
+    sheets = foot.plates(plates, "chord", directed=True)
+    vx, vz, rate = motion
+    none = np.zeros((1, 2))
+    ankle = -BURIED - float(np.mean(sheets.z))  # of the left foot; the right one is in the air
+    pose = Pose(none, np.array([[ankle, 10.0]]), none, none, none, np.array([[rate, 0.0]]))
+    counts = np.zeros(1, COUNTS)[0]
+    constants = world(scene, Accuracy(creep=creep))
+    left = contact(constants, sole(sheets), pose.table()[0], 0.0, 0.0, vx, vz, creep, 1e-3, counts).left
+    states = plate_states(sheets, pose, np.zeros((1, 2)), np.array([[vx, vz]]), scene, creep, angles)
+    force = states.force[0, 0]
+    return np.array([left.x, left.z]), force.sum(axis=0), float(np.linalg.norm(force, axis=-1).sum())
 
 
 def lsoda_objectives(walk: Walk, rtol: float = 1e-9) -> dict[str, float]:
     """The five objectives of a walk that is simulated again by SciPy's LSODA.
 
-    It takes the law in its angle form and the plates, the creep speed and the start of the walk that is
-    given, integrates work and height along with the motion, and shares no code with the compiled walk.
-    The scene's effects are left out.
+    It takes the law in its angles, and the plates, the creep speed and the start of the walk that is
+    given, integrates work and height along with the motion, and shares no code with the compiled walk but
+    the effects' hooks.
 
     Parameters
     ----------
@@ -101,43 +108,28 @@ def lsoda_objectives(walk: Walk, rtol: float = 1e-9) -> dict[str, float]:
     """
     from scipy.integrate import solve_ivp
 
-    foot, scene, accuracy = walk.foot, walk.scene, walk.accuracy
+    scene, accuracy = walk.scene, walk.accuracy
     walker, t_f = scene.walker, scene.duration
-    points = foot.points(accuracy.plates)
-    chord, middle = np.diff(points, axis=0), 0.5 * (points[1:] + points[:-1]) - foot.ankle
-    angle = np.arctan2(chord[:, 1], chord[:, 0])
-    area = np.hypot(*chord.T) * foot.width
+    plates = walk.foot.plates(accuracy.plates, "chord", directed=True)
+    tilt, g = scene.gravity
 
-    def contact(t: Array, state: Array) -> tuple[Array, Array]:
-        """Force (T, 2 feet, 2) and power (T, 2) of states (4, T)."""
+    def at(t: Array, state: Array) -> PlateStates:
+        """The plates at times (T,) in states (4, T)."""
         pose = scene.gait.pose(t, walker.l1, walker.l2)
-        cos, sin = np.cos(pose.pitch)[..., None], np.sin(pose.pitch)[..., None]
-        rx, rz = cos * middle[:, 0] - sin * middle[:, 1], sin * middle[:, 0] + cos * middle[:, 1]
-        depth = np.maximum(-(state[1][:, None] + pose.z)[..., None] - rz, 0.0)
-        vx = (state[2][:, None] + pose.vx)[..., None] - pose.rate[..., None] * rz
-        vz = (state[3][:, None] + pose.vz)[..., None] + pose.rate[..., None] * rx
-        beta, gamma = angle + pose.pitch[..., None], np.arctan2(-vz, vx)
-        forth = alpha(beta, gamma, scene.sand.stress_map)
-        back = alpha(beta, gamma + np.pi, scene.sand.stress_map)
-        speed = np.hypot(vx, vz)
-        h = speed / np.sqrt(speed**2 + accuracy.creep**2)  # the part that turns with the motion
-        ax, az = (0.5 * (f + b) + h * 0.5 * (f - b) for f, b in zip(forth, back, strict=True))
-        pull = scene.sand.zeta * depth * area
-        fx, fz = -pull * ax, pull * az
-        force = np.stack([fx.sum(axis=-1), fz.sum(axis=-1)], axis=-1)
-        return force, (fx * vx + fz * vz).sum(axis=-1)
+        return plate_states(plates, pose, state[:2].T, state[2:].T, scene, accuracy.creep, angles=True)
 
     def rate(t: float, y: Array) -> Array:
-        force, power = contact(np.array([t]), y[:4, None])
-        fx, fz = force[0].sum(axis=0)
-        return np.array([y[2], y[3], fx / walker.mass, fz / walker.mass - walker.g, power.sum(), y[1]])
+        states = at(np.array([t]), y[:4, None])
+        fx, fz = states.force.sum(axis=(0, 1, 2))
+        ax, az = fx / walker.mass + (tilt or 0.0), fz / walker.mass - g
+        return np.array([y[2], y[3], ax, az, states.power.sum(), y[1]])
 
     start, tight = [0.0, walk.start[1], 0.0, 0.0, 0.0, 0.0], {"rtol": rtol, "atol": 1e-2 * rtol}
     solution = solve_ivp(rate, (0.0, t_f), start, "LSODA", max_step=5e-3, dense_output=True, **tight)
     t = np.linspace(scene.gait.heel_strike, t_f, 20_001)
-    states = solution.sol(t)
+    states = solution.sol(t)[:4]
     pieces = [slice(i, i + 1000) for i in range(0, len(t), 1000)]
-    power = np.concatenate([contact(t[piece], states[:4, piece])[1] for piece in pieces])
+    power = np.concatenate([at(t[piece], states[:, piece]).power.sum(axis=-1) for piece in pieces])
     return {
         "distance": float(solution.y[0, -1]),
         "mean_height": float(solution.y[5, -1] / t_f),

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from footopt.errors import needed
 from footopt.foot import Foot
 from footopt.walk.accuracy import Accuracy
-from footopt.walk.loop import RAW
+from footopt.walk.metrics import RAW
 from footopt.walk.objectives import OBJECTIVES, Raw, lookup
 from footopt.walk.plates import PlateStates, plate_states
 from footopt.walk.scene import Scene

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from footopt.effects import slope
-from footopt.effects.base import Effect, ordered
+from footopt.effects.base import Effect, Scale, ordered
 from footopt.errors import SettingError, check, check_kind
 from footopt.gait import Gait
-from footopt.sand import Sand
+from footopt.sand import Sand, alpha
 
 #: What a walker can be, with room for limits that are taken on purpose; beyond it numbers overflow.
 WALKERS = {
@@ -18,6 +20,10 @@ WALKERS = {
     "l2": ("m", 1e-4, 1e3),
     "g": ("m/s^2", 1e-6, 1e6),
 }
+
+
+#: For estimates before a walk: a sole's area, m^2, and a stride over the length of a leg.
+SOLE, STRIDE = 0.026, 1.3
 
 
 @dataclass(frozen=True)
@@ -115,6 +121,23 @@ class Scene:
     def gravity(self) -> tuple[float | None, float]:
         """Gravity along the surface (None if it is level) and against its normal, m/s^2."""
         return slope.gravity(self.effects, self.walker.g)
+
+    @property
+    def scale(self) -> Scale:
+        """Rough numbers of the walk, from which effects estimate their size before anything walks."""
+        zeta = self.sand.zeta
+        (_, down), (_, up) = (alpha(0.0, gamma, self.sand.stress_map) for gamma in (np.pi / 2, -np.pi / 2))
+        strike = self.gait.heel_strike if math.isfinite(self.gait.start) else 0.0
+        pose = self.gait.pose(np.array([strike]), self.walker.l1, self.walker.l2)
+        stress = zeta * float(down)
+        strides = max(self.duration - self.gait.start, 0.0) / self.gait.period
+        return Scale(
+            stress=stress,
+            pull=zeta * float(up),
+            depth=self.walker.weight / (stress * SOLE),
+            speed=float(np.abs(pose.vz).max()),
+            distance=STRIDE * (self.walker.l1 + self.walker.l2) * strides,
+        )
 
     def need_heel_strike(self) -> None:
         """Raise unless the walk has a heel strike: without one p_max and dV_x are not defined."""

@@ -18,11 +18,12 @@ from footopt.foot import Foot, Plates, Waypoints, as_plates
 from footopt.foot.plates import RULES
 from footopt.walk import prepare
 from footopt.walk.accuracy import MOST_PLATES, Accuracy
-from footopt.walk.contact import EVALUATIONS, PLATES, REPEATS, RESCUES, SHORTENED, TALLY
-from footopt.walk.loop import BACKWARD, DIVERGED, OK, RAW, SUNK, TRACE, walk_range
+from footopt.walk.loop import BACKWARD, DIVERGED, OK, SUNK, walk_range
+from footopt.walk.metrics import RAW, TRACE, Sample
 from footopt.walk.objectives import FIVE, OBJECTIVES, Raw, lookup
 from footopt.walk.results import Table, Walk
 from footopt.walk.scene import Scene
+from footopt.walk.state import COUNTS
 from footopt.walk.steppers import STEPPERS
 
 Array = NDArray[np.float64]
@@ -52,27 +53,31 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
     scene, accuracy = _scene(scene), resolve(accuracy)
     directed = effects.laws(scene.effects).directed
     plates = foot.plates(accuracy.plates, accuracy.rule, directed)
-    raw, status, tallies, trace = _walk(plates, scene, accuracy, sink=True, threads=1, traced=True)
+    raw, status, counts, trace = _walk(plates, scene, accuracy, sink=True, threads=1, traced=True)
     rows = trace[1:][np.isfinite(trace[1:]).all(axis=1)]
-    force = np.stack([rows[:, 5:7], rows[:, 9:11]], axis=1)
+    c: Any = Sample(*rows.T)  # columns
     return Walk(
         foot=foot,
         scene=scene,
         accuracy=accuracy,
-        t=rows[:, 0],
-        com=rows[:, 1:3],
-        velocity=rows[:, 3:5],
-        force=force,
-        power=rows[:, [7, 11]],
-        work=rows[:, [8, 12]],
-        start=trace[0, 1:3],
+        t=c.t,
+        com=_pair(c.x, c.z),
+        velocity=_pair(c.vx, c.vz),
+        force=np.stack([_pair(c.fx_left, c.fz_left), _pair(c.fx_right, c.fz_right)], axis=1),
+        power=_pair(c.power_left, c.power_right),
+        work=_pair(c.work_left, c.work_right),
+        start=np.array(Sample(*trace[0])[1:3]),
         reason=REASONS[int(status[0])],
         totals=dict(zip(RAW, map(float, raw[0]), strict=True)),
-        evaluations=int(tallies[0, EVALUATIONS]),
-        rescues=int(tallies[0, RESCUES]),
-        shortened=int(tallies[0, SHORTENED]),
-        repeats=int(tallies[0, REPEATS]),
+        evaluations=int(counts["evaluations"][0]),
+        rescues=int(counts["rescues"][0]),
+        shortened=int(counts["shortened"][0]),
+        repeats=int(counts["repeats"][0]),
     )
+
+
+def _pair(a: Array, b: Array) -> Array:
+    return np.stack([a, b], axis=1)
 
 
 def evaluate(
@@ -107,7 +112,7 @@ def evaluate(
     sink = "maximum_sinkage" in objectives
     chunks = _chunks(feet, scene, accuracy, space)
     parts = [_walk(plates, scene, accuracy, sink, threads)[:3] for plates in chunks]
-    raw, status, tallies = (np.concatenate(column) for column in zip(*parts, strict=True))
+    raw, status, counts = (np.concatenate(column) for column in zip(*parts, strict=True))
     raw[status != OK] = np.nan
     if not sink:
         raw[:, RAW.index("maximum_sinkage")] = np.nan
@@ -119,11 +124,11 @@ def evaluate(
         feasible=status == OK,
         reasons=reasons,
         raw=raw,
-        evaluations=tallies[:, EVALUATIONS],
-        plates=tallies[:, PLATES],
-        rescues=tallies[:, RESCUES],
-        shortened=tallies[:, SHORTENED],
-        repeats=tallies[:, REPEATS],
+        evaluations=counts["evaluations"],
+        plates=counts["plates"],
+        rescues=counts["rescues"],
+        shortened=counts["shortened"],
+        repeats=counts["repeats"],
         scene=scene,
     )
 
@@ -202,41 +207,41 @@ def _walk(
     sink: bool,
     threads: int | None,
     traced: bool = False,
-) -> tuple[Array, NDArray[np.int64], NDArray[np.int64], Array]:
-    """Run the compiled loop over a batch: raw results, status, tallies, and the trace of one design.
+) -> tuple[Array, NDArray[np.int64], NDArray[Any], Array]:
+    """Run the compiled loop over a batch: raw results, status, counts, and the trace of one design.
 
     Walks that diverge are repeated with a quarter of the time step, `MAX_REPEATS` times at most.
     """
-    raw, status, tallies, trace = _run(plates, scene, accuracy, sink, threads, traced)
+    raw, status, counts, trace = _run(plates, scene, accuracy, sink, threads, traced)
     for repeat in range(1, MAX_REPEATS + 1):
         again = np.flatnonzero(status == DIVERGED)
         finer = replace(accuracy, dt=accuracy.dt / 4**repeat)
         if len(again) == 0 or prepare.pose_rows(scene, finer) > prepare.ROWS:
             break
         raw[again], status[again], more, trace = _run(plates.take(again), scene, finer, sink, threads, traced)
-        tallies[again] += more
-        tallies[again, REPEATS] = repeat
-    return raw, status, tallies, trace
+        for name in COUNTS.names or ():
+            counts[name][again] += more[name]
+        counts["repeats"][again] = repeat
+    return raw, status, counts, trace
 
 
 def _run(
     plates: Plates, scene: Scene, accuracy: Accuracy, sink: bool, threads: int | None, traced: bool
-) -> tuple[Array, NDArray[np.int64], NDArray[np.int64], Array]:
+) -> tuple[Array, NDArray[np.int64], NDArray[Any], Array]:
     """`_walk` once, with the given time step."""
     stepper, designs = STEPPERS[accuracy.stepper], len(plates.x)
     times, pose0, tables = prepare.poses(scene, accuracy)
-    padded, circles, reach = prepare.blocks_of(plates)
-    tangents = prepare.tangents_of(plates)
+    soles = prepare.soles(plates)
     raw = np.empty((designs, len(RAW)))
-    status, tallies = np.empty(designs, np.int64), np.zeros((designs, TALLY), np.int64)
-    trace = np.full((len(tables[-1]) + 1 if traced else 0, TRACE), np.nan)
+    status, counts = np.empty(designs, np.int64), np.zeros(designs, COUNTS)
+    trace = np.full((len(tables[-1]) + 1 if traced else 0, len(TRACE)), np.nan)
     constants = prepare.world(scene, accuracy)
 
     def run(begin: int) -> None:
         end = min(begin + BLOCK, designs)
         walk_range(
-            stepper.parameters, padded, circles, reach, tangents, constants, pose0, tables, times,
-            accuracy.control, scene.gait.heel_strike, begin, end, raw, status, tallies, trace, sink,
+            stepper.parameters, soles, constants, pose0, tables, times, accuracy.control,
+            scene.gait.heel_strike, begin, end, raw, status, counts, trace, sink,
         )  # fmt: skip
 
     workers = at_once(threads)
@@ -247,4 +252,4 @@ def _run(
     else:
         with ThreadPoolExecutor(min(workers, len(blocks))) as pool:
             list(pool.map(run, blocks))
-    return raw, status, tallies, trace
+    return raw, status, counts, trace

@@ -500,7 +500,7 @@ def small_film(walk, path, **options):
     return film(walk, path, **options | {"fps": 2})
 
 fo.search = small_search
-fo.Walk.animate, film = small_film, fo.Walk.animate
+fo.animate, film = small_film, fo.animate
 """
 PYTHON = {
     page: "\n".join(content for language, content, _ in blocks(text) if language == "python")

@@ -423,8 +423,9 @@ def test_parallel_axes_are_turned_so_that_better_is_up(table):
 
 @pytest.mark.parametrize("draw", [figures.scatter_matrix, figures.parallel])
 def test_odd_tables_are_drawn(draw, table):
-    nothing = np.full((3, 5), np.nan)
-    same = np.ones((4, 5))
+    table = table[:, :2]
+    nothing = np.full((3, 2), np.nan)
+    same = np.ones((4, 2))
     for values, marked in (
         (nothing, 1),
         (same, 0),
@@ -432,7 +433,7 @@ def test_odd_tables_are_drawn(draw, table):
         (table, None),
         (table, 4),
     ):
-        figure = draw(values, FIVE, marked)
+        figure = draw(values, FIVE[:2], marked)
         star = marked is not None and bool(np.isfinite(values[marked]).all())
         assert ("best in $J_W$" in texts(figure)) is star
         figure.draw_without_rendering()

@@ -17,7 +17,7 @@ from footopt.errors import FootoptError
 from footopt.files import run
 from footopt.studies import doctor
 from footopt.studies.settings import Config, StudyConfig
-from footopt.walk.independent import LIMITS, RAMP, REFERENCE, SAME_PLATES
+from footopt.walk.reference import LIMITS, PUBLISHED, RAMP, SAME_PLATES
 
 ROOT = Path(fo.__file__).parent.parent
 
@@ -34,7 +34,7 @@ def findings(folder):
 
 def test_the_readme_says_what_the_walk_is_held_to():
     lines = (ROOT / "README.md").read_text().splitlines()
-    for published in REFERENCE:
+    for published in PUBLISHED:
         (row,) = [line for line in lines if f"({published.sand}) |" in line]
         zeta, *rest = re.findall(r"[\d.]+", row)
         assert float(zeta) == published.zeta
@@ -48,7 +48,7 @@ def test_a_sound_installation_passes_with_the_measured_differences(tmp_path):
     assert done.returncode == 0, done.stderr
     found = findings(tmp_path)
     assert not [f for f in found.values() if f["good"] is False]
-    for published in REFERENCE:
+    for published in PUBLISHED:
         scene = fo.Scene(sand=fo.Sand.named(published.sand))
         for accuracy in ("standard", "reference", SAME_PLATES):
             name = accuracy if isinstance(accuracy, str) else accuracy.name
@@ -119,9 +119,9 @@ def test_a_package_and_a_home_that_cannot_be_written_are_found(tmp_path):
 
 
 def test_a_walk_that_is_wrong_fails_with_what_to_do(tmp_path, monkeypatch):
-    distance, *others = REFERENCE[2].objectives
-    wrong = REFERENCE[2]._replace(objectives=(1.01 * distance, *others))
-    monkeypatch.setattr(doctor, "REFERENCE", (*REFERENCE[:2], wrong))
+    distance, *others = PUBLISHED[2].objectives
+    wrong = PUBLISHED[2]._replace(objectives=(1.01 * distance, *others))
+    monkeypatch.setattr(doctor, "PUBLISHED", (*PUBLISHED[:2], wrong))
     with pytest.raises(FootoptError) as error:
         examine(tmp_path)
     assert "3 of " in str(error.value)

@@ -14,7 +14,7 @@ from footopt.sand.law import GENERIC
 from footopt.studies.stability_cases import Setup, stamping
 from footopt.walk import STEPPERS
 from footopt.walk.balances import energy_gap, power_from_sand, set_down_speed, sinking_speed, smoothing_power
-from footopt.walk.contact import MAX_NEWTON, MAX_RESCUE
+from footopt.walk.newton import MAX_NEWTON, MAX_RESCUE
 
 SANDS = (0.05, 0.2, 1.0, 5.0, 50.0, 500.0)
 

@@ -19,7 +19,7 @@ def test_without_a_cache_folder_the_code_is_compiled_all_the_same(monkeypatch, c
 
 def test_a_users_own_functions_are_part_of_what_compiled_code_is_cached_by(tmp_path):
     """An edited effect or stepper is compiled again, in a file or typed into a session."""
-    from footopt.walk.loop import _source
+    from footopt.walk.sources import digest_of
 
     def loaded(text):
         path = tmp_path / "mine.py"
@@ -28,8 +28,8 @@ def test_a_users_own_functions_are_part_of_what_compiled_code_is_cached_by(tmp_p
         exec(compile(text, str(path), "exec"), namespace)
         return namespace["hook"]
 
-    first = _source((loaded("def hook(a):\n    return a\n"),))
-    second = _source((loaded("def hook(a):\n    return 2 * a\n"),))
+    first = digest_of((loaded("def hook(a):\n    return a\n"),))
+    second = digest_of((loaded("def hook(a):\n    return 2 * a\n"),))
     typed = [eval(f"lambda a: {n} * a") for n in (1, 2)]
-    digests = {_source(()), first, second, *(_source((f,)) for f in typed)}
+    digests = {digest_of(()), first, second, *(digest_of((f,)) for f in typed)}
     assert len(digests) == 5

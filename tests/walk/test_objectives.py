@@ -11,7 +11,7 @@ import footopt as fo
 from footopt.errors import SettingError
 from footopt.gait import LEFT, RIGHT
 from footopt.walk import FIVE, OBJECTIVES, gain_shares
-from footopt.walk.loop import RAW, hermite, hermite_extreme
+from footopt.walk.metrics import RAW, hermite, hermite_extreme
 from footopt.walk.objectives import FLOORS, Raw, lookup
 
 STRIKE = 1.1  # s, the first heel strike

@@ -1,0 +1,54 @@
+"""Which sources a walk is compiled from: code and results that are kept are keyed to them."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import marshal
+from collections.abc import Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from footopt.effects import base as effects
+from footopt.walk import steppers
+
+#: Where types and functions come from that every process can import.
+HOME = ("footopt.", __name__.rpartition(".")[0] + ".")
+
+
+def is_own(thing: Any) -> bool:
+    """Whether a type or function is a user's, not footopt's."""
+    return not thing.__module__.startswith(HOME)
+
+
+def own(stepper: Any, laws: Sequence[Any]) -> tuple[Any, ...]:
+    """A user's own types and functions among those that a walk needs."""
+    hooks = [hooks[type(law)] for law in laws for hooks in effects.HOOKS if type(law) in hooks]
+    needed = (type(stepper), steppers.STEPS[type(stepper)], *map(type, laws), *hooks)
+    return tuple(filter(is_own, needed))
+
+
+def source(stepper: Any, laws: Sequence[Any]) -> str:
+    """A digest of all that is compiled into a walk with this stepper and these laws of effects."""
+    return digest_of(tuple(thing for thing in own(stepper, laws) if not isinstance(thing, type)))
+
+
+@lru_cache(maxsize=8)
+def digest_of(functions: tuple[Any, ...]) -> str:
+    """A digest of footopt's sources, with a user's own functions: code cached of others is not used."""
+    digest = hashlib.sha256()
+    for folder in (Path(str(effects.__file__)).parent, Path(__file__).parent):  # no file can be forgotten
+        for path in sorted(folder.rglob("*.py")):
+            digest.update(path.read_bytes())
+    for function in functions:
+        digest.update(text_of(function))
+    return digest.hexdigest()
+
+
+def text_of(function: Any) -> bytes:
+    """The file that a function is in, with what it may call; its code if it was typed into a session."""
+    try:
+        return Path(inspect.getfile(function)).read_bytes()
+    except OSError:
+        return marshal.dumps(function.__code__)

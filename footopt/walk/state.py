@@ -1,0 +1,154 @@
+"""What the compiled walk is made of: plain tuples with names. Columns have numbers here and nowhere else."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.compiled import inlined
+from footopt.sand.law import Law
+
+Array = NDArray[np.float64]
+
+LANES = 8  # plates are padded to a multiple of this, and summed in such blocks
+
+#: What a walk counts: evaluations of the contact, of plates in it, stages that had to be rescued, steps
+#: that were repeated with half their length, and how often the whole walk was, with a quarter of it.
+COUNTS = np.dtype([(name, np.int64) for name in ("evaluations", "plates", "rescues", "shortened", "repeats")])
+
+
+class World(NamedTuple):
+    """What does not change during a walk: the sand, the walker, the smoothing."""
+
+    law: Law  # N/m^3
+    mass: float  # kg
+    g: float  # against the surface's normal, m/s^2
+    tilt: float | None  # gravity along the surface, m/s^2; None if it is level
+    creep: float  # m/s
+    tolerance: float  # of Newton's method: last step over the plates' mean speed
+    loads: tuple[Any, ...] | None  # laws of the scene's effects: `footopt.effects.Laws`
+    gates: tuple[Any, ...] | None
+    pushes: tuple[Any, ...] | None
+
+
+class Sole(NamedTuple):
+    """One design's plates, relative to the ankle (`foot.Plates`); of a batch, each with an axis more.
+
+    Each is (padded plates,): filled up to whole blocks of `LANES` by plates without area in the
+    place of the last one.
+    """
+
+    x: Array
+    z: Array
+    c2: Array
+    s2: Array
+    area: Array
+    block_x: Array  # (blocks,): a circle around each block of plates, m
+    block_z: Array
+    block_r: Array
+    reach: Any  # the sole's largest distance from the ankle, m
+    tx: Array | None  # the plate's direction, a unit vector, where an effect needs its normal
+    tz: Array | None
+
+
+class Pose(NamedTuple):
+    """Where a foot is, relative to the hip."""
+
+    x: float  # ankle, m
+    z: float
+    vx: float  # ankle, m/s
+    vz: float
+    cos: float  # of the foot's pitch
+    sin: float
+    rate: float  # rad/s
+
+
+class Force(NamedTuple):
+    """Of the sand on one foot, with its derivatives by the hip's velocity."""
+
+    x: float  # N
+    z: float
+    power: float  # W
+    xx: float  # N s/m: dF_x/dv_x
+    xz: float
+    zx: float
+    zz: float
+
+
+class Contact(NamedTuple):
+    """Of both feet with the sand."""
+
+    left: Force
+    right: Force
+
+
+class Integrals(NamedTuple):
+    """What adds up along a walk, by the stepper's own quadrature."""
+
+    work_left: float  # J
+    work_right: float
+    height: float  # of the hip, m s
+    joint: float  # positive work of the joints of both legs, J
+    joint_net: float  # J
+    impulse_x: float  # of the sand, N s
+    impulse_z: float
+
+
+class State(NamedTuple):
+    """The walker at one time."""
+
+    x: float  # hip, m
+    z: float
+    vx: float  # m/s
+    vz: float
+    contact: Contact
+    integrals: Integrals
+    solved: bool  # whether the step to here could be made
+
+
+@inlined
+def no_force():
+    """Of a foot in the air."""
+    return Force(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@inlined
+def pose_of(poses, foot):
+    """A foot's pose in a row of the table, (2 feet, 7), that `gait.Pose.table` makes."""
+    row = poses[foot]
+    return Pose(row[0], row[1], row[2], row[3], row[4], row[5], row[6])
+
+
+@inlined
+def sole_of(soles, design):
+    """One design's plates out of a batch's."""
+    return Sole(
+        soles.x[design],
+        soles.z[design],
+        soles.c2[design],
+        soles.s2[design],
+        soles.area[design],
+        soles.block_x[design],
+        soles.block_z[design],
+        soles.block_r[design],
+        soles.reach[design],
+        _row(soles.tx, design),
+        _row(soles.tz, design),
+    )
+
+
+@inlined
+def _row(column, design):
+    """One design's row of a column that may not be there."""
+    if column is None:
+        return None
+    return column[design]
+
+
+@inlined
+def fill(row, values):
+    """Write a tuple of numbers into a row of a table."""
+    for j in range(len(values)):
+        row[j] = values[j]

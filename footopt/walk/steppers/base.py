@@ -1,0 +1,119 @@
+"""What a stepper is: a function that advances the walker by one time step, and its entry in `STEPPERS`.
+
+The function makes the state at t + h out of that at t, and changes nothing but the counts:
+
+    state = step(method, world, sole, poses, state, h, counts)
+
+- ``method``: the stepper's parameters, an instance of a NamedTuple of its own. By its type the loop over
+  steps finds the function when it is compiled: it holds one stepper only, inlined, and is kept on disk for
+  each.
+- ``world``, ``sole``, ``state``, ``counts``: see `footopt.walk.state`. ``state.contact`` is the contact at
+  the state's own time; ``state.integrals`` grow by the step's own quadrature of every stage (`add`).
+- ``poses`` (nodes, 2, 7): both feet at t + node h, for the registered nodes; the last node is 1.
+- ``solved`` of the new state says whether the step could be made.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from numba.extending import overload
+
+from footopt.compiled import inlined
+from footopt.effects.slope import tilted
+from footopt.walk.contact import contact
+from footopt.walk.state import Integrals, State
+
+
+@dataclass(frozen=True)
+class Stepper:
+    """A stepper's entry.
+
+    Parameters
+    ----------
+    parameters : NamedTuple
+        An instance of a class of its own.
+    step : callable
+        See the top of this module.
+    nodes : tuple of float
+        Where in a step it needs the pose, as shares of the step.
+    order : int
+        The power of the time step with which the error falls where forces are smooth.
+    implicit : bool
+        Whether it is L-stable, so that its steps may be long while the walker stands.
+    source : str
+        Where the method is from.
+    """
+
+    parameters: Any
+    step: Callable[..., State]
+    nodes: tuple[float, ...]
+    order: int
+    implicit: bool
+    source: str
+
+
+STEPPERS: dict[str, Stepper] = {}
+STEPS: dict[type, Callable[..., State]] = {}
+
+
+def register(
+    name: str,
+    parameters: Any,
+    step: Callable[..., State],
+    nodes: tuple[float, ...],
+    order: int,
+    implicit: bool = False,
+    source: str = "",
+) -> None:
+    """Offer a stepper under a name; see `Stepper`."""
+    STEPPERS[name] = Stepper(parameters, step, nodes, order, implicit, source)
+    STEPS[type(parameters)] = step
+
+
+def advance(method, world, sole, poses, state, h, counts):
+    """The step of whichever stepper the first argument is; resolved when the loop is compiled."""
+    return STEPS[type(method)](method, world, sole, poses, state, h, counts)
+
+
+@overload(advance, jit_options={"forceinline": True})
+def _resolve(method, world, sole, poses, state, h, counts):
+    return STEPS[method.instance_class]
+
+
+@inlined
+def acceleration(world, at):
+    """Of the hip, from a contact: a_x, a_z in m/s^2 (the paper's eq. 5)."""
+    ax = tilted((at.left.x + at.right.x) / world.mass, world.tilt, 1.0)
+    return ax, (at.left.z + at.right.z) / world.mass - world.g
+
+
+@inlined
+def touch(world, sole, poses, x, z, vx, vz, counts):
+    """The contact at the hip's place (m) and velocity (m/s), without its derivatives."""
+    return contact(world, sole, poses, x, z, vx, vz, world.creep, None, counts)
+
+
+@inlined
+def arrive(world, sole, poses, x, z, vx, vz, integrals, counts):
+    """The state at the end of an explicit step."""
+    return State(x, z, vx, vz, touch(world, sole, poses, x, z, vx, vz, counts), integrals, True)
+
+
+@inlined
+def add(sums, weight, z, vx, vz, at):
+    """Integrals along the walk with one stage more, of a weight in s, a height, a velocity, a contact."""
+    left, right = at.left, at.right
+    joint_left = left.x * vx + left.z * vz - left.power
+    joint_right = right.x * vx + right.z * vz - right.power
+    return Integrals(
+        work_left=sums.work_left + weight * left.power,
+        work_right=sums.work_right + weight * right.power,
+        height=sums.height + weight * z,
+        joint=sums.joint + weight * max(joint_left, 0.0) + weight * max(joint_right, 0.0),
+        joint_net=sums.joint_net + weight * joint_left + weight * joint_right,
+        impulse_x=sums.impulse_x + weight * left.x + weight * right.x,
+        impulse_z=sums.impulse_z + weight * left.z + weight * right.z,
+    )

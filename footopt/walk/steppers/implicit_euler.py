@@ -1,0 +1,41 @@
+"""Implicit Euler: force and velocity at the end of the step.
+
+    1 | 1
+    --+---
+      | 1
+
+Order 1, L-stable.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from footopt.walk.newton import solve_stage
+from footopt.walk.state import State
+from footopt.walk.steppers.base import acceleration, add, register
+
+
+class ImplicitEuler(NamedTuple):
+    """It has no parameters."""
+
+
+def implicit_euler(method, world, sole, poses, state, h, counts):
+    """One implicit stage, the end of the step."""
+    x, z, vx, vz = state.x, state.z, state.vx, state.vz
+    ax, az = acceleration(world, state.contact)
+    end = solve_stage(world, sole, poses[0], x, z, vx, vz, h, vx + h * ax, vz + h * az, counts)
+    z = z + h * end.vz
+    sums = add(state.integrals, h, z, end.vx, end.vz, end.contact)
+    return State(x + h * end.vx, z, end.vx, end.vz, end.contact, sums, end.solved)
+
+
+register(
+    "implicit_euler",
+    ImplicitEuler(),
+    implicit_euler,
+    nodes=(1.0,),
+    order=1,
+    implicit=True,
+    source="Hairer & Wanner, ODEs II, 1996, IV.3",
+)

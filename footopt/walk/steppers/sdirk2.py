@@ -1,0 +1,54 @@
+"""SDIRK2: two implicit stages with the same coefficient gamma = 1 - 1/sqrt(2).
+
+    gamma | gamma
+    1     | 1 - gamma  gamma
+    ------+------------------
+          | 1 - gamma  gamma
+
+Order 2, L-stable and stiffly accurate: the second stage is the end of the step.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from footopt.walk.newton import solve_stage
+from footopt.walk.state import State
+from footopt.walk.steppers.base import acceleration, add, register
+
+
+class SDIRK2(NamedTuple):
+    """``gamma`` is the coefficient of both implicit stages."""
+
+    gamma: float = 1.0 - 1.0 / math.sqrt(2.0)
+
+
+def sdirk2(method, world, sole, poses, state, h, counts):
+    """The unknown of a stage is the hip's velocity; its place follows from it."""
+    c, r = method.gamma * h, (1.0 - method.gamma) * h
+    x0, z0, vx0, vz0 = state.x, state.z, state.vx, state.vz
+    ax, az = acceleration(world, state.contact)
+    one = solve_stage(world, sole, poses[0], x0, z0, vx0, vz0, c, vx0 + c * ax, vz0 + c * az, counts)
+    if not one.solved:
+        return State(x0, z0, vx0, vz0, state.contact, state.integrals, False)
+    sums = add(state.integrals, r, z0 + c * one.vz, one.vx, one.vz, one.contact)
+    bx, bz = acceleration(world, one.contact)
+    x1, z1 = x0 + r * one.vx, z0 + r * one.vz
+    # the guess follows the change of acceleration so far, to the end of the step
+    gx, gz = one.vx + r * (bx + (bx - ax)), one.vz + r * (bz + (bz - az))
+    two = solve_stage(world, sole, poses[1], x1, z1, vx0 + r * bx, vz0 + r * bz, c, gx, gz, counts)
+    z = z1 + c * two.vz
+    sums = add(sums, c, z, two.vx, two.vz, two.contact)
+    return State(x1 + c * two.vx, z, two.vx, two.vz, two.contact, sums, two.solved)
+
+
+register(
+    "sdirk2",
+    SDIRK2(),
+    sdirk2,
+    nodes=(SDIRK2().gamma, 1.0),
+    order=2,
+    implicit=True,
+    source="Alexander, SIAM J. Numer. Anal. 14, 1977",
+)

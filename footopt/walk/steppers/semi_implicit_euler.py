@@ -1,0 +1,32 @@
+"""Semi-implicit (symplectic) Euler: velocity from the old force, then position from the new velocity.
+
+Order 1. Stable against the smoothed law only for dt < 2 eps / g.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from footopt.walk.steppers.base import acceleration, add, arrive, register
+
+
+class SemiImplicitEuler(NamedTuple):
+    """It has no parameters."""
+
+
+def semi_implicit_euler(method, world, sole, poses, state, h, counts):
+    """v + h a, r + h v of the new v."""
+    ax, az = acceleration(world, state.contact)
+    sums = add(state.integrals, h, state.z, state.vx, state.vz, state.contact)
+    vx, vz = state.vx + h * ax, state.vz + h * az
+    return arrive(world, sole, poses[0], state.x + h * vx, state.z + h * vz, vx, vz, sums, counts)
+
+
+register(
+    "semi_implicit_euler",
+    SemiImplicitEuler(),
+    semi_implicit_euler,
+    nodes=(1.0,),
+    order=1,
+    source="Hairer, Lubich & Wanner, Geometric Numerical Integration, 2006, I.1.2",
+)

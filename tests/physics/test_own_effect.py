@@ -1,0 +1,101 @@
+"""An effect of one's own: a file, and nothing else."""
+
+import importlib.util
+import os
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from every_effect import ALL, DOWN
+from feet_in_sand import blade, force
+
+import footopt as fo
+from footopt.effects import laws
+from footopt.errors import SettingError
+from footopt.walk.balances import energy_gap
+from footopt.walk.prepare import NEWTON
+
+OWN = """
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import footopt as fo
+from footopt.effects import base as effects
+
+class DampLaw(NamedTuple):
+    rate: float
+
+@dataclass(frozen=True)
+class Damp:
+    rate: float = 2000.0  # N s/m^3, a pressure per speed into the sand
+    nothing = False
+
+    @property
+    def law(self):
+        return DampLaw(self.rate)
+
+def damp(law, state, into, depth):
+    push, stiff, sink = state
+    return push + 1.0 * law.rate * into * (depth > 0.0), stiff + law.rate * (depth > 0.0), sink
+
+effects.register(DampLaw, push=damp)
+"""
+
+
+@pytest.fixture(scope="module")
+def own(tmp_path_factory):
+    path = tmp_path_factory.mktemp("own") / "own_effect.py"
+    path.write_text(OWN)
+    spec = importlib.util.spec_from_file_location("own_effect", path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["own_effect"] = module
+    spec.loader.exec_module(module)
+    yield module
+    del sys.modules["own_effect"]
+
+
+class TestAnEffectOfOnesOwn:
+    def test_takes_fewer_than_30_lines(self):
+        assert len(OWN.strip().splitlines()) < 30
+
+    def test_acts_in_the_kernel_on_top_of_the_others(self, own):
+        speed, state = 0.5, (blade(0.0), DOWN, 0.0, -0.5)
+        added = force(*state, *ALL, own.Damp(), z=-0.03) - force(*state, *ALL, z=-0.03)
+        np.testing.assert_allclose(added, [0.0, 2000.0 * speed * 0.016**2], rtol=1e-9, atol=1e-12)
+
+    @pytest.mark.slow
+    def test_walks_through_a_scene_and_shows_in_its_plates(self, own, regular, ramp_foot):
+        bare, walk = (
+            fo.simulate(ramp_foot, replace(regular, effects=on), "fine") for on in ((), (own.Damp(),))
+        )
+        assert walk.objectives["distance"] != pytest.approx(bare.objectives["distance"], rel=1e-4)
+        found = walk.plates(np.arange(len(walk.t))).force.sum(axis=2)
+        np.testing.assert_allclose(found, walk.force, rtol=0, atol=NEWTON * np.abs(found).max())
+        assert energy_gap(walk) < 5e-3
+
+    @pytest.mark.slow
+    def test_that_was_edited_is_compiled_again(self, tmp_path):
+        """Compiled code on disk never outlives the hook that it was compiled from."""
+        environment = os.environ | {"PYTHONPATH": str(tmp_path)}
+        code = "import own_effect as o, footopt as fo; s = fo.Scene(effects=(o.Damp(),), t_f=1.2)\n"
+        code += "print(fo.simulate(fo.Foot.flat(), s, 'draft').totals['work'])"
+        found = []
+        for factor in ("1.0", "3.0"):
+            (tmp_path / "own_effect.py").write_text(OWN.replace("1.0", factor))
+            run = [sys.executable, "-B", "-c", code]
+            done = subprocess.run(run, env=environment, capture_output=True, check=True, text=True)
+            found.append(float(done.stdout))
+        assert found[0] != found[1]
+        # ... and is no trap for a process that does not know the effect
+        code = "import footopt as fo; print(fo.simulate(fo.Foot.flat(), fo.Scene(t_f=1.2), 'draft').reason)"
+        run, alone = [sys.executable, "-c", code], environment | {"PYTHONPATH": ""}
+        assert subprocess.run(run, env=alone, capture_output=True, check=True).stdout.strip() == b""
+
+    def test_a_law_without_hooks_is_refused(self, own):
+        class Loose(own.Damp):
+            law = (1.0,)
+
+        with pytest.raises(SettingError, match=r"effects = 'tuple'.*effects\.register"):
+            laws((Loose(),))

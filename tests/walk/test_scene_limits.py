@@ -1,0 +1,89 @@
+"""Scenes, walkers and accuracies: what is refused, the presets, and how poses are kept."""
+
+import math
+import sys
+
+import pytest
+
+import footopt as fo
+from footopt.errors import SettingError
+from footopt.walk import PRESETS
+from footopt.walk.prepare import long_pose_tables, pose_rows, pose_tables, poses
+
+
+class TestSettings:
+    @pytest.mark.parametrize(
+        ("setting", "value"),
+        [
+            ("stepper", "leapfrog"),
+            ("rule", "square"),
+            ("dt", 0.0),
+            ("dt", 1.5),
+            ("dt", math.nan),
+            ("plates", 1),
+            ("plates", 50.0),
+            ("creep", 0.0),
+            ("creep", -1e-4),
+            ("creep", math.inf),
+        ],
+    )
+    def test_impossible_accuracies_are_refused(self, setting, value):
+        with pytest.raises(SettingError, match="must be") as error:
+            fo.Accuracy(**{setting: value})
+        assert error.value.setting == f"accuracy.{setting}"
+
+    def test_an_unknown_accuracy_lists_the_known_ones(self, ramp_foot):
+        with pytest.raises(SettingError, match=r"accuracy = 'perfect': must be one of draft, standard"):
+            fo.simulate(ramp_foot, accuracy="perfect")
+
+    def test_a_walk_too_long_to_be_refined_has_no_error_estimate(self, ramp_foot, monkeypatch):
+        rows = pose_rows(fo.Scene(), fo.Accuracy.named("draft"))
+        monkeypatch.setattr(sys.modules["footopt.walk.prepare"], "ROWS", 1.5 * rows)
+        assert fo.simulate(ramp_foot, accuracy="draft").feasible
+        assert all(map(math.isnan, fo.estimate_error(ramp_foot, accuracy="draft").values()))
+
+    def test_presets_know_their_names(self):
+        assert all(fo.Accuracy.named(name).name == name for name in PRESETS)
+
+    @pytest.mark.parametrize("setting", ["mass", "l1", "l2", "g"])
+    @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
+    def test_impossible_walkers_are_refused(self, setting, value):
+        with pytest.raises(SettingError) as error:
+            fo.Walker(**{setting: value})
+        assert error.value.setting == f"walker.{setting}"
+
+    @pytest.mark.parametrize("t_f", [0.0, -1.0, math.nan, math.inf])
+    def test_impossible_durations_are_refused(self, t_f):
+        with pytest.raises(SettingError, match=r"scene\.t_f"):
+            fo.Scene(t_f=t_f)
+
+    def test_the_paper_s_walk_lasts_two_strides_after_the_start(self):
+        assert fo.Scene().duration == pytest.approx(2.9)
+        assert fo.Scene(gait=fo.Gait.human(period=1.0)).duration == pytest.approx(2.5)
+
+    def test_who_stands_still_must_say_how_long(self):
+        with pytest.raises(SettingError, match=r"scene\.t_f = None.*scene\.t_f=10"):
+            fo.Scene(gait=fo.Gait.human(start=math.inf))
+
+    def test_steps_divide_the_walk_and_are_not_longer_than_dt(self):
+        assert fo.Accuracy(dt=1e-3).steps(2.9) == 2900
+        assert fo.Accuracy(dt=2e-3).steps(0.3 + 2.6) == 1450
+        assert fo.Accuracy(dt=1.0).steps(0.1) == 1
+        assert fo.Accuracy(dt=0.3).steps(1.0) == 4
+
+    def test_no_feet_and_no_threads_are_refused(self, flat_foot):
+        with pytest.raises(SettingError, match="at least one foot"):
+            fo.evaluate([])
+        with pytest.raises(SettingError, match=r"engine\.threads = 0"):
+            fo.evaluate([flat_foot], threads=0)
+
+
+def test_poses_of_long_motions_do_not_pile_up():
+    """A motion of ten minutes takes 290 MB: of such ones two are kept, of short ones many."""
+    gaits = [fo.Gait.human(period=period) for period in (1.0, 1.1, 1.2, 1.3)]
+    for duration, kept in ((4.0, pose_tables), (60.0, long_pose_tables)):
+        kept.cache_clear()
+        for gait in gaits:
+            poses(fo.Scene(gait=gait, t_f=duration), fo.Accuracy.named("standard"))
+        assert kept.cache_info().currsize == min(len(gaits), kept.cache_info().maxsize)
+    assert long_pose_tables.cache_info().maxsize < len(gaits)

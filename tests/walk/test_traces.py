@@ -1,0 +1,221 @@
+"""How walks fail, what their traces hold, and whether they are inside what the law is tested for."""
+
+import math
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import footopt as fo
+from footopt.walk.prepare import HALVINGS, NEWTON, time_grid
+from footopt.walk.validity import diagnose
+
+
+class TestFailures:
+    def test_sand_that_cannot_carry_the_walker(self, ramp_foot, flat_foot):
+        scene = fo.Scene(sand=fo.Sand(1e-3))
+        table = fo.evaluate([ramp_foot, flat_foot], scene)
+        assert list(table.reasons) == ["sunk", "sunk"]
+        assert not table.feasible.any()
+        assert np.isnan(table.values).all()
+        walk = fo.simulate(ramp_foot, scene)
+        assert (walk.reason, walk.feasible, len(walk.t)) == ("sunk", False, 0)
+        assert diagnose(walk) == []
+
+    def test_a_walker_who_sinks_on_the_way_leaves_the_trace_so_far(self, ramp_foot):
+        walk = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand(0.02)))
+        assert walk.reason == "sunk"
+        assert 0 < len(walk.t) < walk.accuracy.steps(2.9)
+        assert np.isfinite(walk.force).all()
+        assert walk.com[-1, 1] < 0.2
+        assert all(math.isnan(value) for value in walk.objectives.values())
+
+    def test_a_gait_run_backwards_in_time_walks_backwards(self, ramp_foot):
+        human = fo.Gait.human()
+        thigh, knee = (joint._replace(b=tuple(-b for b in joint.b)) for joint in (human.thigh, human.knee))
+        scene = fo.Scene(gait=replace(human, thigh=thigh, knee=knee))
+        table, walk = fo.evaluate([ramp_foot], scene), fo.simulate(ramp_foot, scene)
+        assert table.reasons[0] == walk.reason == "backward"
+        assert np.isnan(table.values).all()
+        assert np.isnan(table.efficiency).all()
+        assert all(math.isnan(value) for value in walk.objectives.values())
+        assert walk.com[-1, 0] < 0
+        assert walk.t[-1] == 2.9
+
+    LIGHT = fo.Scene(walker=fo.Walker(mass=1e-6))  # thrown into the air by an explicit step
+    LONG = fo.Accuracy("explicit_euler", 0.01)
+
+    def test_an_explicit_step_too_long_for_a_light_walker_diverges(self, flat_foot, monkeypatch):
+        monkeypatch.setattr(sys.modules["footopt.walk.simulate"], "MAX_REPEATS", 0)
+        walk = fo.simulate(flat_foot, self.LIGHT, self.LONG)
+        assert walk.reason == "diverged"
+        assert all(math.isnan(value) for value in walk.objectives.values())
+        table = fo.evaluate([flat_foot], self.LIGHT, self.LONG)
+        assert (table.reasons[0], table.feasible[0]) == ("diverged", False)
+        assert np.isnan(table.values).all()
+
+    def test_a_walk_that_diverges_is_repeated_with_shorter_steps_and_that_is_counted(self, flat_foot):
+        walk = fo.simulate(flat_foot, self.LIGHT, self.LONG)
+        table = fo.evaluate([flat_foot], self.LIGHT, self.LONG)
+        assert walk.repeats == table.repeats[0] > 0
+        assert len(walk.t) == 290 * 4**walk.repeats
+        np.testing.assert_allclose(
+            table.values[0], [walk.objectives[name] for name in table.names], rtol=1e-12
+        )
+
+    def test_an_ordinary_walk_needs_hardly_a_rescue_and_no_repeat(self, walk, ramp_foot):
+        assert walk.repeats == 0
+        assert walk.rescues <= 0.005 * 2 * len(walk.t)  # of two stages a step
+        fine = fo.simulate(ramp_foot, walk.scene, "fine")
+        assert fine.repeats == 0
+        assert fine.rescues <= 5  # in long steps while he stands, which are shortened
+
+    def test_a_failed_walk_does_not_disturb_its_batch(self, flat_foot, ramp_foot):
+        scene = fo.Scene(sand=fo.Sand.named("soft"))
+        feet = [flat_foot, replace(flat_foot, width=0.003), ramp_foot, replace(ramp_foot, width=0.01)]
+        table = fo.evaluate(feet, scene)
+        assert list(table.reasons) == ["", "sunk", "", "sunk"]
+        assert list(table.feasible) == [True, False, True, False]
+        assert np.isfinite(table.values[[0, 2]]).all()
+        assert np.isnan(table.values[[1, 3]]).all()
+        np.testing.assert_array_equal(table.values[[0, 2]], fo.evaluate([flat_foot, ramp_foot], scene).values)
+
+    @pytest.mark.parametrize("creep", [1e-6, 1e-9])
+    def test_a_nearly_sharp_law_is_still_walked_on(self, creep, scene, ramp_foot, fine_walk):
+        walk = fo.simulate(ramp_foot, scene, fo.Accuracy(dt=5e-3, creep=creep))
+        assert walk.feasible
+        assert walk.objectives["distance"] == pytest.approx(fine_walk.objectives["distance"], rel=5e-3)
+
+
+class TestTraces:
+    def test_times_are_equal_steps_that_end_at_t_f_and_long_ones_while_standing(self, ramp_foot):
+        walk = fo.simulate(ramp_foot, fo.Scene(), fo.Accuracy(dt=7e-3))
+        start, dt = 0.5, walk.accuracy.dt
+        steps = walk.accuracy.steps(2.9 - start)
+        walking = walk.t[walk.t > start]
+        np.testing.assert_array_equal(walking, start + (2.9 - start) * np.arange(1, steps + 1) / steps)
+        assert walk.t[-1] == 2.9
+        standing = np.diff(np.concatenate([[0.0], walk.t[walk.t <= start]]))
+        assert standing == pytest.approx(standing[0])
+        assert 2 * dt < standing[0] <= 4 * dt
+
+    def test_steps_under_control_are_halves_of_those_where_the_estimate_asks_for_it(self, ramp_foot):
+        """Each time is on the grid of the shortest steps, and steps are short where forces change."""
+        accuracy = fo.Accuracy(dt=1e-2, control=1e-4)
+        walk = fo.simulate(ramp_foot, fo.Scene(), accuracy)
+        parts = 2**HALVINGS
+        grid = time_grid(walk.scene, accuracy)
+        fine = np.concatenate([grid[:-1, None] + np.diff(grid)[:, None] * np.arange(parts) / parts]).ravel()
+        place = np.searchsorted(fine, walk.t[:-1] - 1e-9)
+        np.testing.assert_allclose(fine[place], walk.t[:-1], rtol=0, atol=1e-12)
+        assert walk.t[-1] == 2.9
+        steps = np.diff(walk.t)[walk.t[1:] > 0.6]
+        halvings = np.log2(steps.max() / steps)
+        np.testing.assert_allclose(halvings, np.round(halvings), atol=1e-6)
+        assert set(np.round(halvings)) == {0, 1, 2, 3}
+        assert 0 < walk.shortened < 0.2 * len(walk.t)
+        table = fo.evaluate([ramp_foot], walk.scene, accuracy)
+        assert (table.shortened[0], table.evaluations[0]) == (walk.shortened, walk.evaluations)
+
+    @pytest.mark.parametrize("stepper", ["explicit_euler", "rk4", "sdirk2"])
+    def test_a_smaller_control_gives_a_smaller_error(self, stepper, ramp_foot):
+        exact = fo.simulate(ramp_foot, fo.Scene(), fo.Accuracy(dt=2e-4)).objectives
+
+        def error(control):
+            accuracy = fo.Accuracy(stepper, 1e-2 if stepper == "sdirk2" else 2e-3, control=control)
+            found = fo.simulate(ramp_foot, fo.Scene(), accuracy).objectives
+            return max(abs(found[name] / exact[name] - 1.0) for name in ("work", "peak_power", "speed_loss"))
+
+        coarse, fine = error(3e-2), error(3e-5)
+        assert fine < 0.5 * coarse
+        assert fine < 0.01
+
+    def test_explicit_steps_and_a_walker_who_never_starts_have_equal_times(self, ramp_foot):
+        explicit = fo.simulate(ramp_foot, fo.Scene(), fo.Accuracy("explicit_euler", 1e-3))
+        np.testing.assert_array_equal(explicit.t, 2.9 * np.arange(1, 2901) / 2900)
+        scene = fo.Scene(gait=fo.Gait.human(start=math.inf), t_f=1.0)
+        standing = fo.simulate(ramp_foot, scene, fo.Accuracy(dt=1e-2))
+        np.testing.assert_array_equal(standing.t, np.arange(1, 101) / 100)
+
+    def test_long_steps_while_standing_change_nothing(self, ramp_foot, monkeypatch):
+        scene = fo.Scene(t_f=2.8)  # a scene of its own: pose tables are cached
+        long = fo.simulate(ramp_foot, scene).objectives
+        monkeypatch.setattr(sys.modules["footopt.walk.prepare"], "REST", 1)
+        short = fo.simulate(ramp_foot, replace(scene, t_f=2.8 + 1e-12)).objectives
+        for name in ("distance", "mean_height", "work", "peak_power", "speed_loss"):
+            assert long[name] == pytest.approx(short[name], rel=5e-5)
+
+    def test_shapes(self, walk):
+        n = len(walk.t)
+        assert walk.com.shape == walk.velocity.shape == (n, 2)
+        assert walk.force.shape == (n, 2, 2)
+        assert walk.power.shape == walk.work.shape == (n, 2)
+
+    def test_velocity_is_the_rate_of_the_position(self, fine_walk):
+        rate = np.gradient(fine_walk.com, fine_walk.t, axis=0)[1:-1]
+        np.testing.assert_allclose(rate, fine_walk.velocity[1:-1], rtol=0, atol=2e-3)
+
+    def test_force_is_mass_times_acceleration_and_weight(self, fine_walk):
+        walker = fine_walk.scene.walker
+        rate = np.gradient(fine_walk.velocity, fine_walk.t, axis=0)
+        force = fine_walk.force.sum(axis=1) - np.array([0.0, walker.weight])
+        late = fine_walk.t > 0.1  # the first instants settle within the creep speed
+        error = np.abs(walker.mass * rate - force)[late]
+        assert np.quantile(error, 0.99) < 1e-2 * walker.weight
+
+    @pytest.mark.parametrize("rule", ["arc", "chord"])
+    @pytest.mark.parametrize("stepper", ["semi_implicit_euler", "heun", "sdirk2"])
+    def test_plates_add_up_to_the_feet(self, rule, stepper, scene, ramp_foot):
+        """To rounding; behind an implicit step, to the last step of Newton's method (NEWTON)."""
+        tolerance = NEWTON if stepper == "sdirk2" else 1e-9
+        walk = fo.simulate(ramp_foot, scene, fo.Accuracy(stepper, 5e-3, 64, 1e-3, rule=rule))
+        states = walk.plates(np.arange(len(walk.t)))
+        force, power = states.force.sum(axis=2), np.sum(states.force * states.velocity, axis=(2, 3))
+        np.testing.assert_allclose(force, walk.force, rtol=0, atol=tolerance * np.abs(force).max())
+        np.testing.assert_allclose(power, walk.power, rtol=0, atol=tolerance * np.abs(power).max())
+
+    def test_plates_of_the_paper_feel_the_published_stresses(self, scene, ramp_foot):
+        """Fast plates, where the creep speed does not matter, by the map in the angles."""
+        walk = fo.simulate(ramp_foot, scene, fo.Accuracy(dt=5e-3, plates=64, rule="chord"))
+        states = walk.plates(np.arange(0, len(walk.t), 20))
+        beta = np.arctan2(states.normal[..., 0], -states.normal[..., 1])
+        gamma = np.arctan2(-states.velocity[..., 1], states.velocity[..., 0])
+        ax, az = fo.stress.alpha(beta, gamma)
+        pull = scene.sand.zeta * np.maximum(-states.position[..., 1], 0.0) * states.area
+        force = np.stack([-ax, az], axis=-1) * pull[..., None]
+        fast = np.hypot(states.velocity[..., 0], states.velocity[..., 1]) > 0.1
+        assert fast.any()
+        np.testing.assert_allclose(states.force[fast], force[fast], rtol=0, atol=1e-6 * force.max())
+
+    @pytest.mark.parametrize("creep", [1e-4, 1e-2])
+    def test_sand_never_gives_energy_beyond_the_creep(self, creep, scene, ramp_foot):
+        """P <= zeta * 1 N/cm^3 * depth * area * creep: only the smoothed law near rest gives any."""
+        walk = fo.simulate(ramp_foot, scene, fo.Accuracy(dt=5e-3, plates=64, creep=creep))
+        states = walk.plates(np.arange(len(walk.t)))
+        pull = scene.sand.stiffness * np.maximum(-states.position[..., 1], 0.0) * states.area
+        power = np.sum(states.force * states.velocity, axis=-1)
+        assert (power <= pull * creep).all()
+        assert (walk.power <= (pull * creep).sum(axis=-1) + 1e-9).all()
+
+    def test_plates_of_one_instant(self, walk):
+        one, many = walk.plates([7]), walk.plates(np.arange(10))
+        np.testing.assert_array_equal(one.force[0], many.force[7])
+
+
+class TestValidity:
+    def test_softer_sand_is_further_outside(self, ramp_foot):
+        def found(name):
+            return {d.name: d for d in diagnose(fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand.named(name))))}
+
+        soft, regular, hard = map(found, ("soft", "regular", "hard"))
+        for name in soft:
+            assert soft[name].value > regular[name].value > hard[name].value
+        shares = [d["share of |W| on trailing faces"].value for d in (soft, regular, hard)]
+        np.testing.assert_allclose(shares, [0.45, 0.30, 0.18], atol=0.03)
+        assert soft["depth of the sole"].outside
+        assert not hard["depth of the sole"].outside
+
+    def test_depth_is_the_maximum_sinkage(self, walk):
+        depth = {d.name: d.value for d in diagnose(walk)}["depth of the sole"]
+        assert depth == pytest.approx(walk.objectives["maximum_sinkage"], rel=1e-2)

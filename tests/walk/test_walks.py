@@ -1,0 +1,228 @@
+"""Whole walks: an independent program, balances, orders, symmetries, and bit for bit the same again."""
+
+import math
+import os
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import footopt as fo
+from footopt.foot import Plates
+from footopt.gait import LEFT, RIGHT
+from footopt.walk import STEPPERS
+from footopt.walk.balances import energy_gap
+from footopt.walk.reference import LIMITS, PUBLISHED, RAMP, SAME_PLATES, lsoda_objectives
+
+ALL = sorted(STEPPERS)
+
+
+class TestIndependentProgram:
+    @pytest.mark.parametrize("published", PUBLISHED)
+    @pytest.mark.parametrize("accuracy", ["standard", "fine", "reference", SAME_PLATES], ids=str)
+    def test_walks_agree(self, published, accuracy):
+        table = fo.evaluate([RAMP], fo.Scene(sand=fo.Sand(published.zeta)), accuracy)
+        limit = LIMITS[accuracy if isinstance(accuracy, str) else accuracy.name]
+        np.testing.assert_allclose(table.values[0], published.objectives, rtol=limit)
+
+    @pytest.mark.slow
+    def test_a_walk_uphill_with_leading_edges_is_that_of_the_second_program(self, ramp_foot):
+        """SciPy's LSODA with the law in its angles shares only the effects' hooks with the compiled walk."""
+        scene = fo.Scene(effects=(fo.LeadingEdge(), fo.Slope(3.0)))
+        walk = fo.simulate(ramp_foot, scene, fo.Accuracy("sdirk2", 2e-3, 40, 1e-2, rule="chord"))
+        for name, value in lsoda_objectives(walk, rtol=1e-7).items():
+            assert walk.objectives[name] == pytest.approx(value, rel=5e-4)
+
+
+@pytest.fixture(scope="module")
+def sliding(flat_foot):
+    """A smooth scene: both feet wholly in soft sand, stepping off at once, a large creep speed."""
+    scene = fo.Scene(sand=fo.Sand(0.1), gait=fo.Gait.human(start=0.0), t_f=0.16)
+
+    def run(stepper, steps):
+        return fo.simulate(flat_foot, scene, fo.Accuracy(stepper, scene.t_f / steps, 40, creep=0.2))
+
+    return run
+
+
+def slopes(errors):
+    return np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+
+
+class TestBalances:
+    @pytest.mark.parametrize("stepper", ALL)
+    def test_momentum_is_the_impulse_of_sand_and_weight(self, stepper, scene, ramp_foot):
+        """M v = integral of force - M g t, to rounding: a step takes from the sand what it gives."""
+        walk = fo.simulate(ramp_foot, scene, fo.Accuracy(stepper, 1e-3))
+        momentum = scene.walker.mass * walk.velocity[-1]
+        impulse = [walk.totals["impulse_x"], walk.totals["impulse_z"] - scene.walker.weight * walk.t[-1]]
+        np.testing.assert_allclose(momentum, impulse, rtol=0, atol=1e-9)
+
+    @pytest.mark.parametrize("stepper", ALL)
+    def test_energy_closes_at_the_steppers_order(self, stepper, sliding):
+        """Kinetic + potential energy = work of the sand + work of the joints."""
+        errors = []
+        for steps in (16, 32, 64):
+            walk = sliding(stepper, steps)
+            errors.append(energy_gap(walk))
+        assert (slopes(errors) > STEPPERS[stepper].order - 0.15).all()
+
+    def test_energy_of_a_whole_walk_closes(self, scene, ramp_foot):
+        walk = fo.simulate(ramp_foot, scene, fo.Accuracy(dt=1e-3))
+        assert energy_gap(walk) < 1e-4
+
+    def test_work_is_the_integral_of_power(self, fine_walk):
+        for foot in (LEFT, RIGHT):
+            integral = np.trapezoid(fine_walk.power[:, foot], fine_walk.t)
+            assert fine_walk.work[-1, foot] == pytest.approx(integral, rel=1e-4)
+
+
+class TestOrders:
+    @pytest.mark.parametrize("stepper", ALL)
+    def test_error_falls_at_the_steppers_order(self, stepper, sliding):
+        def state(walk):
+            return np.concatenate([walk.com[-1], walk.velocity[-1]])
+
+        exact = state(sliding("rk4", 1600))
+        errors = [np.abs(state(sliding(stepper, n)) - exact).max() for n in (16, 32, 64)]
+        np.testing.assert_allclose(slopes(errors), STEPPERS[stepper].order, rtol=0, atol=0.3)
+
+    def test_all_steppers_converge_to_one_walk(self, scene, ramp_foot, fine_walk):
+        for stepper in ALL:
+            walk = fo.simulate(ramp_foot, scene, fo.Accuracy(stepper, 1e-4, 400, 1e-4))
+            np.testing.assert_allclose(walk.com[-1], fine_walk.com[-1], rtol=2e-3)
+
+    @pytest.mark.parametrize(("coarse", "fine"), [("draft", "standard"), ("standard", "fine")])
+    def test_each_preset_is_better_than_the_one_before(self, coarse, fine, scene):
+        k = fo.Waypoints().random(20, seed=5, inside=True)
+        exact = fo.evaluate(k, scene, "reference").values
+        error = [
+            np.abs(fo.evaluate(k, scene, name).values / exact - 1).max(axis=1) for name in (coarse, fine)
+        ]
+        assert np.quantile(error[1], 0.95) < 0.7 * np.quantile(error[0], 0.95)
+        assert np.quantile(error[1], 0.95) < 0.02
+
+
+class TestSymmetriesOfTheWalk:
+    def test_moving_sole_and_ankle_together_changes_nothing(self, regular, ramp_foot):
+        moved = replace(
+            ramp_foot,
+            contour=ramp_foot.contour + np.array([0.03, -0.01]),
+            ankle=(0.03, -0.01),
+            k=None,
+            space=None,
+        )
+        still = replace(ramp_foot, k=None, space=None)
+        a, b = (fo.simulate(foot, regular) for foot in (still, moved))
+        np.testing.assert_allclose(a.com, b.com, rtol=0, atol=1e-9)
+
+    @pytest.mark.parametrize("stepper", ALL)
+    def test_similar_walkers_walk_alike(self, stepper, ramp_foot):
+        """Lengths x s, times x sqrt(s), masses x s^3 in the same sand and gravity: no other scale.
+
+        With s = 4 all factors are powers of 2, so that not even rounding differs.
+        """
+        s, accuracy = 4.0, fo.Accuracy(stepper, 2**-9, 50, 1e-4)
+        small = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand(1.0)), accuracy)
+        big_scene = fo.Scene(
+            sand=fo.Sand(1.0),
+            gait=fo.Gait.human(period=1.2 * s**0.5, start=0.5 * s**0.5),
+            walker=fo.Walker(mass=60 * s**3, l1=0.47 * s, l2=0.45 * s),
+        )
+        big_foot = fo.Foot.from_waypoints(RAMP, L=0.13 * s, H=0.03 * s, width=0.1 * s)
+        big_accuracy = replace(accuracy, dt=accuracy.dt * s**0.5, creep=accuracy.creep * s**0.5)
+        big = fo.simulate(big_foot, big_scene, big_accuracy)
+        np.testing.assert_array_equal(big.t, small.t * s**0.5)
+        np.testing.assert_allclose(big.com, small.com * s, rtol=1e-10)
+        np.testing.assert_allclose(big.force, small.force * s**3, rtol=1e-10)
+        assert big.objectives["efficiency"] * s**6 == pytest.approx(small.objectives["efficiency"], rel=1e-10)
+
+    def test_mass_and_stiffness_together_set_only_the_scale_of_forces(self, ramp_foot):
+        light = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand(1.0)))
+        heavy = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand(3.0), walker=fo.Walker(mass=180.0)))
+        np.testing.assert_allclose(heavy.com, light.com, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(heavy.work, 3.0 * light.work, rtol=1e-6, atol=1e-9)
+
+
+class TestReproducibility:
+    def test_evaluate_and_simulate_are_one_walk(self, scene, ramp_foot, walk):
+        table = fo.evaluate([ramp_foot], scene, objectives=tuple(walk.objectives))
+        np.testing.assert_allclose(table.values[0], list(walk.objectives.values()), rtol=1e-12)
+        assert table.evaluations[0] == walk.evaluations
+        np.testing.assert_array_equal(fo.evaluate(ramp_foot, scene).raw, fo.evaluate([ramp_foot], scene).raw)
+
+    @pytest.mark.parametrize("stepper", ["sdirk2", "semi_implicit_euler"])
+    def test_a_design_does_not_depend_on_batch_place_or_threads(self, stepper, regular):
+        """Bit for bit: stores, engines and resume rest on it."""
+        accuracy, k = fo.Accuracy(stepper, 5e-3, 50), fo.Waypoints().random(40, seed=2)
+        one = fo.evaluate(k, regular, accuracy, threads=1)
+        for threads in (2, 3):
+            np.testing.assert_array_equal(fo.evaluate(k, regular, accuracy, threads=threads).raw, one.raw)
+        order = np.random.default_rng(0).permutation(len(k))
+        np.testing.assert_array_equal(fo.evaluate(k[order], regular, accuracy).raw, one.raw[order])
+        for i in (0, 17, 39):
+            np.testing.assert_array_equal(fo.evaluate(k[i], regular, accuracy).raw[0], one.raw[i])
+        feet = [fo.Foot.from_waypoints(row) for row in k]
+        np.testing.assert_array_equal(fo.evaluate(feet, regular, accuracy).raw, one.raw)
+        plates = fo.Waypoints().plates(k, 50)
+        assert isinstance(plates, Plates)
+        np.testing.assert_array_equal(fo.evaluate(plates, regular, accuracy).raw, one.raw)
+
+    def test_repeats_to_the_last_bit(self, regular, ramp_foot):
+        a, b = (fo.simulate(ramp_foot, regular) for _ in range(2))
+        np.testing.assert_array_equal(a.com, b.com)
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("stepper", ["sdirk2", "semi_implicit_euler"])
+    def test_the_process_that_compiles_walks_like_those_that_load_its_code(self, stepper, tmp_path):
+        code = (
+            "import footopt as fo; f = fo.Foot.from_waypoints([1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 8]);"
+            f"print(fo.evaluate([f], fo.Scene(), fo.Accuracy({stepper!r}, 1e-3)).raw.tobytes().hex())"
+        )
+        environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+        compiled, loaded = (
+            subprocess.run(
+                [sys.executable, "-c", code], env=environment, capture_output=True, check=True
+            ).stdout
+            for _ in range(2)
+        )
+        assert compiled == loaded
+
+
+@pytest.fixture(scope="module")
+def vertical(ramp_foot):
+    """Vertical force in the second of two seconds of standing on hard sand, over the weight."""
+    scene = fo.Scene(sand=fo.Sand.named("hard"), gait=fo.Gait.human(start=math.inf), t_f=2.0)
+
+    def run(stepper, dt, creep):
+        walk = fo.simulate(ramp_foot, scene, fo.Accuracy(stepper, dt, 100, creep))
+        assert walk.feasible
+        return walk.force.sum(axis=1)[walk.t > 1.0, 1] / scene.walker.weight
+
+    return run
+
+
+class TestStandingStill:
+    @pytest.mark.parametrize("dt", [1e-2, 2e-3, 5e-4])
+    def test_an_implicit_step_comes_to_rest(self, dt, vertical):
+        force = vertical("sdirk2", dt, 1e-4)
+        assert force.std() < 1e-3
+        assert force.mean() == pytest.approx(1.0, abs=1e-3)
+
+    @pytest.mark.parametrize("dt", [1e-3, 1e-4])
+    def test_an_explicit_step_chatters_on_the_laws_jump_however_small(self, dt, vertical):
+        assert vertical("explicit_euler", dt, 1e-9).std() > 0.1
+
+    def test_an_explicit_step_comes_to_rest_where_smoothing_outlasts_it(self, vertical):
+        """dt < 2 eps / g (DESIGN 3)."""
+        assert vertical("explicit_euler", 1e-5, 1e-4).std() < 1e-2
+
+    def test_the_walker_stays_where_he_is(self, ramp_foot):
+        scene = fo.Scene(sand=fo.Sand.named("hard"), gait=fo.Gait.human(start=math.inf), t_f=2.0)
+        walk = fo.simulate(ramp_foot, scene)
+        assert walk.feasible
+        assert np.abs(walk.com - walk.start).max() < 2e-3
+        assert math.isnan(walk.objectives["peak_power"])
+        assert math.isnan(walk.objectives["speed_loss"])
