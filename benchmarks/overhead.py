@@ -57,7 +57,7 @@ class Clock:
                 (simulate_module, "walk_range", "kernel"),
                 (simulate_module, "_walk", "walk"),
                 (simulate_module, "as_plates", "plates"),
-                (prepare_module, "blocks_of", "blocks"),
+                (prepare_module, "soles", "blocks"),
                 (problem_module, "evaluate", "evaluate"),
                 (fo.FootProblem, "minimised", "judge"),
                 (Archive, "evaluate", "archive"),

@@ -3,7 +3,8 @@
 A design is kept under its heights and the digest of its context (`footopt.design.context`). A search
 with the same seed asks for the same designs in the same order, so that a search is resumed by running
 it again: what it had is read, what is missing is walked, and the result is that of a search never
-stopped. Nothing is pickled: numbers are kept as the bytes of their doubles.
+stopped. Nothing is pickled: numbers are kept as the bytes of their doubles, with a checksum of the row,
+because SQLite's integrity check does not look at what a row holds.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import os
 import sqlite3
 import stat
 import time
+import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -116,15 +118,18 @@ class Store:
         """What is known of each design."""
         query = "SELECT record, reason, message FROM design WHERE context = ? AND k = ?"
         with self._explained() as connection:
-            rows = [connection.execute(query, (self._id, _key(heights))).fetchone() for heights in k]
-        return [None if row is None else self._read(*row) for row in rows]
+            keys = [_key(heights) for heights in k]
+            rows = [connection.execute(query, (self._id, key)).fetchone() for key in keys]
+            return [
+                None if row is None else self._read(key, *row) for key, row in zip(keys, rows, strict=True)
+            ]
 
     def add(self, k: Sequence[Sequence[int]], evaluations: Sequence[Evaluation]) -> None:
         """Keep designs, all or none; one that is known stays as it is, unless it had broken the program."""
-        rows = [
-            (self._id, _key(heights), np.asarray(values, "<f8").tobytes(), reason, message)
-            for heights, (values, reason, message) in zip(k, evaluations, strict=True)
-        ]
+        rows = []
+        for heights, (values, reason, message) in zip(k, evaluations, strict=True):
+            key, record = _key(heights), np.asarray(values, "<f8").tobytes()
+            rows.append((self._id, key, record + _checksum(key, record, reason, message), reason, message))
         with self._explained() as connection, _transaction(connection):
             connection.executemany(ADD, rows)
 
@@ -194,11 +199,12 @@ class Store:
             connection.execute(insert, (name, canonical(self._context)))
         return int(connection.execute(query, (name,)).fetchone()[0])
 
-    def _read(self, record: bytes, reason: str, message: str) -> Evaluation:
+    def _read(self, key: str, sealed: bytes, reason: str, message: str) -> Evaluation:
         """A row as an evaluation."""
-        if len(record) != 8 * len(self.problem.record):
-            raise self._damaged("a design has too few values")
-        return Evaluation(np.frombuffer(record, "<f8").astype(np.float64), reason, message)
+        size = 8 * len(self.problem.record)
+        if not isinstance(sealed, bytes) or sealed[size:] != _checksum(key, sealed[:size], reason, message):
+            raise self._damaged(f"design {key} fails its checksum")
+        return Evaluation(np.frombuffer(sealed[:size], "<f8").astype(np.float64), reason, message)
 
     @contextmanager
     def _explained(self) -> Iterator[sqlite3.Connection]:
@@ -248,3 +254,9 @@ def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
 
 def _key(heights: Sequence[int]) -> str:
     return ",".join(map(str, heights))
+
+
+def _checksum(key: str, record: bytes, reason: object, message: object) -> bytes:
+    """Four bytes that change with any part of a row."""
+    text = f"{key}|{reason}|{message}".encode(errors="replace")
+    return zlib.crc32(record, zlib.crc32(text)).to_bytes(4, "little")
