@@ -1,6 +1,7 @@
-"""Bad files made from good ones with hypothesis: what a disk, an editor, a mail program or a hurry does.
+"""Bad files made from good ones: what a disk, an editor, a mail program or a hurry does.
 
-`bad(draw, kind, good)` draws one. Each comes with what its reader owes:
+`every(random, kind, good)` makes one of each sort, at places and with numbers that `random` chooses. Each
+comes with what its reader owes:
 
 - SAME: nothing that is read has changed, and neither may the result;
 - LESS: part of the file is missing or there twice; what is read must be a part of what was there;
@@ -17,8 +18,6 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
-from hypothesis import note
-from hypothesis import strategies as st
 from motion_files import OPENSIM, record, turned, write_c3d, write_mot, write_nexus, write_table, write_trc
 
 import footopt as fo
@@ -152,95 +151,93 @@ def good_files(folder):
     return Files((kind, Path(path).read_bytes()) for kind, path in files.items())
 
 
-def bad(draw, kind, good):
-    """A bad file of a kind; `draw` is that of `hypothesis.strategies.data`."""
-    changes = [cut_or_foreign]
+def every(random, kind, good):
+    """One bad file of each sort; `random` has the methods of `random.Random`."""
+    cases = cut_or_foreign(random, kind, good)
     if kind != "c3d":
-        changes += [other_text, other_number, other_word, other_lines]
+        for changed in (other_text, other_number, other_word, other_lines):
+            cases += changed(random, kind, good)
     if KINDS[kind].factors:
-        changes.append(other_column)
+        cases += other_column(random, kind, good)
     if kind == "json":
-        changes.append(
-            lambda draw, kind, good: Bad("a value", json.dumps(tree(draw, good[kind])).encode(), OTHER)
-        )
-    case = draw(st.sampled_from(changes))(draw, kind, good)
-    note(repr(case))
-    return case
+        cases += [Bad("a value", json.dumps(tree(random, good[kind])).encode(), OTHER) for _ in range(10)]
+    return cases
 
 
-def cut_or_foreign(draw, kind, good):
+def cut_or_foreign(random, kind, good):
     """What becomes of any file: it breaks off, has a hole, or another format."""
     content, name = good[kind], kind.split()
     end = len(content) - 3
-    begin, stop = sorted(draw(st.tuples(st.integers(0, end), st.integers(0, end))))
-    before = draw(st.binary(min_size=1, max_size=300))
+    begin, stop = sorted((random.randint(0, end), random.randint(0, end)))
+    before = bytes(random.randint(0, 255) for _ in range(random.randint(1, 300)))
     csv_gaits = ("csv gait", "csv stride", "csv markers")
     others = [k for k in good if k.split()[0] != name[0] or ("csv" in k and k.split()[1] != name[1])]
-    return draw(
-        st.sampled_from([
-            Bad("empty", b"", REFUSED),
-            Bad("blank", b" \n\n\t\n", REFUSED),
-            Bad("compressed", gzip.compress(content, mtime=0), REFUSED),
-            Bad("zeros", bytes(len(content)), REFUSED),
-            *3 * [Bad(f"cut at {stop}", content[:stop], LESS)],
-            Bad(f"a hole from {begin} to {stop}", content[:begin] + content[stop:], OTHER),
-            Bad(f"{before!r} before", before + b"\n" + content, OTHER),
-            *(Bad(f"a {k} file", good[k], OTHER if {kind, k} <= {*csv_gaits} else REFUSED) for k in others),
-        ])
-    )  # fmt: skip
+    return [
+        Bad("empty", b"", REFUSED),
+        Bad("blank", b" \n\n\t\n", REFUSED),
+        Bad("compressed", gzip.compress(content, mtime=0), REFUSED),
+        Bad("zeros", bytes(len(content)), REFUSED),
+        Bad(f"cut at {stop}", content[:stop], LESS),
+        Bad("its last bytes cut off", content[:-40], LESS),
+        Bad(f"a hole from {begin} to {stop}", content[:begin] + content[stop:], OTHER),
+        Bad(f"{before!r} before", before + b"\n" + content, OTHER),
+        *(Bad(f"a {k} file", good[k], OTHER if {kind, k} <= {*csv_gaits} else REFUSED) for k in others),
+    ]
 
 
-def other_text(draw, kind, good):
+def other_text(random, kind, good):
     """Another encoding or other line ends; a byte or bit that is wrong."""
     content = good[kind]
-    text, at, bit = content.decode(), draw(st.integers(0, len(content) - 1)), draw(st.integers(0, 7))
+    text, at, bit = content.decode(), random.randint(0, len(content) - 1), random.randint(0, 7)
     flipped = bytes([content[at] ^ 1 << bit])
-    return draw(
-        st.sampled_from([
-            Bad("Windows' line ends", b"\r\n".join(content.splitlines()) + b"\r\n", SAME),
-            Bad("no last line end", content.rstrip(), SAME),
-            Bad("byte order mark", b"\xef\xbb\xbf" + content, OTHER if "dxf" in kind else SAME),
-            Bad("UTF-16", text.encode("utf-16"), REFUSED),
-            Bad("UTF-16 without a mark", text.encode("utf-16-le"), REFUSED),
-            Bad("one long line", content.replace(b"\n", b" "), OTHER),
-            Bad("a long cell", content + b"1" * 300_000 + b"\n", OTHER),
-            Bad("many columns", content + b"1," * 100_000 + b"1\n", OTHER),
-            Bad(f"a zero byte at {at}", content[:at] + b"\0" + content[at:], OTHER),
-            Bad(f"latin-1 at {at}", content[:at] + b"\xfc" + content[at:], OTHER),
-            *2 * [Bad(f"bit {bit} of byte {at}", content[:at] + flipped + content[at + 1 :], OTHER)],
-        ])
-    )  # fmt: skip
+    return [
+        Bad("Windows' line ends", b"\r\n".join(content.splitlines()) + b"\r\n", SAME),
+        Bad("no last line end", content.rstrip(), SAME),
+        Bad("byte order mark", b"\xef\xbb\xbf" + content, OTHER if "dxf" in kind else SAME),
+        Bad("UTF-16", text.encode("utf-16"), REFUSED),
+        Bad("UTF-16 without a mark", text.encode("utf-16-le"), REFUSED),
+        Bad("one long line", content.replace(b"\n", b" "), OTHER),
+        Bad("a long cell", content + b"1" * 300_000 + b"\n", OTHER),
+        Bad("many columns", content + b"1," * 100_000 + b"1\n", OTHER),
+        Bad(f"a zero byte at {at}", content[:at] + b"\0" + content[at:], OTHER),
+        Bad(f"latin-1 at {at}", content[:at] + b"\xfc" + content[at:], OTHER),
+        Bad(f"bit {bit} of byte {at}", content[:at] + flipped + content[at + 1 :], OTHER),
+    ]
 
 
-def other_lines(draw, kind, good):
+def other_lines(random, kind, good):
     """A line that is missing, there twice or in another's place."""
     lines = good[kind].splitlines(keepends=True)
-    a, b = draw(st.tuples(st.integers(0, len(lines) - 1), st.integers(0, len(lines) - 1)))
+    a, b = random.randint(0, len(lines) - 1), random.randint(0, len(lines) - 1)
+    middle = len(lines) // 2
     swapped = [*lines]
     swapped[a], swapped[b] = lines[b], lines[a]
-    return draw(
-        st.sampled_from([
-            Bad(f"cut at line {a + 1}", b"".join(lines[:a]), LESS),
-            Bad(f"line {a + 1} missing", b"".join(lines[:a] + lines[a + 1 :]), LESS),
-            Bad(f"lines {a + 1} to {b} missing", b"".join(lines[:a] + lines[max(a, b) :]), LESS),
-            Bad(f"line {a + 1} twice", b"".join(lines[: a + 1] + lines[a:]), LESS),
-            Bad(f"lines {a + 1} and {b + 1} exchanged", b"".join(swapped), OTHER),
-        ])
-    )  # fmt: skip
+    return [
+        Bad(f"cut at line {a + 1}", b"".join(lines[:a]), LESS),
+        Bad(f"line {a + 1} missing", b"".join(lines[:a] + lines[a + 1 :]), LESS),
+        Bad(f"lines {a + 1} to {b} missing", b"".join(lines[:a] + lines[max(a, b) :]), LESS),
+        Bad("ten lines of the middle missing", b"".join(lines[:middle] + lines[middle + 10 :]), LESS),
+        Bad(f"line {a + 1} twice", b"".join(lines[: a + 1] + lines[a:]), LESS),
+        Bad(f"lines {a + 1} and {b + 1} exchanged", b"".join(swapped), OTHER),
+    ]
 
 
-def other_number(draw, kind, good):
+def other_number(random, kind, good):
     """One number that is odd, three times as large, without its point, or negative."""
-    content = good[kind]
-    number = draw(st.sampled_from(list(NUMBER.finditer(content))))
-    old = number[0].decode()
-    near = [f"{3 * float(old):.5f}", old.replace(".", ""), "-" + old.lstrip("-")]
-    new = draw(st.sampled_from([*ODD_NUMBERS, *3 * near]))
-    changed = content[: number.start()] + new.encode() + content[number.end() :]
-    return Bad(f"{new[:9]!r} for {old} at {number.start()}", changed, OTHER)
+    content, cases = good[kind], []
+    numbers = list(NUMBER.finditer(content))
+    for new in (*ODD_NUMBERS, *2 * ("three times", "without its point", "negative")):
+        number = random.choice(numbers)
+        old = number[0].decode()
+        near = {"three times": f"{3 * float(old):.5f}", "without its point": old.replace(".", ""),
+                "negative": "-" + old.lstrip("-")}  # fmt: skip
+        new = near.get(new, new)
+        changed = content[: number.start()] + new.encode() + content[number.end() :]
+        cases.append(Bad(f"{new[:9]!r} for {old} at {number.start()}", changed, OTHER))
+    return cases
 
 
-def other_word(draw, kind, good):
+def other_word(random, kind, good):
     """Other names and units, and other separators."""
     text, known = good[kind].decode(), KINDS[kind]
     cases = [Bad(f"{new!r} for {old!r}", text.replace(old, new).encode(), known.owed.get(new, OTHER))
@@ -248,41 +245,39 @@ def other_word(draw, kind, good):
     for a, b in known.exchanged:
         swapped = text.replace(a, "\0").replace(b, a).replace("\0", b)
         cases.append(Bad(f"{a} and {b} exchanged", swapped.encode(), OTHER))
-    return draw(st.sampled_from(cases))
+    return cases
 
 
-def other_column(draw, kind, good):
+def other_column(random, kind, good):
     """A column in another unit, without values, missing or there twice."""
     lines = good[kind].decode().splitlines()
     tab = "\t" if "\t" in lines[-1] else ","
     wide = len(lines[-1].split(tab))
     rows = [cells for line in lines if len(cells := line.split(tab)) == wide and NUMERIC.fullmatch(line)]
-    scaled, factor = draw(st.sampled_from([(c, f) for c, many in KINDS[kind].factors.items() for f in many]))
-    at, value = draw(st.integers(0, wide - 1)), draw(st.sampled_from(["nan", ""]))
-    how, change = draw(
-        st.sampled_from([
-            *2 * [(f"column {scaled} times {factor:.3g}",
-                   lambda r: [f"{factor * float(c):.7g}" if i == scaled else c for i, c in enumerate(r)])],
-            (f"{value!r} in column {at}", lambda r: [*r[:at], value, *r[at + 1 :]]),
-            (f"no cells in column {at}", lambda r: r[:at] + r[at + 1 :]),
-            (f"cells of column {at} twice", lambda r: r[: at + 1] + r[at:]),
-        ])
-    )  # fmt: skip
-    table = [tab.join(change(row)) for row in rows]
-    return Bad(how, ("\n".join([*lines[: len(lines) - len(rows)], *table]) + "\n").encode(), OTHER)
+    at = random.randint(0, wide - 1)
+    changes = {
+        f"'nan' in column {at}": lambda r: [*r[:at], "nan", *r[at + 1 :]],
+        f"nothing in column {at}": lambda r: [*r[:at], "", *r[at + 1 :]],
+        f"no cells in column {at}": lambda r: r[:at] + r[at + 1 :],
+        f"cells of column {at} twice": lambda r: r[: at + 1] + r[at:],
+    }
+    for column, factors in KINDS[kind].factors.items():
+        for factor in factors:
+            changes[f"column {column} times {factor:.3g}"] = lambda r, column=column, factor=factor: [
+                f"{factor * float(c):.7g}" if i == column else c for i, c in enumerate(r)
+            ]
+    head = lines[: len(lines) - len(rows)]
+    return [
+        Bad(how, ("\n".join([*head, *(tab.join(change(row)) for row in rows)]) + "\n").encode(), OTHER)
+        for how, change in changes.items()
+    ]
 
 
-def cut_off(draw, content):
-    """Bytes of which the end, or a part, is missing."""
-    at, stop = sorted(draw(st.tuples(*2 * [st.integers(1, len(content) - 1)])))
-    return content[:at] + draw(st.sampled_from([b"", content[stop:]]))
-
-
-def tree(draw, content):
+def tree(random, content):
     """A JSON tree in which one value is odd, or missing."""
     whole = json.loads(content)
-    path = draw(st.sampled_from(list(_paths(whole))))
-    return _put(whole, path, *draw(st.sampled_from([*([value] for value in ODD_VALUES), []])))
+    path = random.choice(list(_paths(whole)))
+    return _put(whole, path, *random.choice([*([value] for value in ODD_VALUES), []]))
 
 
 def _paths(tree, path=()):
