@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from numba import config, njit
+from numba.core.caching import FunctionCache
 
 #: What may be assumed of floating-point numbers in the loop over plates: sums may be reordered, so that
 #: the loop is vectorised. NaN and infinity may not be assumed away: a walk that diverges must be seen.
@@ -20,12 +21,27 @@ inlined = njit(**INLINE)
 inlined_fast = njit(fastmath=FAST, **INLINE)
 
 
+class _Cache(FunctionCache):  # type: ignore[misc]
+    """numba's cache of one function, begun anew where it holds types that have moved since."""
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Load compiled code; None, so that it is compiled again, if what is kept cannot be read."""
+        try:
+            return super().load_overload(sig, target_context)
+        except (AttributeError, ImportError):  # numba unpickles types by the names of their modules
+            self.flush()
+            return None
+
+
 def cached_njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     """`numba.njit(cache=True, **options)`; if no cache folder can be written, the same without one."""
 
     def decorate(function: Callable[..., Any]) -> Any:
         try:
-            return njit(cache=True, **options)(function)
+            compiled = njit(cache=True, **options)(function)
+            if active():
+                compiled._cache = _Cache(function)
+            return compiled
         except RuntimeError as error:  # numba: no locator available
             logging.getLogger("footopt").warning(
                 "compiled code cannot be kept, so that every start compiles it again (%s). "

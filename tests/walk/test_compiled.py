@@ -1,5 +1,9 @@
 """Compiled code is kept on disk where there is a place for it, and its absence is no crash."""
 
+import os
+import subprocess
+import sys
+
 from footopt import compiled
 
 
@@ -33,3 +37,39 @@ def test_a_users_own_functions_are_part_of_what_compiled_code_is_cached_by(tmp_p
     typed = [eval(f"lambda a: {n} * a") for n in (1, 2)]
     digests = {digest_of(()), first, second, *(digest_of((f,)) for f in typed)}
     assert len(digests) == 5
+
+
+def test_kept_code_of_types_that_have_moved_is_compiled_again(tmp_path):
+    """As after an update that moved a class: what is kept names a module that is no more."""
+    caller = """
+import numba
+from footopt.compiled import cached_njit
+from {module} import Pair
+
+@cached_njit()
+def total(pair):
+    return pair.a + pair.b
+
+print(total(Pair(1.0, 2.0)), sum(total.stats.cache_hits.values()))
+"""
+    law = "from typing import NamedTuple\n\nclass Pair(NamedTuple):\n    a: float\n    b: float\n"
+    environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1", "NUMBA_CACHE_DIR": str(tmp_path / "kept")}
+    environment["PYTHONPATH"] = os.pathsep.join(
+        [str(tmp_path), *filter(None, [os.environ.get("PYTHONPATH")])]
+    )
+
+    def run(module):
+        (tmp_path / f"{module}.py").write_text(law)
+        path = tmp_path / "caller.py"
+        path.write_text(caller.format(module=module))
+        os.utime(path, (1e9, 1e9))  # numba knows a source by its time and size
+        done = subprocess.run(
+            [sys.executable, path], env=environment, capture_output=True, text=True, check=True
+        )
+        return done.stdout.split()
+
+    assert run("law_a") == ["3.0", "0"]
+    assert run("law_a") == ["3.0", "1"]
+    (tmp_path / "law_a.py").unlink()
+    assert run("law_b") == ["3.0", "0"]
+    assert run("law_b") == ["3.0", "1"]
