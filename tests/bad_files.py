@@ -179,6 +179,7 @@ def cut_or_foreign(random, kind, good):
         Bad("zeros", bytes(len(content)), REFUSED),
         Bad(f"cut at {stop}", content[:stop], LESS),
         Bad("its last bytes cut off", content[:-40], LESS),
+        Bad("its begin alone", content[:813], LESS),
         Bad(f"a hole from {begin} to {stop}", content[:begin] + content[stop:], OTHER),
         Bad(f"{before!r} before", before + b"\n" + content, OTHER),
         *(Bad(f"a {k} file", good[k], OTHER if {kind, k} <= {*csv_gaits} else REFUSED) for k in others),

@@ -162,7 +162,7 @@ def by_angles(beta: ArrayLike, velocity: Array, creep: float = 0.0, stress_map: 
 def affine(beta: ArrayLike, stress_map: StressMap = GENERIC) -> tuple[Array, Array]:
     """The same law as a bias and a matrix: f / (zeta |z| dA) = a - M h, with h = v / |v|.
 
-    With c = cos 2 beta and s = sin 2 beta
+    With c = cos 2 beta and s = sin 2 beta::
 
         a = ( -D10 s,  A00 + A10 c )
         M = [ C01 + (C11 + C-11) c      (C11 - C-11) s       ]
@@ -180,8 +180,10 @@ def affine(beta: ArrayLike, stress_map: StressMap = GENERIC) -> tuple[Array, Arr
 
     Returns
     -------
-    a : (*S, 2), N/m^3
-    M : (*S, 2, 2), N/m^3
+    a : array of shape S + (2,), N/m^3
+        The bias.
+    M : array of shape S + (2, 2), N/m^3
+        The matrix.
     """
     b = np.asarray(beta, float)
     return affine_direction(np.cos(2 * b), np.sin(2 * b), stress_map)

@@ -12,7 +12,9 @@ from footopt.files.reading import Unusable
 
 BLOCK = 512  # bytes; what the header counts in
 LONG = 0xFFFF  # frames; a longer recording says their number elsewhere
+KEY = 0x50  # the second byte of every C3D file
 BIG_ENDIAN = 86  # of the processors' codes, that of MIPS
+SIGNS = {85: 13, BIG_ENDIAN: 12}  # the byte with the sign of the scale, by processor (85: DEC); else the 15th
 
 
 def read_c3d(path: str | Path, content: bytes) -> Markers:
@@ -23,38 +25,45 @@ def read_c3d(path: str | Path, content: bytes) -> Markers:
     path : str or Path
         The file.
     content : bytes
-        What is in it: ezc3d reads a file that is cut off without a word.
+        What is in it.
     """
     ezc3d = needed("ezc3d", "a gait in C3D", "c3d")
+    check_whole(content)
     try:
         file = ezc3d.c3d(str(path))
         point = file["parameters"]["POINT"]
         names = [str(name).strip() for name in point["LABELS"]["value"]]
-        unit, rate, scale = (point[key]["value"][0] for key in ("UNITS", "RATE", "SCALE"))
+        unit, rate = (point[key]["value"][0] for key in ("UNITS", "RATE"))
         first = int(file["header"]["points"]["first_frame"])
         places = np.asarray(file["data"]["points"], np.float64)[:3].transpose(2, 1, 0)
         residuals = np.asarray(file["data"]["meta_points"]["residuals"], np.float64)[0].T
         places = np.where((residuals >= 0)[..., None], places, np.nan)[:, : len(names)]
     except Exception as error:  # whatever the library finds
         raise Unusable(f"cannot be read as C3D ({' '.join(str(error).split())[:160]}).") from None
-    needs = _bytes_needed(content, floats=scale < 0)
-    if needs > len(content):
-        raise Unusable(
-            f"cannot be read as C3D (its header says {needs} bytes, it has {len(content)}: "
-            "it is cut off or damaged)."
-        )
     if not 0 < rate < np.inf:
         raise Unusable(f"cannot be read as C3D (it says {rate:g} frames a second).")
     times = (first + np.arange(len(places))) / rate
     return to_markers(times, names, metres(unit) * places)
 
 
-def _bytes_needed(content: bytes, floats: bool) -> int:
-    """Bytes that a file has by its own header."""
-    big = content[BLOCK * (content[0] - 1) + 3] == BIG_ENDIAN
-    _, points, analog, first, last, _, _, _, data = map(
-        int, np.frombuffer(content[:18], ">u2" if big else "<u2")
-    )
-    if last == LONG:
-        return 0
-    return BLOCK * (data - 1) + (last - first + 1) * (4 * points + analog) * (4 if floats else 2)
+def check_whole(content: bytes) -> None:
+    """Raise `Unusable` unless a file begins as C3D and is as long as its own header says.
+
+    ezc3d fills up a file that is cut off with zeros, or does not come to an end.
+    """
+    parameters = BLOCK * (content[0] - 1) if content else 0
+    if len(content) < BLOCK or content[1] != KEY or parameters < 0:
+        raise Unusable("cannot be read as C3D (it does not begin as one).")
+    needs = parameters + BLOCK
+    if needs <= len(content):
+        processor = content[parameters + 3]
+        words = np.frombuffer(content[:18], ">u2" if processor == BIG_ENDIAN else "<u2")
+        points, analog, first, last, data = (int(words[i]) for i in (1, 2, 3, 4, 8))
+        size = 4 if content[SIGNS.get(processor, 15)] & 0x80 else 2  # a negative scale means floats
+        frames = 0 if last == LONG else last - first + 1
+        needs = max(needs, BLOCK * (data - 1) + frames * (4 * points + analog) * size)
+    if needs > len(content):
+        raise Unusable(
+            f"cannot be read as C3D (its header says {needs} bytes, it has {len(content)}: "
+            "it is cut off or damaged)."
+        )
