@@ -290,6 +290,9 @@ def ground(tmp_path_factory):
                 name = re.findall(r"`(?:mine/)?([\w/]+\.yaml)`", before)[-1]
                 (folder / "mine" / name).parent.mkdir(parents=True, exist_ok=True)
                 (folder / "mine" / name).write_text(content)
+            paragraph = before.rstrip().rpartition("\n\n")[2]
+            if language == "python" and (names := re.findall(r"file `(\w+\.py)`", paragraph)):
+                (folder / names[0]).write_text(content)
     words = [f"{key}={value}" for key, value in SEARCH.items()]
     assert footopt(*words, "hydra.run.dir=earlier", cwd=folder).returncode == 0
     sweep = ["-m", "sand=regular,hard", "hydra.sweep.dir=sweep1", *words]
