@@ -216,7 +216,7 @@ class TestStandingStill:
         assert vertical("explicit_euler", dt, 1e-9).std() > 0.1
 
     def test_an_explicit_step_comes_to_rest_where_smoothing_outlasts_it(self, vertical):
-        """dt < 2 eps / g (DESIGN 3)."""
+        """dt < 2 eps / g, beyond which smoothing no longer helps."""
         assert vertical("explicit_euler", 1e-5, 1e-4).std() < 1e-2
 
     def test_the_walker_stays_where_he_is(self, ramp_foot):
