@@ -84,7 +84,7 @@ class StressMap:
 
 
 class Law(NamedTuple):
-    """Coefficients of the affine form (`affine`), N/cm^3; what the compiled code receives."""
+    """Coefficients of the affine form (`affine`), N/cm^3; compiled code gets them times zeta, in N/m^3."""
 
     A00: float
     A10: float

@@ -1,7 +1,7 @@
 """What a walk is judged by: the paper's five objectives, its scalar J_W, and a few more by name.
 
-Each objective is one function of the raw results of the compiled loop (`loop.RAW`), in natural
-signs: a distance is large when it is good, a power small. `minimised` turns them for pymoo.
+Each objective is one function of the raw results of the compiled loop (`metrics.RAW`), in natural
+signs: a distance is large when it is good, a power small. `FootProblem.minimised` turns them for solvers.
 """
 
 from __future__ import annotations

@@ -13,6 +13,7 @@ import footopt as fo
 from footopt.foot import Plates
 from footopt.gait import LEFT, RIGHT
 from footopt.walk import STEPPERS
+from footopt.walk.accuracy import TOLERANCES
 from footopt.walk.balances import energy_gap
 from footopt.walk.reference import LIMITS, PUBLISHED, RAMP, SAME_PLATES, lsoda_objectives
 
@@ -103,6 +104,15 @@ class TestOrders:
         ]
         assert np.quantile(error[1], 0.95) < 0.7 * np.quantile(error[0], 0.95)
         assert np.quantile(error[1], 0.95) < 0.02
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("preset", TOLERANCES)
+    def test_a_preset_keeps_its_promise_for_95_percent_of_random_feet(self, preset, scene):
+        """The worst of the five objectives, for feet other than those that the presets were chosen on."""
+        k = fo.Waypoints().random(300, seed=5, inside=True)
+        exact = fo.evaluate(k, scene, fo.Accuracy("sdirk2", 5e-4, 400, 1e-5)).values
+        error = np.abs(fo.evaluate(k, scene, preset).values / exact - 1).max(axis=1)
+        assert np.quantile(error, 0.95) <= TOLERANCES[preset]
 
 
 class TestSymmetriesOfTheWalk:
