@@ -330,12 +330,12 @@ class TestProcesses:
 
     @pytest.mark.slow
     def test_leave_nothing_behind(self):
-        before = pids()
+        before, others = pids(), workers_now()  # an executor that tests share may be at work
         p, k = problem(), SMALL.random(20, seed=1)
         with design.processes(2) as executor:
             Evaluator(p, None, executor)(k)
-            assert workers_now()
-        assert not workers_now()
+            assert workers_now() - others
+        assert workers_now() <= others
         assert pids() - before <= helpers()
 
     @pytest.mark.slow
