@@ -21,7 +21,7 @@ inlined = njit(**INLINE)
 inlined_fast = njit(fastmath=FAST, **INLINE)
 
 
-class _Cache(FunctionCache):  # type: ignore[misc]
+class _Cache(FunctionCache):  # type: ignore[misc]  # numba has no types
     """numba's cache of one function, begun anew where it holds types that have moved since."""
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:

@@ -120,7 +120,7 @@ def settings_kept(settings: DictConfig, folder: Path) -> Iterator[None]:
         for name, text in new.items():
             write_text(paths[name], text)
         yield
-    except Exception:
+    except Exception:  # whatever it is: it is raised again once the settings are back
         with suppress(OSError):
             for name, text in before.items():
                 write_text(paths[name], text)

@@ -12,7 +12,7 @@ from footopt.design.problem import Array, FootProblem, Ints
 from footopt.design.solvers import Solver
 
 
-class PymooProblem(Problem):  # type: ignore[misc]
+class PymooProblem(Problem):  # type: ignore[misc]  # pymoo has no types
     """A `FootProblem` as a vectorised pymoo problem with integer variables, for `pymoo.optimize.minimize`.
 
     One call walks a whole population. A failed walk violates the first constraint, a sole that leaves

@@ -85,7 +85,7 @@ def drawings(thing: object) -> dict[str, Drawing]:
     for kind in type(thing).__mro__:
         if kind.__name__ in DRAWINGS:
             found = DRAWINGS[kind.__name__]
-            if "front" in found and thing.problem.n_obj == 1:  # type: ignore[attr-defined]
+            if "front" in found and thing.problem.n_obj == 1:  # type: ignore[attr-defined]  # a search
                 return {"convergence": found["convergence"]}
             return found
     raise SettingError("thing", thing, f"one of these: {', '.join(DRAWINGS)}")
@@ -123,7 +123,7 @@ class Panel(PlainAxes):
     """Axes that a notebook shows with their figure, which pyplot does not know of."""
 
     def _repr_png_(self) -> bytes:
-        return png(self.get_figure(), RESOLUTION)  # type: ignore[arg-type]
+        return png(self.get_figure(), RESOLUTION)  # type: ignore[arg-type]  # no subfigures here
 
 
 @styled

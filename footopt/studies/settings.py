@@ -145,7 +145,7 @@ class GaitConfig:
 
 
 @dataclass
-class FootConfig(SpaceConfig):  # type: ignore[misc]
+class FootConfig(SpaceConfig):  # type: ignore[misc]  # made of Waypoints' fields as it runs
     """The foot: a space of `Waypoints` (and one sole k in it, to simulate), a shape, or a drawing."""
 
     shape: str = "waypoints"
