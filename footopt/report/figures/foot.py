@@ -121,7 +121,7 @@ def foot_height(foot: Foot) -> float:
 def _height(points: Array) -> float:
     """Height of a column-wide figure whose axes, at equal scales, hold some points, inches."""
     wide, high = np.ptp(points, axis=0)
-    return float(min(0.52 + 3.6 * max(high, 0.12 * wide) / wide, 6.0))
+    return float(min(0.75 + 3.6 * max(high, 0.12 * wide) / wide, 6.0))
 
 
 def _label_axes(axes: Axes) -> None:
