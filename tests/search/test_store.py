@@ -4,6 +4,7 @@ import contextlib
 import dataclasses
 import math
 import re
+import shutil
 import sqlite3
 import threading
 from typing import NamedTuple
@@ -255,6 +256,29 @@ class TestContext:
         assert "can be used again" in said
         assert name in said
         assert "another here" in said
+
+    @pytest.mark.parametrize(
+        ("file", "old", "new", "same"),
+        [
+            ("walk/loop.py", "\n", "\n# a remark\n\n", True),
+            ("design/robust.py", '"""', '"""Says: ', True),
+            ("foot/foot.py", "import", "import  ", True),
+            ("design/robust.py", "np.abs(references)", "references", False),
+            ("design/problem.py", "natural = ", "natural = 2.0 * ", False),
+            ("compiled.py", '"reassoc", ', "", False),
+            ("sand/law.py", "return ", "return 2.0 * ", False),
+        ],
+    )
+    def test_remarks_in_the_sources_discard_nothing_and_any_change_of_the_code_does(
+        self, file, old, new, same, tmp_path, monkeypatch
+    ):
+        before = context_module._sources()
+        copy = shutil.copytree(context_module.PACKAGE, tmp_path / "footopt")
+        text = (copy / file).read_text()
+        assert old in text
+        (copy / file).write_text(text.replace(old, new, 1))
+        monkeypatch.setattr(context_module, "PACKAGE", copy)
+        assert (context_module._sources.__wrapped__() == before) == same
 
     def test_where_a_recording_lies_does_not_matter(self):
         one, other = (
