@@ -20,6 +20,7 @@ from footopt.report.numbers import change, percent, quantity
 from footopt.report.numbers import number as number
 from footopt.walk import OBJECTIVES, Scene, gain_shares
 from footopt.walk.audit import parameters
+from footopt.walk.scene import EARTH
 from footopt.walk.validity import Diagnostic
 
 HEADER = 8  # letters of a line of a number's header
@@ -116,8 +117,10 @@ def describe_foot(foot: Foot) -> str:
 
 
 def describe_scene(scene: Scene) -> str:
-    """A scene in a few words: its sand and its effects."""
+    """A scene in a few words: its sand, its gravity where it is not the Earth's, and its effects."""
     words = [f"{scene.sand.name} sand (zeta {scene.sand.zeta:g})"]
+    if (g := scene.walker.g) != EARTH:
+        words.append(f"gravity {g:g} m/s^2 (sand {g / EARTH:.3g} times as strong as on the Earth)")
     for effect in scene.effects:
         values = ", ".join(f"{name} {value}" for name, value in parameters(effect).items())
         words.append(name_of(effect).replace("_", " ") + (f" ({values})" if values else ""))
