@@ -48,7 +48,7 @@ PUBLISHED = (
 #: The program's own plates and creep speed, in steps so short that time adds nothing.
 SAME_PLATES = Accuracy("sdirk2", 1e-4, 100, 1e-5, "same plates", rule="chord")
 
-#: Largest relative difference that is allowed to each accuracy: what the presets promise, and less to the finest.
+#: Largest relative difference that is allowed to each accuracy: what presets promise, less for the finest.
 LIMITS = {**TOLERANCES, "reference": 2e-4, "same plates": 2e-4}
 
 
