@@ -90,20 +90,21 @@ class TestOrders:
         errors = [np.abs(state(sliding(stepper, n)) - exact).max() for n in (16, 32, 64)]
         np.testing.assert_allclose(slopes(errors), STEPPERS[stepper].order, rtol=0, atol=0.3)
 
-    def test_all_steppers_converge_to_one_walk(self, scene, ramp_foot, fine_walk):
-        for stepper in ALL:
-            walk = fo.simulate(ramp_foot, scene, fo.Accuracy(stepper, 1e-4, 400, 1e-4))
-            np.testing.assert_allclose(walk.com[-1], fine_walk.com[-1], rtol=2e-3)
-
-    @pytest.mark.parametrize(("coarse", "fine"), [("draft", "standard"), ("standard", "fine")])
-    def test_each_preset_is_better_than_the_one_before(self, coarse, fine, scene):
-        k = fo.Waypoints().random(20, seed=5, inside=True)
-        exact = fo.evaluate(k, scene, "reference").values
-        error = [
-            np.abs(fo.evaluate(k, scene, name).values / exact - 1).max(axis=1) for name in (coarse, fine)
+    def test_all_steppers_converge_to_one_walk(self, regular, ramp_foot):
+        ends = [
+            fo.simulate(ramp_foot, regular, fo.Accuracy(stepper, 1e-4, 100, 1e-4)).com[-1] for stepper in ALL
         ]
-        assert np.quantile(error[1], 0.95) < 0.7 * np.quantile(error[0], 0.95)
-        assert np.quantile(error[1], 0.95) < 0.02
+        np.testing.assert_allclose(ends, [ends[0]] * len(ends), rtol=1e-3)
+
+    def test_each_preset_is_better_than_the_one_before(self, scene):
+        k = fo.Waypoints().random(10, seed=5, inside=True)
+        exact = fo.evaluate(k, scene, "reference").values
+        draft, standard, fine = (
+            np.quantile(np.abs(fo.evaluate(k, scene, name).values / exact - 1).max(axis=1), 0.95)
+            for name in ("draft", "standard", "fine")
+        )
+        assert fine < 0.7 * standard < 0.5 * draft
+        assert standard < 0.02
 
     @pytest.mark.slow
     @pytest.mark.parametrize("preset", TOLERANCES)
@@ -200,10 +201,6 @@ class TestReproducibility:
         assert isinstance(plates, Plates)
         np.testing.assert_array_equal(fo.evaluate(plates, regular, accuracy).raw, one.raw)
 
-    def test_repeats_to_the_last_bit(self, regular, ramp_foot):
-        a, b = (fo.simulate(ramp_foot, regular) for _ in range(2))
-        np.testing.assert_array_equal(a.com, b.com)
-
     @pytest.mark.slow
     @pytest.mark.parametrize("stepper", ["sdirk2", "semi_implicit_euler"])
     def test_the_process_that_compiles_walks_like_those_that_load_its_code(self, stepper, tmp_path):
@@ -240,10 +237,6 @@ class TestStandingStill:
         force = vertical("sdirk2", dt, 1e-4)
         assert force.std() < 1e-3
         assert force.mean() == pytest.approx(1.0, abs=1e-3)
-
-    @pytest.mark.parametrize("dt", [1e-3, 1e-4])
-    def test_an_explicit_step_chatters_on_the_laws_jump_however_small(self, dt, vertical):
-        assert vertical("explicit_euler", dt, 1e-9).std() > 0.1
 
     def test_an_explicit_step_comes_to_rest_where_smoothing_outlasts_it(self, vertical):
         """dt < 2 eps / g, beyond which smoothing no longer helps."""
