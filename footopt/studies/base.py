@@ -174,7 +174,10 @@ class Study:
             **({"walked_by_other_code": self._foreign} if self._foreign else {}),
             "settings": self.settings,
             "versions": files.versions(),
+            "commit": files.commit(),
+            "machine": files.machine(),
             "wall_time_s": self.seconds,
+            "wall_time_covers": "the study up to this file, without imports, report.html and a film",
         }
         identity.write(self.folder, self.settings, self.words)  # with what a resumed run has changed
         files.write_json(self.folder / "result.json", record)
