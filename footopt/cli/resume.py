@@ -91,23 +91,18 @@ def _resume_run(
 ) -> None:
     """Go on with one run."""
     run = identity.read(folder)
-    study, named = run.settings["study"]["name"], [name for name, _ in changes]
+    settings, named = _structured(folder, run.settings), [name for name, _ in changes]
+    study = settings.study.name
     if is_finished(folder) and study not in RESUMABLE:
         raise SettingError("resume", str(folder), f"a run of study={', '.join(RESUMABLE)}, not {study}")
     check_same(folder, run.settings)
-    saved = OmegaConf.create(dict(run.settings))
     for name in () if trusted else TRUSTED:
-        value = OmegaConf.select(saved, name)
+        value = OmegaConf.select(settings, name)
         if not value or name in named or "engine" in named or not _reaches_out(name, value):
             continue
         raise SettingError(
             name, value, f"trusted: it comes from {folder}", f"Add {TRUST} if you know it, or give your own."
         )
-    try:
-        settings = OmegaConf.merge(Config, saved)
-    except OmegaConfBaseException as error:
-        version = f"settings of this version of footopt ({str(error).partition(chr(10))[0]})"
-        raise SettingError("resume", str(folder), version, "Start a new run.") from None
     for name, value in changes:
         if name == "engine":
             OmegaConf.update(settings, name, OmegaConf.structured(Config).engine, merge=False)
@@ -116,6 +111,20 @@ def _resume_run(
     _check_longer(folder, plain["solver"])
     kept = [word for word in run.words if word.partition("=")[0] not in named]
     walk(plain, folder, [*kept, *words], resumed=True)
+
+
+def _structured(folder: Path, saved: Mapping[str, Any]) -> Any:
+    """The settings of a run, checked: all that this version has, and no others."""
+    try:
+        settings = OmegaConf.merge(Config, saved)
+        new = identity.differing(OmegaConf.to_container(settings), saved)
+        why = f"{', '.join(new[:4])}" if new else ""
+    except OmegaConfBaseException as error:
+        why = str(error).partition("\n")[0]
+    if why:
+        allowed = f"a run with the settings of this version of footopt ({why})"
+        raise SettingError("resume", str(folder), allowed, "Start a new run.")
+    return settings
 
 
 def _reaches_out(name: str, value: Any) -> bool:

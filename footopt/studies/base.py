@@ -119,10 +119,11 @@ class Study:
                 "Start a new run; or add study.reuse=true, if you know that the walks are the same."
             )
         if store.alien and alone and not self.options.store:
+            why = store.describe()
             store.close()
             raise FootoptError(
                 f"{store.path}: was walked with other settings than those of {identity.FILE}. "
-                f"Start a new run. ({store.describe()})"
+                f"Start a new run. ({why})"
             )
         return store
 
