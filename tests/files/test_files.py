@@ -148,5 +148,6 @@ def test_a_kill_while_files_are_written_leaves_each_whole(writers, tmp_path):
         os.kill(child, signal.SIGKILL)
         os.waitpid(child, 0)
         for name in NAMES:
-            now = (tmp_path / name).read_bytes()  # a DXF has its date
-            assert (len(now), now[-12:]) == (len(before[name]), before[name][-12:]), (attempt, name)
+            now = (tmp_path / name).read_bytes()
+            assert now[-12:] == before[name][-12:], (attempt, name)
+            assert abs(len(now) - len(before[name])) < 10, (attempt, name)  # a DXF has its date
