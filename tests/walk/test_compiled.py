@@ -92,6 +92,7 @@ def test_a_users_own_functions_are_part_of_what_compiled_code_is_cached_by(tmp_p
     assert len(digests) == 5
 
 
+@pytest.mark.slow
 def test_kept_code_of_types_that_have_moved_is_compiled_again(tmp_path):
     """As after an update that moved a class: what is kept names a module that is no more."""
     caller = """
