@@ -15,7 +15,6 @@ from footopt.walk.audit import parameters
 from footopt.walk.objectives import lookup
 from footopt.walk.validity import Diagnostic
 
-
 Answer = float | tuple[float, ...]
 
 
