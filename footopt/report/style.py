@@ -21,6 +21,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
 from footopt.errors import FileError
+from footopt.files.run import write_bytes
 from footopt.report.numbers import number
 
 Axes = Any  # matplotlib.axes.Axes
@@ -139,20 +140,19 @@ def save(figure: Figure, folder: str | Path, name: str) -> tuple[Path, Path]:
         The folder or a file cannot be written.
     """
     folder = Path(folder)
-    png, pdf = folder / f"{name}.png", folder / f"{name}.pdf"
+    picture, page = folder / f"{name}.png", folder / f"{name}.pdf"
+    # each pass of the layout moves things a little: all files have the same one
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    printed = io.BytesIO()  # matplotlib's errors on a full disk are of many kinds
+    figure.savefig(printed, format="pdf", metadata={"CreationDate": None})
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        # each pass of the layout moves things a little: all files have the same one
-        figure.draw_without_rendering()
-        figure.set_layout_engine("none")
-        figure.savefig(png, dpi=DPI)
-        figure.savefig(pdf, metadata={"CreationDate": None})
+        write_bytes(picture, png(figure, DPI))
+        write_bytes(page, printed.getvalue())
     except OSError as error:
-        raise FileError(
-            f"{folder}: the figure {name} cannot be written ({error.strerror or error}). "
-            "Choose a folder that may be written to."
-        ) from error
-    return png, pdf
+        raise FileError(f"{folder}: the figure {name} cannot be written ({error}).") from error
+    return picture, page
 
 
 @styled

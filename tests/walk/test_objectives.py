@@ -124,7 +124,9 @@ class TestTrade:
 
     def test_no_gain_has_no_shares(self):
         base = dict.fromkeys(FIVE, 10.0)
-        assert all(math.isnan(share) for share in gain_shares(base, base).values())
+        worse = {**base, "work": 12.0, "distance": 9.0, "peak_power": 9.9}
+        for values in (base, worse):
+            assert all(math.isnan(share) for share in gain_shares(values, base).values())
 
 
 class TestTable:
