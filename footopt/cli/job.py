@@ -24,7 +24,7 @@ from footopt.studies.settings import Config
 STOPPED = 130  # exit code after Ctrl-C, as of any program that a shell stops
 
 
-def walk(settings: Mapping[str, Any], folder: Path, words: Sequence[str], resumed: bool = False) -> None:
+def walk(settings: Mapping[str, Any], folder: Path, words: Sequence[str], resumed: bool = False) -> Any:
     """Run the study of some settings in a folder.
 
     Parameters
@@ -38,6 +38,11 @@ def walk(settings: Mapping[str, Any], folder: Path, words: Sequence[str], resume
     resumed : bool
         Whether it goes on with what is in the folder.
 
+    Returns
+    -------
+    float or tuple, optional
+        See `footopt.studies.run`.
+
     Raises
     ------
     KeyboardInterrupt
@@ -47,7 +52,7 @@ def walk(settings: Mapping[str, Any], folder: Path, words: Sequence[str], resume
     try:
         config: Any = OmegaConf.to_object(OmegaConf.merge(Config, settings))  # refuses what + has added
         with one_ctrl_c(f"footopt: stopped{hint}"):
-            studies.run(config, folder, absolute(settings), words, resumed)
+            return studies.run(config, folder, absolute(settings), words, resumed)
     except KeyboardInterrupt as stop:
         print(" ".join(["footopt: stopped", *map(str, stop.args)]) + hint, file=sys.stderr)
         raise

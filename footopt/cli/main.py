@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ from footopt.cli.sweep import Summary
 from footopt.cli.words import check_dashes, readable
 from footopt.errors import ERROR_FILE, FootoptError
 from footopt.files.lock import Occupied
+from footopt.files.run import write_text
 
 log = logging.getLogger("footopt")
 
@@ -61,13 +63,13 @@ def main() -> None:
 
 
 @hydra.main(version_base="1.3", config_path=str(CONF), config_name="config")
-def _job(settings: DictConfig) -> None:
-    """One job: a single run, or one of a multirun."""
+def _job(settings: DictConfig) -> Any:
+    """One job: a single run, or one of a multirun; its objectives go to Hydra's sweepers and callbacks."""
     here = HydraConfig.get()
     folder, words = Path(here.runtime.output_dir), list(here.overrides.task)
     try:
         plain: Any = OmegaConf.to_container(settings, resolve=True)
-        walk(beside_their_files(plain, here), folder, words)
+        return walk(beside_their_files(plain, here), folder, words)
     except KeyboardInterrupt:
         sys.exit(STOPPED)
     except (FootoptError, OmegaConfBaseException, OSError) as error:
@@ -79,4 +81,9 @@ def _job(settings: DictConfig) -> None:
         # the other jobs go on; `Summary` reports this one at the end
         log.error("job %s failed: %s", here.job.num, explain(error))
         if not isinstance(error, Occupied):  # the folder is another's then
-            (folder / ERROR_FILE).write_text(f"{explain(error)}\n", encoding="utf-8")
+            write_text(folder / ERROR_FILE, f"{explain(error)}\n")
+        with suppress(FootoptError):  # an objective that is not known
+            from footopt.studies.record import answer
+
+            return answer(settings.objective.names, {})
+    return None

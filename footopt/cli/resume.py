@@ -19,6 +19,7 @@ from footopt.cli.words import readable
 from footopt.errors import ERROR_FILE, FootoptError, SettingError, check
 from footopt.files import identity
 from footopt.files.lock import Occupied, locked
+from footopt.files.run import write_text
 from footopt.studies import RESUMABLE
 from footopt.studies.identity import CHANGEABLE, check_same, is_finished, may_change, result_of
 from footopt.studies.settings import Config
@@ -167,7 +168,7 @@ def _resume_jobs(
                 print(f"job {name}: {error}")
             except (FootoptError, OmegaConfBaseException, OSError) as error:
                 log.error("job %s failed: %s", name, explain(error))
-                (job / ERROR_FILE).write_text(f"{explain(error)}\n", encoding="utf-8")
+                write_text(job / ERROR_FILE, f"{explain(error)}\n")
         return summary.of_multirun(folder) - busy
 
 

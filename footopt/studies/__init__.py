@@ -12,7 +12,7 @@ from footopt.files.lock import locked
 from footopt.studies.settings import Config
 
 #: Studies by name: each is the function `run` of the module of that name. A plugin adds its own function.
-STUDIES: dict[str, Callable[[Any], None] | None] = dict.fromkeys(
+STUDIES: dict[str, Callable[[Any], Any] | None] = dict.fromkeys(
     (
         "optimize", "simulate", "accuracy", "stability", "effects", "shapes", "paper", "trust", "robust",
         "sensitivity", "export", "compare", "doctor",
@@ -32,7 +32,7 @@ def run(
     settings: Mapping[str, Any],
     words: Sequence[str] = (),
     resumed: bool = False,
-) -> None:
+) -> Any:
     """Run the study that the settings name.
 
     Parameters
@@ -47,6 +47,11 @@ def run(
         What was given on the command line.
     resumed : bool
         Whether it goes on with what is in the folder.
+
+    Returns
+    -------
+    float or tuple, optional
+        The objective of the foot that the study is about, or its objectives: natural signs.
 
     Raises
     ------
@@ -72,4 +77,4 @@ def run(
         if not resumed:
             enter(folder, settings, words)
         (folder / ERROR_FILE).unlink(missing_ok=True)  # of a job that failed before
-        ask(Study(config, folder, settings, words))
+        return ask(Study(config, folder, settings, words))

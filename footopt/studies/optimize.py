@@ -26,7 +26,7 @@ from footopt.report.progress import report_generations
 from footopt.studies.auto_effects import choose_effects
 from footopt.studies.base import Study
 from footopt.studies.build import check_searchable
-from footopt.studies.record import foot_entry, scene_entry, validity_entry
+from footopt.studies.record import Answer, answer, foot_entry, scene_entry, validity_entry
 from footopt.studies.simulate import check_film, write_film, write_walk
 from footopt.walk import OBJECTIVES, estimate_error, gain_shares, simulate
 from footopt.walk.validity import diagnose
@@ -34,8 +34,8 @@ from footopt.walk.validity import diagnose
 LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
 
 
-def run(study: Study) -> None:
-    """Search, then walk with the best foot and leave everything about it."""
+def run(study: Study) -> Answer:
+    """Search, then walk with the best foot and leave everything about it; returns its objectives."""
     config, options = study.config, study.options
     check_searchable(config.foot)
     check_film(study)
@@ -101,6 +101,7 @@ def run(study: Study) -> None:
     if result.interrupted:
         done, every = len(result.history), solver.generations(problem.space)
         raise KeyboardInterrupt(f"after {_unit(solver)} {done} of {every}, with a full report")
+    return answer(problem.names, walk.objectives)
 
 
 def _unit(solver: Solver) -> str:

@@ -13,13 +13,13 @@ from footopt.report.figures.gait import gait_fit
 from footopt.studies.auto_effects import choose_effects
 from footopt.studies.base import Study
 from footopt.studies.build import make_strides
-from footopt.studies.record import foot_entry, scene_entry, validity_entry
+from footopt.studies.record import Answer, answer, foot_entry, scene_entry, validity_entry
 from footopt.walk import OBJECTIVES, Walk, estimate_error, simulate
 from footopt.walk.validity import diagnose
 
 
-def run(study: Study) -> None:
-    """Walk with one foot and leave everything about the walk."""
+def run(study: Study) -> Answer:
+    """Walk with one foot and leave everything about the walk; returns the objectives of the settings."""
     check_film(study)
     foot, accuracy = study.foot, study.accuracy
     scene, audits = choose_effects(study, foot)
@@ -58,6 +58,7 @@ def run(study: Study) -> None:
     terminal.print_validity(study.console, diagnostics)
     study.say(*notes)
     study.close()
+    return answer(study.config.objective.names, walk.objectives)
 
 
 def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]:
