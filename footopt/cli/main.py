@@ -28,6 +28,7 @@ from footopt.cli.messages import explain
 from footopt.cli.resume import resumed, settings_kept
 from footopt.cli.words import check_dashes, readable
 from footopt.errors import ERROR_FILE, FootoptError
+from footopt.files.run import write_text
 from footopt.studies.settings import Config
 
 log = logging.getLogger("footopt")
@@ -85,7 +86,7 @@ def _job(settings: DictConfig) -> Any:
             sys.exit(f"footopt: error: {explain(error)}")
         # the other jobs go on; `Summary` reports this one at the end
         log.error("job %s failed: %s", here.job.num, explain(error))
-        (folder / ERROR_FILE).write_text(f"{explain(error)}\n", encoding="utf-8")
+        write_text(folder / ERROR_FILE, f"{explain(error)}\n")
         with suppress(FootoptError):  # an objective that is not known
             from footopt.studies.record import answer
 
