@@ -15,7 +15,7 @@ from rich.text import Text
 
 from footopt.design import FootProblem, Store
 from footopt.design.context import listed
-from footopt.errors import FootoptError
+from footopt.errors import FootoptError, check
 from footopt.files import identity
 from footopt.files import run as files
 from footopt.foot import Foot, Waypoints
@@ -25,6 +25,9 @@ from footopt.studies.build import make_accuracy, make_foot, make_scene, make_spa
 from footopt.studies.identity import is_finished
 from footopt.studies.settings import Config, StudyConfig
 from footopt.walk import Accuracy, Scene
+
+#: How much a run leaves: result.json, contour.csv and what it is resumed from; all but figures; everything.
+REPORTS = ("none", "light", "full")
 
 
 class Study:
@@ -48,6 +51,7 @@ class Study:
         self.config, self.folder, self.settings, self.words = config, folder, settings, words
         self._foreign: list[str] = []  # how the code differs that has walked designs of the store
         self.console = terminal.console()
+        check(config.report in REPORTS, "report", config.report, f"one of {', '.join(REPORTS)}")
         self._began = time.perf_counter()
         self._captions: dict[str, str] = {}
 
@@ -67,6 +71,16 @@ class Study:
     def threads(self) -> int | None:
         """Threads of this process; None: all."""
         return self.config.engine.threads
+
+    @property
+    def draws(self) -> bool:
+        """Whether figures are wanted."""
+        return self.config.report == "full"
+
+    @property
+    def reports(self) -> bool:
+        """Whether more is wanted than what was found: the page, tables, traces, bodies."""
+        return self.config.report != "none"
 
     @cached_property
     def scene(self) -> Scene:
@@ -156,7 +170,9 @@ class Study:
         files.write_csv(self.folder / name, header, rows)
 
     def save(self, name: str, figure: Any, caption: str = "") -> None:
-        """Save a figure as PNG and PDF; with a caption it is also on the page of `conclude`."""
+        """Save a figure as PNG and PDF if wanted; with a caption it is also on the page of `conclude`."""
+        if not self.draws:
+            return
         figures.save(figure, self.folder / "figures", name)
         if caption:
             self._captions[name] = caption
@@ -174,7 +190,7 @@ class Study:
             **content,
             **({"walked_by_other_code": self._foreign} if self._foreign else {}),
             "settings": self.settings,
-            "versions": files.versions(),
+            "versions": dict(files.versions()),
             "commit": files.commit(),
             "machine": files.machine(),
             "wall_time_s": self.seconds,
@@ -218,7 +234,8 @@ class Study:
         """
         record = self.write_result(content) | dict(footer or {})
         headline = [*about, *map(str, said)]
-        page.write_study(self.folder, title, headline, self._captions, tables, record, warnings)
+        if self.reports:
+            page.write_study(self.folder, title, headline, self._captions, tables, record, warnings)
         self.say(*tables, *said)
         self.close()
 

@@ -59,9 +59,11 @@ def run(study: Study) -> Answer:
     walk = simulate(best, scene, finer)
     errors, diagnostics = estimate_error(best, scene, finer), diagnose(walk)
 
-    files.write_designs(study.folder / "designs.csv", result.columns)
+    if study.reports:
+        files.write_designs(study.folder / "designs.csv", result.columns)
     notes = write_walk(study, walk, {"best": walk, "flat": flat})
-    _save_figures(study, result, int(np.argmax(result.front == confirmed.designs[0])))
+    if study.draws:
+        _save_figures(study, result, int(np.argmax(result.front == confirmed.designs[0])))
     record = study.write_result(
         {
             "design": foot_entry(best),
@@ -76,12 +78,13 @@ def run(study: Study) -> Answer:
             "notes": notes,
         }
     )
-    others = (
-        (i, simulate(Foot.from_waypoints(result.k[i], problem.space), scene, problem.accuracy))
-        for i in page.walked_designs(result, confirmed)
-    )
-    shown = page.search_content(result, confirmed, walk, flat, others, record)
-    page.write(study.folder / "report.html", shown)
+    if study.reports:
+        others = (
+            (i, simulate(Foot.from_waypoints(result.k[i], problem.space), scene, problem.accuracy))
+            for i in page.walked_designs(result, confirmed)
+        )
+        shown = page.search_content(result, confirmed, walk, flat, others, record)
+        page.write(study.folder / "report.html", shown)
     write_film(study, walk)
 
     which = "Best design" if problem.n_obj == 1 else "Of the front the best in J_W"
