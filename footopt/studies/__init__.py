@@ -14,7 +14,7 @@ from footopt.studies.settings import Config
 STUDIES: dict[str, Callable[[Any], None] | None] = dict.fromkeys(
     (
         "optimize", "simulate", "accuracy", "stability", "effects", "shapes", "paper", "trust", "robust",
-        "sensitivity", "export", "compare", "doctor",
+        "sensitivity", "export", "compare", "doctor", "validate",
     )
 )  # fmt: skip
 
