@@ -10,7 +10,7 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -28,6 +28,7 @@ from footopt.cli.messages import explain
 from footopt.cli.resume import resumed, settings_kept
 from footopt.cli.words import check_dashes, readable
 from footopt.errors import ERROR_FILE, FootoptError
+from footopt.files.run import write_text
 from footopt.studies.settings import Config
 
 log = logging.getLogger("footopt")
@@ -62,8 +63,8 @@ def main() -> None:
 
 
 @hydra.main(version_base="1.3", config_path=str(CONF), config_name="config")
-def _job(settings: DictConfig) -> None:
-    """One job: a single run, or one of a multirun."""
+def _job(settings: DictConfig) -> Any:
+    """One job: a single run, or one of a multirun; its objectives go to Hydra's sweepers and callbacks."""
     here = HydraConfig.get()
     folder = Path(here.runtime.output_dir)
     resume = f"footopt resume={shlex.quote(str(folder))}"
@@ -73,7 +74,7 @@ def _job(settings: DictConfig) -> None:
         plain: Any = OmegaConf.to_container(settings, resolve=True)
         config: Any = OmegaConf.to_object(OmegaConf.merge(Config, plain))  # refuses what + has added
         with settings_kept(settings, folder), one_ctrl_c(f"footopt: stopped{hint}"):
-            studies.run(config, folder, plain)
+            return studies.run(config, folder, plain)
     except KeyboardInterrupt as stop:
         print(" ".join(["footopt: stopped", *map(str, stop.args)]) + hint, file=sys.stderr)
         sys.exit(STOPPED)
@@ -85,7 +86,12 @@ def _job(settings: DictConfig) -> None:
             sys.exit(f"footopt: error: {explain(error)}")
         # the other jobs go on; `Summary` reports this one at the end
         log.error("job %s failed: %s", here.job.num, explain(error))
-        (folder / ERROR_FILE).write_text(f"{explain(error)}\n", encoding="utf-8")
+        write_text(folder / ERROR_FILE, f"{explain(error)}\n")
+        with suppress(FootoptError):  # an objective that is not known
+            from footopt.studies.record import answer
+
+            return answer(settings.objective.names, {})
+    return None
 
 
 class Summary(Callback):

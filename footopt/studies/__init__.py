@@ -11,7 +11,7 @@ from footopt.errors import SettingError
 from footopt.studies.settings import Config
 
 #: Studies by name: each is the function `run` of the module of that name. A plugin adds its own function.
-STUDIES: dict[str, Callable[[Any], None] | None] = dict.fromkeys(
+STUDIES: dict[str, Callable[[Any], Any] | None] = dict.fromkeys(
     (
         "optimize", "simulate", "accuracy", "stability", "effects", "shapes", "paper", "trust", "robust",
         "sensitivity", "export", "compare", "doctor", "validate",
@@ -25,7 +25,7 @@ RESUMABLE = ("optimize", "robust")
 DISTRIBUTED = ("optimize", "robust")
 
 
-def run(config: Config, folder: Path, settings: Mapping[str, Any]) -> None:
+def run(config: Config, folder: Path, settings: Mapping[str, Any]) -> Any:
     """Run the study that the settings name.
 
     Parameters
@@ -36,6 +36,11 @@ def run(config: Config, folder: Path, settings: Mapping[str, Any]) -> None:
         Where the study leaves what it finds.
     settings : dict
         The same settings as plain data, for result.json.
+
+    Returns
+    -------
+    float or tuple, optional
+        The objective of the foot that the study is about, or its objectives: natural signs.
 
     Raises
     ------
@@ -54,4 +59,4 @@ def run(config: Config, folder: Path, settings: Mapping[str, Any]) -> None:
     if config.engine.name != "local" and name not in DISTRIBUTED:
         raise SettingError("engine.name", config.engine.name, f"local for study={name}")
     ask = STUDIES[name] or import_module(f"footopt.studies.{name}").run
-    ask(Study(config, folder, settings))
+    return ask(Study(config, folder, settings))

@@ -13,6 +13,7 @@ from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from footopt.errors import check
 from footopt.files import run as files
 from footopt.foot import Foot, Waypoints
 from footopt.report import figures, page, terminal
@@ -20,6 +21,9 @@ from footopt.report.progress import Step, progress
 from footopt.studies.build import make_accuracy, make_foot, make_scene, make_space
 from footopt.studies.settings import Config, StudyConfig
 from footopt.walk import Accuracy, Scene
+
+#: How much a run leaves: result.json, contour.csv and what it is resumed from; all but figures; everything.
+REPORTS = ("none", "light", "full")
 
 
 class Study:
@@ -38,6 +42,7 @@ class Study:
     def __init__(self, config: Config, folder: Path, settings: Mapping[str, Any]) -> None:
         self.config, self.folder, self.settings = config, folder, settings
         self.console = terminal.console()
+        check(config.report in REPORTS, "report", config.report, f"one of {', '.join(REPORTS)}")
         self._began = time.perf_counter()
         self._captions: dict[str, str] = {}
 
@@ -57,6 +62,16 @@ class Study:
     def threads(self) -> int | None:
         """Threads of this process; None: all."""
         return self.config.engine.threads
+
+    @property
+    def draws(self) -> bool:
+        """Whether figures are wanted."""
+        return self.config.report == "full"
+
+    @property
+    def reports(self) -> bool:
+        """Whether more is wanted than what was found: the page, tables, traces, bodies."""
+        return self.config.report != "none"
 
     @cached_property
     def scene(self) -> Scene:
@@ -112,7 +127,9 @@ class Study:
         files.write_csv(self.folder / name, header, rows)
 
     def save(self, name: str, figure: Any, caption: str = "") -> None:
-        """Save a figure as PNG and PDF; with a caption it is also on the page of `conclude`."""
+        """Save a figure as PNG and PDF if wanted; with a caption it is also on the page of `conclude`."""
+        if not self.draws:
+            return
         figures.save(figure, self.folder / "figures", name)
         if caption:
             self._captions[name] = caption
@@ -129,8 +146,11 @@ class Study:
             "study": self.config.study.name,
             **content,
             "settings": self.settings,
-            "versions": files.versions(),
+            "versions": dict(files.versions()),
+            "commit": files.commit(),
+            "machine": files.machine(),
             "wall_time_s": self.seconds,
+            "wall_time_covers": "the study up to this file, without imports, report.html and a film",
         }
         files.write_json(self.folder / "result.json", record)
         return record
@@ -169,7 +189,8 @@ class Study:
         """
         record = self.write_result(content) | dict(footer or {})
         headline = [*about, *map(str, said)]
-        page.write_study(self.folder, title, headline, self._captions, tables, record, warnings)
+        if self.reports:
+            page.write_study(self.folder, title, headline, self._captions, tables, record, warnings)
         self.say(*tables, *said)
         self.close()
 

@@ -35,6 +35,7 @@ EXTRAS = {
     "xarray": ("xarray", "to_dataset()"),
     "distributed": ("dask", "engine=dask"),
     "hydra-joblib-launcher": ("joblib", "hydra/launcher=joblib"),
+    "hydra-optuna-sweeper": ("optuna", "hydra/sweeper=optuna"),
     "hydra-submitit-launcher": ("submitit", "hydra/launcher=submitit_slurm"),
 }
 SLOW = 10.0  # ms per design and core at accuracy standard; compiled code takes about 0.3
@@ -103,7 +104,7 @@ def guarded(ask: Callable[[Config], Iterator[Finding]], config: Config) -> Itera
 
 def libraries() -> Iterator[Finding]:
     """Versions of what footopt cannot do without."""
-    for name, number in (files.versions() | {"llvmlite": version("llvmlite")}).items():
+    for name, number in files.versions().items():
         yield Finding(name, number)
 
 

@@ -234,6 +234,7 @@ class Config:
     """All settings of a run, one group each; plugins are files or modules of the user's own."""
 
     plugins: list[str] = field(default_factory=list)
+    report: str = "full"
     study: StudyConfig = field(default_factory=StudyConfig)
     sand: SandConfig = field(default_factory=SandConfig)
     gait: GaitConfig = field(default_factory=GaitConfig)
