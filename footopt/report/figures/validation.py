@@ -131,7 +131,14 @@ def overview(found: Comparisons, titles: Mapping[str, str]) -> Figure:
     for verdict, (colour, shape) in VERDICTS.items():
         own = [i for i, c in enumerate(found) if c.verdict == verdict]
         size = [percent(found[i].size, found[i]) for i in own]
-        look = {"color": colour, "marker": shape, "ls": "", "ms": 5.5, "mew": 0, "clip_on": False}
+        look: dict[str, Any] = {
+            "color": colour,
+            "marker": shape,
+            "ls": "",
+            "ms": 5.5,
+            "mew": 0,
+            "clip_on": False,
+        }
         ax.plot(size, rows[own], **look, label=verdict)
     for i, c in enumerate(found):
         if i == 0 or found[i - 1].experiment != c.experiment:
