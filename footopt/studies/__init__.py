@@ -15,7 +15,7 @@ from footopt.studies.settings import Config
 STUDIES: dict[str, Callable[[Any], Any] | None] = dict.fromkeys(
     (
         "optimize", "simulate", "accuracy", "stability", "effects", "shapes", "paper", "trust", "robust",
-        "sensitivity", "export", "compare", "doctor",
+        "sensitivity", "export", "compare", "doctor", "validate",
     )
 )  # fmt: skip
 

@@ -50,6 +50,7 @@ SMALL = {
     "accuracy": {"study.feet": "2", "study.quick": "true"},
     "stability": {"study.cases": "['standing, zeta 5','2 kg']", "study.methods": "[sdirk2,explicit_euler]"},
     "effects": {"study.feet": "2", "accuracy": "draft"},
+    "validate": {"study.cases": "[growth,friction]"},
     "robust": SEARCH | {"study.quick": "true"},
     "sensitivity": {"study.samples": "2", "accuracy": "draft"},
     "trust": {"study.quick": "true", "study.budget": "20", "solver.pop_size": "10", "foot.n": "4",
@@ -339,7 +340,7 @@ def real(word, place):
 
 #: Studies whose figures have been rendered: once each, here or by tests of its own (the default one by
 #: `test_cli`). Every figure is looked at by `test_figures`.
-OWN = ("effects", "paper", "robust", "sensitivity", "shapes", "stability", "trust")
+OWN = ("effects", "paper", "robust", "sensitivity", "shapes", "stability", "trust", "validate")
 RENDERED = {"", *(f"study={name}" for name in OWN)}
 
 FOOTOPT = {a: page for words, page in COMMANDS.items() if (a := footopt_words(words)) is not None}
