@@ -24,7 +24,7 @@ from footopt.errors import FootoptError, SettingError
 from footopt.files.gaits import read_strides
 from footopt.studies import robust as study
 from footopt.studies.build import make_spread
-from footopt.walk.scenarios import COLUMNS, MEASURES, measured, sands, vary
+from footopt.walk.scenarios import COLUMNS, MEASURES, laws, measured, sands, vary
 
 SANDS = sands(fo.Scene())
 NOTHING = fo.Spread(**dict.fromkeys(vars(fo.Spread()), 0.0))
@@ -230,6 +230,17 @@ class TestRobustProblem:
         with Store(tmp_path / "s.sqlite", problem()) as store:
             assert len(store) == 0
 
+    def test_laws_are_those_with_and_without_two_effects_and_keep_all_else(self):
+        slope = fo.Slope(3.0)
+        found = {s.name: s.scene.effects for s in laws(fo.Scene(effects=(slope, fo.LeadingEdge())))}
+        assert {name: {*effects} - {slope} for name, effects in found.items()} == {
+            "plain law": set(),
+            "leading edge": {fo.LeadingEdge()},
+            "shadowing": {fo.Shadowing()},
+            "both": {fo.LeadingEdge(), fo.Shadowing()},
+        }
+        assert all(slope in effects for effects in found.values())
+
     def test_scenarios_must_be_there_and_have_names(self):
         with pytest.raises(SettingError, match="at least one"):
             problem([])
@@ -320,7 +331,7 @@ class TestStudy:
     @pytest.mark.parametrize(
         ("setting", "message"),
         [
-            ("study.scenarios=dunes", "study.scenarios = 'dunes': must be one of sands, drawn"),
+            ("study.scenarios=dunes", "study.scenarios = 'dunes': must be one of sands, laws, drawn"),
             ("study.measure=median", "study.measure = 'median'"),
             ("study.tail=2", "study.tail = 2.0"),
             ("study.finalists=0", "study.finalists = 0"),
