@@ -48,6 +48,7 @@ class TestAJobReturns:
         assert heard[0] == 1e6 > heard[1]
 
 
+@pytest.mark.slow
 class TestOptuna:
     """Hydra's own sweeper of settings, as it is."""
 
