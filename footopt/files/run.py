@@ -12,8 +12,10 @@ import secrets
 import subprocess
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from functools import cache
 from importlib.metadata import distribution, version
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -30,9 +32,11 @@ DISTRIBUTIONS = (
 ROOT = Path(__file__).parents[2]  # of a checkout
 
 
-def versions() -> dict[str, str]:
+@cache
+def versions() -> Mapping[str, str]:
     """Versions of everything that a result depends on."""
-    return {name: version(name) for name in DISTRIBUTIONS} | {"python": platform.python_version()}
+    found = {name: version(name) for name in DISTRIBUTIONS} | {"python": platform.python_version()}
+    return MappingProxyType(found)
 
 
 def machine() -> dict[str, Any]:
@@ -41,6 +45,7 @@ def machine() -> dict[str, Any]:
     return {"processor": name, "vector_bits": bits, "system": platform.platform()}
 
 
+@cache
 def commit() -> str | None:
     """The commit that footopt's sources are of, with "-dirty" where they were changed; None if not known."""
     if (ROOT / ".git").exists():

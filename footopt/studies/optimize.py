@@ -13,7 +13,6 @@ from footopt.design import (
     FootProblem,
     SearchResult,
     Solver,
-    Store,
     confirm,
     make_executor,
     search,
@@ -60,9 +59,11 @@ def run(study: Study) -> Answer:
     walk = simulate(best, scene, finer)
     errors, diagnostics = estimate_error(best, scene, finer), diagnose(walk)
 
-    files.write_designs(study.folder / "designs.csv", result.columns)
+    if study.reports:
+        files.write_designs(study.folder / "designs.csv", result.columns)
     notes = write_walk(study, walk, {"best": walk, "flat": flat})
-    _save_figures(study, result, int(np.argmax(result.front == confirmed.designs[0])))
+    if study.draws:
+        _save_figures(study, result, int(np.argmax(result.front == confirmed.designs[0])))
     record = study.write_result(
         {
             "design": foot_entry(best),
@@ -77,12 +78,13 @@ def run(study: Study) -> Answer:
             "notes": notes,
         }
     )
-    others = (
-        (i, simulate(Foot.from_waypoints(result.k[i], problem.space), scene, problem.accuracy))
-        for i in page.walked_designs(result, confirmed)
-    )
-    shown = page.search_content(result, confirmed, walk, flat, others, record)
-    page.write(study.folder / "report.html", shown)
+    if study.reports:
+        others = (
+            (i, simulate(Foot.from_waypoints(result.k[i], problem.space), scene, problem.accuracy))
+            for i in page.walked_designs(result, confirmed)
+        )
+        shown = page.search_content(result, confirmed, walk, flat, others, record)
+        page.write(study.folder / "report.html", shown)
     write_film(study, walk)
 
     which = "Best design" if problem.n_obj == 1 else "Of the front the best in J_W"
@@ -115,7 +117,7 @@ def _search(study: Study, problem: FootProblem, solver: Solver) -> SearchResult:
     e, space = study.config.engine, problem.space
     with (
         make_executor(e.name, e.workers, e.address, e.timeout) as executor,
-        Store(study.options.store or study.folder / "designs.sqlite", problem) as store,
+        study.store(problem, alone=True) as store,
     ):
         study.say(
             f"Searching {space.K}^{space.n} soles for {', '.join(problem.names)} on "

@@ -28,7 +28,7 @@ def run(study: Study) -> Answer:
     errors, diagnostics = estimate_error(foot, scene, accuracy), diagnose(walk)
     strides = make_strides(study.config.gait)
     notes = write_walk(study, walk, {foot.name: walk})
-    if strides is not None:
+    if strides is not None and study.draws:
         study.save("gait", gait_fit(strides, scene.gait))
     record = study.write_result(
         {
@@ -44,7 +44,8 @@ def run(study: Study) -> Answer:
             "effects_audit": audits,
         }
     )
-    page.write(study.folder / "report.html", page.walk_content(walk, record))
+    if study.reports:
+        page.write(study.folder / "report.html", page.walk_content(walk, record))
     write_film(study, walk)
 
     study.say(f"{terminal.describe_scene(scene)}; {terminal.describe_foot(foot)}")
@@ -62,7 +63,7 @@ def run(study: Study) -> Answer:
 
 
 def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]:
-    """Leave a walk's traces, its foot for the workshop, and its figures.
+    """Leave a walk's traces, its foot for the workshop, and its figures, as far as `report` wants them.
 
     Parameters
     ----------
@@ -78,13 +79,17 @@ def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]
     notes : list of str
         What is to be said of the files for the workshop.
     """
+    if not study.reports:
+        walk.foot.to_file(study.folder / "contour.csv")
+        return []
     files.write_walk(study.folder / "walk.nc", walk.variables, {"reason": walk.reason})
     _, notes = write_all(walk.foot, study.folder, study.config.foot.block)
-    study.save("contour", figures.contour(walk.foot))
-    study.save("com", figures.com(walks))
-    study.save("forces", figures.forces(walks))
-    study.save("power_work", figures.power_work(walks))
-    study.save("step", figures.step(walk))
+    if study.draws:
+        study.save("contour", figures.contour(walk.foot))
+        study.save("com", figures.com(walks))
+        study.save("forces", figures.forces(walks))
+        study.save("power_work", figures.power_work(walks))
+        study.save("step", figures.step(walk))
     return notes
 
 

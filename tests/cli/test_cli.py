@@ -33,8 +33,7 @@ class TestOptimize:
         files = {p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file()}
         figures = ("contour", "convergence", "com", "forces", "power_work", "step")
         assert files >= {
-            *(f".hydra/{name}.yaml" for name in ("config", "hydra", "overrides")),
-            *("result.json", "designs.csv", "walk.nc", "report.html"),
+            *("footopt.yaml", "result.json", "designs.csv", "walk.nc", "report.html"),
             *(f"contour.{end}" for end in ("csv", "dxf", "svg", "stl", *STEP)),
             *(f"figures/{name}.{end}" for name in figures for end in ("png", "pdf")),
         }

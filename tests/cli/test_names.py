@@ -10,10 +10,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from omegaconf import OmegaConf
 from rich.console import Console
 
 import footopt as fo
+from footopt.files import identity
 from footopt.files import soles as outline
 from footopt.files.run import write_walk
 from footopt.foot.export import write_all
@@ -138,9 +138,9 @@ def test_on_the_terminal_a_name_is_one_line_without_control(name, walk, monkeypa
 
 def test_the_table_over_jobs_has_a_long_setting_whole_and_a_value_of_zero(walk, tmp_path, capsys):
     setting = f"foot.path='{' '.join(['drawings of soles'] * 8)}/sole.dxf'"
-    (tmp_path / "0" / ".hydra").mkdir(parents=True)
+    (tmp_path / "0").mkdir()
     write_all(walk.foot, tmp_path / "0")
-    (tmp_path / "0" / ".hydra" / "overrides.yaml").write_text(OmegaConf.to_yaml([setting, "sand=soft"]))
+    identity.write(tmp_path / "0", {}, [setting, "sand=soft"])
     result = {
         "study": "simulate", "design": foot_entry(walk.foot), "objectives": {"speed_loss": 0.0, "work": None},
         "settings": {"foot": {"top": 0.0, "width": 0.1}}, "versions": {},
@@ -161,10 +161,8 @@ def test_the_page_over_jobs_keeps_their_names_as_text(name, walk, tmp_path, caps
         top = tmp_path / f"sweep{len(tags)}"
         for i in range(2):
             job = top / str(i)
-            (job / ".hydra").mkdir(parents=True)
-            (job / ".hydra" / "overrides.yaml").write_text(
-                json.dumps([f"sand.name={text}{i}"]), encoding="utf-8"
-            )
+            job.mkdir(parents=True)
+            identity.write(job, {}, [f"sand.name={text}{i}"])
         changed = named(walk, text)
         write_all(changed.foot, top / "0")
         write_walk(top / "0" / "walk.nc", changed.variables, {"reason": changed.reason})

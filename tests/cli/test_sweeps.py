@@ -9,8 +9,8 @@ from running import footopt
 
 import footopt as fo
 
-#: A walk with one foot.
-WALK = ["study=simulate", "accuracy=draft"]
+#: A walk with one foot, of which only the numbers are kept.
+WALK = ["study=simulate", "accuracy=draft", "report=none"]
 
 
 class Listener(Callback):
@@ -48,7 +48,43 @@ class TestAJobReturns:
         assert heard[0] == 1e6 > heard[1]
 
 
-@pytest.mark.slow
+class TestReport:
+    """How much a job leaves."""
+
+    TINY = ("accuracy=draft", "solver.pop_size=4", "solver.n_gen=2")
+
+    @pytest.mark.parametrize("study", ["optimize", "simulate"])
+    def test_none_leaves_the_numbers_and_what_a_run_is_resumed_from(self, study, tmp_path):
+        """They are those of a full report, in less than 100 kB."""
+        for report in ("none", "light", "full"):
+            words = (f"study={study}", f"report={report}", f"hydra.run.dir={report}")
+            done = footopt(*self.TINY, *words, cwd=tmp_path)
+            assert done.returncode == 0, done.stderr
+        left = {report: {p.name: p.stat().st_size for p in (tmp_path / report).rglob("*") if p.is_file()}
+                for report in ("none", "light", "full")}  # fmt: skip
+        assert sum(left["none"].values()) < 1e5
+        assert {"result.json", "contour.csv"} <= set(left["none"])
+        assert not {"report.html", "walk.nc", "contour.stl", "designs.csv"} & set(left["none"])
+        assert ("designs.sqlite" in left["none"]) == (study == "optimize")
+        assert {"report.html", "walk.nc", "contour.stl"} <= set(left["light"])
+        assert not any(name.endswith((".png", ".pdf")) for name in left["light"])
+        assert "step.png" in left["full"]
+        found = [json.loads((tmp_path / report / "result.json").read_text()) for report in left]
+        for name in ("design", "objectives", "error_estimate", "validity"):
+            assert found[0][name] == found[1][name] == found[2][name]
+
+    def test_any_other_word_is_refused(self, tmp_path):
+        done = footopt(*WALK[:2], "report=some", cwd=tmp_path)
+        assert done.returncode == 1
+        assert "report = 'some': must be one of none, light, full" in done.stderr
+
+    def test_a_sweep_has_its_table_and_page_without_them(self, tmp_path):
+        done = footopt("-m", *WALK, "sand=soft,hard", "hydra.sweep.dir=sweep", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert (tmp_path / "sweep" / "report.html").is_file()
+        assert len((tmp_path / "sweep" / "summary.csv").read_text().splitlines()) == 3
+
+
 class TestOptuna:
     """Hydra's own sweeper of settings, as it is."""
 
