@@ -72,7 +72,7 @@ def _job(settings: DictConfig) -> Any:
         return walk(beside_their_files(plain, here), folder, words)
     except KeyboardInterrupt:
         sys.exit(STOPPED)
-    except (FootoptError, OmegaConfBaseException, OSError) as error:
+    except (FootoptError, OmegaConfBaseException, OSError, MemoryError) as error:
         if here.mode != RunMode.MULTIRUN:
             if _wants_traceback:
                 raise
