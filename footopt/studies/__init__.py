@@ -49,7 +49,7 @@ def run(config: Config, folder: Path, settings: Mapping[str, Any]) -> Any:
     """
     # what is imported here would slow `footopt --help` down
     from footopt.studies.base import Study
-    from footopt.studies.build import check_lists, load_plugins
+    from footopt.studies.build import check_lists, load_plugins, make_limits
 
     check_lists(config)
     load_plugins(config.plugins)
@@ -58,5 +58,7 @@ def run(config: Config, folder: Path, settings: Mapping[str, Any]) -> Any:
         raise SettingError("study.name", name, f"one of {', '.join(STUDIES)}")
     if config.engine.name != "local" and name not in DISTRIBUTED:
         raise SettingError("engine.name", config.engine.name, f"local for study={name}")
+    if name != "optimize" and (limits := make_limits(config)):
+        raise SettingError("constraint", limits, f"left out for study={name}", "study=optimize keeps limits.")
     ask = STUDIES[name] or import_module(f"footopt.studies.{name}").run
     return ask(Study(config, folder, settings))
