@@ -10,6 +10,7 @@ from footopt.effects.inertia import Inertia
 from footopt.effects.layers import Layers
 from footopt.effects.leading_edge import LeadingEdge
 from footopt.effects.patches import Patches
+from footopt.effects.shadowing import Shadowing
 from footopt.effects.slope import Slope
 
 # isort: on
@@ -24,6 +25,7 @@ __all__ = [
     "LeadingEdge",
     "Patches",
     "Scale",
+    "Shadowing",
     "Slope",
     "laws",
     "name_of",

@@ -13,12 +13,16 @@ from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from footopt.errors import check
+from footopt.design import FootProblem, Store
+from footopt.design.context import listed
+from footopt.errors import FootoptError, check
+from footopt.files import identity
 from footopt.files import run as files
 from footopt.foot import Foot, Waypoints
 from footopt.report import figures, page, terminal
 from footopt.report.progress import Step, progress
 from footopt.studies.build import make_accuracy, make_foot, make_scene, make_space
+from footopt.studies.identity import is_finished
 from footopt.studies.settings import Config, StudyConfig
 from footopt.walk import Accuracy, Scene
 
@@ -36,11 +40,16 @@ class Study:
     folder : Path
         Where the run leaves what it finds.
     settings : dict
-        The same settings as plain data, for result.json.
+        The same settings as plain data: what the run is.
+    words : sequence of str
+        What was given on the command line.
     """
 
-    def __init__(self, config: Config, folder: Path, settings: Mapping[str, Any]) -> None:
-        self.config, self.folder, self.settings = config, folder, settings
+    def __init__(
+        self, config: Config, folder: Path, settings: Mapping[str, Any], words: Sequence[str] = ()
+    ) -> None:
+        self.config, self.folder, self.settings, self.words = config, folder, settings, words
+        self._foreign: list[str] = []  # how the code differs that has walked designs of the store
         self.console = terminal.console()
         check(config.report in REPORTS, "report", config.report, f"one of {', '.join(REPORTS)}")
         self._began = time.perf_counter()
@@ -98,6 +107,40 @@ class Study:
         """The one foot of the settings."""
         return make_foot(self.config.foot)
 
+    def store(self, problem: FootProblem, alone: bool = False) -> Store:
+        """Where the designs of a problem are kept: study.store, or a file in the folder.
+
+        Parameters
+        ----------
+        problem : FootProblem
+            Whose designs they are.
+        alone : bool
+            Whether the run has no other problem.
+
+        Raises
+        ------
+        FootoptError
+            The file in the folder is that of another run; or the run is finished, and going on would
+            replace its result by that of other code.
+        """
+        store = Store(self.options.store or self.folder / "designs.sqlite", problem, self.options.reuse)
+        if store.foreign and self.options.reuse:
+            self._foreign = store.foreign
+        elif store.foreign and is_finished(self.folder):
+            store.close()
+            raise FootoptError(
+                f"{self.folder}: other code has walked this finished run ({listed(store.foreign)}). "
+                "Start a new run; or add study.reuse=true, if you know that the walks are the same."
+            )
+        if store.alien and alone and not self.options.store:
+            why = store.describe()
+            store.close()
+            raise FootoptError(
+                f"{store.path}: was walked with other settings than those of {identity.FILE}. "
+                f"Start a new run. ({why})"
+            )
+        return store
+
     # --- what the terminal shows ------------------------------------------------------------------
 
     @property
@@ -145,6 +188,7 @@ class Study:
         record = {
             "study": self.config.study.name,
             **content,
+            **({"walked_by_other_code": self._foreign} if self._foreign else {}),
             "settings": self.settings,
             "versions": dict(files.versions()),
             "commit": files.commit(),
@@ -152,6 +196,7 @@ class Study:
             "wall_time_s": self.seconds,
             "wall_time_covers": "the study up to this file, without imports, report.html and a film",
         }
+        identity.write(self.folder, self.settings, self.words)  # with what a resumed run has changed
         files.write_json(self.folder / "result.json", record)
         return record
 

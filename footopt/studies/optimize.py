@@ -14,7 +14,6 @@ from footopt.design import (
     FootProblem,
     SearchResult,
     Solver,
-    Store,
     confirm,
     make_executor,
     search,
@@ -145,7 +144,7 @@ def _search(study: Study, problem: FootProblem, solver: Solver) -> SearchResult:
     e, space = study.config.engine, problem.space
     with (
         make_executor(e.name, e.workers, e.address, e.timeout) as executor,
-        Store(study.options.store or study.folder / "designs.sqlite", problem) as store,
+        study.store(problem, alone=True) as store,
     ):
         study.say(
             f"Searching {space.K}^{space.n} soles for {', '.join(problem.names)} on "

@@ -80,6 +80,7 @@ class StudyConfig:
     confirm: str | None = "fine"
     finalists: int = 20
     store: str | None = None
+    reuse: bool = False
     feet: int = 40
     quick: bool = False
     cases: list[str] | None = None
