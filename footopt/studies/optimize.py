@@ -32,6 +32,7 @@ from footopt.studies.base import Study
 from footopt.studies.build import check_searchable, make_choice, make_limits
 from footopt.studies.record import Answer, answer, foot_entry, scene_entry, validity_entry
 from footopt.studies.simulate import check_film, write_film, write_walk
+from footopt.studies.validation.model import describe, model_error
 from footopt.walk import estimate_error, gain_shares, simulate
 from footopt.walk.validity import diagnose
 
@@ -78,6 +79,7 @@ def run(study: Study) -> Answer:
             "design": foot_entry(best),
             "objectives": values,
             "error_estimate": errors,
+            "model_error": (model := model_error(walk)),
             "flat": base,
             "gain_shares": gain_shares(values, base),
             **scene_entry(scene, finer, problem.record),
@@ -105,6 +107,7 @@ def run(study: Study) -> Answer:
         terminal.describe_confirmation(confirmed),
         f"{which}: {terminal.describe_foot(best)}",
         terminal.objective_table(feet, problem.record, errors, gain=True, shares=by_j),
+        *describe(model),
     )
     for words in _warnings(problem, values, base, by_j):
         terminal.warn(study.console, words)

@@ -14,6 +14,7 @@ from footopt.studies.auto_effects import choose_effects
 from footopt.studies.base import Study
 from footopt.studies.build import make_strides
 from footopt.studies.record import Answer, answer, foot_entry, scene_entry, validity_entry
+from footopt.studies.validation.model import describe, model_error
 from footopt.walk import OBJECTIVES, Walk, estimate_error, simulate
 from footopt.walk.validity import diagnose
 
@@ -39,6 +40,7 @@ def run(study: Study) -> Answer:
             "reason": walk.reason,
             "objectives": values,
             "error_estimate": errors,
+            "model_error": (model := model_error(walk)),
             **scene_entry(scene, accuracy, names),
             **validity_entry(diagnostics),
             "notes": notes,
@@ -58,6 +60,7 @@ def run(study: Study) -> Answer:
     if not walk.feasible:
         study.say(Text(f"The walk failed: {walk.reason} after {len(walk.t)} steps of time.", style="yellow"))
     study.say(terminal.objective_table([(foot.name, values)], names, errors))
+    study.say(*describe(model))
     terminal.print_validity(study.console, diagnostics)
     study.say(*notes)
     study.close()
