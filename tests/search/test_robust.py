@@ -15,7 +15,7 @@ from footopt.design import Solver, Store, confirm, search
 from footopt.design.context import context, digest
 from footopt.design.robust import regret
 from footopt.errors import SettingError
-from footopt.walk.scenarios import COLUMNS, MEASURES, measured, sands, vary
+from footopt.walk.scenarios import COLUMNS, MEASURES, laws, measured, sands, vary
 
 SANDS = sands(fo.Scene())
 NOTHING = fo.Spread(**dict.fromkeys(vars(fo.Spread()), 0.0))
@@ -220,6 +220,17 @@ class TestRobustProblem:
         assert digest(context(problem())) == digests[0]
         with Store(tmp_path / "s.sqlite", problem()) as store:
             assert len(store) == 0
+
+    def test_laws_are_those_with_and_without_two_effects_and_keep_all_else(self):
+        slope = fo.Slope(3.0)
+        found = {s.name: s.scene.effects for s in laws(fo.Scene(effects=(slope, fo.LeadingEdge())))}
+        assert {name: {*effects} - {slope} for name, effects in found.items()} == {
+            "plain law": set(),
+            "leading edge": {fo.LeadingEdge()},
+            "shadowing": {fo.Shadowing()},
+            "both": {fo.LeadingEdge(), fo.Shadowing()},
+        }
+        assert all(slope in effects for effects in found.values())
 
     def test_scenarios_must_be_there_and_have_names(self):
         with pytest.raises(SettingError, match="at least one"):

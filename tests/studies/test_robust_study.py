@@ -99,7 +99,7 @@ class TestStudy:
     @pytest.mark.parametrize(
         ("setting", "message"),
         [
-            ("study.scenarios=dunes", "study.scenarios = 'dunes': must be one of sands, drawn"),
+            ("study.scenarios=dunes", "study.scenarios = 'dunes': must be one of sands, laws, drawn"),
             ("study.measure=median", "study.measure = 'median'"),
             ("study.tail=2", "study.tail = 2.0"),
             ("study.finalists=0", "study.finalists = 0"),
