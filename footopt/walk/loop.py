@@ -13,6 +13,7 @@ import numpy as np
 from numba import njit
 
 from footopt.compiled import cached_njit
+from footopt.walk.bristles import settled
 from footopt.walk.contact import static_height
 from footopt.walk.metrics import deepest, embedded, nothing_yet, raw_of, sample_of, watch
 from footopt.walk.sources import own, source
@@ -62,8 +63,9 @@ def _compile(source: str, compiler: Any):
             z = static_height(world, sole, pose0)
             if not np.isfinite(z):
                 continue
-            at = touch(world, sole, pose0, 0.0, z, 0.0, 0.0, count)
-            state = State(0.0, z, 0.0, 0.0, at, Integrals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), True)
+            bristles = settled(world.rest, len(sole.x))
+            at = touch(world, sole, pose0, 0.0, z, 0.0, 0.0, bristles, 0.0, count)
+            state = State(0.0, z, 0.0, 0.0, at, Integrals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), bristles, True)
             reached = nothing_yet()
             if traced:
                 fill(trace[0], sample_of(0.0, state))
