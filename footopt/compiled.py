@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import hashlib
 import logging
+import pickle
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from numba import config, njit
-from numba.core.caching import FunctionCache
+from numba.core.caching import FunctionCache, IndexDataCacheFile, _cache_log
+
+log = logging.getLogger("footopt")
 
 #: What may be assumed of floating-point numbers in the loop over plates: sums may be reordered, so that
 #: the loop is vectorised. NaN and infinity may not be assumed away: a walk that diverges must be seen.
@@ -21,16 +26,83 @@ inlined = njit(**INLINE)
 inlined_fast = njit(fastmath=FAST, **INLINE)
 
 
+class _Files(IndexDataCacheFile):  # type: ignore[misc]  # numba has no types
+    """One file for each signature of a function: a seal, the source's stamp, and the compiled code.
+
+    numba's own files have no checksum: a flipped bit crashes or gives wrong numbers, and two files that
+    are exchanged, or that two processes write at once, give the walk of another effect.
+    """
+
+    def load(self, key: Any) -> Any:
+        """What is kept under a key; None if there is nothing of this source, or if it is damaged."""
+        path = self._path(key)
+        try:
+            content = path.read_bytes()
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            log.warning("compiled code cannot be read and is compiled again (%s)", error)
+            return None
+        if content[:32] != _sha256(path.name.encode() + content[32:]):
+            log.warning("compiled code was damaged and is compiled again (%s)", path)
+            return None
+        if content[32:64] != self._stamp():
+            return None
+        known, data = pickle.loads(content[64:])
+        _cache_log("[cache] data loaded from %r", str(path))
+        return data if known == key else None
+
+    def save(self, key: Any, data: Any) -> None:
+        """Keep compiled code under a key, in the place of what was made from another source."""
+        path = self._path(key)
+        content = self._stamp() + self._dump((key, data))
+        with self._open_for_write(str(path)) as file:
+            file.write(_sha256(path.name.encode() + content) + content)
+        _cache_log("[cache] data saved to %r", str(path))
+
+    def _path(self, key: Any) -> Path:
+        signature, machine, _ = key
+        name = _sha256(f"{signature}|{machine}".encode()).hex()[:16]
+        return Path(self._cache_path, self._index_name).with_suffix(f".{name}.nbc")
+
+    def _stamp(self) -> bytes:
+        return _sha256(repr((self._version, self._source_stamp)).encode())
+
+
 class _Cache(FunctionCache):  # type: ignore[misc]  # numba has no types
-    """numba's cache of one function, begun anew where it holds types that have moved since."""
+    """numba's cache of one function; what is wrong with a file is said, and the function compiled again."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function)
+        self._cache_file = _Files(
+            self._cache_path, self._impl.filename_base, self._impl.locator.get_source_stamp()
+        )
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Load compiled code; None, so that it is compiled again, if what is kept cannot be read."""
+        """Load compiled code; None, so that it is compiled again, if what is kept cannot be used."""
         try:
             return super().load_overload(sig, target_context)
-        except (AttributeError, ImportError):  # numba unpickles types by the names of their modules
-            self.flush()
+        except (AttributeError, ImportError):  # it names types by modules from where they have moved
             return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep compiled code, where there is room for it."""
+        try:
+            super().save_overload(sig, data)
+        except OSError as error:
+            _cannot_be_kept(error)
+
+
+def _sha256(content: bytes) -> bytes:
+    return hashlib.sha256(content).digest()
+
+
+def _cannot_be_kept(error: Exception) -> None:
+    log.warning(
+        "compiled code cannot be kept, so that every start compiles it again (%s). "
+        "Set NUMBA_CACHE_DIR to a folder that can be written and has room.",
+        error,
+    )
 
 
 def cached_njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
@@ -43,11 +115,7 @@ def cached_njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
                 compiled._cache = _Cache(function)
             return compiled
         except RuntimeError as error:  # numba: no locator available
-            logging.getLogger("footopt").warning(
-                "compiled code cannot be kept, so that every start compiles it again (%s). "
-                "Set NUMBA_CACHE_DIR to a folder that can be written.",
-                error,
-            )
+            _cannot_be_kept(error)
             return njit(**options)(function)
 
     return decorate

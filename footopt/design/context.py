@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+import sys
 from collections.abc import Sequence
 from functools import cache
 from importlib.metadata import version
@@ -15,11 +16,14 @@ import numpy as np
 
 from footopt.design.problem import FootProblem
 from footopt.walk.objectives import OBJECTIVES
-from footopt.walk.sources import is_own, source, text_of
+from footopt.walk.sources import is_own, meaning, own, text_of
 from footopt.walk.steppers import STEPPERS
 
 PACKAGE = Path(__file__).parent.parent
-ROOMS = ("sand", "effects", "foot", "gait", "walk")  # whose sources a walk goes through
+#: The sources that a stored value depends on: rooms and files.
+SOURCES = ("compiled.py", "sand", "effects", "foot", "gait", "walk", "design/problem.py", "design/robust.py")
+#: Of a context, what no setting says: the same settings may be walked by other code, on another machine.
+CODE = ("own", "sources", "versions", "machine")
 SHOWN = 4  # differences between two contexts that a message names
 
 
@@ -32,20 +36,21 @@ def context(problem: FootProblem) -> dict[str, Any]:
     del space["box_tolerance"]
     stepper = STEPPERS[problem.accuracy.stepper].parameters
     laws = [effect.law for effect in problem.scene.effects if effect.law is not None]
+    judges = [OBJECTIVES[name].value for name in problem.record if name in OBJECTIVES]
     return {
         "problem": type(problem).__name__,
         **{name: plain(value) for name, value in problem.conditions.items()},
         "accuracy": plain(problem.accuracy),
         "space": space,
         "record": plain(problem.record),
-        "judges": {  # a user's own objectives
-            name: hashlib.sha256(text_of(OBJECTIVES[name].value)).hexdigest()
-            for name in problem.record
-            if name in OBJECTIVES and is_own(OBJECTIVES[name].value)
+        "own": {  # a user's objectives, stepper and effects
+            f"{thing.__module__}.{thing.__qualname__}": hashlib.sha256(meaning(text_of(thing))).hexdigest()
+            for thing in (*filter(is_own, judges), *own(stepper, laws))
+            if not isinstance(thing, type)
         },
         "sources": _sources(),
-        "compiled": source(stepper, laws),  # with a user's own stepper and effects
-        "versions": {name: version(name) for name in ("numpy", "scipy", "numba", "llvmlite")},
+        "versions": {name: version(name) for name in ("numpy", "scipy", "numba", "llvmlite")}
+        | {"python": "{}.{}".format(*sys.version_info)},
         "machine": machine(),
     }
 
@@ -65,13 +70,12 @@ def machine() -> dict[str, str]:
 
 @cache
 def _sources() -> str:
-    """A digest of every source that a walk goes through."""
+    """A digest of every source that a stored value depends on, as it is compiled."""
     found = hashlib.sha256()
-    for path in (
-        PACKAGE / "compiled.py",
-        *(p for room in ROOMS for p in sorted((PACKAGE / room).rglob("*.py"))),
-    ):
-        found.update(path.read_bytes())
+    for name in SOURCES:
+        path = PACKAGE / name
+        for file in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
+            found.update(meaning(file.read_bytes()))
     return found.hexdigest()
 
 

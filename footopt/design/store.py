@@ -18,11 +18,11 @@ import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from footopt.design.context import canonical, context, differences, digest, listed
+from footopt.design.context import CODE, canonical, context, differences, digest, listed
 from footopt.design.problem import Array, FootProblem
 from footopt.errors import FileError
 from footopt.files.reading import named
@@ -78,6 +78,15 @@ class Store:
         Of the file; made if it is not there.
     problem : FootProblem
         Whose designs are read and added.
+    reuse : bool
+        Whether to read designs of the same settings, too, that other sources, versions or machines have
+        walked. Their values may differ from what would be walked here.
+
+    Attributes
+    ----------
+    foreign : list of str
+        What differs between this program and the one that walked the designs of the same settings; empty
+        where there are none of others, or there are own ones.
 
     Raises
     ------
@@ -86,7 +95,7 @@ class Store:
         cannot be written. It is left as it is.
     """
 
-    def __init__(self, path: str | Path, problem: FootProblem) -> None:
+    def __init__(self, path: str | Path, problem: FootProblem, reuse: bool = False) -> None:
         self.path, self.problem = Path(path), problem
         self._context = context(problem)
         self._connection: sqlite3.Connection | None = None
@@ -98,6 +107,9 @@ class Store:
                 self._identify(connection)
                 _log_ahead(connection)
                 self._id = self._enter_context(connection)
+            others = self._of_other_code() if reuse or not len(self) else {}
+            self.foreign = min(others.values(), key=len, default=[])
+            self._read_from = (self._id, *(others if reuse else ()))
         except BaseException:
             self.close()
             raise
@@ -116,10 +128,12 @@ class Store:
 
     def get(self, k: Sequence[Sequence[int]]) -> list[Evaluation | None]:
         """What is known of each design."""
-        query = "SELECT record, reason, message FROM design WHERE context = ? AND k = ?"
+        marks = ", ".join("?" * len(self._read_from))
+        query = f"SELECT record, reason, message FROM design WHERE context IN ({marks}) AND k = ?"
+        query += " ORDER BY context = ? DESC"  # its own before those of others
         with self._explained() as connection:
             keys = [_key(heights) for heights in k]
-            rows = [connection.execute(query, (self._id, key)).fetchone() for key in keys]
+            rows = [connection.execute(query, (*self._read_from, key, self._id)).fetchone() for key in keys]
             return [
                 None if row is None else self._read(key, *row) for key, row in zip(keys, rows, strict=True)
             ]
@@ -137,16 +151,31 @@ class Store:
         """What can be used of the file, in one line; if nothing, why; "" for a new one."""
         if known := len(self):
             return f"{known} designs of this search are known from {self.path}"
-        with self._explained() as connection:
-            others = connection.execute(
-                "SELECT description FROM context WHERE id != ? "
-                "AND EXISTS (SELECT 1 FROM design WHERE context = context.id)",
-                (self._id,),
-            ).fetchall()
-        found = [differences(json.loads(text), self._context) for (text,) in others]
+        if len(self._read_from) > 1:
+            return f"Designs in {self.path} of other code are used again: {listed(self.foreign)} differ"
+        found = [differences(there, self._context) for there in self._others().values()]
         if not found:
             return ""
         return f"No design in {self.path} can be used again: {listed(min(found, key=len))} differ"
+
+    def _others(self) -> dict[int, Any]:
+        """The other contexts that have designs, by their numbers."""
+        query = (
+            "SELECT id, description FROM context WHERE id != ? "
+            "AND EXISTS (SELECT 1 FROM design WHERE context = context.id)"
+        )
+        with self._explained() as connection:
+            rows = connection.execute(query, (self._id,)).fetchall()
+        return {number: json.loads(text) for number, text in rows}
+
+    def _of_other_code(self) -> dict[int, list[str]]:
+        """What differs from the contexts of the same settings, by their numbers."""
+        here = {name: value for name, value in self._context.items() if name not in CODE}
+        return {
+            number: differences(there, self._context)
+            for number, there in self._others().items()
+            if {name: value for name, value in there.items() if name not in CODE} == here
+        }
 
     def close(self) -> None:
         """Let go of the file."""

@@ -7,25 +7,48 @@ import json
 import math
 import os
 import platform
+import subprocess
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from importlib.metadata import version
+from importlib.metadata import distribution, version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from footopt.compiled import processor
 from footopt.errors import FileError
 
 Variable = tuple[tuple[str, ...], str, NDArray[np.float64]]  # dimensions, unit, values
 
-DISTRIBUTIONS = ("footopt", "numpy", "scipy", "numba", "pymoo", "hydra-core", "matplotlib")
+DISTRIBUTIONS = (
+    "footopt", "numpy", "scipy", "numba", "llvmlite", "pymoo", "moocore", "hydra-core", "matplotlib",
+)  # fmt: skip
+ROOT = Path(__file__).parents[2]  # of a checkout
 
 
 def versions() -> dict[str, str]:
     """Versions of everything that a result depends on."""
     return {name: version(name) for name in DISTRIBUTIONS} | {"python": platform.python_version()}
+
+
+def machine() -> dict[str, Any]:
+    """The processor that walks are compiled for, and the operating system."""
+    name, bits = processor()
+    return {"processor": name, "vector_bits": bits, "system": platform.platform()}
+
+
+def commit() -> str | None:
+    """The commit that footopt's sources are of, with "-dirty" where they were changed; None if not known."""
+    if (ROOT / ".git").exists():
+        words = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
+        with suppress(OSError, subprocess.SubprocessError):
+            found = subprocess.run(words, capture_output=True, text=True, timeout=5, check=True)
+            return found.stdout.strip()
+    origin = distribution("footopt").read_text("direct_url.json") or "{}"  # of one that pip took from git
+    known: str | None = json.loads(origin).get("vcs_info", {}).get("commit_id")
+    return known
 
 
 def write_json(path: Path, content: dict[str, Any]) -> None:

@@ -16,10 +16,11 @@ from rich.text import Text
 from footopt.design import Confirmation, SearchResult
 from footopt.effects import name_of
 from footopt.foot import Foot
-from footopt.report.numbers import change, percent, quantity
+from footopt.report.numbers import change, percent, quantity, title
 from footopt.report.numbers import number as number
 from footopt.walk import OBJECTIVES, Scene, gain_shares
 from footopt.walk.audit import parameters
+from footopt.walk.scene import EARTH
 from footopt.walk.validity import Diagnostic
 
 HEADER = 8  # letters of a line of a number's header
@@ -85,25 +86,38 @@ def objective_table(
         Estimated errors of the first foot's values, by name.
     gain : bool
         Whether to show the change from the second foot to the first, and each factor's share in the gain
-        of J_W.
+        of J_W if there is one.
     """
     (first, values), *others = feet
     titles = ["objective", "unit", first, "error", *(title for title, _ in others)]
     if gain:
         base = others[0][1]
-        titles += ["change", "share of J_W's gain"]
         shares = gain_shares(values, base)
+        gained = any(map(math.isfinite, shares.values()))
+        titles += ["change", *(["share of J_W's gain"] if gained else [])]
     shown = table(titles, words=("objective", "unit"))
     for name in names:
         o, value = OBJECTIVES[name], values[name]
         cells = [f"{name.replace('_', ' ')} ({'max' if o.maximise else 'min'})", o.unit, number(value)]
         cells += [percent(abs(errors[name] / value)) if value else "-", *(number(v[name]) for _, v in others)]
         if gain:
-            share = shares.get(name, math.nan)
             cells += [change(name, value, base[name])]
-            cells += [f"{100 * share + 0.0:.1f} %" if math.isfinite(share) else ""]
+            if gained:
+                cells += [f"{100 * shares[name] + 0.0:.1f} %" if name in shares else ""]
         shown.add_row(*cells)
     return shown
+
+
+def describe_loss(name: str, value: float, flat: float) -> list[str]:
+    """What to say where a search has found no foot that is better than the flat sole in an objective."""
+    better = value > flat if OBJECTIVES[name].maximise else value < flat
+    if better:
+        return []
+    how = "no better" if value == flat else "worse"
+    return [
+        f"The best design is {how} than the flat sole in {title(name)}: {number(value)} against "
+        f"{number(flat)}. Search longer, or wear the flat sole."
+    ]
 
 
 def describe_foot(foot: Foot) -> str:
@@ -116,8 +130,10 @@ def describe_foot(foot: Foot) -> str:
 
 
 def describe_scene(scene: Scene) -> str:
-    """A scene in a few words: its sand and its effects."""
+    """A scene in a few words: its sand, its gravity where it is not the Earth's, and its effects."""
     words = [f"{scene.sand.name} sand (zeta {scene.sand.zeta:g})"]
+    if (g := scene.walker.g) != EARTH:
+        words.append(f"gravity {g:g} m/s^2 (sand {g / EARTH:.3g} times as strong as on the Earth)")
     for effect in scene.effects:
         values = ", ".join(f"{name} {value}" for name, value in parameters(effect).items())
         words.append(name_of(effect).replace("_", " ") + (f" ({values})" if values else ""))

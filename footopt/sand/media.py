@@ -9,7 +9,7 @@ import numpy as np
 
 from footopt.errors import SettingError, check, one_line
 from footopt.sand.fit import fit_table
-from footopt.sand.law import GENERIC, PER_CM3, StressMap
+from footopt.sand.law import GENERIC, StressMap
 
 #: zeta of sands by name: the paper's three, and media measured in the literature
 #: (Agarwal et al., J. Terramechanics 85, 2019; Treers, Cao & Stuart, IEEE RA-L 6, 2021).
@@ -74,8 +74,3 @@ class Sand:
         """A sand from a measured table of stresses (see `fit_table`); the fit error is kept."""
         stress_map, error = fit_table(path)
         return cls(zeta=zeta, stress_map=stress_map, name=Path(path).stem, fit_error=error)
-
-    @property
-    def stiffness(self) -> float:
-        """zeta in the units of the compiled code: multiplies `Law` to give N/m^3."""
-        return self.zeta * PER_CM3

@@ -130,7 +130,10 @@ class Study:
             **content,
             "settings": self.settings,
             "versions": files.versions(),
+            "commit": files.commit(),
+            "machine": files.machine(),
             "wall_time_s": self.seconds,
+            "wall_time_covers": "the study up to this file, without imports, report.html and a film",
         }
         files.write_json(self.folder / "result.json", record)
         return record

@@ -103,7 +103,7 @@ def guarded(ask: Callable[[Config], Iterator[Finding]], config: Config) -> Itera
 
 def libraries() -> Iterator[Finding]:
     """Versions of what footopt cannot do without."""
-    for name, number in (files.versions() | {"llvmlite": version("llvmlite")}).items():
+    for name, number in files.versions().items():
         yield Finding(name, number)
 
 

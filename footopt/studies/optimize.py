@@ -93,6 +93,9 @@ def run(study: Study) -> None:
         f"{which}: {terminal.describe_foot(best)}",
         terminal.objective_table(feet, problem.record, errors, gain=True),
     )
+    guide = problem.guide
+    for loss in terminal.describe_loss(guide, walk.objectives[guide], flat.objectives[guide]):
+        terminal.warn(study.console, loss)
     terminal.print_validity(study.console, diagnostics)
     study.say(*notes)
     study.close()

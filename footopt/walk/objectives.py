@@ -182,11 +182,11 @@ def gain_shares(values: dict[str, float], base: dict[str, float]) -> dict[str, f
     """Each factor's share in the gain of J_W over a base design; they sum to 1.
 
     ln(J_W / J_W_base) is the sum of the factors' log gains. A negative share is a factor that got
-    worse. NaN where there is no gain to share.
+    worse. NaN where there is no gain to share: J_W is no better than that of the base.
     """
     parts = {name: float(log_gain(name, values[name]) - log_gain(name, base[name])) for name in FACTORS}
     total = sum(parts.values())
-    return {name: part / total if total else float("nan") for name, part in parts.items()}
+    return {name: part / total if total > 0.0 else float("nan") for name, part in parts.items()}
 
 
 def lookup(names: Sequence[str]) -> list[Objective]:

@@ -108,5 +108,5 @@ def forces(
     depth = np.maximum(-position[..., 1], 0.0)
     into = np.sum(normal * velocity, axis=-1)
     load, share, push = effects.readable(scene.effects, depth, position[..., 0], into, creep)
-    pull = scene.sand.zeta * load * share * area
+    pull = scene.zeta * load * share * area
     return np.asarray(pull[..., None] * stress - (push * area)[..., None] * normal)

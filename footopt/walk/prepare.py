@@ -13,7 +13,7 @@ from footopt.effects import base as effects
 from footopt.effects.rest import rest_length
 from footopt.errors import SettingError
 from footopt.foot import Plates
-from footopt.sand.law import Law
+from footopt.sand.law import PER_CM3, Law
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.scene import Scene, Walker
 from footopt.walk.state import LANES, Sole, World
@@ -32,7 +32,7 @@ LONG_ONES = 2
 
 def world(scene: Scene, accuracy: Accuracy) -> World:
     """What the compiled loops need to know of a scene."""
-    law = Law(*(float(scene.sand.stiffness * c) for c in scene.sand.stress_map.law))
+    law = Law(*(float(scene.zeta * PER_CM3 * c) for c in scene.sand.stress_map.law))
     tilt, g = scene.gravity
     laws = effects.laws(scene.effects)
     # floats throughout: a whole number would be another type, and compile the loop again

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from footopt.foot import Foot
 from footopt.gait.gait import Pose
-from footopt.walk.accuracy import Accuracy
+from footopt.walk.accuracy import TOLERANCES, Accuracy
 from footopt.walk.contact import contact
 from footopt.walk.plates import PlateStates, plate_states
 from footopt.walk.prepare import sole, world
@@ -48,8 +48,8 @@ PUBLISHED = (
 #: The program's own plates and creep speed, in steps so short that time adds nothing.
 SAME_PLATES = Accuracy("sdirk2", 1e-4, 100, 1e-5, "same plates", rule="chord")
 
-#: Largest relative difference that is allowed to each accuracy.
-LIMITS = {"standard": 5e-3, "fine": 2e-3, "reference": 2e-3, "same plates": 2e-4}
+#: Largest relative difference that is allowed to each accuracy: what presets promise, less for the finest.
+LIMITS = {**TOLERANCES, "reference": 2e-4, "same plates": 2e-4}
 
 
 def contact_forces(

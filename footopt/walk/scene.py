@@ -21,6 +21,7 @@ WALKERS = {
     "g": ("m/s^2", 1e-6, 1e6),
 }
 
+EARTH = 9.81  # m/s^2: g where stress maps are measured
 
 #: For estimates before a walk: a sole's area, m^2, and a stride over the length of a leg.
 SOLE, STRIDE = 0.026, 1.3
@@ -37,7 +38,7 @@ class Walker:
     l1, l2 : float, m
         Thigh and shank.
     g : float, m/s^2
-        Gravity.
+        Gravity. The sand's strength is in proportion to it: see `Scene.zeta`.
 
     Raises
     ------
@@ -48,7 +49,7 @@ class Walker:
     mass: float = 60.0
     l1: float = 0.47
     l2: float = 0.45
-    g: float = 9.81
+    g: float = EARTH
 
     def __post_init__(self) -> None:
         for name, (unit, low, high) in WALKERS.items():
@@ -118,6 +119,18 @@ class Scene:
         return self.gait.start + 2.0 * self.gait.period if self.t_f is None else self.t_f
 
     @property
+    def zeta(self) -> float:
+        """The sand's zeta times g over the Earth's: its strength under the gravity of this scene.
+
+        Dry grains resist by friction, under the pressure of the weight of those above them. Stress per
+        depth is then in proportion to rho g: Slonaker et al., Physical Review E 95, 052901 (2017), from
+        RFT, from plasticity with friction, and in discrete elements under several gravities. Bodies settle
+        to the same depth at 0.4 to 1.2 g (Altshuler et al., Geophysical Research Letters 41, 2014).
+        Cohesion does not scale with g and is not in the law.
+        """
+        return self.sand.zeta * (self.walker.g / EARTH)
+
+    @property
     def gravity(self) -> tuple[float | None, float]:
         """Gravity along the surface (None if it is level) and against its normal, m/s^2."""
         return slope.gravity(self.effects, self.walker.g)
@@ -125,7 +138,7 @@ class Scene:
     @property
     def scale(self) -> Scale:
         """Rough numbers of the walk, from which effects estimate their size before anything walks."""
-        zeta = self.sand.zeta
+        zeta = self.zeta
         (_, down), (_, up) = (alpha(0.0, gamma, self.sand.stress_map) for gamma in (np.pi / 2, -np.pi / 2))
         strike = self.gait.heel_strike if math.isfinite(self.gait.start) else 0.0
         pose = self.gait.pose(np.array([strike]), self.walker.l1, self.walker.l2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import inspect
 import marshal
@@ -52,3 +53,17 @@ def text_of(function: Any) -> bytes:
         return Path(inspect.getfile(function)).read_bytes()
     except OSError:
         return marshal.dumps(function.__code__)
+
+
+def meaning(text: bytes) -> bytes:
+    """A source as it is compiled: comments, docstrings and layout do not count."""
+    try:
+        tree = ast.parse(text)
+    except (SyntaxError, ValueError):  # code, not text; or a file that has been edited meanwhile
+        return text
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)) and (
+            ast.get_docstring(node, clean=False) is not None
+        ):
+            node.body = node.body[1:]
+    return ast.dump(tree).encode()

@@ -50,6 +50,14 @@ class TestDefaults:
             assert build.make_sand(composed(f"sand={name}").sand) == fo.Sand.named(name)
         assert set(groups()["study"]) == set(studies.STUDIES)
 
+    def test_of_a_planet_are_those_of_the_walker_but_for_g(self):
+        """Of the sand, too: grains resist by their weight."""
+        earth, moon = (build.make_scene(composed(f"planet={name}")) for name in ("earth", "moon"))
+        assert earth == fo.Scene()
+        assert earth.zeta == earth.sand.zeta
+        assert moon == fo.Scene(walker=fo.Walker(g=1.62))
+        assert moon.zeta == pytest.approx(moon.sand.zeta * 1.62 / 9.81)
+
     @pytest.mark.parametrize(
         "path", sorted(CONF.glob("*/*.yaml")), ids=lambda path: f"{path.parent.name}={path.stem}"
     )

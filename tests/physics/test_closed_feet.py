@@ -8,7 +8,6 @@ from shapely import Polygon
 
 import footopt as fo
 from footopt.errors import SettingError
-from footopt.foot import Plates
 from footopt.foot.outline import closed_contour
 
 K = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)
@@ -59,9 +58,3 @@ def test_sides_and_top_carry_where_they_are_in_the_sand(flat_foot):
     assert open_.force[:, :, 1].min() > -10.0  # steep parts of the sole alone
     assert closed.force[:, :, 1].min() < -30.0
     assert closed.objectives["work"] > open_.objectives["work"]
-
-
-def test_take_keeps_what_is_there():
-    plates = fo.Foot.from_waypoints(K).plates(16)
-    assert isinstance(plates.take(slice(0, 1)), Plates)
-    assert plates.take(slice(0, 1)).tx is None

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from every_effect import ALL, LAYERS, PATCHES, SETS, difference
-from feet_in_sand import HEIGHT, PITCH, PLACE, RATE, SOLES, SPEED, feel, force, pose_of
+from every_effect import ALL, LAYERS, ONE, PATCHES, SETS, difference
+from feet_in_sand import HEIGHT, PITCH, PLACE, RATE, SOLES, SPEED, contact_with, feel, force, pose_of
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -15,7 +15,6 @@ from footopt.effects import EFFECTS, Inertia, Layers, LeadingEdge, Patches, Slop
 from footopt.effects import base as effects
 from footopt.errors import SettingError
 from footopt.walk.balances import energy_gap, momentum_gap
-from footopt.walk.contact import contact
 from footopt.walk.prepare import NEWTON, sole, world
 from footopt.walk.state import COUNTS
 
@@ -42,7 +41,7 @@ class TestStrength:
 
 
 class TestContact:
-    @pytest.mark.parametrize("name", SETS)
+    @pytest.mark.parametrize("name", [*(pytest.param(n, marks=pytest.mark.slow) for n in ONE), "all"])
     @given(SOLES, HEIGHT, PITCH, RATE, SPEED, SPEED, PLACE, st.sampled_from([1e-3, 1e-2]))
     def test_has_an_exact_jacobian(self, name, foot, height, pitch, rate, vx, vz, x, stage):
         """In an implicit stage the place follows the velocity: d/dV of F(r0 + c V, V)."""
@@ -75,8 +74,8 @@ class TestContact:
         plates = regular_walk.foot.plates(accuracy.plates, accuracy.rule, directed=True)
         pose = scene.gait.pose([t], scene.walker.l1, scene.walker.l2).table()[0]
         counts, constants = np.zeros(1, COUNTS)[0], world(scene, accuracy)
-        found = contact(constants, sole(plates), pose, x, z, vx, vz, accuracy.creep, None, counts)
-        out = np.array(found)
+        state = constants, sole(plates), pose, x, z, vx, vz, accuracy.creep, None, counts
+        out = np.array(contact_with(laws(scene.effects))(*state))
         tolerance = 1e-10 * (1.0 + np.abs(states.force).sum())
         np.testing.assert_allclose(states.force[0].sum(axis=1), out[:, :2], rtol=0, atol=tolerance)
         power = states.power[0].sum(axis=1)

@@ -15,7 +15,6 @@ import footopt as fo
 from footopt.errors import FileError, SettingError
 from footopt.gait import LEFT, RIGHT, Fourier
 from footopt.gait.gait import HUMAN
-from footopt.gait.start import STANDING, smooth_step
 
 L1, L2 = 0.47, 0.45
 STANDING_STILL = fo.Gait.human(start=math.inf)
@@ -56,11 +55,6 @@ class TestHumanWalk:
         assert "PeerJ" in gait.source
         assert dict(gait.residual) == {"thigh": 0.23, "knee": 0.55}
         assert dict(fo.Gait.human(harmonics=3).residual) == {"thigh": 0.5, "knee": 1.83}
-
-    def test_fewer_harmonics_are_the_same_series_cut_short(self):
-        full, short = fo.Gait.human(harmonics=8), fo.Gait.human(harmonics=3)
-        assert len(full.thigh.a) == 8
-        assert short.thigh == full.thigh.truncated(3)
 
     @pytest.mark.parametrize("harmonics", [0, -1, 9])
     def test_harmonics_beyond_the_data_are_refused(self, harmonics):
@@ -147,14 +141,6 @@ class TestMotion:
         pose = fo.Gait.human().pose(t, L1, L2)
         assert pose.vx[:, LEFT].max() < 0.05
 
-    def test_the_kernels_table_holds_the_pose(self):
-        pose = fo.Gait.human().pose(np.linspace(0, 2, 5), L1, L2)
-        table = pose.table()
-        assert table.shape == (5, 2, 7)
-        assert table.flags.c_contiguous
-        for column, value in ((0, pose.x), (3, pose.vz), (5, np.sin(pose.pitch)), (6, pose.rate)):
-            np.testing.assert_array_equal(table[..., column], value)
-
 
 class TestStanding:
     @pytest.mark.parametrize("gait", [STANDING_STILL, fo.Gait.human()], ids=["for ever", "before the start"])
@@ -167,22 +153,12 @@ class TestStanding:
         np.testing.assert_allclose(rise, L1 * (1 - math.cos(math.radians(20))), rtol=1e-12)
         np.testing.assert_allclose(rise, 0.0283, atol=5e-5)
 
-    def test_knee_of_the_right_leg_is_bent_as_much_as_its_thigh(self):
-        thigh, shank, _ = STANDING
-        np.testing.assert_allclose(np.degrees(thigh - shank), [0.0, 20.0])
-
     def test_lasts_for_ever_without_a_start(self):
         pose = STANDING_STILL.pose([0.0, 1.0, 1e3, 1e6], L1, L2)
         for rate in (pose.vx, pose.vz, pose.rate):
             np.testing.assert_array_equal(rate, 0.0)
         for value in (pose.x, pose.z, pose.pitch):
             np.testing.assert_array_equal(value, np.broadcast_to(value[0], value.shape))
-
-    def test_smooth_step_is_flat_at_both_ends(self):
-        s = np.array([0.0, 0.5, 1.0])
-        value, slope = smooth_step(s)
-        np.testing.assert_allclose(value, [0, 0.5, 1])
-        np.testing.assert_allclose(slope, [0, 30 / 16, 0])
 
 
 class TestPitch:

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from every_effect import ALL, DOWN
+from every_effect import DOWN, LAYERS
 from feet_in_sand import blade, force
 
 import footopt as fo
@@ -62,7 +62,7 @@ class TestAnEffectOfOnesOwn:
 
     def test_acts_in_the_kernel_on_top_of_the_others(self, own):
         speed, state = 0.5, (blade(0.0), DOWN, 0.0, -0.5)
-        added = force(*state, *ALL, own.Damp(), z=-0.03) - force(*state, *ALL, z=-0.03)
+        added = force(*state, LAYERS, own.Damp(), z=-0.03) - force(*state, LAYERS, z=-0.03)
         np.testing.assert_allclose(added, [0.0, 2000.0 * speed * 0.016**2], rtol=1e-9, atol=1e-12)
 
     @pytest.mark.slow

@@ -36,6 +36,7 @@ class TestSlope:
         np.testing.assert_allclose(momentum_gap(walk), 0.0, rtol=0, atol=1e-9)
         assert energy_gap(walk) < 5e-4
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("sand", ["soft", "regular", "hard"])
     def test_who_stands_on_10_deg_only_creeps(self, sand, ramp_foot):
         """The sand carries the tilted weight; what motion is left is the smoothing's, and goes with it."""

@@ -4,6 +4,7 @@ import contextlib
 import dataclasses
 import math
 import re
+import shutil
 import sqlite3
 import threading
 from typing import NamedTuple
@@ -255,6 +256,48 @@ class TestContext:
         assert "can be used again" in said
         assert name in said
         assert "another here" in said
+
+    @pytest.mark.parametrize(
+        ("file", "old", "new", "same"),
+        [
+            ("walk/loop.py", "\n", "\n# a remark\n\n", True),
+            ("design/robust.py", '"""', '"""Says: ', True),
+            ("foot/foot.py", "import", "import  ", True),
+            ("design/robust.py", "np.abs(references)", "references", False),
+            ("design/problem.py", "natural = ", "natural = 2.0 * ", False),
+            ("compiled.py", '"reassoc", ', "", False),
+            ("sand/law.py", "return ", "return 2.0 * ", False),
+        ],
+    )
+    def test_remarks_in_the_sources_discard_nothing_and_any_change_of_the_code_does(
+        self, file, old, new, same, tmp_path, monkeypatch
+    ):
+        before = context_module._sources()
+        copy = shutil.copytree(context_module.PACKAGE, tmp_path / "footopt")
+        text = (copy / file).read_text()
+        assert old in text
+        (copy / file).write_text(text.replace(old, new, 1))
+        monkeypatch.setattr(context_module, "PACKAGE", copy)
+        assert (context_module._sources.__wrapped__() == before) == same
+
+    def test_designs_walked_by_other_code_are_used_only_when_asked_for_and_said(self, path, monkeypatch):
+        with Store(path, problem()) as store:
+            store.add([[1] * 5, [2] * 5], [Evaluation(np.full(6, 1.0), "")] * 2)
+            assert store.foreign == []
+        with Store(path, problem(zeta=1.0)) as store:
+            store.add([[1] * 5], [Evaluation(np.full(6, 3.0), "")])
+        monkeypatch.setattr(context_module, "_sources", lambda: "another")
+        with Store(path, problem()) as store:
+            assert store.get([[1] * 5]) == [None]
+            assert "another here" in store.foreign[0]
+        with Store(path, problem(zeta=2.0), reuse=True) as store:  # other settings are never taken
+            assert (store.get([[1] * 5]), store.foreign) == ([None], [])
+        with Store(path, problem(), reuse=True) as store:
+            assert [e.values[0] for e in store.get([[1] * 5, [2] * 5])] == [1.0, 1.0]
+            assert "of other code are used again" in store.describe()
+            store.add([[2] * 5], [Evaluation(np.full(6, 2.0), "")])
+        with Store(path, problem(), reuse=True) as store:  # its own come first
+            assert [e.values[0] for e in store.get([[1] * 5, [2] * 5])] == [1.0, 2.0]
 
     def test_where_a_recording_lies_does_not_matter(self):
         one, other = (

@@ -23,6 +23,7 @@ def run(study):
 
 STUDIES["hollow"] = run
 """
+MADE = ("versions", "commit", "machine", "wall_time_s", "wall_time_covers")  # how a result was
 
 
 def test_it_is_found_by_its_name(tmp_path, capsys, monkeypatch):
@@ -35,7 +36,7 @@ def test_it_is_found_by_its_name(tmp_path, capsys, monkeypatch):
     studies.run(composed("study.name=hollow", *words), tmp_path, {"any": 1})
     check_page(tmp_path)
     result = json.loads((tmp_path / "result.json").read_text())
-    assert list(result) == ["study", "hollow", "settings", "versions", "wall_time_s"]
+    assert list(result) == ["study", "hollow", "settings", *MADE]
     assert (result["study"], result["settings"]) == ("hollow", {"any": 1})
     said = capsys.readouterr().out
     assert said.index("It is hollow.") < said.index(f"Everything is in {tmp_path}")

@@ -1,14 +1,17 @@
 """The effect audit: what an effect changes in a scene, and whether that matters."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import footopt as fo
-from footopt.walk.audit import audit
+from footopt.walk.audit import audit, switched
 
 FEET = fo.Waypoints().random(12, seed=3, inside=True)
 
 
+@pytest.mark.slow
 def test_an_effect_that_hardly_acts_is_left_out_and_ranks_feet_alike():
     found = audit(fo.Inertia(rho=0.01), fo.Scene(), FEET, "draft", 0.01, repeats=1)
     assert not found.matters
@@ -19,21 +22,23 @@ def test_an_effect_that_hardly_acts_is_left_out_and_ranks_feet_alike():
 
 
 def test_an_effect_that_acts_is_kept_and_says_what_it_changes():
-    found = audit(fo.Inertia(rho=8000.0), fo.Scene(), FEET, "draft", 0.01, repeats=1)
+    found = audit(fo.LeadingEdge(), fo.Scene(), FEET, "draft", 0.01, repeats=1)
     assert found.matters
-    assert found.worst == "peak_power"
-    assert found.verdict.startswith("changes peak power by")
+    assert found.verdict.startswith(f"changes {found.worst.replace('_', ' ')} by")
     assert found.verdict.endswith("above your 1 %, keep it")
-    with_ = fo.evaluate(FEET, fo.Scene(effects=(fo.Inertia(rho=8000.0),)), "draft").values
+    assert "leave it out" in replace(found, tolerance=10.0).verdict
+    assert (found.lost, found.feet) == (0, 12)
+    with_ = fo.evaluate(FEET, fo.Scene(effects=(fo.LeadingEdge(),)), "draft").values
     without = fo.evaluate(FEET, fo.Scene(), "draft").values
     expected = np.percentile(np.abs(with_ / without - 1.0), 95.0, axis=0)
     np.testing.assert_allclose(found.changes, expected)
 
 
 def test_the_effect_takes_the_place_of_one_of_its_kind():
-    scene = fo.Scene(effects=(fo.Inertia(rho=100.0),))
-    found = audit(fo.Inertia(rho=8000.0), scene, FEET[:3], "draft", repeats=1)
-    assert found.scene.effects == ()
+    one, other, slope = fo.Inertia(rho=100.0), fo.Inertia(rho=8000.0), fo.Slope(3.0)
+    without, with_ = switched(other, fo.Scene(effects=(one, slope)))
+    assert without.effects == (slope,)
+    assert set(with_.effects) == {other, slope}
 
 
 @pytest.mark.slow

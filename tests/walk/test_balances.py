@@ -46,14 +46,10 @@ class TestStandingStill:
             assert -walk.velocity[-1, 1] == pytest.approx(expected, rel=0.2)
         assert abs(walk.com[-1, 0]) < 1e-9
 
-    @pytest.mark.parametrize("zeta", [0.2, 1.0, 5.0, 50.0])
-    @pytest.mark.parametrize("dt", [1e-3, 1e-4])
+    @pytest.mark.parametrize(("zeta", "dt"), [(0.2, 1e-3), (5.0, 1e-4), (50.0, 1e-3)])
     def test_explicit_euler_chatters_as_creep_goes_to_zero(self, zeta, dt, flat_foot):
         walk = fo.simulate(flat_foot, still(zeta, 2.0), fo.Accuracy("explicit_euler", dt, 64, 1e-9))
         assert vertical(walk).std() > 0.1
-
-    def test_sand_that_is_too_soft_is_said_to_be(self, flat_foot):
-        assert fo.simulate(flat_foot, still(1e-3)).reason == "sunk"
 
 
 @st.composite

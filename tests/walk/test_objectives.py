@@ -124,16 +124,12 @@ class TestTrade:
 
     def test_no_gain_has_no_shares(self):
         base = dict.fromkeys(FIVE, 10.0)
-        assert all(math.isnan(share) for share in gain_shares(base, base).values())
+        worse = {**base, "work": 12.0, "distance": 9.0, "peak_power": 9.9}
+        for values in (base, worse):
+            assert all(math.isnan(share) for share in gain_shares(values, base).values())
 
 
 class TestTable:
-    def test_five_objectives_in_the_papers_order(self, ramp_foot, regular):
-        table = fo.evaluate([ramp_foot], regular)
-        assert table.names == FIVE == ("distance", "mean_height", "work", "peak_power", "speed_loss")
-        assert table.values.shape == (1, 5)
-        assert len(table) == 1
-
     def test_columns_come_in_the_order_they_are_asked_for(self, ramp_foot, flat_foot, regular):
         names = ("speed_loss", "maximum_sinkage", "efficiency", "distance")
         table = fo.evaluate([ramp_foot, flat_foot], regular, objectives=names)
@@ -144,19 +140,8 @@ class TestTable:
         np.testing.assert_array_equal(table.values[:, [3, 0]], five.values[:, [0, 4]])
         np.testing.assert_array_equal(table.efficiency, five.efficiency)
 
-    def test_extra_objectives_agree_with_the_walk(self, ramp_foot, scene, walk):
-        table = fo.evaluate([ramp_foot], scene, objectives=tuple(OBJECTIVES))
-        np.testing.assert_allclose(
-            table.values[0], [walk.objectives[name] for name in OBJECTIVES], rtol=1e-12
-        )
-
     def test_sinkage_is_followed_only_where_it_is_asked_for(self, ramp_foot, regular):
         assert np.isnan(fo.evaluate([ramp_foot], regular).column("maximum_sinkage")).all()
-
-    def test_cost_of_transport_is_work_over_weight_and_distance(self, ramp_foot, regular):
-        table = fo.evaluate([ramp_foot], regular)
-        expected = table.column("work") / (60 * 9.81 * table.column("distance"))
-        np.testing.assert_allclose(table.column("cost_of_transport"), expected, rtol=1e-12)
 
     def test_a_walk_without_a_heel_strike_is_not_compared(self, ramp_foot):
         short = fo.Scene(t_f=1.0)
@@ -174,10 +159,6 @@ class TestTable:
 
 
 class TestLookup:
-    def test_finds_by_name_in_order(self):
-        names = ["work", "distance"]
-        assert [o.name for o in lookup(names)] == names
-
     @pytest.mark.parametrize(
         ("names", "message"),
         [
@@ -205,9 +186,6 @@ class TestLookup:
         one = OBJECTIVES[name]
         value = walk.objectives[name]
         assert value >= one.worst if one.maximise else value <= one.worst
-
-    def test_only_rewards_are_maximised(self):
-        assert [name for name, one in OBJECTIVES.items() if one.maximise] == ["distance", "mean_height"]
 
 
 class TestHermite:

@@ -90,20 +90,21 @@ class TestOrders:
         errors = [np.abs(state(sliding(stepper, n)) - exact).max() for n in (16, 32, 64)]
         np.testing.assert_allclose(slopes(errors), STEPPERS[stepper].order, rtol=0, atol=0.3)
 
-    def test_all_steppers_converge_to_one_walk(self, scene, ramp_foot, fine_walk):
-        for stepper in ALL:
-            walk = fo.simulate(ramp_foot, scene, fo.Accuracy(stepper, 1e-4, 400, 1e-4))
-            np.testing.assert_allclose(walk.com[-1], fine_walk.com[-1], rtol=2e-3)
-
-    @pytest.mark.parametrize(("coarse", "fine"), [("draft", "standard"), ("standard", "fine")])
-    def test_each_preset_is_better_than_the_one_before(self, coarse, fine, scene):
-        k = fo.Waypoints().random(20, seed=5, inside=True)
-        exact = fo.evaluate(k, scene, "reference").values
-        error = [
-            np.abs(fo.evaluate(k, scene, name).values / exact - 1).max(axis=1) for name in (coarse, fine)
+    def test_all_steppers_converge_to_one_walk(self, regular, ramp_foot):
+        ends = [
+            fo.simulate(ramp_foot, regular, fo.Accuracy(stepper, 1e-4, 100, 1e-4)).com[-1] for stepper in ALL
         ]
-        assert np.quantile(error[1], 0.95) < 0.7 * np.quantile(error[0], 0.95)
-        assert np.quantile(error[1], 0.95) < 0.02
+        np.testing.assert_allclose(ends, [ends[0]] * len(ends), rtol=1e-3)
+
+    def test_each_preset_is_better_than_the_one_before(self, scene):
+        k = fo.Waypoints().random(10, seed=5, inside=True)
+        exact = fo.evaluate(k, scene, "reference").values
+        draft, standard, fine = (
+            np.quantile(np.abs(fo.evaluate(k, scene, name).values / exact - 1).max(axis=1), 0.95)
+            for name in ("draft", "standard", "fine")
+        )
+        assert fine < 0.7 * standard < 0.5 * draft
+        assert standard < 0.02
 
     @pytest.mark.slow
     @pytest.mark.parametrize("preset", TOLERANCES)
@@ -149,6 +150,26 @@ class TestSymmetriesOfTheWalk:
         np.testing.assert_allclose(big.force, small.force * s**3, rtol=1e-10)
         assert big.objectives["efficiency"] * s**6 == pytest.approx(small.objectives["efficiency"], rel=1e-10)
 
+    @pytest.mark.parametrize("effects", [(), (fo.Inertia(), fo.LeadingEdge(), fo.Slope(5.0))])
+    def test_a_walk_on_the_moon_is_one_on_the_earth_in_slow_motion(self, effects, ramp_foot):
+        """The weight of the grains makes their strength: times x sqrt(9.81 / g) at the same depths.
+
+        Slonaker et al. (2017). With a quarter of g all factors are powers of 2, and no bit differs.
+        """
+        earth = fo.Scene(sand=fo.Sand(1.0), effects=effects)
+        gait = fo.Gait.human(period=2.0 * earth.gait.period, start=2.0 * earth.gait.start)
+        far = replace(earth, walker=fo.Walker(g=9.81 / 4.0), gait=gait)
+        accuracy = fo.Accuracy(dt=2**-8, plates=50, creep=2**-13, control=2**-12)
+        slower = replace(accuracy, dt=2**-7, creep=2**-14, control=2**-13)
+        here, there = fo.simulate(ramp_foot, earth, accuracy), fo.simulate(ramp_foot, far, slower)
+        np.testing.assert_allclose(there.t, here.t * 2.0, rtol=1e-12)
+        np.testing.assert_allclose(there.com, here.com, rtol=1e-10)
+        np.testing.assert_allclose(there.force, here.force / 4.0, rtol=1e-8, atol=1e-8)
+        np.testing.assert_allclose(there.work, here.work / 4.0, rtol=1e-8, atol=1e-10)
+        assert there.objectives["speed_loss"] == pytest.approx(here.objectives["speed_loss"] / 2.0, rel=1e-9)
+        plates = [walk.plates([200, 300]) for walk in (here, there)]  # the law in its readable form
+        np.testing.assert_allclose(plates[1].force, plates[0].force / 4.0, rtol=1e-8, atol=1e-8)
+
     def test_mass_and_stiffness_together_set_only_the_scale_of_forces(self, ramp_foot):
         light = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand(1.0)))
         heavy = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand(3.0), walker=fo.Walker(mass=180.0)))
@@ -179,10 +200,6 @@ class TestReproducibility:
         plates = fo.Waypoints().plates(k, 50)
         assert isinstance(plates, Plates)
         np.testing.assert_array_equal(fo.evaluate(plates, regular, accuracy).raw, one.raw)
-
-    def test_repeats_to_the_last_bit(self, regular, ramp_foot):
-        a, b = (fo.simulate(ramp_foot, regular) for _ in range(2))
-        np.testing.assert_array_equal(a.com, b.com)
 
     @pytest.mark.slow
     @pytest.mark.parametrize("stepper", ["sdirk2", "semi_implicit_euler"])
@@ -220,10 +237,6 @@ class TestStandingStill:
         force = vertical("sdirk2", dt, 1e-4)
         assert force.std() < 1e-3
         assert force.mean() == pytest.approx(1.0, abs=1e-3)
-
-    @pytest.mark.parametrize("dt", [1e-3, 1e-4])
-    def test_an_explicit_step_chatters_on_the_laws_jump_however_small(self, dt, vertical):
-        assert vertical("explicit_euler", dt, 1e-9).std() > 0.1
 
     def test_an_explicit_step_comes_to_rest_where_smoothing_outlasts_it(self, vertical):
         """dt < 2 eps / g, beyond which smoothing no longer helps."""

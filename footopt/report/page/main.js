@@ -56,7 +56,7 @@ function designSection() {
 function change(value, base, column) {
   const ratio = value / base;
   if (!Number.isFinite(ratio)) return "–";
-  if (column.name === "efficiency") return `x ${ratio.toFixed(3)}`;
+  if (column.name === "efficiency") return ratio >= 1 ? `x ${ratio.toFixed(3)}` : `${(100 * (1 - ratio)).toPrecision(2)} % worse`;
   return `${ratio >= 1 ? "+" : "−"}${Math.abs(100 * (ratio - 1)).toFixed(1)} %`;
 }
 
