@@ -80,6 +80,13 @@ def next_step(bristles):
     return Bristles(bristles.end, bristles.middle, bristles.now)
 
 
+@inlined
+def keep(kept, row, bristles):
+    """Write the bristles at a step's beginning into a row of a table, where there is one."""
+    if bristles is not None:
+        kept[row] = bristles.now
+
+
 @inlined_fast
 def bend(sole, poses, z, vx, vz, turn, stage):
     """Bend the bristles of both feet over a stage.
