@@ -18,7 +18,13 @@ version = release = footopt.__version__
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc", "sphinx-mathjax-offline"]
 root_doc = "README"
-include_patterns = ["*.md", "docs/**", "examples/*.md", "outputs/reference/paper/claims.md"]
+include_patterns = [
+    "*.md",
+    "docs/**",
+    "examples/*.md",
+    "outputs/reference/paper/claims.md",
+    "outputs/reference/validation/validation.md",
+]
 myst_enable_extensions = ["dollarmath", "amsmath"]
 myst_heading_anchors = 4
 default_role = "literal"
@@ -34,7 +40,8 @@ numpydoc_show_class_members = False
 CONTENTS = {
     "Start": ("docs/getting-started", "docs/commands", "docs/settings", "docs/files", "examples/README",
               "docs/troubleshooting"),
-    "Believe": ("docs/physics", "docs/objectives", "docs/claims", "outputs/reference/paper/claims",
+    "Believe": ("docs/physics", "docs/objectives", "docs/validation",
+                "outputs/reference/validation/validation", "docs/claims", "outputs/reference/paper/claims",
                 "docs/gallery", "docs/benchmarks"),
     "Choose": ("docs/accuracy", "docs/effects", "docs/solvers", "docs/robust"),
     "Use": ("docs/python", "docs/cluster", "docs/api"),

@@ -66,7 +66,7 @@ def footopt(*arguments, cwd, drawn=False):
                 handler.close()
             root.handlers[:] = handlers
             root.setLevel(level)
-            cli.Summary.failed = 0
+            cli.Summary.failed, cli.Summary.folder = 0, ""
     return subprocess.CompletedProcess(arguments, code, out.getvalue(), err.getvalue())
 
 

@@ -1,104 +1,144 @@
-"""`footopt resume=FOLDER [settings]`: go on with a run in its folder, with its own settings and new ones."""
+"""`footopt resume=FOLDER`: go on with a run, or with all jobs of a multirun."""
 
 from __future__ import annotations
 
+import logging
 import math
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from hydra.core.hydra_config import HydraConfig
 from hydra.core.override_parser.overrides_parser import OverridesParser
-from omegaconf import DictConfig, OmegaConf
+from omegaconf import OmegaConf
+from omegaconf.errors import OmegaConfBaseException
 
-from footopt.cli.words import quoted
-from footopt.errors import FileError, SettingError, check
-from footopt.files.reading import is_missing, read_json_file, read_text
+from footopt.cli.job import walk
+from footopt.cli.messages import explain
+from footopt.cli.words import readable
+from footopt.errors import ERROR_FILE, FootoptError, SettingError, check
+from footopt.files import identity
+from footopt.files.lock import Occupied, locked
 from footopt.files.run import write_text
 from footopt.studies import RESUMABLE
+from footopt.studies.identity import CHANGEABLE, check_same, is_finished, may_change, result_of
+from footopt.studies.settings import Config
 
-#: What a resumed run cannot change.
-FIXED = ("study", "study.name", "hydra.run.dir", "hydra.mode", "hydra.output_subdir", "-m", "--multirun")
-#: Settings that name files which a run reads or shares.
-READ = ("foot.path", "gait.path", "sand.table", "study.store", "plugins")
+TRUST = "--trust"
+MULTIRUN = "multirun.yaml"
+#: Settings by which a folder could have a program run, or a file written elsewhere, that nobody asked for.
+TRUSTED = ("plugins", "engine.address", "study.video")
+
+log = logging.getLogger("footopt")
 
 
-def resumed(given: Sequence[str]) -> list[str]:
-    """The command line with ``resume=FOLDER`` replaced by the settings of the run in that folder.
+def resume(given: Sequence[str]) -> int:
+    """Go on with the run, or the multirun, that the words name.
 
-    The search itself does the rest: what its store holds is not walked again. New settings come
-    after the saved ones and win.
+    What is in the folder is read as data: none of its words is run, and it loads no code that is not
+    named on the command line or trusted there. The search itself does the rest: what its store holds is
+    not walked again.
+
+    Parameters
+    ----------
+    given : sequence of str
+        The words of the command line: resume=FOLDER, --trust, and settings that are `CHANGEABLE`.
+
+    Returns
+    -------
+    int
+        How many jobs of a multirun failed.
+
+    Raises
+    ------
+    FootoptError
+        The folder holds no run, or it cannot go on like that.
     """
     folders = [word.removeprefix("resume=") for word in given if word.startswith("resume=")]
-    if not folders:
-        return list(given)
-    new = [word for word in given if not word.startswith("resume=")]
-    named, folder = folders[-1], Path(folders[-1]).absolute()
-    if (folder / "multirun.yaml").is_file():
-        jobs = sorted(path.parent.name for path in folder.glob("*/.hydra"))
-        left = [job for job in jobs if not (folder / job / "result.json").is_file()]
-        hint = f"Jobs without a result: {', '.join(left) or 'none'} (of {', '.join(jobs)})."
-        raise SettingError("resume", named, "the folder of one job of this multirun", hint)
-    for word in new:
-        if word.partition("=")[0] in FIXED:
-            raise SettingError("resume", named, f"given without {word}", "It goes on as it began.")
+    new = [word for word in given if not word.startswith("resume=") and word != TRUST]
+    folder, trusted = Path(folders[-1]).expanduser().absolute(), TRUST in given
+    logging.basicConfig(level=logging.WARNING, stream=sys.stdout, format="[%(levelname)s] %(message)s")
+    changes = [_change(readable(word)) for word in new]
+    if (folder / MULTIRUN).is_file():
+        return _resume_jobs(folder, changes, new, trusted)
+    _resume_run(folder, changes, new, trusted)
+    return 0
+
+
+def _change(word: str) -> tuple[str, Any]:
+    """A setting that a run may change, and its value.
+
+    Raises
+    ------
+    SettingError
+        It is no such setting.
+    """
+    name, equals, _ = word.partition("=")
+    if not equals or not may_change(name):
+        raise SettingError(
+            "resume",
+            word,
+            f"a setting that does not make another run ({', '.join(CHANGEABLE)})",
+            "For anything else start a new run, without resume.",
+        )
+    parsed = OverridesParser.create().parse_override(word)
+    if parsed.is_sweep_override():
+        raise SettingError("resume", word, "one value", "A run goes on with one.")
+    return name, parsed.value()
+
+
+def _resume_run(
+    folder: Path, changes: Sequence[tuple[str, Any]], words: Sequence[str], trusted: bool
+) -> None:
+    """Go on with one run."""
+    run = identity.read(folder)
+    settings, named = _structured(folder, run.settings), [name for name, _ in changes]
+    study = settings.study.name
+    if is_finished(folder) and study not in RESUMABLE:
+        raise SettingError("resume", str(folder), f"a run of study={', '.join(RESUMABLE)}, not {study}")
+    check_same(folder, run.settings)
+    for name in () if trusted else TRUSTED:
+        value = OmegaConf.select(settings, name)
+        if not value or name in named or "engine" in named or not _reaches_out(name, value):
+            continue
+        raise SettingError(
+            name, value, f"trusted: it comes from {folder}", f"Add {TRUST} if you know it, or give your own."
+        )
+    for name, value in changes:
+        if name == "engine":
+            OmegaConf.update(settings, name, OmegaConf.structured(Config).engine, merge=False)
+        OmegaConf.update(settings, "engine.name" if name == "engine" else name, value, merge=False)
+    plain: Any = OmegaConf.to_container(settings, resolve=True)
+    _check_longer(folder, plain["solver"])
+    kept = [word for word in run.words if word.partition("=")[0] not in named]
+    walk(plain, folder, [*kept, *words], resumed=True)
+
+
+def _structured(folder: Path, saved: Mapping[str, Any]) -> Any:
+    """The settings of a run, checked: all that this version has, and no others."""
     try:
-        config, saved = _saved(folder)
-        study = config.study.name
-    except Exception as error:  # whatever can be wrong with a folder and its files
-        gone = is_missing(folder / ".hydra" / "config.yaml")
-        why = "it has no .hydra/config.yaml" if gone else str(error).partition("\n")[0]
-        raise FileError(
-            f"resume = {named!r}: not the folder of a run ({why}). "
-            "Give one with a .hydra folder in it, such as outputs/optimize/2026-01-31_12-00-00-000000."
-        ) from None
-    if study not in RESUMABLE:
-        raise SettingError("resume", named, f"a run of study={', '.join(RESUMABLE)}, not {study}")
-    _check_longer(folder, config, new)
-    # Hydra would truncate the settings before it writes them: a kill then could lose them
-    return [*saved, *new, f"hydra.run.dir={quoted(str(folder))}", "hydra.output_subdir=null"]
+        settings = OmegaConf.merge(Config, saved)
+        new = identity.differing(OmegaConf.to_container(settings), saved)
+        why = f"{', '.join(new[:4])}" if new else ""
+    except OmegaConfBaseException as error:
+        why = str(error).partition("\n")[0]
+    if why:
+        allowed = f"a run with the settings of this version of footopt ({why})"
+        raise SettingError("resume", str(folder), allowed, "Start a new run.")
+    return settings
 
 
-def _saved(folder: Path) -> tuple[Any, list[str]]:
-    """The settings of the run in a folder, and the words that it was begun with, its files where they are."""
-
-    def load(name: str) -> Any:
-        return OmegaConf.create(read_text(folder / ".hydra" / f"{name}.yaml", "settings", "resume"))
-
-    config, words = load("config"), OmegaConf.to_container(load("overrides"))
-    if not (isinstance(words, list) and all(isinstance(word, str) for word in words)):
-        raise ValueError("its overrides.yaml is no list of settings")
-    if (folder / ".hydra" / "hydra.yaml").is_file():
-        began = Path(load("hydra").hydra.runtime.cwd)
-        words = [_with_files_of(began, word) for word in words]
-    return config, words
+def _reaches_out(name: str, value: Any) -> bool:
+    """Whether a film is to be written outside of the run's folder; the others reach out in any case."""
+    return name != "study.video" or Path(value).name != value
 
 
-def _with_files_of(there: Path, word: str) -> str:
-    """A setting of a run that began in the folder `there`, with its files where they are."""
-    name = word.partition("=")[0]
-    if name.lstrip("+") not in READ or there == Path.cwd():
-        return word
-    value: Any = OverridesParser.create().parse_override(word).value()
-    listed = isinstance(value, list)
-    found = [str(there / v) if (there / v).exists() else v for v in (value if listed else [value]) if v]
-    files = ",".join(map(quoted, found)) or "null"
-    return f"{name}=[{files}]" if listed else f"{name}={files}"
-
-
-def _check_longer(folder: Path, saved: Any, new: Sequence[str]) -> None:
+def _check_longer(folder: Path, solver: Mapping[str, Any]) -> None:
     """Raise a `SettingError` for a resumed search that would be shorter than what its folder holds."""
-    if not (folder / "result.json").is_file():
-        return
-    before = read_json_file(folder / "result.json", "run", "resume").get("evaluations", 0)
-    given = {name: value for name, _, value in (word.partition("=") for word in new)}
-    try:
-        size, generations = (int(given.get(f"solver.{n}", saved.solver[n])) for n in ("pop_size", "n_gen"))
-    except ValueError:  # no numbers: refused when they are read
-        return
+    before = (result_of(folder) or {}).get("evaluations", 0)
+    size, generations = solver["pop_size"], solver["n_gen"]
     check(
-        saved.solver.name == "exhaustive" or size * generations >= before,
+        solver["name"] == "exhaustive" or size * generations >= before,
         "solver.n_gen",
         generations,
         f"at least {math.ceil(before / max(size, 1))}: the run has {before} evaluations",
@@ -106,22 +146,38 @@ def _check_longer(folder: Path, saved: Any, new: Sequence[str]) -> None:
     )
 
 
-@contextmanager
-def settings_kept(settings: DictConfig, folder: Path) -> Iterator[None]:
-    """Write down what a resumed run goes on with; put the old settings back if it ends with an error."""
-    here = HydraConfig.get()
-    if here.output_subdir is not None:  # Hydra has written them: the run is a new one
-        yield
-        return
-    new = {"config": OmegaConf.to_yaml(settings), "overrides": OmegaConf.to_yaml(here.overrides.task)}
-    paths = {name: folder / ".hydra" / f"{name}.yaml" for name in new}
-    before = {name: path.read_text(encoding="utf-8") for name, path in paths.items()}
-    try:
-        for name, text in new.items():
-            write_text(paths[name], text)
-        yield
-    except Exception:  # whatever it is: it is raised again once the settings are back
-        with suppress(OSError):
-            for name, text in before.items():
-                write_text(paths[name], text)
-        raise
+def _resume_jobs(
+    folder: Path, changes: Sequence[tuple[str, Any]], words: Sequence[str], trusted: bool
+) -> int:
+    """Go on with every job of a multirun that has no result, or a shorter one than is asked for."""
+    from footopt.report import summary
+
+    jobs = sorted((path.parent for path in folder.rglob(identity.FILE)), key=_order)
+    longer = dict(changes).get("solver.n_gen", 0)
+    busy = 0
+    with locked(folder, shared=True):
+        for job in jobs:
+            name = job.relative_to(folder)
+            if is_finished(job) and _generations(job) >= longer:
+                continue
+            print(f"job {name}: {' '.join(identity.read(job).words)}", flush=True)
+            try:
+                _resume_run(job, changes, words, trusted)
+            except Occupied as error:
+                busy += 1
+                print(f"job {name}: {error}")
+            except (FootoptError, OmegaConfBaseException, OSError) as error:
+                log.error("job %s failed: %s", name, explain(error))
+                write_text(job / ERROR_FILE, f"{explain(error)}\n")
+        return summary.of_multirun(folder) - busy
+
+
+def _generations(job: Path) -> float:
+    """How many generations the search of a finished job has; any number for what is no search."""
+    found = result_of(job) or {}
+    return found["solver"]["n_gen"] if "solver" in found else math.inf
+
+
+def _order(job: Path) -> tuple[int, str]:
+    """Sort key of a job's folder: job 10 comes after job 9."""
+    return int(job.name) if job.name.isdecimal() else -1, str(job)

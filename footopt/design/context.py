@@ -21,7 +21,8 @@ from footopt.walk.steppers import STEPPERS
 
 PACKAGE = Path(__file__).parent.parent
 #: The sources that a stored value depends on: rooms and files.
-SOURCES = ("compiled.py", "sand", "effects", "foot", "gait", "walk", "design/problem.py", "design/robust.py")
+SOURCES = ("compiled.py", "sand", "effects", "foot", "gait", "walk",
+           *(f"design/{name}.py" for name in ("problem", "robust", "evaluator", "executor")))  # fmt: skip
 #: Of a context, what no setting says: the same settings may be walked by other code, on another machine.
 CODE = ("own", "sources", "versions", "machine")
 SHOWN = 4  # differences between two contexts that a message names
@@ -36,6 +37,7 @@ def context(problem: FootProblem) -> dict[str, Any]:
     del space["box_tolerance"]
     stepper = STEPPERS[problem.accuracy.stepper].parameters
     laws = [effect.law for effect in problem.scene.effects if effect.law is not None]
+    kinds = type(problem).__mro__
     judges = [OBJECTIVES[name].value for name in problem.record if name in OBJECTIVES]
     return {
         "problem": type(problem).__name__,
@@ -43,16 +45,24 @@ def context(problem: FootProblem) -> dict[str, Any]:
         "accuracy": plain(problem.accuracy),
         "space": space,
         "record": plain(problem.record),
-        "own": {  # a user's objectives, stepper and effects
-            f"{thing.__module__}.{thing.__qualname__}": hashlib.sha256(meaning(text_of(thing))).hexdigest()
-            for thing in (*filter(is_own, judges), *own(stepper, laws))
-            if not isinstance(thing, type)
+        "own": {  # a user's objectives, stepper and effects; the kind of problem
+            f"{_module(thing)}.{thing.__qualname__}": hashlib.sha256(meaning(text_of(thing))).hexdigest()
+            for thing in (
+                *filter(is_own, judges),
+                *(thing for thing in own(stepper, laws) if not isinstance(thing, type)),
+                *kinds[: kinds.index(FootProblem)],
+            )
         },
         "sources": _sources(),
         "versions": {name: version(name) for name in ("numpy", "scipy", "numba", "llvmlite")}
         | {"python": "{}.{}".format(*sys.version_info)},
         "machine": machine(),
     }
+
+
+def _module(thing: Any) -> str:
+    """Where a thing is from; what a script defines is elsewhere in its workers."""
+    return "__main__" if thing.__module__ == "__mp_main__" else str(thing.__module__)
 
 
 @cache

@@ -87,6 +87,8 @@ class Store:
     foreign : list of str
         What differs between this program and the one that walked the designs of the same settings; empty
         where there are none of others, or there are own ones.
+    alien : bool
+        Whether all its designs have been walked with other settings.
 
     Raises
     ------
@@ -109,6 +111,7 @@ class Store:
                 self._id = self._enter_context(connection)
             others = self._of_other_code() if reuse or not len(self) else {}
             self.foreign = min(others.values(), key=len, default=[])
+            self.alien = not (len(self) or others) and bool(self._others())
             self._read_from = (self._id, *(others if reuse else ()))
         except BaseException:
             self.close()

@@ -11,6 +11,7 @@ from footopt.effects.layers import Layers
 from footopt.effects.leading_edge import LeadingEdge
 from footopt.effects.patches import Patches
 from footopt.effects.rest import Rest
+from footopt.effects.shadowing import Shadowing
 from footopt.effects.slope import Slope
 
 # isort: on
@@ -26,6 +27,7 @@ __all__ = [
     "Patches",
     "Rest",
     "Scale",
+    "Shadowing",
     "Slope",
     "laws",
     "name_of",

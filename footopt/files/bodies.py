@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from footopt.errors import FileError, needed
 from footopt.files.drawings import MM
-from footopt.files.run import whole
+from footopt.files.run import write_bytes, write_whole
 
 Array = NDArray[np.float64]
 
@@ -27,8 +27,7 @@ def write_stl(path: Path, outline: Array, width: float) -> Path:
     half = MM * width / 2
     across = np.array([[1, 0, 0, 0], [0, 0, -1, half], [0, 1, 0, 0], [0, 0, 0, 1]], float)
     body = extrude_polygon(Polygon(MM * outline), MM * width, transform=across)
-    with whole(path) as new:
-        body.export(new, file_type="stl")
+    write_bytes(path, body.export(file_type="stl"))
     return path
 
 
@@ -59,8 +58,7 @@ def write_step(path: Path, outline: Array, width: float) -> Path:
     Interface_Static.SetCVal_s("write.step.product.name", "foot")
     Interface_Static.SetIVal_s("write.surfacecurve.mode", 0)  # edges in space alone: a third of the size
     writer.Transfer(body, STEPControl_StepModelType.STEPControl_AsIs)
-    with whole(path) as new:
-        new.touch()  # OpenCASCADE does not say why a file cannot be written; the system does
+    with write_whole(path) as new:
         if writer.Write(str(new)) != IFSelect_ReturnStatus.IFSelect_RetDone:
             raise FileError(f"cannot write {path}: OpenCASCADE failed. Is the disk full?")
     return path

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.files.run import whole, write_text
+from footopt.files.run import write_text, write_whole
 
 Array = NDArray[np.float64]
 
@@ -21,7 +21,7 @@ SOLE, OUTLINE = "SOLE", "OUTLINE"  # layers of the DXF file, groups of the SVG f
 def write_csv(path: Path, sole: Array) -> Path:
     """Write a sole (m, 2), m, from heel to toe, as a table of x_mm and z_mm."""
     rows = np.round(MM * sole, 6) + 0.0  # + 0.0 turns -0 into 0
-    with whole(path) as new:
+    with write_whole(path) as new:
         np.savetxt(new, rows, fmt="%.6f", delimiter=",", header="x_mm,z_mm", comments="")
     return path
 
@@ -37,7 +37,7 @@ def write_dxf(path: Path, sole: Array, outline: Array) -> Path:
     for layer, colour, points, closed in ((OUTLINE, 7, outline, True), (SOLE, 1, sole, False)):
         document.layers.add(layer, color=colour)
         space.add_lwpolyline((MM * points).tolist(), "xy", close=closed, dxfattribs={"layer": layer})
-    with whole(path) as new:
+    with write_whole(path) as new:
         document.saveas(new)
     return path
 

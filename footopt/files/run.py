@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import math
 import os
 import platform
+import secrets
 import subprocess
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from functools import cache
 from importlib.metadata import distribution, version
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -28,9 +32,11 @@ DISTRIBUTIONS = (
 ROOT = Path(__file__).parents[2]  # of a checkout
 
 
-def versions() -> dict[str, str]:
+@cache
+def versions() -> Mapping[str, str]:
     """Versions of everything that a result depends on."""
-    return {name: version(name) for name in DISTRIBUTIONS} | {"python": platform.python_version()}
+    found = {name: version(name) for name in DISTRIBUTIONS} | {"python": platform.python_version()}
+    return MappingProxyType(found)
 
 
 def machine() -> dict[str, Any]:
@@ -39,6 +45,7 @@ def machine() -> dict[str, Any]:
     return {"processor": name, "vector_bits": bits, "system": platform.platform()}
 
 
+@cache
 def commit() -> str | None:
     """The commit that footopt's sources are of, with "-dirty" where they were changed; None if not known."""
     if (ROOT / ".git").exists():
@@ -57,15 +64,25 @@ def write_json(path: Path, content: dict[str, Any]) -> None:
 
 
 @contextmanager
-def whole(path: Path) -> Iterator[Path]:
+def write_whole(path: Path) -> Iterator[Path]:
     """A path to write to: it replaces the file at the end; what breaks off leaves the file as it was.
+
+    What was written is on the disk before it replaces anything, so that a loss of power leaves one of both.
+    The path is of a new file beside, of the same ending: no link that was put there is followed.
 
     Raises `FileError` if the file cannot be written.
     """
-    new = path.with_name(path.name + ".new")
+    new = path.with_name(f".{path.stem}.{secrets.token_hex(4)}{path.suffix}")
     try:
+        new.touch(exist_ok=False)
         yield new
+        _sync(new, os.O_RDWR)
         os.replace(new, path)
+        if os.name == "posix":
+            with suppress(OSError):  # not every file system has it for folders
+                _sync(path.parent, os.O_RDONLY)
+    except FileError:
+        raise
     except OSError as error:
         why = error.strerror or error
         raise FileError(
@@ -76,15 +93,29 @@ def whole(path: Path) -> Iterator[Path]:
             new.unlink(missing_ok=True)
 
 
+def _sync(path: Path, flags: int) -> None:
+    """Have a file, or a folder's names, on the disk."""
+    number = os.open(path, flags)
+    try:
+        os.fsync(number)
+    finally:
+        os.close(number)
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a file as a whole, or not at all."""
+    with write_whole(path) as new:
+        new.write_bytes(content)
+
+
 def write_text(path: Path, text: str) -> None:
     """Write a file as a whole, or not at all."""
-    with whole(path) as new:
-        new.write_text(text, encoding="utf-8")
+    write_bytes(path, text.encode())
 
 
 def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
     """Write a table; a NaN becomes an empty cell."""
-    with whole(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
+    with write_whole(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(header)
         for row in rows:
@@ -104,7 +135,8 @@ def write_walk(path: Path, variables: Mapping[str, Variable], attributes: Mappin
     """
     from scipy.io import netcdf_file
 
-    with whole(path) as new, netcdf_file(new, "w", version=2) as file:
+    content = io.BytesIO()  # on a disk that is full, scipy would try again and again
+    with netcdf_file(content, "w", version=2) as file:
         order = {"foot_order": "left, right", "axis_order": "x (forward), z (up)"}
         for name, text in {"footopt": version("footopt"), **order, **attributes}.items():
             setattr(file, name, text)
@@ -117,6 +149,9 @@ def write_walk(path: Path, variables: Mapping[str, Variable], attributes: Mappin
             if len(values):  # a walk that sank at once has no samples
                 variable[...] = values
             variable.units = unit
+        file.flush()
+        written = content.getvalue()
+    write_bytes(path, written)
 
 
 def plain(value: Any) -> Any:

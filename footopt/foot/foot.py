@@ -181,9 +181,15 @@ class Foot:
             return points
         return along_arc(self.contour, steps)
 
-    def plates(self, plates: int, rule: str = "arc", directed: bool = False) -> Plates:
+    def plates(
+        self,
+        plates: int,
+        rule: str = "arc",
+        directed: bool = False,
+        fill: Callable[[Array], Array] | None = None,
+    ) -> Plates:
         """Cut the sole into plates, (1, plates); see `Plates.from_points`."""
-        return stack_plates([self], plates, rule, directed)
+        return stack_plates([self], plates, rule, directed, fill)
 
     def body_outline(self, block: Sequence[float] | None = None) -> Array:
         """The closed outline that a workshop makes.
@@ -254,7 +260,13 @@ class Foot:
         return None if self.space is None else float(self.space.box_violation(self.k)[0])  # type: ignore[arg-type]
 
 
-def stack_plates(feet: Sequence[Foot], plates: int, rule: str = "arc", directed: bool = False) -> Plates:
+def stack_plates(
+    feet: Sequence[Foot],
+    plates: int,
+    rule: str = "arc",
+    directed: bool = False,
+    fill: Callable[[Array], Array] | None = None,
+) -> Plates:
     """Cut many feet into plates at once, (feet, plates); all are closed, or none."""
     closed = {foot.closed for foot in feet}
     check(len(closed) == 1, "foot.closed", "both in one batch", "the same for all feet of a batch")
@@ -265,6 +277,7 @@ def stack_plates(feet: Sequence[Foot], plates: int, rule: str = "arc", directed:
         rule,
         directed,
         np.array([foot.top for foot in feet], float) if closed == {True} else None,
+        fill,
     )
 
 
@@ -274,6 +287,7 @@ def as_plates(
     rule: str,
     space: Waypoints | None,
     directed: bool = False,
+    fill: Callable[[Array], Array] | None = None,
 ) -> Plates:
     """The plates of feet, of plates (as they are), or of waypoint heights (designs, n) in `space`.
 
@@ -287,6 +301,6 @@ def as_plates(
     if isinstance(feet, Sequence) and any(isinstance(foot, Foot) for foot in feet):
         whole = [foot for foot in feet if isinstance(foot, Foot)]
         check(len(whole) == len(feet), "feet", "Foot and other things", "all Foot, or all waypoint heights")
-        return stack_plates(whole, plates, rule, directed)
+        return stack_plates(whole, plates, rule, directed, fill)
     heights = np.atleast_2d(np.asarray(feet))
-    return (space or Waypoints(n=heights.shape[-1])).plates(heights, plates, rule, directed)
+    return (space or Waypoints(n=heights.shape[-1])).plates(heights, plates, rule, directed, fill)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -50,6 +51,7 @@ class Plates(NamedTuple):
         rule: str = "arc",
         directed: bool = False,
         top: Array | None = None,
+        fill: Callable[[Array], Array] | None = None,
     ) -> Plates:
         """Cut contours into plates.
 
@@ -67,12 +69,15 @@ class Plates(NamedTuple):
             Whether ``tx`` and ``tz`` are wanted.
         top : (designs,), m, optional
             z_p of a flat top that closes each contour with vertical sides (see `cap`).
+        fill : callable, optional
+            What an effect makes of the points before they are cut (`footopt.effects.shadowing.filler`).
 
         Returns
         -------
         plates : Plates
             Those of the sole, then those of the sides and the top.
         """
+        points = points if fill is None else fill(points)
         sole = cls._along(points, ankle, width, RULES[rule], directed)
         if top is None:
             return sole

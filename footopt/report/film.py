@@ -6,7 +6,6 @@ import math
 import os
 import subprocess
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from matplotlib.animation import FFMpegWriter, PillowWriter
 from numpy.typing import NDArray
 
 from footopt.errors import FileError, FootoptError, SettingError, check
+from footopt.files.run import write_whole
 from footopt.report.body import body, forces_along
 from footopt.report.figures.ground import draw_ground
 from footopt.report.figures.walker import (
@@ -117,18 +117,13 @@ def animate(walk: Walk, path: str | Path, fps: int = 25, speed: float = 0.5, dpi
         "Make an .mp4, or film a shorter walk.",
     )
     (figure, show), writer = scene_of(walk, speed), kind(rate)
-    unfinished = path.with_name(f".unfinished-{path.name}")  # the writers go by the ending
     try:
-        with writer.saving(figure, str(unfinished), dpi):
+        with write_whole(path) as new, writer.saving(figure, str(new), dpi):
             for t in at:
                 show(t)
                 writer.grab_frame()
-        os.replace(unfinished, path)
-    except (OSError, subprocess.CalledProcessError) as error:
+    except subprocess.CalledProcessError as error:
         raise FileError(f"{path}: the film cannot be written ({_why(error)}).") from None
-    finally:
-        with suppress(OSError):
-            unfinished.unlink(missing_ok=True)
     return path
 
 
@@ -193,10 +188,8 @@ def scene_of(walk: Walk, speed: float) -> tuple[Any, Callable[[float], None]]:
     return figure, show
 
 
-def _why(error: OSError | subprocess.CalledProcessError) -> str:
-    """What a writer says, in a line."""
-    if isinstance(error, OSError):
-        return error.strerror or str(error)
+def _why(error: subprocess.CalledProcessError) -> str:
+    """What ffmpeg says, in a line."""
     said = error.stderr or b""
     lines = (said.decode(errors="replace") if isinstance(said, bytes) else said).strip().splitlines()
     return f"ffmpeg ends with {error.returncode}: {lines[-1] if lines else 'it does not say why'}"

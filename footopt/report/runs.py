@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import ERROR_FILE
+from footopt.errors import ERROR_FILE, FileError
+from footopt.files import identity
 from footopt.files.drawings import MM
 from footopt.files.reading import read_json_file
 
@@ -101,7 +102,7 @@ def read_run(folder: Path, name: str, key: str, place: str = "") -> Run:
     FileError
         Its result.json cannot be read.
     """
-    own = (name, key, place, folder, _overrides(folder / ".hydra" / "overrides.yaml"))
+    own = (name, key, place, folder, _words(folder))
     if (folder / ERROR_FILE).is_file():
         return Run(*own, note=(folder / ERROR_FILE).read_text(encoding="utf-8").strip(), failed=True)
     if not (folder / "result.json").is_file():
@@ -114,8 +115,9 @@ def read_run(folder: Path, name: str, key: str, place: str = "") -> Run:
     return Run(*own, result=result, note=note)
 
 
-def _overrides(path: Path) -> tuple[str, ...]:
-    """What a job was given on the command line, as Hydra writes it down: a list in YAML."""
-    import yaml
-
-    return tuple(map(str, yaml.safe_load(path.read_bytes()) or [])) if path.is_file() else ()
+def _words(folder: Path) -> tuple[str, ...]:
+    """What a run was given on the command line; nothing where it has not said so."""
+    try:
+        return identity.read(folder).words
+    except FileError:
+        return ()

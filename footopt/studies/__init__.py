@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from footopt.errors import SettingError
+from footopt.errors import ERROR_FILE, SettingError
+from footopt.files.lock import locked
 from footopt.studies.settings import Config
 
 #: Studies by name: each is the function `run` of the module of that name. A plugin adds its own function.
-STUDIES: dict[str, Callable[[Any], None] | None] = dict.fromkeys(
+STUDIES: dict[str, Callable[[Any], Any] | None] = dict.fromkeys(
     (
         "optimize", "simulate", "accuracy", "stability", "effects", "shapes", "paper", "trust", "robust",
-        "sensitivity", "export", "compare", "doctor",
+        "sensitivity", "export", "compare", "doctor", "validate",
     )
 )  # fmt: skip
 
@@ -25,7 +26,13 @@ RESUMABLE = ("optimize", "robust")
 DISTRIBUTED = ("optimize", "robust")
 
 
-def run(config: Config, folder: Path, settings: Mapping[str, Any]) -> None:
+def run(
+    config: Config,
+    folder: Path,
+    settings: Mapping[str, Any],
+    words: Sequence[str] = (),
+    resumed: bool = False,
+) -> Any:
     """Run the study that the settings name.
 
     Parameters
@@ -35,16 +42,28 @@ def run(config: Config, folder: Path, settings: Mapping[str, Any]) -> None:
     folder : Path
         Where the study leaves what it finds.
     settings : dict
-        The same settings as plain data, for result.json.
+        The same settings as plain data: what the run is.
+    words : sequence of str
+        What was given on the command line.
+    resumed : bool
+        Whether it goes on with what is in the folder.
+
+    Returns
+    -------
+    float or tuple, optional
+        The objective of the foot that the study is about, or its objectives: natural signs.
 
     Raises
     ------
+    Occupied
+        Another run is at work in the folder, or has left what it found there.
     SettingError
         There is no such study, or it does not go with the other settings.
     """
     # what is imported here would slow `footopt --help` down
     from footopt.studies.base import Study
     from footopt.studies.build import check_lists, load_plugins
+    from footopt.studies.identity import enter
 
     check_lists(config)
     load_plugins(config.plugins)
@@ -54,4 +73,8 @@ def run(config: Config, folder: Path, settings: Mapping[str, Any]) -> None:
     if config.engine.name != "local" and name not in DISTRIBUTED:
         raise SettingError("engine.name", config.engine.name, f"local for study={name}")
     ask = STUDIES[name] or import_module(f"footopt.studies.{name}").run
-    ask(Study(config, folder, settings))
+    with locked(folder):
+        if not resumed:
+            enter(folder, settings, words)
+        (folder / ERROR_FILE).unlink(missing_ok=True)  # of a job that failed before
+        return ask(Study(config, folder, settings, words))

@@ -13,13 +13,21 @@ from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from footopt.design import FootProblem, Store
+from footopt.design.context import listed
+from footopt.errors import FootoptError, check
+from footopt.files import identity
 from footopt.files import run as files
 from footopt.foot import Foot, Waypoints
 from footopt.report import figures, page, terminal
 from footopt.report.progress import Step, progress
 from footopt.studies.build import make_accuracy, make_foot, make_scene, make_space
+from footopt.studies.identity import is_finished
 from footopt.studies.settings import Config, StudyConfig
 from footopt.walk import Accuracy, Scene
+
+#: How much a run leaves: result.json, contour.csv and what it is resumed from; all but figures; everything.
+REPORTS = ("none", "light", "full")
 
 
 class Study:
@@ -32,12 +40,18 @@ class Study:
     folder : Path
         Where the run leaves what it finds.
     settings : dict
-        The same settings as plain data, for result.json.
+        The same settings as plain data: what the run is.
+    words : sequence of str
+        What was given on the command line.
     """
 
-    def __init__(self, config: Config, folder: Path, settings: Mapping[str, Any]) -> None:
-        self.config, self.folder, self.settings = config, folder, settings
+    def __init__(
+        self, config: Config, folder: Path, settings: Mapping[str, Any], words: Sequence[str] = ()
+    ) -> None:
+        self.config, self.folder, self.settings, self.words = config, folder, settings, words
+        self._foreign: list[str] = []  # how the code differs that has walked designs of the store
         self.console = terminal.console()
+        check(config.report in REPORTS, "report", config.report, f"one of {', '.join(REPORTS)}")
         self._began = time.perf_counter()
         self._captions: dict[str, str] = {}
 
@@ -57,6 +71,16 @@ class Study:
     def threads(self) -> int | None:
         """Threads of this process; None: all."""
         return self.config.engine.threads
+
+    @property
+    def draws(self) -> bool:
+        """Whether figures are wanted."""
+        return self.config.report == "full"
+
+    @property
+    def reports(self) -> bool:
+        """Whether more is wanted than what was found: the page, tables, traces, bodies."""
+        return self.config.report != "none"
 
     @cached_property
     def scene(self) -> Scene:
@@ -82,6 +106,40 @@ class Study:
     def foot(self) -> Foot:
         """The one foot of the settings."""
         return make_foot(self.config.foot)
+
+    def store(self, problem: FootProblem, alone: bool = False) -> Store:
+        """Where the designs of a problem are kept: study.store, or a file in the folder.
+
+        Parameters
+        ----------
+        problem : FootProblem
+            Whose designs they are.
+        alone : bool
+            Whether the run has no other problem.
+
+        Raises
+        ------
+        FootoptError
+            The file in the folder is that of another run; or the run is finished, and going on would
+            replace its result by that of other code.
+        """
+        store = Store(self.options.store or self.folder / "designs.sqlite", problem, self.options.reuse)
+        if store.foreign and self.options.reuse:
+            self._foreign = store.foreign
+        elif store.foreign and is_finished(self.folder):
+            store.close()
+            raise FootoptError(
+                f"{self.folder}: other code has walked this finished run ({listed(store.foreign)}). "
+                "Start a new run; or add study.reuse=true, if you know that the walks are the same."
+            )
+        if store.alien and alone and not self.options.store:
+            why = store.describe()
+            store.close()
+            raise FootoptError(
+                f"{store.path}: was walked with other settings than those of {identity.FILE}. "
+                f"Start a new run. ({why})"
+            )
+        return store
 
     # --- what the terminal shows ------------------------------------------------------------------
 
@@ -112,7 +170,9 @@ class Study:
         files.write_csv(self.folder / name, header, rows)
 
     def save(self, name: str, figure: Any, caption: str = "") -> None:
-        """Save a figure as PNG and PDF; with a caption it is also on the page of `conclude`."""
+        """Save a figure as PNG and PDF if wanted; with a caption it is also on the page of `conclude`."""
+        if not self.draws:
+            return
         figures.save(figure, self.folder / "figures", name)
         if caption:
             self._captions[name] = caption
@@ -128,13 +188,15 @@ class Study:
         record = {
             "study": self.config.study.name,
             **content,
+            **({"walked_by_other_code": self._foreign} if self._foreign else {}),
             "settings": self.settings,
-            "versions": files.versions(),
+            "versions": dict(files.versions()),
             "commit": files.commit(),
             "machine": files.machine(),
             "wall_time_s": self.seconds,
             "wall_time_covers": "the study up to this file, without imports, report.html and a film",
         }
+        identity.write(self.folder, self.settings, self.words)  # with what a resumed run has changed
         files.write_json(self.folder / "result.json", record)
         return record
 
@@ -172,7 +234,8 @@ class Study:
         """
         record = self.write_result(content) | dict(footer or {})
         headline = [*about, *map(str, said)]
-        page.write_study(self.folder, title, headline, self._captions, tables, record, warnings)
+        if self.reports:
+            page.write_study(self.folder, title, headline, self._captions, tables, record, warnings)
         self.say(*tables, *said)
         self.close()
 

@@ -7,6 +7,7 @@ from glob import glob
 from pathlib import Path
 
 from footopt.errors import FileError, SettingError
+from footopt.files import identity
 from footopt.files.reading import named
 from footopt.report import summary
 from footopt.studies.base import Study
@@ -46,7 +47,7 @@ def run_folders(patterns: Sequence[str], own: Path) -> Iterator[Path]:
         jobs = [job for folder in multiruns for job in folder.iterdir() if job.name.isdecimal()]
         alone = [Path(path).parent for path in glob(f"{pattern}/result.json", recursive=True)]
         found = sorted({*alone, *jobs}, key=_order)
-        if not found and not (Path(pattern) / ".hydra").is_dir():
+        if not found and not (Path(pattern) / identity.FILE).is_file():
             raise FileError(f"{named(pattern, SETTING)}: not the folder of a run. {TRY}")
         for path in found or [Path(pattern)]:
             if path.resolve() not in seen:

@@ -35,6 +35,7 @@ EXTRAS = {
     "xarray": ("xarray", "to_dataset()"),
     "distributed": ("dask", "engine=dask"),
     "hydra-joblib-launcher": ("joblib", "hydra/launcher=joblib"),
+    "hydra-optuna-sweeper": ("optuna", "hydra/sweeper=optuna"),
     "hydra-submitit-launcher": ("submitit", "hydra/launcher=submitit_slurm"),
 }
 SLOW = 10.0  # ms per design and core at accuracy standard; compiled code takes about 0.3

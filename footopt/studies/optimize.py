@@ -13,7 +13,6 @@ from footopt.design import (
     FootProblem,
     SearchResult,
     Solver,
-    Store,
     confirm,
     make_executor,
     search,
@@ -27,7 +26,7 @@ from footopt.report.progress import report_generations
 from footopt.studies.auto_effects import choose_effects
 from footopt.studies.base import Study
 from footopt.studies.build import check_searchable
-from footopt.studies.record import foot_entry, scene_entry, validity_entry
+from footopt.studies.record import Answer, answer, foot_entry, scene_entry, validity_entry
 from footopt.studies.simulate import check_film, write_film, write_walk
 from footopt.walk import OBJECTIVES, estimate_error, gain_shares, simulate
 from footopt.walk.validity import diagnose
@@ -35,8 +34,8 @@ from footopt.walk.validity import diagnose
 LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
 
 
-def run(study: Study) -> None:
-    """Search, then walk with the best foot and leave everything about it."""
+def run(study: Study) -> Answer:
+    """Search, then walk with the best foot and leave everything about it; returns its objectives."""
     config, options = study.config, study.options
     check_searchable(config.foot)
     check_film(study)
@@ -60,9 +59,11 @@ def run(study: Study) -> None:
     walk = simulate(best, scene, finer)
     errors, diagnostics = estimate_error(best, scene, finer), diagnose(walk)
 
-    files.write_designs(study.folder / "designs.csv", result.columns)
+    if study.reports:
+        files.write_designs(study.folder / "designs.csv", result.columns)
     notes = write_walk(study, walk, {"best": walk, "flat": flat})
-    _save_figures(study, result, int(np.argmax(result.front == confirmed.designs[0])))
+    if study.draws:
+        _save_figures(study, result, int(np.argmax(result.front == confirmed.designs[0])))
     record = study.write_result(
         {
             "design": foot_entry(best),
@@ -77,12 +78,13 @@ def run(study: Study) -> None:
             "notes": notes,
         }
     )
-    others = (
-        (i, simulate(Foot.from_waypoints(result.k[i], problem.space), scene, problem.accuracy))
-        for i in page.walked_designs(result, confirmed)
-    )
-    shown = page.search_content(result, confirmed, walk, flat, others, record)
-    page.write(study.folder / "report.html", shown)
+    if study.reports:
+        others = (
+            (i, simulate(Foot.from_waypoints(result.k[i], problem.space), scene, problem.accuracy))
+            for i in page.walked_designs(result, confirmed)
+        )
+        shown = page.search_content(result, confirmed, walk, flat, others, record)
+        page.write(study.folder / "report.html", shown)
     write_film(study, walk)
 
     which = "Best design" if problem.n_obj == 1 else "Of the front the best in J_W"
@@ -102,6 +104,7 @@ def run(study: Study) -> None:
     if result.interrupted:
         done, every = len(result.history), solver.generations(problem.space)
         raise KeyboardInterrupt(f"after {_unit(solver)} {done} of {every}, with a full report")
+    return answer(problem.names, walk.objectives)
 
 
 def _unit(solver: Solver) -> str:
@@ -114,7 +117,7 @@ def _search(study: Study, problem: FootProblem, solver: Solver) -> SearchResult:
     e, space = study.config.engine, problem.space
     with (
         make_executor(e.name, e.workers, e.address, e.timeout) as executor,
-        Store(study.options.store or study.folder / "designs.sqlite", problem) as store,
+        study.store(problem, alone=True) as store,
     ):
         study.say(
             f"Searching {space.K}^{space.n} soles for {', '.join(problem.names)} on "

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from footopt.effects import name_of
@@ -11,7 +12,22 @@ from footopt.foot import Foot
 from footopt.report import terminal
 from footopt.walk import OBJECTIVES, Accuracy, Scene
 from footopt.walk.audit import parameters
+from footopt.walk.objectives import lookup
 from footopt.walk.validity import Diagnostic
+
+Answer = float | tuple[float, ...]
+
+
+def answer(names: Sequence[str], values: Mapping[str, float]) -> Answer:
+    """What a job returns to a sweeper and to callbacks: its objective, or a tuple of several.
+
+    Signs are natural. Where there is no value, because a walk or the job failed, it is the objective's worst:
+    a sweeper then goes on.
+    """
+    found = [values.get(name, math.nan) for name in names]
+    worst = [objective.worst for objective in lookup(names)]
+    told = tuple(v if math.isfinite(v) else w for v, w in zip(found, worst, strict=True))
+    return told[0] if len(told) == 1 else told
 
 
 def foot_entry(foot: Foot) -> dict[str, Any]:

@@ -158,12 +158,12 @@ def _search(
     study: Study, problem: FootProblem, solver: Solver, name: str, executor: Executor | None, step: Step
 ) -> SearchResult:
     """A search whose evaluations are kept; an interrupted one ends the study."""
-    store = study.options.store or study.folder / "designs.sqlite"
     many = len(problem.scenarios) if isinstance(problem, RobustProblem) else 0
     try:
         scale = " of the specialist's" if many else ""
         tell = report_generations(step, problem.guide, max(many, 1), f"{name}: ", scale)
-        result = search(problem, solver, tell, store, executor)
+        with study.store(problem) as store:
+            result = search(problem, solver, tell, store, executor)
     except FootoptError as error:
         raise FootoptError(f"{name}: {error}") from None
     if result.interrupted:

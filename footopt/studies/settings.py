@@ -80,6 +80,7 @@ class StudyConfig:
     confirm: str | None = "fine"
     finalists: int = 20
     store: str | None = None
+    reuse: bool = False
     feet: int = 40
     quick: bool = False
     cases: list[str] | None = None
@@ -234,6 +235,7 @@ class Config:
     """All settings of a run, one group each; plugins are files or modules of the user's own."""
 
     plugins: list[str] = field(default_factory=list)
+    report: str = "full"
     study: StudyConfig = field(default_factory=StudyConfig)
     sand: SandConfig = field(default_factory=SandConfig)
     gait: GaitConfig = field(default_factory=GaitConfig)

@@ -13,13 +13,13 @@ from footopt.report.figures.gait import gait_fit
 from footopt.studies.auto_effects import choose_effects
 from footopt.studies.base import Study
 from footopt.studies.build import make_strides
-from footopt.studies.record import foot_entry, scene_entry, validity_entry
+from footopt.studies.record import Answer, answer, foot_entry, scene_entry, validity_entry
 from footopt.walk import OBJECTIVES, Walk, estimate_error, simulate
 from footopt.walk.validity import diagnose
 
 
-def run(study: Study) -> None:
-    """Walk with one foot and leave everything about the walk."""
+def run(study: Study) -> Answer:
+    """Walk with one foot and leave everything about the walk; returns the objectives of the settings."""
     check_film(study)
     foot, accuracy = study.foot, study.accuracy
     scene, audits = choose_effects(study, foot)
@@ -28,7 +28,7 @@ def run(study: Study) -> None:
     errors, diagnostics = estimate_error(foot, scene, accuracy), diagnose(walk)
     strides = make_strides(study.config.gait)
     notes = write_walk(study, walk, {foot.name: walk})
-    if strides is not None:
+    if strides is not None and study.draws:
         study.save("gait", gait_fit(strides, scene.gait))
     record = study.write_result(
         {
@@ -44,7 +44,8 @@ def run(study: Study) -> None:
             "effects_audit": audits,
         }
     )
-    page.write(study.folder / "report.html", page.walk_content(walk, record))
+    if study.reports:
+        page.write(study.folder / "report.html", page.walk_content(walk, record))
     write_film(study, walk)
 
     study.say(f"{terminal.describe_scene(scene)}; {terminal.describe_foot(foot)}")
@@ -58,10 +59,11 @@ def run(study: Study) -> None:
     terminal.print_validity(study.console, diagnostics)
     study.say(*notes)
     study.close()
+    return answer(study.config.objective.names, walk.objectives)
 
 
 def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]:
-    """Leave a walk's traces, its foot for the workshop, and its figures.
+    """Leave a walk's traces, its foot for the workshop, and its figures, as far as `report` wants them.
 
     Parameters
     ----------
@@ -77,13 +79,17 @@ def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]
     notes : list of str
         What is to be said of the files for the workshop.
     """
+    if not study.reports:
+        walk.foot.to_file(study.folder / "contour.csv")
+        return []
     files.write_walk(study.folder / "walk.nc", walk.variables, {"reason": walk.reason})
     _, notes = write_all(walk.foot, study.folder, study.config.foot.block)
-    study.save("contour", figures.contour(walk.foot))
-    study.save("com", figures.com(walks))
-    study.save("forces", figures.forces(walks))
-    study.save("power_work", figures.power_work(walks))
-    study.save("step", figures.step(walk))
+    if study.draws:
+        study.save("contour", figures.contour(walk.foot))
+        study.save("com", figures.com(walks))
+        study.save("forces", figures.forces(walks))
+        study.save("power_work", figures.power_work(walks))
+        study.save("step", figures.step(walk))
     return notes
 
 

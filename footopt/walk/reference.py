@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from footopt.effects.shadowing import filler
 from footopt.foot import Foot
 from footopt.gait.gait import Pose
 from footopt.walk.accuracy import TOLERANCES, Accuracy
@@ -79,7 +80,7 @@ def contact_forces(
     size : float, N
         Sum of the plates' forces, to which differences are to be related.
     """
-    sheets = foot.plates(plates, "chord", directed=True)
+    sheets = foot.plates(plates, "chord", directed=True, fill=filler(scene.effects))
     vx, vz, rate = motion
     none = np.zeros((1, 2))
     ankle = -BURIED - float(np.mean(sheets.z))  # of the left foot; the right one is in the air
@@ -110,7 +111,7 @@ def lsoda_objectives(walk: Walk, rtol: float = 1e-9) -> dict[str, float]:
 
     scene, accuracy = walk.scene, walk.accuracy
     walker, t_f = scene.walker, scene.duration
-    plates = walk.foot.plates(accuracy.plates, "chord", directed=True)
+    plates = walk.foot.plates(accuracy.plates, "chord", directed=True, fill=filler(scene.effects))
     tilt, g = scene.gravity
 
     def at(t: Array, state: Array) -> PlateStates:

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from footopt.effects.shadowing import filler
 from footopt.errors import needed
 from footopt.foot import Foot
 from footopt.walk.accuracy import Accuracy
@@ -223,7 +224,8 @@ class Walk:
         """Every plate's place, motion and force at some samples, by the law in its readable form."""
         i = np.asarray(index)
         pose = self.scene.gait.pose(self.t[i], self.scene.walker.l1, self.scene.walker.l2)
-        sole = self.foot.plates(self.accuracy.plates, self.accuracy.rule, directed=True)
+        fill = filler(self.scene.effects)
+        sole = self.foot.plates(self.accuracy.plates, self.accuracy.rule, directed=True, fill=fill)
         held = None if self.bristles is None else self.bristles[i]
         creep = self.accuracy.creep
         return plate_states(sole, pose, self.com[i], self.velocity[i], self.scene, creep, held=held)

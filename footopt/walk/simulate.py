@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.effects import base as effects
+from footopt.effects.shadowing import filler
 from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Foot, Plates, Waypoints, as_plates
 from footopt.foot.plates import RULES
@@ -52,7 +53,7 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
     check_kind(foot, Foot, "foot", "Try fo.Foot.from_waypoints(heights)")
     scene, accuracy = _scene(scene), resolve(accuracy)
     directed = effects.laws(scene.effects).directed
-    plates = foot.plates(accuracy.plates, accuracy.rule, directed)
+    plates = foot.plates(accuracy.plates, accuracy.rule, directed, filler(scene.effects))
     raw, status, counts, trace, kept = _walk(plates, scene, accuracy, sink=True, threads=1, traced=True)
     there = 1 + np.flatnonzero(np.isfinite(trace[1:]).all(axis=1))
     rows = trace[there]
@@ -185,10 +186,12 @@ def at_once(given: int | None, setting: str = "engine.threads") -> int:
 
 def _chunks(feet: Any, scene: Scene, accuracy: Accuracy, space: Waypoints | None) -> Iterator[Plates]:
     """The feet's plates, a bounded number of designs at a time."""
-    directed = effects.laws(scene.effects).directed
+    directed, fill = effects.laws(scene.effects).directed, filler(scene.effects)
     if isinstance(feet, Plates):
         if directed and feet.tx is None:
             raise SettingError("feet", "plates without directions", "plates made with directed=True")
+        if fill is not None:
+            raise SettingError("feet", "plates", "feet or heights: effects.shadowing changes soles")
         yield from (feet.take(slice(i, i + CHUNK)) for i in range(0, len(feet.x), CHUNK))
         return
     size = max(1, min(CHUNK, POINTS // (accuracy.plates * RULES[accuracy.rule])))
@@ -197,7 +200,7 @@ def _chunks(feet: Any, scene: Scene, accuracy: Accuracy, space: Waypoints | None
     if len(feet) == 0:
         raise SettingError("feet", "[]", "at least one foot")
     yield from (
-        as_plates(feet[i : i + size], accuracy.plates, accuracy.rule, space, directed)
+        as_plates(feet[i : i + size], accuracy.plates, accuracy.rule, space, directed, fill)
         for i in range(0, len(feet), size)
     )
 

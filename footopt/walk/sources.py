@@ -6,6 +6,7 @@ import ast
 import hashlib
 import inspect
 import marshal
+import threading
 from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -47,18 +48,24 @@ def digest_of(functions: tuple[Any, ...]) -> str:
     return digest.hexdigest()
 
 
-def text_of(function: Any) -> bytes:
-    """The file that a function is in, with what it may call; its code if it was typed into a session."""
+def text_of(thing: Any) -> bytes:
+    """The file that a function or type is in, with what it may call; its code if typed into a session."""
     try:
-        return Path(inspect.getfile(function)).read_bytes()
-    except OSError:
-        return marshal.dumps(function.__code__)
+        return Path(inspect.getfile(thing)).read_bytes()
+    except (OSError, TypeError):
+        parts = vars(thing).values() if isinstance(thing, type) else [thing]
+        return b"".join(marshal.dumps(part.__code__) for part in parts if hasattr(part, "__code__"))
 
 
+_parsing = threading.Lock()  # trees that several threads make at once are a SystemError in CPython 3.11
+
+
+@lru_cache(maxsize=256)
 def meaning(text: bytes) -> bytes:
     """A source as it is compiled: comments, docstrings and layout do not count."""
     try:
-        tree = ast.parse(text)
+        with _parsing:
+            tree = ast.parse(text)
     except (SyntaxError, ValueError):  # code, not text; or a file that has been edited meanwhile
         return text
     for node in ast.walk(tree):

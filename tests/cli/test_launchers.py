@@ -45,17 +45,16 @@ def test_a_job_that_is_killed_leaves_the_others_and_is_resumed(tmp_path):
     _, err = ended(run)
     assert run.returncode == 1
     assert "footopt: error: a job of this multirun was lost" in err
-    assert "`footopt resume=sweep` lists the jobs without a result" in err
+    assert "`footopt resume=" in err
+    assert "finishes the jobs without a result" in err
     assert "Traceback" not in err
     deadline = time.monotonic() + 120
-    while footopt("resume=sweep", cwd=tmp_path).stderr.count(",") > 1:  # the other job goes on by itself
-        assert time.monotonic() < deadline
+    while (done := footopt("resume=sweep", cwd=tmp_path)) and "at work" in done.stdout:
+        assert time.monotonic() < deadline  # the other job goes on by itself, and is left alone
         time.sleep(0.5)
-    missing = [n for n in "01" if not (tmp_path / "sweep" / n / "result.json").is_file()]
-    assert len(missing) == 1
-    done = footopt(f"resume=sweep/{missing[0]}", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert json.loads((tmp_path / "sweep" / missing[0] / "result.json").read_text())["reused"] > 0
+    reused = [json.loads((tmp_path / "sweep" / n / "result.json").read_text())["reused"] for n in "01"]
+    assert max(reused) > 0
 
 
 def searching(run, folder):

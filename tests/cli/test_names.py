@@ -10,10 +10,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from omegaconf import OmegaConf
 from rich.console import Console
 
 import footopt as fo
+from footopt.files import identity
 from footopt.files import soles as outline
 from footopt.files.run import write_walk
 from footopt.foot.export import write_all
@@ -111,19 +111,15 @@ def test_drawings_and_bodies_do_not_hold_a_name(name, ramp_foot, tmp_path):
         assert len(name) < 5 or name.encode() not in path.read_bytes()
 
 
-def test_a_name_is_a_label_of_a_figure(walk, ramp_foot, tmp_path):
+def test_a_name_is_a_label_of_a_figure(walk, ramp_foot):
     feet = {
         name: ramp_foot for name in NAMES if name.isascii() and name.isprintable() and 0 < len(name) < 100
     }
     drawn = figures.contours(feet)
-    figures.save(drawn, tmp_path, "contours")  # mathtext is only looked at then
-    shown = (
-        [text.get_text().replace("\\$", "$").strip() for text in drawn.axes[0].get_legend().get_texts()]
-        if (drawn.axes[0].get_legend())
-        else [text.get_text().replace("\\$", "$").strip() for text in drawn.legends[0].get_texts()]
-    )
+    drawn.draw_without_rendering()  # mathtext is only looked at then
+    shown = [text.get_text().replace("\\$", "$").strip() for text in drawn.legends[0].get_texts()]
     assert shown == list(feet)
-    figures.save(figures.com({"$\\frac{": walk, "_hidden": walk}), tmp_path, "com")
+    figures.com({"$\\frac{": walk, "_hidden": walk}).draw_without_rendering()
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -142,9 +138,9 @@ def test_on_the_terminal_a_name_is_one_line_without_control(name, walk, monkeypa
 
 def test_the_table_over_jobs_has_a_long_setting_whole_and_a_value_of_zero(walk, tmp_path, capsys):
     setting = f"foot.path='{' '.join(['drawings of soles'] * 8)}/sole.dxf'"
-    (tmp_path / "0" / ".hydra").mkdir(parents=True)
+    (tmp_path / "0").mkdir()
     write_all(walk.foot, tmp_path / "0")
-    (tmp_path / "0" / ".hydra" / "overrides.yaml").write_text(OmegaConf.to_yaml([setting, "sand=soft"]))
+    identity.write(tmp_path / "0", {}, [setting, "sand=soft"])
     result = {
         "study": "simulate", "design": foot_entry(walk.foot), "objectives": {"speed_loss": 0.0, "work": None},
         "settings": {"foot": {"top": 0.0, "width": 0.1}}, "versions": {},
@@ -165,10 +161,8 @@ def test_the_page_over_jobs_keeps_their_names_as_text(name, walk, tmp_path, caps
         top = tmp_path / f"sweep{len(tags)}"
         for i in range(2):
             job = top / str(i)
-            (job / ".hydra").mkdir(parents=True)
-            (job / ".hydra" / "overrides.yaml").write_text(
-                json.dumps([f"sand.name={text}{i}"]), encoding="utf-8"
-            )
+            job.mkdir(parents=True)
+            identity.write(job, {}, [f"sand.name={text}{i}"])
         changed = named(walk, text)
         write_all(changed.foot, top / "0")
         write_walk(top / "0" / "walk.nc", changed.variables, {"reason": changed.reason})

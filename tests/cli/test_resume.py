@@ -1,17 +1,45 @@
 """Runs that survive: killed, interrupted, out of disk; resumed, the result is that of a run never stopped."""
 
+import contextlib
 import json
+import os
 import random
+import re
 import resource
 import shutil
 import signal
+import socket
+import subprocess
+import sys
 import time
+from pathlib import Path
 
 import pytest
-from hydra.core.override_parser.overrides_parser import OverridesParser
 from running import BRIEF, QUICK, ended, footopt, outcome, started, wait_for, wait_for_designs
 
-from footopt.cli.resume import resumed
+from footopt.cli.compose import CONF
+from footopt.design import context
+from footopt.errors import FileError
+from footopt.files import identity
+from footopt.files.lock import LOCK
+
+#: A search that is over at once, of soft sand, which is walked fast.
+SMALL = ["sand=soft", "engine.threads=1", *QUICK]
+
+
+@contextlib.contextmanager
+def locked_by_another(folder):
+    """The number of another process that has locked a folder for the block."""
+    code = "import sys, pathlib; from footopt.files.lock import locked\n"
+    code += "with locked(pathlib.Path(sys.argv[1])): print('locked', flush=True); sys.stdin.read()"
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, str(folder)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    try:
+        assert process.stdout.readline() == "locked\n"
+        yield process.pid
+    finally:
+        process.communicate()
 
 
 @pytest.fixture(scope="module")
@@ -34,76 +62,199 @@ def undisturbed(tmp_path_factory):
 def finished(tmp_path_factory):
     """The folder of a small finished run."""
     cwd = tmp_path_factory.mktemp("finished")
-    done = footopt(*QUICK, "hydra.run.dir=run", cwd=cwd)
+    done = footopt(*SMALL, "hydra.run.dir=run", cwd=cwd)
     assert done.returncode == 0, done.stderr
     return cwd / "run"
 
 
+@pytest.fixture
+def run(finished, tmp_path):
+    """A copy of it, for a test to spoil."""
+    return shutil.copytree(finished, tmp_path / "run")
+
+
+@pytest.fixture
+def begun(finished, tmp_path):
+    """The same run, as one leaves it that was killed in its first moment."""
+    (tmp_path / "begun").mkdir()
+    return Path(shutil.copy(finished / identity.FILE, tmp_path / "begun")).parent
+
+
+def contents(folder):
+    """Every file below a folder, but logs, and stores, which note who has looked."""
+    files = [path for path in folder.rglob("*") if path.is_file() and path.suffix not in (".log", ".sqlite")]
+    return {path: path.read_bytes() for path in files}
+
+
+def refused(*arguments, cwd, says):
+    """A command that changes nothing, and says why."""
+    before = contents(cwd)
+    done = footopt(*arguments, cwd=cwd)
+    assert done.returncode == 1
+    assert done.stderr.startswith("footopt: error: ")
+    assert says in done.stderr
+    assert "Traceback" not in done.stderr
+    assert contents(cwd) == before
+
+
 #: Arguments that name what cannot be resumed or shared, and what the message says.
 BAD = {
-    "resume=missing": "resume = 'missing': not the folder of a run",
-    "resume=": "resume = '': not the folder of a run",
-    "resume=a_file": "resume = 'a_file': not the folder of a run",
-    "resume=empty": "resume = 'empty': not the folder of a run",
-    "resume=broken": "resume = 'broken': not the folder of a run (its overrides.yaml is no list of settings)",
-    "resume=simulate": "must be a run of study=optimize, robust, not simulate",
-    "resume=sweep": "must be the folder of one job of this multirun. Jobs without a result: 1 (of 0, 1)",
-    "resume=run -m solver.seed=1,2": "must be given without -m",
-    "resume=run study=simulate": "must be given without study=simulate",
-    "resume=run hydra.run.dir=elsewhere": "must be given without hydra.run.dir=elsewhere",
+    "resume=missing": "missing': not the folder of a run (it has no footopt.yaml)",
+    "resume=": "not the folder of a run (it has no footopt.yaml)",
+    "resume=a_file": "a_file': not the folder of a run (it has no footopt.yaml)",
+    "resume=empty": "empty': not the folder of a run (it has no footopt.yaml)",
+    "resume=run sand=soft": "For anything else start a new run, without resume",
+    "resume=run sand.zeta=4": "must be a setting that does not make another run",
+    "resume=run solver.seed=2": "must be a setting that does not make another run",
+    "resume=run solver.pop_size=20": "must be a setting that does not make another run",
+    "resume=run +x=1": "must be a setting that does not make another run",
+    "resume=run ~engine": "must be a setting that does not make another run",
+    "resume=run -m solver.n_gen=4,5": "must be a setting that does not make another run",
+    "resume=run solver.n_gen=4,5": "solver.n_gen=4,5': must be one value",
+    "resume=run study=simulate": "must be a setting that does not make another run",
+    "resume=run hydra.run.dir=elsewhere": "must be a setting that does not make another run",
+    "resume=run --config-dir=mine": "must be a setting that does not make another run",
+    "resume=run --experimental-rerun=x.pickle": "must be a setting that does not make another run",
+    "resume=run solver.n_gen=0": "solver.n_gen = 0: must be",
+    "resume=run solver.n_gen=abc": "solver.n_gen = 'abc': must be a whole number",
+    "resume=run solver.n_gen=2": "solver.n_gen = 2: must be at least 3: the run has 30 evaluations",
+    "hydra.run.dir=run sand=soft": "run: holds a run that is finished",
+    "hydra.run.dir=run": "run: holds a run that is finished",
+    "hydra.run.dir=run study=simulate": "run: holds a run that is finished",
     "study.store=a_file": "study.store = 'a_file': is not a store of footopt",
 }
 
 
-def make_run(folder, study="optimize", words="[]\n"):
-    """What a run that was killed in its first moment leaves."""
-    (folder / ".hydra").mkdir(parents=True)
-    (folder / ".hydra" / "config.yaml").write_text(f"study:\n  name: {study}\n")
-    (folder / ".hydra" / "overrides.yaml").write_text(words)
+@pytest.mark.parametrize("arguments", BAD)
+def test_what_is_another_run_is_refused_and_leaves_the_one_that_is_there(arguments, run, tmp_path):
+    (tmp_path / "a_file").write_text("not a store, and in the way\n" * 100)
+    (tmp_path / "empty").mkdir()
+    refused(*arguments.split(), cwd=tmp_path, says=BAD[arguments])
 
 
-class TestArguments:
-    def test_are_those_of_the_run_then_the_new_ones_in_the_same_folder(self, tmp_path):
-        make_run(tmp_path / "run", words="- sand=soft\n- gait.path=${oc.env:HOME}/x.csv\n- solver.seed=3\n")
-        given = ["solver.seed=4", f"resume={tmp_path}/run/", "--info"]
-        assert resumed(given) == [
-            *("sand=soft", "gait.path=${oc.env:HOME}/x.csv", "solver.seed=3", "solver.seed=4", "--info"),
-            *(f"hydra.run.dir='{tmp_path}/run'", "hydra.output_subdir=null"),
-        ]
-        assert resumed(["sand=soft"]) == ["sand=soft"]
+class TestIdentity:
+    def test_one_character_changed_in_the_saved_settings_is_found(self, run, tmp_path):
+        file, rng = run / identity.FILE, random.Random(1)
+        text = file.read_text()
+        places = [i for i, c in enumerate(text) if c.isalnum() and i > len(identity.HEAD)]
+        for place in rng.sample(places, 60):
+            other = rng.choice([c for c in "0123456789abcx" if c != text[place]])
+            file.write_text(text[:place] + other + text[place + 1 :])
+            with pytest.raises(FileError, match="changed since the run began, or is damaged"):
+                identity.read(run)
+        refused("resume=run", cwd=tmp_path, says="Other settings are a run of their own")
 
-    def test_wrong_new_settings_leave_the_old_ones(self, tmp_path):
-        make_run(tmp_path / "it's, a run = 100 % é", words="- solver.seed=3\n")
-        before = {p: p.read_bytes() for p in tmp_path.rglob("*.yaml")}
-        for wrong in ("solver.n_gen=0", "solver.generations=9"):
-            done = footopt(f"resume={tmp_path}/it's, a run = 100 % é", wrong, cwd=tmp_path)
-            assert done.returncode == 1
-            assert done.stderr.startswith("footopt: error: ")
-            assert wrong.split("=")[0].split(".")[1] in done.stderr
-            assert "Traceback" not in done.stderr
-            assert {p: p.read_bytes() for p in tmp_path.rglob("*.yaml")} == before
+    @pytest.mark.parametrize(
+        ("name", "value"),
+        [("sand.zeta", 4.0), ("walker.mass", 61.0), ("solver.seed", 2), ("foot.n", 7), ("accuracy.dt", 0.01)],
+    )
+    def test_settings_that_are_not_those_of_the_result_are_refused(self, name, value, run, tmp_path):
+        settings, words = identity.read(run)
+        group, _, last = name.partition(".")
+        settings[group][last] = value
+        identity.write(run, settings, words)  # with a digest that fits
+        refused("resume=run", cwd=tmp_path, says=f"is that of another run: {name} differ")
+        (run / "result.json").unlink()
+        if name != "solver.seed":  # which a store does not know
+            refused("resume=run", cwd=tmp_path, says="was walked with other settings than those of")
 
-    @pytest.mark.parametrize("arguments", BAD)
-    def test_what_cannot_be_resumed_gets_one_clear_message(self, arguments, tmp_path):
-        (tmp_path / "a_file").write_text("not a store, and in the way\n" * 100)
-        (tmp_path / "empty").mkdir()
-        for name in ("run", "sweep/0", "sweep/1"):
-            make_run(tmp_path / name)
-        make_run(tmp_path / "broken", words="")
-        make_run(tmp_path / "simulate", study="simulate")
-        (tmp_path / "sweep" / "multirun.yaml").touch()
-        (tmp_path / "sweep" / "0" / "result.json").touch()
-        done = footopt(*arguments.split(), cwd=tmp_path)
-        assert done.returncode == 1
-        assert done.stderr.startswith("footopt: error: ")
-        assert BAD[arguments] in done.stderr
-        assert "Traceback" not in done.stderr
-        assert (tmp_path / "a_file").read_text().startswith("not a store")
+    def test_settings_of_another_version_are_refused(self, begun, tmp_path):
+        settings, words = identity.read(begun)
+        for text, says in (({"sand": {}}, "sand.name"), ({"shoe": 1}, "Key 'shoe'")):
+            identity.write(begun, settings | text, words)
+            refused(
+                "resume=begun",
+                cwd=tmp_path,
+                says="a run with the settings of this version of footopt (" + says,
+            )
+
+    def test_a_new_run_takes_no_folder_that_another_one_has_walked_in_and_the_same_goes_on(
+        self, run, tmp_path
+    ):
+        (run / "result.json").unlink()
+        refused("hydra.run.dir=run", *SMALL, "sand=hard", cwd=tmp_path, says="which differs in sand.name")
+        done = footopt(*SMALL, "hydra.run.dir=run", cwd=tmp_path)
+        assert "30 designs of this search are known" in done.stdout
+
+    def test_no_word_of_a_folder_is_run(self, begun, tmp_path, monkeypatch):
+        (tmp_path / "evil.py").write_text("open('made', 'w')\n")
+        (tmp_path / "evil.yaml").write_text("x: 1\n")
+        settings, words = identity.read(begun)
+        wrong = ["--experimental-rerun=evil.pickle", "hydra.run.dir=elsewhere", "plugins=[evil.py]"]
+        identity.write(begun, settings, [*words, *wrong])
+        (begun / ".hydra").mkdir()
+        (begun / ".hydra" / "overrides.yaml").write_text("- plugins=[evil.py]\n")
+        ran = []
+        monkeypatch.setattr("footopt.cli.job.studies.run", lambda *of: ran.append(of))
+        assert footopt("resume=begun", cwd=tmp_path).returncode == 0
+        assert (ran[0][0].plugins, ran[0][1]) == ([], begun)
+        for change, says in (
+            ({"plugins": ["evil.py"]}, "plugins = ['evil.py']: must be trusted: it comes from"),
+            (
+                {"engine": settings["engine"] | {"address": "tcp://there:1"}},
+                "engine.address = 'tcp://there:1'",
+            ),
+            ({"study": settings["study"] | {"video": "/tmp/x.gif"}}, "study.video = '/tmp/x.gif'"),
+        ):
+            identity.write(begun, settings | change, words)
+            refused("resume=begun", cwd=tmp_path, says=says)
+            assert footopt("resume=begun", "--trust", cwd=tmp_path).returncode == 0
+            assert str(ran[-1][0]).count(says.split("'")[1]) == 1
+        assert len(ran) == 4
+        identity.write(begun, settings | {"plugins": ["evil.py"]}, words)
+        assert footopt("resume=begun", "plugins=[mine.py]", cwd=tmp_path).returncode == 0
+        assert ran[-1][0].plugins == ["mine.py"]
+        settings["sand"]["name"] = "${oc.env:HOME}"
+        identity.write(begun, settings, words)
+        refused("resume=begun", cwd=tmp_path, says="has been changed since the run began, or is damaged")
+        assert not (tmp_path / "made").exists()
+
+    def test_a_design_walked_by_other_code_does_not_enter_a_finished_result_unasked(
+        self, run, tmp_path, monkeypatch
+    ):
+        monkeypatch.setattr(context, "_sources", lambda: "another")
+        refused("resume=run", cwd=tmp_path, says="other code has walked this finished run (sources")
+        before = json.loads((run / "result.json").read_text())
+        done = footopt("resume=run", "study.reuse=true", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        after = json.loads((run / "result.json").read_text())
+        assert (after["objectives"], after["reused"]) == (before["objectives"], before["designs"])
+        assert after["walked_by_other_code"][0].startswith("sources (")
+        assert after["settings"]["study"]["reuse"]
+        assert "walked_by_other_code" not in before
 
 
-@pytest.mark.slow
+class TestLock:
+    def test_a_second_run_in_a_folder_is_refused_and_the_first_one_is_named(self, run, tmp_path):
+        with locked_by_another(run) as process:
+            for words in (["resume=run"], ["hydra.run.dir=run", "sand=soft"]):
+                refused(*words, cwd=tmp_path, says=f"process {process} on {socket.gethostname()} is at work")
+
+    def test_the_lock_of_a_dead_process_is_taken_over(self, run, tmp_path):
+        with locked_by_another(run) as process:
+            os.kill(process, signal.SIGKILL)
+            os.waitpid(process, 0)
+            assert (run / LOCK).read_text() == f"process {process} on {socket.gethostname()}"
+            done = footopt("resume=run", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert not (run / LOCK).exists()
+
+    @pytest.mark.slow
+    def test_of_runs_begun_at_once_in_a_folder_one_goes_on(self, tmp_path):
+        for i in range(3):
+            words = [*SMALL, f"hydra.run.dir=run{i}"]
+            runs = [started(*words, f"solver.seed={seed}", cwd=tmp_path) for seed in range(3)]
+            ends = [(ended(run)[1], run.returncode) for run in runs]
+            assert sorted(code for _, code in ends) == [0, 1, 1]
+            winner = [code for _, code in ends].index(0)
+            for said, code in ends:
+                assert code == 0 or re.search(r"is at work in this folder|holds (a|another) run", said)
+            result = json.loads((tmp_path / f"run{i}" / "result.json").read_text())
+            assert result["seed"] == identity.read(tmp_path / f"run{i}").settings["solver"]["seed"] == winner
+
+
 class TestResume:
-    def test_goes_on_with_the_settings_of_the_run_and_new_ones(self, finished, tmp_path):
+    def test_goes_on_with_the_settings_of_the_run_and_a_larger_budget(self, finished, tmp_path):
         folder = tmp_path / "it's, a run = 100 % é"  # all of which mean something to Hydra's grammar
         shutil.copytree(finished, folder)
         done = footopt(f"resume={folder.name}/", "solver.n_gen=5", cwd=tmp_path)
@@ -113,27 +264,43 @@ class TestResume:
         result = json.loads((folder / "result.json").read_text())
         assert (result["evaluations"], result["reused"]) == (50, 30)
         assert result["settings"]["solver"]["n_gen"] == 5
-        saved = (folder / ".hydra" / "overrides.yaml").read_text().split()
-        assert saved[1::2] == [*QUICK, "solver.n_gen=5"]
+        assert identity.read(folder).words == (*SMALL[:-1], "solver.n_gen=5")
         assert [p.name for p in tmp_path.iterdir()] == [folder.name]
-        done = footopt(*QUICK, "solver.n_gen=5", "hydra.run.dir=fresh", cwd=tmp_path)
+        done = footopt(*SMALL, "solver.n_gen=5", "hydra.run.dir=fresh", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         assert outcome(folder) == outcome(tmp_path / "fresh")
 
-    def test_a_shorter_search_does_not_replace_a_longer_one(self, finished, tmp_path):
-        shutil.copytree(finished, tmp_path / "run")
-        before = (tmp_path / "run" / "result.json").read_bytes()
-        done = footopt("resume=run", "solver.n_gen=2", cwd=tmp_path)
-        assert done.returncode == 1
-        assert "solver.n_gen = 2: must be at least 3: the run has 30 evaluations" in done.stderr
-        assert (tmp_path / "run" / "result.json").read_bytes() == before
+    def test_an_extension_that_was_killed_leaves_the_run_as_it_was(self, run, tmp_path, monkeypatch):
+        before = outcome(run), identity.read(run)
+        monkeypatch.setattr("footopt.studies.optimize.confirm", lambda *of: 1 / 0)
+        assert footopt("resume=run", "solver.n_gen=4", cwd=tmp_path).returncode == 1
+        assert (outcome(run), identity.read(run)) == before
+        monkeypatch.undo()
+        done = footopt("resume=run", "solver.n_gen=4", cwd=tmp_path)
+        assert "40 designs of this search are known" in done.stdout
 
-    def test_other_settings_are_walked_anew_and_the_difference_is_said(self, finished, tmp_path):
-        shutil.copytree(finished, tmp_path / "run")
-        done = footopt("resume=run", "sand=soft", cwd=tmp_path)
+    def test_with_another_engine(self, run, tmp_path):
+        done = footopt("resume=run", "engine=processes", "engine.workers=1", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
-        assert "can be used again: scene.sand.name (hard there, soft here)" in done.stdout
-        assert json.loads((tmp_path / "run" / "result.json").read_text())["reused"] == 0
+        engine = json.loads((run / "result.json").read_text())["settings"]["engine"]
+        assert (engine["name"], engine["workers"]) == ("processes", 1)
+
+    @pytest.mark.parametrize("how", ["--config-dir=mine sand=dune", "-cd mine -cn own", "-cp MINE -cn own"])
+    def test_runs_of_settings_of_one_s_own_are_resumed_as_they_were(self, how, tmp_path, monkeypatch):
+        own, ran = tmp_path / "mine", []
+        (own / "sand").mkdir(parents=True)
+        (own / "sand" / "dune.yaml").write_text("name: dune\nzeta: 3.3\n")
+        ours = "hydra:\n  searchpath: [file://CONF]\ndefaults: [config, {override sand: dune}, _self_]\n"
+        (own / "own.yaml").write_text(ours.replace("CONF", str(CONF)) + "walker: {mass: 44.0}\n")
+        monkeypatch.setattr("footopt.cli.job.studies.run", lambda *of: ran.append(of))
+        words = how.replace("MINE", str(own)).split()
+        assert footopt(*words, *QUICK, "hydra.run.dir=run", cwd=tmp_path).returncode == 0
+        config, folder, settings, *_ = ran[0]
+        identity.write(folder, settings, words)
+        shutil.rmtree(own)
+        assert footopt("resume=run", cwd=tmp_path).returncode == 0
+        assert ran[1][:3] == (config, folder, settings)
+        assert (config.sand.zeta, config.walker.mass) == (3.3, 44.0 if "own" in how else 60.0)
 
 
 @pytest.mark.slow
@@ -148,7 +315,7 @@ class TestKilled:
             folder = tmp_path / str(rounds)
             first = [*BRIEF, f"solver={solver}", f"hydra.run.dir={folder.name}"]
             for i in range(7):
-                begun = (folder / ".hydra" / "overrides.yaml").is_file()
+                begun = (folder / identity.FILE).is_file()
                 run = started(*([f"resume={folder.name}"] if begun else first), cwd=tmp_path)
                 if i:  # the first is hit in its start or later, the others while they search
                     wait_for(run, "Searching")
@@ -160,17 +327,6 @@ class TestKilled:
             done = footopt(f"resume={folder.name}", cwd=tmp_path)
             assert done.returncode == 0, done.stderr
             assert outcome(folder) == outcome(undisturbed(solver))
-
-    def test_a_killed_extension_is_extended_by_a_plain_resume(self, finished, tmp_path):
-        shutil.copytree(finished, tmp_path / "run")
-        run = started("resume=run", "solver.n_gen=2000", cwd=tmp_path)
-        wait_for(run, "/2000")
-        run.kill()
-        ended(run)
-        run = started("resume=run", cwd=tmp_path)
-        wait_for(run, "/2000")
-        run.kill()
-        ended(run)
 
 
 @pytest.mark.slow
@@ -232,21 +388,6 @@ class TestSharedStore:
         result = json.loads((tmp_path / "ga" / "result.json").read_text())
         assert result["reused"] == result["designs"]
 
-    def test_one_job_of_a_multirun_is_resumed_in_its_folder(self, tmp_path):
-        done = footopt(
-            "-m", "solver.seed=1,2", "sand.zeta=5,0.001", *QUICK, "hydra.sweep.dir=sweep", cwd=tmp_path
-        )
-        assert done.returncode == 1
-        assert "Jobs without a result: 1, 3 (of 0, 1, 2, 3)" in footopt("resume=sweep", cwd=tmp_path).stderr
-        before = outcome(tmp_path / "sweep" / "2")
-        done = footopt("resume=sweep/2", cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
-        assert outcome(tmp_path / "sweep" / "2") == before
-        assert (tmp_path / "sweep" / "1" / "error.txt").is_file()
-        done = footopt("resume=sweep/1", "sand.zeta=5", cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
-        assert not (tmp_path / "sweep" / "1" / "error.txt").is_file()
-
 
 @pytest.mark.slow
 def test_a_full_disk_is_said_and_what_was_kept_is_used(undisturbed, tmp_path):
@@ -275,7 +416,6 @@ def test_a_full_disk_is_said_and_what_was_kept_is_used(undisturbed, tmp_path):
     assert store in failing(60, "resume=run")  # some generations later
     resume()
     result = (tmp_path / "run" / "result.json").read_bytes()
-    assert f"cannot write {tmp_path}/run/.hydra/config.yaml" in failing(0, "resume=run", "solver.n_gen=26")
     assert f"cannot write {tmp_path}/run/designs.csv" in failing(40, "resume=run")
     assert (tmp_path / "run" / "result.json").read_bytes() == result
     assert not list((tmp_path / "run").rglob("*.new"))
@@ -284,20 +424,17 @@ def test_a_full_disk_is_said_and_what_was_kept_is_used(undisturbed, tmp_path):
 
 def test_files_of_a_run_are_found_from_another_folder(tmp_path, monkeypatch):
     there, here = tmp_path / "it's there", tmp_path / "here"
-    for place in (there / "run" / ".hydra", here):
-        place.mkdir(parents=True)
-    for name in ("Größe.trc", "mine.py"):
-        (there / name).touch()
-    saved = ["gait.path='Größe.trc'", "plugins=[mine.py,a.module]", "sand.table=null", "foot.n=7"]
-    (there / "run" / ".hydra" / "config.yaml").write_text("study:\n  name: optimize\n")
-    (there / "run" / ".hydra" / "overrides.yaml").write_text("".join(f'- "{word}"\n' for word in saved))
-    (there / "run" / ".hydra" / "hydra.yaml").write_text(f'hydra:\n  runtime:\n    cwd: "{there}"\n')
-    monkeypatch.chdir(there)
-    assert resumed(["resume=run"])[: len(saved)] == saved
-    monkeypatch.chdir(here)
-    words = resumed([f"resume={there / 'run'}"])[: len(saved)]
-    parsed = {word.key_or_group: word.value() for word in OverridesParser.create().parse_overrides(words)}
-    assert parsed["gait.path"] == str(there / "Größe.trc")
-    assert parsed["plugins"] == [str(there / "mine.py"), "a.module"]
-    assert parsed["sand.table"] is None
-    assert words[-1] == "foot.n=7"
+    for place in (there, here):
+        place.mkdir()
+    ran = []
+    monkeypatch.setattr("footopt.cli.job.studies.run", lambda *of: ran.append(of))
+    words = ["gait=file", 'gait.path="Größe.trc"', "plugins=[mine.py,a.module]", "hydra.run.dir=run"]
+    assert footopt(*words, cwd=there).returncode == 0
+    config, folder, settings, *_ = ran[0]
+    assert config.gait.path == "Größe.trc"  # as messages say it
+    identity.write(folder, settings, words)
+    assert footopt(f"resume={folder}", "--trust", cwd=here).returncode == 0
+    config = ran[1][0]
+    assert config.gait.path == str(there / "Größe.trc")
+    assert config.plugins == [str(there / "mine.py"), "a.module"]
+    assert config.sand.table is None

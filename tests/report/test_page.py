@@ -226,25 +226,19 @@ def arrived(folder, ending):
 
 @browser_needed
 @pytest.mark.parametrize("kind", KINDS)
-class TestEveryPage:
-    def test_loads_from_a_folder_with_no_error_and_nothing_from_outside(self, kind, pages, browser):
-        shown = Page(browser, pages[kind])
-        assert not shown.errors()
-        assert shown.js("performance.getEntriesByType('resource').length") == 0
-        assert shown.text("h1")
-
-    def test_everything_to_operate_and_every_picture_has_a_name(self, kind, pages, browser):
-        shown = Page(browser, pages[kind])
-        browser.execute_script("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
-        for element in shown.all("button, select, input, a"):
-            assert element.accessible_name or not element.is_displayed(), element.get_attribute("outerHTML")
-        assert all(e.get_attribute("aria-label") for e in shown.all("svg[role=img]"))
-
-    def test_is_never_wider_than_the_window(self, kind, pages, browser):
-        shown = Page(browser, pages[kind])
-        for width in (420, 800, 1280):
-            browser.set_window_size(width, 900)
-            assert shown.js("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
+def test_a_page_loads_alone_names_all_that_one_operates_and_fits_any_window(kind, pages, browser):
+    """Without an error, and with nothing from outside."""
+    shown = Page(browser, pages[kind])
+    assert not shown.errors()
+    assert shown.js("performance.getEntriesByType('resource').length") == 0
+    assert shown.text("h1")
+    for width in (420, 800, 1280):
+        browser.set_window_size(width, 900)
+        assert shown.js("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
+    browser.execute_script("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
+    for element in shown.all("button, select, input, a"):
+        assert element.accessible_name or not element.is_displayed(), element.get_attribute("outerHTML")
+    assert all(e.get_attribute("aria-label") for e in shown.all("svg[role=img]"))
 
 
 @browser_needed

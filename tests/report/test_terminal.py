@@ -55,9 +55,6 @@ def paced(costs, seconds):
 
 
 class TestPace:
-    def test_even_units_are_foretold_exactly(self):
-        assert paced([1.0] * 50, [0.3] * 50) == pytest.approx(1.0)
-
     def test_units_with_known_costs_are_foretold_exactly(self):
         costs = [float(1 + i % 7) ** 2 for i in range(60)]
         assert paced(costs, [0.1 * c for c in costs]) == pytest.approx(1.0)
@@ -184,6 +181,7 @@ SINKING = [*FOOTOPT, "study=simulate", "sand.zeta=0.001", "accuracy=draft"]  # w
 
 
 class TestColours:
+    @pytest.mark.slow
     def test_on_a_terminal(self, tmp_path):
         text, code = on_a_terminal(SINKING, cwd=tmp_path)
         assert code == 0

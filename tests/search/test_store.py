@@ -6,7 +6,9 @@ import math
 import re
 import shutil
 import sqlite3
+import sys
 import threading
+import types
 from typing import NamedTuple
 from unittest import mock
 
@@ -265,6 +267,8 @@ class TestContext:
             ("foot/foot.py", "import", "import  ", True),
             ("design/robust.py", "np.abs(references)", "references", False),
             ("design/problem.py", "natural = ", "natural = 2.0 * ", False),
+            ("design/evaluator.py", "found[i].values", "-found[i].values", False),
+            ("design/executor.py", "k[part]", "k[part[::-1]]", False),
             ("compiled.py", '"reassoc", ', "", False),
             ("sand/law.py", "return ", "return 2.0 * ", False),
         ],
@@ -279,6 +283,38 @@ class TestContext:
         (copy / file).write_text(text.replace(old, new, 1))
         monkeypatch.setattr(context_module, "PACKAGE", copy)
         assert (context_module._sources.__wrapped__() == before) == same
+
+    @pytest.mark.parametrize("typed", [False, True])
+    def test_a_changed_problem_of_ones_own_is_not_reused(self, tmp_path, path, typed):
+        """Its class, in a file or typed into a session, makes the values."""
+
+        def made(factor):
+            text = f"""
+import footopt as fo
+
+class Doubled(fo.FootProblem):
+    def walk(self, k):
+        values, reasons = super().walk(k)
+        return {factor} * values, reasons
+"""
+            (tmp_path / "mine.py").write_text(text)
+            file = "<stdin>" if typed else str(tmp_path / "mine.py")
+            space = {"__name__": "mine"}
+            exec(compile(text, file, "exec"), space)
+            if not typed:
+                sys.modules["mine"] = types.SimpleNamespace(__file__=file)
+            return space["Doubled"](scene=problem().scene, space=SMALL, accuracy=QUICK)
+
+        try:
+            with Store(path, made(2.0)) as store:
+                store.add([[1] * 5], [Evaluation(np.ones(6), "")])
+            with Store(path, made(2.0)) as store:
+                assert store.get([[1] * 5]) != [None]
+            with Store(path, made(3.0)) as store:
+                assert store.get([[1] * 5]) == [None]
+                assert "mine.Doubled" in store.describe()
+        finally:
+            sys.modules.pop("mine", None)
 
     def test_designs_walked_by_other_code_are_used_only_when_asked_for_and_said(self, path, monkeypatch):
         with Store(path, problem()) as store:

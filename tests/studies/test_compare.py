@@ -8,6 +8,7 @@ from study_pages import leave_job
 
 import footopt as fo
 from footopt.errors import FileError, SettingError
+from footopt.files import identity
 from footopt.studies import run
 from footopt.studies.compare import run_folders
 from footopt.studies.settings import Config, StudyConfig
@@ -20,11 +21,9 @@ def runs(tmp_path):
         folder = tmp_path / name
         folder.parent.mkdir(exist_ok=True)
         leave_job(folder, fo.simulate(fo.Foot.flat(), fo.Scene(sand=fo.Sand(zeta=zeta)), "draft"))
-        (folder / ".hydra").mkdir()
-        (folder / ".hydra" / "overrides.yaml").write_text(
-            f"- solver.seed={i}\n- sand.zeta={zeta}\n- gait=human\n"
-        )
-    (tmp_path / "old" / "broken" / ".hydra").mkdir(parents=True)
+        identity.write(folder, {}, [f"solver.seed={i}", f"sand.zeta={zeta}", "gait=human"])
+    (tmp_path / "old" / "broken").mkdir()
+    identity.write(tmp_path / "old" / "broken", {}, [])
     (tmp_path / "old" / "other").mkdir()
     (tmp_path / "old" / "other" / "result.json").write_text('{"study": "accuracy"}')
     (tmp_path / "new" / "c" / "report.html").touch()
@@ -92,7 +91,7 @@ def test_a_multirun_stands_for_its_jobs_in_their_order(runs):
     (runs / "multi").mkdir()
     (runs / "multi" / "multirun.yaml").touch()
     for job in ("10", "9", "2"):
-        (runs / "multi" / job / ".hydra").mkdir(parents=True)
+        (runs / "multi" / job).mkdir()
     (runs / "old" / "b").rename(runs / "multi" / "0")
     expected = [runs / "multi" / job for job in ("0", "2", "9", "10")]
     assert list(run_folders([f"{runs}/mul*"], runs)) == expected

@@ -1,0 +1,99 @@
+"""One run, from its settings to its end: Hydra has composed them, or a folder holds them."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import shutil
+import signal
+import sys
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+from omegaconf import OmegaConf
+
+from footopt import studies
+from footopt.cli.paths import absolute
+from footopt.files.identity import FILE
+from footopt.studies.settings import Config
+
+STOPPED = 130  # exit code after Ctrl-C, as of any program that a shell stops
+
+
+def walk(settings: Mapping[str, Any], folder: Path, words: Sequence[str], resumed: bool = False) -> Any:
+    """Run the study of some settings in a folder.
+
+    Parameters
+    ----------
+    settings : dict
+        All settings, resolved.
+    folder : Path
+        Where the run leaves what it finds.
+    words : sequence of str
+        What was given on the command line.
+    resumed : bool
+        Whether it goes on with what is in the folder.
+
+    Returns
+    -------
+    float or tuple, optional
+        See `footopt.studies.run`.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        It was stopped; how to go on has been said.
+    """
+    hint = f"; go on with: footopt resume={shlex.quote(str(folder))}"
+    try:
+        config: Any = OmegaConf.to_object(OmegaConf.merge(Config, settings))  # refuses what + has added
+        with one_ctrl_c(f"footopt: stopped{hint}"):
+            return studies.run(config, folder, absolute(settings), words, resumed)
+    except KeyboardInterrupt as stop:
+        print(" ".join(["footopt: stopped", *map(str, stop.args)]) + hint, file=sys.stderr)
+        raise
+
+
+def tidy(folder: Path) -> None:
+    """Remove the folder of a run that was refused, if nothing has been found there."""
+    left = [path for path in folder.rglob("*") if path.is_file()]
+    logs = [path for path in left if path.suffix == ".log"]
+    own = {folder / FILE, *(folder / ".hydra" / f"{name}.yaml" for name in ("config", "hydra", "overrides"))}
+    if {*left} - {*logs} <= own and not any(path.stat().st_size for path in logs):
+        (folder / FILE).unlink(missing_ok=True)
+        if folder != Path.cwd():
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+@contextmanager
+def one_ctrl_c(last_words: str) -> Iterator[None]:
+    """The first Ctrl-C ends a search with its report; the second ends the process, wherever it is.
+
+    A second `KeyboardInterrupt` would break into what cleans up after the first, and could be lost or
+    leave a lock behind. All that is known is in the store by then, and workers end with their parent.
+    """
+    heard = False
+
+    def handle(signum: int, frame: FrameType | None) -> None:
+        nonlocal heard
+        if heard:
+            os.write(2, f"{last_words}\n".encode())
+            os._exit(STOPPED)
+        heard = True
+        raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread():  # a launcher's: signals are not for it
+        yield
+        return
+    before = signal.getsignal(signal.SIGINT)
+    if before is signal.default_int_handler:  # not where whoever started this wants it ignored
+        signal.signal(signal.SIGINT, handle)
+    try:
+        yield
+    finally:
+        if not heard and before is signal.default_int_handler:
+            signal.signal(signal.SIGINT, before)

@@ -1,0 +1,94 @@
+"""A multirun: its jobs are written down before the first begins, and compared after the last."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
+from hydra.core.global_hydra import GlobalHydra
+from hydra.core.hydra_config import HydraConfig
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from hydra.errors import HydraException
+from hydra.experimental.callback import Callback
+from omegaconf import DictConfig, OmegaConf, open_dict
+from omegaconf.errors import OmegaConfBaseException
+
+from footopt.cli.paths import absolute, beside_their_files
+from footopt.files import identity
+from footopt.files.lock import Occupied, locked
+
+
+class Summary(Callback):
+    """Writes down the jobs of a multirun, and after it a table on the terminal and as summary.csv."""
+
+    failed = 0
+    folder = ""  # of the multirun
+    held = ExitStack()  # its lock
+
+    def on_multirun_start(self, config: DictConfig, **kwargs: Any) -> None:
+        """Refuse the folder of another multirun; leave in each job's folder what the job is."""
+        folder = Path(config.hydra.sweep.dir)
+        try:
+            Summary.held.enter_context(locked(folder))
+            if (folder / "multirun.yaml").exists():
+                raise Occupied(
+                    f"{folder}: holds a multirun. footopt resume={folder} goes on with it; or choose another "
+                    "hydra.sweep.dir."
+                )
+        except OSError as error:  # Hydra makes a warning of any other exception
+            sys.exit(f"footopt: error: {error}")
+        Summary.folder = str(folder)
+        for place, settings, words in _jobs(config):
+            path = folder / place
+            path.mkdir(parents=True, exist_ok=True)
+            identity.write(path, settings, words)
+
+    def on_multirun_end(self, config: DictConfig, **kwargs: Any) -> None:
+        """Read what the jobs left in their folders."""
+        from footopt.report import summary
+
+        Summary.failed = summary.of_multirun(Path(config.hydra.sweep.dir))
+
+    @classmethod
+    def close(cls) -> None:
+        """Let go of the folder."""
+        cls.held.close()
+
+    @classmethod
+    def lost(cls, error: Exception) -> str:
+        """What a user is told when a launcher has lost a job."""
+        return (
+            f"a job of this multirun was lost ({str(error).partition(chr(10))[0]}). Others may still run. "
+            f"`footopt resume={shlex.quote(cls.folder)}` finishes the jobs without a result."
+        )
+
+
+def _jobs(config: DictConfig) -> Iterator[tuple[str, dict[str, Any], list[str]]]:
+    """Place, settings and words of every job; none for a sweeper that chooses as it goes."""
+    if not config.hydra.sweeper._target_.endswith(f".{BasicSweeper.__name__}"):
+        return
+    loader = GlobalHydra.instance().config_loader()
+    own = [f"{name}={value}" for name, value in (config.hydra.sweeper.params or {}).items()]
+    before = HydraConfig.instance().cfg
+    try:
+        words = OverridesParser.create(config_loader=loader).parse_overrides(
+            [*own, *config.hydra.overrides.task]
+        )
+        for number, job in enumerate(BasicSweeper.split_arguments(words, None)[0]):
+            settings = loader.load_sweep_config(config, list(job))
+            with open_dict(settings):
+                settings.hydra.job.num, settings.hydra.job.id = number, str(number)
+                HydraConfig.instance().set_config(settings)
+                here, place = settings.hydra, str(OmegaConf.select(settings, "hydra.sweep.subdir"))
+                del settings["hydra"]
+            plain: Any = OmegaConf.to_container(settings, resolve=True)
+            yield place, absolute(beside_their_files(plain, here)), list(job)
+    except (HydraException, OmegaConfBaseException):  # the sweeper says so, or the job
+        return
+    finally:
+        HydraConfig.instance().cfg = before

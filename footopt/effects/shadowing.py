@@ -1,0 +1,107 @@
+"""Shadowing: sand that rests in a hollow, or between blades, moves with the foot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.compiled import cached_njit
+from footopt.effects.base import EFFECTS, Effect, Scale
+from footopt.errors import check
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Shadowing:
+    """A groove counts with a part of its depth: the sole comes nearer to its lower convex hull.
+
+    Each point of the sole is moved straight down, in the foot frame, until its gap to the hull is
+    `effective` times what it was; plates are cut from that sole. A convex sole stays as it is.
+
+    Source: Agarwal, Karsai, Goldman & Kamrin, Science Advances 7 (2021), who let a third of the height of a
+    wheel's grousers count. Range: grooves narrower than they are long in the direction of motion, and sand
+    that has come to rest in them. It knows neither how wide a groove is nor where the foot moves, and a
+    convex sole shadows nothing.
+
+    Parameters
+    ----------
+    effective : float, 1
+        The part of a groove's depth that counts: 1 is the plain law, 0 the hull.
+
+    Raises
+    ------
+    SettingError
+        It is not from 0 to 1.
+    """
+
+    effective: float = 1.0 / 3.0
+    law = None
+
+    def __post_init__(self) -> None:
+        check(0 <= self.effective <= 1, "effects.shadowing.effective", self.effective, "a part, from 0 to 1")
+
+    @property
+    def nothing(self) -> bool:
+        """Whether a groove counts with all its depth."""
+        return self.effective == 1.0
+
+    def estimate(self, scale: Scale) -> float:
+        """What a groove of 10 mm loses of its depth, over the depth to which a foot sinks."""
+        return (1.0 - self.effective) * GROOVE / scale.depth
+
+
+GROOVE = 0.01  # m
+
+
+def filler(effects: Sequence[Effect]) -> Callable[[Array], Array] | None:
+    """What a scene's shadowing makes of soles, (designs, points, 2) m to the same; None without it."""
+    for effect in effects:
+        if isinstance(effect, Shadowing):
+            return lambda points: filled(points, effect.effective)
+    return None
+
+
+@cached_njit(nogil=True, error_model="numpy")
+def filled(points, effective):
+    """Soles whose gaps to their lower convex hulls are `effective` times what they were.
+
+    points: (designs, m, 2), m, in the order of the contour.
+    """
+    out = points.copy()
+    count = points.shape[1]
+    order, hull = np.empty(count, np.int64), np.empty(count, np.int64)
+    for d in range(len(points)):
+        x, z = points[d, :, 0], points[d, :, 1]
+        for i in range(count):  # by x, then z; nearly in order as they come, unless the sole overhangs
+            j = i
+            while j > 0 and (x[order[j - 1]], z[order[j - 1]]) > (x[i], z[i]):
+                order[j] = order[j - 1]
+                j -= 1
+            order[j] = i
+        size = 0
+        for i in order:  # Andrew's monotone chain
+            while size >= 2:
+                a, b = hull[size - 2], hull[size - 1]
+                if (x[b] - x[a]) * (z[i] - z[a]) - (z[b] - z[a]) * (x[i] - x[a]) > 0.0:
+                    break
+                size -= 1
+            if size == 0 or x[i] > x[hull[size - 1]]:  # what stands above a corner is no floor
+                hull[size] = i
+                size += 1
+        right = 0
+        for i in order:
+            while right < size - 1 and x[hull[right]] < x[i]:
+                right += 1
+            a, b = hull[max(right - 1, 0)], hull[right]
+            part = (x[i] - x[a]) / (x[b] - x[a]) if x[i] < x[b] else 1.0
+            gap = z[i] - z[a] - part * (z[b] - z[a])
+            if gap > 1e-12:  # a convex sole keeps its last bit
+                out[d, i, 1] = z[i] - (1.0 - effective) * gap
+    return out
+
+
+EFFECTS["shadowing"] = Shadowing

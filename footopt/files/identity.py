@@ -1,0 +1,90 @@
+"""What a run is: its resolved settings, kept in its folder with a digest, and read again as plain data."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import yaml
+
+from footopt.errors import FileError
+from footopt.files.reading import is_missing, read_text
+from footopt.files.run import write_text
+
+FILE = "footopt.yaml"
+HEAD = """\
+# What this run is: its settings, resolved. `footopt resume=FOLDER` goes on with them.
+# Changes made by hand are refused: other settings are a run of their own.
+"""
+
+
+class Identity(NamedTuple):
+    """What a run is.
+
+    Parameters
+    ----------
+    settings : dict
+        All settings in YAML's types.
+    words : tuple of str
+        What was given on the command line, to tell runs apart in tables.
+    """
+
+    settings: Mapping[str, Any]
+    words: tuple[str, ...]
+
+
+def write(folder: Path, settings: Mapping[str, Any], words: Sequence[str]) -> None:
+    """Write down what a run is."""
+    content = {"footopt": version("footopt"), "words": list(words), "settings": dict(settings)}
+    content["digest"] = _digest(content)
+    write_text(folder / FILE, HEAD + yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=100))
+
+
+def read(folder: Path, setting: str = "resume") -> Identity:
+    """What the run in a folder is.
+
+    Raises
+    ------
+    FileError
+        There is no run, or its file has been changed or damaged.
+    """
+    path = folder / FILE
+    if is_missing(path):
+        raise FileError(
+            f"{setting} = {str(folder)!r}: not the folder of a run (it has no {FILE}). "
+            "Give one such as outputs/optimize/2026-01-31_12-00-00-000000."
+        )
+    try:
+        content = yaml.safe_load(read_text(path, "settings", setting))
+        sound = content.pop("digest") == _digest(content) and "${" not in json.dumps(content)
+        found = Identity(dict(content["settings"]), tuple(map(str, content["words"])))
+    except FileError:
+        raise
+    except Exception:  # whatever can be wrong with a file that somebody has changed
+        sound = False
+    if not sound:
+        raise FileError(
+            f"{setting} = {str(folder)!r}: {FILE} has been changed since the run began, or is damaged. "
+            "Other settings are a run of their own: start a new run."
+        )
+    return found
+
+
+def _digest(content: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def differing(one: Any, other: Any, name: str = "") -> list[str]:
+    """Full names of the settings in which two sets of them differ."""
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        names = dict.fromkeys([*one, *other])
+        return [
+            found
+            for key in names
+            for found in differing(one.get(key), other.get(key), f"{name}.{key}" if name else str(key))
+        ]
+    return [] if one == other else [name]

@@ -1,0 +1,161 @@
+"""Figures of study=validate: one for each experiment, and one over all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from footopt.report.style import (
+    COLOURS,
+    GREEN,
+    GRID,
+    MARKERS,
+    ORANGE,
+    PAGE,
+    PALE,
+    VERMILLION,
+    legend_above,
+    marker,
+    new_figure,
+    styled,
+)
+
+Axes = Any
+#: Comparisons as `footopt.studies.validation.compare.Comparison` has them.
+Comparisons = Sequence[Any]
+
+NAMES = {"alpha_x": r"$\alpha_x$", "alpha_z": r"$\alpha_z$"}
+VERDICTS = {"agrees": (GREEN, "o"), "differs": (VERMILLION, "X"), "cannot be told": (ORANGE, "s")}
+DATA: dict[str, Any] = {"color": "black", "ls": "", "marker": "o", "elinewidth": 0.8}
+MANY = 10  # points that have no rows of their own
+FLOOR = 0.9  # %, the least that the overview shows
+
+
+def law_name(law: Sequence[str]) -> str:
+    """A set of effects in words."""
+    return " + ".join(name.replace("_", " ") for name in law) or "plain law"
+
+
+def axis_name(c: Any) -> str:
+    """A quantity with its unit."""
+    unit = {"1": "", "N/cm3": " (N/cm³)"}.get(c.unit, f" ({c.unit})")
+    return f"{NAMES.get(c.quantity, c.quantity)}{unit}"
+
+
+@styled
+def experiment(found: Comparisons, x: str = "") -> Figure:
+    """Every quantity of an experiment: data, and what each law predicts, with 2 standard uncertainties.
+
+    Parameters
+    ----------
+    found : sequence of Comparison
+        Of one experiment, under all its laws.
+    x : str
+        What the points are numbered by. Points with names are drawn a row each; where there are many, a
+        prediction is drawn against its measurement.
+    """
+    quantities = list(dict.fromkeys(c.quantity for c in found))
+    laws = list(dict.fromkeys(c.law for c in found))
+    first = found[0]
+    numbers = all(isinstance(point, (int, float)) for point in first.points)
+    draw = _against_x if numbers else _by_name if len(first.points) < MANY else _parity
+    height = 0.7 + 0.2 * len(first.points) * (1 + len(laws)) if draw is _by_name else 2.5
+    figure = new_figure(min(PAGE, max(4.6, 2.9 * len(quantities))), height)
+    axes = figure.subplots(1, len(quantities), squeeze=False)[0]
+    for ax, quantity in zip(axes, quantities, strict=True):
+        own = [c for c in found if c.quantity == quantity]
+        draw(ax, own, [COLOURS[laws.index(c.law)] for c in own])
+        ax.grid(color=GRID, lw=0.6)
+        if draw is _against_x:
+            ax.set_xlabel(x)
+    legend_above(figure, *axes[0].get_legend_handles_labels())
+    return figure
+
+
+def _against_x(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
+    """Lines with bands, and the data."""
+    for c, colour in zip(own, colours, strict=True):
+        ax.plot(c.points, c.simulated, color=colour, label=law_name(c.law))
+        low, high = c.simulated - c.spread, c.simulated + c.spread
+        ax.fill_between(c.points, low, high, color=colour, alpha=0.15, lw=0)
+    c = own[0]
+    ax.errorbar(c.points, c.measured, c.bar, **DATA, label="measured")
+    ax.set_ylabel(axis_name(c))
+
+
+def _by_name(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
+    """A row for each point, in it the data and each law."""
+    rows, gap = np.arange(len(own[0].points)), 0.8 / (len(own) + 1)
+    for i, (c, colour) in enumerate(zip(own, colours, strict=True), start=1):
+        look = DATA | {"color": colour, "marker": MARKERS[i]}
+        ax.errorbar(c.simulated, rows + gap * i, xerr=c.spread, **look, label=law_name(c.law))
+    c = own[0]
+    ax.errorbar(c.measured, rows, xerr=c.bar, **DATA, label="measured")
+    named = any(c.points)
+    ax.set_yticks(rows + 0.5 * gap * len(own) if named else [], c.points if named else [])
+    ax.tick_params(axis="y", length=0)
+    ax.set_ylim(rows[-1] + 1.0 - gap, -gap)
+    ax.set_xlabel(axis_name(c))
+
+
+def _parity(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
+    """Prediction against measurement, with the band in which they agree."""
+    for i, (c, colour) in enumerate(zip(own, colours, strict=True)):
+        ax.plot(c.measured, c.simulated, **(marker(i) | {"color": colour}), ms=3.5, label=law_name(c.law))
+    c = own[0]
+    every = np.concatenate([c.measured, *(other.simulated for other in own)])
+    ends = np.array([every.min(), every.max()])
+    ax.fill_between(ends, ends - c.band, ends + c.band, color=PALE, lw=0, zorder=0)
+    ax.plot(ends, ends, color="black", lw=0.8, label="equal, with 2 u")
+    ax.set_xlabel(f"measured {axis_name(c)}")
+    ax.set_ylabel(f"predicted {axis_name(c)}")
+
+
+@styled
+def overview(found: Comparisons, titles: Mapping[str, str]) -> Figure:
+    """A row for each comparison: its error over the data's scale, and what it could have resolved."""
+    places: list[float] = []
+    labels: list[str] = []
+    for i, c in enumerate(found):
+        new = i == 0 or found[i - 1].experiment != c.experiment
+        places.append((places[-1] + 1.0 if places else 0.0) + (1.15 if new else 0.0))
+        labels.append(f"{NAMES.get(c.quantity, c.quantity)}, {law_name(c.law)}")
+    rows = np.array(places)
+    figure = new_figure(PAGE, 0.7 + 0.165 * rows[-1])
+    ax = figure.subplots()
+    ax.set_xscale("log")
+    ax.barh(rows, [percent(c.band, c) for c in found], height=0.7, color="0.87", label="2 u")
+    for verdict, (colour, shape) in VERDICTS.items():
+        own = [i for i, c in enumerate(found) if c.verdict == verdict]
+        size = [percent(found[i].size, found[i]) for i in own]
+        look: dict[str, Any] = {
+            "color": colour,
+            "marker": shape,
+            "ls": "",
+            "ms": 5.5,
+            "mew": 0,
+            "clip_on": False,
+        }
+        ax.plot(size, rows[own], **look, label=verdict)
+    for i, c in enumerate(found):
+        if i == 0 or found[i - 1].experiment != c.experiment:
+            ax.text(FLOOR, rows[i] - 1.0, f" {titles[c.experiment]}", va="center", weight="bold")
+    ax.set_xlim(FLOOR, 1200.0)
+    ticks = [1, 3, 10, 30, 100, 300, 1000]
+    ax.set_xticks(ticks, [f"{tick} %" for tick in ticks])
+    ax.set_xlabel("error (rms of S - D) over the scale of the data")
+    ax.set_yticks(rows, labels)
+    ax.set_ylim(rows[-1] + 0.7, rows[0] - 1.7)
+    ax.tick_params(axis="y", length=0)
+    ax.tick_params(axis="x", which="minor", length=0)
+    ax.grid(axis="x", color=GRID, lw=0.6)
+    legend_above(figure, *ax.get_legend_handles_labels())
+    return figure
+
+
+def percent(value: float, c: Any) -> float:
+    """A part of the scale in percent, where a logarithmic axis can show it."""
+    return max(100.0 * value / float(c.scale), FLOOR)

@@ -1,0 +1,80 @@
+"""Whether a run may be in a folder: as a new one, or as the one that goes on there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from footopt.errors import FileError
+from footopt.files import identity
+from footopt.files.identity import differing
+from footopt.files.lock import Occupied
+from footopt.files.reading import is_missing, read_json_file
+from footopt.files.run import plain
+
+#: What a run may change when it goes on: how long, where and with what it ends, not what is searched.
+CHANGEABLE = (
+    "solver.n_gen", "engine", "report", "study.confirm", "study.finalists", "study.store", "study.reuse",
+    "study.video", "foot.block", "plugins",
+)  # fmt: skip
+
+
+def may_change(name: str) -> bool:
+    """Whether a setting is one of `CHANGEABLE`, or of a group of them."""
+    return any(name == other or name.startswith(f"{other}.") for other in CHANGEABLE)
+
+
+def result_of(folder: Path) -> Mapping[str, Any] | None:
+    """What result.json says of the run in a folder; None if there is none."""
+    path = folder / "result.json"
+    found = None if is_missing(path) else read_json_file(path, "run", "resume")
+    if not (found is None or isinstance(found, dict)):
+        raise FileError(f"{path}: is not the result of a run. Move it away.")
+    return found
+
+
+def is_finished(folder: Path) -> bool:
+    """Whether the run in a folder has a result, and was not stopped before its last generation."""
+    found = result_of(folder)
+    return found is not None and not found.get("interrupted", False)
+
+
+def enter(folder: Path, settings: Mapping[str, Any], words: Sequence[str]) -> None:
+    """Begin a run in a folder, or go on with the same one that was stopped there: leave what it is.
+
+    Raises
+    ------
+    Occupied
+        The folder holds a finished run, or what another one has walked.
+    """
+    other = "Choose another hydra.run.dir."
+    if is_finished(folder):
+        raise Occupied(f"{folder}: holds a run that is finished; footopt resume=... extends it. {other}")
+    if not (is_missing(folder / "result.json") and is_missing(folder / "designs.sqlite")):
+        there = {} if is_missing(folder / identity.FILE) else identity.read(folder, "hydra.run.dir").settings
+        if names := differing(settings, there):
+            raise Occupied(
+                f"{folder}: holds another run, which differs in {', '.join(names[:4])}. "
+                f"footopt resume=... goes on with it. {other}"
+            )
+    identity.write(folder, settings, words)
+
+
+def check_same(folder: Path, settings: Mapping[str, Any]) -> None:
+    """Raise unless the settings of a run are those that its result was found with, but for `CHANGEABLE`.
+
+    Raises
+    ------
+    FileError
+        The result is that of another run.
+    """
+    found = result_of(folder)
+    if found is None:
+        return
+    names = [name for name in differing(plain(settings), found.get("settings")) if not may_change(name)]
+    if names:
+        raise FileError(
+            f"resume = {str(folder)!r}: its result.json is that of another run: {', '.join(names[:4])} "
+            f"differ from {identity.FILE}. Start a new run."
+        )

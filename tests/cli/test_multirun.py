@@ -1,0 +1,135 @@
+"""A multirun that is killed is told as it is, and one command finishes it."""
+
+import csv
+import json
+import os
+import random
+import shutil
+import signal
+import time
+
+import pytest
+from running import ended, footopt, outcome, started, wait_for
+
+from footopt.cli import job
+from footopt.files import identity
+
+JOBS = [0.2, 0.3, 0.5, 1.0]  # sand.zeta
+SWEEP = ["-m", "study=simulate", "accuracy=draft", f"sand.zeta={','.join(map(str, JOBS))}", "sand=regular"]
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """The folder of a multirun that nothing stopped."""
+    cwd = tmp_path_factory.mktemp("whole")
+    done = footopt(*SWEEP, "hydra.sweep.dir=sweep", cwd=cwd)
+    assert done.returncode == 0, done.stderr
+    return cwd / "sweep"
+
+
+def found(sweep):
+    """What all jobs of a multirun have found, and the table over them."""
+    jobs = {}
+    for path in sweep.glob("*/result.json"):
+        result = json.loads(path.read_text())
+        kept = {name: value for name, value in result.items() if not name.endswith("time_s")}
+        jobs[path.parent.name] = kept, (path.parent / "walk.nc").read_bytes()
+    with open(sweep / "summary.csv", newline="") as file:
+        rows = [{k: v for k, v in row.items() if "time" not in k} for row in csv.DictReader(file)]
+    return jobs, rows
+
+
+@pytest.fixture(scope="module")
+def halved(tmp_path_factory):
+    """The folder of the same multirun, stopped before its third job."""
+    cwd = tmp_path_factory.mktemp("halved")
+    run, count = job.studies.run, 0
+
+    def stop(*of):
+        nonlocal count
+        count += 1
+        if count == 3:
+            raise KeyboardInterrupt
+        return run(*of)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("footopt.cli.job.studies.run", stop)
+        done = footopt(*SWEEP, "hydra.sweep.dir=sweep", cwd=cwd)
+    assert done.returncode == 130
+    assert len(list(cwd.glob("sweep/*/result.json"))) == 2
+    return cwd / "sweep"
+
+
+@pytest.fixture
+def stopped(halved, tmp_path):
+    """A copy of it, to go on with."""
+    return shutil.copytree(halved, tmp_path / "sweep")
+
+
+class TestResume:
+    def test_finishes_the_jobs_that_are_missing_and_walks_no_other(self, stopped, whole):
+        assert len(list(stopped.glob(f"*/{identity.FILE}"))) == 4
+        before = {path: path.stat().st_mtime_ns for path in stopped.rglob("[01]/*")}
+        done = footopt("resume=sweep", cwd=stopped.parent)
+        assert done.returncode == 0, done.stderr
+        assert [line for line in done.stdout.splitlines() if line.startswith("job ")][:2] == [
+            f"job {i}: study=simulate accuracy=draft sand.zeta={JOBS[i]} sand=regular" for i in (2, 3)
+        ]
+        assert "4 jobs in" in done.stdout
+        assert {path: path.stat().st_mtime_ns for path in before} == before
+        assert found(stopped) == found(whole)
+
+    def test_a_job_that_failed_is_tried_again_and_told(self, stopped):
+        settings, words = identity.read(stopped / "3")
+        settings["foot"]["width"] = -1.0
+        identity.write(stopped / "3", settings, words)
+        done = footopt("resume=sweep", cwd=stopped.parent)
+        assert done.returncode == 1
+        assert "1 of the jobs failed" in done.stderr
+        assert "foot.width = -1.0: must be" in (stopped / "3" / "error.txt").read_text()
+
+    def test_takes_what_a_single_run_may_change(self, stopped):
+        done = footopt("resume=sweep", "sand=soft", cwd=stopped.parent)
+        assert done.returncode == 1
+        assert "start a new run, without resume" in done.stderr
+        assert len(list(stopped.glob("*/result.json"))) == 2
+
+    def test_one_job_is_resumed_in_its_folder(self, stopped, whole):
+        done = footopt("resume=sweep/3", cwd=stopped.parent)
+        assert done.returncode == 0, done.stderr
+        assert (
+            json.loads((stopped / "3" / "result.json").read_text())["objectives"]
+            == (json.loads((whole / "3" / "result.json").read_text())["objectives"])
+        )
+
+
+def test_another_multirun_takes_no_folder_that_holds_one(whole):
+    before = found(whole)
+    done = footopt(*SWEEP, "scene=brisk", "hydra.sweep.dir=sweep", cwd=whole.parent)
+    assert done.returncode == 1
+    assert "holds a multirun. footopt resume=" in done.stderr
+    assert found(whole) == before
+
+
+@pytest.mark.slow
+def test_killed_at_random_and_finished_by_one_command_it_is_that_of_one_never_killed(tmp_path):
+    """FOOTOPT_JOBS=200 FOOTOPT_KILLS=5 tries more; with jobs of a search, whose stores are cut short, too."""
+    jobs, kills = int(os.environ.get("FOOTOPT_JOBS", 8)), int(os.environ.get("FOOTOPT_KILLS", 3))
+    words = ["-m", "sand=soft", "accuracy=draft", "solver.pop_size=4", "solver.n_gen=2", "engine.threads=1",
+             f"solver.seed=range({jobs})"]  # fmt: skip
+    done = footopt(*words, "hydra.sweep.dir=whole", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    rng = random.Random(time.time_ns())
+    for i in range(kills):
+        command = ["resume=killed"] if i else [*words, "hydra.sweep.dir=killed"]
+        run = started(*command, cwd=tmp_path)
+        wait_for(run, "Searching")
+        time.sleep(rng.uniform(0.0, 0.3 * jobs))
+        run.send_signal(signal.SIGKILL)
+        ended(run)
+        assert len(list((tmp_path / "killed").glob(f"*/{identity.FILE}"))) == jobs
+    done = footopt("resume=killed", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert f"{jobs} jobs in" in done.stdout
+    for i in range(jobs):
+        assert outcome(tmp_path / "killed" / str(i)) == outcome(tmp_path / "whole" / str(i))

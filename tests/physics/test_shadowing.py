@@ -1,0 +1,89 @@
+"""Shadowing: a groove counts with a part of its depth, and a convex sole shadows nothing."""
+
+import numpy as np
+import pytest
+from feet_in_sand import SOLES
+from hypothesis import given
+from hypothesis import strategies as st
+
+import footopt as fo
+from footopt.effects.shadowing import filled
+from footopt.errors import SettingError
+from footopt.foot import lower_hull
+from footopt.studies.validation.rig import blades
+
+PART = st.floats(0.0, 1.0)
+
+
+def floor(contour, x):
+    """Height of a contour's lower hull, by the code that reports how hollow a sole is."""
+    corners = lower_hull(contour)[0]
+    return np.interp(x, *corners.T)
+
+
+class TestTheSole:
+    @given(SOLES, PART)
+    def test_every_gap_to_the_hull_is_the_given_part_of_what_it_was(self, foot, part):
+        points = foot.points(200)
+        below = floor(points, points[:, 0])
+        found = filled(points[None], part)[0]
+        assert np.array_equal(found[:, 0], points[:, 0])
+        np.testing.assert_allclose(found[:, 1] - below, part * (points[:, 1] - below), atol=1e-11)
+
+    @pytest.mark.parametrize("name", ["rectangle", "circle", "ellipse"])
+    def test_a_convex_sole_stays_as_it_is_to_the_last_bit(self, name):
+        points = fo.Foot.shape(name).points(300)[None]
+        assert np.array_equal(filled(points, 0.0), points)
+
+    @given(st.lists(SOLES, min_size=2, max_size=5))
+    def test_a_sole_does_not_depend_on_its_batch(self, feet):
+        batch = np.stack([foot.points(80) for foot in feet])
+        for points, found in zip(batch, filled(batch, 0.3), strict=True):
+            assert np.array_equal(filled(points[None], 0.3)[0], found)
+
+    @pytest.mark.parametrize("turn", [1, -1])
+    def test_blades_are_shortened_whichever_way_they_are_drawn(self, turn):
+        comb = blades(0.1, 4, 0.012, 0.003)[::turn]
+        found = filled(comb[None], 1.0 / 3.0)[0]
+        assert found[:, 1].min() == -0.012
+        assert np.ptp(found[:, 1]) == pytest.approx(0.004)
+
+
+K = [5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4]
+
+
+class TestTheWalk:
+    def test_a_hollow_foot_walks_as_one_whose_hollow_was_filled(self):
+        foot = fo.Foot.from_waypoints(K)
+        body = fo.Foot(filled(foot.contour[None], 0.4)[0], foot.width)
+        shaded = fo.simulate(foot, fo.Scene(effects=(fo.Shadowing(0.4),))).objectives
+        for name, value in fo.simulate(body).objectives.items():
+            assert shaded[name] == pytest.approx(value, rel=5e-3)
+
+    def test_many_feet_walk_as_one_does(self):
+        scene = fo.Scene(effects=(fo.Shadowing(),))
+        one, many = fo.simulate(fo.Foot.from_waypoints(K), scene), fo.evaluate([K, K[::-1]], scene)
+        assert many.values[0].tolist() == [one.objectives[name] for name in many.names]
+
+    def test_plates_add_up_to_the_force(self):
+        exact = fo.Accuracy("semi_implicit_euler", 5e-3, 64, 1e-3)
+        walk = fo.simulate(fo.Foot.from_waypoints(K), fo.Scene(effects=(fo.Shadowing(),)), exact)
+        found = walk.plates(np.arange(len(walk.t))).force.sum(axis=2)
+        np.testing.assert_allclose(found, walk.force, rtol=0, atol=1e-9 * np.abs(found).max())
+
+    def test_all_of_the_depth_is_the_plain_law(self):
+        assert fo.Scene(effects=(fo.Shadowing(1.0),)).effects == ()
+
+    def test_plates_that_are_cut_already_are_refused(self):
+        plates = fo.Waypoints().plates([K], 32)
+        with pytest.raises(SettingError, match="shadowing"):
+            fo.evaluate(plates, fo.Scene(effects=(fo.Shadowing(),)))
+
+    @pytest.mark.parametrize("part", [-0.1, 1.1, float("nan")])
+    def test_a_part_is_from_0_to_1(self, part):
+        with pytest.raises(SettingError, match=r"effects\.shadowing\.effective"):
+            fo.Shadowing(part)
+
+    def test_is_estimated_by_what_a_groove_loses(self):
+        scale = fo.Scene().scale
+        assert fo.Shadowing(0.5).estimate(scale) == pytest.approx(0.005 / scale.depth)

@@ -1,0 +1,169 @@
+"""study=validate: the rig is the walk's law, the comparison is ASME's, and the pages say what comes out."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from feet_in_sand import force, pose_of
+from hypothesis import given
+from hypothesis import strategies as st
+from running import composed
+from study_pages import check_page
+
+import footopt as fo
+from footopt import studies
+from footopt.effects import EFFECTS
+from footopt.errors import SettingError
+from footopt.sand import alpha
+from footopt.studies.validate import markdown_table, summary_of
+from footopt.studies.validation import rig
+from footopt.studies.validation.compare import AGREES, DIFFERS, OPEN, UNITS, Comparison, experiments
+
+ALL = {e.name: e for e in experiments()}
+WALKS = ("people",)  # the others take a second together
+DOCS = Path(__file__).parents[2] / "docs" / "validation.md"
+
+
+class TestRig:
+    @pytest.mark.parametrize("law", [(), ("leading_edge",)], ids=str)
+    def test_a_wheel_feels_what_the_compiled_contact_says(self, law):
+        foot, effects = fo.Foot.shape("circle", length=0.2, width=0.06), [EFFECTS[name]() for name in law]
+        for height, vx, vz, rate in ((0.05, 0.4, 0.0, -16.0), (0.03, 1.0, -0.2, 0.0), (0.01, 0.1, 0.3, -2.0)):
+            place, velocity = np.array([height]), np.array([[vx, vz]])
+            mine = rig.body_force(foot, rig.scene_of(0.6, effects), 64, place, velocity, np.array([rate]))[0]
+            plates, pose = foot.plates(64, "chord", directed=True), pose_of(height, 0.0, rate)
+            walked = force(plates, pose, vx, vz, *effects, zeta=0.6, creep=rig.CREEP)
+            np.testing.assert_allclose(mine, walked, rtol=1e-9, atol=1e-9)
+
+    @given(st.floats(0.2, 5.0), st.floats(5.0, 200.0))
+    def test_a_level_plate_sinks_until_it_carries_the_load(self, zeta, load):
+        foot, down = fo.Foot(np.array([[-0.05, 0.0], [0.05, 0.0]]), 0.1), np.array([[0.0, -1.0]])
+        sinkage, found = rig.balanced(
+            foot, rig.scene_of(zeta, ()), 8, np.array([load]), down, np.zeros(1), 1.0
+        )
+        assert sinkage[0] == pytest.approx(load / (zeta * 1e6 * 0.01), rel=1e-6)
+        assert found[0, 1] == pytest.approx(load, rel=1e-6)
+
+    def test_a_locked_wheel_is_dragged_and_one_that_spins_pulls(self):
+        found = ALL["wheel"].compare(("leading_edge",))
+        drawbar = next(c for c in found if c.quantity == "drawbar").simulated
+        assert drawbar[0] < 0.0 < drawbar[-1]
+
+    def test_3d_rft_has_its_published_values(self):
+        """A level plate pushed down (0.876), and symmetry where it may not matter which way is ahead."""
+        table = np.array(ALL["grains"].content["setup"]["polynomial"])
+        x, z = rig.three_dimensional(table, np.radians([0.0, 30.0, -30.0]), np.full(3, np.pi / 2))
+        assert (x[0], z[0]) == (pytest.approx(0.0, abs=1e-12), pytest.approx(0.87574))
+        assert (x[1], z[1]) == (pytest.approx(-x[2]), pytest.approx(z[2]))
+
+
+class TestComparison:
+    def made(self, error, numerical=0.0, inputs=0.0, experimental=0.0, scale=1.0):
+        one = np.ones(1)
+        parts = (scale + error, scale, numerical, inputs, experimental)
+        return Comparison("e", "q", "1", (), [""], *(part * one for part in parts), scale)
+
+    def test_the_three_uncertainties_add_as_squares(self):
+        assert self.made(0.0, 0.02, 0.03, 0.06).uncertainty[0] == pytest.approx(0.07)
+        assert self.made(-0.3).error[0] == pytest.approx(-0.3)
+
+    @pytest.mark.parametrize(
+        ("error", "u", "verdict"),
+        [
+            (0.1, 0.06, AGREES),
+            (-0.1, 0.06, AGREES),
+            (0.13, 0.06, DIFFERS),
+            (0.1, 0.3, OPEN),
+            (0.7, 0.3, DIFFERS),
+        ],
+    )
+    def test_the_verdict_is_that_of_the_error_against_twice_u(self, error, u, verdict):
+        c = self.made(error, experimental=u)
+        assert c.verdict == verdict
+        assert (verdict == DIFFERS) == (c.says == f"differs by {abs(100 * error):.0f} %")
+
+    def test_a_worse_prediction_never_gets_a_better_verdict(self):
+        found = [replace(self.made(0.0, experimental=0.1), simulated=np.ones(1) + e) for e in (0.0, 0.1, 0.3)]
+        assert [c.verdict for c in found] == [AGREES, AGREES, DIFFERS]
+
+
+@pytest.mark.parametrize("e", ALL.values(), ids=list(ALL))
+class TestFiles:
+    def test_a_file_says_where_its_numbers_are_from(self, e):
+        for entry in ("title", "source", "about", "reading", "rig", "laws"):
+            assert e.content[entry], entry
+        assert e.content["rig"] in rig.RIGS
+        assert all(name in EFFECTS for law in e.laws for name in law)
+        for part in e.content["inputs"].values():
+            low, value, high = (np.asarray(part[name]) for name in ("low", "value", "high"))
+            assert ((low < value) & (value < high)).all()
+            assert part["why"]
+        for q in e.content["quantities"]:
+            assert q["unit"] in UNITS
+            assert q["uncertainty"] > 0.0
+            assert q["why"]
+
+    def test_a_scale_of_the_map_is_a_level_plates_and_is_not_tuned(self, e):
+        if e.content["rig"] != "plate":
+            return
+        level = dict(e.content["setup"], beta=[0.0], gamma=[90.0])
+        (measured,) = rig.measured_map(level)["alpha_z"]
+        assert e.content["inputs"]["zeta"]["value"] == pytest.approx(
+            measured / alpha(0.0, math.pi / 2)[1], rel=2e-3
+        )
+
+    def test_numbers_are_good_enough_to_judge_and_the_docs_have_them(self, e):
+        if e.name in WALKS:
+            return
+        held(e)
+
+
+def held(e):
+    """Compare an experiment with what docs/validation.md says of it."""
+    found = [c for law in e.laws for c in e.compare(law)]
+    assert all(np.isfinite(c.error).all() and c.numerical.max() < 0.05 * c.scale for c in found)
+    lines = DOCS.read_text(encoding="utf-8").splitlines()
+    for line in markdown_table([e], {e.name: found})[2:]:
+        assert line in lines
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", WALKS)
+def test_the_docs_have_the_numbers_of_walks_too(name):
+    held(ALL[name])
+
+
+def test_the_docs_count_the_verdicts_of_their_own_table():
+    text = DOCS.read_text(encoding="utf-8")
+    rows = [line.strip("| ").split(" | ") for line in text.splitlines() if line.startswith("| ")]
+    says = [row[7].split(" by ")[0] for row in rows if len(row) == 8]
+    agree, differ, open_ = (says.count(verdict) for verdict in (AGREES, DIFFERS, OPEN))
+    assert agree + differ + open_ > 20
+    assert summary_of(agree, differ, open_) in text
+
+
+class TestStudy:
+    def test_it_leaves_a_page_a_table_and_a_figure_for_each_experiment(self, tmp_path, capsys):
+        settings = composed("study=validate", "study.cases=[growth,friction]")
+        studies.run(settings, tmp_path, {})
+        check_page(tmp_path)
+        result = json.loads((tmp_path / "result.json").read_text())
+        assert sum(result["counts"].values()) == len(result["comparisons"]) == 2
+        rows = (tmp_path / "validation.csv").read_text().splitlines()
+        assert len(rows) == 1 + 5 + 4
+        assert {path.stem for path in (tmp_path / "figures").glob("*.png")} == {
+            "overview",
+            "growth",
+            "friction",
+        }
+        said = capsys.readouterr().out
+        assert "Of 2 comparisons 0 agree, 2 differ, and 0 cannot be told." in said
+        assert "differs by" in (tmp_path / "validation.md").read_text()
+
+    @pytest.mark.parametrize("cases", ["[moon]", "[]"])
+    def test_an_experiment_that_is_not_there_is_refused(self, cases, tmp_path):
+        with pytest.raises(SettingError, match=r"study\.cases.*some of wheel"):
+            studies.run(composed("study=validate", f"study.cases={cases}"), tmp_path, {})
