@@ -34,7 +34,7 @@ def compiled(source, compiler):
     """The contact of two feet, kept on disk as walks are: all that tests feel is compiled once."""
 
     @compiler(error_model="numpy")
-    def both(world, soles, poses, x, z, vx, vz, creep, stage, None, counts):
+    def both(world, soles, poses, x, z, vx, vz, creep, stage, counts):
         source  # noqa: B018  part of the key of what is kept
         return contact(world, soles, poses, x, z, vx, vz, creep, stage, None, counts)
 

@@ -88,8 +88,8 @@ def plate_states(
         c2p, s2p = np.cos(2.0 * pose.pitch)[..., None], np.sin(2.0 * pose.pitch)[..., None]
         c, s = plates.c2[0] * c2p - plates.s2[0] * s2p, plates.s2[0] * c2p + plates.c2[0] * s2p
         stress = by_direction(c, s, h, scene.sand.stress_map)
-    facing = (v, creep) if held is None else (held, EDGE)
-    force = forces(stress, position, v, normal, plates.area[0], scene, *facing)
+    edge = creep if held is None else EDGE
+    force = forces(stress, position, v, normal, plates.area[0], scene, edge, held)
     return PlateStates(position, v, force, normal, plates.area[0])
 
 
@@ -100,8 +100,8 @@ def forces(
     normal: Array,
     area: Array,
     scene: Scene,
-    facing: Array,
     edge: float,
+    held: Array | None = None,
 ) -> Array:
     """zeta load share stress dA - pressure n dA: the force on plates with a scene's effects, (*S, 2), N.
 
@@ -115,14 +115,14 @@ def forces(
         Of the plates.
     scene : Scene
         Its sand and effects count.
-    facing : (*S, 2)
-        What an effect's gate asks for the way that a plate faces: its velocity, or its bristles.
     edge : float
-        Over which the gate opens, in the same unit: the creep speed, or `contact.EDGE`.
+        The creep speed, m/s; with bristles `contact.EDGE`.
+    held : (*S, 2), optional
+        Bristles: which way a plate faces, in place of its velocity.
     """
     depth = np.maximum(-position[..., 1], 0.0)
     into = np.sum(normal * velocity, axis=-1)
-    leads = np.sum(normal * facing, axis=-1)
+    leads = into if held is None else np.sum(normal * held, axis=-1)
     load, share, push = effects.readable(scene.effects, depth, position[..., 0], into, leads, edge)
     pull = scene.zeta * load * share * area
     return np.asarray(pull[..., None] * stress - (push * area)[..., None] * normal)
