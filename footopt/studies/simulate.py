@@ -14,6 +14,7 @@ from footopt.studies.auto_effects import choose_effects
 from footopt.studies.base import Study
 from footopt.studies.build import make_strides
 from footopt.studies.record import Answer, answer, foot_entry, scene_entry, validity_entry
+from footopt.studies.validation.model import describe, model_error
 from footopt.walk import OBJECTIVES, Walk, estimate_error, simulate
 from footopt.walk.validity import diagnose
 
@@ -25,7 +26,9 @@ def run(study: Study) -> Answer:
     scene, audits = choose_effects(study, foot)
     with study.compiling():
         walk = simulate(foot, scene, accuracy)
-    errors, diagnostics = estimate_error(foot, scene, accuracy), diagnose(walk)
+    names = tuple(dict.fromkeys((*OBJECTIVES, *study.config.objective.names)))
+    values, errors = walk.judged(names), estimate_error(foot, scene, accuracy, names)
+    diagnostics = diagnose(walk)
     strides = make_strides(study.config.gait)
     notes = write_walk(study, walk, {foot.name: walk})
     if strides is not None and study.draws:
@@ -35,9 +38,10 @@ def run(study: Study) -> Answer:
             "design": foot_entry(foot),
             "feasible": walk.feasible,
             "reason": walk.reason,
-            "objectives": walk.objectives,
+            "objectives": values,
             "error_estimate": errors,
-            **scene_entry(scene, accuracy, tuple(OBJECTIVES)),
+            "model_error": (model := model_error(walk)),
+            **scene_entry(scene, accuracy, names),
             **validity_entry(diagnostics),
             "notes": notes,
             "gait_file": strides.notes if strides is not None else [],
@@ -55,11 +59,12 @@ def run(study: Study) -> Answer:
         study.say(f"Gait from {study.config.gait.path}: {read}. Misfit (rms, deg): {misfit}")
     if not walk.feasible:
         study.say(Text(f"The walk failed: {walk.reason} after {len(walk.t)} steps of time.", style="yellow"))
-    study.say(terminal.objective_table([(foot.name, walk.objectives)], tuple(OBJECTIVES), errors))
+    study.say(terminal.objective_table([(foot.name, values)], names, errors))
+    study.say(*describe(model))
     terminal.print_validity(study.console, diagnostics)
     study.say(*notes)
     study.close()
-    return answer(study.config.objective.names, walk.objectives)
+    return answer(study.config.objective.names, values)
 
 
 def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]:

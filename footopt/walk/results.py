@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -9,11 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.effects.shadowing import filler
-from footopt.errors import needed
+from footopt.errors import check, needed
 from footopt.foot import Foot
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.metrics import RAW
-from footopt.walk.objectives import OBJECTIVES, Raw, lookup
+from footopt.walk.objectives import MEASURES, OBJECTIVES, Objective, Raw, lookup
 from footopt.walk.plates import PlateStates, plate_states
 from footopt.walk.scene import Scene
 
@@ -71,9 +73,13 @@ class Table:
     def column(self, name: str) -> Array:
         """Any objective by name, (designs,), whether it is among `names` or not.
 
-        `maximum_sinkage` must have been asked for in `evaluate`.
+        `maximum_sinkage`, and what is measured in Python, must have been asked for in `evaluate`.
         """
-        return OBJECTIVES[lookup([name])[0].name].value(Raw(self.raw), self.scene)
+        found = lookup([name])[0]
+        if found.of == "raw":
+            return np.asarray(found.value(Raw(self.raw), self.scene))
+        check(name in self.names, "name", name, f"one of {', '.join(self.names)}: what was asked for")
+        return self.values[:, self.names.index(name)]
 
     @property
     def efficiency(self) -> Array:
@@ -88,7 +94,7 @@ class Table:
         pandas = needed("pandas", "Table.to_frame", "pandas")
         columns = dict(zip(self.names, self.values.T, strict=True))
         frame = pandas.DataFrame(columns | {"feasible": self.feasible, "reason": self.reasons.astype(object)})
-        frame.attrs["units"] = {name: OBJECTIVES[name].unit for name in self.names}
+        frame.attrs["units"] = {name: MEASURES[name].unit for name in self.names}
         return frame.rename_axis("foot")
 
 
@@ -172,6 +178,16 @@ class Walk:
         """All objectives by name, in natural signs; NaN for a failed walk."""
         raw = Raw(np.array([[self.totals[name] if self.feasible else np.nan for name in RAW]]))
         return {name: float(o.value(raw, self.scene)[0]) for name, o in OBJECTIVES.items()}
+
+    def judged(self, names: Sequence[str]) -> dict[str, float]:
+        """Any measures by name (`footopt.walk.objectives.MEASURES`), natural signs; NaN for a failed walk."""
+        return {m.name: self.objectives[m.name] if m.of == "raw" else self.measured(m) for m in lookup(names)}
+
+    def measured(self, measure: Objective) -> float:
+        """One that is measured in Python; NaN for a failed walk."""
+        if not self.feasible:
+            return math.nan
+        return float(measure.value(self.foot if measure.of == "foot" else self))
 
     @property
     def variables(self) -> dict[str, Variable]:

@@ -21,7 +21,7 @@ from footopt.walk import prepare
 from footopt.walk.accuracy import MOST_PLATES, Accuracy
 from footopt.walk.loop import BACKWARD, DIVERGED, OK, SUNK, walk_range
 from footopt.walk.metrics import RAW, TRACE, Sample
-from footopt.walk.objectives import FIVE, OBJECTIVES, Raw, lookup
+from footopt.walk.objectives import FIVE, OBJECTIVES, Objective, Raw, lookup
 from footopt.walk.results import Table, Walk
 from footopt.walk.scene import Scene
 from footopt.walk.state import COUNTS
@@ -100,7 +100,7 @@ def evaluate(
     feet : a `Foot` or a sequence of them; or waypoint heights (designs, n) in `space` (default: the
         paper's).
     scene, accuracy : as in `simulate`.
-    objectives : names from `footopt.walk.objectives.OBJECTIVES`.
+    objectives : names from `footopt.walk.objectives.MEASURES`; those that are measured in Python are slow.
     threads : how many to use; by default as many as the process may run on.
 
     Returns
@@ -119,7 +119,13 @@ def evaluate(
     raw[status != OK] = np.nan
     if not sink:
         raw[:, RAW.index("maximum_sinkage")] = np.nan
-    values = np.stack([o.value(Raw(raw), scene) for o in chosen], axis=1)
+    values = np.full((len(raw), len(chosen)), np.nan)
+    for column, o in enumerate(chosen):
+        if o.of == "raw":
+            values[:, column] = o.value(Raw(raw), scene)
+    if slow := [column for column, o in enumerate(chosen) if o.of != "raw"]:
+        for design in np.flatnonzero(status == OK).tolist():
+            values[design, slow] = _measured(feet, design, [chosen[c] for c in slow], scene, accuracy, space)
     reasons = np.array([REASONS[int(s)] for s in status], dtype=np.str_)
     return Table(
         values=values,
@@ -136,6 +142,24 @@ def evaluate(
     )
 
 
+def _measured(
+    feet: Any,
+    i: int,
+    measures: Sequence[Objective],
+    scene: Scene,
+    accuracy: Accuracy,
+    space: Waypoints | None,
+) -> list[float]:
+    """What is measured in Python, of one foot of a batch and its walk."""
+    if isinstance(feet, Plates):
+        raise SettingError("objectives", measures[0].name, "a compiled one where feet are plates")
+    foot = feet[i] if isinstance(feet[i], Foot) else Foot.from_waypoints(feet[i], space)
+    if all(m.of == "foot" for m in measures):
+        return [float(m.value(foot)) for m in measures]
+    walk = simulate(foot, scene, accuracy)
+    return [walk.measured(m) for m in measures]
+
+
 def _scene(scene: Scene | None) -> Scene:
     """The paper's walk on hard sand where there is none."""
     found = Scene() if scene is None else scene
@@ -144,7 +168,10 @@ def _scene(scene: Scene | None) -> Scene:
 
 
 def estimate_error(
-    foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = "standard"
+    foot: Foot,
+    scene: Scene | None = None,
+    accuracy: Accuracy | str = "standard",
+    names: Sequence[str] | None = None,
 ) -> dict[str, float]:
     """Error estimate of a walk's objectives by refinement, absolute, in their own units.
 
@@ -152,8 +179,13 @@ def estimate_error(
     step may have), twice the plates and half the creep speed, times 4/3: what is left of an error that
     falls with the square of the first two. NaN where the walk or its refinement fails, and for a walk
     that is too long to be refined (`ROWS`).
+
+    Parameters
+    ----------
+    foot, scene, accuracy : as in `simulate`.
+    names : of measures; by default all compiled objectives.
     """
-    scene, accuracy = scene or Scene(), resolve(accuracy)
+    scene, accuracy, names = scene or Scene(), resolve(accuracy), names or tuple(OBJECTIVES)
     finer = replace(
         accuracy,
         dt=accuracy.dt / 2,
@@ -163,8 +195,8 @@ def estimate_error(
         name="refined",
     )
     if prepare.pose_rows(scene, finer) > prepare.ROWS:
-        return dict.fromkeys(OBJECTIVES, math.nan)
-    coarse, fine = (simulate(foot, scene, a).objectives for a in (accuracy, finer))
+        return dict.fromkeys(names, math.nan)
+    coarse, fine = (simulate(foot, scene, a).judged(names) for a in (accuracy, finer))
     return {name: 4.0 / 3.0 * abs(coarse[name] - fine[name]) for name in coarse}
 
 

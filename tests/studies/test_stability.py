@@ -27,7 +27,10 @@ def base(flat_foot):
 
 
 class TestStudy:
-    @pytest.mark.parametrize("name", BY_NAME)
+    @pytest.mark.parametrize(
+        "name",
+        [pytest.param(n, marks=pytest.mark.slow) if n == "ten minutes of walking" else n for n in BY_NAME],
+    )
     def test_the_default_stepper_is_stable_in_every_case(self, name, base):
         (verdict,) = judge(BY_NAME[name], base, ["sdirk2_control"])
         assert verdict.stable, verdict.measures
