@@ -13,7 +13,8 @@ from footopt.effects import EFFECTS
 from footopt.errors import SettingError
 from footopt.studies import build
 from footopt.studies.stability import judge
-from footopt.studies.stability_cases import CASES, Setup
+from footopt.studies.stability_cases import CASES
+from footopt.studies.stability_judges import Setup
 
 K = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)
 
