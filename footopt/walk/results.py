@@ -120,7 +120,7 @@ class Walk:
         What was simulated, and how finely.
     t : (T,), s
         The first is the end of the first step: exactly at rest the smoothed force is 3/8 of the one that
-        carries the weight.
+        carries the weight (all of it in a scene with `effects.Rest`).
     com, velocity : (T, 2), m and m/s
         Of the hip, in x, z.
     force : (T, 2 feet, 2), N
@@ -129,6 +129,8 @@ class Walk:
         Negative where the sand takes energy.
     start : (2,), m
         Hip at t = 0.
+    bristles : (T, 2 feet, N, 2), optional
+        What the sand under each plate remembers (`effects.Rest`).
     reason : str
         "" or why the walk failed (then the traces end there).
     totals : dict
@@ -147,6 +149,7 @@ class Walk:
     power: Array
     work: Array
     start: Array
+    bristles: Array | None
     reason: str
     totals: dict[str, float]
     evaluations: int
@@ -239,4 +242,6 @@ class Walk:
         pose = self.scene.gait.pose(self.t[i], self.scene.walker.l1, self.scene.walker.l2)
         fill = filler(self.scene.effects)
         sole = self.foot.plates(self.accuracy.plates, self.accuracy.rule, directed=True, fill=fill)
-        return plate_states(sole, pose, self.com[i], self.velocity[i], self.scene, self.accuracy.creep)
+        held = None if self.bristles is None else self.bristles[i]
+        creep = self.accuracy.creep
+        return plate_states(sole, pose, self.com[i], self.velocity[i], self.scene, creep, held=held)

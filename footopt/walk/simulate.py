@@ -54,8 +54,9 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
     scene, accuracy = _scene(scene), resolve(accuracy)
     directed = effects.laws(scene.effects).directed
     plates = foot.plates(accuracy.plates, accuracy.rule, directed, filler(scene.effects))
-    raw, status, counts, trace = _walk(plates, scene, accuracy, sink=True, threads=1, traced=True)
-    rows = trace[1:][np.isfinite(trace[1:]).all(axis=1)]
+    raw, status, counts, trace, kept = _walk(plates, scene, accuracy, sink=True, threads=1, traced=True)
+    there = 1 + np.flatnonzero(np.isfinite(trace[1:]).all(axis=1))
+    rows = trace[there]
     c: Any = Sample(*rows.T)  # columns
     return Walk(
         foot=foot,
@@ -67,6 +68,7 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
         force=np.stack([_pair(c.fx_left, c.fz_left), _pair(c.fx_right, c.fz_right)], axis=1),
         power=_pair(c.power_left, c.power_right),
         work=_pair(c.work_left, c.work_right),
+        bristles=None if kept is None else np.moveaxis(kept[there][..., : plates.x.shape[1]], 2, 3),
         start=np.array(Sample(*trace[0])[1:3]),
         reason=REASONS[int(status[0])],
         totals=dict(zip(RAW, map(float, raw[0]), strict=True)),
@@ -242,27 +244,28 @@ def _walk(
     sink: bool,
     threads: int | None,
     traced: bool = False,
-) -> tuple[Array, NDArray[np.int64], NDArray[Any], Array]:
-    """Run the compiled loop over a batch: raw results, status, counts, and the trace of one design.
+) -> tuple[Array, NDArray[np.int64], NDArray[Any], Array, Array | None]:
+    """Run the compiled loop over a batch: raw results, status, counts, and one design's trace and bristles.
 
     Walks that diverge are repeated with a quarter of the time step, `MAX_REPEATS` times at most.
     """
-    raw, status, counts, trace = _run(plates, scene, accuracy, sink, threads, traced)
+    raw, status, counts, trace, kept = _run(plates, scene, accuracy, sink, threads, traced)
     for repeat in range(1, MAX_REPEATS + 1):
         again = np.flatnonzero(status == DIVERGED)
         finer = replace(accuracy, dt=accuracy.dt / 4**repeat)
         if len(again) == 0 or prepare.pose_rows(scene, finer) > prepare.ROWS:
             break
-        raw[again], status[again], more, trace = _run(plates.take(again), scene, finer, sink, threads, traced)
+        plates_again = plates.take(again)
+        raw[again], status[again], more, trace, kept = _run(plates_again, scene, finer, sink, threads, traced)
         for name in COUNTS.names or ():
             counts[name][again] += more[name]
         counts["repeats"][again] = repeat
-    return raw, status, counts, trace
+    return raw, status, counts, trace, kept
 
 
 def _run(
     plates: Plates, scene: Scene, accuracy: Accuracy, sink: bool, threads: int | None, traced: bool
-) -> tuple[Array, NDArray[np.int64], NDArray[Any], Array]:
+) -> tuple[Array, NDArray[np.int64], NDArray[Any], Array, Array | None]:
     """`_walk` once, with the given time step."""
     stepper, designs = STEPPERS[accuracy.stepper], len(plates.x)
     times, pose0, tables = prepare.poses(scene, accuracy)
@@ -271,12 +274,13 @@ def _run(
     status, counts = np.empty(designs, np.int64), np.zeros(designs, COUNTS)
     trace = np.full((len(tables[-1]) + 1 if traced else 0, len(TRACE)), np.nan)
     constants = prepare.world(scene, accuracy)
+    kept = None if constants.rest is None else np.zeros((len(trace), 2, 2, soles.x.shape[1]))
 
     def run(begin: int) -> None:
         end = min(begin + BLOCK, designs)
         walk_range(
             stepper.parameters, soles, constants, pose0, tables, times, accuracy.control,
-            scene.gait.heel_strike, begin, end, raw, status, counts, trace, sink,
+            scene.gait.heel_strike, begin, end, raw, status, counts, trace, kept, sink,
         )  # fmt: skip
 
     workers = at_once(threads)
@@ -287,4 +291,4 @@ def _run(
     else:
         with ThreadPoolExecutor(min(workers, len(blocks))) as pool:
             list(pool.map(run, blocks))
-    return raw, status, counts, trace
+    return raw, status, counts, trace, kept

@@ -14,7 +14,8 @@ from footopt.errors import SettingError
 from footopt.report.figures.stability import Cell, verdicts
 from footopt.studies import stability
 from footopt.studies.stability import judge
-from footopt.studies.stability_cases import CASES, ENERGY, Measure, Setup, unchanged
+from footopt.studies.stability_cases import CASES, unchanged
+from footopt.studies.stability_judges import ENERGY, Measure, Setup
 from footopt.walk.balances import energy_gap
 
 BY_NAME = {case.name: case for case in CASES}
