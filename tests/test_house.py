@@ -116,7 +116,7 @@ def test_importing_footopt_is_cheap():
 
 
 def test_simulating_needs_no_optimiser_no_hydra_and_no_figures():
-    loaded = loaded_after("import footopt as fo; fo.simulate, fo.evaluate, fo.Foot, fo.Gait, fo.Sand")
+    loaded = loaded_after("import footopt as fo; fo.FootProblem(); fo.simulate, fo.evaluate, fo.Gait")
     assert not loaded & {"pymoo", "hydra", "omegaconf", "matplotlib", "rich", "pandas", "xarray", "shapely"}
 
 

@@ -16,10 +16,16 @@ from multiprocessing import resource_tracker
 from typing import Any
 from urllib.parse import urlsplit
 
-from footopt.design.executor import Renewing
+from footopt.design.executor import Renewing, handled
 from footopt.errors import FootoptError, SettingError, check
 from footopt.walk.simulate import at_once
 
+log = logging.getLogger("footopt")
+
+SIGN = ("process", "beats", "begun", "ended")  # what a worker tells all the time
+BEAT = 0.5  # s between two signs
+SILENT = 20  # checks, a second each, until a worker that has fallen silent is ended
+STARTING = 60  # the same, for one that has never been heard of
 ENGINES = ("local", "processes", "dask")
 SCHEMES = ("tcp", "tls", "ucx", "ws", "wss")
 
@@ -57,7 +63,7 @@ def processes(workers: int | None = None) -> Renewing:
 
 
 class _Pool(ProcessPoolExecutor):
-    """Processes that do not hear Ctrl-C and end with their parent, however that ends.
+    """Processes that do not hear Ctrl-C, end with their parent, however that ends, and give signs of life.
 
     Forked from a server that has imported footopt they start in half the time of spawned ones; forked
     from this process, after its threads have run, they could hang.
@@ -67,23 +73,67 @@ class _Pool(ProcessPoolExecutor):
         methods = multiprocessing.get_all_start_methods()
         start = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
         start.set_forkserver_preload([__name__])
-        super().__init__(workers, mp_context=start, initializer=_begin)
+        self._signs = start.RawArray("q", len(SIGN) * workers)
+        self._seen: dict[int, tuple[list[int], int]] = {}  # a process's last sign, for how many checks
+        self._idle = 0  # checks for which no worker has had anything to do
+        super().__init__(
+            workers, mp_context=start, initializer=_begin, initargs=(self._signs, start.Value("i", 0))
+        )
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         with interrupt_held():  # processes are started here
             return super().submit(fn, *args, **kwargs)
 
+    def check(self) -> bool:
+        """End a worker that has fallen silent; say whether none of them knows of the work that is awaited.
 
-def _begin() -> None:
+        What counts is how many checks have passed: a terminal's Ctrl-Z stops this process, too.
+        """
+        signs = {pid: rest for pid, *rest in batched(list(self._signs), len(SIGN)) if pid}
+        working = False
+        for pid, process in list((self._processes or {}).items()):
+            sign = signs.get(pid, [])
+            last, since = self._seen.get(pid, ([], 0))
+            self._seen[pid] = (sign, since + 1 if sign == last else 0)
+            working |= not sign or sign[1] != sign[2] or sign[1:] != last[1:]
+            if self._seen[pid][1] == (SILENT if sign else STARTING):
+                log.warning(
+                    "worker process %d has been silent for %d s (stopped, or without memory?): it is "
+                    "ended, and others do its work",
+                    pid,
+                    self._seen[pid][1],
+                )
+                process.kill()
+        self._idle = 0 if working else self._idle + 1
+        if self._idle >= SILENT:
+            log.warning("the workers are idle, but their results are missing: new ones walk again")
+        return self._idle >= SILENT
+
+
+def batched(values: list[int], size: int) -> Iterator[list[int]]:
+    """The values, so many at a time."""
+    return (values[i : i + size] for i in range(0, len(values), size))
+
+
+def _begin(signs: Any, count: Any) -> None:
     """The first thing in a worker."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    with count.get_lock():
+        place = len(SIGN) * count.value
+        count.value += 1
+    threading.Thread(target=_live, args=(signs, place), daemon=True).start()
 
 
-def _end_with_parent() -> None:
+def _live(signs: Any, place: int) -> None:
+    """Give signs of life, and end with the parent."""
     parent = multiprocessing.parent_process()
     assert parent is not None, "this is a worker"
-    parent.join()
+    beats = 0
+    while parent.is_alive():
+        beats += 1
+        signs[place : place + len(SIGN)] = [os.getpid(), beats, *handled]
+        with suppress(OSError, MemoryError):
+            parent.join(BEAT)
     os._exit(1)
 
 
@@ -113,6 +163,7 @@ class Dask(Executor):
         count = at_once(workers, "engine.workers")
         check(0 < timeout <= 1e5, "engine.timeout", timeout, "a time > 0 and <= 1e5, in s")
         try:
+            import cryptography  # noqa: F401  for the keys of a cluster that is started here
             import dask
             import distributed
         except ImportError as error:
@@ -125,16 +176,26 @@ class Dask(Executor):
         self._timeout, self._cluster = timeout, None
         self._lost_errors = (OSError, RuntimeError, distributed.client.FutureCancelledError)
         self._name = "engine.address" if address is None else f"engine.address = {address!r}"
+        self._seen: dict[str, tuple[Any, int]] = {}  # by worker: its last sign, and for how many checks
         self._busy_at = time.monotonic()  # when there was a worker
         if address is None:
-            # a chunk whose worker dies is halved at once, not tried again as a whole
-            dask.config.set({"distributed.scheduler.allowed-failures": 0})
+            # a chunk whose worker dies is halved at once, not tried again as a whole; nothing is served
+            dask.config.set(
+                {
+                    "distributed.scheduler.allowed-failures": 0,
+                    "distributed.scheduler.http.routes": [],
+                    "distributed.worker.http.routes": [],
+                }
+            )
             with interrupt_held():
                 self._cluster = distributed.LocalCluster(
                     n_workers=count,
                     threads_per_worker=1,
                     processes=True,
-                    dashboard_address=":0",
+                    host="127.0.0.1",
+                    security=distributed.Security.temporary(),  # who can reach the port cannot run code
+                    dashboard_address="127.0.0.1:0",
+                    scheduler_kwargs={"dashboard": False},
                     memory_limit=0,
                     silence_logs=logging.ERROR,  # it warns of every chunk that a Ctrl-C takes back
                 )
@@ -160,23 +221,40 @@ class Dask(Executor):
     @property
     def workers(self) -> int:
         """Threads of all workers."""
-        return sum(self._ask(self._client.nthreads).values())
+        return sum(worker["nthreads"] for worker in self._workers().values())
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Have a function called by a worker; by another one if that dies."""
         future: Future[Any] = self._ask(partial(self._executor.submit, fn, *args, **kwargs))
         return future
 
-    def check(self) -> None:
-        """Raise if the scheduler is lost, or has had no worker for the timeout."""
-        now = time.monotonic()
-        if self.workers:
+    def check(self) -> bool:
+        """Raise if the scheduler is lost, or has had no worker for the timeout; leave out silent workers."""
+        now, workers = time.monotonic(), self._workers()
+        for address, worker in workers.items():
+            last, since = self._seen.get(address, (None, 0))
+            self._seen[address] = (worker["last_seen"], since + 1 if worker["last_seen"] == last else 0)
+            if self._seen[address][1] == SILENT:
+                log.warning(
+                    "worker %s has been silent for %d s (stopped, or cut off?): others do its work",
+                    address,
+                    SILENT,
+                )
+                leave = partial(self._client.scheduler.unregister, address=address, stimulus_id="silent")
+                self._ask(partial(self._client.sync, leave, callback_timeout=self._timeout))
+        if workers:
             self._busy_at = now
         elif now - self._busy_at > self._timeout:
             raise FootoptError(
                 f"{self._name}: no worker is left since {self._timeout:g} s (engine.timeout). "
                 "What was walked in finished generations is kept: start workers, and resume."
             )
+        return False
+
+    def _workers(self) -> dict[str, Any]:
+        """What the scheduler knows of its workers, by address."""
+        asked = partial(self._client.sync, self._client.scheduler.identity, callback_timeout=self._timeout)
+        return dict(self._ask(asked)["workers"])
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """Leave the scheduler; end a cluster that was started here."""
@@ -189,6 +267,11 @@ class Dask(Executor):
         """An answer of the scheduler."""
         try:
             return question()
+        except TimeoutError:
+            raise FootoptError(
+                f"{self._name}: the scheduler has not answered for {self._timeout:g} s (engine.timeout). "
+                "Is it stopped? What was walked in finished generations is kept: start it again, and resume."
+            ) from None
         except self._lost_errors as error:
             raise FootoptError(
                 f"{self._name}: the connection to the scheduler is lost ({type(error).__name__}: {error}). "

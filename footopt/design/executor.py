@@ -8,6 +8,7 @@ numbers refuses.
 
 from __future__ import annotations
 
+import _thread
 import math
 import os
 import pickle
@@ -16,8 +17,8 @@ import time
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, wait
 from contextlib import suppress
-from functools import cached_property
-from typing import Any, NamedTuple
+from functools import cached_property, partial
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -27,11 +28,20 @@ from footopt.errors import FootoptError
 from footopt.walk.simulate import available_threads
 
 OVERHEAD = 1e-3  # s that a chunk costs whoever hands it out, whatever it holds; an executor may know better
+PAUSE = 0.5  # s, before another is made
+PASSING = (
+    OSError,
+    MemoryError,
+    RuntimeError,
+)  # of a machine that has no memory, files or threads for a while
 EACH = 32  # chunks that a worker gets of a large batch: what one is slower at, the others take
 SHARE = 0.05  # of a batch's time that may go into such a balance
 LARGEST = 4096  # designs in a chunk
 KNOWN = 8  # problems that a worker keeps
-PATIENCE = 60.0  # s, for a new executor's first worker
+PATIENCE = (15.0, 15.0, 60.0)  # s, for a new executor's first worker, each time that one is made
+
+
+Result = TypeVar("Result")
 
 
 class Walked(NamedTuple):
@@ -62,15 +72,21 @@ def attempt(problem: FootProblem, k: Ints) -> Walked | Failed:
     except FootoptError:
         raise
     except (OSError, MemoryError) as error:
-        raise FootoptError(
-            f"The machine has failed during a walk ({type(error).__name__}: {error}); no design is at fault. "
-            "What was walked in finished generations is kept: mend it, and resume."
-        ) from error
+        raise machine_failed(error, "during a walk") from error
     except Exception as error:
         return Failed(f"{type(error).__name__}: {error}")
 
 
+def machine_failed(error: Exception, when: str) -> FootoptError:
+    """What is said of too little memory, too few files or processes."""
+    return FootoptError(
+        f"The machine has failed {when} ({type(error).__name__}: {error}); no design is at fault. "
+        "What was walked in finished generations is kept: mend it, and resume."
+    )
+
+
 _problems: dict[str, FootProblem] = {}  # that this process, a worker, knows, by digest
+handled = [0, 0]  # chunks that this process, a worker, has begun and ended
 
 
 def walk_chunk(name: str, content: bytes, k: Ints) -> Walked | Failed | Refused:
@@ -78,6 +94,14 @@ def walk_chunk(name: str, content: bytes, k: Ints) -> Walked | Failed | Refused:
 
     Errors are returned: not all of them survive being raised from one process to another.
     """
+    handled[0] += 1
+    try:
+        return _walk_chunk(name, content, k)
+    finally:
+        handled[1] += 1
+
+
+def _walk_chunk(name: str, content: bytes, k: Ints) -> Walked | Failed | Refused:
     where = f"The worker {socket.gethostname()}, process {os.getpid()},"
     if (problem := _problems.get(name)) is None:
         try:
@@ -108,7 +132,8 @@ class Chunks:
     """A problem's designs walked by an executor, chunk by chunk.
 
     The executor may have `workers` (chunks at a time), `overhead` (s a chunk) and `check()`, which is
-    called while nothing comes back and raises when nothing ever will.
+    called every second while chunks are away. It says whether they are lost, and raises when nothing will
+    ever come back.
     """
 
     def __init__(self, problem: FootProblem, executor: Executor) -> None:
@@ -126,10 +151,16 @@ class Chunks:
         parts = [places[part] for part in chunks(len(k), workers_of(self.executor), self._cost, overhead)]
         futures: list[Future[Any]] = []
         try:
-            futures += [self.executor.submit(walk_chunk, name, content, k[part]) for part in parts]
+            for part in parts:  # one by one: what is under way is cancelled if another cannot be
+                futures.append(self.executor.submit(walk_chunk, name, content, k[part]))  # noqa: PERF401
             while wait(futures, timeout=1.0).not_done:
-                getattr(self.executor, "check", bool)()
-            outcomes = [_outcome(future) for future in futures]
+                if getattr(self.executor, "check", bool)():
+                    break
+            outcomes = [_outcome(future) if future.done() else None for future in futures]
+        except FootoptError:
+            raise
+        except (OSError, MemoryError) as error:
+            raise machine_failed(error, "while work was handed out") from error
         except BrokenExecutor as error:
             raise FootoptError(
                 f"The executor cannot be used any more: a worker has died ({error}). What was walked in "
@@ -236,30 +267,76 @@ class Renewing(Executor):
         """Have a function called by a worker."""
         try:
             return self._started().submit(fn, *args, **kwargs)
-        except BrokenExecutor:
-            self.shutdown()
+        except (BrokenExecutor, *PASSING):
+            self.shutdown(wait=False)
             return self._started().submit(fn, *args, **kwargs)
+
+    def check(self) -> bool:
+        """Whether what is under way is lost; the workers have been ended then."""
+        if lost := getattr(self._executor, "check", bool)():
+            self.shutdown(wait=False)
+        return bool(lost)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """End the workers at once; the next `submit` starts new ones."""
         if self._executor is not None:
             ended, self._executor = self._executor, None
             for process in list((getattr(ended, "_processes", None) or {}).values()):
-                process.terminate()  # nothing else ends a walk that is under way
-            ended.shutdown(wait)
+                process.kill()  # nothing else ends a walk that is under way, or a process that is stopped
+            with suppress(*PASSING):
+                within(PATIENCE[0], lambda: ended.shutdown(wait))
 
     def _started(self) -> Executor:
-        if self._executor is None:
-            self._executor = self._make()
+        why = ""
+        for seconds in PATIENCE if self._executor is None else ():
             try:
-                self._executor.submit(os.getpid).result(PATIENCE)
+                self._executor = self._make()
+                within(seconds, partial(_first_answer, self._executor))
+                break
             except BaseException as error:
                 self.shutdown(wait=False)
-                if not isinstance(error, (BrokenExecutor, TimeoutError)):
+                if not isinstance(error, (BrokenExecutor, *PASSING)):
                     raise
-                why = "dies at once" if isinstance(error, BrokenExecutor) else f"takes over {PATIENCE:g} s"
-                raise FootoptError(
-                    f"engine=processes: a worker cannot start (it {why}). A script that searches has to do "
-                    'so below `if __name__ == "__main__":`, as workers import it.'
-                ) from None
+                why = (
+                    "it dies at once"
+                    if isinstance(error, BrokenExecutor)
+                    else f"{type(error).__name__}: {error}"
+                )
+                if isinstance(error, TimeoutError):
+                    why = f"it takes over {seconds:g} s"
+                time.sleep(PAUSE)
+        if self._executor is None:
+            raise FootoptError(
+                f"engine=processes: a worker cannot start ({why}). `ulimit -a` shows what is allowed. A "
+                'script that searches has to do so below `if __name__ == "__main__":`, as workers import it.'
+            )
         return self._executor
+
+
+def _first_answer(executor: Executor) -> int:
+    return executor.submit(os.getpid).result()
+
+
+def within(seconds: float, function: Callable[[], Result]) -> Result:
+    """What a function returns; `TimeoutError` if it does not in time.
+
+    Without memory, the standard library may wait for ever for a thread that could not begin. So the
+    thread of this one is a bare one, which nobody waits for.
+    """
+    outcome: list[Future[Result]] = []
+    ended = _thread.allocate_lock()
+
+    def call() -> None:
+        future: Future[Result] = Future()
+        try:
+            future.set_result(function())
+        except BaseException as error:
+            future.set_exception(error)
+        outcome.append(future)
+        ended.release()
+
+    ended.acquire()
+    _thread.start_new_thread(call, ())
+    if not ended.acquire(timeout=seconds):
+        raise TimeoutError
+    return outcome[0].result()

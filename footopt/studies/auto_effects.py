@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from footopt.effects import Inertia, LeadingEdge
+from footopt.effects import Inertia, LeadingEdge, Shadowing
 from footopt.errors import check
 from footopt.foot import Foot
 from footopt.studies.base import Study
@@ -17,7 +17,7 @@ from footopt.walk.audit import Audit, audit, parameters
 
 #: Effects with parameters from the literature, which `effects=auto` decides on. The others say what the
 #: ground is like, which only the user knows.
-DECIDABLE: tuple[type[Any], ...] = (LeadingEdge, Inertia)
+DECIDABLE: tuple[type[Any], ...] = (LeadingEdge, Inertia, Shadowing)
 
 TOLERANCE = 0.01  # where neither the effects nor the accuracy state one
 RANDOM_FEET = 40  # that decide for a search

@@ -28,6 +28,7 @@ from footopt.studies.base import Study
 from footopt.studies.build import check_searchable
 from footopt.studies.record import Answer, answer, foot_entry, scene_entry, validity_entry
 from footopt.studies.simulate import check_film, write_film, write_walk
+from footopt.studies.validation.model import describe, model_error
 from footopt.walk import OBJECTIVES, estimate_error, gain_shares, simulate
 from footopt.walk.validity import diagnose
 
@@ -70,6 +71,7 @@ def run(study: Study) -> Answer:
             "design": foot_entry(best),
             "objectives": {name: walk.objectives[name] for name in problem.record},
             "error_estimate": {name: errors[name] for name in problem.record},
+            "model_error": (model := model_error(walk)),
             "flat": {name: flat.objectives[name] for name in problem.record},
             "gain_shares": gain_shares(walk.objectives, flat.objectives),
             **scene_entry(scene, finer, problem.record),
@@ -95,6 +97,7 @@ def run(study: Study) -> Answer:
         terminal.describe_confirmation(confirmed),
         f"{which}: {terminal.describe_foot(best)}",
         terminal.objective_table(feet, problem.record, errors, gain=True),
+        *describe(model),
     )
     guide = problem.guide
     for loss in terminal.describe_loss(guide, walk.objectives[guide], flat.objectives[guide]):

@@ -31,12 +31,12 @@ from footopt.studies.build import check_searchable, make_scene, make_spread
 from footopt.studies.record import foot_entry, scene_entry
 from footopt.studies.settings import Config
 from footopt.walk import OBJECTIVES, Scene
-from footopt.walk.scenarios import Scenario, draw, sands
+from footopt.walk.scenarios import Scenario, draw, laws, sands
 
 Array = NDArray[np.float64]
 Heights = dict[str, NDArray[np.int64]]  # of soles, by the feet's names
 
-SOURCES = ("sands", "drawn")
+SOURCES = ("sands", "laws", "drawn")
 HELD_OUT = 200  # fresh scenarios that test the robust foot
 QUICK_DRAWS, QUICK_GENERATIONS, QUICK_HELD_OUT = 3, 5, 8
 SHOWN = 6  # scenarios that a table on the terminal has columns for
@@ -84,7 +84,7 @@ def run(study: Study) -> None:
     if solver.name != EXHAUSTIVE:  # a solver that does not fit is refused before anything is walked
         solver.build(judge.n_obj)
 
-    owners = scenarios if options.scenarios == "sands" else (*scenarios, Scenario(MEDIAN, scene))
+    owners = (*scenarios, Scenario(MEDIAN, scene)) if options.scenarios == "drawn" else scenarios
     feet: Heights = {}
     each = solver.generations(judge.space)
     work = float(each * (len(owners) + len(scenarios)))  # the robust foot walks in all scenarios
@@ -118,6 +118,7 @@ def run(study: Study) -> None:
     _save_figures(study, judge, compared, feet, result, fresh)
     objectives, regrets = judge.walk(feet[ROBUST][None])[0][0], compared.regrets.tolist()
     names = [s.name for s in scenarios]
+    hollows = {name: 1e3 * Foot.from_waypoints(k.tolist(), judge.space).hollow for name, k in feet.items()}
     study.conclude(
         "One foot for everything",
         [table(judge, compared)],
@@ -126,6 +127,7 @@ def run(study: Study) -> None:
             "objectives": dict(zip(judge.record, objectives.tolist(), strict=True)),
             "measure": {"name": options.measure, "tail": options.tail, "of": judge.guide},
             "feet": {name: k.tolist() for name, k in feet.items()},
+            "hollow_mm": hollows,
             "scenarios": [scenario_entry(s) for s in scenarios],
             "regrets": {
                 name: dict(zip(names, row, strict=True))
@@ -138,7 +140,11 @@ def run(study: Study) -> None:
             "seed": solver.seed,
             "evaluations": result.evaluations,
         },
-        said=[f"Robust foot: {terminal.describe_foot(foot)}", *_remarks(names, compared, fresh)],
+        said=[
+            f"Robust foot: {terminal.describe_foot(foot)}",
+            "Hollows (mm): " + ", ".join(f"{name} {depth:.1f}" for name, depth in hollows.items()),
+            *_remarks(names, compared, fresh),
+        ],
     )
 
 
@@ -147,8 +153,8 @@ def make_scenarios(config: Config) -> tuple[Scene, tuple[Scenario, ...]]:
     options, scene = config.study, make_scene(config)
     if options.scenarios not in SOURCES:
         raise SettingError("study.scenarios", options.scenarios, f"one of {', '.join(SOURCES)}")
-    if options.scenarios == "sands":
-        return scene, sands(scene)
+    if options.scenarios != "drawn":
+        return scene, (sands if options.scenarios == "sands" else laws)(scene)
     check(2 <= options.draws <= 10_000, "study.draws", options.draws, "a whole number >= 2 and <= 10,000")
     count = min(options.draws, QUICK_DRAWS) if options.quick else options.draws
     return scene, draw(scene, make_spread(config), count, config.solver.seed)

@@ -16,6 +16,7 @@ from footopt.studies.base import Study
 from footopt.studies.build import make_strides
 from footopt.studies.export import foot_of
 from footopt.studies.record import Answer, answer, foot_entry, scene_entry, validity_entry
+from footopt.studies.validation.model import describe, model_error
 from footopt.walk import OBJECTIVES, Walk, estimate_error, simulate
 from footopt.walk.validity import diagnose
 
@@ -41,6 +42,7 @@ def run(study: Study) -> Answer:
             "reason": walk.reason,
             "objectives": walk.objectives,
             "error_estimate": errors,
+            "model_error": (model := model_error(walk)),
             **scene_entry(scene, accuracy, tuple(OBJECTIVES)),
             **validity_entry(diagnostics),
             "notes": notes,
@@ -60,6 +62,7 @@ def run(study: Study) -> Answer:
     if not walk.feasible:
         study.say(Text(f"The walk failed: {walk.reason} after {len(walk.t)} steps of time.", style="yellow"))
     study.say(terminal.objective_table([(foot.name, walk.objectives)], tuple(OBJECTIVES), errors))
+    study.say(*describe(model))
     terminal.print_validity(study.console, diagnostics)
     study.say(*notes)
     study.close()

@@ -15,6 +15,7 @@ from itertools import zip_longest
 import numpy as np
 from numpy.typing import NDArray
 
+from footopt.effects import Effect, LeadingEdge, Shadowing
 from footopt.errors import SettingError, check
 from footopt.foot import Waypoints
 from footopt.gait import Gait
@@ -100,6 +101,18 @@ COLUMNS = (
 def sands(scene: Scene, names: Sequence[str] = ("soft", "regular", "hard")) -> tuple[Scenario, ...]:
     """A scene on each of several sands."""
     return tuple(Scenario(name, replace(scene, sand=Sand.named(name))) for name in names)
+
+
+def laws(scene: Scene) -> tuple[Scenario, ...]:
+    """A scene under the plain law, and with each and both of the effects that may be true of any sole."""
+    choices: dict[str, tuple[Effect, ...]] = {
+        "plain law": (),
+        "leading edge": (LeadingEdge(),),
+        "shadowing": (Shadowing(),),
+        "both": (LeadingEdge(), Shadowing()),
+    }
+    others = tuple(e for e in scene.effects if not isinstance(e, (LeadingEdge, Shadowing)))
+    return tuple(Scenario(name, replace(scene, effects=(*others, *on))) for name, on in choices.items())
 
 
 def draw(scene: Scene, spread: Spread, count: int, seed: int = 1) -> tuple[Scenario, ...]:

@@ -1,8 +1,6 @@
 """The problem and the search: whole numbers, honest failures, the same result for the same seed."""
 
 import hashlib
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -13,25 +11,26 @@ from pymoo.optimize import minimize
 from searching import SMALL, objective_of, problem, stop_after
 
 import footopt as fo
-from footopt.design import SINGLE, SOLVERS, Evaluator, Solver, confirm, search
-from footopt.design.archive import Archive
+from footopt.design import SINGLE, Solver, confirm, search
 from footopt.design.problem import RECORD
 from footopt.design.pymoo_problem import PymooProblem
 from footopt.design.solvers.operators import SameHeights, less_violation, operators, reference_directions
 from footopt.errors import FootoptError, SettingError
 from footopt.report.terminal import describe_confirmation
 
-#: Digests of the soles that a search asks for: pop_size=20, n_gen=4, seed=1, n=7, K=10.
+#: Digests of the soles that a search asks for: pop_size=12, n_gen=4, seed=1, n=7, K=10.
 ASKED = {
-    "memetic": "75b31533f4d12ab6",
-    "ga": "6d9acf20f97cd54f",
-    "de": "ef494b67e53b10e3",
-    "nsga2": "3b1e07a29c3ad49d",
-    "nsga3": "500c72a6a732d490",
-    "agemoea2": "f5063850975d3063",
-    "smsemoa": "84f0ffd8b112068f",
-    "rvea": "93dd3c09179f1541",
+    "memetic": "1267b54697c11e82",
+    "ga": "9f0a9f9d95a7ee00",
+    "de": "9ff6d1e5507a7637",
+    "nsga2": "2c1edca22b45461d",
+    "nsga3": "3a923748c2b26a99",
+    "agemoea2": "0341e0f793e0ec84",
+    "smsemoa": "b2ad006d48da409a",
+    "rvea": "1c8437234fb462ba",
 }
+#: AGE-MOEA-II is compiled for seconds when a process first uses it.
+BRISK = [pytest.param(name, marks=pytest.mark.slow) if name == "agemoea2" else name for name in ASKED]
 
 
 class TestPymoo:
@@ -53,10 +52,6 @@ class TestPymoo:
             np.testing.assert_array_equal(out[name], column)
         np.testing.assert_array_equal(out["F"], p.minimised(found.values))
         np.testing.assert_array_equal(out["G"], p.constraints(found.reasons, found.violation))
-
-    def test_a_problem_needs_none(self):
-        script = "import sys, footopt as fo; fo.FootProblem(); assert 'pymoo' not in sys.modules"
-        subprocess.run([sys.executable, "-c", script], check=True, timeout=120)
 
 
 class TestProblem:
@@ -101,14 +96,11 @@ class TestProblem:
 
 
 class TestSearch:
-    @pytest.mark.parametrize("name", ASKED)
+    @pytest.mark.parametrize("name", BRISK)
     def test_a_seed_asks_for_the_soles_that_it_always_has(self, name):
-        k = search(problem(objective_of(name), space=fo.Waypoints(n=7)), name, pop_size=20, n_gen=4, seed=1).k
+        k = search(problem(objective_of(name), space=fo.Waypoints(n=7)), name, pop_size=12, n_gen=4, seed=1).k
         assert ((k >= 1) & (k <= 10)).all()
         assert hashlib.sha256(k.astype("<i8").tobytes()).hexdigest()[:16] == ASKED[name]
-
-    def test_every_solver_is_held_to_that(self):
-        assert set(ASKED) <= set(SOLVERS)
 
     @pytest.mark.parametrize("name", ["nsga3", "rvea"])
     def test_same_seed_same_result_when_constraints_tie(self, name):
@@ -193,15 +185,6 @@ class TestSearch:
         assert r.history[-1].best == r.column("distance")[r.best]
 
 
-def test_an_archive_does_not_depend_on_the_order_of_a_batch():
-    k = SMALL.random(10, seed=5)
-    forward, backward = (Archive(problem(), Evaluator(problem())) for _ in range(2))
-    f, g = forward.evaluate(k)
-    fb, gb = backward.evaluate(k[::-1])
-    np.testing.assert_array_equal(f, fb[::-1])
-    np.testing.assert_array_equal(g, gb[::-1])
-
-
 def test_duplicates_are_those_that_pymoo_finds():
     from pymoo.core.duplicate import DefaultDuplicateElimination
     from pymoo.core.population import Population
@@ -265,11 +248,6 @@ def test_finalists_that_cannot_be_walked_finely_are_said_and_the_search_s_order_
 def test_what_is_of_another_kind_is_said_where_it_is_given(call, message):
     with pytest.raises(SettingError, match=message):
         call()
-
-
-def test_one_foot_alone_is_a_table_of_one():
-    one = fo.evaluate(fo.Foot.flat(), accuracy="draft")
-    assert one.values.tolist() == fo.evaluate([fo.Foot.flat()], accuracy="draft").values.tolist()
 
 
 def test_an_unknown_budget_is_named():

@@ -1,5 +1,7 @@
 """Engines: the same result everywhere, whatever dies on the way, and nothing left behind."""
 
+import contextlib
+import http.client
 import itertools
 import json
 import multiprocessing
@@ -24,7 +26,7 @@ from searching import SMALL, assert_same, problem, stop_after
 
 import footopt as fo
 from footopt import design
-from footopt.design import Dask, Evaluator, Renewing, Store, make_executor, search
+from footopt.design import Dask, Evaluator, Renewing, Store, engines, make_executor, search
 from footopt.design import executor as executor_module
 from footopt.design.executor import EACH, KNOWN, LARGEST, Chunks, chunks, walk_chunk
 from footopt.errors import FootoptError, SettingError
@@ -305,6 +307,107 @@ class TestProcesses:
         assert not workers_now() & victims
 
     @pytest.mark.slow
+    def test_a_worker_that_is_stopped_is_named_and_others_do_its_work(
+        self, processes, undisturbed, monkeypatch, caplog
+    ):
+        monkeypatch.setattr(engines, "SILENT", 3)
+        victims = []
+
+        def stop(generation):
+            if generation.generation in (1, 4):
+                victims.append(min(workers_now()))
+                os.kill(victims[-1], signal.SIGSTOP)
+
+        assert_same(undisturbed, search(problem("pareto"), "nsga2", stop, executor=processes, **BUDGET))
+        for victim in victims:
+            assert f"worker process {victim} has been silent for 3 s" in caplog.text
+        assert not workers_now() & set(victims)
+
+    @pytest.mark.slow
+    def test_a_worker_that_works_for_long_is_left_alone(self, processes, monkeypatch, caplog):
+        monkeypatch.setattr(engines, "SILENT", 2)
+        p = like(Slow, problem())
+        k = SMALL.random(700, seed=1)  # 3.5 s for each of two workers
+        assert Evaluator(p, None, processes)(k)[0].tobytes() == problem().walk(k)[0].tobytes()
+        assert caplog.text == ""
+
+    @pytest.mark.slow
+    @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")  # what loses them
+    def test_results_that_are_lost_on_the_way_are_walked_again(self, monkeypatch, caplog):
+        """As when a thread of the pool, in this process, has died for lack of memory."""
+        monkeypatch.setattr(engines, "SILENT", 2)
+        p, k = problem(), SMALL.random(20, seed=1)
+        with design.processes(2) as executor:
+            Evaluator(p, None, executor)(k[:2])
+            pool = executor._executor
+            monkeypatch.setattr(pool._work_ids, "put", lambda item: None)
+            assert Evaluator(p, None, executor)(k)[0].tobytes() == p.walk(k)[0].tobytes()
+            assert executor._executor is not pool
+        assert "their results are missing: new ones walk again" in caplog.text
+
+    @pytest.mark.parametrize(
+        "error", [OSError(24, "Too many open files"), MemoryError(), RuntimeError("thread")]
+    )
+    def test_a_machine_that_is_short_of_something_for_a_while_is_asked_again(self, monkeypatch, error):
+        monkeypatch.setattr(executor_module, "PAUSE", 0.0)
+        left = [error, error]
+
+        def make():
+            if left:
+                raise left.pop()
+            return ThreadPoolExecutor(1)
+
+        p, k = problem(), SMALL.random(5, seed=1)
+        with Renewing(make) as executor:
+            assert Evaluator(p, None, executor)(k)[0].tobytes() == p.walk(k)[0].tobytes()
+            assert left == []
+            executor.shutdown()
+            left[:] = [error] * 3
+            with pytest.raises(FootoptError, match=rf"a worker cannot start \({type(error).__name__}"):
+                Evaluator(p, None, executor)(k)
+
+    def test_a_pool_that_hangs_while_it_starts_is_made_again(self, monkeypatch):
+        """Without memory, `Thread.start` of the standard library waits for ever."""
+        monkeypatch.setattr(executor_module, "PATIENCE", (0.2, 30.0))
+        hanging, end = [True], threading.Event()
+
+        class Pool(ThreadPoolExecutor):
+            def submit(self, fn, /, *args):
+                if hanging:
+                    hanging.clear()
+                    end.wait()
+                return super().submit(fn, *args)
+
+        p, k = problem(), SMALL.random(5, seed=1)
+        with Renewing(lambda: Pool(1)) as executor:
+            assert Evaluator(p, None, executor)(k)[0].tobytes() == p.walk(k)[0].tobytes()
+        end.set()
+
+    @pytest.mark.slow
+    def test_that_are_killed_while_they_start_are_started_again(self, undisturbed):
+        """Twice, the first worker that there is dies at once."""
+        stop, before = threading.Event(), workers_now()
+
+        def kill():
+            for _ in range(2):
+                while not (new := workers_now() - before) and not stop.is_set():
+                    time.sleep(0.001)
+                for pid in new:
+                    with contextlib.suppress(ProcessLookupError):
+                        os.kill(pid, signal.SIGKILL)
+                before.update(new)
+
+        killer = threading.Thread(target=kill)
+        killer.start()
+        try:
+            with design.processes(2) as executor:
+                found = search(problem("pareto"), "nsga2", executor=executor, **BUDGET)
+        finally:
+            stop.set()
+            killer.join()
+        assert_same(undisturbed, found)
+
+    @pytest.mark.slow
     def test_that_died_while_idle_are_replaced(self, processes):
         p, k = problem(), SMALL.random(20, seed=1)
         for _ in range(2):
@@ -423,6 +526,50 @@ class TestDask:
             with pytest.raises(FootoptError, match=r"the connection to the scheduler is lost.* resume"):
                 search(p, "nsga2", kill, executor=engine, **BUDGET)
 
+    def test_a_worker_that_is_stopped_is_named_and_others_do_its_work(
+        self, cluster, undisturbed, monkeypatch, caplog
+    ):
+        monkeypatch.setattr(engines, "SILENT", 4)
+        with Dask(cluster.address, timeout=30) as engine:
+            engine._client.wait_for_workers(2, timeout=30)
+
+            def stop(generation):
+                if generation.generation == 2:
+                    os.kill(cluster.workers[0].pid, signal.SIGSTOP)
+
+            p = like(Slow, problem("pareto"))
+            assert_same(undisturbed, search(p, "nsga2", stop, executor=engine, **BUDGET))
+        assert "has been silent for 4 s" in caplog.text
+
+    def test_a_scheduler_that_is_stopped_is_said(self, cluster):
+        p = like(Slow, problem("pareto"))
+        with Dask(cluster.address, timeout=3) as engine:
+
+            def stop(generation):
+                if generation.generation == 2:
+                    os.kill(cluster.scheduler.pid, signal.SIGSTOP)
+
+            with pytest.raises(FootoptError, match=r"the scheduler has not answered for 3 s .* resume"):
+                search(p, "nsga2", stop, executor=engine, **BUDGET)
+
+    def test_a_cluster_of_its_own_lets_nobody_else_in(self):
+        """Its ports are on loopback; none runs code, or says anything, for who has not its keys."""
+        with Dask(workers=1, timeout=30) as engine:
+            address = engine._client.scheduler.address
+            assert address.startswith("tls://127.0.0.1:")
+            ports = listening({os.getpid(), *descendants(os.getpid())})
+            assert len(ports) >= 2
+            assert {host for host, _ in ports} == {"127.0.0.1"}
+            with pytest.raises(OSError, match=r"closed|Timed out"):
+                distributed_client(address.replace("tls://", "tcp://"))
+            for host, port in ports:
+                with contextlib.closing(http.client.HTTPConnection(host, port, timeout=5)) as web:
+                    try:
+                        web.request("GET", "/json/identity.json")
+                        assert web.getresponse().status == 404
+                    except (OSError, http.client.HTTPException):
+                        pass  # it speaks TLS only
+
     def test_a_cluster_of_its_own_leaves_out_what_kills_and_leaves_nothing_behind(self, undisturbed):
         before = pids()
         with Dask(workers=2, timeout=30) as engine:
@@ -496,6 +643,32 @@ class TestCommandLine:
         run.kill()
         ended(run)
         assert_gone(family)
+
+
+def distributed_client(address):
+    """A client without keys."""
+    import distributed
+
+    return distributed.Client(address, timeout=2, set_as_default=False)
+
+
+def listening(family):
+    """Hosts and ports at which processes listen."""
+    sockets = set()
+    for pid in family:
+        for number in Path(f"/proc/{pid}/fd").glob("*"):
+            with contextlib.suppress(OSError):
+                sockets.add(os.readlink(number))
+    found = set()
+    for table, size in (("tcp", 4), ("tcp6", 16)):
+        for line in Path(f"/proc/net/{table}").read_text().splitlines()[1:]:
+            words = line.split()
+            if words[3] == "0A" and f"socket:[{words[9]}]" in sockets:
+                host, port = words[1].split(":")
+                raw = bytes.fromhex(host)
+                text = ".".join(map(str, reversed(raw))) if size == 4 else raw.hex()
+                found.add((text, int(port, 16)))
+    return found
 
 
 def descendants(pid):

@@ -48,8 +48,12 @@ def walked(monkeypatch):
     return designs
 
 
+#: AGE-MOEA-II is compiled for seconds when a process first uses it.
+BRISK = [pytest.param(name, marks=pytest.mark.slow) if name == "agemoea2" else name for name in SOLVERS]
+
+
 class TestReplay:
-    @pytest.mark.parametrize("name", SOLVERS)
+    @pytest.mark.parametrize("name", BRISK)
     def test_a_search_that_was_stopped_goes_on_to_the_same_result(self, name, path, walked):
         p, budget = problem(objective_of(name)), {"pop_size": 12, "n_gen": 6, "seed": 3}
         undisturbed = search(p, name, **budget)
@@ -64,7 +68,7 @@ class TestReplay:
         assert len(walked) == 2 * count  # each design once in the undisturbed search and once in the rest
         assert resumed.reused == len(stopped.k)
 
-    @pytest.mark.parametrize("name", SOLVERS)
+    @pytest.mark.parametrize("name", BRISK)
     def test_an_extended_search_is_the_longer_one(self, name, path):
         p = problem(objective_of(name))
         search(p, name, store=path, pop_size=12, n_gen=3, seed=3)

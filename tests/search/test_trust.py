@@ -1,29 +1,21 @@
 """The true optimum: every design of a small space, moves that suit a spline, and solvers judged by both."""
 
-import csv
-import json
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
 import pytest
 import searching
-from hydra import compose, initialize_config_dir
 from hypothesis import given
 from hypothesis import strategies as st
-from omegaconf import OmegaConf
 from searching import QUICK, stop_after
-from study_pages import check_page
 
 import footopt as fo
-from footopt.cli.compose import CONF
 from footopt.design import Solver, exhaustive, search
 from footopt.design.exhaustive import batches
 from footopt.design.pymoo_problem import PymooProblem
 from footopt.design.solvers.memetic import ExchangeRun, ShiftRun, shifts
 from footopt.design.truth import Tabulated, judge, walk_all
 from footopt.errors import FootoptError, SettingError
-from footopt.studies import run
 
 SPACE = fo.Waypoints(n=4, K=4)
 EVERYTHING = np.stack(np.meshgrid(*[range(1, 5)] * 4, indexing="ij"), axis=-1).reshape(-1, 4)
@@ -61,11 +53,6 @@ class TestExhaustive:
         assert (r.best, list(r.front)) == (0, [0])
         assert len(r.history) == Solver("exhaustive", size).generations(SPACE) == -(-256 // size)
         assert [g.best for g in r.history] == sorted((g.best for g in r.history), reverse=True)
-
-    def test_a_maximised_objective(self, table):
-        values, inside = table
-        r = search(problem("distance"), "exhaustive", pop_size=50)
-        assert r.column("distance")[r.best] == values.values[inside, 0].max()
 
     @pytest.mark.parametrize("size", [7, 1000])
     def test_several_objectives_give_the_exact_front(self, table, size):
@@ -211,69 +198,6 @@ class TestTruth:
         assert not poor.hit
         assert poor.regret > 0
         assert np.isnan(poor.found_at)
-
-
-@pytest.mark.slow
-def test_the_exhaustive_solver_as_the_command_line_composes_it(tmp_path, capsys):
-    overrides = ["solver=exhaustive", "foot.n=4", "foot.K=4", "accuracy=draft", "solver.pop_size=100"]
-    with initialize_config_dir(str(CONF), version_base="1.3"):
-        config = compose("config", overrides=overrides)
-    run(OmegaConf.to_object(config), tmp_path, OmegaConf.to_container(config, resolve=True))
-    result = json.loads((tmp_path / "result.json").read_text())
-    exact = search(fo.FootProblem(fo.Scene(), space=SPACE, accuracy="draft"), "exhaustive")
-    assert result["designs"] == 256
-    assert result["infeasible"] == exact.infeasible
-    assert result["confirmed"]["k"][0] in exact.k[:20].tolist()
-    assert (tmp_path / "figures" / "contours.png").stat().st_size > 10_000
-    assert not (tmp_path / "figures" / "convergence.png").exists()
-    assert "exhaustive, seed 1: 202 evaluations of 256 designs" in capsys.readouterr().out
-
-
-class TestStudy:
-    @pytest.fixture(scope="class")
-    @classmethod
-    def settings(cls):
-        def composed(*overrides):
-            with initialize_config_dir(str(CONF), version_base="1.3"):
-                return compose("config", overrides=["study=trust", "foot.n=4", "foot.K=4", *overrides])
-
-        return composed
-
-    def test_leaves_a_table_a_figure_and_the_exact_answer(self, settings, tmp_path, capsys):
-        config = settings(
-            "study.quick=true", "accuracy=draft", "study.budget=300", "study.solvers=[memetic,ga,nsga2]"
-        )
-        run(OmegaConf.to_object(config), tmp_path, OmegaConf.to_container(config, resolve=True))
-        result = json.loads((tmp_path / "result.json").read_text())
-        assert result["designs"] == 256
-        assert {s["sand"] for s in result["scores"]} == {"soft", "regular", "hard"}
-        memetic = [s for s in result["scores"] if s["solver"] == "memetic"]
-        assert all(s["found"] == 1.0 and s["regret"] == 0.0 for s in memetic)
-        scene = fo.Scene(sand=fo.Sand.named("hard"))
-        space = replace(SPACE)
-        exact = fo.evaluate([result["exact"]["hard"]["k"]], scene, "draft", ("efficiency",), space)
-        assert exact.values[0, 0] == result["exact"]["hard"]["efficiency"]
-        with open(tmp_path / "trust.csv", newline="") as file:
-            rows = list(csv.DictReader(file))
-        assert len(rows) == 3 * 3 * 2
-        assert {r["hypervolume"] == "" for r in rows if r["solver"] == "ga"} == {True}
-        assert (tmp_path / "figures" / "trust.png").stat().st_size > 10_000
-        check_page(tmp_path)
-        assert "hypervolume" in capsys.readouterr().out
-
-    @pytest.mark.parametrize(
-        ("override", "message"),
-        [
-            ("study.seeds=0", r"study\.seeds = 0"),
-            ("study.budget=50", r"study\.budget = 50: must be at least one generation, 100"),
-            ("study.solvers=[ga,sa]", r"study\.solvers = \['sa'\]: must be some of memetic"),
-            ("foot.n=11", r"foot\.n = 11: must be small enough"),
-        ],
-    )
-    def test_what_cannot_be_is_refused(self, settings, tmp_path, override, message):
-        config = OmegaConf.to_object(settings("foot.K=10", override))
-        with pytest.raises(SettingError, match=message):
-            run(config, tmp_path, {})
 
 
 def test_every_sole_is_kept_and_read_again(tmp_path):

@@ -17,10 +17,12 @@ import footopt as fo
 from footopt import studies
 from footopt.effects import EFFECTS
 from footopt.errors import SettingError
+from footopt.report.numbers import number
 from footopt.sand import alpha
 from footopt.studies.validate import markdown_table, summary_of
-from footopt.studies.validation import rig
+from footopt.studies.validation import model, rig
 from footopt.studies.validation.compare import AGREES, DIFFERS, OPEN, UNITS, Comparison, experiments
+from footopt.walk import FIVE
 
 ALL = {e.name: e for e in experiments()}
 WALKS = ("people",)  # the others take a second together
@@ -128,6 +130,10 @@ def held(e):
     lines = DOCS.read_text(encoding="utf-8").splitlines()
     for line in markdown_table([e], {e.name: found})[2:]:
         assert line in lines
+    for c in found:  # as closing lines have it, too
+        assert model.found()[(c.experiment, c.quantity, c.law)] == pytest.approx(
+            c.size / c.scale, rel=1e-3, abs=1e-6
+        )
 
 
 @pytest.mark.slow
@@ -143,6 +149,53 @@ def test_the_docs_count_the_verdicts_of_their_own_table():
     agree, differ, open_ = (says.count(verdict) for verdict in (AGREES, DIFFERS, OPEN))
     assert agree + differ + open_ > 20
     assert summary_of(agree, differ, open_) in text
+
+
+class TestModelError:
+    def test_it_has_all_objectives_and_that_of_the_height_comes_from_the_walks_own_sinkage(self, hard_walk):
+        errors, own = model.model_error(hard_walk), hard_walk.objectives
+        assert set(errors) == {*FIVE, "efficiency"}
+        sinkage = model.found()[("wheel", "sinkage", ())]
+        assert errors["mean_height"] == pytest.approx(sinkage * own["maximum_sinkage"] / own["mean_height"])
+        assert errors["efficiency"] == pytest.approx(math.hypot(*(errors[name] for name in FIVE)))
+
+    def test_a_walk_without_trailing_faces_has_the_errors_of_that_law(self, hard_walk):
+        edge = replace(hard_walk, scene=fo.Scene(effects=(fo.LeadingEdge(), fo.Inertia())))
+        assert model.model_error(edge)["work"] == model.found()[("people", "work ratio", ("leading_edge",))]
+
+    def test_a_walk_that_failed_has_none(self, hard_walk):
+        assert model.model_error(replace(hard_walk, reason="sunk")) == {}
+        assert model.describe({}) == []
+
+
+@pytest.fixture(scope="module")
+def hard_walk(flat_foot):
+    return fo.simulate(flat_foot)
+
+
+@pytest.mark.slow
+def test_the_docs_say_what_hollow_and_convex_soles_are_worth():
+    """J_W of the feet that the searches found, under each law."""
+    edge = fo.LeadingEdge()
+    laws_ = {
+        "plain law": (),
+        "leading edge": (edge,),
+        "shadowing": (fo.Shadowing(),),
+        "both": (edge, fo.Shadowing()),
+    }
+    best = ([2, 6, 6, 2, 1, 1, 1, 1, 3, 4, 1], [2, 5, 3, 1, 1, 1, 1, 1, 2, 4, 5],
+            [4, 6, 5, 4, 1, 1, 1, 1, 3, 4, 1], [1, 3, 2, 1, 1, 1, 1, 1, 1, 1, 1])  # fmt: skip
+    plain, other = [4, 5, 2, 1, 4, 3, 1, 3, 3, 3, 1], [1, 3, 2, 2, 1, 2, 1, 2, 1, 1, 1]
+    text = DOCS.read_text(encoding="utf-8")
+    for (law, effects), k, convex in zip(laws_.items(), best, (plain, other, plain, other), strict=True):
+        hull = (*(e for e in effects if e == edge), fo.Shadowing(0.0))
+        own, flat = (
+            fo.simulate(fo.Foot.from_waypoints(heights), fo.Scene(effects=on), "fine").objectives[
+                "efficiency"
+            ]
+            for heights, on in ((k, effects), (convex, hull))
+        )
+        assert f"| {law} | {number(own)} | {number(flat)} | {100 * (1 - flat / own):.0f} % |" in text
 
 
 class TestStudy:

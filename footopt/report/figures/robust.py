@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike
 from footopt.report.figures.heat_map import ROW, draw_heat_map
 from footopt.report.style import BLUE, COLUMN, GREY, PAGE, new_figure, styled
 
+SHORT = 7  # letters that a column of a narrow table has room for
+
 
 @styled
 def regrets(values: ArrayLike, feet: Sequence[str], scenarios: Sequence[str]) -> Figure:
@@ -19,10 +21,12 @@ def regrets(values: ArrayLike, feet: Sequence[str], scenarios: Sequence[str]) ->
     table = 100.0 * np.asarray(values, float)
     summary = np.stack([table.mean(axis=1), table.max(axis=1)], axis=1)
     many = len(scenarios) > 6
-    figure = new_figure(PAGE if many else COLUMN, 0.95 + ROW * len(feet))
+    longest = max(len(word) for name in scenarios for word in name.split())
+    width = PAGE if many else COLUMN + (1.2 if longest > SHORT else 0.0)
+    figure = new_figure(width, 0.95 + ROW * len(feet))
     left, right = figure.subplots(1, 2, sharey=True, width_ratios=[len(scenarios), 2])
     norm = Normalize(0.0, max(1.0, float(np.nanmax(table, initial=0.0))))
-    names = [name.removeprefix("draw ") if many else name for name in scenarios]
+    names = [name.removeprefix("draw ") if many else name.replace(" ", "\n") for name in scenarios]
     for axes, part, columns in ((left, table, names), (right, summary, ["mean", "worst"])):
         texts = [[f"{v:.1f}" if np.isfinite(v) else "failed" for v in row] for row in part]
         draw_heat_map(axes, part, feet, columns, texts, norm, "Blues")

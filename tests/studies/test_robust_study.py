@@ -1,0 +1,134 @@
+"""study=robust: one foot for several sands or for drawn scenarios, and what it loses in each."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from running import composed, footopt, program
+from study_pages import check_page
+
+import footopt as fo
+from footopt import studies
+from footopt.errors import FootoptError, SettingError
+from footopt.files.gaits import read_strides
+from footopt.studies import robust as study
+from footopt.studies.build import make_spread
+from footopt.walk.scenarios import sands
+
+SANDS = sands(fo.Scene())
+#: A study that takes a second.
+BRIEF = ["study=robust", "study.quick=true", "foot.n=5", "solver.pop_size=20", "accuracy=draft"]
+
+
+@pytest.fixture(scope="module")
+def run_sands(tmp_path_factory):
+    cwd = tmp_path_factory.mktemp("sands")
+    done = footopt(*BRIEF, "hydra.run.dir=run", cwd=cwd)
+    assert done.returncode == 0, done.stderr
+    return done, cwd / "run"
+
+
+class TestStudy:
+    def test_regrets_are_what_the_library_computes(self, run_sands):
+        result = json.loads((run_sands[1] / "result.json").read_text())
+        assert list(result["feet"]) == ["soft", "regular", "hard", "robust"]
+        space = fo.Waypoints(n=5)
+        for scenario in SANDS:
+            table = fo.evaluate(list(result["feet"].values()), scenario.scene, "fine", space=space)
+            best = table.efficiency[:3].min()
+            expected = 1 - table.efficiency / best
+            found = [result["regrets"][name][scenario.name] for name in result["feet"]]
+            np.testing.assert_allclose(found, expected, atol=1e-12)
+            assert min(found[:3]) == 0.0
+
+    def test_files_and_tables_are_left(self, run_sands):
+        done, folder = run_sands
+        with open(folder / "regrets.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        assert len(rows) == 12
+        assert {r["scenario"] for r in rows} == {"soft", "regular", "hard"}
+        for name in ("contours", "regrets", "convergence"):
+            assert (folder / "figures" / f"{name}.png").is_file()
+        assert (folder / "contour.dxf").is_file()
+        assert "worst in" in done.stdout
+
+    @pytest.mark.slow
+    def test_it_is_resumed_without_walking_again(self, run_sands):
+        before = json.loads((run_sands[1] / "result.json").read_text())
+        done = footopt("resume=run", cwd=run_sands[1].parent)
+        assert done.returncode == 0, done.stderr
+        assert done.stdout.count("of them known") == 4
+        after = json.loads((run_sands[1] / "result.json").read_text())
+        assert after["regrets"] == before["regrets"]
+
+    @pytest.mark.slow
+    def test_worker_processes_find_the_same(self, run_sands, tmp_path):
+        done = program(*BRIEF, "engine=processes", "engine.workers=2", "hydra.run.dir=run", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        here, there = (
+            json.loads((folder / "result.json").read_text()) for folder in (run_sands[1], tmp_path / "run")
+        )
+        assert {name for name in here if here[name] != there[name]} == {"settings", "wall_time_s"}
+
+    @pytest.mark.slow
+    def test_drawn_scenarios_are_tested_on_fresh_ones(self, tmp_path, capsys):
+        config = composed(*BRIEF, "study.scenarios=drawn", "study.measure=tail", "solver=nsga2",
+                          "objective.names=[distance,efficiency]")  # fmt: skip
+        studies.run(config, tmp_path, {})
+        check_page(tmp_path)
+        result = json.loads((tmp_path / "result.json").read_text())
+        assert list(result["feet"]) == ["draw 1", "draw 2", "draw 3", "median scene", "robust"]
+        drawn = fo.draw(fo.Scene(), fo.Spread(), 3, 1)
+        assert [s["zeta"] for s in result["scenarios"]] == [s.scene.sand.zeta for s in drawn]
+        assert len(result["held_out_regret"]) == study.QUICK_HELD_OUT
+        assert "fresh scenarios" in capsys.readouterr().out
+
+    def test_what_is_null_is_measured_from_the_strides_of_the_gait(self):
+        path = Path(__file__).parents[2] / "examples" / "gait" / "walk.trc"
+        null = ("study.spread.angles=null", "study.spread.period=null")
+        spread = make_spread(composed(*BRIEF, "gait=file", f"gait.path={path}", *null))
+        period, angles = read_strides(path).variation()
+        assert spread == fo.Spread(period=period, angles=angles)
+        assert 0.1 < angles < 1.0
+        for gait in ((), ("gait=file", f"gait.path={path.with_suffix('.mot')}")):  # two strides
+            with pytest.raises(SettingError, match=r"study\.spread\.period = None: must be a number, unless"):
+                make_spread(composed(*BRIEF, *gait, *null))
+
+    @pytest.mark.parametrize(
+        ("setting", "message"),
+        [
+            ("study.scenarios=dunes", "study.scenarios = 'dunes': must be one of sands, laws, drawn"),
+            ("study.measure=median", "study.measure = 'median'"),
+            ("study.tail=2", "study.tail = 2.0"),
+            ("study.finalists=0", "study.finalists = 0"),
+            ("study.confirm=finest", "accuracy = 'finest'"),
+            ("foot=ellipse", "foot.shape = 'ellipse'"),
+            ("foot.k=[1,2,3,4,5]", "foot.k ="),
+            ("solver.name=nsga2", "solver = 'nsga2'"),
+            ("effects.auto=true", "effects.auto = True"),
+        ],
+    )
+    def test_what_cannot_be_is_refused(self, setting, message, tmp_path):
+        with pytest.raises(SettingError, match=message):
+            studies.run(composed(*BRIEF, setting), tmp_path, {})
+        assert not (tmp_path / "result.json").exists()
+
+    def test_a_spread_of_drawn_scenarios_is_checked(self, tmp_path):
+        for setting, message in (
+            ("study.draws=1", "study.draws = 1"),
+            ("study.spread.mass=-1", "spread.mass"),
+        ):
+            with pytest.raises(SettingError, match=message):
+                studies.run(composed(*BRIEF, "study.scenarios=drawn", setting), tmp_path, {})
+
+    def test_an_interrupted_search_says_which(self, monkeypatch, tmp_path):
+        stopped = type("Stopped", (), {"interrupted": True})
+        monkeypatch.setattr(study, "search", lambda *args: stopped)
+        with pytest.raises(KeyboardInterrupt, match="a foot for soft"):
+            studies.run(composed(*BRIEF), tmp_path, {})
+
+    def test_a_search_that_finds_nothing_says_where(self, tmp_path):
+        with pytest.raises(FootoptError, match="draw 1: No feasible design"):
+            studies.run(composed(*BRIEF, "study.scenarios=drawn", "sand.zeta=1e-3"), tmp_path, {})

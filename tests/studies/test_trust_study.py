@@ -1,0 +1,64 @@
+"""study=trust: solvers against the true optimum of a space that can be enumerated."""
+
+import csv
+import json
+
+import pytest
+from running import composed, unrender
+from study_pages import check_page
+
+import footopt as fo
+from footopt.design import search
+from footopt.errors import SettingError
+from footopt.studies import run
+
+SPACE = fo.Waypoints(n=4, K=4)
+TRUST = ("study=trust", "foot.n=4", "foot.K=4")
+
+
+@pytest.mark.slow
+def test_the_exhaustive_solver_as_the_command_line_composes_it(tmp_path, capsys):
+    words = ("solver=exhaustive", "foot.n=4", "foot.K=4", "accuracy=draft", "solver.pop_size=100")
+    run(composed(*words), tmp_path, {})
+    result = json.loads((tmp_path / "result.json").read_text())
+    exact = search(fo.FootProblem(fo.Scene(), space=SPACE, accuracy="draft"), "exhaustive")
+    assert result["designs"] == 256
+    assert result["infeasible"] == exact.infeasible
+    assert result["confirmed"]["k"][0] in exact.k[:20].tolist()
+    assert (tmp_path / "figures" / "contours.png").stat().st_size > 10_000
+    assert not (tmp_path / "figures" / "convergence.png").exists()
+    assert "exhaustive, seed 1: 202 evaluations of 256 designs" in capsys.readouterr().out
+
+
+class TestStudy:
+    def test_leaves_a_table_a_figure_and_the_exact_answer(self, tmp_path, capsys, monkeypatch):
+        unrender(monkeypatch)
+        words = ("study.quick=true", "accuracy=draft", "study.budget=300", "study.solvers=[memetic,nsga2]")
+        run(composed(*TRUST, *words), tmp_path, {})
+        result = json.loads((tmp_path / "result.json").read_text())
+        assert result["designs"] == 256
+        assert {s["sand"] for s in result["scores"]} == {"soft", "regular", "hard"}
+        memetic = [s for s in result["scores"] if s["solver"] == "memetic"]
+        assert all(s["found"] == 1.0 and s["regret"] == 0.0 for s in memetic)
+        scene = fo.Scene(sand=fo.Sand.named("hard"))
+        exact = fo.evaluate([result["exact"]["hard"]["k"]], scene, "draft", ("efficiency",), SPACE)
+        assert exact.values[0, 0] == result["exact"]["hard"]["efficiency"]
+        with open(tmp_path / "trust.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        assert len(rows) == 2 * 3 * 2
+        assert {r["hypervolume"] == "" for r in rows if r["solver"] == "memetic"} == {True}
+        check_page(tmp_path)
+        assert "hypervolume" in capsys.readouterr().out
+
+    @pytest.mark.parametrize(
+        ("override", "message"),
+        [
+            ("study.seeds=0", r"study\.seeds = 0"),
+            ("study.budget=50", r"study\.budget = 50: must be at least one generation, 100"),
+            ("study.solvers=[ga,sa]", r"study\.solvers = \['sa'\]: must be some of memetic"),
+            ("foot.n=11", r"foot\.n = 11: must be small enough"),
+        ],
+    )
+    def test_what_cannot_be_is_refused(self, tmp_path, override, message):
+        with pytest.raises(SettingError, match=message):
+            run(composed(*TRUST, "foot.K=10", override), tmp_path, {})
