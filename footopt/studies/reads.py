@@ -137,9 +137,11 @@ def _conditions(config: Config) -> Iterator[tuple[tuple[str, ...], str, str]]:
     if config.engine.name != "dask":
         yield ("engine.timeout",), f"engine={config.engine.name}", "engine=dask"
     if study.name == "robust":
+        source = f"study.scenarios={study.scenarios}"
+        if study.scenarios != "drawn":
+            yield ("study.draws", "study.spread"), source, "study.scenarios=drawn"
         if study.scenarios == "sands":
-            yield ("study.draws", "study.spread"), "study.scenarios=sands", "study.scenarios=drawn"
-            yield ("sand",), "study.scenarios=sands", "study.scenarios=drawn"
+            yield ("sand",), source, "study.scenarios=drawn, laws"
         if study.measure != "tail":
             yield ("study.tail",), f"study.measure={study.measure}", "study.measure=tail"
 
