@@ -4,6 +4,7 @@
 before a search begins.
 """
 
+from footopt.design.choice import WAYS, Choice
 from footopt.design.engines import ENGINES, Dask, make_executor, processes
 from footopt.design.evaluator import Evaluator
 from footopt.design.executor import Renewing
@@ -19,6 +20,8 @@ __all__ = [
     "EXHAUSTIVE",
     "SINGLE",
     "SOLVERS",
+    "WAYS",
+    "Choice",
     "Confirmation",
     "Dask",
     "Evaluated",

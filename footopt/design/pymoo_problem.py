@@ -16,7 +16,8 @@ class PymooProblem(Problem):  # type: ignore[misc]  # pymoo has no types
     """A `FootProblem` as a vectorised pymoo problem with integer variables, for `pymoo.optimize.minimize`.
 
     One call walks a whole population. A failed walk violates the first constraint, a sole that leaves
-    its box the second. Beside F and G, ``out`` has the fields of `Evaluated`.
+    its box the second, and so on (`FootProblem.constraints`). Beside F and G, ``out`` has the fields of
+    `Evaluated`.
 
     Parameters
     ----------
@@ -26,14 +27,16 @@ class PymooProblem(Problem):  # type: ignore[misc]  # pymoo has no types
 
     def __init__(self, problem: FootProblem) -> None:
         self.problem = problem
-        super().__init__(problem.space.n, problem.n_obj, 2, xl=1, xu=problem.space.K, vtype=int)
+        super().__init__(
+            problem.space.n, problem.n_obj, problem.n_constraints, xl=1, xu=problem.space.K, vtype=int
+        )
 
     def _evaluate(self, x: Any, out: dict[str, Any], *args: Any, **kwargs: Any) -> None:
         found = self.problem.evaluate(x)
         out.update(found._asdict())
         out["F"], out["G"] = (
             self.problem.minimised(found.values),
-            self.problem.constraints(found.reasons, found.violation),
+            self.problem.constraints(*found),
         )
 
 
@@ -46,7 +49,9 @@ class Algorithm:
     def __init__(self, problem: FootProblem, solver: Solver) -> None:
         n, K = problem.space.n, problem.space.K
         self._algorithm = solver.build(problem.n_obj)
-        self._size = Problem(n, problem.n_obj, 2, xl=np.ones(n), xu=np.full(n, K), vtype=int)
+        self._size = Problem(
+            n, problem.n_obj, problem.n_constraints, xl=np.ones(n), xu=np.full(n, K), vtype=int
+        )
         self._algorithm.setup(
             self._size, termination=("n_gen", solver.n_gen), seed=solver.seed, verbose=False
         )

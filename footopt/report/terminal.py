@@ -20,7 +20,7 @@ from footopt.foot import Foot, Waypoints
 from footopt.report.numbers import change, percent, quantity, title
 from footopt.report.numbers import number as number
 from footopt.sand import GENERIC
-from footopt.walk import OBJECTIVES, Scene, gain_shares
+from footopt.walk import MEASURES, Scene, gain_shares
 from footopt.walk.audit import parameters
 from footopt.walk.scene import EARTH
 from footopt.walk.validity import Diagnostic
@@ -75,6 +75,7 @@ def objective_table(
     names: Sequence[str],
     errors: dict[str, float],
     gain: bool = False,
+    shares: bool = True,
 ) -> RichTable:
     """Objectives (rows) of feet (columns).
 
@@ -87,32 +88,33 @@ def objective_table(
     errors : dict
         Estimated errors of the first foot's values, by name.
     gain : bool
-        Whether to show the change from the second foot to the first, and each factor's share in the gain
-        of J_W if there is one.
+        Whether to show the change from the second foot to the first.
+    shares : bool
+        Whether to show each factor's share in the gain of J_W, if there is one.
     """
     (first, values), *others = feet
     titles = ["objective", "unit", first, "error", *(title for title, _ in others)]
     if gain:
         base = others[0][1]
-        shares = gain_shares(values, base)
-        gained = any(map(math.isfinite, shares.values()))
+        parts = gain_shares(values, base)
+        gained = shares and any(map(math.isfinite, parts.values()))
         titles += ["change", *(["share of J_W's gain"] if gained else [])]
     shown = table(titles, words=("objective", "unit"))
     for name in names:
-        o, value = OBJECTIVES[name], values[name]
+        o, value = MEASURES[name], values[name]
         cells = [f"{name.replace('_', ' ')} ({'max' if o.maximise else 'min'})", o.unit, number(value)]
         cells += [percent(abs(errors[name] / value)) if value else "-", *(number(v[name]) for _, v in others)]
         if gain:
             cells += [change(name, value, base[name])]
             if gained:
-                cells += [f"{100 * shares[name] + 0.0:.1f} %" if name in shares else ""]
+                cells += [f"{100 * parts[name] + 0.0:.1f} %" if name in parts else ""]
         shown.add_row(*cells)
     return shown
 
 
 def describe_loss(name: str, value: float, flat: float) -> list[str]:
     """What to say where a search has found no foot that is better than the flat sole in an objective."""
-    better = value > flat if OBJECTIVES[name].maximise else value < flat
+    better = value > flat if MEASURES[name].maximise else value < flat
     if better:
         return []
     how = "no better" if value == flat else "worse"
@@ -179,9 +181,10 @@ def describe_confirmation(confirmed: Confirmation) -> str:
         return (
             f"None of {len(confirmed.designs)} finalists can be walked at accuracy {confirmed.accuracy.name}"
         )
+    lost = f", {lost} of them no longer good" if (lost := int((~confirmed.good).sum())) else ""
     return (
         f"{len(confirmed.designs)} finalists walked again at accuracy {confirmed.accuracy.name}: "
-        f"values change by up to {percent(confirmed.largest_change)}, {verdict}"
+        f"values change by up to {percent(confirmed.largest_change)}, {verdict}{lost}"
     )
 
 

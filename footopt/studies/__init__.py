@@ -62,7 +62,7 @@ def run(
     """
     # what is imported here would slow `footopt --help` down
     from footopt.studies.base import Study
-    from footopt.studies.build import check_lists, load_plugins
+    from footopt.studies.build import check_lists, load_plugins, make_limits
     from footopt.studies.identity import enter
     from footopt.studies.reads import check_read
 
@@ -74,6 +74,8 @@ def run(
         raise SettingError("study.name", name, f"one of {', '.join(STUDIES)}")
     if config.engine.name != "local" and name not in DISTRIBUTED:
         raise SettingError("engine.name", config.engine.name, f"local for study={name}")
+    if name != "optimize" and (limits := make_limits(config)):
+        raise SettingError("constraint", limits, f"left out for study={name}", "study=optimize keeps limits.")
     ask = STUDIES[name] or import_module(f"footopt.studies.{name}").run
     with locked(folder):
         if not resumed:

@@ -9,6 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from footopt.design import Choice
 from footopt.effects import EFFECTS, Effect
 from footopt.errors import SettingError, check
 from footopt.files.gaits import Strides, read_strides
@@ -197,6 +198,27 @@ def make_scene(config: Config) -> Scene:
         walker=Walker(**vars(config.walker)),
         t_f=config.scene.t_f,
     )
+
+
+def make_limits(config: Config) -> dict[str, float]:
+    """The limits of the settings, by the measures' names."""
+    given = {name: limit for name, limit in vars(config.constraint).items() if name != "own"}
+    own = config.constraint.own or {}
+    check(isinstance(own, dict), "constraint.own", own, "limits by name: {my_measure: 1.0}")
+    return {name: limit for name, limit in (given | own).items() if limit is not None}
+
+
+def make_choice(config: Config) -> Choice:
+    """Which design of a front the settings choose."""
+    choose = config.choose
+    for name in ("weights", "limits"):
+        given = getattr(choose, name)
+        check(given is None or isinstance(given, dict), f"choose.{name}", given, "numbers by name: {work: 2}")
+    choice = Choice(choose.name, choose.weights or {}, choose.limits or {})
+    if len(config.objective.names) == 1 and choice != Choice():
+        hint = "Search several, such as objective=pareto, or limit one: constraint.work=200."
+        raise SettingError("choose", choose.name, "left out with one objective", hint)
+    return choice
 
 
 def make_accuracy(config: AccuracyConfig) -> Accuracy:

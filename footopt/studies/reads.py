@@ -12,8 +12,8 @@ from footopt.errors import SettingError
 from footopt.foot import SHAPES, Waypoints
 from footopt.studies.settings import Config
 
-#: Read for every study: how it is run, not what is asked.
-ALWAYS = ("study.name", "plugins", "report", "engine.name", "engine.threads", "hydra")
+#: Read for every study: how it is run, not what is asked. A constraint is refused elsewhere.
+ALWAYS = ("study.name", "plugins", "report", "engine.name", "engine.threads", "constraint", "hydra")
 
 WORLD = ("gait", "walker", "effects", "scene")
 SCENE = (*WORLD, "sand")
@@ -25,7 +25,7 @@ SEARCH = (*SPACE, "foot.shape", "foot.k", "accuracy", "objective", "solver", "en
 
 #: What each study reads of the settings, a name or a group each. A plugin's study reads what it likes.
 READS: dict[str, tuple[str, ...]] = {
-    "optimize": (*SCENE, *SEARCH, "foot.block", "study.video"),
+    "optimize": (*SCENE, *SEARCH, "choose", "foot.block", "study.video"),
     "simulate": (*SCENE, "foot", "accuracy", "objective.names", "study.run", "study.video"),
     "accuracy": (*WORLD, *SPACE, "solver.seed", "study.feet", "study.quick"),
     "stability": (*SCENE, "foot", "accuracy", "study.cases", "study.methods"),

@@ -30,7 +30,9 @@ def run(study: Study) -> Answer:
     study.say(terminal.describe_setup(scene, foot))
     with study.compiling():
         walk = simulate(foot, scene, accuracy)
-    errors, diagnostics = estimate_error(foot, scene, accuracy), diagnose(walk)
+    names = tuple(dict.fromkeys((*OBJECTIVES, *study.config.objective.names)))
+    values, errors = walk.judged(names), estimate_error(foot, scene, accuracy, names)
+    diagnostics = diagnose(walk)
     strides = make_strides(study.config.gait)
     notes = write_walk(study, walk, {foot.name: walk})
     if strides is not None and study.draws:
@@ -40,10 +42,10 @@ def run(study: Study) -> Answer:
             "design": foot_entry(foot),
             "feasible": walk.feasible,
             "reason": walk.reason,
-            "objectives": walk.objectives,
+            "objectives": values,
             "error_estimate": errors,
             "model_error": (model := model_error(walk)),
-            **scene_entry(scene, accuracy, tuple(OBJECTIVES)),
+            **scene_entry(scene, accuracy, names),
             **validity_entry(diagnostics),
             "notes": notes,
             "gait_file": strides.notes if strides is not None else [],
@@ -61,12 +63,12 @@ def run(study: Study) -> Answer:
         study.say(f"Gait from {study.config.gait.path}: {read}. Misfit (rms, deg): {misfit}")
     if not walk.feasible:
         study.say(Text(f"The walk failed: {walk.reason} after {len(walk.t)} steps of time.", style="yellow"))
-    study.say(terminal.objective_table([(foot.name, walk.objectives)], tuple(OBJECTIVES), errors))
+    study.say(terminal.objective_table([(foot.name, values)], names, errors))
     study.say(*describe(model))
     terminal.print_validity(study.console, diagnostics)
     study.say(*notes)
     study.close()
-    return answer(study.config.objective.names, walk.objectives)
+    return answer(study.config.objective.names, values)
 
 
 def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]:

@@ -305,7 +305,7 @@ class TestResume:
 
 @pytest.mark.slow
 class TestKilled:
-    KILLS = 21
+    KILLS = 9
 
     def test_at_random_moments_the_resumed_run_ends_like_one_never_stopped(self, undisturbed, tmp_path):
         rng, kills, rounds = random.Random(time.time_ns()), 0, 0
@@ -314,7 +314,7 @@ class TestKilled:
             rounds += 1
             folder = tmp_path / str(rounds)
             first = [*BRIEF, f"solver={solver}", f"hydra.run.dir={folder.name}"]
-            for i in range(7):
+            for i in range(3):
                 begun = (folder / identity.FILE).is_file()
                 run = started(*([f"resume={folder.name}"] if begun else first), cwd=tmp_path)
                 if i:  # the first is hit in its start or later, the others while they search
@@ -349,7 +349,7 @@ class TestInterrupted:
         assert done.returncode == 0, done.stderr
         assert outcome(tmp_path / "run") == outcome(undisturbed("nsga2"))
 
-    @pytest.mark.parametrize("pause", [0.0, 0.3, 1.5])
+    @pytest.mark.parametrize("pause", [0.0, 1.0])
     def test_a_second_ctrl_c_in_the_report_loses_no_design(self, undisturbed, tmp_path, pause):
         run = started(*BRIEF, "hydra.run.dir=run", cwd=tmp_path, drawn=True)
         wait_for_designs(run, tmp_path / "run", 10 * 16)

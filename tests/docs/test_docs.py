@@ -340,7 +340,7 @@ def real(word, place):
 
 #: Studies whose figures have been rendered: once each, here or by tests of its own (the default one by
 #: `test_cli`). Every figure is looked at by `test_figures`.
-OWN = ("effects", "paper", "robust", "sensitivity", "shapes", "stability", "trust", "validate")
+OWN = ("effects", "paper", "robust", "sensitivity", "shapes", "stability", "validate")
 RENDERED = {"", *(f"study={name}" for name in OWN)}
 
 FOOTOPT = {a: page for words, page in COMMANDS.items() if (a := footopt_words(words)) is not None}

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from running import unrender
 from shapely import Polygon
 from study_pages import check_page, data_of
 
@@ -166,7 +167,8 @@ class TestFiles:
 
 
 class TestStudy:
-    def test_leaves_a_page_that_links_every_file_and_says_what_it_holds(self, tmp_path, capsys):
+    def test_leaves_a_page_that_links_every_file_and_says_what_it_holds(self, tmp_path, capsys, monkeypatch):
+        unrender(monkeypatch)
         run, exported = tmp_path / "run", tmp_path / "out"
         run.mkdir()
         exported.mkdir()

@@ -388,7 +388,7 @@ def test_a_scatter_matrix_shows_each_pair_once_and_stars_the_marked_design(table
             assert star.get_markersize() > 2 * points.get_markersize()
             assert not same_color(star.get_markerfacecolor(), points.get_color())
         assert grid[row, row].patches
-    assert {"design", "best in $J_W$", "29 designs\n1 failed, not drawn"} <= set(texts(figure))
+    assert {"design", "chosen", "29 designs\n1 failed, not drawn"} <= set(texts(figure))
 
 
 @pytest.mark.parametrize("name", OBJECTIVES)
@@ -420,7 +420,7 @@ def test_parallel_axes_are_turned_so_that_better_is_up(table):
         assert curves[:, i].min() == pytest.approx(0.0)
         ends = {f"{good[:, i].min():.4g}", f"{good[:, i].max():.4g}"}
         assert ends <= {text.rstrip("0").rstrip(".") for text in texts(figure)}
-    star = lines(axes)["best in $J_W$"]
+    star = lines(axes)["chosen"]
     np.testing.assert_allclose(star.get_ydata(), curves[6])  # row 7 of the table, after a failed one
     assert star.get_linewidth() > 2 * axes.get_lines()[0].get_linewidth()
     assert {"better", "29 designs (1 failed, not drawn)"} <= set(texts(figure))
@@ -440,7 +440,7 @@ def test_odd_tables_are_drawn(draw, table):
     ):
         figure = draw(values, FIVE[:2], marked)
         star = marked is not None and bool(np.isfinite(values[marked]).all())
-        assert ("best in $J_W$" in texts(figure)) is star
+        assert ("chosen" in texts(figure)) is star
         figure.draw_without_rendering()
     draw(table[:, :1], FIVE[:1], 0).draw_without_rendering()
 
