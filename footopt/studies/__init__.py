@@ -64,9 +64,11 @@ def run(
     from footopt.studies.base import Study
     from footopt.studies.build import check_lists, load_plugins, make_limits
     from footopt.studies.identity import enter
+    from footopt.studies.reads import check_read
 
     check_lists(config)
     load_plugins(config.plugins)
+    check_read(config, words)
     name = config.study.name
     if name not in STUDIES:
         raise SettingError("study.name", name, f"one of {', '.join(STUDIES)}")

@@ -56,6 +56,7 @@ def run(study: Study) -> Answer:
     else:
         solver.build(problem.n_obj)
     check_finalists(options.finalists)
+    study.say(terminal.describe_setup(scene, problem.space))
     finer = study.finer_accuracy
     with study.compiling():
         flat = simulate(Foot.flat(problem.space), scene, finer)
