@@ -16,8 +16,8 @@ import footopt.walk
 
 #: Names that are None where a scene has no effect that needs them, besides a test on `column`, a row of
 #: directions.
-ABSENT = {"loads", "gates", "pushes", "all_tx", "tilt", "column"}
-SOURCES = ("state", "contact", "newton", "metrics", "sources", "loop", "steppers")
+ABSENT = {"loads", "gates", "pushes", "all_tx", "tilt", "column", "before", "bristles", "rest", "directions"}
+SOURCES = ("state", "contact", "bristles", "newton", "metrics", "sources", "loop", "steppers")
 
 
 class Delete(ast.NodeTransformer):

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import footopt as fo
+from footopt.sand.law import PER_CM3
 
 Array = NDArray[np.float64]
 
@@ -52,7 +53,7 @@ def walk(sole: Chords, scene: fo.Scene, dt: float = DT, creep: float = CREEP) ->
     cos, sin = np.cos(pose.pitch)[..., None], np.sin(pose.pitch)[..., None]
     place_z, speed_x, speed_z = pose.z[..., None], pose.vx[..., None], pose.vz[..., None]
     rate, turn = pose.rate[..., None], 2.0 * pose.pitch[..., None]
-    twice, stiffness = 2.0 * sole.beta, scene.sand.stiffness * sole.area
+    twice, stiffness = 2.0 * sole.beta, scene.zeta * PER_CM3 * sole.area
 
     def forces(n: int, z: Array, vx: Array, vz: Array) -> tuple[Array, Array, Array]:
         """f_x, f_z and power of both feet at step n, each (designs, 2)."""
@@ -106,6 +107,6 @@ def static_height(sole: Chords, scene: fo.Scene, ankle: Array, pitch: Array) -> 
     for _ in range(60):
         middle = 0.5 * (low + high)
         depth = np.maximum(-(middle[:, None, None] + level), 0.0)
-        carried = (scene.sand.stiffness * sole.area * depth * stress).sum(axis=(1, 2)) >= scene.walker.weight
+        carried = (scene.zeta * PER_CM3 * sole.area * depth * stress).sum(axis=(1, 2)) >= scene.walker.weight
         low, high = np.where(carried, middle, low), np.where(carried, high, middle)
     return low

@@ -61,7 +61,7 @@ class Counted:
         k = np.clip(np.round(np.atleast_2d(np.asarray(x, float))), 1, self.problem.space.K).astype(np.int64)
         k = k[: self.budget - self.asked]
         found = self.problem.evaluate(k)
-        outside = np.maximum(self.problem.constraints(found.reasons, found.violation), 0.0).sum(axis=1)
+        outside = np.maximum(self.problem.constraints(*found), 0.0).sum(axis=1)
         values = np.where(outside > 0.0, outside, self.problem.minimised(found.values)[:, 0])  # J_W < 0
         self.asked += len(k)
         self.best = min(self.best, values.min())
@@ -176,7 +176,7 @@ def best_known(problem: fo.FootProblem) -> tuple[tuple[int, ...], float]:
         near = k + pairs
         near = near[((near >= 1) & (near <= problem.space.K)).all(axis=1)]
         found = problem.evaluate(near)
-        inside = (problem.constraints(found.reasons, found.violation) <= 0.0).all(axis=1)
+        inside = (problem.constraints(*found) <= 0.0).all(axis=1)
         j = np.where(inside, problem.minimised(found.values)[:, 0], np.inf)
         if j.min() >= value:
             return tuple(map(int, k)), value

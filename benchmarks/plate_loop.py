@@ -38,7 +38,7 @@ def _repeat(out, sole, world, motion, jacobian, repeats, change):  # type: ignor
     for r in range(repeats):
         sums = plate_sums(
             sole, world.law, None, None, None, None, None, 0, len(sole.x), 0.0, za, vx + change * r, vz,
-            cos, sin, rate, creep, jacobian,
+            cos, sin, rate, creep, jacobian, None,
         )  # fmt: skip
         for j in range(7):
             out[j] += sums[j]

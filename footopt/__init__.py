@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from footopt.effects import Layers as Layers
     from footopt.effects import LeadingEdge as LeadingEdge
     from footopt.effects import Patches as Patches
+    from footopt.effects import Rest as Rest
     from footopt.effects import Shadowing as Shadowing
     from footopt.effects import Slope as Slope
     from footopt.errors import FootoptError as FootoptError
@@ -53,7 +54,7 @@ __version__ = "0.1.0"
 _NAMES = {
     "footopt.design": "FootProblem RobustProblem SearchResult search",
     "footopt.design.pymoo_problem": "PymooProblem",
-    "footopt.effects": "Inertia Layers LeadingEdge Patches Shadowing Slope",
+    "footopt.effects": "Inertia Layers LeadingEdge Patches Rest Shadowing Slope",
     "footopt.errors": "FootoptError",
     "footopt.foot": "Foot Waypoints",
     "footopt.gait": "Gait",

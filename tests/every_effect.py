@@ -8,7 +8,7 @@ import footopt as fo
 LAYERS = fo.Layers((0.02, 0.05), (0.6, 1.5))
 PATCHES = fo.Patches((0.35, 1.2), (0.95, 1.6), (0.7, 1.5))
 ONE = {"layers": LAYERS, "patches": PATCHES, "leading_edge": fo.LeadingEdge(), "inertia": fo.Inertia()}
-ALL = (*ONE.values(), fo.Slope(3.0))
+ALL = (*ONE.values(), fo.Slope(3.0), fo.Shadowing())
 SETS = {**{name: (effect,) for name, effect in ONE.items()}, "all": ALL}
 
 DOWN = pose_of(0.0, 0.0, 0.0)  # the ankle at the hip, level

@@ -36,7 +36,7 @@ def compiled(source, compiler):
     @compiler(error_model="numpy")
     def both(world, soles, poses, x, z, vx, vz, creep, stage, counts):
         source  # noqa: B018  part of the key of what is kept
-        return contact(world, soles, poses, x, z, vx, vz, creep, stage, counts)
+        return contact(world, soles, poses, x, z, vx, vz, creep, stage, None, counts)
 
     return both
 

@@ -54,11 +54,9 @@ def imports(path):
             )
 
 
-#: The files of footopt that each file imports. A package's `__init__` only says what it offers.
-ARROWS = {
-    name: {found for found in imports(path) if found in MODULES and found != name}
-    for name, path in MODULES.items()
-}
+#: What each file imports, and which files of footopt. A package's `__init__` only says what it offers.
+IMPORTS = {name: set(imports(path)) for name, path in MODULES.items()}
+ARROWS = {name: (found & set(MODULES)) - {name} for name, found in IMPORTS.items()}
 
 
 @pytest.mark.parametrize("module", [name for name in MODULES if room(name) in ROOMS])
@@ -91,9 +89,7 @@ def test_foot_and_gait_do_not_know_each_other():
 
 @pytest.mark.parametrize("library", SEAMS)
 def test_a_library_behind_a_seam_is_imported_by_one_room_only(library):
-    found = {
-        room(name) for name, path in MODULES.items() if library in {n.split(".")[0] for n in imports(path)}
-    }
+    found = {room(name) for name, names in IMPORTS.items() if library in {n.split(".")[0] for n in names}}
     assert found <= {SEAMS[library]}
 
 

@@ -4,6 +4,7 @@
 before a search begins.
 """
 
+from footopt.design.choice import WAYS, Choice
 from footopt.design.engines import ENGINES, Dask, make_executor, processes
 from footopt.design.evaluator import Evaluator
 from footopt.design.executor import Renewing
@@ -12,6 +13,7 @@ from footopt.design.result import Confirmation, Generation, SearchResult, confir
 from footopt.design.robust import RobustProblem
 from footopt.design.search import search
 from footopt.design.solvers import EXHAUSTIVE, SINGLE, SOLVERS, Solver
+from footopt.design.stop import Stop
 from footopt.design.store import Evaluation, Store
 
 __all__ = [
@@ -19,6 +21,8 @@ __all__ = [
     "EXHAUSTIVE",
     "SINGLE",
     "SOLVERS",
+    "WAYS",
+    "Choice",
     "Confirmation",
     "Dask",
     "Evaluated",
@@ -30,6 +34,7 @@ __all__ = [
     "RobustProblem",
     "SearchResult",
     "Solver",
+    "Stop",
     "Store",
     "confirm",
     "make_executor",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable
 from typing import NamedTuple
@@ -13,7 +14,7 @@ from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import Solver
 from footopt.errors import FootoptError
-from footopt.walk.objectives import OBJECTIVES
+from footopt.walk.objectives import MEASURES
 
 
 class Designs(NamedTuple):
@@ -50,7 +51,8 @@ class Archive:
         self._place: dict[bytes, int] = {}  # of a design in `designs`, by its heights
         self._latest = np.empty(0, np.int64)
         self._column = problem.record.index(problem.guide)
-        self._sign = -1.0 if OBJECTIVES[problem.guide].maximise else 1.0
+        self._sign = -1.0 if MEASURES[problem.guide].maximise else 1.0
+        self._box: tuple[Array, Array] | None = None  # worst values and ranges that volumes are measured by
         # at the end of a generation: generations, designs, and the front, what an interrupted search reports
         self._closed = (0, 0, np.empty(0, np.int64))
 
@@ -72,19 +74,35 @@ class Archive:
         """Write the generation into the history."""
         feasible = self._feasible(self.designs)
         front = self._front(feasible)
+        one = self.problem.n_obj == 1
         guide = self._sign * self.designs.values[:, self._column]
         now = guide[self._latest[feasible[self._latest]]]
         self.history.append(
             Generation(
                 generation=len(self.history) + 1,
                 evaluations=len(self._latest) + (self.history[-1].evaluations if self.history else 0),
-                best=float(self._sign * guide[front].min()) if len(front) else float("nan"),
-                median=float(self._sign * np.median(now)) if len(now) else float("nan"),
+                best=float(self._sign * guide[front].min()) if one and len(front) else math.nan,
+                median=float(self._sign * np.median(now)) if one and len(now) else math.nan,
                 front=len(front),
                 seconds=seconds,
+                hypervolume=math.nan if one else self._volume(front),
             )
         )
         self._closed = (len(self.history), len(feasible), front)
+
+    def _volume(self, front: Ints) -> float:
+        """Hypervolume of the front, in units of the box of what the first generation walked."""
+        from moocore import hypervolume
+
+        if self._box is None:
+            f = self.problem.minimised(self.designs.values[self.designs.reasons == ""])
+            if len(f) and (np.ptp(f, axis=0) > 0.0).all():
+                self._box = f.max(axis=0), np.ptp(f, axis=0)
+        if self._box is None:
+            return math.nan
+        worst, span = self._box
+        f = (self.problem.minimised(self.designs.values[front]) - worst) / span
+        return float(hypervolume(f, ref=np.zeros(f.shape[1])))
 
     def result(self, solver: Solver, seconds: float, interrupted: bool, reused: int) -> SearchResult:
         """Everything that was evaluated up to the last finished generation, and the best of it."""
@@ -93,14 +111,14 @@ class Archive:
         if interrupted and not len(front):
             raise KeyboardInterrupt("before a feasible design was found")
         feasible = self._feasible(designs)
-        reasons = np.where(feasible | (designs.reasons != ""), designs.reasons, "box")
+        reasons = self.problem.verdicts(designs.values, designs.reasons, designs.violation)
         if not len(front):
             counts = ", ".join(f"{n} {cause}" for cause, n in sorted(Counter(reasons.tolist()).items()))
             raise FootoptError(
                 f"No feasible design among {count}: {counts}. "
-                "Try more generations, a larger foot.box_tolerance, or harder sand."
+                "Try more generations, a larger foot.box_tolerance, wider limits, or harder sand."
             )
-        front = front[np.argsort(self._sign * designs.values[front, self._column], kind="stable")]
+        front = front[np.argsort(self.problem.ranked(designs.values[front]), kind="stable")]
         return SearchResult(
             problem=self.problem,
             solver=solver,
@@ -116,7 +134,7 @@ class Archive:
         )
 
     def _constraints(self, designs: Designs) -> Array:
-        return self.problem.constraints(designs.reasons, designs.violation)
+        return self.problem.constraints(designs.values, designs.reasons, designs.violation)
 
     def _feasible(self, designs: Designs) -> NDArray[np.bool_]:
         """Walked, and inside the box."""

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from footopt.design.problem import FootProblem
-from footopt.walk.objectives import OBJECTIVES
+from footopt.walk.objectives import MEASURES
 from footopt.walk.sources import is_own, meaning, own, text_of
 from footopt.walk.steppers import STEPPERS
 
@@ -38,7 +38,7 @@ def context(problem: FootProblem) -> dict[str, Any]:
     stepper = STEPPERS[problem.accuracy.stepper].parameters
     laws = [effect.law for effect in problem.scene.effects if effect.law is not None]
     kinds = type(problem).__mro__
-    judges = [OBJECTIVES[name].value for name in problem.record if name in OBJECTIVES]
+    judges = [MEASURES[name].value for name in problem.record if name in MEASURES]
     return {
         "problem": type(problem).__name__,
         **{name: plain(value) for name, value in problem.conditions.items()},

@@ -84,20 +84,19 @@ def check_size(problem: FootProblem) -> None:
 
 
 def best_of(designs: Designs, problem: FootProblem) -> Designs:
-    """What is worth keeping, best first: the `KEPT` best by a single objective, or the front of several."""
+    """What is worth keeping: the `KEPT` best by a single objective, best first, or the front of several."""
     f = problem.minimised(designs.values)
     if problem.n_obj == 1:
         return designs.take(np.argsort(f[:, 0], kind="stable")[:KEPT])
     from moocore import is_nondominated
 
-    front = designs.take(is_nondominated(f, keep_weakly=True))
-    return front.take(np.argsort(front.values[:, problem.record.index(problem.guide)], kind="stable"))
+    return designs.take(is_nondominated(f, keep_weakly=True))
 
 
 def enumerate_space(
     problem: FootProblem,
     solver: Solver,
-    progress: Callable[[Generation], None] | None,
+    progress: Callable[[Generation], object] | None,
     evaluator: Evaluator,
 ) -> Enumeration:
     """Walk with every design of a space that is inside its box.
@@ -119,24 +118,26 @@ def enumerate_space(
             reasons = np.full(len(k), "box", dtype=object)
             if inside.any():
                 values, why = evaluator(k[inside])
-                reasons[inside] = why
+                reasons[inside] = verdicts = problem.verdicts(values, why, violation[inside])
                 walked = Designs(k[inside], values, why, violation[inside], np.full(inside.sum(), number))
-                feasible = walked.take(why == "")
+                feasible = walked.take(verdicts == "")
                 best = best_of(best.joined(feasible), problem)
-                median = float(np.median(feasible.values[:, column])) if len(feasible.k) else nan
+                if problem.n_obj == 1 and len(feasible.k):
+                    median = float(np.median(feasible.values[:, column]))
             counts.update(reasons)
             history.append(
                 Generation(
                     generation=number,
                     evaluations=counts.total() - counts["box"],
-                    best=float(best.values[0, column]) if len(best.k) else nan,
+                    best=float(best.values[0, column]) if problem.n_obj == 1 and len(best.k) else nan,
                     median=median,
                     front=min(len(best.k), 1) if problem.n_obj == 1 else len(best.k),
                     seconds=time.perf_counter() - started,
                 )
             )
-            if progress is not None:
-                progress(history[-1])
+            if progress is not None and progress(history[-1]) is True:
+                interrupted = True
+                break
     except KeyboardInterrupt:
         interrupted = True
     if interrupted and not len(best.k):
@@ -147,6 +148,7 @@ def enumerate_space(
             f"No feasible design among {counts.total()}: {causes}. "
             "Try a larger foot.box_tolerance, or harder sand."
         )
+    best = best.take(np.argsort(problem.ranked(best.values), kind="stable"))
     return Enumeration(
         problem=problem,
         solver=solver,

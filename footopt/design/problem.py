@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import check_kind
+from footopt.design.choice import Choice, excess
+from footopt.errors import check, check_kind
 from footopt.foot import Waypoints
 from footopt.walk.accuracy import Accuracy
-from footopt.walk.objectives import FIVE, OBJECTIVES, Objective, lookup
+from footopt.walk.objectives import FIVE, MEASURES, Objective, lookup
 from footopt.walk.scene import Scene
 from footopt.walk.simulate import evaluate, resolve
 
@@ -19,7 +20,7 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Words = NDArray[np.str_]
 
-#: Objectives by the name of a set; any sequence of names from `OBJECTIVES` will do as well.
+#: Objectives by the name of a set; any sequence of names from `MEASURES` will do as well.
 SETS: dict[str, tuple[str, ...]] = {"efficiency": ("efficiency",), "pareto": FIVE}
 
 #: What is recorded of every design, whatever is optimised: the paper's five and J_W.
@@ -62,11 +63,16 @@ class FootProblem:
         Of the walks; a preset's name will do.
     threads : int, optional
         For one evaluation; by default as many as the process may run on.
+    limits : dict of str to float, optional
+        Of any measures: the largest value of one that is minimised ("peak_power", "hollow"), the smallest
+        of one that is maximised ("distance", "thickness").
+    choose : Choice or str
+        Which design of a front is the best where there are several objectives.
 
     Raises
     ------
     SettingError
-        The walk ends before its first heel strike, or an objective is not known.
+        The walk ends before its first heel strike, or an objective or a limit is not known.
     """
 
     def __init__(
@@ -76,6 +82,8 @@ class FootProblem:
         space: Waypoints | None = None,
         accuracy: Accuracy | str = "standard",
         threads: int | None = None,
+        limits: Mapping[str, float] | None = None,
+        choose: Choice | str = "knee",
     ) -> None:
         self.scene = Scene() if scene is None else scene
         check_kind(self.scene, Scene, "scene", "Try fo.Scene(sand=...)")
@@ -85,7 +93,13 @@ class FootProblem:
         self.scene.need_heel_strike()
         names = SETS.get(objective, (objective,)) if isinstance(objective, str) else tuple(objective)
         self.objectives: list[Objective] = lookup(names)
-        self.record = (*RECORD, *(name for name in names if name not in RECORD))
+        self.limits = dict(limits or {})
+        for name, limit in self.limits.items():
+            check(name in MEASURES, "constraint", name, f"one of {', '.join(MEASURES)}")
+            check(abs(limit) < np.inf, f"constraint.{name}", limit, "a number")
+        self.choice = choose if isinstance(choose, Choice) else Choice(choose)
+        self.choice.check_names(self.names)
+        self.record = tuple(dict.fromkeys((*RECORD, *names, *self.limits)))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -122,13 +136,40 @@ class FootProblem:
         columns = []
         for o in self.objectives:
             natural = values[:, self.record.index(o.name)]
-            natural = np.where(np.isfinite(natural), natural, OBJECTIVES[o.name].worst)
+            natural = np.where(np.isfinite(natural), natural, o.worst)
             columns.append(-natural if o.maximise else natural)
         return np.stack(columns, axis=1)
 
-    def constraints(self, reasons: Words, violation: Array) -> Array:
-        """G (designs, 2), met where at most 0: the walk succeeds; the sole stays in its box (units of H)."""
+    @property
+    def n_constraints(self) -> int:
+        """How many columns `constraints` has."""
+        return 2 + len(self.limits)
+
+    def constraints(self, values: Array, reasons: Words, violation: Array) -> Array:
+        """G of `Evaluated`, (designs, n_constraints), met where at most 0.
+
+        The walk succeeds; the sole stays in its box (units of H); each of `limits` is kept (relative to it).
+        """
         failed = np.where(reasons == "", -1.0, 1.0)
         tolerance = self.space.box_tolerance
         box = violation / self.space.H - tolerance
-        return np.stack([failed, box if np.isfinite(tolerance) else np.full_like(failed, -1.0)], axis=1)
+        inside = box if np.isfinite(tolerance) else np.full_like(failed, -1.0)
+        kept = [
+            excess(name, limit, values[:, self.record.index(name)]) for name, limit in self.limits.items()
+        ]
+        return np.stack([failed, inside, *kept], axis=1)
+
+    def verdicts(self, values: Array, reasons: Words, violation: Array) -> Words:
+        """Why each design is no foot, (designs,): why its walk failed, "box", the first limit; or ""."""
+        broken = self.constraints(values, reasons, violation) > 0.0
+        names = np.array(["", "box", *self.limits])
+        first = names[np.where(broken[:, 1:].any(axis=1), 1 + broken[:, 1:].argmax(axis=1), 0)]
+        return np.where(reasons != "", reasons, first)
+
+    def ranked(self, values: Array) -> Array:
+        """Designs (designs, record) of a front, or of one objective: the smaller, the better, (designs,)."""
+        f = self.minimised(values)
+        if self.n_obj == 1:
+            return np.where(np.isfinite(values[:, self.record.index(self.names[0])]), f[:, 0], np.inf)
+        scores = self.choice.scores(f, values, self.names, self.record)
+        return np.where(np.isfinite(scores), scores, np.inf)

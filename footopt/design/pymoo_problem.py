@@ -6,17 +6,20 @@ from typing import Any
 
 import numpy as np
 from pymoo.core.problem import Problem
+from pymoo.core.sampling import Sampling
 from pymoo.problems.static import StaticProblem
 
 from footopt.design.problem import Array, FootProblem, Ints
 from footopt.design.solvers import Solver
+from footopt.errors import check
 
 
 class PymooProblem(Problem):  # type: ignore[misc]  # pymoo has no types
     """A `FootProblem` as a vectorised pymoo problem with integer variables, for `pymoo.optimize.minimize`.
 
     One call walks a whole population. A failed walk violates the first constraint, a sole that leaves
-    its box the second. Beside F and G, ``out`` has the fields of `Evaluated`.
+    its box the second, and so on (`FootProblem.constraints`). Beside F and G, ``out`` has the fields of
+    `Evaluated`.
 
     Parameters
     ----------
@@ -26,15 +29,30 @@ class PymooProblem(Problem):  # type: ignore[misc]  # pymoo has no types
 
     def __init__(self, problem: FootProblem) -> None:
         self.problem = problem
-        super().__init__(problem.space.n, problem.n_obj, 2, xl=1, xu=problem.space.K, vtype=int)
+        super().__init__(
+            problem.space.n, problem.n_obj, problem.n_constraints, xl=1, xu=problem.space.K, vtype=int
+        )
 
     def _evaluate(self, x: Any, out: dict[str, Any], *args: Any, **kwargs: Any) -> None:
         found = self.problem.evaluate(x)
         out.update(found._asdict())
         out["F"], out["G"] = (
             self.problem.minimised(found.values),
-            self.problem.constraints(found.reasons, found.violation),
+            self.problem.constraints(*found),
         )
+
+
+class Begun(Sampling):  # type: ignore[misc]
+    """A sampling whose first designs are given; the others are drawn as before."""
+
+    def __init__(self, other: Sampling, start: Ints) -> None:
+        super().__init__()
+        self._other, self._start = other, start
+
+    def _do(self, problem: Problem, n_samples: int, **kwargs: Any) -> Any:
+        drawn = self._other(problem, n_samples, **kwargs).get("X").copy()
+        drawn[: len(self._start)] = self._start
+        return drawn
 
 
 class Algorithm:
@@ -43,14 +61,21 @@ class Algorithm:
     pymoo knows the problem's size only: it copies what it holds in every generation.
     """
 
-    def __init__(self, problem: FootProblem, solver: Solver) -> None:
+    def __init__(self, problem: FootProblem, solver: Solver, start: Ints | None = None) -> None:
         n, K = problem.space.n, problem.space.K
         self._algorithm = solver.build(problem.n_obj)
-        self._size = Problem(n, problem.n_obj, 2, xl=np.ones(n), xu=np.full(n, K), vtype=int)
+        self._size = Problem(
+            n, problem.n_obj, problem.n_constraints, xl=np.ones(n), xu=np.full(n, K), vtype=int
+        )
         self._algorithm.setup(
             self._size, termination=("n_gen", solver.n_gen), seed=solver.seed, verbose=False
         )
         self._asked: Any = None
+        if start is not None:
+            initial: Any = getattr(self._algorithm, "initialization", None)
+            check(initial is not None, "start", solver.name, "left out: this solver draws its own designs")
+            check(len(start) <= solver.pop_size, "start", len(start), f"at most {solver.pop_size} designs")
+            initial.sampling = Begun(initial.sampling, start)
 
     def ask(self) -> Ints | None:
         """The next generation, (designs, n) heights; None when the budget or the space is used up."""

@@ -16,7 +16,7 @@ from footopt.design.solvers import Solver
 from footopt.errors import check, needed
 from footopt.foot import Foot
 from footopt.walk.accuracy import Accuracy
-from footopt.walk.objectives import OBJECTIVES
+from footopt.walk.objectives import MEASURES
 from footopt.walk.simulate import resolve
 
 
@@ -31,13 +31,16 @@ class Generation:
     evaluations : int
         Designs asked for so far.
     best : float
-        Smallest value of the single objective so far, or of J_W when there are several.
+        Best value of the single objective so far; NaN when there are several.
     median : float
         Of that value over the generation's feasible designs.
     front : int
         Designs on the front of all evaluated so far; 1 for a single objective.
     seconds : float, s
         Since the search began.
+    hypervolume : float
+        Of the front when there are several objectives: 1 is the box of the values of the first generation,
+        from its worst corner, and a front that goes beyond it has more.
     """
 
     generation: int
@@ -46,6 +49,7 @@ class Generation:
     median: float
     front: int
     seconds: float
+    hypervolume: float = math.nan
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -63,9 +67,9 @@ class SearchResult:
     values : (designs, record)
         Recorded values with their natural signs, NaN for a failed walk; columns are ``problem.record``.
     feasible : (designs,)
-        Whether it walked and is inside its box.
+        Whether it walked, is inside its box and keeps the limits.
     reasons : (designs,)
-        Why a walk failed ("error": it broke the program), or "box", or "".
+        Why a walk failed ("error": it broke the program), or "box", or the limit that is not kept, or "".
     violation : (designs,), m
         How far the sole leaves its box.
     generation : (designs,)
@@ -73,9 +77,9 @@ class SearchResult:
     history : list of Generation
         One entry a generation.
     best : int
-        Index of the best design: of the objective, or by J_W on the front.
+        Index of the best design: of the objective, or the one of the front that ``problem.choice`` takes.
     front : (front,)
-        Indices of the non-dominated feasible designs, best first by J_W.
+        Indices of the non-dominated feasible designs, the one that is chosen first.
     evaluations : int
         Designs that the solver asked for; one that comes up again is not walked again.
     seconds : float, s
@@ -84,6 +88,8 @@ class SearchResult:
         Whether it was stopped before its last generation; all this is then of the finished ones.
     reused : int
         Designs that were read from the store, not walked.
+    stopped : str
+        Why it ended before its last generation: what `Stop` says, or "by its progress"; "" if it did not.
     """
 
     problem: FootProblem
@@ -101,6 +107,7 @@ class SearchResult:
     seconds: float
     interrupted: bool
     reused: int = 0
+    stopped: str = ""
 
     def __repr__(self) -> str:
         best = zip(self.problem.record, self.values[self.best], strict=True)
@@ -148,7 +155,7 @@ class SearchResult:
         pandas = needed("pandas", "SearchResult.to_frame", "pandas")
         columns = {name: v.astype(object) if v.dtype.kind == "U" else v for name, v in self.columns.items()}
         frame = pandas.DataFrame(columns).rename_axis("design")
-        units = {name: OBJECTIVES[name].unit for name in self.problem.record if name in OBJECTIVES}
+        units = {name: MEASURES[name].unit for name in self.problem.record if name in MEASURES}
         frame.attrs["units"] = units | {"box_violation": "m"}
         return frame
 
@@ -174,6 +181,8 @@ class Confirmation:
         Whether the search's own best is still the best.
     largest_change : float
         Relative, of any recorded value of any finalist; NaN if none can be walked.
+    good : (finalists,)
+        Whether it still walks, keeps the limits, and is not dominated by another finalist.
     """
 
     designs: Ints
@@ -181,6 +190,7 @@ class Confirmation:
     accuracy: Accuracy
     agrees: bool
     largest_change: float
+    good: NDArray[np.bool_]
 
 
 def confirm(result: SearchResult, accuracy: Accuracy | str, finalists: int = 20) -> Confirmation:
@@ -189,23 +199,35 @@ def confirm(result: SearchResult, accuracy: Accuracy | str, finalists: int = 20)
     Parameters
     ----------
     result : SearchResult
-        Its best feasible designs by the single objective, or by J_W on the front, are the finalists.
+        Its best feasible designs by the single objective, or its whole front, are the finalists.
     accuracy : Accuracy or str
         Of the finer walks.
     finalists : int
-        How many, at most.
+        How many at most of a single objective.
     """
     check_finalists(finalists)
     accuracy, problem = resolve(accuracy), result.problem
-    column = problem.record.index(problem.guide)
-    sign = -1.0 if OBJECTIVES[problem.guide].maximise else 1.0
-    pool = np.flatnonzero(result.feasible) if problem.n_obj == 1 else result.front
-    chosen = pool[np.argsort(sign * result.values[pool, column], kind="stable")[:finalists]]
+    chosen = result.front
+    if problem.n_obj == 1:
+        pool = np.flatnonzero(result.feasible)
+        chosen = pool[np.argsort(problem.ranked(result.values[pool]), kind="stable")[:finalists]]
     finer = copy(problem)
     finer.accuracy = accuracy
-    values, _ = finer.walk(result.k[chosen])
-    order = np.argsort(sign * values[:, column], kind="stable")  # a walk that fails here comes last
-    with np.errstate(invalid="ignore"):
+    if accuracy == problem.accuracy:
+        values, reasons = result.values[chosen], np.full(len(chosen), "")
+    else:
+        values, reasons = finer.walk(result.k[chosen])
+    kept = problem.constraints(values, reasons, result.violation[chosen]) <= 0.0
+    good = np.asarray(kept.all(axis=1))
+    if problem.n_obj > 1 and good.any():
+        from moocore import is_nondominated
+
+        good[good] = is_nondominated(problem.minimised(values[good]), keep_weakly=True)
+    scores = np.full(len(chosen), np.inf)
+    if good.any():
+        scores[good] = problem.ranked(values[good])
+    order = np.argsort(scores, kind="stable")  # what is no longer good comes last
+    with np.errstate(invalid="ignore", divide="ignore"):
         change = np.abs(values / result.values[chosen] - 1.0)
     change = change[np.isfinite(change)]
     return Confirmation(
@@ -214,6 +236,7 @@ def confirm(result: SearchResult, accuracy: Accuracy | str, finalists: int = 20)
         accuracy=accuracy,
         agrees=bool(chosen[order][0] == result.best),
         largest_change=float(change.max()) if len(change) else math.nan,
+        good=good[order],
     )
 
 

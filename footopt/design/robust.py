@@ -11,7 +11,7 @@ from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.errors import SettingError, check
 from footopt.foot import Waypoints
 from footopt.walk.accuracy import Accuracy
-from footopt.walk.objectives import OBJECTIVES
+from footopt.walk.objectives import MEASURES
 from footopt.walk.scenarios import Scenario, check_measure, measured
 from footopt.walk.simulate import evaluate
 
@@ -97,7 +97,7 @@ class RobustProblem(FootProblem):
         values, reasons = self.walk_each(k)
         if self.references is not None:
             values[..., self.record.index(self.guide)] /= np.abs(self.references)[:, None]
-        sign = np.array([-1.0 if OBJECTIVES[name].maximise else 1.0 for name in self.record])
+        sign = np.array([-1.0 if MEASURES[name].maximise else 1.0 for name in self.record])
         weights = np.array([s.weight for s in self.scenarios])
         total = sign * measured(sign * values, weights, self.measure, self.tail)
         first = [next((i for i, reason in enumerate(column) if reason), None) for column in reasons.T]
@@ -111,6 +111,6 @@ class RobustProblem(FootProblem):
 
 def regret(values: Array, references: Array, name: str) -> Array:
     """What is lost relative to reference values of an objective: 0 is as good, 0.1 a tenth worse."""
-    sign = -1.0 if OBJECTIVES[name].maximise else 1.0
+    sign = -1.0 if MEASURES[name].maximise else 1.0
     loss: Array = sign * (values - references) / np.abs(references)
     return loss

@@ -30,7 +30,7 @@ def walk_all(problem: FootProblem, step: Callable[[], None] = lambda: None) -> E
         parts.append(problem.evaluate(k))
         step()
     table = Evaluated._make(np.concatenate(columns) for columns in zip(*parts, strict=True))
-    if not (problem.constraints(table.reasons, table.violation) <= 0.0).all(axis=1).any():
+    if not (problem.constraints(*table) <= 0.0).all(axis=1).any():
         raise FootoptError(
             f"None of all {len(table.reasons)} designs is feasible. "
             "Try a larger foot.box_tolerance, or harder sand."
@@ -66,7 +66,7 @@ class Tabulated(FootProblem):
         super().__init__(problem.scene, objective, problem.space, problem.accuracy, problem.threads)
         self.table = table
         self._powers = self.space.K ** np.arange(self.space.n)[::-1]
-        feasible = (self.constraints(table.reasons, table.violation) <= 0.0).all(axis=1)
+        feasible = (self.constraints(*table) <= 0.0).all(axis=1)
         self.feasible = int(feasible.sum())
         j = np.where(feasible, table.values[:, self.record.index("efficiency")], np.inf)
         self.optimum = float(j.min())

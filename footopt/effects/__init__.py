@@ -10,6 +10,7 @@ from footopt.effects.inertia import Inertia
 from footopt.effects.layers import Layers
 from footopt.effects.leading_edge import LeadingEdge
 from footopt.effects.patches import Patches
+from footopt.effects.rest import Rest
 from footopt.effects.shadowing import Shadowing
 from footopt.effects.slope import Slope
 
@@ -24,6 +25,7 @@ __all__ = [
     "Layers",
     "LeadingEdge",
     "Patches",
+    "Rest",
     "Scale",
     "Shadowing",
     "Slope",

@@ -6,8 +6,9 @@ compiled loop. A law changes the force on a plate at one or more of three places
 
 - load, of depth (m) and x (m). The state is the strength of the sand integrated over the depth, m (the
   plain law's is the depth itself), and its derivatives by depth and by x.
-- gate, of into = n.v, the speed along the outward normal (m/s), and the creep speed (m/s). The state is
-  the share of the stress that the plate feels, and its derivative by into, s/m.
+- gate, of into = n.v, the speed along the outward normal (m/s), and the creep speed (m/s); where the
+  scene has bristles (`rest`), of n.h and a width instead. The state is the share of the stress that the
+  plate feels, and its derivative by into.
 - push, of into and depth. The state is a pressure against the outward normal, Pa, and its derivatives by
   both.
 
@@ -156,7 +157,7 @@ load, gate, push = _through(LOADS), _through(GATES), _through(PUSHES)
 
 
 def readable(
-    effects: Sequence[Effect], depth: Array, x: Array, into: Array, creep: float
+    effects: Sequence[Effect], depth: Array, x: Array, into: Array, leads: Array, edge: float
 ) -> tuple[Array, Array, Array]:
     """What effects make of plates: load (m), share of the stress, and pressure (Pa), as arrays.
 
@@ -168,12 +169,14 @@ def readable(
         Of each plate.
     into : array, m/s
         Each plate's speed along its outward normal.
-    creep : float, m/s
-        The creep speed.
+    leads : array
+        n.v or n.h, by which a gate opens.
+    edge : float
+        Over which it opens: the creep speed, or its like for n.h.
     """
     loads, gates, pushes = laws(effects)
     none = np.zeros_like(depth)
     strength = depth if loads is None else load(loads, (depth, none + 1.0, none), depth, x)[0]
-    share = none + 1.0 if gates is None else gate(gates, (none + 1.0, none), into, creep)[0]
+    share = none + 1.0 if gates is None else gate(gates, (none + 1.0, none), leads, edge)[0]
     pressure = none if pushes is None else push(pushes, (none, none, none), into, depth)[0]
     return strength, share, pressure

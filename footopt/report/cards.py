@@ -18,7 +18,7 @@ from footopt.report.plot import RESOLUTION, drawings, picture
 from footopt.report.style import png
 from footopt.sand import Sand
 from footopt.sand.law import PER_CM3, alpha
-from footopt.walk import FIVE, OBJECTIVES, Scene, Table, Walk
+from footopt.walk import FIVE, MEASURES, Scene, Table, Walk
 from footopt.walk.audit import parameters
 from footopt.walk.validity import diagnose
 
@@ -140,7 +140,7 @@ def table_facts(table: Table) -> Facts:
     for name, column in zip(table.names, table.values[table.feasible].T, strict=True):
         if len(column):
             low, middle, high = (number(v) for v in (column.min(), np.median(column), column.max()))
-            found[title(name)] = f"{low} to {high} {OBJECTIVES[name].unit}".rstrip() + f", median {middle}"
+            found[title(name)] = f"{low} to {high} {MEASURES[name].unit}".rstrip() + f", median {middle}"
     return found | {"sand": table.scene.sand.name}
 
 
@@ -160,7 +160,8 @@ def search_facts(result: Any) -> Facts:
         found["infeasible"] = f"{result.infeasible} ({reasons})"
     if problem.n_obj > 1:
         found["on the front"] = str(len(result.front))
-    found["best k" if problem.n_obj == 1 else "best k in J_W"] = ", ".join(map(str, result.k[result.best]))
+    which = "best k" if problem.n_obj == 1 else f"chosen k ({problem.choice.by})"
+    found[which] = ", ".join(map(str, result.k[result.best]))
     best = zip(problem.record, result.values[result.best], strict=True)
     return found | {title(name): objective_quantity(name, value) for name, value in best}
 

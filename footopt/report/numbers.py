@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from footopt.walk import OBJECTIVES
+from footopt.walk import MEASURES
 
 
 def number(value: float) -> str:
@@ -64,7 +64,7 @@ def title(name: str) -> str:
 
 def objective_quantity(name: str, value: float) -> str:
     """An objective's value with its unit."""
-    return quantity(value, OBJECTIVES[name].unit if name in OBJECTIVES else "")
+    return quantity(value, MEASURES[name].unit if name in MEASURES else "")
 
 
 def _shortest(text: str) -> str:

@@ -18,11 +18,10 @@ from footopt.errors import SettingError
 from footopt.report.figures.foot import draw_contour, foot_height
 from footopt.report.figures.gait import draw_angles, draw_path
 from footopt.report.figures.sand import draw_stress
-from footopt.report.figures.search import draw_convergence, draw_parallel
+from footopt.report.figures.search import draw_convergence, draw_parallel, history_label
 from footopt.report.figures.traces import COMPONENTS, draw_components
 from footopt.report.figures.walker import draw_scene, draw_walk, walk_height
 from footopt.report.style import COLUMN, PAGE, Axes, legend_above, legend_columns, new_figure, png, styled
-from footopt.walk import OBJECTIVES
 
 RESOLUTION = 160  # dots per inch of a picture in a notebook
 
@@ -92,7 +91,7 @@ def drawings(thing: object) -> dict[str, Drawing]:
 
 
 def _draw_front(axes: Axes, result: Any) -> None:
-    """The designs of the front, an axis for each objective; the best in J_W stands out."""
+    """The designs of the front, an axis for each objective; the chosen one stands out."""
     columns = [result.problem.record.index(name) for name in result.problem.names]
     best = int(np.argmax(result.front == result.best))
     draw_parallel(axes, result.values[result.front][:, columns], result.problem.names, best)
@@ -113,7 +112,7 @@ DRAWINGS: dict[str, dict[str, Drawing]] = {
     "SearchResult": {
         "front": Drawing(_draw_front, PAGE, 2.6),
         "convergence": Drawing(
-            lambda axes, r: draw_convergence(axes, r.history, OBJECTIVES[r.problem.guide].label)
+            lambda axes, r: draw_convergence(axes, r.history, history_label(r.problem.names))
         ),
     },
 }

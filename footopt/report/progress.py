@@ -192,10 +192,11 @@ def report_generations(
     """
 
     def show(g: Generation) -> None:
+        if math.isfinite(g.best):
+            best = f"best {title(guide)} {number(g.best)}{scale}"
+        else:
+            best = f"hypervolume {number(g.hypervolume)}" if g.front else "none feasible yet"
         front = f", front {g.front}" if g.front > 1 else ""
-        best = (
-            f"best {title(guide)} {number(g.best)}{scale}" if math.isfinite(g.best) else "none feasible yet"
-        )
         speed = f"{g.evaluations / max(g.seconds, 1e-9):.0f} evaluations/s"
         step(work, f"{about}{best}{front}, {speed}")
 

@@ -8,6 +8,7 @@ import threading
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 
+import numpy as np
 from rich import box
 from rich.console import Console
 from rich.table import Table as RichTable
@@ -15,10 +16,11 @@ from rich.text import Text
 
 from footopt.design import Confirmation, SearchResult
 from footopt.effects import name_of
-from footopt.foot import Foot
+from footopt.foot import Foot, Waypoints
 from footopt.report.numbers import change, percent, quantity, title
 from footopt.report.numbers import number as number
-from footopt.walk import OBJECTIVES, Scene, gain_shares
+from footopt.sand import GENERIC
+from footopt.walk import MEASURES, Scene, gain_shares
 from footopt.walk.audit import parameters
 from footopt.walk.scene import EARTH
 from footopt.walk.validity import Diagnostic
@@ -73,6 +75,7 @@ def objective_table(
     names: Sequence[str],
     errors: dict[str, float],
     gain: bool = False,
+    shares: bool = True,
 ) -> RichTable:
     """Objectives (rows) of feet (columns).
 
@@ -85,32 +88,33 @@ def objective_table(
     errors : dict
         Estimated errors of the first foot's values, by name.
     gain : bool
-        Whether to show the change from the second foot to the first, and each factor's share in the gain
-        of J_W if there is one.
+        Whether to show the change from the second foot to the first.
+    shares : bool
+        Whether to show each factor's share in the gain of J_W, if there is one.
     """
     (first, values), *others = feet
     titles = ["objective", "unit", first, "error", *(title for title, _ in others)]
     if gain:
         base = others[0][1]
-        shares = gain_shares(values, base)
-        gained = any(map(math.isfinite, shares.values()))
+        parts = gain_shares(values, base)
+        gained = shares and any(map(math.isfinite, parts.values()))
         titles += ["change", *(["share of J_W's gain"] if gained else [])]
     shown = table(titles, words=("objective", "unit"))
     for name in names:
-        o, value = OBJECTIVES[name], values[name]
+        o, value = MEASURES[name], values[name]
         cells = [f"{name.replace('_', ' ')} ({'max' if o.maximise else 'min'})", o.unit, number(value)]
         cells += [percent(abs(errors[name] / value)) if value else "-", *(number(v[name]) for _, v in others)]
         if gain:
             cells += [change(name, value, base[name])]
             if gained:
-                cells += [f"{100 * shares[name] + 0.0:.1f} %" if name in shares else ""]
+                cells += [f"{100 * parts[name] + 0.0:.1f} %" if name in parts else ""]
         shown.add_row(*cells)
     return shown
 
 
 def describe_loss(name: str, value: float, flat: float) -> list[str]:
     """What to say where a search has found no foot that is better than the flat sole in an objective."""
-    better = value > flat if OBJECTIVES[name].maximise else value < flat
+    better = value > flat if MEASURES[name].maximise else value < flat
     if better:
         return []
     how = "no better" if value == flat else "worse"
@@ -140,13 +144,31 @@ def describe_scene(scene: Scene) -> str:
     return ", ".join(words)
 
 
+def describe_setup(scene: Scene, foot: Foot | Waypoints) -> str:
+    """What is walked, in two lines: the walker and the gait; the foot or its space, the sand and the law."""
+    walker, gait = scene.walker, scene.gait
+    if isinstance(foot, Waypoints):
+        what, length, height = "Soles in a box of", 2.0 * foot.L, foot.H
+    else:
+        what, (length, height) = f"Sole ({foot.name}) of", np.ptp(foot.contour, axis=0)
+    law = "the generic law" if scene.sand.stress_map == GENERIC else "a law of its own"
+    size = " x ".join(f"{1e3 * value:.4g}" for value in (length, height, foot.width))
+    return (
+        f"Walker: {walker.mass:g} kg, legs {walker.l1:g} + {walker.l2:g} m, g {walker.g:g} m/s^2; "
+        f"gait {gait.name}, stride {gait.period:.4g} s\n"
+        f"{what} {size} mm (length, height, width) on "
+        f"{describe_scene(scene)}, {law}"
+    )
+
+
 def describe_search(result: SearchResult) -> str:
     """What a search did, in one line."""
     bad = result.infeasible
     why = f" ({', '.join(f'{n} {reason}' for reason, n in result.failures.items())})" if bad else ""
     reused = f", {result.reused} of them known" if result.reused else ""
     front = f", {len(result.front)} on the front" if result.problem.n_obj > 1 else ""
-    stopped = " (interrupted)" if result.interrupted else ""
+    why_stopped = f" (stopped {result.stopped})" if result.stopped else ""
+    stopped = " (interrupted)" if result.interrupted else why_stopped
     return (
         f"{result.solver.name}, seed {result.solver.seed}: {result.evaluations} evaluations of "
         f"{result.designs} designs{reused} in {result.seconds:.1f} s, {bad} infeasible{why}{front}{stopped}"
@@ -160,9 +182,10 @@ def describe_confirmation(confirmed: Confirmation) -> str:
         return (
             f"None of {len(confirmed.designs)} finalists can be walked at accuracy {confirmed.accuracy.name}"
         )
+    lost = f", {lost} of them no longer good" if (lost := int((~confirmed.good).sum())) else ""
     return (
         f"{len(confirmed.designs)} finalists walked again at accuracy {confirmed.accuracy.name}: "
-        f"values change by up to {percent(confirmed.largest_change)}, {verdict}"
+        f"values change by up to {percent(confirmed.largest_change)}, {verdict}{lost}"
     )
 
 

@@ -70,6 +70,16 @@ class StressMap:
             D10=self.D10,
         )
 
+    @property
+    def sliding_slope(self) -> float:
+        """Slope beyond which a level sole slides for ever, deg; 19.9 for the generic map.
+
+        Its tangent is the drag over the lift of a level plate in level motion. On a slope below it, a
+        walker slides until his foot is deep enough.
+        """
+        law = self.law
+        return float(np.degrees(np.arctan2(law.C01 + law.C_sum, law.A00 + law.A10)))
+
     def dissipation(self, samples: int = 181) -> float:
         """Smallest alpha_x cos(gamma) + alpha_z sin(gamma) over all angles, N/cm^3.
 
@@ -200,12 +210,12 @@ def affine_direction(c: Array, s: Array, stress_map: StressMap = GENERIC) -> tup
     return PER_CM3 * a, PER_CM3 * np.stack(rows, axis=-2)
 
 
-def by_direction(c: Array, s: Array, velocity: Array, creep: float, stress_map: StressMap = GENERIC) -> Array:
-    """`by_angles` from c = cos 2 beta and s = sin 2 beta, or their means: a - M h, (*S, 2), N/m^3.
-
-    h = v / sqrt(|v|^2 + creep^2).
-    """
+def by_direction(c: Array, s: Array, h: Array, stress_map: StressMap = GENERIC) -> Array:
+    """`by_angles` from c = cos 2 beta and s = sin 2 beta, or their means: a - M h, (*S, 2), N/m^3."""
     a, m = affine_direction(c, s, stress_map)
-    speed = np.sqrt(np.sum(velocity**2, axis=-1) + creep**2)
-    h = velocity / speed[..., None]
     return np.asarray(a - np.einsum("...ij,...j->...i", m, h))
+
+
+def smoothed(velocity: Array, creep: float) -> Array:
+    """The direction h = v / sqrt(|v|^2 + creep^2) of velocities (*S, 2), m/s, with the creep speed, m/s."""
+    return np.asarray(velocity / np.sqrt(np.sum(velocity**2, axis=-1, keepdims=True) + creep**2))

@@ -9,6 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from footopt.design import Choice
 from footopt.effects import EFFECTS, Effect
 from footopt.errors import SettingError, check
 from footopt.files.gaits import Strides, read_strides
@@ -78,19 +79,17 @@ def make_gait(config: GaitConfig) -> Gait:
         if config.path is not None:
             raise SettingError("gait.path", config.path, "null with gait=human", "Use gait=file with a path.")
         gait = Gait.human(harmonics=config.harmonics)
-    elif config.name == "file":
-        if config.path is None:
-            raise SettingError("gait.path", None, "a file, with gait=file", "Try gait.path=walk.csv.")
-        gait = Gait.from_file(config.path, config.harmonics, *_reading(config))
+    elif config.path is None:
+        raise SettingError("gait.path", None, f"a file, with gait={config.name}", "Try gait.path=walk.csv.")
     else:
-        raise SettingError("gait.name", config.name, "human or file")
+        gait = Gait.from_file(config.path, config.harmonics, *_reading(config))
     period = gait.period if config.period is None else config.period
     return replace(gait, period=period, pitch=config.pitch, start=config.start)
 
 
 def make_strides(config: GaitConfig) -> Strides | None:
     """The strides that a gait was fitted to; None where there are none."""
-    if config.name != "file" or config.path is None or Path(config.path).suffix.lower() == ".json":
+    if config.path is None or Path(config.path).suffix.lower() == ".json":
         return None
     return read_strides(config.path, *_reading(config))
 
@@ -199,6 +198,27 @@ def make_scene(config: Config) -> Scene:
         walker=Walker(**vars(config.walker)),
         t_f=config.scene.t_f,
     )
+
+
+def make_limits(config: Config) -> dict[str, float]:
+    """The limits of the settings, by the measures' names."""
+    given = {name: limit for name, limit in vars(config.constraint).items() if name != "own"}
+    own = config.constraint.own or {}
+    check(isinstance(own, dict), "constraint.own", own, "limits by name: {my_measure: 1.0}")
+    return {name: limit for name, limit in (given | own).items() if limit is not None}
+
+
+def make_choice(config: Config) -> Choice:
+    """Which design of a front the settings choose."""
+    choose = config.choose
+    for name in ("weights", "limits"):
+        given = getattr(choose, name)
+        check(given is None or isinstance(given, dict), f"choose.{name}", given, "numbers by name: {work: 2}")
+    choice = Choice(choose.name, choose.weights or {}, choose.limits or {})
+    if len(config.objective.names) == 1 and choice != Choice():
+        hint = "Search several, such as objective=pareto, or limit one: constraint.work=200."
+        raise SettingError("choose", choose.name, "left out with one objective", hint)
+    return choice
 
 
 def make_accuracy(config: AccuracyConfig) -> Accuracy:

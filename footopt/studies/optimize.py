@@ -9,27 +9,32 @@ import numpy as np
 
 from footopt.design import (
     EXHAUSTIVE,
+    WAYS,
     Confirmation,
     FootProblem,
     SearchResult,
     Solver,
+    Stop,
     confirm,
     make_executor,
     search,
 )
+from footopt.design.choice import excess
 from footopt.design.exhaustive import Enumeration, check_size
 from footopt.design.result import check_finalists
 from footopt.files import run as files
 from footopt.foot import Foot
 from footopt.report import figures, page, terminal
+from footopt.report.figures.search import history_label
+from footopt.report.numbers import objective_quantity
 from footopt.report.progress import report_generations
 from footopt.studies.auto_effects import choose_effects
 from footopt.studies.base import Study
-from footopt.studies.build import check_searchable
+from footopt.studies.build import check_searchable, make_choice, make_limits
 from footopt.studies.record import Answer, answer, foot_entry, scene_entry, validity_entry
 from footopt.studies.simulate import check_film, write_film, write_walk
 from footopt.studies.validation.model import describe, model_error
-from footopt.walk import OBJECTIVES, estimate_error, gain_shares, simulate
+from footopt.walk import estimate_error, gain_shares, simulate
 from footopt.walk.validity import diagnose
 
 LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
@@ -42,12 +47,16 @@ def run(study: Study) -> Answer:
     check_film(study)
     solver = Solver(**vars(config.solver))
     scene, audits = choose_effects(study)
-    problem = FootProblem(scene, config.objective.names, study.space, study.accuracy, study.threads)
+    limits, choice = make_limits(config), make_choice(config)
+    problem = FootProblem(
+        scene, config.objective.names, study.space, study.accuracy, study.threads, limits, choice
+    )
     if solver.name == EXHAUSTIVE:  # what does not fit is refused before the search
         check_size(problem)
     else:
         solver.build(problem.n_obj)
     check_finalists(options.finalists)
+    study.say(terminal.describe_setup(scene, problem.space))
     finer = study.finer_accuracy
     with study.compiling():
         flat = simulate(Foot.flat(problem.space), scene, finer)
@@ -58,7 +67,9 @@ def run(study: Study) -> Answer:
     k = result.k[confirmed.designs[0]]
     best = dataclasses.replace(Foot.from_waypoints(k, problem.space), name=f"best of {solver.name}")
     walk = simulate(best, scene, finer)
-    errors, diagnostics = estimate_error(best, scene, finer), diagnose(walk)
+    errors = estimate_error(best, scene, finer, problem.record)
+    values, base = walk.judged(problem.record), flat.judged(problem.record)
+    diagnostics = diagnose(walk)
 
     if study.reports:
         files.write_designs(study.folder / "designs.csv", result.columns)
@@ -68,13 +79,13 @@ def run(study: Study) -> Answer:
     record = study.write_result(
         {
             "design": foot_entry(best),
-            "objectives": {name: walk.objectives[name] for name in problem.record},
-            "error_estimate": {name: errors[name] for name in problem.record},
+            "objectives": values,
+            "error_estimate": errors,
             "model_error": (model := model_error(walk)),
-            "flat": {name: flat.objectives[name] for name in problem.record},
-            "gain_shares": gain_shares(walk.objectives, flat.objectives),
+            "flat": base,
+            "gain_shares": gain_shares(values, base),
             **scene_entry(scene, finer, problem.record),
-            **_search_entry(result, confirmed),
+            **_search_entry(result, confirmed, options.finalists),
             **validity_entry(diagnostics),
             "effects_audit": audits,
             "notes": notes,
@@ -89,25 +100,43 @@ def run(study: Study) -> Answer:
         page.write(study.folder / "report.html", shown)
     write_film(study, walk)
 
-    which = "Best design" if problem.n_obj == 1 else "Of the front the best in J_W"
-    feet = [("best", walk.objectives), ("flat", flat.objectives)]
+    several = problem.n_obj > 1
+    by_j = (choice.by if several else problem.guide) == "efficiency"
+    which = f"Of the front {WAYS[choice.by]}" if several else "Best design"
+    feet = [("best", values), ("flat", base)]
     study.say(
         terminal.describe_search(result),
         terminal.describe_confirmation(confirmed),
         f"{which}: {terminal.describe_foot(best)}",
-        terminal.objective_table(feet, problem.record, errors, gain=True),
+        terminal.objective_table(feet, problem.record, errors, gain=True, shares=by_j),
         *describe(model),
     )
-    guide = problem.guide
-    for loss in terminal.describe_loss(guide, walk.objectives[guide], flat.objectives[guide]):
-        terminal.warn(study.console, loss)
+    for words in _warnings(problem, values, base, by_j):
+        terminal.warn(study.console, words)
     terminal.print_validity(study.console, diagnostics)
     study.say(*notes)
     study.close()
     if result.interrupted:
         done, every = len(result.history), solver.generations(problem.space)
         raise KeyboardInterrupt(f"after {_unit(solver)} {done} of {every}, with a full report")
-    return answer(problem.names, walk.objectives)
+    return answer(problem.names, values)
+
+
+def _warnings(
+    problem: FootProblem, values: dict[str, float], base: dict[str, float], by_j: bool
+) -> list[str]:
+    """What is wrong with the best design: it is no better than the flat sole, or breaks a limit."""
+    said = []
+    if problem.n_obj == 1 or by_j:
+        guide = "efficiency" if by_j else problem.names[0]
+        said += terminal.describe_loss(guide, values[guide], base[guide])
+    for name, limit in problem.limits.items():
+        if excess(name, limit, np.array([values[name]]))[0] > 0.0:
+            value = objective_quantity(name, values[name])
+            said.append(
+                f"The best design breaks constraint.{name}={limit:g} when it is walked finely: {value}."
+            )
+    return said
 
 
 def _unit(solver: Solver) -> str:
@@ -129,18 +158,26 @@ def _search(study: Study, problem: FootProblem, solver: Solver) -> SearchResult:
         if known := store.describe():
             study.say(known)
         with study.progress(solver.generations(space), _unit(solver)) as step:
-            return search(problem, solver, report_generations(step, problem.guide), store, executor)
+            tell, stop = report_generations(step, problem.names[0]), Stop(**vars(study.config.stop))
+            return search(problem, solver, tell, store, executor, stop)
 
 
-def _search_entry(result: SearchResult, confirmed: Confirmation) -> dict[str, Any]:
-    """A search in result.json."""
-    problem = result.problem
+def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int) -> dict[str, Any]:
+    """A search in result.json; a front as it is when it is walked finely, the chosen design first."""
+    problem, several = result.problem, result.problem.n_obj > 1
+    front = confirmed.designs[confirmed.good] if several else confirmed.designs[:0]
     return {
+        "objective_names": problem.names,
+        "choose": dataclasses.asdict(problem.choice) if several else None,
+        "constraints": problem.limits,
+        "hypervolume": result.history[-1].hypervolume,
         "search_accuracy": dataclasses.asdict(problem.accuracy),
         "confirmed": {
-            "k": result.k[confirmed.designs].tolist(),
-            "values": confirmed.values,
+            "k": result.k[confirmed.designs[:finalists]].tolist(),
+            "values": confirmed.values[:finalists],
             "columns": problem.record,
+            "designs": len(confirmed.designs),
+            "no_longer_good": int(np.sum(~confirmed.good)),
             "agrees": confirmed.agrees,
             "largest_change": confirmed.largest_change,
         },
@@ -151,8 +188,11 @@ def _search_entry(result: SearchResult, confirmed: Confirmation) -> dict[str, An
         "reused": result.reused,
         "infeasible": result.infeasible,
         "reasons": result.failures,
-        "front": result.k[result.front].tolist() if problem.n_obj > 1 else [],
+        "front": result.k[front].tolist(),
+        "front_values": confirmed.values[confirmed.good] if several else [],
+        "front_columns": problem.record,
         "interrupted": result.interrupted,
+        "stopped": result.stopped,
         "search_time_s": result.seconds,
     }
 
@@ -161,7 +201,7 @@ def _save_figures(study: Study, result: SearchResult, marked: int) -> None:
     """The figures of a search; `marked` is the best design's place in the front."""
     problem = result.problem
     if not isinstance(result, Enumeration):
-        study.save("convergence", figures.convergence(result.history, OBJECTIVES[problem.guide].label))
+        study.save("convergence", figures.convergence(result.history, history_label(problem.names)))
     elif problem.n_obj == 1:
         leaders = enumerate(result.k[:LEADERS], start=1)
         soles = {f"no. {i}": Foot.from_waypoints(k, problem.space) for i, k in leaders}

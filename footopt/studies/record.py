@@ -10,7 +10,7 @@ from typing import Any
 from footopt.effects import name_of
 from footopt.foot import Foot
 from footopt.report import terminal
-from footopt.walk import OBJECTIVES, Accuracy, Scene
+from footopt.walk import MEASURES, Accuracy, Scene
 from footopt.walk.audit import parameters
 from footopt.walk.objectives import lookup
 from footopt.walk.validity import Diagnostic
@@ -54,8 +54,8 @@ def validity_entry(diagnostics: Sequence[Diagnostic]) -> dict[str, Any]:
 def scene_entry(scene: Scene, accuracy: Accuracy, names: Sequence[str]) -> dict[str, Any]:
     """A scene, its accuracy and the units and senses of the objectives in result.json."""
     return {
-        "units": {name: OBJECTIVES[name].unit for name in names},
-        "maximise": {name: OBJECTIVES[name].maximise for name in names},
+        "units": {name: MEASURES[name].unit for name in names},
+        "maximise": {name: MEASURES[name].maximise for name in names},
         "scene": {
             "sand": {
                 "name": scene.sand.name,

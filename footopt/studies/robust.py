@@ -30,7 +30,7 @@ from footopt.studies.base import Study
 from footopt.studies.build import check_searchable, make_scene, make_spread
 from footopt.studies.record import foot_entry, scene_entry
 from footopt.studies.settings import Config
-from footopt.walk import OBJECTIVES, Scene
+from footopt.walk import MEASURES, Scene
 from footopt.walk.scenarios import Scenario, draw, laws, sands
 
 Array = NDArray[np.float64]
@@ -182,7 +182,7 @@ def compare(judge: RobustProblem, feet: Heights) -> Comparison:
     values, reasons = judge.walk_each(np.array(list(feet.values())))
     guide = values[..., judge.record.index(judge.guide)]
     specialists = guide[:, [name != ROBUST for name in feet]]
-    references = (np.nanmax if OBJECTIVES[judge.guide].maximise else np.nanmin)(specialists, axis=1)
+    references = (np.nanmax if MEASURES[judge.guide].maximise else np.nanmin)(specialists, axis=1)
     regrets = regret(guide, references[:, None], judge.guide).T
     return Comparison(tuple(feet), values, reasons, references, regrets)
 

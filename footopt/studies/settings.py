@@ -12,14 +12,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, fields, make_dataclass
 from typing import TYPE_CHECKING, Any, get_type_hints
 
-from footopt.design import RobustProblem, Solver, make_executor
+from footopt.design import WAYS, Choice, RobustProblem, Solver, Stop, make_executor
 from footopt.design.problem import SETS
 from footopt.effects import EFFECTS
 from footopt.files import soles
 from footopt.foot import Foot, Waypoints, shapes
 from footopt.gait import Gait
 from footopt.sand import MEDIA, Sand, StressMap
-from footopt.walk import PRESETS, Spread, Walker
+from footopt.walk import MEASURES, PRESETS, Spread, Walker
 
 
 def default(function: Callable[..., Any], name: str) -> Any:
@@ -50,13 +50,14 @@ def _changeable(value: Any) -> Any:
 
 if TYPE_CHECKING:
     from footopt.design import Solver as SolverConfig
+    from footopt.design import Stop as StopConfig
     from footopt.foot import Waypoints as SpaceConfig
     from footopt.sand import StressMap as CoefficientsConfig
     from footopt.walk import Spread as SpreadConfig
     from footopt.walk import Walker as WalkerConfig
 else:
-    SolverConfig, SpaceConfig, CoefficientsConfig, WalkerConfig = map(
-        parameters, (Solver, Waypoints, StressMap, Walker)
+    SolverConfig, StopConfig, SpaceConfig, CoefficientsConfig, WalkerConfig = map(
+        parameters, (Solver, Stop, Waypoints, StressMap, Walker)
     )
     SpreadConfig = parameters(
         Spread, null=("period", "angles")
@@ -220,6 +221,42 @@ class ObjectiveConfig:
 
 
 @dataclass
+class ChooseConfig:
+    """Which design of a front is the answer where there are several objectives: see `footopt.design.Choice`.
+
+    Attributes
+    ----------
+    weights : dict
+        Of objectives by name, for choose=weights.
+    limits : dict
+        Of objectives by name, for choose=limits.
+    """
+
+    name: str = Choice.by
+    weights: Any = None
+    limits: Any = None
+
+
+@dataclass
+class OwnConstraints:
+    """Limits that a design must keep: see `footopt.design.FootProblem`.
+
+    Attributes
+    ----------
+    own : dict
+        Limits of a plugin's measures, by name.
+    """
+
+    own: Any = None
+
+
+#: With a setting for each measure: its limit, or null for none.
+ConstraintConfig = make_dataclass(
+    "ConstraintConfig", [(name, float | None, None) for name in MEASURES], bases=(OwnConstraints,)
+)
+
+
+@dataclass
 class EngineConfig:
     """Where designs are evaluated: see `footopt.design.make_executor`; threads are of this process."""
 
@@ -245,7 +282,10 @@ class Config:
     scene: SceneConfig = field(default_factory=SceneConfig)
     accuracy: AccuracyConfig = field(default_factory=AccuracyConfig)
     objective: ObjectiveConfig = field(default_factory=ObjectiveConfig)
+    choose: ChooseConfig = field(default_factory=ChooseConfig)
+    constraint: OwnConstraints = field(default_factory=ConstraintConfig)
     solver: SolverConfig = field(default_factory=SolverConfig)
+    stop: StopConfig = field(default_factory=StopConfig)
     engine: EngineConfig = field(default_factory=EngineConfig)
 
 
@@ -255,4 +295,5 @@ CHOICES: dict[str, dict[str, dict[str, Any]]] = {
     "effects": {name: {name: {}} for name in EFFECTS},
     "accuracy": {name: {"name": name} for name in (*PRESETS, "custom")},
     "objective": {name: {"names": list(names)} for name, names in SETS.items()},
+    "choose": {name: {"name": name} for name in WAYS},
 }

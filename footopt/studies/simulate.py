@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 from rich.text import Text
 
@@ -13,6 +14,7 @@ from footopt.report.figures.gait import gait_fit
 from footopt.studies.auto_effects import choose_effects
 from footopt.studies.base import Study
 from footopt.studies.build import make_strides
+from footopt.studies.export import foot_of
 from footopt.studies.record import Answer, answer, foot_entry, scene_entry, validity_entry
 from footopt.studies.validation.model import describe, model_error
 from footopt.walk import OBJECTIVES, Walk, estimate_error, simulate
@@ -22,11 +24,15 @@ from footopt.walk.validity import diagnose
 def run(study: Study) -> Answer:
     """Walk with one foot and leave everything about the walk; returns the objectives of the settings."""
     check_film(study)
-    foot, accuracy = study.foot, study.accuracy
+    folder, k, accuracy = study.options.run, study.config.foot.k, study.accuracy
+    foot = study.foot if folder is None else foot_of(Path(folder), k)
     scene, audits = choose_effects(study, foot)
+    study.say(terminal.describe_setup(scene, foot))
     with study.compiling():
         walk = simulate(foot, scene, accuracy)
-    errors, diagnostics = estimate_error(foot, scene, accuracy), diagnose(walk)
+    names = tuple(dict.fromkeys((*OBJECTIVES, *study.config.objective.names)))
+    values, errors = walk.judged(names), estimate_error(foot, scene, accuracy, names)
+    diagnostics = diagnose(walk)
     strides = make_strides(study.config.gait)
     notes = write_walk(study, walk, {foot.name: walk})
     if strides is not None and study.draws:
@@ -36,10 +42,10 @@ def run(study: Study) -> Answer:
             "design": foot_entry(foot),
             "feasible": walk.feasible,
             "reason": walk.reason,
-            "objectives": walk.objectives,
+            "objectives": values,
             "error_estimate": errors,
             "model_error": (model := model_error(walk)),
-            **scene_entry(scene, accuracy, tuple(OBJECTIVES)),
+            **scene_entry(scene, accuracy, names),
             **validity_entry(diagnostics),
             "notes": notes,
             "gait_file": strides.notes if strides is not None else [],
@@ -50,19 +56,19 @@ def run(study: Study) -> Answer:
         page.write(study.folder / "report.html", page.walk_content(walk, record))
     write_film(study, walk)
 
-    study.say(f"{terminal.describe_scene(scene)}; {terminal.describe_foot(foot)}")
+    study.say(terminal.describe_foot(foot))
     if strides is not None:
         misfit = ", ".join(f"{joint} {rms:.2f}" for joint, rms in scene.gait.residual)
         read = "; ".join(strides.notes)
         study.say(f"Gait from {study.config.gait.path}: {read}. Misfit (rms, deg): {misfit}")
     if not walk.feasible:
         study.say(Text(f"The walk failed: {walk.reason} after {len(walk.t)} steps of time.", style="yellow"))
-    study.say(terminal.objective_table([(foot.name, walk.objectives)], tuple(OBJECTIVES), errors))
+    study.say(terminal.objective_table([(foot.name, values)], names, errors))
     study.say(*describe(model))
     terminal.print_validity(study.console, diagnostics)
     study.say(*notes)
     study.close()
-    return answer(study.config.objective.names, walk.objectives)
+    return answer(study.config.objective.names, values)
 
 
 def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]:

@@ -17,7 +17,8 @@ from footopt.report.figures.stability import Cell, verdicts
 from footopt.studies.base import Study
 from footopt.studies.record import foot_entry, scene_entry
 from footopt.studies.settings import Config
-from footopt.studies.stability_cases import CASES, LIMITS, UNJUDGED, Case, Measure, Setup, Trial
+from footopt.studies.stability_cases import CASES, Case
+from footopt.studies.stability_judges import LIMITS, UNJUDGED, Measure, Setup, Trial
 from footopt.walk import STEPPERS, Walk, simulate
 
 #: Steppers that evaluate no Jacobian and solve nothing take this share of the time step, which

@@ -1,87 +1,34 @@
-"""The hard cases of study=stability: what is walked, and which numbers judge it.
+"""The hard cases of study=stability: what is walked, and which judge decides.
 
-The judge is physics, not looks: energy is accounted for, the sand gives none beyond what smoothing
-allows, who stands still stays, and a converged walk says what the right answer is. A case that no
-stepper enters (the stress law, reading a gait) has the same verdict for all of them.
+A case that no stepper enters (the stress law, reading a gait) has the same verdict for all of them.
 """
 
 from __future__ import annotations
 
-import csv
 import math
-import tempfile
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property, partial
-from pathlib import Path
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from footopt.errors import FileError
+from footopt.effects import Effect, Rest, Slope
 from footopt.foot import Foot
 from footopt.gait import Fourier, Gait
-from footopt.walk import FIVE, Accuracy, Scene, Walk, simulate
-from footopt.walk.balances import energy_gap, power_from_sand, set_down_speed, sinking_speed, smoothing_power
-from footopt.walk.objectives import FLOORS
-from footopt.walk.reference import contact_forces
-
-# Limits, each with its reason; none depends on the stepper.
-CHATTER = 1e-3  # of the weight: what a force plate resolves; the trapped state has none at all
-YIELDING = 3.0  # in units of what the smoothed law itself yields, good to a factor for any sole
-ENERGY = 0.05  # of |W|: half of the error that is allowed to results
-ERROR = 0.1  # relative, of a result against the converged walk: beyond it the walk is another one
-DRIFT = 1e-3  # relative: a periodic gait forgets its start in a few strides, then nothing changes
-LAW = 1e-9  # relative: the fast form of the law against the angles; rounding is 1e-13
-NUDGE, JUMP = 1e-6, 1e-5  # a change of speed in creep speeds, and of the force that it may cause:
-# h changes by NUDGE, M h by less than NUDGE, and no stress is below a tenth of M's largest entry
-LIMITS = {
-    "chatter": CHATTER, "yielding": YIELDING, "energy": ENERGY, "error": ERROR, "drift": DRIFT, "law": LAW,
-    "jump": JUMP,
-}  # fmt: skip
-UNJUDGED = math.inf
-LEAP = 30.0  # deg, the jump in the gait that must be refused
-
-
-@dataclass(frozen=True)
-class Setup:
-    """What is walked: a foot through a scene at an accuracy."""
-
-    foot: Foot
-    scene: Scene
-    accuracy: Accuracy
-
-
-class Measure(NamedTuple):
-    """One number about a trial, stable within its limit; an infinite limit: recorded and not judged."""
-
-    name: str
-    value: float
-    limit: float
-
-    @property
-    def ratio(self) -> float:
-        """Value over limit; infinite for a value that is not a number."""
-        if self.limit == UNJUDGED:
-            return 0.0
-        if not math.isfinite(self.value):
-            return math.inf
-        if self.limit == 0.0:
-            return 0.0 if self.value == 0.0 else math.inf
-        return self.value / self.limit
-
-
-@dataclass(frozen=True)
-class Trial:
-    """One case with one stepper; walks are simulated when a judge asks for them."""
-
-    setup: Setup
-    converged: Callable[[], Walk]
-
-    @cached_property
-    def walk(self) -> Walk:
-        """The walk by the trial's stepper."""
-        return simulate(self.setup.foot, self.setup.scene, self.setup.accuracy)
+from footopt.studies.stability_judges import (
+    LEAP,
+    Measure,
+    Setup,
+    Trial,
+    judge_direction,
+    judge_leap,
+    judge_long_walk,
+    judge_rest,
+    judge_set_down,
+    judge_standing,
+    judge_still_plate,
+    judge_sunk,
+    judge_walk,
+)
 
 
 class Case(NamedTuple):
@@ -104,140 +51,6 @@ class Case(NamedTuple):
     build: Callable[[Setup], Setup]
     judge: Callable[[Trial], list[Measure]]
     walks: bool = True
-
-
-# --- judges ---------------------------------------------------------------------------------------
-
-
-def judge_walk(trial: Trial) -> list[Measure]:
-    """A walk: right against the converged one, energy accounted for, none from the sand."""
-    walk, truth = trial.walk, trial.converged()
-    if walk.reason or truth.reason:
-        return [outcome(walk, truth.reason)]
-    errors = {}
-    for name in FIVE:
-        exact = truth.objectives[name]
-        errors[name] = abs(walk.objectives[name] - exact) / max(abs(exact), FLOORS.get(name, 1e-3))
-    peak = errors.pop("peak_power")  # on its own: an impact may be shorter than a step
-    return [*_sound(walk), Measure("error", max(errors.values()), ERROR), Measure("peak", peak, ERROR)]
-
-
-def judge_set_down(trial: Trial) -> list[Measure]:
-    """As `judge_walk`, with the speed at which feet are set down, m/s, as the case finds it."""
-    return [*judge_walk(trial), Measure("set down", set_down_speed(trial.converged()), UNJUDGED)]
-
-
-def judge_standing(trial: Trial) -> list[Measure]:
-    """Standing still: in the second half nothing moves, and the sand carries exactly the weight.
-
-    Where the converged walker sinks, the right answer is that he sinks.
-    """
-    walk, truth = trial.walk, trial.converged()
-    if walk.reason or truth.reason:
-        return [outcome(walk, truth.reason)]
-    late = walk.t > 0.5 * walk.t[-1]
-    weight = walk.scene.walker.mass * walk.scene.gravity[1]  # the part that presses on the sand
-    speed = sinking_speed(walk, 0.5 * walk.t[-1])
-    crept = speed * 0.5 * walk.t[-1]
-    force = walk.force[late, :, 1].sum(axis=1) / weight
-    com, work = walk.com[late], walk.work[late].sum(axis=1)
-    return [
-        *_sound(walk),
-        Measure("chatter", float(force.std()), CHATTER),
-        Measure("load", float(abs(force.mean() - 1.0)), CHATTER),
-        Measure("speed", float(np.hypot(*walk.velocity[late].T).max() / speed), YIELDING),
-        Measure("drift", float(np.hypot(*(com[-1] - com[0])) / crept), YIELDING),
-        Measure("work", float(abs(work[-1] - work[0]) / (weight * crept)), YIELDING),
-    ]
-
-
-def judge_long_walk(trial: Trial) -> list[Measure]:
-    """Ten minutes: the last minute is as fast as the second, and energy is accounted for."""
-    walk = trial.walk
-    if walk.reason:
-        return [outcome(walk, "")]
-    x = np.interp([60.0, 120.0, walk.t[-1] - 60.0, walk.t[-1]], walk.t, walk.com[:, 0])
-    second, last = (x[1] - x[0]) / 60.0, (x[3] - x[2]) / 60.0
-    return [*_sound(walk), Measure("slowing", float(abs(last / second - 1.0)), DRIFT)]
-
-
-def judge_sunk(trial: Trial) -> list[Measure]:
-    """Sand that cannot carry the walker: the walk is infeasible, and the reason is that he sank."""
-    return [outcome(trial.walk, "sunk")]
-
-
-def judge_still_plate(trial: Trial) -> list[Measure]:
-    """A foot that turns about each of its plates in turn: finite forces, without a jump.
-
-    The plate at rest feels the law's bias; all others are compared with the readable affine form.
-    """
-    jump = error = 0.0
-    bad = 0
-    foot, scene, accuracy = trial.setup.foot, trial.setup.scene, trial.setup.accuracy
-    sole, eps = foot.plates(accuracy.plates, "chord"), accuracy.creep
-    for rate in (-5.0, 5.0):  # rad/s
-        for x, z in zip(sole.x[0], sole.z[0], strict=True):
-            vx, vz = rate * z, -rate * x  # of the hip, which leave this plate at rest
-            here, expected, size = contact_forces(
-                foot, scene, accuracy.plates, (vx, vz, rate), eps, angles=False
-            )
-            bad += int((~np.isfinite(here)).sum())
-            error = max(error, float(np.abs(here - expected).max()) / size)
-            for dx, dz in NUDGE * eps * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]):
-                motion = (vx + dx, vz + dz, rate)
-                there, *_ = contact_forces(foot, scene, accuracy.plates, motion, eps, angles=False)
-                jump = max(jump, float(np.abs(there - here).max()) / size)
-    return [Measure("not finite", bad, 0.0), Measure("jump", jump, JUMP), Measure("law", error, LAW)]
-
-
-def judge_direction(directions: Sequence[tuple[float, float]], trial: Trial) -> list[Measure]:
-    """A foot moved along an axis, fast and slowly: the forces of the law in its angles."""
-    error, bad = 0.0, 0
-    foot, scene, plates = trial.setup.foot, trial.setup.scene, trial.setup.accuracy.plates
-    for vx, vz in directions:
-        for speed in (1e-3, 1.0, 10.0):  # m/s; smoothing of 1e-9 m/s is below rounding in all of them
-            motion = (speed * vx, speed * vz, 0.0)
-            found, expected, size = contact_forces(foot, scene, plates, motion, 1e-9, angles=True)
-            bad += int((~np.isfinite(found)).sum())
-            error = max(error, float(np.abs(found - expected).max()) / max(size, 1e-300))
-    return [Measure("not finite", bad, 0.0), Measure("law", error, LAW)]
-
-
-def judge_leap(trial: Trial) -> list[Measure]:
-    """A gait file whose knee jumps: reading it must be refused."""
-    phase = np.linspace(0.0, 1.0, 101)
-    gait = trial.setup.scene.gait
-    thigh, knee = np.degrees(gait.thigh.at(phase)[0]), np.degrees(gait.knee.at(phase)[0])
-    knee += np.where(phase > 0.5, LEAP, 0.0)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "leap.csv"
-        with open(path, "w", newline="", encoding="utf-8") as file:
-            rows = csv.writer(file)
-            rows.writerow(["time", "thigh", "knee"])
-            rows.writerows(np.stack([phase * gait.period, thigh, knee], axis=1).tolist())
-        try:
-            Gait.from_file(path)
-        except FileError:
-            return [Measure("refused", 0.0, 0.0)]
-    return [Measure("accepted", 1.0, 0.0)]
-
-
-def outcome(walk: Walk, expected: str) -> Measure:
-    """0 if a walk ended as expected ("": well), 1 if not."""
-    return Measure(walk.reason or "no failure", float(walk.reason != expected), 0.0)
-
-
-def _sound(walk: Walk) -> list[Measure]:
-    """What holds for every walk: all steps are finite, energy adds up, the sand gives none."""
-    missing = 1.0 - walk.t[-1] / walk.scene.duration  # a trace ends where it is no longer finite
-    return [
-        Measure("not finite", float(missing) if missing > 1e-9 else 0.0, 0.0),
-        Measure("energy", energy_gap(walk), ENERGY),
-        Measure("power", power_from_sand(walk), smoothing_power(walk.scene.sand.stress_map)),
-    ]
-
-
-# --- what is walked -------------------------------------------------------------------------------
 
 
 def unchanged(base: Setup) -> Setup:
@@ -273,6 +86,16 @@ def standing(zeta: float, **accuracy: Any) -> Callable[[Setup], Setup]:
     return change
 
 
+def resting(zeta: float, *effects: Effect) -> Callable[[Setup], Setup]:
+    """Still for a minute, on a sand and with effects."""
+
+    def change(base: Setup) -> Setup:
+        setup = standing(zeta)(base)
+        return replace(setup, scene=replace(setup.scene, t_f=60.0, effects=effects))
+
+    return change
+
+
 def spiky(base: Setup) -> Setup:
     """A sole whose waypoints jump between the top and the bottom of the box."""
     spikes = Foot.from_waypoints([1, 10] * 5 + [1])
@@ -298,6 +121,7 @@ def stamping(base: Setup) -> Setup:
 
 STANDS = "10 s: at rest, the weight carried without chatter, no drift, no work, energy adds up"
 WALKS = "right within 10 % of the converged walk, energy adds up, none from the sand"
+RESTS = "a minute on a slope: nothing moves, wherever the time step and delta (or the creep speed) put him"
 LASTS = "the last minute as fast as the second, energy adds up"
 FAILS = "infeasible, because he sank"
 TURNS = "turning about any plate: finite, no jump, and the law's force"
@@ -314,6 +138,10 @@ CASES = tuple(
         ("standing, zeta 50", STANDS, standing(50.0), judge_standing),
         ("standing, zeta 500", STANDS, standing(500.0), judge_standing),
         ("standing, creep 1e-9", STANDS, standing(5.0, creep=1e-9), judge_standing),
+        ("at rest by the plain law", RESTS, resting(5.0), judge_rest),
+        ("at rest on zeta 0.05", RESTS, resting(0.05, Rest(), Slope(5.0)), judge_rest),
+        ("at rest on zeta 5", RESTS, resting(5.0, Rest(), Slope(15.0)), judge_rest),
+        ("at rest on zeta 500", RESTS, resting(500.0, Rest(), Slope(5.0)), judge_rest),
         ("2 kg", WALKS, walking(mass=2.0), judge_walk),
         ("500 kg", WALKS, walking(mass=500.0), judge_walk),
         ("zeta 100 under 2 kg", WALKS, walking(zeta=100.0, mass=2.0), judge_walk),

@@ -1,7 +1,8 @@
 """The walker on sand: scene, compiled loops, steppers, and what a walk is judged by."""
 
+from footopt.walk import measures as measures
 from footopt.walk.accuracy import PRESETS, Accuracy
-from footopt.walk.objectives import FIVE, OBJECTIVES, gain_shares
+from footopt.walk.objectives import FIVE, MEASURES, OBJECTIVES, gain_shares
 from footopt.walk.results import Table, Walk
 from footopt.walk.scenarios import Scenario, Spread, draw
 from footopt.walk.scene import Scene, Walker
@@ -10,6 +11,7 @@ from footopt.walk.steppers import STEPPERS
 
 __all__ = [
     "FIVE",
+    "MEASURES",
     "OBJECTIVES",
     "PRESETS",
     "STEPPERS",

@@ -68,6 +68,12 @@ def sinking_speed(walk: Walk, t: float) -> float:
     return float(eps * max(1.0, (5.0 * depth / (24.0 * eps * t)) ** (1.0 / 3.0)))
 
 
+def creep_while_standing(walk: Walk) -> float:
+    """How far smoothing lets the walker sink before the gait starts, m: `sinking_speed` summed up."""
+    t = float(min(walk.scene.gait.start, walk.t[-1]))
+    return 1.5 * sinking_speed(walk, t) * t if t > 0.0 else 0.0
+
+
 def set_down_speed(walk: Walk) -> float:
     """Largest downward speed of a plate in the first sample after its foot enters the sand, m/s."""
     loaded = np.abs(walk.force).sum(axis=-1) > 0.0

@@ -18,6 +18,8 @@ from footopt.compiled import inlined, inlined_fast
 from footopt.effects import base as effects
 from footopt.walk.state import LANES, Contact, Force, no_force, pose_of
 
+EDGE = 0.05  # n.h over which an effect's gate opens where bristles say how a plate moves
+
 
 @inlined_fast
 def rsqrt(square):
@@ -31,8 +33,9 @@ def rsqrt(square):
 
 @inlined_fast
 def plate_sums(
-    sole, law, loads, gates, pushes, all_tx, all_tz, first, last, xa, za, vx, vz, cos, sin, rate, creep, stage
-):
+    sole, law, loads, gates, pushes, all_tx, all_tz, first, last, xa, za, vx, vz, cos, sin, rate, creep,
+    stage, before,
+):  # fmt: skip
     """Force on plates first..last of one foot (the paper's eqs. 1, 2, 4 and 7), and its derivatives.
 
     loads, gates, pushes: the world's, and the sole's directions; what is None is left out of the compiled
@@ -47,6 +50,9 @@ def plate_sums(
     # slices from 0: an index that could be negative would keep the loop from being vectorised
     x, z, area = sole.x[first:last], sole.z[first:last], sole.area[first:last]
     c2, s2 = sole.c2[first:last], sole.s2[first:last]
+    if before is not None:
+        turn = 1.0 / creep
+        bx, bz = before[0, first:last], before[1, first:last]
     if all_tx is not None:
         tx, tz = all_tx[first:last], all_tz[first:last]
     for i in range(len(x)):
@@ -56,8 +62,16 @@ def plate_sums(
         k = area[i] * depth
         ux = vx - rate * rz
         uz = vz + rate_cos * x[i] - rate_sin * z[i]
-        q = rsqrt(ux * ux + uz * uz + eps2)
-        hx, hz = ux * q, uz * q
+        if before is None:
+            q = rsqrt(ux * ux + uz * uz + eps2)
+            hx, hz = ux * q, uz * q
+        else:
+            bent_x, bent_z = bx[i] + ux * turn, bz[i] + uz * turn
+            square = bent_x * bent_x + bent_z * bent_z
+            q = rsqrt(max(square, 1.0))
+            hx, hz = bent_x * q, bent_z * q
+            slides = 1.0 if square > 1.0 else 0.0
+            q *= turn
 
         # eq. 1: the stress per depth p = a - M h, with cos and sin of twice the plate's angle in the world
         c = c2[i] * c2p - s2[i] * s2p
@@ -81,12 +95,20 @@ def plate_sums(
             nx, nz = sin * tx[i] + cos * tz[i], sin * tz[i] - cos * tx[i]  # outward normal
             into = ux * nx + uz * nz
         if gates is not None:
-            share, by_into = effects.gate(gates, (1.0, 0.0), into, creep)
+            if before is None:
+                share, by_into = effects.gate(gates, (1.0, 0.0), into, creep)
+            else:
+                share, by_into = effects.gate(gates, (1.0, 0.0), hx * nx + hz * nz, EDGE)
             if stage is not None:
-                jxx += k * by_into * px * nx
-                jxz += k * by_into * px * nz
-                jzx += k * by_into * pz * nx
-                jzz += k * by_into * pz * nz
+                if before is None:
+                    gx, gz = nx, nz
+                else:
+                    along = slides * (hx * nx + hz * nz)
+                    gx, gz = q * (nx - along * hx), q * (nz - along * hz)
+                jxx += k * by_into * px * gx
+                jxz += k * by_into * px * gz
+                jzx += k * by_into * pz * gx
+                jzz += k * by_into * pz * gz
                 kq *= share
             px, pz = share * px, share * pz
         if pushes is not None:
@@ -113,7 +135,10 @@ def plate_sums(
                 wet *= by_depth
             jxz -= wet * px
             jzz -= wet * pz
-            txx, txz, tzz = 1.0 - hx * hx, -hx * hz, 1.0 - hz * hz
+            if before is None:
+                txx, txz, tzz = 1.0 - hx * hx, -hx * hz, 1.0 - hz * hz
+            else:
+                txx, txz, tzz = 1.0 - slides * hx * hx, -slides * hx * hz, 1.0 - slides * hz * hz
             jxx -= kq * (mxx * txx + mxz * txz)
             jxz -= kq * (mxx * txz + mxz * tzz)
             jzx -= kq * (mzx * txx + mzz * txz)
@@ -138,7 +163,7 @@ def submerged(sole, za, cos, sin):
 
 
 @inlined
-def contact(world, sole, poses, x, z, vx, vz, creep, stage, counts):
+def contact(world, sole, poses, x, z, vx, vz, creep, stage, before, counts):
     """Force of the sand on both feet at the hip's place (m) and velocity (m/s).
 
     Parameters
@@ -150,7 +175,9 @@ def contact(world, sole, poses, x, z, vx, vz, creep, stage, counts):
     poses : (2 feet, 7)
         Both feet relative to the hip, see `state.pose_of`.
     creep : float, m/s
-        eps.
+        eps; with bristles, delta over the time for which they have followed the plates.
+    before : (2 feet, 2, plates) or None
+        Bristles at the beginning of that time.
     stage : float or None
         See `plate_sums`.
     counts : record of `COUNTS`
@@ -172,9 +199,18 @@ def contact(world, sole, poses, x, z, vx, vz, creep, stage, counts):
             force = plate_sums(
                 sole, world.law, world.loads, world.gates, world.pushes, sole.tx, sole.tz, first, last,
                 x + pose.x, za, vx + pose.vx, vz + pose.vz, pose.cos, pose.sin, pose.rate, creep, stage,
+                _of_foot(before, foot),
             )  # fmt: skip
         left, right = right, force
     return Contact(left, right)
+
+
+@inlined
+def _of_foot(directions, foot):
+    """One foot's part of both feet's, or None."""
+    if directions is None:
+        return None
+    return directions[foot]
 
 
 @inlined
@@ -214,7 +250,7 @@ def _lift(world, sole, poses, z):
                 stress = law.A00 + law.B01 + (law.A10 + law.B_sum) * c
                 place = pose.x + cos * sole.x[i] - sin * sole.z[i]
                 strength = _strength(world.loads, depth, place)
-                share = _sinking_share(world.gates, sole.tx, sole.tz, i, cos, sin)
+                share = _sinking_share(world.gates, world.rest, sole.tx, sole.tz, i, cos, sin)
                 total += sole.area[i] * strength * stress * share
     return total
 
@@ -228,8 +264,11 @@ def _strength(loads, depth, place):
 
 
 @inlined
-def _sinking_share(gates, tx, tz, i, cos, sin):
+def _sinking_share(gates, rest, tx, tz, i, cos, sin):
     """Share of the stress that plate i feels when it moves straight down, by 1 m/s."""
     if gates is None:
         return 1.0
-    return effects.gate(gates, (1.0, 0.0), cos * tx[i] - sin * tz[i], 1e-9)[0]
+    into = cos * tx[i] - sin * tz[i]
+    if rest is None:
+        return effects.gate(gates, (1.0, 0.0), into, 1e-9)[0]
+    return effects.gate(gates, (1.0, 0.0), into, EDGE)[0]

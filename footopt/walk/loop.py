@@ -13,6 +13,7 @@ import numpy as np
 from numba import njit
 
 from footopt.compiled import cached_njit
+from footopt.walk.bristles import keep, settled
 from footopt.walk.contact import static_height
 from footopt.walk.metrics import deepest, embedded, nothing_yet, raw_of, sample_of, watch
 from footopt.walk.sources import own, source
@@ -40,6 +41,7 @@ def _compile(source: str, compiler: Any):
         status,
         counts,
         trace,
+        kept,
         sink,
     ):
         """Walk the designs begin..end of a population.
@@ -50,7 +52,8 @@ def _compile(source: str, compiler: Any):
         strike: first heel strike, s. sink: whether to follow the maximum sinkage.
         Filled: raw (designs, len(RAW)), status (designs,), counts (designs,) of `COUNTS`, and trace
         (shortest steps + 1, len(TRACE)) for one design: its row 0 is the start, rows inside longer steps
-        are left as they were; without rows, nothing is traced.
+        are left as they were; without rows, nothing is traced. kept: the bristles of each row, (rows,
+        2 feet, 2, plates), or None.
         """
         source  # noqa: B018  a free variable is part of the cache's key
         steps = len(times) - 1
@@ -62,11 +65,13 @@ def _compile(source: str, compiler: Any):
             z = static_height(world, sole, pose0)
             if not np.isfinite(z):
                 continue
-            at = touch(world, sole, pose0, 0.0, z, 0.0, 0.0, count)
-            state = State(0.0, z, 0.0, 0.0, at, Integrals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), True)
+            bristles = settled(world.rest, len(sole.x))
+            at = touch(world, sole, pose0, 0.0, z, 0.0, 0.0, bristles, 0.0, count)
+            state = State(0.0, z, 0.0, 0.0, at, Integrals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), bristles, True)
             reached = nothing_yet()
             if traced:
                 fill(trace[0], sample_of(0.0, state))
+                keep(kept, 0, state.bristles)
             status[d] = OK
             n = place = level = 0  # the step n is walked up to place / 2^finest of it
             while n < steps:
@@ -100,6 +105,7 @@ def _compile(source: str, compiler: Any):
                 state = after
                 if traced:
                     fill(trace[row], sample_of(t, state))
+                    keep(kept, row, state.bristles)
                 if control is not None:  # noqa: SIM102  only such a test on its own is pruned
                     if level > 0 and place % (2 * stride) == 0 and error < 0.1 * control:
                         level -= 1  # a step twice as long has 8 times the error, if of order 2

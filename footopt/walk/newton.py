@@ -8,6 +8,7 @@ import numpy as np
 
 from footopt.compiled import inlined
 from footopt.effects.slope import tilted
+from footopt.walk.bristles import bend
 from footopt.walk.contact import contact
 from footopt.walk.state import Contact, Force, no_force
 
@@ -26,7 +27,7 @@ class Stage(NamedTuple):
 
 
 @inlined
-def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, counts):
+def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, bristles, counts):
     """Velocity V of an implicit stage: V = v0 + c a(r0 + c V, V), by Newton's method.
 
     Starts from the guess (vx, vz) and halves a step that makes the residual larger. It ends with a
@@ -45,6 +46,8 @@ def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, counts):
         r0 and v0.
     c : float, s
         The stage's coefficient times the time step.
+    bristles : bristles.Stage or None
+        What the stage bends.
     world, sole, poses, counts
         As in `contact`.
 
@@ -54,12 +57,14 @@ def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, counts):
     """
     guess_x, guess_z = vx, vz
     inv = c / world.mass
-    creep, best, tries = world.creep, np.inf, 0
+    slip = _slip(world.rest, world.creep, c)
+    creep, best, tries = slip, np.inf, 0
     rescue, ratio, solved_at, viscous = False, 0.25, np.inf, np.inf
     dvx = dvz = 0.0
     at = Contact(no_force(), no_force())
     for _ in range(MAX_RESCUE):
-        at = contact(world, sole, poses, x0 + c * vx, z0 + c * vz, vx, vz, creep, c, counts)
+        x, z = x0 + c * vx, z0 + c * vz
+        at = contact(world, sole, poses, x, z, vx, vz, creep, c, _before(bristles), counts)
         left, right = at.left, at.right
         rx = vx - tilted(vx0, world.tilt, c) - inv * (left.x + right.x)
         rz = vz - vz0 - inv * (left.z + right.z) + c * world.g
@@ -80,7 +85,7 @@ def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, counts):
                 ratio = np.sqrt(ratio)
                 if ratio > 0.97 or creep == viscous:
                     break
-                creep = max(ratio * solved_at, world.creep)
+                creep = max(ratio * solved_at, slip)
             vx, vz = guess_x, guess_z
             best, tries = np.inf, 0
             continue
@@ -100,11 +105,35 @@ def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, counts):
         speed = creep if rescue or force == 0.0 else creep + power / force
         enough = _smooth_step(world.tolerance * speed, creep, world.gates)
         if size <= rounding or (force > 0.0 and size <= enough + rounding):
-            if creep == world.creep:
+            if creep == slip:
+                _bend(sole, poses, z0 + c * vz, vx, vz, 1.0 / creep, bristles)
                 return Stage(vx, vz, Contact(_carried(left, dvx, dvz), _carried(right, dvx, dvz)), True)
             guess_x, guess_z, solved_at = vx, vz, creep
-            creep, best, tries = max(ratio * creep, world.creep), np.inf, 0
+            creep, best, tries = max(ratio * creep, slip), np.inf, 0
     return Stage(vx, vz, at, False)
+
+
+@inlined
+def _slip(rest, creep, c):
+    """The speed over which a plate's direction turns over in a stage, m/s."""
+    if rest is None:
+        return creep
+    return rest / c
+
+
+@inlined
+def _bend(sole, poses, z, vx, vz, turn, bristles):
+    """Bend the bristles, where there are any."""
+    if bristles is not None:
+        bend(sole, poses, z, vx, vz, turn, bristles)
+
+
+@inlined
+def _before(bristles):
+    """Directions at the stage's beginning, or None."""
+    if bristles is None:
+        return None
+    return bristles.before
 
 
 @inlined

@@ -2,17 +2,20 @@
 
 Each objective is one function of the raw results of the compiled loop (`metrics.RAW`), in natural
 signs: a distance is large when it is good, a power small. `FootProblem.minimised` turns them for solvers.
+What the loop does not know is measured in plain Python, a foot or a whole walk at a time: `measure`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections import ChainMap
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import SettingError
+from footopt.errors import SettingError, check
 from footopt.walk.metrics import RAW
 from footopt.walk.scene import Scene
 
@@ -41,7 +44,9 @@ class Objective:
     name, symbol, unit : for settings, figures and tables; the symbol is in matplotlib's mathtext.
     maximise : whether large is good.
     worst : a finite value, in natural sign, for a failed walk inside an optimiser.
-    value : from the raw results (designs, ...) and the scene to (designs,).
+    value : from the raw results (designs, ...) and the scene to (designs,); or from a `Foot` or a `Walk`
+        to a number.
+    of : "raw", "foot" or "walk": what `value` takes.
     """
 
     name: str
@@ -49,7 +54,8 @@ class Objective:
     unit: str
     maximise: bool
     worst: float
-    value: Callable[[Raw, Scene], Array]
+    value: Callable[..., Any]
+    of: str = "raw"
 
     @property
     def label(self) -> str:
@@ -58,7 +64,12 @@ class Objective:
         return f"{title} {self.symbol}" + (f" ({self.unit})" if self.unit else "")
 
 
+#: By name: those that cost nothing beside the walk, which every table shows.
 OBJECTIVES: dict[str, Objective] = {}
+#: By name: those that are measured in Python, only where they are asked for.
+SLOW: dict[str, Objective] = {}
+#: Everything that a walk can be judged by.
+MEASURES: Mapping[str, Objective] = ChainMap(SLOW, OBJECTIVES)
 
 
 def objective(
@@ -68,6 +79,29 @@ def objective(
 
     def register(value: Callable[[Raw, Scene], Array]) -> Callable[[Raw, Scene], Array]:
         OBJECTIVES[value.__name__] = Objective(value.__name__, symbol, unit, maximise, worst, value)
+        return value
+
+    return register
+
+
+def measure(
+    of: str, symbol: str, unit: str, maximise: bool, worst: float
+) -> Callable[[Callable[[Any], float]], Callable[[Any], float]]:
+    """Register a plain Python function of a `Foot` or a `Walk` as the objective of its name.
+
+    The slow path: a foot or a whole walk with its traces at a time, in one thread.
+
+    Parameters
+    ----------
+    of : str
+        "foot" or "walk": what the function takes.
+    symbol, unit, maximise, worst
+        As in `Objective`.
+    """
+    check(of in ("foot", "walk"), "of", of, "one of foot, walk")
+
+    def register(value: Callable[[Any], float]) -> Callable[[Any], float]:
+        SLOW[value.__name__] = Objective(value.__name__, symbol, unit, maximise, worst, value, of)
         return value
 
     return register
@@ -192,10 +226,10 @@ def gain_shares(values: dict[str, float], base: dict[str, float]) -> dict[str, f
 def lookup(names: Sequence[str]) -> list[Objective]:
     """Objectives by name, in that order."""
     if not names:
-        raise SettingError("objective.names", list(names), f"one or more of {', '.join(OBJECTIVES)}")
+        raise SettingError("objective.names", list(names), f"one or more of {', '.join(MEASURES)}")
     for name in names:
-        if name not in OBJECTIVES:
-            raise SettingError("objective.names", name, f"made of {', '.join(OBJECTIVES)}")
+        if name not in MEASURES:
+            raise SettingError("objective.names", name, f"made of {', '.join(MEASURES)}")
     if len(set(names)) < len(names):
         raise SettingError("objective.names", list(names), "free of repetitions")
-    return [OBJECTIVES[name] for name in names]
+    return [MEASURES[name] for name in names]

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from footopt.effects import base as effects
 from footopt.foot import Plates
 from footopt.gait.gait import Pose
-from footopt.sand.law import by_angles, by_direction
+from footopt.sand.law import by_angles, by_direction, smoothed
+from footopt.walk.contact import EDGE
 from footopt.walk.scene import Scene
 
 Array = NDArray[np.float64]
@@ -40,6 +41,7 @@ def plate_states(
     scene: Scene,
     creep: float,
     angles: bool = False,
+    held: Array | None = None,
 ) -> PlateStates:
     """The plates of one foot shape under a walker in some states, with the effects of a scene.
 
@@ -59,6 +61,8 @@ def plate_states(
         Speed over which the law's jump at rest is smoothed.
     angles : bool
         Whether the law is computed from angles, as published; only for flat plates (rule "chord").
+    held : (M, 2, N, 2), optional
+        Directions h that bristles hold (`bristles.Bristles`), in place of the smoothed velocity's.
     """
     assert plates.tx is not None, "plates must be directed"
     assert plates.tz is not None, "plates must be directed"
@@ -76,19 +80,28 @@ def plate_states(
         axis=-1,
     )
     normal = np.stack([sin * tx + cos * tz, sin * tz - cos * tx], axis=-1)
+    h = smoothed(v, creep) if held is None else held
     if angles:
         beta = np.arctan2(tz, tx) + pose.pitch[..., None]
         stress = by_angles(beta, v, creep, scene.sand.stress_map)
     else:
         c2p, s2p = np.cos(2.0 * pose.pitch)[..., None], np.sin(2.0 * pose.pitch)[..., None]
         c, s = plates.c2[0] * c2p - plates.s2[0] * s2p, plates.s2[0] * c2p + plates.c2[0] * s2p
-        stress = by_direction(c, s, v, creep, scene.sand.stress_map)
-    force = forces(stress, position, v, normal, plates.area[0], scene, creep)
+        stress = by_direction(c, s, h, scene.sand.stress_map)
+    edge = creep if held is None else EDGE
+    force = forces(stress, position, v, normal, plates.area[0], scene, edge, held)
     return PlateStates(position, v, force, normal, plates.area[0])
 
 
 def forces(
-    stress: Array, position: Array, velocity: Array, normal: Array, area: Array, scene: Scene, creep: float
+    stress: Array,
+    position: Array,
+    velocity: Array,
+    normal: Array,
+    area: Array,
+    scene: Scene,
+    edge: float,
+    held: Array | None = None,
 ) -> Array:
     """zeta load share stress dA - pressure n dA: the force on plates with a scene's effects, (*S, 2), N.
 
@@ -102,11 +115,14 @@ def forces(
         Of the plates.
     scene : Scene
         Its sand and effects count.
-    creep : float, m/s
-        The creep speed.
+    edge : float
+        The creep speed, m/s; with bristles `contact.EDGE`.
+    held : (*S, 2), optional
+        Bristles: which way a plate faces, in place of its velocity.
     """
     depth = np.maximum(-position[..., 1], 0.0)
     into = np.sum(normal * velocity, axis=-1)
-    load, share, push = effects.readable(scene.effects, depth, position[..., 0], into, creep)
+    leads = into if held is None else np.sum(normal * held, axis=-1)
+    load, share, push = effects.readable(scene.effects, depth, position[..., 0], into, leads, edge)
     pull = scene.zeta * load * share * area
     return np.asarray(pull[..., None] * stress - (push * area)[..., None] * normal)

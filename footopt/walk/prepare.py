@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.effects import base as effects
+from footopt.effects.rest import rest_length
 from footopt.errors import SettingError
 from footopt.foot import Plates
 from footopt.sand.law import PER_CM3, Law
@@ -41,6 +42,7 @@ def world(scene: Scene, accuracy: Accuracy) -> World:
         g=float(g),
         tilt=None if tilt is None else float(tilt),
         creep=float(accuracy.creep),
+        rest=rest_length(scene.effects),
         tolerance=NEWTON,
         loads=laws.loads,
         gates=laws.gates,

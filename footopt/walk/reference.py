@@ -87,7 +87,7 @@ def contact_forces(
     pose = Pose(none, np.array([[ankle, 10.0]]), none, none, none, np.array([[rate, 0.0]]))
     counts = np.zeros(1, COUNTS)[0]
     constants = world(scene, Accuracy(creep=creep))
-    left = contact(constants, sole(sheets), pose.table()[0], 0.0, 0.0, vx, vz, creep, 1e-3, counts).left
+    left = contact(constants, sole(sheets), pose.table()[0], 0.0, 0.0, vx, vz, creep, 1e-3, None, counts).left
     states = plate_states(sheets, pose, np.zeros((1, 2)), np.array([[vx, vz]]), scene, creep, angles)
     force = states.force[0, 0]
     return np.array([left.x, left.z]), force.sum(axis=0), float(np.linalg.norm(force, axis=-1).sum())

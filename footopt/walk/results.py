@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -9,11 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.effects.shadowing import filler
-from footopt.errors import needed
+from footopt.errors import check, needed
 from footopt.foot import Foot
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.metrics import RAW
-from footopt.walk.objectives import OBJECTIVES, Raw, lookup
+from footopt.walk.objectives import MEASURES, OBJECTIVES, Objective, Raw, lookup
 from footopt.walk.plates import PlateStates, plate_states
 from footopt.walk.scene import Scene
 
@@ -71,9 +73,13 @@ class Table:
     def column(self, name: str) -> Array:
         """Any objective by name, (designs,), whether it is among `names` or not.
 
-        `maximum_sinkage` must have been asked for in `evaluate`.
+        `maximum_sinkage`, and what is measured in Python, must have been asked for in `evaluate`.
         """
-        return OBJECTIVES[lookup([name])[0].name].value(Raw(self.raw), self.scene)
+        found = lookup([name])[0]
+        if found.of == "raw":
+            return np.asarray(found.value(Raw(self.raw), self.scene))
+        check(name in self.names, "name", name, f"one of {', '.join(self.names)}: what was asked for")
+        return self.values[:, self.names.index(name)]
 
     @property
     def efficiency(self) -> Array:
@@ -88,7 +94,7 @@ class Table:
         pandas = needed("pandas", "Table.to_frame", "pandas")
         columns = dict(zip(self.names, self.values.T, strict=True))
         frame = pandas.DataFrame(columns | {"feasible": self.feasible, "reason": self.reasons.astype(object)})
-        frame.attrs["units"] = {name: OBJECTIVES[name].unit for name in self.names}
+        frame.attrs["units"] = {name: MEASURES[name].unit for name in self.names}
         return frame.rename_axis("foot")
 
 
@@ -114,7 +120,7 @@ class Walk:
         What was simulated, and how finely.
     t : (T,), s
         The first is the end of the first step: exactly at rest the smoothed force is 3/8 of the one that
-        carries the weight.
+        carries the weight (all of it in a scene with `effects.Rest`).
     com, velocity : (T, 2), m and m/s
         Of the hip, in x, z.
     force : (T, 2 feet, 2), N
@@ -123,6 +129,8 @@ class Walk:
         Negative where the sand takes energy.
     start : (2,), m
         Hip at t = 0.
+    bristles : (T, 2 feet, N, 2), optional
+        What the sand under each plate remembers (`effects.Rest`).
     reason : str
         "" or why the walk failed (then the traces end there).
     totals : dict
@@ -141,6 +149,7 @@ class Walk:
     power: Array
     work: Array
     start: Array
+    bristles: Array | None
     reason: str
     totals: dict[str, float]
     evaluations: int
@@ -169,6 +178,16 @@ class Walk:
         """All objectives by name, in natural signs; NaN for a failed walk."""
         raw = Raw(np.array([[self.totals[name] if self.feasible else np.nan for name in RAW]]))
         return {name: float(o.value(raw, self.scene)[0]) for name, o in OBJECTIVES.items()}
+
+    def judged(self, names: Sequence[str]) -> dict[str, float]:
+        """Any measures by name (`footopt.walk.objectives.MEASURES`), natural signs; NaN for a failed walk."""
+        return {m.name: self.objectives[m.name] if m.of == "raw" else self.measured(m) for m in lookup(names)}
+
+    def measured(self, measure: Objective) -> float:
+        """One that is measured in Python; NaN for a failed walk."""
+        if not self.feasible:
+            return math.nan
+        return float(measure.value(self.foot if measure.of == "foot" else self))
 
     @property
     def variables(self) -> dict[str, Variable]:
@@ -223,4 +242,6 @@ class Walk:
         pose = self.scene.gait.pose(self.t[i], self.scene.walker.l1, self.scene.walker.l2)
         fill = filler(self.scene.effects)
         sole = self.foot.plates(self.accuracy.plates, self.accuracy.rule, directed=True, fill=fill)
-        return plate_states(sole, pose, self.com[i], self.velocity[i], self.scene, self.accuracy.creep)
+        held = None if self.bristles is None else self.bristles[i]
+        creep = self.accuracy.creep
+        return plate_states(sole, pose, self.com[i], self.velocity[i], self.scene, creep, held=held)

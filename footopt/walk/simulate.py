@@ -21,7 +21,7 @@ from footopt.walk import prepare
 from footopt.walk.accuracy import MOST_PLATES, Accuracy
 from footopt.walk.loop import BACKWARD, DIVERGED, OK, SUNK, walk_range
 from footopt.walk.metrics import RAW, TRACE, Sample
-from footopt.walk.objectives import FIVE, OBJECTIVES, Raw, lookup
+from footopt.walk.objectives import FIVE, OBJECTIVES, Objective, Raw, lookup
 from footopt.walk.results import Table, Walk
 from footopt.walk.scene import Scene
 from footopt.walk.state import COUNTS
@@ -54,8 +54,9 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
     scene, accuracy = _scene(scene), resolve(accuracy)
     directed = effects.laws(scene.effects).directed
     plates = foot.plates(accuracy.plates, accuracy.rule, directed, filler(scene.effects))
-    raw, status, counts, trace = _walk(plates, scene, accuracy, sink=True, threads=1, traced=True)
-    rows = trace[1:][np.isfinite(trace[1:]).all(axis=1)]
+    raw, status, counts, trace, kept = _walk(plates, scene, accuracy, sink=True, threads=1, traced=True)
+    there = 1 + np.flatnonzero(np.isfinite(trace[1:]).all(axis=1))
+    rows = trace[there]
     c: Any = Sample(*rows.T)  # columns
     return Walk(
         foot=foot,
@@ -67,6 +68,7 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
         force=np.stack([_pair(c.fx_left, c.fz_left), _pair(c.fx_right, c.fz_right)], axis=1),
         power=_pair(c.power_left, c.power_right),
         work=_pair(c.work_left, c.work_right),
+        bristles=None if kept is None else np.moveaxis(kept[there][..., : plates.x.shape[1]], 2, 3),
         start=np.array(Sample(*trace[0])[1:3]),
         reason=REASONS[int(status[0])],
         totals=dict(zip(RAW, map(float, raw[0]), strict=True)),
@@ -98,7 +100,7 @@ def evaluate(
     feet : a `Foot` or a sequence of them; or waypoint heights (designs, n) in `space` (default: the
         paper's).
     scene, accuracy : as in `simulate`.
-    objectives : names from `footopt.walk.objectives.OBJECTIVES`.
+    objectives : names from `footopt.walk.objectives.MEASURES`; those that are measured in Python are slow.
     threads : how many to use; by default as many as the process may run on.
 
     Returns
@@ -117,7 +119,13 @@ def evaluate(
     raw[status != OK] = np.nan
     if not sink:
         raw[:, RAW.index("maximum_sinkage")] = np.nan
-    values = np.stack([o.value(Raw(raw), scene) for o in chosen], axis=1)
+    values = np.full((len(raw), len(chosen)), np.nan)
+    for column, o in enumerate(chosen):
+        if o.of == "raw":
+            values[:, column] = o.value(Raw(raw), scene)
+    if slow := [column for column, o in enumerate(chosen) if o.of != "raw"]:
+        for design in np.flatnonzero(status == OK).tolist():
+            values[design, slow] = _measured(feet, design, [chosen[c] for c in slow], scene, accuracy, space)
     reasons = np.array([REASONS[int(s)] for s in status], dtype=np.str_)
     return Table(
         values=values,
@@ -134,6 +142,24 @@ def evaluate(
     )
 
 
+def _measured(
+    feet: Any,
+    i: int,
+    measures: Sequence[Objective],
+    scene: Scene,
+    accuracy: Accuracy,
+    space: Waypoints | None,
+) -> list[float]:
+    """What is measured in Python, of one foot of a batch and its walk."""
+    if isinstance(feet, Plates):
+        raise SettingError("objectives", measures[0].name, "a compiled one where feet are plates")
+    foot = feet[i] if isinstance(feet[i], Foot) else Foot.from_waypoints(feet[i], space)
+    if all(m.of == "foot" for m in measures):
+        return [float(m.value(foot)) for m in measures]
+    walk = simulate(foot, scene, accuracy)
+    return [walk.measured(m) for m in measures]
+
+
 def _scene(scene: Scene | None) -> Scene:
     """The paper's walk on hard sand where there is none."""
     found = Scene() if scene is None else scene
@@ -142,7 +168,10 @@ def _scene(scene: Scene | None) -> Scene:
 
 
 def estimate_error(
-    foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = "standard"
+    foot: Foot,
+    scene: Scene | None = None,
+    accuracy: Accuracy | str = "standard",
+    names: Sequence[str] | None = None,
 ) -> dict[str, float]:
     """Error estimate of a walk's objectives by refinement, absolute, in their own units.
 
@@ -150,8 +179,13 @@ def estimate_error(
     step may have), twice the plates and half the creep speed, times 4/3: what is left of an error that
     falls with the square of the first two. NaN where the walk or its refinement fails, and for a walk
     that is too long to be refined (`ROWS`).
+
+    Parameters
+    ----------
+    foot, scene, accuracy : as in `simulate`.
+    names : of measures; by default all compiled objectives.
     """
-    scene, accuracy = scene or Scene(), resolve(accuracy)
+    scene, accuracy, names = scene or Scene(), resolve(accuracy), names or tuple(OBJECTIVES)
     finer = replace(
         accuracy,
         dt=accuracy.dt / 2,
@@ -161,8 +195,8 @@ def estimate_error(
         name="refined",
     )
     if prepare.pose_rows(scene, finer) > prepare.ROWS:
-        return dict.fromkeys(OBJECTIVES, math.nan)
-    coarse, fine = (simulate(foot, scene, a).objectives for a in (accuracy, finer))
+        return dict.fromkeys(names, math.nan)
+    coarse, fine = (simulate(foot, scene, a).judged(names) for a in (accuracy, finer))
     return {name: 4.0 / 3.0 * abs(coarse[name] - fine[name]) for name in coarse}
 
 
@@ -210,27 +244,28 @@ def _walk(
     sink: bool,
     threads: int | None,
     traced: bool = False,
-) -> tuple[Array, NDArray[np.int64], NDArray[Any], Array]:
-    """Run the compiled loop over a batch: raw results, status, counts, and the trace of one design.
+) -> tuple[Array, NDArray[np.int64], NDArray[Any], Array, Array | None]:
+    """Run the compiled loop over a batch: raw results, status, counts, and one design's trace and bristles.
 
     Walks that diverge are repeated with a quarter of the time step, `MAX_REPEATS` times at most.
     """
-    raw, status, counts, trace = _run(plates, scene, accuracy, sink, threads, traced)
+    raw, status, counts, trace, kept = _run(plates, scene, accuracy, sink, threads, traced)
     for repeat in range(1, MAX_REPEATS + 1):
         again = np.flatnonzero(status == DIVERGED)
         finer = replace(accuracy, dt=accuracy.dt / 4**repeat)
         if len(again) == 0 or prepare.pose_rows(scene, finer) > prepare.ROWS:
             break
-        raw[again], status[again], more, trace = _run(plates.take(again), scene, finer, sink, threads, traced)
+        plates_again = plates.take(again)
+        raw[again], status[again], more, trace, kept = _run(plates_again, scene, finer, sink, threads, traced)
         for name in COUNTS.names or ():
             counts[name][again] += more[name]
         counts["repeats"][again] = repeat
-    return raw, status, counts, trace
+    return raw, status, counts, trace, kept
 
 
 def _run(
     plates: Plates, scene: Scene, accuracy: Accuracy, sink: bool, threads: int | None, traced: bool
-) -> tuple[Array, NDArray[np.int64], NDArray[Any], Array]:
+) -> tuple[Array, NDArray[np.int64], NDArray[Any], Array, Array | None]:
     """`_walk` once, with the given time step."""
     stepper, designs = STEPPERS[accuracy.stepper], len(plates.x)
     times, pose0, tables = prepare.poses(scene, accuracy)
@@ -239,12 +274,13 @@ def _run(
     status, counts = np.empty(designs, np.int64), np.zeros(designs, COUNTS)
     trace = np.full((len(tables[-1]) + 1 if traced else 0, len(TRACE)), np.nan)
     constants = prepare.world(scene, accuracy)
+    kept = None if constants.rest is None else np.zeros((len(trace), 2, 2, soles.x.shape[1]))
 
     def run(begin: int) -> None:
         end = min(begin + BLOCK, designs)
         walk_range(
             stepper.parameters, soles, constants, pose0, tables, times, accuracy.control,
-            scene.gait.heel_strike, begin, end, raw, status, counts, trace, sink,
+            scene.gait.heel_strike, begin, end, raw, status, counts, trace, kept, sink,
         )  # fmt: skip
 
     workers = at_once(threads)
@@ -255,4 +291,4 @@ def _run(
     else:
         with ThreadPoolExecutor(min(workers, len(blocks))) as pool:
             list(pool.map(run, blocks))
-    return raw, status, counts, trace
+    return raw, status, counts, trace, kept

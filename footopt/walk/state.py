@@ -27,6 +27,7 @@ class World(NamedTuple):
     g: float  # against the surface's normal, m/s^2
     tilt: float | None  # gravity along the surface, m/s^2; None if it is level
     creep: float  # m/s
+    rest: float | None  # over which a plate's bristles bend, m; None without them
     tolerance: float  # of Newton's method: last step over the plates' mean speed
     loads: tuple[Any, ...] | None  # laws of the scene's effects: `footopt.effects.Laws`
     gates: tuple[Any, ...] | None
@@ -105,6 +106,7 @@ class State(NamedTuple):
     vz: float
     contact: Contact
     integrals: Integrals
+    bristles: Any  # `bristles.Bristles`, or None without them
     solved: bool  # whether the step to here could be made
 
 

@@ -13,6 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from footopt.effects import Inertia
+from footopt.effects.rest import rest_length
+from footopt.walk.balances import creep_while_standing
 from footopt.walk.results import Walk
 
 SAMPLES = 600  # instants of the walk that are looked at
@@ -91,5 +93,12 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
             "",
             0.2,
             "faces that trail are counted as in the paper; effects=leading_edge leaves them out",
+        ),
+        Diagnostic(
+            "sinking while standing",
+            0.0 if rest_length(walk.scene.effects) else creep_while_standing(walk),
+            "m",
+            1e-3,
+            "the smoothed law lets who stands sink; effects=rest holds him",
         ),
     ]

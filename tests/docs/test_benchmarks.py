@@ -33,6 +33,7 @@ def test_the_numpy_baseline_is_the_compiled_explicit_euler():
     np.testing.assert_allclose(values[0], against_numpy.twin(k[0], paper, dt), rtol=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("jacobian", [False, True])
 def test_the_c_loop_gives_the_same_sums(library, jacobian):
     ours, theirs = plate_loop.compiled(64, jacobian)(10), plate_loop.by_hand(library, 64, jacobian)(10)
@@ -40,7 +41,13 @@ def test_the_c_loop_gives_the_same_sums(library, jacobian):
 
 
 @pytest.mark.filterwarnings("ignore")  # the other libraries' own
-@pytest.mark.parametrize("name", other_optimisers.RUNS)
+@pytest.mark.parametrize(
+    "name",
+    [
+        n if n.startswith("footopt") else pytest.param(n, marks=pytest.mark.slow)
+        for n in other_optimisers.RUNS
+    ],
+)
 def test_an_optimiser_spends_its_evaluations_and_repeats_itself(name):
     for library in ("cma", "nevergrad", "pygmo"):
         if name.startswith(library):

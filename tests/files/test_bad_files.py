@@ -9,6 +9,7 @@ import contextlib
 import json
 import os
 from contextlib import contextmanager
+from itertools import islice
 from random import Random
 
 import numpy as np
@@ -131,14 +132,14 @@ def judge(kind, case, good, folder):
 class TestBadFiles:
     """Read right, or refused with a clear message."""
 
-    def test_of_every_sort(self, kind, good, folder):
-        for case in every(Random(1), kind, good):
+    def test_of_every_third_sort(self, kind, good, folder):
+        for case in islice(every(Random(1), kind, good), 0, None, 3):
             judge(kind, case, good, folder)
 
     @pytest.mark.slow
     @settings(max_examples=4)
     @given(random=st.randoms(use_true_random=False))
-    def test_with_changes_anywhere(self, kind, good, folder, random):
+    def test_of_every_sort_with_changes_anywhere(self, kind, good, folder, random):
         for case in every(random, kind, good):
             judge(kind, case, good, folder)
 

@@ -159,7 +159,7 @@ class TestRobustProblem:
         p = problem([SANDS[1], nowhere])
         found = p.evaluate(self.k)
         assert set(found.reasons) == {"sunk (quicksand)"}
-        assert (p.constraints(found.reasons, found.violation)[:, 0] > 0).all()
+        assert (p.constraints(*found)[:, 0] > 0).all()
         assert np.isfinite(p.minimised(found.values)).all()
         assert np.isnan(found.values).all()
 

@@ -62,8 +62,7 @@ class TestExhaustive:
         r = search(problem("pareto"), "exhaustive", pop_size=size)
         exact = EVERYTHING[inside][~np.array(dominated)]
         assert sorted(map(tuple, r.k[r.front])) == sorted(map(tuple, exact))
-        j = r.column("efficiency")[r.front]
-        assert (np.diff(j) >= 0).all()
+        assert (np.diff(r.problem.ranked(r.values)) >= 0).all()
 
     def test_only_the_best_are_kept(self, table, monkeypatch):
         monkeypatch.setattr(exhaustive, "KEPT", 5)
@@ -146,8 +145,8 @@ class TestMemetic:
     def test_the_default_search_finds_the_best_known_design(self, sand, best):
         p = fo.FootProblem(fo.Scene(sand=fo.Sand.named(sand)))
         known = p.minimised(p.evaluate([best]).values)[0, 0]
-        found = [search(p, seed=seed) for seed in (1, 2)]
-        assert all(r.column("efficiency")[r.best] <= 0.999 * known for r in found)
+        found = search(p, seed=1)
+        assert found.column("efficiency")[found.best] <= 0.999 * known
 
 
 class TestTruth:
@@ -173,7 +172,7 @@ class TestTruth:
 
     def test_the_exact_front_has_all_of_its_hypervolume_and_a_part_less(self, truths):
         truth = truths[1]
-        good = (truth.constraints(*truth.table[1:]) <= 0).all(axis=1)
+        good = (truth.constraints(*truth.table) <= 0).all(axis=1)
         f = truth.minimised(truth.table.values)[good]
         assert truth.hypervolume(f) == pytest.approx(1)
         assert truth.igd_plus(f) == pytest.approx(0)

@@ -14,7 +14,8 @@ from footopt.errors import SettingError
 from footopt.report.figures.stability import Cell, verdicts
 from footopt.studies import stability
 from footopt.studies.stability import judge
-from footopt.studies.stability_cases import CASES, ENERGY, Measure, Setup, unchanged
+from footopt.studies.stability_cases import CASES, unchanged
+from footopt.studies.stability_judges import ENERGY, Measure, Setup
 from footopt.walk.balances import energy_gap
 
 BY_NAME = {case.name: case for case in CASES}
@@ -26,7 +27,10 @@ def base(flat_foot):
 
 
 class TestStudy:
-    @pytest.mark.parametrize("name", BY_NAME)
+    @pytest.mark.parametrize(
+        "name",
+        [pytest.param(n, marks=pytest.mark.slow) if n == "ten minutes of walking" else n for n in BY_NAME],
+    )
     def test_the_default_stepper_is_stable_in_every_case(self, name, base):
         (verdict,) = judge(BY_NAME[name], base, ["sdirk2_control"])
         assert verdict.stable, verdict.measures

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 import footopt as fo
 from footopt.sand import affine
 from footopt.sand.law import GENERIC
-from footopt.studies.stability_cases import Setup, stamping
+from footopt.studies.stability_cases import stamping
+from footopt.studies.stability_judges import Setup
 from footopt.walk import STEPPERS
 from footopt.walk.balances import energy_gap, power_from_sand, set_down_speed, sinking_speed, smoothing_power
 from footopt.walk.newton import MAX_NEWTON, MAX_RESCUE

@@ -48,7 +48,7 @@ def step(loop, *on):
     def both(sole, world, at):
         sums = plate_sums(
             sole, world.law, world.loads, world.gates, world.pushes, sole.tx, sole.tz, 0, len(sole.x),
-            0.1, -0.1, 0.3, -0.2, 0.9, 0.1, 0.5, world.creep, 1e-3,
+            0.1, -0.1, 0.3, -0.2, 0.9, 0.1, 0.5, world.creep, 1e-3, None,
         )  # fmt: skip
         return sums, acceleration(world, at)
 
@@ -74,7 +74,7 @@ class TestNothingForNothing:
     def test_the_deleted_source_knows_no_effect(self, deleted):
         """What is compared with is really without: no hook, no normal, no tilt is computed."""
         here, there = (Path(part(p, "contact").__file__).read_text() for p in (loop, deleted))
-        for trace in ("effects.load(", "effects.gate(", "effects.push(", "nx", "into"):
+        for trace in ("effects.load(", "effects.gate(", "effects.push(", "nx", "into", "slides"):
             assert trace in here
             assert trace not in there.split("def plate_sums")[1]
         tilt = Path(part(deleted, "contact").__file__).with_name("slope.py").read_text()

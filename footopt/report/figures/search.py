@@ -30,7 +30,7 @@ from footopt.walk.objectives import Objective, lookup
 
 Array = NDArray[np.float64]
 
-BEST = "best in $J_W$"
+CHOSEN = "chosen"
 STAR: dict[str, Any] = {
     "marker": "*", "ms": 11, "mfc": VERMILLION, "mec": "black", "mew": 0.6, "ls": "", "zorder": 5,
     "clip_on": False,
@@ -38,6 +38,11 @@ STAR: dict[str, Any] = {
 
 
 # --- convergence ----------------------------------------------------------------------------------
+
+
+def history_label(names: Sequence[str]) -> str:
+    """What a search for these objectives makes better (`footopt.design.Generation`)."""
+    return lookup(names)[0].label if len(names) == 1 else "hypervolume (1: box of the first generation)"
 
 
 @styled
@@ -65,6 +70,8 @@ def draw_convergence(axes: Axes, history: Iterable[Any], label: str) -> None:
         for name in ("evaluations", "best", "median", "low", "high")
     )
     axes.set(xlabel="evaluations", ylabel=label)
+    if not np.isfinite(best).any():  # of a front
+        best = np.array([_entry(row, "hypervolume") for row in rows], float)
     if not np.isfinite(best).any():
         message(axes, "no feasible design was found")
         axes.tick_params(bottom=False, labelbottom=False)
@@ -129,7 +136,7 @@ def scatter_matrix(values: ArrayLike, names: Sequence[str], marked: int | None =
     names : sequence of str
         Of the objectives (`footopt.walk.objectives.OBJECTIVES`).
     marked : int, optional
-        Row of the design to point out, the best in J_W.
+        Row of the design to point out, the chosen one.
 
     Raises
     ------
@@ -164,7 +171,7 @@ def scatter_matrix(values: ArrayLike, names: Sequence[str], marked: int | None =
     figure.align_labels()
     handles = [Line2D([], [], color=BLUE, ls="", marker="o", ms=3, alpha=0.6, label="design")]
     if star is not None:
-        handles.append(Line2D([], [], **STAR, label=BEST))
+        handles.append(Line2D([], [], **STAR, label=CHOSEN))
     if n > 1:
         title = "\n".join(filter(None, [total, failed]))
         grid[0, -1].legend(handles=handles, loc="upper right", title=title)
@@ -194,7 +201,7 @@ def parallel(values: ArrayLike, names: Sequence[str], marked: int | None = None)
     names : sequence of str
         Of the objectives.
     marked : int, optional
-        Row of the design to point out, the best in J_W.
+        Row of the design to point out, the chosen one.
 
     Raises
     ------
@@ -236,7 +243,7 @@ def draw_parallel(
     legend_entry(axes, "design", color=BLUE, lw=0.6)
     if star is not None:
         y = place(star)
-        axes.plot(x, y, **STAR | {"color": VERMILLION, "lw": 2, "ls": "-"}, label=BEST)
+        axes.plot(x, y, **STAR | {"color": VERMILLION, "lw": 2, "ls": "-"}, label=CHOSEN)
         box = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": VERMILLION, "lw": 0.5}
         for i in range(n):
             axes.text(i + 0.06, y[i], formula(star[i]), va="center", bbox=box, zorder=6)

@@ -15,7 +15,7 @@ const guide = columnOf(data.guide ?? "efficiency") ?? COLUMNS[0];
 
 /** A design's number is its row in designs.csv, from 0. */
 const numbers = data.designs.rows && unpack(data.designs.rows);
-const BEST = data.objectives?.length > 1 ? `best in ${guide.title.split(" ").at(-1)}` : "best";
+const BEST = { efficiency: "best in J_W", weights: "best by weights", limits: "best within limits" }[data.choice] ?? data.choice ?? "best";
 const label = (i) => data.designs.labels ? data.designs.labels[i] : `design ${numbers[i]}${i === data.best ? `, the ${BEST}` : ""}`;
 
 /** A limit as short as it is shown. */
@@ -53,7 +53,7 @@ function explorer(choose, beside) {
     type: "number", step: "any", "aria-label": `${end ? "largest" : "smallest"} ${named(c)}`,
     change: () => setLimit(c.name, ...fields.get(c.name).map((field, e) => field.value === "" ? [-Infinity, Infinity][e] : +field.value)),
   }))]));
-  const rows = folded("The designs within the limits as a table (the first 50, best first)", () => {
+  const rows = folded(`The designs within the limits as a table (the first 50, by ${named(guide)})`, () => {
     const best = state.passing.slice().sort((a, b) => (guide.of(a) - guide.of(b)) * (guide.maximise ? -1 : 1));
     return table(["", ...COLUMNS.map(named), ...(kOf ? ["k"] : [])], best.slice(0, 50).map((i) => [
       el("button", { type: "button", click: () => pick(i) }, data.designs.labels ? label(i) : String(numbers[i])),

@@ -13,7 +13,7 @@ import numpy as np
 from footopt.report.numbers import number
 from footopt.report.page.file import column, packed
 from footopt.report.runs import Run
-from footopt.walk import OBJECTIVES
+from footopt.walk import MEASURES
 
 
 def jobs_content(folder: Path, runs: Sequence[Run], common: Collection[str]) -> dict[str, Any]:
@@ -30,7 +30,7 @@ def jobs_content(folder: Path, runs: Sequence[Run], common: Collection[str]) -> 
     """
     done = [run for run in runs if run.result is not None]
     results = [run.result or {} for run in done]
-    known = {name: (objective.unit, objective.maximise) for name, objective in OBJECTIVES.items()}
+    known = {name: (objective.unit, objective.maximise) for name, objective in MEASURES.items()}
     for result in results:  # those of plugins are in their own results
         known |= {name: (result["units"][name], most) for name, most in result.get("maximise", {}).items()}
     # what not all have could not be compared

@@ -66,7 +66,7 @@ function searchSection(choose) {
   const draw = () => {
     const rows = data.history, bests = rows.map((r) => r.best ?? NaN), medians = rows.map((r) => r.median ?? NaN);
     const a = axes(holder, { x: [0, rows.at(-1).evaluations], y: range([...bests, ...medians]), xlabel: "evaluations",
-      ylabel: `${named(guide)}: best ${several ? "of the front" : "so far"}`, height: 260, left: 84,
+      ylabel: several ? "hypervolume (1: box of the first generation)" : `${named(guide)}: best so far`, height: 260, left: 84,
       label: "Convergence of the search; the table below has the numbers" });
     const X = (i) => a.X(rows[i].evaluations);
     a.svg.append(
@@ -77,9 +77,9 @@ function searchSection(choose) {
     soleDrawing(sole(i), { width: 136, height: 32, plain: true }),
     el("div", {}, `generation ${generation[i]}`), el("div", {}, quantity(guide.of(i), guide.unit))));
   const section = el("section", { id: "search" }, el("h2", {}, "The search"),
-    el("figure", {}, holder, el("figcaption", {}, "Dashed: the median of each generation.")),
-    folded("The search as a table", () => table(["evaluations", `best ${named(guide)}`, "median", ...(several ? ["front"] : [])],
-      data.history.map((r) => [r.evaluations, number(r.best), number(r.median), ...(several ? [r.front] : [])].map(String)))),
+    el("figure", {}, holder, several ? null : el("figcaption", {}, "Dashed: the median of each generation.")),
+    folded("The search as a table", () => table(["evaluations", ...(several ? ["hypervolume", "front"] : [`best ${named(guide)}`, "median"])],
+      data.history.map((r) => [r.evaluations, number(r.best), several ? r.front : number(r.median)].map(String)))),
     ...(buttons.length ? [el("h3", {}, "Lineage: each sole that was the best at the end of a generation"),
       el("div", { class: "lineage" }, ...buttons)] : []));
   const mark = (i) => buttons.forEach((b) => b.setAttribute("aria-pressed", String(+b.dataset.design === i)));

@@ -13,7 +13,7 @@ from footopt.foot import Waypoints
 from footopt.report.body import groups
 from footopt.report.page.file import column, packed
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
-from footopt.walk import OBJECTIVES, Scene, Walk
+from footopt.walk import MEASURES, Scene, Walk
 
 DESIGNS = 20_000  # besides the front that are on the page
 LEADERS = 20  # best designs of an enumerated space whose walks are on the page
@@ -21,6 +21,7 @@ WALKS = 200  # designs of a front whose walks are on the page
 FRAMES = 90  # samples of each of their walks
 FINE_FRAMES = 500  # of the walk that the page is about
 ARROWS = 10  # force arrows along a sole
+ON_THE_PAGE = ("front", "front_values", "confirmed")  # as designs, not as entries of result.json
 POSE_STEP = 0.01  # s, between the poses of the gait
 
 
@@ -34,20 +35,20 @@ def walk_content(walk: Walk, entry: dict[str, Any]) -> dict[str, Any]:
     entry : dict
         What result.json says of the run.
     """
-    foot = walk.foot
+    foot, values = walk.foot, entry.get("objectives", walk.objectives)
     if foot.space is not None and foot.k is not None:
         shape: dict[str, Any] = {"k": packed(np.array(foot.k))}
     else:
         shape = {"soles": [packed(foot.contour, exact=True)]}
     return {
-        **_common(entry, walk.scene, tuple(OBJECTIVES)),
+        **_common(entry, walk.scene, tuple(values)),
         "title": f"{foot.name} on {walk.scene.sand.name} sand",
         "headline": [f"{describe_scene(walk.scene)}; {describe_foot(foot)}"],
         "space": _splines(foot.space) if "k" in shape and foot.space else None,
         "top": foot.top,
         "width": foot.width,
         "designs": {
-            "values": packed(np.array([list(walk.objectives.values())]), exact=True),
+            "values": packed(np.array([list(values.values())], float), exact=True),
             "labels": [foot.name],
             "feasible": [int(walk.feasible)],
             "reasons": [walk.reason],
@@ -114,7 +115,8 @@ def search_content(
             describe_confirmation(confirmed),
             *([f"{len(rows)} of the designs are on this page"] if len(rows) < result.designs else []),
         ],
-        "guide": problem.guide,
+        "guide": problem.names[0],
+        "choice": problem.choice.by if problem.n_obj > 1 else "best",
         "objectives": list(problem.names),
         "designs": {
             "rows": packed(rows, exact=True),
@@ -141,7 +143,12 @@ def search_content(
         ],
         "lineage": [place[i] for i in lineage],
         "history": [] if exact else [
-            {"evaluations": g.evaluations, "best": g.best, "median": g.median, "front": g.front}
+            {
+                "evaluations": g.evaluations,
+                "best": g.hypervolume if problem.n_obj > 1 else g.best,
+                "median": g.median,
+                "front": g.front,
+            }
             for g in result.history
         ],
     }  # fmt: skip
@@ -166,9 +173,8 @@ def _common(entry: dict[str, Any], scene: Scene, names: Sequence[str]) -> dict[s
     t = np.linspace(0.0, scene.duration, int(np.ceil(scene.duration / POSE_STEP)) + 1)
     thigh, shank, pitch = (angle for angle, _ in scene.gait.angles(t))
     return {
-        "columns": [column(name, OBJECTIVES[name].unit, OBJECTIVES[name].maximise) for name in names],
-        # the designs are on the page anyway
-        "entry": {name: value for name, value in entry.items() if name not in ("front", "confirmed")},
+        "columns": [column(name, MEASURES[name].unit, MEASURES[name].maximise) for name in names],
+        "entry": {name: value for name, value in entry.items() if name not in ON_THE_PAGE},
         "gait": {
             "end": scene.duration,
             "angles": packed(np.stack([thigh, shank, pitch], axis=-1)),

@@ -19,10 +19,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from numba.extending import overload
 
 from footopt.compiled import inlined
 from footopt.effects.slope import tilted
+from footopt.walk.bristles import bend, next_step, stage_of
 from footopt.walk.contact import contact
 from footopt.walk.state import Integrals, State
 
@@ -91,15 +93,24 @@ def acceleration(world, at):
 
 
 @inlined
-def touch(world, sole, poses, x, z, vx, vz, counts):
-    """The contact at the hip's place (m) and velocity (m/s), without its derivatives."""
-    return contact(world, sole, poses, x, z, vx, vz, world.creep, None, counts)
+def touch(world, sole, poses, x, z, vx, vz, bristles, time, counts):
+    """The contact at the hip's place (m) and velocity (m/s), without its derivatives.
+
+    time: since the step's beginning, s, for which bristles have followed the plates.
+    """
+    if bristles is None:
+        return contact(world, sole, poses, x, z, vx, vz, world.creep, None, None, counts)
+    slip = world.rest / time if time > 0.0 else np.inf
+    return contact(world, sole, poses, x, z, vx, vz, slip, None, bristles.now, counts)
 
 
 @inlined
-def arrive(world, sole, poses, x, z, vx, vz, integrals, counts):
+def arrive(world, sole, poses, x, z, vx, vz, integrals, bristles, h, counts):
     """The state at the end of an explicit step."""
-    return State(x, z, vx, vz, touch(world, sole, poses, x, z, vx, vz, counts), integrals, True)
+    at = touch(world, sole, poses, x, z, vx, vz, bristles, h, counts)
+    if bristles is not None:
+        bend(sole, poses, z, vx, vz, h / world.rest, stage_of(bristles))
+    return State(x, z, vx, vz, at, integrals, next_step(bristles), True)
 
 
 @inlined

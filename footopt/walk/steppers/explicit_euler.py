@@ -23,7 +23,8 @@ def explicit_euler(method, world, sole, poses, state, h, counts):
     x, z, vx, vz = state.x, state.z, state.vx, state.vz
     ax, az = acceleration(world, state.contact)
     sums = add(state.integrals, h, z, vx, vz, state.contact)
-    return arrive(world, sole, poses[0], x + h * vx, z + h * vz, vx + h * ax, vz + h * az, sums, counts)
+    x, z, vx, vz = x + h * vx, z + h * vz, vx + h * ax, vz + h * az
+    return arrive(world, sole, poses[0], x, z, vx, vz, sums, state.bristles, h, counts)
 
 
 register("explicit_euler", ExplicitEuler(), explicit_euler, nodes=(1.0,), order=1, source="the paper's eq. 6")

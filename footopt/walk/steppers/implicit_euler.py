@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from footopt.walk.bristles import next_step, stage_of
 from footopt.walk.newton import solve_stage
 from footopt.walk.state import State
 from footopt.walk.steppers.base import acceleration, add, register
@@ -24,10 +25,11 @@ def implicit_euler(method, world, sole, poses, state, h, counts):
     """One implicit stage, the end of the step."""
     x, z, vx, vz = state.x, state.z, state.vx, state.vz
     ax, az = acceleration(world, state.contact)
-    end = solve_stage(world, sole, poses[0], x, z, vx, vz, h, vx + h * ax, vz + h * az, counts)
+    gx, gz, bristles = vx + h * ax, vz + h * az, stage_of(state.bristles)
+    end = solve_stage(world, sole, poses[0], x, z, vx, vz, h, gx, gz, bristles, counts)
     z = z + h * end.vz
     sums = add(state.integrals, h, z, end.vx, end.vz, end.contact)
-    return State(x + h * end.vx, z, end.vx, end.vz, end.contact, sums, end.solved)
+    return State(x + h * end.vx, z, end.vx, end.vz, end.contact, sums, next_step(state.bristles), end.solved)
 
 
 register(

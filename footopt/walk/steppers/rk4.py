@@ -32,14 +32,15 @@ def rk4(method, world, sole, poses, state, h, counts):
         reach = h if stage == 2 else 0.5 * h
         weight = 1.0 if stage == 2 else 2.0
         x1, z1, vx1, vz1 = x0 + reach * vx, z0 + reach * vz, vx0 + reach * ax, vz0 + reach * az
-        at = touch(world, sole, poses[1 if stage == 2 else 0], x1, z1, vx1, vz1, counts)
+        pose = poses[1 if stage == 2 else 0]
+        at = touch(world, sole, pose, x1, z1, vx1, vz1, state.bristles, reach, counts)
         sums = add(sums, weight * h / 6.0, z1, vx1, vz1, at)
         ax, az = acceleration(world, at)
         vx, vz = vx1, vz1
         rx, rz = rx + weight * vx, rz + weight * vz
         wx, wz = wx + weight * ax, wz + weight * az
     x, z, vx, vz = x0 + h / 6.0 * rx, z0 + h / 6.0 * rz, vx0 + h / 6.0 * wx, vz0 + h / 6.0 * wz
-    return arrive(world, sole, poses[1], x, z, vx, vz, sums, counts)
+    return arrive(world, sole, poses[1], x, z, vx, vz, sums, state.bristles, h, counts)
 
 
 register("rk4", RK4(), rk4, nodes=(0.5, 1.0), order=4, source="Kutta, Z. Math. Phys. 46, 1901")

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from footopt.walk.bristles import first_stage, next_step, second_stage
 from footopt.walk.newton import solve_stage
 from footopt.walk.state import State
 from footopt.walk.steppers.base import acceleration, add, register
@@ -29,18 +30,20 @@ def sdirk2(method, world, sole, poses, state, h, counts):
     c, r = method.gamma * h, (1.0 - method.gamma) * h
     x0, z0, vx0, vz0 = state.x, state.z, state.vx, state.vz
     ax, az = acceleration(world, state.contact)
-    one = solve_stage(world, sole, poses[0], x0, z0, vx0, vz0, c, vx0 + c * ax, vz0 + c * az, counts)
+    half, whole = first_stage(state.bristles, r / c), second_stage(state.bristles)
+    gx, gz = vx0 + c * ax, vz0 + c * az
+    one = solve_stage(world, sole, poses[0], x0, z0, vx0, vz0, c, gx, gz, half, counts)
     if not one.solved:
-        return State(x0, z0, vx0, vz0, state.contact, state.integrals, False)
+        return State(x0, z0, vx0, vz0, state.contact, state.integrals, state.bristles, False)
     sums = add(state.integrals, r, z0 + c * one.vz, one.vx, one.vz, one.contact)
     bx, bz = acceleration(world, one.contact)
-    x1, z1 = x0 + r * one.vx, z0 + r * one.vz
+    x1, z1, vx1, vz1 = x0 + r * one.vx, z0 + r * one.vz, vx0 + r * bx, vz0 + r * bz
     # the guess follows the change of acceleration so far, to the end of the step
     gx, gz = one.vx + r * (bx + (bx - ax)), one.vz + r * (bz + (bz - az))
-    two = solve_stage(world, sole, poses[1], x1, z1, vx0 + r * bx, vz0 + r * bz, c, gx, gz, counts)
+    two = solve_stage(world, sole, poses[1], x1, z1, vx1, vz1, c, gx, gz, whole, counts)
     z = z1 + c * two.vz
     sums = add(sums, c, z, two.vx, two.vz, two.contact)
-    return State(x1 + c * two.vx, z, two.vx, two.vz, two.contact, sums, two.solved)
+    return State(x1 + c * two.vx, z, two.vx, two.vz, two.contact, sums, next_step(state.bristles), two.solved)
 
 
 register(

@@ -19,7 +19,8 @@ def semi_implicit_euler(method, world, sole, poses, state, h, counts):
     ax, az = acceleration(world, state.contact)
     sums = add(state.integrals, h, state.z, state.vx, state.vz, state.contact)
     vx, vz = state.vx + h * ax, state.vz + h * az
-    return arrive(world, sole, poses[0], state.x + h * vx, state.z + h * vz, vx, vz, sums, counts)
+    x, z = state.x + h * vx, state.z + h * vz
+    return arrive(world, sole, poses[0], x, z, vx, vz, sums, state.bristles, h, counts)
 
 
 register(

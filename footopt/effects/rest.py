@@ -1,0 +1,60 @@
+"""Rest: the sand holds what stands on it, by bristles in place of the creep speed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from footopt.effects.base import EFFECTS, Effect, Scale
+from footopt.errors import check
+
+
+@dataclass(frozen=True)
+class Rest:
+    """Friction with memory: who stands stays, and the walker's first instant carries his weight.
+
+    The direction h of a plate in the sand follows its motion over a length delta and stays in the unit
+    disc (`footopt.walk.bristles`), so that at rest the force is what balance needs. Without it
+    h = v / sqrt(|v|^2 + eps^2), and a walker who stands sinks on at about the creep speed eps.
+
+    Source: an elastic displacement in friction, Dahl, "A solid friction model", The Aerospace
+    Corporation (1968), and Dupont, Hayward, Armstrong & Altpeter, IEEE Trans. Automatic Control 47 (2002),
+    applied to every plate of RFT. Range: delta is a numerical length as it stands. Forces in sand build up
+    over about a millimetre; a delta like that makes the sand springy, which no experiment here supports.
+
+    Parameters
+    ----------
+    length : float, m
+        delta. On hard sand 1e-6 changes no objective of a walk by more than 0.5 %, 1e-5 changes the peak
+        power by 3 %.
+
+    Raises
+    ------
+    SettingError
+        The length is beyond 1e-8 to 1e-3 m.
+    """
+
+    length: float = 1e-6
+    law = None
+    nothing = False
+
+    def __post_init__(self) -> None:
+        check(
+            1e-8 <= self.length <= 1e-3,
+            "effects.rest.length",
+            self.length,
+            "a length from 1e-8 to 1e-3, in m",
+            "It is over that length that the force builds up; 1e-6 changes walks by less than 0.5 %.",
+        )
+
+    def estimate(self, scale: Scale) -> float:
+        """delta over the depth to which a foot sinks."""
+        return self.length / scale.depth
+
+
+def rest_length(effects: Sequence[Effect]) -> float | None:
+    """delta, m; None where no bristles are asked for."""
+    return next((float(effect.length) for effect in effects if isinstance(effect, Rest)), None)
+
+
+EFFECTS["rest"] = Rest

@@ -1,0 +1,117 @@
+"""What the sand under each plate remembers: the bristles of the effect `rest`.
+
+A plate's direction h is bent by its motion over the length delta and stays in the unit disc. Over a time
+c, from h_0 at its beginning (a return map, as in plasticity)::
+
+    u = h_0 + c v / delta,   h = u / max(1, |u|)
+
+Sliding turns h into v / |v|, as the plain law has it; at rest h is what balance needs, and nothing moves.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.compiled import inlined, inlined_fast
+from footopt.walk.contact import rsqrt, submerged
+from footopt.walk.state import pose_of
+
+Array = NDArray[np.float64]
+
+
+class Bristles(NamedTuple):
+    """h of every plate, (2 feet, 2 components, padded plates) each; 0 in the air."""
+
+    now: Array  # at the step's beginning
+    middle: Array  # where its second stage begins
+    end: Array  # at its end
+
+
+class Stage(NamedTuple):
+    """What an implicit stage bends."""
+
+    before: Array
+    after: Array
+    share: float  # of the way from before to its end that after is to be; 1 is the end
+
+
+@inlined
+def settled(rest, plates):
+    """Under a walker that has sunk straight down to where it stands; None without bristles."""
+    if rest is None:
+        return None
+    now = np.zeros((2, 2, plates))
+    now[:, 1, :] = -1.0
+    return Bristles(now, np.zeros((2, 2, plates)), np.zeros((2, 2, plates)))
+
+
+@inlined
+def stage_of(bristles):
+    """An implicit stage that is the whole step."""
+    if bristles is None:
+        return None
+    return Stage(bristles.now, bristles.end, 1.0)
+
+
+@inlined
+def first_stage(bristles, share):
+    """The first of two stages; the second begins on its slope, a share of its way from the beginning."""
+    if bristles is None:
+        return None
+    return Stage(bristles.now, bristles.middle, share)
+
+
+@inlined
+def second_stage(bristles):
+    """The second of two stages, which ends with the step."""
+    if bristles is None:
+        return None
+    return Stage(bristles.middle, bristles.end, 1.0)
+
+
+@inlined
+def next_step(bristles):
+    """A step's end is the beginning of the next one."""
+    if bristles is None:
+        return None
+    return Bristles(bristles.end, bristles.middle, bristles.now)
+
+
+@inlined
+def keep(kept, row, bristles):
+    """Write the bristles at a step's beginning into a row of a table, where there is one."""
+    if bristles is not None:
+        kept[row] = bristles.now
+
+
+@inlined_fast
+def bend(sole, poses, z, vx, vz, turn, stage):
+    """Bend the bristles of both feet over a stage.
+
+    z, vx, vz: the hip's height (m) and velocity (m/s) at its end. turn: the stage's time over delta, s/m.
+    """
+    before, after, share = stage.before, stage.after, stage.share
+    for foot in range(2):
+        pose = pose_of(poses, foot)
+        za = z + pose.z
+        first, last = submerged(sole, za, pose.cos, pose.sin)
+        rate_cos, rate_sin = pose.rate * pose.cos, pose.rate * pose.sin
+        vxa, vza = vx + pose.vx, vz + pose.vz
+        for i in range(first):
+            after[foot, 0, i] = after[foot, 1, i] = 0.0
+        for i in range(last, len(sole.x)):
+            after[foot, 0, i] = after[foot, 1, i] = 0.0
+        px, pz = sole.x[first:last], sole.z[first:last]
+        bx, bz = before[foot, 0, first:last], before[foot, 1, first:last]
+        hx, hz = after[foot, 0, first:last], after[foot, 1, first:last]
+        for i in range(len(px)):
+            rz = pose.sin * px[i] + pose.cos * pz[i]
+            ux = bx[i] + (vxa - pose.rate * rz) * turn
+            uz = bz[i] + (vza + rate_cos * px[i] - rate_sin * pz[i]) * turn
+            q = rsqrt(max(ux * ux + uz * uz, 1.0))
+            wet = 1.0 if za + rz < 0.0 else 0.0
+            hx[i] = wet * (bx[i] + share * (ux * q - bx[i]))
+            hz[i] = wet * (bz[i] + share * (uz * q - bz[i]))

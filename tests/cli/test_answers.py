@@ -1,0 +1,111 @@
+"""What is asked of a search, and how plainly it answers."""
+
+import json
+
+import pytest
+from running import footopt, only_folder
+
+TINY = ["accuracy=draft", "study.confirm=null", "report=light", "solver.pop_size=4", "solver.n_gen=1"]
+
+
+class TestTheAnswer:
+    def test_a_best_design_that_is_worse_than_the_flat_sole_is_said_to_be(self, tmp_path):
+        """No gain is made of a loss, and no share of one."""
+        done = footopt(*TINY, "sand=hard", "solver=ga", cwd=tmp_path)
+        result = json.loads((only_folder(tmp_path) / "result.json").read_text())
+        assert result["objectives"]["efficiency"] > result["flat"]["efficiency"]
+        assert "The best design is worse than the flat sole in efficiency J_W: -1.308e-4" in done.stdout
+        assert "6.9 % worse" in done.stdout
+        assert "share" not in done.stdout.partition("Validity")[0]
+        assert set(result["gain_shares"].values()) == {None}
+
+    def test_says_of_what_it_was_made_and_where(self, tmp_path):
+        footopt(*TINY, cwd=tmp_path)
+        result = json.loads((only_folder(tmp_path) / "result.json").read_text())
+        assert {"llvmlite", "moocore", "numba"} <= set(result["versions"])
+        assert set(result["machine"]) == {"processor", "vector_bits", "system"}
+        assert result["commit"] is None or len(result["commit"].removesuffix("-dirty")) == 40
+        assert "report.html" in result["wall_time_covers"]
+
+
+FRONT = ["accuracy=draft", "report=light", "solver=nsga2", "solver.pop_size=12", "solver.n_gen=3", "foot.n=7"]
+
+
+class TestSeveralObjectives:
+    @pytest.fixture(scope="class")
+    @staticmethod
+    def front(tmp_path_factory):
+        """A front of three objectives, within limits."""
+        folder = tmp_path_factory.mktemp("front")
+        words = [
+            "objective.names=[distance,work,hollow]",
+            "constraint.peak_power=400",
+            "constraint.thickness=1e-4",
+        ]
+        done = footopt(*FRONT, *words, cwd=folder)
+        assert done.returncode == 0, done.stderr
+        return done, json.loads((only_folder(folder) / "result.json").read_text())
+
+    def test_are_answered_with_the_knee_and_not_by_j_w(self, front):
+        done, result = front
+        assert "Of the front the design nearest to the ideal point" in done.stdout
+        assert "share of" not in done.stdout.partition("Validity")[0]
+        assert result["choose"]["by"] == "knee"
+
+    def test_the_front_is_there_with_its_values_the_chosen_design_first(self, front):
+        _, result = front
+        columns = result["front_columns"]
+        assert result["front"][0] == result["design"]["k"]
+        first = dict(zip(columns, result["front_values"][0], strict=True))
+        assert {name: first[name] for name in result["objectives"]} == result["objectives"]
+        assert len(result["front"]) == len(result["front_values"]) > 1
+        assert result["hypervolume"] > 0
+
+    def test_every_foot_of_it_keeps_the_limits(self, front):
+        _, result = front
+        values = [dict(zip(result["front_columns"], row, strict=True)) for row in result["front_values"]]
+        assert all(v["peak_power"] <= 400 and v["thickness"] >= 1e-4 for v in values)
+        assert result["constraints"] == {"peak_power": 400, "thickness": 1e-4}
+
+    @pytest.mark.parametrize(
+        ("words", "said"),
+        [
+            (
+                ["choose=weights", "choose.weights={work:2}"],
+                "choose = 'weights': must be left out with one objective",
+            ),
+            (
+                ["study=simulate", "constraint.work=9"],
+                "constraint = {'work': 9.0}: must be left out for study=simulate",
+            ),
+            (["constraint.colour=9"], "constraint.colour: there is no such setting"),
+            (["constraint.own={colour:9}"], "constraint = 'colour': must be one of distance"),
+            ([*FRONT, "choose=limits"], "must be given with choose=limits"),
+        ],
+    )
+    def test_what_is_asked_wrongly_is_refused(self, words, said, tmp_path):
+        done = footopt(*words, cwd=tmp_path)
+        assert done.returncode == 1
+        assert said in done.stderr
+
+
+class TestControl:
+    def test_a_search_stops_where_it_is_told_to_and_goes_on_when_resumed(self, tmp_path):
+        words = [*TINY[:2], "solver=ga", "foot.n=5", "solver.n_gen=50", "solver.pop_size=6"]
+        words += ["report=none", "hydra.run.dir=run"]
+        done = footopt(*words, "stop.walks=12", "solver.operators={crossover_eta: 10}", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert "(stopped after 1" in done.stdout
+        first = json.loads((tmp_path / "run" / "result.json").read_text())
+        assert first["designs"] < 20
+        assert first["solver"]["operators"] == {"crossover_eta": 10}
+        done = footopt("resume=run", "stop.walks=30", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        again = json.loads((tmp_path / "run" / "result.json").read_text())
+        assert again["designs"] >= 30
+        assert again["reused"] == first["designs"]
+
+    def test_what_another_study_does_not_read_is_refused(self, tmp_path):
+        done = footopt("study=simulate", "stop.walks=3", cwd=tmp_path)
+        assert done.returncode == 1
+        assert "stop" in done.stderr

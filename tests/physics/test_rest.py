@@ -1,0 +1,167 @@
+"""Bristles: who stands on sand stays where he is, and who walks walks as before."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+import footopt as fo
+from footopt.walk.contact import contact
+from footopt.walk.prepare import sole, world
+from footopt.walk.state import COUNTS
+
+STILL = fo.Gait.human(start=math.inf)
+DRIFT = 1e-6  # m, in a minute of standing
+PLACE = 1e-4  # m, by which numerics may move where he comes to rest
+
+
+def standing(zeta, *effects, t_f=60.0):
+    """A walker who stands on sand that remembers."""
+    return fo.Scene(sand=fo.Sand(zeta), gait=STILL, t_f=t_f, effects=(fo.Rest(), *effects))
+
+
+def drift(walk):
+    """How far the hip moves in the second half, m."""
+    late = walk.com[walk.t > 0.5 * walk.t[-1]]
+    return float(np.hypot(*np.ptp(late, axis=0)))
+
+
+@pytest.mark.parametrize("zeta", [0.05, 0.2, 1.0, 5.0, 50.0, 500.0])
+def test_who_stands_for_a_minute_stays(zeta, ramp_foot):
+    walk = fo.simulate(ramp_foot, standing(zeta))
+    weight = walk.scene.walker.weight
+    assert walk.feasible
+    assert drift(walk) < DRIFT
+    np.testing.assert_allclose(walk.force[-1].sum(axis=0), [0.0, weight], rtol=0, atol=1e-6 * weight)
+
+
+def test_without_bristles_he_sinks_by_more_than_a_millimetre(ramp_foot):
+    plain = replace(standing(5.0), effects=())
+    assert drift(fo.simulate(ramp_foot, plain)) > 1e-3
+
+
+def test_the_first_instant_carries_the_weight(flat_foot):
+    walk = fo.simulate(flat_foot, standing(1.0, t_f=0.1))
+    assert walk.force[0, :, 1].sum() == pytest.approx(walk.scene.walker.weight, rel=1e-3)
+    assert np.abs(walk.com - walk.start).max() < DRIFT
+
+
+def test_bristles_stay_in_the_unit_disc_and_sand_forgets_a_foot_that_has_left(ramp_foot):
+    walk = fo.simulate(ramp_foot, fo.Scene(effects=(fo.Rest(),)))
+    states = walk.plates(np.arange(len(walk.t)))
+    assert np.linalg.norm(walk.bristles, axis=-1).max() < 1.0 + 1e-9
+    assert (walk.bristles[states.position[..., 1] > 0.0] == 0.0).all()
+
+
+def test_the_plates_forces_add_up_to_the_walks(ramp_foot):
+    walk = fo.simulate(ramp_foot, fo.Scene(effects=(fo.Rest(),)))
+    found = walk.plates(np.arange(len(walk.t))).force.sum(axis=2)
+    assert np.abs(found - walk.force).max() < 1e-3 * walk.scene.walker.weight
+
+
+@pytest.mark.parametrize("effects", [(), (fo.LeadingEdge(),)], ids=["plain", "leading edge"])
+def test_the_force_has_its_analytic_derivative_where_plates_stick_and_where_they_slide(effects, ramp_foot):
+    """dF/dv of an implicit stage, against differences; the stage is 1 ms, so that 1 mm/s bends by delta."""
+    plates = ramp_foot.plates(40, directed=True)
+    constants = world(fo.Scene(effects=(fo.Rest(), *effects)), fo.Accuracy())
+    poses = np.zeros((2, 7))
+    poses[:, 4], poses[0, 1], poses[1, 1], poses[0, 6] = 1.0, -0.02, 1.0, 1e-3
+    before = np.random.default_rng(2).uniform(-0.6, 0.6, (2, 2, len(sole(plates).x)))
+    stage, counts = 1e-3, np.zeros(1, COUNTS)[0]
+
+    def left(vx, vz):
+        slip, z = constants.rest / stage, stage * vz
+        return contact(
+            constants, sole(plates), poses, stage * vx, z, vx, vz, slip, stage, before, counts
+        ).left
+
+    for vx, vz in ((2e-4, -1e-4), (5e-3, -0.02)):
+        here, d = left(vx, vz), 1e-9
+        slopes = [
+            (np.array(left(vx + d * i, vz + d * j)[:2]) - left(vx - d * i, vz - d * j)[:2]) / (2 * d)
+            for i, j in ((1, 0), (0, 1))
+        ]
+        expected = [here.xx, here.zx, here.xz, here.zz]
+        size = np.abs(expected).max()
+        np.testing.assert_allclose(np.concatenate(slopes), expected, rtol=0, atol=2e-4 * size)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("slope", [0.0, 5.0, 15.0])
+@pytest.mark.parametrize("zeta", [0.05, 0.2, 5.0, 500.0])
+def test_the_resting_place_is_the_sands_and_not_the_numerics(zeta, slope, ramp_foot, flat_foot):
+    """On level sand and on every slope that holds; time step, plates and delta do not matter."""
+    tilt = (fo.Slope(slope),) if slope else ()
+    for foot in (ramp_foot, flat_foot):
+        places = []
+        for dt, plates, length in ((1e-2, 56, 1e-6), (1e-2, 56, 1e-7), (1e-2, 256, 1e-6), (1e-3, 56, 1e-6)):
+            scene = replace(standing(zeta, *tilt), effects=(fo.Rest(length), *tilt))
+            walk = fo.simulate(foot, scene, fo.Accuracy(dt=dt, plates=plates))
+            assert drift(walk) < DRIFT
+            places.append(walk.com[-1])
+        assert np.ptp(places, axis=0).max() < PLACE
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("preset", ["draft", "standard", "fine", "reference"])
+def test_every_preset_rests(preset, ramp_foot):
+    for zeta in (0.05, 500.0):
+        assert drift(fo.simulate(ramp_foot, standing(zeta, fo.Slope(5.0)), preset)) < DRIFT
+
+
+@pytest.mark.slow
+def test_a_slope_holds_up_to_the_laws_own_limit(flat_foot):
+    """A level sole slides for ever beyond the slope whose tangent is its drag over its lift."""
+    limit = fo.StressMap().sliding_slope
+    assert limit == pytest.approx(math.degrees(math.atan(0.136 / 0.375)), abs=1e-9)
+    speeds = {}
+    for angle in (limit - 0.1, limit + 0.1):
+        walk = fo.simulate(flat_foot, standing(5.0, fo.Slope(angle), t_f=120.0), fo.Accuracy(dt=1e-2))
+        speeds[angle] = np.hypot(*walk.velocity[-1])
+    assert speeds[limit - 0.1] < 1e-9
+    assert speeds[limit + 0.1] > 1.0
+
+
+@dataclass(frozen=True)
+class Pausing(fo.Gait):
+    """A gait that stands still for ten seconds in the middle of a stride, from `at` on."""
+
+    at: float = 1.5
+    ease: float = 0.2  # s, of slowing down and of speeding up
+
+    def pose(self, t, l1, l2):
+        """The poses of a clock that slows down, stops and goes on."""
+        t = np.asarray(t, float)
+        knots = self.at + np.array([0.0, self.ease, 10.0 + self.ease, 10.0 + 2.0 * self.ease])
+        rate = np.interp(t, knots, [1.0, 0.0, 0.0, 1.0])
+        s = np.clip((t[:, None] - knots[[0, 2]]) / self.ease, 0.0, 1.0)
+        passed = np.minimum(t, self.at) + self.ease * (s[:, 0] - 0.5 * s[:, 0] ** 2 + 0.5 * s[:, 1] ** 2)
+        passed += np.maximum(t - knots[3], 0.0)
+        pose = super().pose(passed, l1, l2)
+        turned = {name: getattr(pose, name) * rate[:, None] for name in ("vx", "vz", "rate")}
+        return pose._replace(**turned)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("sand", ["soft", "regular", "hard"])
+def test_who_stops_for_ten_seconds_stays_and_walks_on(sand, ramp_foot):
+    human = fo.Gait.human()
+    fields = {name: getattr(human, name) for name in human.__dataclass_fields__}
+    scene = fo.Scene(sand=fo.Sand.named(sand), gait=Pausing(**fields), t_f=14.0, effects=(fo.Rest(),))
+    walk = fo.simulate(ramp_foot, scene)
+    assert walk.feasible
+    still = (walk.t > 4.0) & (walk.t < 11.6)
+    assert np.ptp(walk.com[still], axis=0).max() < DRIFT
+    assert np.abs(np.diff(walk.force[still], axis=0)).max() < 1e-6 * walk.scene.walker.weight
+    assert walk.com[-1, 0] > walk.com[still][-1, 0] + 0.5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("sand", ["soft", "regular", "hard"])
+def test_walks_change_by_less_than_standard_promises(sand):
+    """delta is a numerical length: 95 % of the feet's objectives stay within 0.5 %."""
+    plain, feet = fo.Scene(sand=fo.Sand.named(sand)), fo.Waypoints().random(60, 11, inside=True)
+    remembering = replace(plain, effects=(fo.Rest(),))
+    with_, without = (fo.evaluate(feet, scene, "fine").values for scene in (remembering, plain))
+    assert np.percentile(np.abs(with_ / without - 1.0), 95.0, axis=0).max() < 5e-3
