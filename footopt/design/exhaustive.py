@@ -96,7 +96,7 @@ def best_of(designs: Designs, problem: FootProblem) -> Designs:
 def enumerate_space(
     problem: FootProblem,
     solver: Solver,
-    progress: Callable[[Generation], None] | None,
+    progress: Callable[[Generation], object] | None,
     evaluator: Evaluator,
 ) -> Enumeration:
     """Walk with every design of a space that is inside its box.
@@ -135,8 +135,9 @@ def enumerate_space(
                     seconds=time.perf_counter() - started,
                 )
             )
-            if progress is not None:
-                progress(history[-1])
+            if progress is not None and progress(history[-1]) is True:
+                interrupted = True
+                break
     except KeyboardInterrupt:
         interrupted = True
     if not len(best.k):

@@ -209,7 +209,7 @@ KEYS = {key[:end] for key in known() for end in (*(i for i, c in enumerate(key) 
 class TestSettings:
     @pytest.mark.parametrize("page", TEXTS)
     def test_every_setting_exists(self, page):
-        own = set(re.findall(r"(?:scene|sand)/(\w+)\.yaml", TEXTS[page]))
+        own = set(re.findall(r"(?:scene|sand|gait)/(\w+)\.yaml", TEXTS[page]))
         own |= {path.stem for path in (ROOT / "examples").rglob("*.yaml")}
         for key, value in settings_named(TEXTS[page]):
             if key in ("run", "resume") or key.startswith("hydra"):
