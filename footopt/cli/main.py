@@ -17,6 +17,7 @@ from omegaconf.errors import OmegaConfBaseException
 
 from footopt import __version__
 from footopt.cli.compose import CONF, help_text
+from footopt.cli.elsewhere import in_the_world_of_its_run
 from footopt.cli.job import STOPPED, tidy, walk
 from footopt.cli.messages import explain
 from footopt.cli.paths import beside_their_files
@@ -69,10 +70,10 @@ def _job(settings: DictConfig) -> Any:
     folder, words = Path(here.runtime.output_dir), list(here.overrides.task)
     try:
         plain: Any = OmegaConf.to_container(settings, resolve=True)
-        return walk(beside_their_files(plain, here), folder, words)
+        return walk(in_the_world_of_its_run(beside_their_files(plain, here), here), folder, words)
     except KeyboardInterrupt:
         sys.exit(STOPPED)
-    except (FootoptError, OmegaConfBaseException, OSError) as error:
+    except (FootoptError, OmegaConfBaseException, OSError, MemoryError) as error:
         if here.mode != RunMode.MULTIRUN:
             if _wants_traceback:
                 raise

@@ -18,7 +18,9 @@ from hydra.experimental.callback import Callback
 from omegaconf import DictConfig, OmegaConf, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
+from footopt.cli.elsewhere import in_the_world_of_its_run
 from footopt.cli.paths import absolute, beside_their_files
+from footopt.errors import FootoptError
 from footopt.files import identity
 from footopt.files.lock import Occupied, locked
 
@@ -87,8 +89,9 @@ def _jobs(config: DictConfig) -> Iterator[tuple[str, dict[str, Any], list[str]]]
                 here, place = settings.hydra, str(OmegaConf.select(settings, "hydra.sweep.subdir"))
                 del settings["hydra"]
             plain: Any = OmegaConf.to_container(settings, resolve=True)
-            yield place, absolute(beside_their_files(plain, here)), list(job)
-    except (HydraException, OmegaConfBaseException):  # the sweeper says so, or the job
+            plain = in_the_world_of_its_run(beside_their_files(plain, here), here)
+            yield place, absolute(plain), list(job)
+    except (HydraException, OmegaConfBaseException, FootoptError):  # the sweeper says so, or the job
         return
     finally:
         HydraConfig.instance().cfg = before

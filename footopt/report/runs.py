@@ -53,6 +53,16 @@ class Run:
     failed: bool = False
 
     @property
+    def settings(self) -> Mapping[str, Any]:
+        """All its settings; none if it has not written them down."""
+        if self.result and "settings" in self.result:
+            return dict(self.result["settings"])
+        try:
+            return identity.read(self.folder).settings
+        except FileError:
+            return {}
+
+    @property
     def objectives(self) -> dict[str, float]:
         """Its objectives by name, NaN for those that it could not tell; empty if it left none."""
         found = self.result["objectives"] if self.result else {}

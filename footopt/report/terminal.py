@@ -8,6 +8,7 @@ import threading
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 
+import numpy as np
 from rich import box
 from rich.console import Console
 from rich.table import Table as RichTable
@@ -15,9 +16,10 @@ from rich.text import Text
 
 from footopt.design import Confirmation, SearchResult
 from footopt.effects import name_of
-from footopt.foot import Foot
+from footopt.foot import Foot, Waypoints
 from footopt.report.numbers import change, percent, quantity, title
 from footopt.report.numbers import number as number
+from footopt.sand import GENERIC
 from footopt.walk import MEASURES, Scene, gain_shares
 from footopt.walk.audit import parameters
 from footopt.walk.scene import EARTH
@@ -142,13 +144,31 @@ def describe_scene(scene: Scene) -> str:
     return ", ".join(words)
 
 
+def describe_setup(scene: Scene, foot: Foot | Waypoints) -> str:
+    """What is walked, in two lines: the walker and the gait; the foot or its space, the sand and the law."""
+    walker, gait = scene.walker, scene.gait
+    if isinstance(foot, Waypoints):
+        what, length, height = "Soles in a box of", 2.0 * foot.L, foot.H
+    else:
+        what, (length, height) = f"Sole ({foot.name}) of", np.ptp(foot.contour, axis=0)
+    law = "the generic law" if scene.sand.stress_map == GENERIC else "a law of its own"
+    size = " x ".join(f"{1e3 * value:.4g}" for value in (length, height, foot.width))
+    return (
+        f"Walker: {walker.mass:g} kg, legs {walker.l1:g} + {walker.l2:g} m, g {walker.g:g} m/s^2; "
+        f"gait {gait.name}, stride {gait.period:.4g} s\n"
+        f"{what} {size} mm (length, height, width) on "
+        f"{describe_scene(scene)}, {law}"
+    )
+
+
 def describe_search(result: SearchResult) -> str:
     """What a search did, in one line."""
     bad = result.infeasible
     why = f" ({', '.join(f'{n} {reason}' for reason, n in result.failures.items())})" if bad else ""
     reused = f", {result.reused} of them known" if result.reused else ""
     front = f", {len(result.front)} on the front" if result.problem.n_obj > 1 else ""
-    stopped = " (interrupted)" if result.interrupted else ""
+    why_stopped = f" (stopped {result.stopped})" if result.stopped else ""
+    stopped = " (interrupted)" if result.interrupted else why_stopped
     return (
         f"{result.solver.name}, seed {result.solver.seed}: {result.evaluations} evaluations of "
         f"{result.designs} designs{reused} in {result.seconds:.1f} s, {bad} infeasible{why}{front}{stopped}"

@@ -79,19 +79,17 @@ def make_gait(config: GaitConfig) -> Gait:
         if config.path is not None:
             raise SettingError("gait.path", config.path, "null with gait=human", "Use gait=file with a path.")
         gait = Gait.human(harmonics=config.harmonics)
-    elif config.name == "file":
-        if config.path is None:
-            raise SettingError("gait.path", None, "a file, with gait=file", "Try gait.path=walk.csv.")
-        gait = Gait.from_file(config.path, config.harmonics, *_reading(config))
+    elif config.path is None:
+        raise SettingError("gait.path", None, f"a file, with gait={config.name}", "Try gait.path=walk.csv.")
     else:
-        raise SettingError("gait.name", config.name, "human or file")
+        gait = Gait.from_file(config.path, config.harmonics, *_reading(config))
     period = gait.period if config.period is None else config.period
     return replace(gait, period=period, pitch=config.pitch, start=config.start)
 
 
 def make_strides(config: GaitConfig) -> Strides | None:
     """The strides that a gait was fitted to; None where there are none."""
-    if config.name != "file" or config.path is None or Path(config.path).suffix.lower() == ".json":
+    if config.path is None or Path(config.path).suffix.lower() == ".json":
         return None
     return read_strides(config.path, *_reading(config))
 

@@ -14,6 +14,7 @@ from footopt.design import (
     FootProblem,
     SearchResult,
     Solver,
+    Stop,
     confirm,
     make_executor,
     search,
@@ -56,6 +57,7 @@ def run(study: Study) -> Answer:
     else:
         solver.build(problem.n_obj)
     check_finalists(options.finalists)
+    study.say(terminal.describe_setup(scene, problem.space))
     finer = study.finer_accuracy
     with study.compiling():
         flat = simulate(Foot.flat(problem.space), scene, finer)
@@ -157,7 +159,8 @@ def _search(study: Study, problem: FootProblem, solver: Solver) -> SearchResult:
         if known := store.describe():
             study.say(known)
         with study.progress(solver.generations(space), _unit(solver)) as step:
-            return search(problem, solver, report_generations(step, problem.names[0]), store, executor)
+            tell, stop = report_generations(step, problem.names[0]), Stop(**vars(study.config.stop))
+            return search(problem, solver, tell, store, executor, stop)
 
 
 def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int) -> dict[str, Any]:
@@ -190,6 +193,7 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
         "front_values": confirmed.values[confirmed.good] if several else [],
         "front_columns": problem.record,
         "interrupted": result.interrupted,
+        "stopped": result.stopped,
         "search_time_s": result.seconds,
     }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 from rich.text import Text
 
@@ -13,6 +14,7 @@ from footopt.report.figures.gait import gait_fit
 from footopt.studies.auto_effects import choose_effects
 from footopt.studies.base import Study
 from footopt.studies.build import make_strides
+from footopt.studies.export import foot_of
 from footopt.studies.record import Answer, answer, foot_entry, scene_entry, validity_entry
 from footopt.studies.validation.model import describe, model_error
 from footopt.walk import OBJECTIVES, Walk, estimate_error, simulate
@@ -23,8 +25,10 @@ from footopt.walk.validity import diagnose
 def run(study: Study) -> Answer:
     """Walk with one foot and leave everything about the walk; returns the objectives of the settings."""
     check_film(study)
-    foot, accuracy = study.foot, study.accuracy
+    folder, k, accuracy = study.options.run, study.config.foot.k, study.accuracy
+    foot = study.foot if folder is None else foot_of(Path(folder), k)
     scene, audits = choose_effects(study, foot)
+    study.say(terminal.describe_setup(scene, foot))
     with study.compiling():
         walk = simulate(foot, scene, accuracy)
     names = tuple(dict.fromkeys((*OBJECTIVES, *study.config.objective.names)))
@@ -53,7 +57,7 @@ def run(study: Study) -> Answer:
         page.write(study.folder / "report.html", page.walk_content(walk, record))
     write_film(study, walk)
 
-    study.say(f"{terminal.describe_scene(scene)}; {terminal.describe_foot(foot)}")
+    study.say(terminal.describe_foot(foot))
     if strides is not None:
         misfit = ", ".join(f"{joint} {rms:.2f}" for joint, rms in scene.gait.residual)
         read = "; ".join(strides.notes)

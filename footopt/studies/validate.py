@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from rich.table import Table
@@ -87,8 +88,13 @@ def counts(found: Sequence[Comparison]) -> dict[str, int]:
 
 
 def summary(found: Sequence[Comparison]) -> str:
-    """All verdicts in a sentence."""
-    return summary_of(*counts(found).values())
+    """All verdicts, and what they owe to the uncertainty of the data, which is often assumed."""
+    halved, doubled = (
+        counts([replace(c, experimental=share * c.experimental) for c in found])[DIFFERS]
+        for share in (0.5, 2.0)
+    )
+    said = summary_of(*counts(found).values())
+    return f"{said} With half the uncertainty of the data {halved} would differ, with twice of it {doubled}."
 
 
 def summary_of(agree: int, differ: int, open_: int) -> str:

@@ -35,14 +35,24 @@ class Audit:
 
     Parameters
     ----------
-    effect : what was switched on. scene : without it.
-    changes : (objectives), relative, not exceeded by 95 % of the feet; columns `FIVE`. NaN if no foot
-        walks with and without it.
-    shifts : (objectives), the median change with its sign.
-    tau : Kendall's tau of J_W over the feet, without and with it: 1 is the same ranking.
-    lost : feet that walk without it and fail with it. feet : how many walked both ways.
-    cost : time of a walk with it over that without it.
-    tolerance : the relative change that matters.
+    effect : Effect
+        What was switched on.
+    scene : Scene
+        Without it.
+    changes : (objectives,)
+        Relative, not exceeded by 95 % of the feet; columns `FIVE`. NaN if no foot walks with and without it.
+    shifts : (objectives,)
+        The median change with its sign.
+    tau : float
+        Kendall's tau of J_W over the feet, without and with it: 1 is the same ranking.
+    lost : int
+        Feet that walk without it and fail with it.
+    feet : int
+        How many walked both ways.
+    cost : float
+        Time of a walk with it over that without it.
+    tolerance : float
+        The relative change that matters.
     """
 
     effect: Effect
@@ -105,10 +115,25 @@ def audit(
 
     Parameters
     ----------
-    effect : switched on (in place of one of its kind). scene : what else is on stays on.
-    feet, accuracy, space : as in `evaluate`.
-    tolerance : the relative change of an objective that matters.
-    repeats : of the walks, alternating, of which the median time counts.
+    effect : Effect
+        Switched on, in place of one of its kind.
+    scene : Scene
+        What else is on stays on.
+    feet : sequence of Foot, or (designs, n)
+        As in `evaluate`.
+    accuracy : Accuracy or str
+        As in `evaluate`.
+    tolerance : float
+        The relative change of an objective that matters.
+    space : Waypoints, optional
+        As in `evaluate`.
+    repeats : int
+        Of the walks, alternating, of which the median time counts.
+
+    Returns
+    -------
+    Audit
+        What it changes, and at what cost.
     """
     accuracy, scenes = resolve(accuracy), switched(effect, scene)
     tables = [evaluate(feet, s, accuracy, space=space) for s in scenes]  # compiled, poses made

@@ -37,9 +37,19 @@ class Scenario:
 
     Parameters
     ----------
-    name : for tables and the reasons of failed walks. scene : what is walked through.
-    ankle : added to the ankle's place in the foot frame, m.
-    weight : how probable it is beside the others.
+    name : str
+        For tables and the reasons of failed walks.
+    scene : Scene
+        What is walked through.
+    ankle : (float, float), m
+        Added to the ankle's place in the foot frame.
+    weight : float
+        How probable it is beside the others.
+
+    Raises
+    ------
+    SettingError
+        The weight is no number > 0.
     """
 
     name: str
@@ -65,11 +75,26 @@ class Spread:
 
     Parameters
     ----------
-    zeta, mass, period : of the logarithm, about the scene's own value as the median.
-    stride : of the swing of thigh and knee about their means, relative: longer or shorter steps.
-    angles : of thigh and knee at every phase of the stride, deg: a random mean and random first
-        `DEFORMATION` harmonics, all with the same variance.
-    ankle_x, ankle_z : of the ankle's place in the foot frame, m.
+    zeta : float
+        Of the logarithm of the sand's zeta; the scene's own is the median.
+    mass : float
+        Of the logarithm of the walker's mass; the scene's own is the median.
+    period : float
+        Of the logarithm of the stride's period; the scene's own is the median.
+    stride : float
+        Of the swing of thigh and knee about their means, relative: longer or shorter steps.
+    angles : float, deg
+        Of thigh and knee at every phase of the stride: a random mean and random first `DEFORMATION`
+        harmonics, all with the same variance.
+    ankle_x : float, m
+        Of the ankle's place in the foot frame, ahead.
+    ankle_z : float, m
+        Of the ankle's place in the foot frame, up.
+
+    Raises
+    ------
+    SettingError
+        One is negative, or larger than 1 (`angles`: 30 deg).
     """
 
     zeta: float = 0.3
@@ -120,8 +145,20 @@ def draw(scene: Scene, spread: Spread, count: int, seed: int = 1) -> tuple[Scena
 
     Parameters
     ----------
-    count : of scenarios. seed : of the draw. Every parameter has random numbers of its own, whether
-        it is spread or not: the sand of a scenario does not change when the mass becomes uncertain.
+    scene : Scene
+        The median of all.
+    spread : Spread
+        How far they lie apart.
+    count : int
+        How many are drawn.
+    seed : int
+        Of the draw. Every parameter has random numbers of its own, whether it is spread or not: the sand
+        of a scenario does not change when the mass becomes uncertain.
+
+    Raises
+    ------
+    SettingError
+        `count` is not from 1 to 10,000.
     """
     from scipy.special import ndtri
 
@@ -182,10 +219,20 @@ def measured(values: Array, weights: Array, measure: str, tail: float) -> Array:
 
     Parameters
     ----------
-    values : (scenarios, ...). weights : (scenarios,), of any sum.
-    measure : in `MEASURES`. tail : the share of the probability that "tail" averages over, the
-        worst one: the conditional value at risk (Rockafellar & Uryasev 2000), with a scenario's
-        part where the tail ends inside it.
+    values : (scenarios, ...)
+        To be minimised.
+    weights : (scenarios,)
+        Of any sum.
+    measure : str
+        In `MEASURES`.
+    tail : float
+        The share of the probability that "tail" averages over, the worst one: the conditional value at
+        risk (Rockafellar & Uryasev 2000), with a scenario's part where the tail ends inside it.
+
+    Returns
+    -------
+    (...)
+        Of each value over all scenarios.
     """
     check_measure(measure, tail)
     if measure == "worst":

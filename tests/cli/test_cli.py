@@ -140,6 +140,62 @@ class TestSimulate:
         assert "sunk" in done.stdout
 
 
+@pytest.fixture(scope="module")
+def elsewhere(tmp_path_factory):
+    """The folder of a search in a world of its own."""
+    cwd = tmp_path_factory.mktemp("run")
+    world = ("walker.mass=40", "gait.period=1.3", "accuracy=draft", "sand=regular", "foot.width=0.08")
+    words = [*world, "solver.pop_size=4", "solver.n_gen=2", "study.confirm=standard"]
+    done = footopt(*words, "hydra.run.dir=run", cwd=cwd)
+    assert done.returncode == 0, done.stderr
+    return cwd / "run"
+
+
+class TestSimulateARun:
+    """study=simulate run=FOLDER: its foot, in its world but for what else is given."""
+
+    def simulated(self, elsewhere, *words, cwd):
+        done = footopt("study=simulate", f"run={elsewhere}", *words, cwd=cwd)
+        assert done.returncode == 0, done.stderr
+        return json.loads((only_folder(cwd) / "result.json").read_text()), done.stdout
+
+    def test_as_it_is_has_the_numbers_of_the_run(self, elsewhere, tmp_path):
+        before = json.loads((elsewhere / "result.json").read_text())
+        result, _ = self.simulated(elsewhere, cwd=tmp_path)
+        assert result["design"] == before["design"]
+        assert {n: result["objectives"][n] for n in before["objectives"]} == before["objectives"]
+
+    @pytest.mark.parametrize(
+        ("words", "sand", "mass", "g"),
+        [
+            (["sand=soft"], 0.2, 40.0, 9.81),
+            (["walker.mass=60"], 1.0, 60.0, 9.81),
+            (["planet=moon"], 1.0, 40.0, 1.62),
+            (["sand=hard", "walker.g=3"], 5.0, 40.0, 3.0),
+        ],
+    )
+    def test_elsewhere_only_what_is_given_is_another(self, words, sand, mass, g, elsewhere, tmp_path):
+        result, said = self.simulated(elsewhere, *words, cwd=tmp_path)
+        foot = foot_of(elsewhere)
+        scene = fo.Scene(
+            sand=fo.Sand.named({0.2: "soft", 1.0: "regular", 5.0: "hard"}[sand]),
+            gait=fo.Gait.human(period=1.3), walker=fo.Walker(mass=mass, g=g),
+        )  # fmt: skip
+        assert foot.width == 0.08
+        walk = fo.simulate(foot, scene, "standard")
+        assert result["objectives"]["work"] == walk.objectives["work"]
+        size = f"{1e3 * np.ptp(foot.contour[:, 0]):.4g} x {1e3 * np.ptp(foot.contour[:, 1]):.4g} x 80 mm"
+        first, second, *_ = said.splitlines()
+        assert first == f"Walker: {mass:g} kg, legs 0.47 + 0.45 m, g {g:g} m/s^2; gait human, stride 1.3 s"
+        assert second.startswith(
+            f"Sole (best of memetic) of {size} (length, height, width) on {scene.sand.name} sand"
+        )
+
+    def test_another_sole_of_its_space(self, elsewhere, tmp_path):
+        k = [1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 8]
+        assert self.simulated(elsewhere, f"foot.k={k}".replace(" ", ""), cwd=tmp_path)[0]["design"]["k"] == k
+
+
 class TestExport:
     """study=export, of runs of either kind that are over."""
 

@@ -1,9 +1,14 @@
 """What a user is told: which setting, which value, what is allowed, what to try; files may have any name."""
 
+import os
+import subprocess
+import sys
+
 import pytest
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from running import footopt, program
 
+from footopt.cli.messages import explain
 from footopt.cli.words import readable
 
 #: What only the library, or the system, can refuse.
@@ -20,7 +25,7 @@ BAD = {
     "accuracy.tolerance=1e-9": "accuracy.tolerance = 1e-09: must be at least",
     "study=export": "study.run = None: must be the folder of a run",
     "study=simulate foot=outline": "foot.path = None: must be a drawing",
-    "study=simulate foot.path=sole.dxf": "foot.path = 'sole.dxf': must be null without foot=outline",
+    "study=simulate foot.path=sole.dxf": "foot.path = 'sole.dxf': must be left out: foot=waypoints does not",
     "foot=outline foot.path=sole.dxf": "foot.shape = 'outline': must be waypoints for a search",
 }
 
@@ -136,3 +141,64 @@ def test_files_with_any_name_are_jobs_of_a_multirun():
     for word, jobs in words.items():
         swept = OverridesParser.create().parse_override(readable(word))
         assert [job.strip("'") for job in swept.sweep_string_iterator()] == jobs
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        MemoryError(),
+        RuntimeError("can't start new thread"),
+        ImportError("_ckdtree.so: failed to map segment from shared object"),
+    ],
+)
+def test_a_machine_without_memory_is_no_bug(error):
+    assert explain(error).startswith("there is too little memory (")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="no limits there")
+def test_an_address_space_in_which_libraries_would_hang_is_refused(tmp_path):
+    import resource
+
+    done = subprocess.run(
+        [sys.executable, "-m", "footopt"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (500 << 20, 500 << 20)),
+    )
+    assert done.returncode == 1
+    assert done.stderr == "footopt: error: `ulimit -v` allows 500 MB of address space; 700 are needed.\n"
+
+
+#: Settings that the study, its foot, gait or solver does not read, and what is said.
+UNREAD = {
+    "study=simulate foot.length=.18": "foot.length = 0.18: must be left out: foot=waypoints does not "
+    "read it. It is read by foot=ellipse, ",
+    "study=simulate foot=ellipse foot.L=.05": "foot=ellipse does not read it. It is read by foot=waypoints.",
+    "study=simulate foot=ellipse foot.apex=toe": "It is read by foot=reversed_triangle.",
+    "study=export run=R foot.width=.2": "foot.width = 0.2: must be left out: study=export does not read it",
+    "study=export run=R sand=soft": "study=export does not read it",
+    "study=simulate run=R foot.width=.2": "study=simulate run=... does not read it",
+    "study=simulate run=R foot=ellipse": "foot.shape = 'ellipse': must be left out: study=simulate run=...",
+    "study=simulate solver.n_gen=3": "It is read by study=optimize, paper, robust.",
+    "study=simulate study.seeds=3": "It is read by study=paper, trust.",
+    "solver=exhaustive foot.n=5 solver.seed=2": "solver=exhaustive does not read it",
+    "gait.side=left": "It is read by gait=file gait.path=walk.trc.",
+    "gait.names.knee=K": "gait.names.knee = 'K': must be left out",
+    "effects.tolerance=.1": "It is read by effects=auto.",
+    "engine.timeout=3": "It is read by engine=dask.",
+    "study=robust study.tail=.3": "It is read by study.measure=tail.",
+    "study=robust sand=soft": "It is read by study.scenarios=drawn, laws.",
+    "study=trust solver=ga": "solver.name = 'ga': must be left out",
+    "study=doctor planet=moon": "walker.g = 1.62: must be left out: study=doctor does not read it",
+}
+
+
+@pytest.mark.parametrize("arguments", UNREAD)
+def test_a_setting_without_effect_is_refused_and_what_reads_it_is_said(arguments, tmp_path, monkeypatch):
+    monkeypatch.setattr("footopt.cli.main.in_the_world_of_its_run", lambda settings, here: settings)
+    done = footopt(*arguments.split(), cwd=tmp_path)
+    assert done.returncode == 1
+    assert UNREAD[arguments] in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not list(tmp_path.rglob("footopt.yaml"))

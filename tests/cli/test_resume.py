@@ -422,6 +422,79 @@ def test_a_full_disk_is_said_and_what_was_kept_is_used(undisturbed, tmp_path):
     resume()
 
 
+class TestSettingsOfOnesOwn:
+    """Files that a YAML file names lie beside it; what it is called is up to the user."""
+
+    def composed(self, *words, cwd, monkeypatch):
+        ran = []
+        monkeypatch.setattr("footopt.cli.job.studies.run", lambda *of: ran.append(of))
+        done = footopt(*words, cwd=cwd)
+        assert done.returncode == 0, done.stderr
+        return ran[0]
+
+    @pytest.mark.parametrize("where", ["group", "primary", "included", "global"])
+    def test_a_path_is_relative_to_the_file_that_names_it(self, where, tmp_path, monkeypatch):
+        own = tmp_path / "mine"
+        (own / "gait").mkdir(parents=True)
+        (own / "experiment").mkdir()
+        gait = "name: robot\npath: {}\nperiod: null\n"
+        (own / "gait" / "robot.yaml").write_text(gait.format("data/walk.csv"))
+        whole = "hydra: {searchpath: ['file://CONF']}\ndefaults: [config, PART _self_]\n".replace(
+            "CONF", str(CONF)
+        )
+        own_gait = "gait: {name: robot, path: data/walk.csv}\n"
+        (own / "own.yaml").write_text(whole.replace("PART", "") + own_gait)
+        (own / "over.yaml").write_text(whole.replace("PART", "base,"))
+        (own / "base.yaml").write_text(own_gait)
+        (own / "experiment" / "one.yaml").write_text(f"# @package _global_\n{own_gait}")
+        words, folder = {
+            "group": (["gait=robot"], own / "gait"),
+            "primary": (["-cn", "own"], own),
+            "included": (["-cn", "over"], own),
+            "global": (["+experiment=one"], own / "experiment"),
+        }[where]
+        (tmp_path / "here").mkdir()
+        config, _, settings, *_ = self.composed(
+            "-cd", "../mine", *words, cwd=tmp_path / "here", monkeypatch=monkeypatch
+        )
+        assert config.gait.path == settings["gait"]["path"] == str(folder / "data" / "walk.csv")
+        assert config.gait.name == "robot"
+        monkeypatch.undo()
+        config, _, settings, *_ = self.composed(
+            "-cd",
+            "../mine",
+            *words,
+            "gait.path=data/walk.csv",
+            cwd=tmp_path / "here",
+            monkeypatch=monkeypatch,
+        )
+        assert config.gait.path == "data/walk.csv"
+        assert settings["gait"]["path"] == str(tmp_path / "here" / "data" / "walk.csv")
+
+    def test_a_plugin_a_table_and_a_drawing_too_and_nothing_that_is_absolute(self, tmp_path, monkeypatch):
+        (tmp_path / "mine" / "sand").mkdir(parents=True)
+        (tmp_path / "mine" / "sand" / "dune.yaml").write_text("name: dune\ntable: dune.csv\n")
+        (tmp_path / "mine" / "x").mkdir()
+        (tmp_path / "mine" / "x" / "y.yaml").write_text(
+            "# @package _global_\nplugins: [mine.py, /there/other.py, a.module]\nfoot: {path: ../sole.dxf}\n"
+        )
+        words = ["-cd", "mine", "sand=dune", "+x=y", "study=simulate", "foot=outline"]
+        config, *_ = self.composed(*words, cwd=tmp_path, monkeypatch=monkeypatch)
+        assert config.sand.table == str(tmp_path / "mine" / "sand" / "dune.csv")
+        assert config.plugins == [str(tmp_path / "mine" / "x" / "mine.py"), "/there/other.py", "a.module"]
+        assert Path(config.foot.path).resolve() == tmp_path / "mine" / "sole.dxf"
+
+    def test_a_gait_of_any_name_walks(self, tmp_path):
+        (tmp_path / "mine" / "gait").mkdir(parents=True)
+        recorded = (Path(__file__).parents[2] / "footopt" / "gait" / "data" / "human_walk.json").read_text()
+        (tmp_path / "mine" / "gait" / "data.json").write_text(recorded)
+        (tmp_path / "mine" / "gait" / "robot.yaml").write_text("name: robot\npath: data.json\n")
+        words = ["-cd", "mine", "gait=robot", "study=simulate", "accuracy=draft", "hydra.run.dir=run"]
+        done = footopt(*words, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert json.loads((tmp_path / "run" / "result.json").read_text())["feasible"]
+
+
 def test_files_of_a_run_are_found_from_another_folder(tmp_path, monkeypatch):
     there, here = tmp_path / "it's there", tmp_path / "here"
     for place in (there, here):

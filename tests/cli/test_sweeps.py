@@ -1,16 +1,27 @@
 """Sweeps: what jobs return to Hydra's sweepers and callbacks, and what is made of all of them."""
 
+import csv
 import json
+from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 from hydra.experimental.callback import Callback
-from running import footopt
+from running import footopt, program
 
 import footopt as fo
+from footopt.report.runs import read_run
+from footopt.report.sweeps import fronts
 
 #: A walk with one foot, of which only the numbers are kept.
 WALK = ["study=simulate", "accuracy=draft", "report=none"]
+
+
+def read(path):
+    """The rows of a table."""
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
 
 
 class Listener(Callback):
@@ -38,6 +49,7 @@ class TestAJobReturns:
         _, heard = listening(*WALK, "objective.names=[distance,work]", cwd=tmp_path)
         assert heard == [(walk["distance"], walk["work"])]
 
+    @pytest.mark.slow
     def test_the_worst_where_it_failed_so_that_a_sweeper_goes_on(self, tmp_path):
         words = ["sand.zeta=0.001,5", "objective.names=[work]"]
         done, heard = listening("-m", *WALK, *words, cwd=tmp_path)
@@ -46,6 +58,19 @@ class TestAJobReturns:
         done, heard = listening("-m", *WALK, "foot.width=-1,0.1", "objective.names=[work]", cwd=tmp_path)
         assert done.returncode == 1
         assert heard[0] == 1e6 > heard[1]
+
+
+class TestTracker:
+    """The example's callback hears of every job."""
+
+    def test_writes_a_line_for_each_job_the_failed_ones_too(self, tmp_path, monkeypatch):
+        monkeypatch.syspath_prepend(Path(__file__).parents[2] / "examples" / "tracking")
+        words = ["foot.width=-1,0.1", "+hydra.callbacks.tracker._target_=tracker.Tracker"]
+        footopt("-m", *WALK, *words, "hydra.sweep.dir=sweep", cwd=tmp_path)
+        failed, good = map(json.loads, (tmp_path / "runs.jsonl").read_text().splitlines())
+        assert failed["objectives"] == {}
+        assert good["settings"]["foot.width"] == 0.1
+        assert good["objectives"] == json.loads((tmp_path / "sweep/1/result.json").read_text())["objectives"]
 
 
 class TestReport:
@@ -85,6 +110,89 @@ class TestReport:
         assert len((tmp_path / "sweep" / "summary.csv").read_text().splitlines()) == 3
 
 
+class TestSummary:
+    """Many runs in one table: a column for each setting that differs, seeds summarised, fronts compared."""
+
+    TINY = ("accuracy=draft", "report=none", "foot.n=5", "solver.pop_size=8", "solver.n_gen=2")
+
+    @pytest.fixture(scope="class")
+    @staticmethod
+    def sweep(tmp_path_factory):
+        """Two solvers with three seeds each, and the rows of their summary."""
+        folder = tmp_path_factory.mktemp("fronts")
+        words = ["objective.names=[distance,work]", "solver.name=nsga2,agemoea2", "solver.seed=1,2,3"]
+        done = footopt("-m", *TestSummary.TINY, *words, "hydra.sweep.dir=sweep", cwd=folder)
+        assert done.returncode == 0, done.stderr
+        return done, folder / "sweep"
+
+    def test_each_setting_that_differs_has_a_column_and_no_other(self, sweep):
+        rows = read(sweep[1] / "summary.csv")
+        assert [(row["solver.name"], row["solver.seed"]) for row in rows] == [
+            (name, str(seed)) for name in ("nsga2", "agemoea2") for seed in (1, 2, 3)
+        ]
+        assert "sand.zeta" not in rows[0]
+        for row in rows:
+            result = json.loads((sweep[1] / row["job"] / "result.json").read_text())
+            assert float(row["work"]) == result["objectives"]["work"]
+            assert float(row["seconds"]) == result["wall_time_s"]
+            assert int(float(row["warnings"])) == len(result["warnings"])
+            assert int(float(row["front"])) == len(result["front"])
+            assert 0 <= float(row["hypervolume_share"]) <= 1
+
+    def test_seeds_are_summarised_by_median_and_quartiles(self, sweep):
+        rows, groups = read(sweep[1] / "summary.csv"), read(sweep[1] / "seeds.csv")
+        assert [(g["solver.name"], g["seeds"]) for g in groups] == [("nsga2", "3"), ("agemoea2", "3")]
+        for group in groups:
+            own = sorted(float(r["work"]) for r in rows if r["solver.name"] == group["solver.name"])
+            assert float(group["work_median"]) == own[1]
+            assert own[0] <= float(group["work_q1"]) <= own[1] <= float(group["work_q3"]) <= own[2]
+        assert "Median over seeds" in sweep[0].stdout
+
+    def test_fronts_are_drawn_over_each_other_with_what_half_of_the_seeds_attain(self, sweep):
+        """A point of the median front is reached or beaten by two of three runs, and by no more beyond it."""
+        jobs = [read_run(sweep[1] / str(i), f"job {i}", str(i)) for i in range(6)]
+        (found,) = fronts(jobs)
+        assert found.labels == ["nsga2"] * 3 + ["agemoea2"] * 3
+        points = found.median_attainment("nsga2") * found.sign
+        reached = [[(v * found.sign <= p).all(axis=1).any() for v in found.values[:3]] for p in points]
+        assert all(sum(row) >= 2 for row in reached)
+        merged = np.concatenate(found.values) * found.sign
+        low, span = merged.min(axis=0), np.ptp(merged, axis=0)
+        assert (merged >= low).all()
+        assert (span > 0).all()
+        assert (sweep[1] / "figures" / "fronts.png").exists()
+
+    def test_one_seed_each_is_no_spread(self, tmp_path):
+        done = footopt("-m", *WALK, "sand=soft,hard", "hydra.sweep.dir=sweep", cwd=tmp_path)
+        assert "Median over seeds" not in done.stdout
+        assert not (tmp_path / "sweep" / "seeds.csv").exists()
+        assert [row["sand.zeta"] for row in read(tmp_path / "sweep" / "summary.csv")] == ["0.2", "5"]
+
+    def test_a_job_that_failed_has_its_settings_and_its_reason(self, tmp_path):
+        footopt("-m", *WALK, "foot.width=-1,0.1", "hydra.sweep.dir=sweep", cwd=tmp_path)
+        rows = read(tmp_path / "sweep" / "summary.csv")
+        assert [row["foot.width"] for row in rows] == ["-1", "0.1"]
+        assert "foot.width = -1" in rows[0]["note"]
+
+    @pytest.mark.slow
+    def test_two_hundred_jobs_by_joblib_in_one_call(self, tmp_path):
+        pytest.importorskip("hydra_plugins.hydra_joblib_launcher", reason="needs footopt[joblib]")
+        words = [
+            "hydra/launcher=joblib",
+            "hydra.launcher.n_jobs=2",
+            "solver.seed=range(1,101)",
+            "sand=soft,hard",
+        ]
+        done = program("-m", *self.TINY, *words, "hydra.sweep.dir=sweep", "engine.threads=1", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert "... and 140 more" in done.stdout
+        rows = read(tmp_path / "sweep" / "summary.csv")
+        assert len(rows) == 200
+        assert len({(row["sand.zeta"], row["solver.seed"]) for row in rows}) == 200
+        assert [group["seeds"] for group in read(tmp_path / "sweep" / "seeds.csv")] == ["100", "100"]
+
+
+@pytest.mark.slow
 class TestOptuna:
     """Hydra's own sweeper of settings, as it is."""
 

@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from motion_files import record
+from motion_files import record, write_c3d
 from PIL import Image
 from running import LIMIT, footopt, program
 from test_custom import EXAMPLES
@@ -209,7 +209,7 @@ KEYS = {key[:end] for key in known() for end in (*(i for i, c in enumerate(key) 
 class TestSettings:
     @pytest.mark.parametrize("page", TEXTS)
     def test_every_setting_exists(self, page):
-        own = set(re.findall(r"(?:scene|sand)/(\w+)\.yaml", TEXTS[page]))
+        own = set(re.findall(r"(?:scene|sand|gait)/(\w+)\.yaml", TEXTS[page]))
         own |= {path.stem for path in (ROOT / "examples").rglob("*.yaml")}
         for key, value in settings_named(TEXTS[page]):
             if key in ("run", "resume") or key.startswith("hydra"):
@@ -311,16 +311,8 @@ def place(ground):
 @pytest.fixture
 def c3d(place):
     """walk.c3d: the built-in gait as a camera system records it."""
-    ezc3d = pytest.importorskip("ezc3d", reason="needs footopt[c3d]")
-    t, places = record(fo.Gait.human())
-    file = ezc3d.c3d()
-    file["parameters"]["POINT"]["RATE"]["value"] = [100.0]
-    file["parameters"]["POINT"]["UNITS"]["value"] = ["mm"]
-    file["parameters"]["POINT"]["LABELS"]["value"] = list(places)
-    points = np.ones((4, len(places), len(t)))
-    points[:3] = 1e3 * np.stack(list(places.values())).transpose(2, 0, 1)
-    file["data"]["points"] = points
-    file.write(str(place / "walk.c3d"))
+    pytest.importorskip("ezc3d", reason="needs footopt[c3d]")
+    write_c3d(place / "walk.c3d", *record(fo.Gait.human()))
 
 
 def real(word, place):

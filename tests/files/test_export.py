@@ -56,15 +56,6 @@ class TestOutline:
         expected = np.sum(np.diff(x) * (level - 0.5 * (z[1:] + z[:-1])))
         assert area(outline) == pytest.approx(expected, rel=1e-12)
 
-    def test_of_a_flat_sole_is_a_rectangle(self, flat_foot):
-        outline = closed(flat_foot)
-        assert area(outline) == pytest.approx(0.26 * 0.03)
-        np.testing.assert_allclose(outline[-2:], [[0.13, 0.0], [-0.13, 0.0]])
-
-    def test_grows_with_the_top_by_its_height_times_the_length(self):
-        foot = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4])
-        assert area(closed(foot, 0.02)) - area(closed(foot)) == pytest.approx(0.26 * 0.02)
-
     def test_has_its_top_raised_by_a_sole_that_reaches_above_it(self):
         reversed_l = fo.Foot.shape("reversed_l")
         outline = closed(reversed_l)
@@ -160,10 +151,6 @@ class TestFiles:
                 flat_foot.to_file(path)
             assert str(path) in str(caught.value)
         assert {path.name for path in tmp_path.iterdir()} == {"file", f"folder.{ending}"}
-
-    def test_of_no_known_format_are_refused(self, tmp_path, flat_foot):
-        with pytest.raises(SettingError, match=r"a file that ends in \.csv, \.dxf, \.svg, \.stl, \.step"):
-            flat_foot.to_file(tmp_path / "foot.obj")
 
 
 class TestStudy:

@@ -46,11 +46,6 @@ def test_a_fault_of_the_program_leaves_it_too(path):
     assert [p.name for p in path.parent.iterdir()] == ["designs.csv"]
 
 
-def test_a_table_replaces_the_old_one(path):
-    files.write_csv(path, ["a", "b"], [[1.0, float("nan")], ["x, y", 3]])
-    assert path.read_text() == 'a,b\n1.0,\n"x, y",3\n'
-
-
 def test_a_walk_that_cannot_be_written_is_named_and_leaves_nothing(tmp_path, monkeypatch):
     walk = fo.simulate(fo.Foot.flat(), accuracy="draft")
     with pytest.raises(FileError, match="nowhere"):

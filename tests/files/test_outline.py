@@ -68,11 +68,6 @@ class TestFootoptsOwnFiles:
         if ending != "csv":
             same(read(path, layer="OUTLINE"), HOLLOW.contour, 1e-9)
 
-    def test_walk_as_the_foot_itself(self, tmp_path):
-        feet = [fo.Foot.from_file(HOLLOW.to_file(tmp_path / "sole.dxf")), fo.Foot(HOLLOW.contour)]
-        one, other = (fo.evaluate([foot], fo.Scene(), "draft").values for foot in feet)
-        np.testing.assert_allclose(one, other, rtol=1e-6)
-
 
 class TestDxf:
     @pytest.mark.parametrize("turn", [1, -1])
@@ -86,12 +81,6 @@ class TestDxf:
         ends = [((-0.1, 0), (0, -0.02)), ((0.05, -0.02), (0, -0.02)), ((0.05, -0.02), (0.1, 0.01))]
         path = dxf(lambda space: [space.add_line(*ends[i]) for i in order], units=6)
         same(read(path), [(-0.1, 0), (0, -0.02), (0.05, -0.02), (0.1, 0.01)])
-
-    def test_pieces_are_joined_over_gaps_of_ten_micrometres(self, dxf):
-        ends = [((-100, 0), (0, -20)), ((0.005, -20.005), (100, 0))]
-        same(
-            read(dxf(lambda space: [space.add_line(*end) for end in ends])), [(-0.1, 0), (0, -0.02), (0.1, 0)]
-        )
 
     def test_bulges_of_a_polyline_are_arcs(self, dxf):
         half = [(-100, 0, 1.0), (100, 0, 0.0)]  # a bulge of 1 is half a circle, here below its chord

@@ -6,8 +6,6 @@ from types import SimpleNamespace
 import matplotlib
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from matplotlib.colors import same_color
 from matplotlib.quiver import Quiver, QuiverKey
 
@@ -16,7 +14,6 @@ from footopt.errors import FileError, SettingError
 from footopt.gait.gait import RIGHT
 from footopt.report import figures, style
 from footopt.report.figures import search
-from footopt.report.figures.walker import round_down
 from footopt.walk.objectives import FIVE, OBJECTIVES
 from footopt.walk.phases import stance
 
@@ -358,18 +355,6 @@ def test_a_walk_without_a_step_says_why(void, sunk, foot):
     as_far_as_it_went = figures.step(sunk)
     assert len(as_far_as_it_went.axes) == 6
     assert any("failed: sunk" in text for text in texts(as_far_as_it_went))
-
-
-def test_no_frames_are_refused(hard):
-    with pytest.raises(SettingError, match="frames"):
-        figures.step(hard, 0)
-
-
-@given(value=st.floats(1e-6, 1e6))
-def test_the_scale_arrow_is_round_and_not_longer(value):
-    rounded = round_down(value)
-    assert 0.39 * value < rounded <= value * (1 + 1e-9)
-    assert f"{rounded:.0e}"[0] in "125"
 
 
 # --- many designs ---------------------------------------------------------------------------------

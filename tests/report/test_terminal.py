@@ -7,7 +7,6 @@ import sys
 import numpy as np
 import pytest
 from rich.console import Console
-from running import program
 from terminals import on_a_terminal
 
 import footopt as fo
@@ -168,14 +167,6 @@ class TestATerminal:
         text, code = on_a_terminal([sys.executable, "-c", PIECE.format(units=5, seconds=0.1)])
         assert (code, text.strip()) == (0, "")
 
-    @pytest.mark.slow
-    def test_that_is_dumb_has_lines(self):
-        command = [sys.executable, "-c", PIECE.format(units=28, seconds=0.1)]
-        text, code = on_a_terminal(command, TERM="dumb")
-        assert code == 0
-        assert "\x1b" not in text
-        assert "walk 28/28" in text
-
 
 SINKING = [*FOOTOPT, "study=simulate", "sand.zeta=0.001", "accuracy=draft"]  # warns, in yellow
 
@@ -194,12 +185,6 @@ class TestColours:
         assert code == 0
         assert "The walk failed" in text
         assert not COLOUR.search(text)
-
-    @pytest.mark.slow
-    def test_not_in_a_pipe(self, tmp_path):
-        done = program(*SINKING[3:], cwd=tmp_path)
-        assert "The walk failed" in done.stdout
-        assert "\x1b" not in done.stdout + done.stderr
 
 
 class TestNarrowTables:

@@ -10,7 +10,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from paper_cases import HOLLOW, ROCKER, config
-from running import footopt
 from study_pages import check_page
 
 import footopt as fo
@@ -139,6 +138,16 @@ class TestSweep:
         assert np.isnan(sweep(plan, dict.fromkeys(SANDS, fo.Foot.from_waypoints(ROCKER)), 1)).all()
 
 
+class TestLaws:
+    def test_settings_name_the_effects_beside_those_of_the_scene(self):
+        names = {"study__leading_edge": fo.LeadingEdge(), "study__shadowing": fo.Shadowing()}
+        assert Setup(config()).scene("hard").effects == ()
+        for name, effect in names.items():
+            assert Setup(config(**{name: True})).scene("hard").effects == (effect,)
+        both = Setup(config(**dict.fromkeys(names, True))).scene("soft").effects
+        assert {*both} == {*names.values()}
+
+
 class TestErrata:
     def test_they_are_25_and_name_settings_that_exist(self):
         text = page.errata()
@@ -154,11 +163,6 @@ class TestErrata:
         assert np.arctan(down_back[1] / down_back[0]) == np.arctan(up_forth[1] / up_forth[0])
         stresses = [fo.stress.alpha(0.0, np.arctan2(-vz, vx))[1] for vx, vz in (down_back, up_forth)]
         assert stresses[0] > 0.0 > stresses[1]
-
-    def test_seven_of_ten_random_splines_leave_the_box(self):
-        space = fo.Waypoints()
-        violation = space.box_violation(space.random(5000, seed=1))
-        assert np.mean(violation > 0.0) == pytest.approx(0.7, abs=0.03)
 
 
 class TestPage:
@@ -268,14 +272,3 @@ class TestShapes:
             rows = {row["shape"]: row for row in csv.DictReader(file)}
         assert float(rows["circle"]["work"]) == result["shapes"]["circle"]["objectives"]["work"]
         assert {"ellipse", "rectangle", "circle", "triangle"} <= set(capsys.readouterr().out.split())
-
-
-@pytest.mark.slow
-def test_both_studies_from_the_command_line(tmp_path):
-    for arguments in (("study=paper", "study.quick=true"), ("study=shapes", "sand=soft", "study.mount=top")):
-        done = footopt(*arguments, cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
-    assert len(list(tmp_path.rglob("shapes.csv"))) == 1
-    (path,) = tmp_path.rglob("claims.json")
-    assert len(json.loads(path.read_text())["sweep"]["factors"]) == len(FACTORS)
-    check_page(path.parent)

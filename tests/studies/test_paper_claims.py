@@ -271,11 +271,6 @@ class TestFigures:
         with pytest.raises(SettingError, match="foot"):
             paper_figures.waypoints(fo.Foot.shape("circle"))
 
-    def test_two_steps_share_one_scale(self, evidence):
-        figure = figures.steps({"one": evidence.hard, "other": evidence.crossed}, frames=3)
-        assert len({(round(float(np.ptp(a.get_xlim())), 9), a.get_ylim()) for a in figure.axes}) == 1
-        assert any(text.startswith("other, time since") for text in texts(figure))
-
     def test_claims_that_were_not_swept_are_drawn_as_such(self):
         entry = {"says": "it holds", "holds_at_the_settings": True, "share_of_sweep": 0.75, "decides": "x.y"}
         said = texts(paper_figures.claims([entry, {**entry, "share_of_sweep": None}]))

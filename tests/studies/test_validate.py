@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -149,6 +150,12 @@ def test_the_docs_count_the_verdicts_of_their_own_table():
     agree, differ, open_ = (says.count(verdict) for verdict in (AGREES, DIFFERS, OPEN))
     assert agree + differ + open_ > 20
     assert summary_of(agree, differ, open_) in text
+    report = (
+        DOCS.parents[1].joinpath("outputs/reference/validation/validation.md").read_text(encoding="utf-8")
+    )
+    halved = r"half the uncertainty of the data (\d+)\s+(?:comparisons )?would differ, with twice of it (\d+)"
+    assert re.search(halved, text).groups() == re.search(halved, report).groups()
+    assert summary_of(agree, differ, open_) in report
 
 
 class TestModelError:

@@ -30,23 +30,7 @@ def read_strides(
 ) -> Strides:
     """The strides in a file of angles (CSV, MOT, STO) or markers (TRC, C3D, CSV).
 
-    Parameters
-    ----------
-    path : str or Path
-        The file; its ending says which format it has.
-    names : mapping, optional
-        The file's own names of markers (hip, knee, ankle, heel, toe) or of columns.
-    side : str, optional
-        "right" or "left" leg; by default the right one, or the left one if it is the only one.
-    max_gap : float, s
-        Longest gap of a marker that is filled.
-
-    Raises
-    ------
-    FileError
-        The file cannot be read, or does not hold a walk.
-    SettingError
-        Another argument cannot be used.
+    Its parameters and errors are those of `Gait.from_file`.
     """
     suffix = Path(path).suffix.lower()
     check(side in (None, "right", "left"), "gait.side", side, "right, left or null")

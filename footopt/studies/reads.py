@@ -1,0 +1,159 @@
+"""Which settings a study reads; one that is given and not read has no effect, and is refused by its name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from footopt.design import EXHAUSTIVE
+from footopt.errors import SettingError
+from footopt.foot import SHAPES, Waypoints
+from footopt.studies.settings import Config
+
+#: Read for every study: how it is run, not what is asked. A constraint is refused elsewhere.
+ALWAYS = ("study.name", "plugins", "report", "engine.name", "engine.threads", "constraint", "hydra")
+
+WORLD = ("gait", "walker", "effects", "scene")
+SCENE = (*WORLD, "sand")
+SPACE = tuple(f"foot.{field.name}" for field in fields(Waypoints))
+SHAPE = ("foot.width", "foot.ankle", "foot.closed", "foot.top")
+FIVE = (*SHAPE, "foot.length", "foot.apex", "foot.upright")
+SEARCH = (*SPACE, "foot.shape", "foot.k", "accuracy", "objective", "solver", "engine", "study.confirm",
+          "study.finalists", "study.store", "study.reuse")  # fmt: skip
+
+#: What each study reads of the settings, a name or a group each. A plugin's study reads what it likes.
+READS: dict[str, tuple[str, ...]] = {
+    "optimize": (*SCENE, *SEARCH, "choose", "stop", "foot.block", "study.video"),
+    "simulate": (*SCENE, "foot", "accuracy", "objective.names", "study.run", "study.video"),
+    "accuracy": (*WORLD, *SPACE, "solver.seed", "study.feet", "study.quick"),
+    "stability": (*SCENE, "foot", "accuracy", "study.cases", "study.methods"),
+    "effects": (*SCENE, *SPACE, "accuracy", "solver.seed", "study.feet"),
+    "shapes": (*SCENE, *FIVE, "foot.k", "accuracy", "study.mount"),
+    "paper": (
+        *WORLD, *SPACE, *FIVE, "foot.shape", "foot.k", "accuracy", "solver.pop_size", "solver.n_gen",
+        "solver.seed",
+        *(f"study.{n}" for n in ("seeds", "samples", "shape_sand", "mount", "peak_power", "speed_loss",
+                                 "leading_edge", "confirm", "quick")),
+    ),
+    "trust": (
+        *WORLD, *SPACE, "accuracy", "solver.pop_size", "solver.seed", "study.seeds", "study.solvers",
+        "study.budget", "study.quick",
+    ),
+    "robust": (
+        *SCENE, *SEARCH,
+        *(f"study.{n}" for n in ("scenarios", "draws", "measure", "tail", "spread", "quick")),
+    ),
+    "sensitivity": (
+        *SCENE, "foot", "accuracy", "solver.seed",
+        *(f"study.{n}" for n in ("samples", "spread", "foot_spread", "quick")),
+    ),
+    "export": ("foot.k", "foot.block", "study.run"),
+    "compare": ("study.runs",),
+    "doctor": (),
+    "validate": ("study.cases",),
+}  # fmt: skip
+
+#: Studies that search soles through waypoints, and no others.
+SEARCHES = ("optimize", "robust")
+#: Studies that walk with one foot, of any shape.
+ONE_FOOT = ("simulate", "stability", "sensitivity")
+#: Those that leave it for the workshop.
+MAKES = ("simulate",)
+
+OUTLINE = ("path", "units", "scale", "layer", "toe", "origin")
+#: What each kind of one foot reads.
+FEET: dict[str, tuple[str, ...]] = {
+    "waypoints": (*SPACE, "foot.k"),
+    **dict.fromkeys(SHAPES, (*SHAPE, "foot.length")),
+    "outline": (*SHAPE, *(f"foot.{name}" for name in OUTLINE)),
+}
+FEET["reversed_triangle"] += ("foot.apex",)
+FEET["reversed_l"] += ("foot.upright",)
+
+RECORDED = ("gait.names", "gait.side", "gait.max_gap")
+
+#: The setting that the choice of a group sets, where it is not its name.
+CHOICE = {"foot": "foot.shape", "objective": "objective.names", "planet": "walker.g", "effects": "effects"}
+
+
+def check_read(config: Config, words: Iterable[str]) -> None:
+    """Refuse settings that are given and have no effect.
+
+    Parameters
+    ----------
+    config : Config
+        All settings.
+    words : iterable of str
+        What was given on the command line: settings, and choices of groups.
+
+    Raises
+    ------
+    SettingError
+        The study, its foot, gait or solver does not read one; the message says what does.
+    """
+    study = config.study.name
+    for word in words if study in READS else ():
+        word = word.lstrip("+~").partition("=")[0].partition("@")[0]
+        group, dot, _ = word.partition(".")
+        if group not in {field.name for field in fields(Config)} and group not in CHOICE:
+            continue  # a group of the user's own
+        if group == "foot" and study in SEARCHES and config.foot.shape != "waypoints":
+            continue  # refused by the study
+        name = word if dot else CHOICE.get(word, f"{word}.name")
+        if group == "foot" and not dot and config.foot.shape == "waypoints":
+            name = "foot.n"  # a space, which its choice describes
+        if not _in(name, (*ALWAYS, *READS[study])):
+            by = ", ".join(other for other, names in READS.items() if _in(name, names))
+            raise _unread(config, name, f"study={study}", f"study={by}" if by else "")
+        for names, who, readers in _conditions(config):
+            if any(f"{name}.".startswith(f"{n}.") for n in names):
+                raise _unread(config, name, who, readers)
+
+
+def _conditions(config: Config) -> Iterator[tuple[tuple[str, ...], str, str]]:
+    """Settings that this study reads only where others have certain values; who does not, and who does."""
+    study, foot, gait = config.study, config.foot, config.gait
+    every = tuple(dict.fromkeys(name for names in FEET.values() for name in names))
+    if study.name in ONE_FOOT:
+        own = FEET.get(foot.shape, every)
+        own = ("foot.k",) if study.name == "simulate" and study.run is not None else (*own, "foot.shape")
+        for name in (*every, "foot.shape"):
+            if not _in(name, own):
+                by = [shape for shape, names in FEET.items() if name in names]
+                who = f"foot={foot.shape}" if study.run is None else "study=simulate run=..."
+                yield (name,), who, f"foot={', '.join(by)}" if by else "study=simulate without run"
+        if study.name not in MAKES:
+            yield ("foot.block",), f"study={study.name}", "study=optimize, simulate, export"
+    if gait.path is None or Path(gait.path).suffix.lower() == ".json":
+        yield RECORDED, "a gait without recorded strides", "gait=file gait.path=walk.trc"
+    if not config.effects.auto:
+        yield ("effects.tolerance",), "effects that are named", "effects=auto"
+    if config.solver.name == EXHAUSTIVE and study.name in SEARCHES:
+        yield ("solver.n_gen",), "solver=exhaustive", "the other solvers"
+        if not (config.effects.auto or study.scenarios == "drawn"):
+            yield ("solver.seed",), "solver=exhaustive", "the other solvers"
+    if config.engine.name != "dask":
+        yield ("engine.timeout",), f"engine={config.engine.name}", "engine=dask"
+    if study.name == "robust":
+        source = f"study.scenarios={study.scenarios}"
+        if study.scenarios != "drawn":
+            yield ("study.draws", "study.spread"), source, "study.scenarios=drawn"
+        if study.scenarios == "sands":
+            yield ("sand",), source, "study.scenarios=drawn, laws"
+        if study.measure != "tail":
+            yield ("study.tail",), f"study.measure={study.measure}", "study.measure=tail"
+
+
+def _in(name: str, names: Iterable[str]) -> bool:
+    """Whether a setting is one of the names, in a group of them, or a group with some of them."""
+    return any(f"{name}.".startswith(f"{n}.") or n.startswith(f"{name}.") for n in names)
+
+
+def _unread(config: Config, name: str, who: str, readers: str) -> SettingError:
+    value: Any = config
+    for key in name.split("."):
+        value = getattr(value, key, None)
+    hint = f"It is read by {readers}." if readers else ""
+    return SettingError(name, value, f"left out: {who} does not read it", hint)

@@ -1,0 +1,72 @@
+"""A setting has an effect, or is refused: found by changing each one and looking at what is walked."""
+
+import pytest
+from running import composed
+
+from footopt.cli.compose import known
+from footopt.errors import SettingError
+from footopt.studies import STUDIES, build
+from footopt.studies.reads import FEET, READS, check_read
+
+#: Other values of settings that are no numbers.
+OTHER = {
+    "foot.k": [2, 3, 4, 5, 6, 7, 8, 9, 5, 4, 3], "foot.ankle": [0.01, 0.02], "foot.closed": True,
+    "foot.top": 0.01, "foot.apex": "toe", "foot.upright": "heel", "gait.pitch": "measured", "scene.t_f": 2.0,
+    "gait.start": 1.0, "accuracy.stepper": "rk4", "accuracy.rule": "chord", "accuracy.control": 1e-3,
+    "accuracy.dt": 1e-3, "accuracy.plates": 50, "accuracy.creep": 1e-3, "accuracy.tolerance": 0.01,
+    "accuracy.name": "draft", "gait.side": "left", "foot.units": "cm", "foot.layer": "SOLE",
+    "foot.toe": "left", "foot.origin": "centre", "sand.name": "mine",
+}  # fmt: skip
+#: Read where this test does not look: how a run is made, what it leaves, what it returns, files.
+ELSEWHERE = ("study.", "plugins", "report", "engine.", "objective.", "foot.block", "foot.shape", "foot.path",
+             "foot.box_tolerance", "sand.table", "gait.path", "gait.name", "scene.name",
+             "effects.")  # fmt: skip
+
+
+def walked(config):
+    """All that a walk with one foot is made of."""
+    return str(
+        [
+            vars(build.make_foot(config.foot)),
+            build.make_scene(config),
+            build.make_accuracy(config.accuracy),
+        ]
+    )
+
+
+@pytest.mark.parametrize("shape", [shape for shape in FEET if shape != "outline"])
+def test_of_a_walk_every_setting_counts_or_is_refused(shape):
+    base = walked(composed("study=simulate", f"foot={shape}"))
+    names = [name for name in known() if not name.startswith(ELSEWHERE)]
+    assert len(names) > 50
+    for name in names:
+        config = composed("study=simulate", f"foot={shape}")
+        *above, last = name.split(".")
+        group = config
+        for key in above:
+            group = getattr(group, key)
+        value = getattr(group, last)
+        other = OTHER.get(name)
+        if other is None and isinstance(value, (int, float)):
+            other = type(value)(1.2 * value + 1e-3 + isinstance(value, int))
+        setattr(group, last, other)
+        try:
+            counts = walked(config) != base
+        except SettingError as error:
+            assert error.setting.startswith(name), name  # noqa: PT017
+            continue
+        read = True
+        try:
+            check_read(config, [f"{name}=1"])
+        except SettingError as error:
+            read, named = False, error.setting
+            assert named == name
+        assert counts == read, (name, value, other)
+
+
+def test_every_study_says_what_it_reads_of_settings_that_there_are():
+    names = known()
+    assert set(READS) == set(STUDIES)
+    for study, reads in READS.items():
+        for read in reads:
+            assert any(name == read or name.startswith(f"{read}.") for name in names), (study, read)
