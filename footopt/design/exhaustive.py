@@ -140,10 +140,12 @@ def enumerate_space(
                 break
     except KeyboardInterrupt:
         interrupted = True
+    if interrupted and not len(best.k):
+        raise KeyboardInterrupt("before a feasible design was found")
     if not len(best.k):
         causes = ", ".join(f"{count} {reason}" for reason, count in counts.items())
         raise FootoptError(
-            f"No feasible design among {counts.total()}: {causes or 'interrupted'}. "
+            f"No feasible design among {counts.total()}: {causes}. "
             "Try a larger foot.box_tolerance, or harder sand."
         )
     best = best.take(np.argsort(problem.ranked(best.values), kind="stable"))

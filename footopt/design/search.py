@@ -72,10 +72,12 @@ def search(
     SettingError
         The solver does not fit the number of objectives, or cannot begin with designs.
     FootoptError
-        No feasible design was found, or it was interrupted before the first one; every design of the
-        first generation breaks the program; or the executor cannot go on.
+        No feasible design was found; every design of the first generation breaks the program; or the
+        executor cannot go on.
     FileError
         The store cannot be used.
+    KeyboardInterrupt
+        It was interrupted before a feasible design was found.
     ValueError
         The store was opened for another problem.
     """

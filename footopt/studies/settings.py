@@ -93,6 +93,7 @@ class StudyConfig:
     peak_power: str = "stance"
     speed_loss: str = "walk"
     leading_edge: bool = False
+    shadowing: bool = False
     solvers: list[str] | None = None
     budget: int = 3000
     scenarios: str = "sands"
