@@ -62,13 +62,14 @@ class TestTheWalk:
             assert shaded[name] == pytest.approx(value, rel=5e-3)
 
     def test_many_feet_walk_as_one_does_and_plates_add_up_to_the_force(self):
-        """The latter to the last step of Newton's method; a plate that turns is let off."""
+        """The latter to the last step of Newton's method."""
         scene = fo.Scene(effects=(fo.Shadowing(),))
         one, many = fo.simulate(fo.Foot.from_waypoints(K), scene), fo.evaluate([K, K[::-1]], scene)
         assert many.values[0].tolist() == [one.objectives[name] for name in many.names]
         found = one.plates(np.arange(len(one.t))).force.sum(axis=2)
         error = np.abs(found - one.force).max(axis=(1, 2)) / np.abs(found).max()
-        assert np.quantile(error, 0.99) < NEWTON
+        assert np.median(error) < 1e-5
+        assert np.quantile(error, 0.9) < NEWTON
 
     def test_all_of_the_depth_is_the_plain_law(self):
         assert fo.Scene(effects=(fo.Shadowing(1.0),)).effects == ()
