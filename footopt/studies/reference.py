@@ -52,6 +52,7 @@ MEANINGS = {
     "study.peak_power": "p_max from any instant of stance, or single: only while one foot stands alone.",
     "study.speed_loss": "dV_x over the whole walk, or in a window about each heel strike, or a narrow one.",
     "study.leading_edge": "Whether faces that trail feel no sand.",
+    "study.shadowing": "Whether a groove of a sole counts with a part of its depth.",
     "study.solvers": "Names of the solvers that are compared; null: all.",
     "study.budget": "Evaluations of each search.",
     "study.scenarios": "What one foot is for: sands, laws, or drawn about the scene.",
@@ -164,7 +165,7 @@ def _told(name: str) -> tuple[str, str]:
         return f"float, {MEASURES[last].unit}".removesuffix(", "), MEANINGS["constraint"]
     if known is not None:
         return "", known
-    return described(TOLD_BY[group]).get(last, ("", ""))
+    return described(TOLD_BY[group]).get(last, ("", "")) if group in TOLD_BY else ("", "")
 
 
 def described(kind: type) -> dict[str, tuple[str, str]]:
