@@ -1,5 +1,35 @@
-"""`python -m footopt`: the same as the command `footopt`."""
+"""The command `footopt`, and `python -m footopt`: what loads the program can be stopped, too."""
 
-from footopt.cli.main import main
+from __future__ import annotations
 
-main()
+import os
+import signal
+import sys
+from types import FrameType
+
+NEEDED = 700  # MB of address space, for the libraries and a small run
+
+
+def main() -> None:
+    """Load the command line and run it. Before and after the run itself, Ctrl-C ends it at once."""
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # not where it is to be ignored
+        signal.signal(signal.SIGINT, _stop)
+    if os.name == "posix":
+        import resource
+
+        if 0 <= (limit := resource.getrlimit(resource.RLIMIT_AS)[0]) < NEEDED << 20:  # OpenBLAS may hang then
+            sys.exit(
+                f"footopt: error: `ulimit -v` allows {limit >> 20} MB of address space; {NEEDED} are needed."
+            )
+    from footopt.cli.main import main as run
+
+    run()
+
+
+def _stop(signum: int, frame: FrameType | None) -> None:
+    os.write(2, b"footopt: stopped\n")
+    os._exit(130)
+
+
+if __name__ == "__main__":
+    main()

@@ -90,10 +90,12 @@ def one_ctrl_c(last_words: str) -> Iterator[None]:
         yield
         return
     before = signal.getsignal(signal.SIGINT)
-    if before is signal.default_int_handler:  # not where whoever started this wants it ignored
+    if callable(before):  # not where whoever started this wants it ignored
         signal.signal(signal.SIGINT, handle)
     try:
         yield
+        if heard:  # a library has caught what was raised, and lost it
+            raise KeyboardInterrupt("when everything was done")
     finally:
-        if not heard and before is signal.default_int_handler:
+        if not heard and callable(before):
             signal.signal(signal.SIGINT, before)

@@ -73,7 +73,7 @@ def _job(settings: DictConfig) -> Any:
         return walk(in_the_world_of_its_run(beside_their_files(plain, here), here), folder, words)
     except KeyboardInterrupt:
         sys.exit(STOPPED)
-    except (FootoptError, OmegaConfBaseException, OSError) as error:
+    except (FootoptError, OmegaConfBaseException, OSError, MemoryError) as error:
         if here.mode != RunMode.MULTIRUN:
             if _wants_traceback:
                 raise

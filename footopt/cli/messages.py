@@ -21,6 +21,7 @@ from footopt.errors import FootoptError, SettingError, meant
 
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 NO_RIGHT = (errno.EACCES, errno.EROFS, errno.EPERM)
+NO_MEMORY = ("start new thread", "failed to map segment")  # in what Python and its libraries say
 MORE = "`footopt --help` lists all settings."
 
 #: What OmegaConf's errors begin with or hold, and what is allowed instead.
@@ -54,6 +55,11 @@ def explain(error: BaseException, words: Sequence[str] = ()) -> str:
         said = f"{error.strerror or error}: {error.filename or ''}".rstrip(": ")
         return (
             f"{said}. Write to another folder with hydra.run.dir=FOLDER." if error.errno in NO_RIGHT else said
+        )
+    if isinstance(error, MemoryError) or any(said in str(error) for said in NO_MEMORY):
+        return (
+            f"there is too little memory ({str(error) or type(error).__name__}). Free some, or ask for less: "
+            "engine.threads=1, a smaller solver.pop_size. A search goes on with resume=FOLDER."
         )
     return (
         f"unexpected {type(error).__name__}: {error}\n"

@@ -13,6 +13,7 @@ from footopt.design.result import Confirmation, Generation, SearchResult, confir
 from footopt.design.robust import RobustProblem
 from footopt.design.search import search
 from footopt.design.solvers import EXHAUSTIVE, SINGLE, SOLVERS, Solver
+from footopt.design.stop import Stop
 from footopt.design.store import Evaluation, Store
 
 __all__ = [
@@ -33,6 +34,7 @@ __all__ = [
     "RobustProblem",
     "SearchResult",
     "Solver",
+    "Stop",
     "Store",
     "confirm",
     "make_executor",

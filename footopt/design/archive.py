@@ -108,8 +108,8 @@ class Archive:
         """Everything that was evaluated up to the last finished generation, and the best of it."""
         generations, count, front = self._closed
         designs = self.designs.take(slice(count))
-        if not count:
-            raise FootoptError("The search was stopped before its first generation was evaluated.")
+        if interrupted and not len(front):
+            raise KeyboardInterrupt("before a feasible design was found")
         feasible = self._feasible(designs)
         reasons = self.problem.verdicts(designs.values, designs.reasons, designs.violation)
         if not len(front):

@@ -96,7 +96,7 @@ def best_of(designs: Designs, problem: FootProblem) -> Designs:
 def enumerate_space(
     problem: FootProblem,
     solver: Solver,
-    progress: Callable[[Generation], None] | None,
+    progress: Callable[[Generation], object] | None,
     evaluator: Evaluator,
 ) -> Enumeration:
     """Walk with every design of a space that is inside its box.
@@ -135,14 +135,17 @@ def enumerate_space(
                     seconds=time.perf_counter() - started,
                 )
             )
-            if progress is not None:
-                progress(history[-1])
+            if progress is not None and progress(history[-1]) is True:
+                interrupted = True
+                break
     except KeyboardInterrupt:
         interrupted = True
+    if interrupted and not len(best.k):
+        raise KeyboardInterrupt("before a feasible design was found")
     if not len(best.k):
         causes = ", ".join(f"{count} {reason}" for reason, count in counts.items())
         raise FootoptError(
-            f"No feasible design among {counts.total()}: {causes or 'interrupted'}. "
+            f"No feasible design among {counts.total()}: {causes}. "
             "Try a larger foot.box_tolerance, or harder sand."
         )
     best = best.take(np.argsort(problem.ranked(best.values), kind="stable"))

@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 from pymoo.core.problem import Problem
+from pymoo.core.sampling import Sampling
 from pymoo.problems.static import StaticProblem
 
 from footopt.design.problem import Array, FootProblem, Ints
 from footopt.design.solvers import Solver
+from footopt.errors import check
 
 
 class PymooProblem(Problem):  # type: ignore[misc]  # pymoo has no types
@@ -40,13 +42,26 @@ class PymooProblem(Problem):  # type: ignore[misc]  # pymoo has no types
         )
 
 
+class Begun(Sampling):  # type: ignore[misc]
+    """A sampling whose first designs are given; the others are drawn as before."""
+
+    def __init__(self, other: Sampling, start: Ints) -> None:
+        super().__init__()
+        self._other, self._start = other, start
+
+    def _do(self, problem: Problem, n_samples: int, **kwargs: Any) -> Any:
+        drawn = self._other(problem, n_samples, **kwargs).get("X").copy()
+        drawn[: len(self._start)] = self._start
+        return drawn
+
+
 class Algorithm:
     """A solver's pymoo algorithm at work: `ask` it for designs, `tell` it what became of them.
 
     pymoo knows the problem's size only: it copies what it holds in every generation.
     """
 
-    def __init__(self, problem: FootProblem, solver: Solver) -> None:
+    def __init__(self, problem: FootProblem, solver: Solver, start: Ints | None = None) -> None:
         n, K = problem.space.n, problem.space.K
         self._algorithm = solver.build(problem.n_obj)
         self._size = Problem(
@@ -56,6 +71,11 @@ class Algorithm:
             self._size, termination=("n_gen", solver.n_gen), seed=solver.seed, verbose=False
         )
         self._asked: Any = None
+        if start is not None:
+            initial: Any = getattr(self._algorithm, "initialization", None)
+            check(initial is not None, "start", solver.name, "left out: this solver draws its own designs")
+            check(len(start) <= solver.pop_size, "start", len(start), f"at most {solver.pop_size} designs")
+            initial.sampling = Begun(initial.sampling, start)
 
     def ask(self) -> Ints | None:
         """The next generation, (designs, n) heights; None when the budget or the space is used up."""

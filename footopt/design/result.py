@@ -88,6 +88,8 @@ class SearchResult:
         Whether it was stopped before its last generation; all this is then of the finished ones.
     reused : int
         Designs that were read from the store, not walked.
+    stopped : str
+        Why it ended before its last generation: what `Stop` says, or "by its progress"; "" if it did not.
     """
 
     problem: FootProblem
@@ -105,6 +107,7 @@ class SearchResult:
     seconds: float
     interrupted: bool
     reused: int = 0
+    stopped: str = ""
 
     def __repr__(self) -> str:
         best = zip(self.problem.record, self.values[self.best], strict=True)

@@ -2,32 +2,40 @@
 
 from __future__ import annotations
 
+import math
+import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor
 from contextlib import nullcontext
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Any
+
+from numpy.typing import ArrayLike
 
 from footopt.design.archive import Archive
 from footopt.design.evaluator import Evaluator
 from footopt.design.exhaustive import enumerate_space
-from footopt.design.problem import FootProblem
+from footopt.design.problem import FootProblem, Ints
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import EXHAUSTIVE, Solver
+from footopt.design.stop import Stop
 from footopt.design.store import Store
 from footopt.errors import check, check_kind
 
-BUDGET = ("pop_size", "n_gen", "seed")  # of a solver that is named
+BUDGET = ("pop_size", "n_gen", "seed", "operators")  # of a solver that is named
 
 
 def search(
     problem: FootProblem,
     solver: Solver | str | None = None,
-    progress: Callable[[Generation], None] | None = None,
+    progress: Callable[[Generation], object] | bool | None = None,
     store: Store | str | Path | None = None,
     executor: Executor | None = None,
-    **budget: int,
+    stop: Stop | None = None,
+    start: ArrayLike | None = None,
+    **budget: Any,
 ) -> SearchResult:
     """Search a design space.
 
@@ -37,8 +45,9 @@ def search(
         What is searched.
     solver : Solver or str, optional
         A name will do. By default the memetic GA for one objective and NSGA-II for several.
-    progress : callable, optional
-        Called with each `Generation`.
+    progress : callable or bool, optional
+        Called with each `Generation`; the search ends if it returns True. True itself shows a line on
+        standard error.
     store : str, Path or Store, optional
         A file to keep every evaluation in. The same search with the same store goes on where it was
         stopped: nothing is walked twice, and the result is the same, to the last bit, as that of a
@@ -46,8 +55,12 @@ def search(
     executor : concurrent.futures.Executor, optional
         Who walks: threads, processes, a dask client's executor, MPI. By default this process does. The
         result is the same, to the last bit.
+    stop : Stop, optional
+        Ends it before its last generation: after a time, so many walks, or so long without progress.
+    start : (designs, n), optional
+        Heights of designs to begin with, in place of as many of the random first generation.
     **budget : int
-        pop_size, n_gen and seed of the solver.
+        pop_size, n_gen, seed and operators of the solver.
 
     Returns
     -------
@@ -57,12 +70,14 @@ def search(
     Raises
     ------
     SettingError
-        The solver does not fit the number of objectives.
+        The solver does not fit the number of objectives, or cannot begin with designs.
     FootoptError
-        No feasible design was found, or it was interrupted before the first one; every design of the
-        first generation breaks the program; or the executor cannot go on.
+        No feasible design was found; every design of the first generation breaks the program; or the
+        executor cannot go on.
     FileError
         The store cannot be used.
+    KeyboardInterrupt
+        It was interrupted before a feasible design was found.
     ValueError
         The store was opened for another problem.
     """
@@ -76,29 +91,50 @@ def search(
         solver = Solver(**(asdict(solver) | budget))
     opened = Store(store, problem) if isinstance(store, (str, Path)) else nullcontext(store)
     with opened as kept:
-        evaluator = Evaluator(problem, kept, executor)
+        evaluator, tell = Evaluator(problem, kept, executor), _line(solver) if progress is True else progress
         if solver.name == EXHAUSTIVE:
-            return enumerate_space(problem, solver, progress, evaluator)
-        return ask_and_tell(problem, solver, progress, evaluator)
+            for name, given in (("stop", stop not in (None, Stop())), ("start", start is not None)):
+                check(not given, name, name, "left out with solver=exhaustive: it walks with every design")
+            return enumerate_space(problem, solver, tell or None, evaluator)
+        first = None if start is None else problem.space.check(start)
+        return ask_and_tell(problem, solver, tell or None, evaluator, stop or Stop(), first)
+
+
+def _line(solver: Solver) -> Callable[[Generation], None]:
+    """A progress that keeps one line of standard error up to date."""
+
+    def show(g: Generation) -> None:
+        value = f"best {g.best:.4g}" if math.isfinite(g.best) else f"hypervolume {g.hypervolume:.4g}"
+        end = "\n" if g.generation == solver.n_gen else ""
+        where = f"generation {g.generation}/{solver.n_gen}, {g.evaluations} evaluations"
+        print(f"\r{f'{where}, {value}, {g.seconds:.1f} s':<78}", end=end, file=sys.stderr, flush=True)
+
+    return show
 
 
 def ask_and_tell(
     problem: FootProblem,
     solver: Solver,
-    progress: Callable[[Generation], None] | None,
+    progress: Callable[[Generation], object] | None,
     evaluator: Evaluator,
+    stop: Stop,
+    start: Ints | None = None,
 ) -> SearchResult:
     """Ask the solver for a generation, walk what is new of it, tell the solver, and so on."""
     from footopt.design.pymoo_problem import Algorithm
 
-    algorithm, archive = Algorithm(problem, solver), Archive(problem, evaluator)
-    started, interrupted = time.perf_counter(), False
+    algorithm, archive = Algorithm(problem, solver, start), Archive(problem, evaluator)
+    started, interrupted, stopped = time.perf_counter(), False, ""
     try:
         while (k := algorithm.ask()) is not None:
             algorithm.tell(*archive.evaluate(k))
             archive.close_generation(time.perf_counter() - started)
-            if progress is not None:
-                progress(archive.history[-1])
+            if progress is not None and progress(archive.history[-1]) is True:
+                stopped = "by its progress"
+            stopped = stopped or stop.reason(archive.history, len(archive.designs.k))
+            if stopped:
+                break
     except KeyboardInterrupt:
         interrupted = True
-    return archive.result(solver, time.perf_counter() - started, interrupted, evaluator.reused)
+    result = archive.result(solver, time.perf_counter() - started, interrupted, evaluator.reused)
+    return replace(result, stopped=stopped)

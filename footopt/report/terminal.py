@@ -167,7 +167,8 @@ def describe_search(result: SearchResult) -> str:
     why = f" ({', '.join(f'{n} {reason}' for reason, n in result.failures.items())})" if bad else ""
     reused = f", {result.reused} of them known" if result.reused else ""
     front = f", {len(result.front)} on the front" if result.problem.n_obj > 1 else ""
-    stopped = " (interrupted)" if result.interrupted else ""
+    why_stopped = f" (stopped {result.stopped})" if result.stopped else ""
+    stopped = " (interrupted)" if result.interrupted else why_stopped
     return (
         f"{result.solver.name}, seed {result.solver.seed}: {result.evaluations} evaluations of "
         f"{result.designs} designs{reused} in {result.seconds:.1f} s, {bad} infeasible{why}{front}{stopped}"

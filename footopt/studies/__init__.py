@@ -76,6 +76,8 @@ def run(
         raise SettingError("engine.name", config.engine.name, f"local for study={name}")
     if name != "optimize" and (limits := make_limits(config)):
         raise SettingError("constraint", limits, f"left out for study={name}", "study=optimize keeps limits.")
+    if name != "optimize" and (stop := {key: v for key, v in vars(config.stop).items() if v is not None}):
+        raise SettingError("stop", stop, f"left out for study={name}", "study=optimize can be stopped.")
     ask = STUDIES[name] or import_module(f"footopt.studies.{name}").run
     with locked(folder):
         if not resumed:

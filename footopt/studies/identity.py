@@ -15,7 +15,7 @@ from footopt.files.run import plain
 
 #: What a run may change when it goes on: how long, where and with what it ends, not what is searched.
 CHANGEABLE = (
-    "solver.n_gen", "engine", "report", "choose", "study.confirm", "study.finalists", "study.store",
+    "solver.n_gen", "stop", "engine", "report", "choose", "study.confirm", "study.finalists", "study.store",
     "study.reuse", "study.video", "foot.block", "plugins",
 )  # fmt: skip
 

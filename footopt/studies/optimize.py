@@ -14,6 +14,7 @@ from footopt.design import (
     FootProblem,
     SearchResult,
     Solver,
+    Stop,
     confirm,
     make_executor,
     search,
@@ -155,7 +156,8 @@ def _search(study: Study, problem: FootProblem, solver: Solver) -> SearchResult:
         if known := store.describe():
             study.say(known)
         with study.progress(solver.generations(space), _unit(solver)) as step:
-            return search(problem, solver, report_generations(step, problem.names[0]), store, executor)
+            tell, stop = report_generations(step, problem.names[0]), Stop(**vars(study.config.stop))
+            return search(problem, solver, tell, store, executor, stop)
 
 
 def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int) -> dict[str, Any]:
@@ -188,6 +190,7 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
         "front_values": confirmed.values[confirmed.good] if several else [],
         "front_columns": problem.record,
         "interrupted": result.interrupted,
+        "stopped": result.stopped,
         "search_time_s": result.seconds,
     }
 

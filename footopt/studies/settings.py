@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, fields, make_dataclass
 from typing import TYPE_CHECKING, Any, get_type_hints
 
-from footopt.design import WAYS, Choice, RobustProblem, Solver, make_executor
+from footopt.design import WAYS, Choice, RobustProblem, Solver, Stop, make_executor
 from footopt.design.problem import SETS
 from footopt.effects import EFFECTS
 from footopt.files import soles
@@ -50,13 +50,14 @@ def _changeable(value: Any) -> Any:
 
 if TYPE_CHECKING:
     from footopt.design import Solver as SolverConfig
+    from footopt.design import Stop as StopConfig
     from footopt.foot import Waypoints as SpaceConfig
     from footopt.sand import StressMap as CoefficientsConfig
     from footopt.walk import Spread as SpreadConfig
     from footopt.walk import Walker as WalkerConfig
 else:
-    SolverConfig, SpaceConfig, CoefficientsConfig, WalkerConfig = map(
-        parameters, (Solver, Waypoints, StressMap, Walker)
+    SolverConfig, StopConfig, SpaceConfig, CoefficientsConfig, WalkerConfig = map(
+        parameters, (Solver, Stop, Waypoints, StressMap, Walker)
     )
     SpreadConfig = parameters(
         Spread, null=("period", "angles")
@@ -92,6 +93,7 @@ class StudyConfig:
     peak_power: str = "stance"
     speed_loss: str = "walk"
     leading_edge: bool = False
+    shadowing: bool = False
     solvers: list[str] | None = None
     budget: int = 3000
     scenarios: str = "sands"
@@ -284,6 +286,7 @@ class Config:
     choose: ChooseConfig = field(default_factory=ChooseConfig)
     constraint: OwnConstraints = field(default_factory=ConstraintConfig)
     solver: SolverConfig = field(default_factory=SolverConfig)
+    stop: StopConfig = field(default_factory=StopConfig)
     engine: EngineConfig = field(default_factory=EngineConfig)
 
 

@@ -1,9 +1,14 @@
 """What a user is told: which setting, which value, what is allowed, what to try; files may have any name."""
 
+import os
+import subprocess
+import sys
+
 import pytest
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from running import footopt, program
 
+from footopt.cli.messages import explain
 from footopt.cli.words import readable
 
 #: What only the library, or the system, can refuse.
@@ -136,6 +141,33 @@ def test_files_with_any_name_are_jobs_of_a_multirun():
     for word, jobs in words.items():
         swept = OverridesParser.create().parse_override(readable(word))
         assert [job.strip("'") for job in swept.sweep_string_iterator()] == jobs
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        MemoryError(),
+        RuntimeError("can't start new thread"),
+        ImportError("_ckdtree.so: failed to map segment from shared object"),
+    ],
+)
+def test_a_machine_without_memory_is_no_bug(error):
+    assert explain(error).startswith("there is too little memory (")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="no limits there")
+def test_an_address_space_in_which_libraries_would_hang_is_refused(tmp_path):
+    import resource
+
+    done = subprocess.run(
+        [sys.executable, "-m", "footopt"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (500 << 20, 500 << 20)),
+    )
+    assert done.returncode == 1
+    assert done.stderr == "footopt: error: `ulimit -v` allows 500 MB of address space; 700 are needed.\n"
 
 
 #: Settings that the study, its foot, gait or solver does not read, and what is said.

@@ -49,6 +49,7 @@ class TestAJobReturns:
         _, heard = listening(*WALK, "objective.names=[distance,work]", cwd=tmp_path)
         assert heard == [(walk["distance"], walk["work"])]
 
+    @pytest.mark.slow
     def test_the_worst_where_it_failed_so_that_a_sweeper_goes_on(self, tmp_path):
         words = ["sand.zeta=0.001,5", "objective.names=[work]"]
         done, heard = listening("-m", *WALK, *words, cwd=tmp_path)
@@ -191,6 +192,7 @@ class TestSummary:
         assert [group["seeds"] for group in read(tmp_path / "sweep" / "seeds.csv")] == ["100", "100"]
 
 
+@pytest.mark.slow
 class TestOptuna:
     """Hydra's own sweeper of settings, as it is."""
 

@@ -162,6 +162,8 @@ def small(words):
     if study not in SMALL:
         return None
     changes = dict(SMALL[study])
+    if "solver=exhaustive" in words:
+        changes.pop("solver.n_gen", None)  # which it does not read
     for choice, more in SMALL_TOO.items():
         if choice in words:
             changes |= more

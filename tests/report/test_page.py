@@ -26,9 +26,16 @@ from footopt.report.page.file import packed
 from footopt.report.runs import Run
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-browser_needed = pytest.mark.skipif(
+needs = pytest.mark.skipif(
     not (CHROMIUM and DRIVER), reason="no chromium: apt-get install chromium chromium-driver"
 )
+
+
+def browser_needed(test):
+    """A browser takes ten seconds, wherever it is."""
+    return pytest.mark.slow(needs(test))
+
+
 FLAGS = (
     "--headless",
     "--no-sandbox",

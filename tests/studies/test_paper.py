@@ -138,6 +138,16 @@ class TestSweep:
         assert np.isnan(sweep(plan, dict.fromkeys(SANDS, fo.Foot.from_waypoints(ROCKER)), 1)).all()
 
 
+class TestLaws:
+    def test_settings_name_the_effects_beside_those_of_the_scene(self):
+        names = {"study__leading_edge": fo.LeadingEdge(), "study__shadowing": fo.Shadowing()}
+        assert Setup(config()).scene("hard").effects == ()
+        for name, effect in names.items():
+            assert Setup(config(**{name: True})).scene("hard").effects == (effect,)
+        both = Setup(config(**dict.fromkeys(names, True))).scene("soft").effects
+        assert {*both} == {*names.values()}
+
+
 class TestErrata:
     def test_they_are_25_and_name_settings_that_exist(self):
         text = page.errata()

@@ -17,7 +17,7 @@ def genetic(solver: Solver, path: str, **parameters: Any) -> Any:
 
     module, name = path.split(":")
     algorithm = getattr(import_module(f"pymoo.algorithms.{module}"), name)
-    return algorithm(pop_size=solver.pop_size, **operators(), **parameters)
+    return algorithm(pop_size=solver.pop_size, **operators(**(solver.operators or {})), **parameters)
 
 
 @single
@@ -44,8 +44,7 @@ def de(solver: Solver, n_obj: int) -> Any:
     return DE(
         pop_size=solver.pop_size,
         variant="DE/rand/1/bin",
-        CR=0.5,
-        F=0.5,
+        **{"CR": 0.5, "F": 0.5, **(solver.operators or {})},
         sampling=IntegerRandomSampling(),
         repair=RoundingRepair(),
     )

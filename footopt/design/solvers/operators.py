@@ -44,12 +44,25 @@ class SameHeights(DuplicateElimination):  # type: ignore[misc]  # pymoo has no t
         return [row.tobytes() for row in np.round(self.func(pop).astype(float)).astype(np.int64)]
 
 
-def operators() -> dict[str, Any]:
-    """Sampling, crossover, mutation and repair of a genetic algorithm over whole numbers."""
+def operators(
+    crossover_prob: float = 0.9,
+    crossover_eta: float = 3,
+    mutation_prob: float = 0.9,
+    mutation_eta: float = 3,
+) -> dict[str, Any]:
+    """Sampling, crossover, mutation and repair of a genetic algorithm over whole numbers.
+
+    Parameters
+    ----------
+    crossover_prob, mutation_prob : float
+        Shares of the pairs that are crossed, and of the designs that are mutated.
+    crossover_eta, mutation_eta : float
+        The larger, the nearer to the parents (Deb & Agrawal 1995).
+    """
     return {
         "sampling": IntegerRandomSampling(),
-        "crossover": SBX(prob=0.9, eta=3, vtype=float),
-        "mutation": PM(eta=3),
+        "crossover": SBX(prob=crossover_prob, eta=crossover_eta, vtype=float),
+        "mutation": PM(prob=mutation_prob, eta=mutation_eta),
         "repair": RoundingRepair(),
         "eliminate_duplicates": SameHeights(),
     }

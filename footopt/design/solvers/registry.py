@@ -19,6 +19,14 @@ SOLVERS: dict[str, Callable[[Solver, int], Any]] = {}
 SINGLE: list[str] = []
 
 
+#: What operators can be told, by solver; a solver of one's own may add its own words.
+GENETIC = ("crossover_prob", "crossover_eta", "mutation_prob", "mutation_eta")
+OPERATORS: dict[str, tuple[str, ...]] = {
+    **dict.fromkeys(("ga", "nsga2", "nsga3", "agemoea2", "smsemoa", "rvea"), GENETIC),
+    "de": ("CR", "F"),
+}
+
+
 @dataclass(frozen=True)
 class Solver:
     """A solver and its budget.
@@ -33,12 +41,16 @@ class Solver:
         Generations.
     seed : int
         Of everything random; the same seed gives the same result.
+    operators : dict of str to float, optional
+        Of crossover and mutation: crossover_prob, crossover_eta, mutation_prob, mutation_eta; CR and F of de.
+        The memetic solver has moves of its own.
     """
 
     name: str = "memetic"
     pop_size: int = 100
     n_gen: int = 100
     seed: int = 1
+    operators: Any = None
 
     def __post_init__(self) -> None:
         names = (*SOLVERS, EXHAUSTIVE)
@@ -69,6 +81,17 @@ class Solver:
                 self.name,
                 f"a solver of one objective ({', '.join(SINGLE)}) for one objective",
                 "Or ask for several: objective=pareto.",
+            )
+        known, given = OPERATORS.get(self.name, ()), self.operators or {}
+        check(isinstance(given, dict), "solver.operators", given, "numbers by name: {crossover_eta: 10}")
+        for name, value in given.items():
+            allowed = f"one of {', '.join(known)}" if known else f"left out with solver={self.name}"
+            check(name in known, "solver.operators", name, allowed)
+            check(
+                isinstance(value, (int, float)) and 0 <= value <= 100,
+                f"solver.operators.{name}",
+                value,
+                "a number from 0 to 100",
             )
         return SOLVERS[self.name](self, n_obj)
 

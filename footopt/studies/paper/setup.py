@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from footopt.design import Solver, search
-from footopt.effects import LeadingEdge
+from footopt.effects import LeadingEdge, Shadowing
 from footopt.errors import SettingError, check
 from footopt.foot import Foot
 from footopt.sand import Sand
@@ -63,9 +63,9 @@ class Setup:
         if sand not in SANDS:
             raise SettingError("study.shape_sand", sand, f"one of {', '.join(SANDS)}")
         scene = dataclasses.replace(self._scene, sand=Sand.named(sand))
-        if not self.config.study.leading_edge:
-            return scene
-        return dataclasses.replace(scene, effects=(*scene.effects, LeadingEdge()))
+        study = self.config.study
+        kinds = [kind for kind, on in ((LeadingEdge, study.leading_edge), (Shadowing, study.shadowing)) if on]
+        return dataclasses.replace(scene, effects=(*scene.effects, *(kind() for kind in kinds)))
 
     def shapes(self) -> dict[str, Walk]:
         """Walk with the five shapes."""

@@ -1,0 +1,55 @@
+"""`Stop`: when a search ends before its last generation."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+from footopt.design.result import Generation
+from footopt.errors import check
+
+
+@dataclass(frozen=True)
+class Stop:
+    """When a search ends before its last generation; what is None never ends it.
+
+    It is looked at after each generation, which is finished first.
+
+    Parameters
+    ----------
+    seconds : float, s, optional
+        So long after it began.
+    walks : int, optional
+        Once so many different designs are known.
+    stall : int, optional
+        After so many generations without a better design, or without more hypervolume.
+
+    Raises
+    ------
+    SettingError
+        A number is not above 0.
+    """
+
+    seconds: float | None = None
+    walks: int | None = None
+    stall: int | None = None
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            check(value is None or value > 0, f"stop.{field.name}", value, "null, or a number > 0")
+
+    def reason(self, history: Sequence[Generation], walks: int) -> str:
+        """Why to end now; "" to go on."""
+        now = history[-1]
+        if self.seconds is not None and now.seconds >= self.seconds:
+            return f"after {self.seconds:g} s"
+        if self.walks is not None and walks >= self.walks:
+            return f"after {walks} walks"
+        if self.stall is not None and len(history) > self.stall:
+            before = history[-1 - self.stall]
+            values = [g.hypervolume if math.isnan(g.best) else g.best for g in (before, now)]
+            if values[0] == values[1]:
+                return f"no better for {self.stall} generations"
+        return ""

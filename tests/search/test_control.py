@@ -1,0 +1,117 @@
+"""A search can be stopped, begun with designs, told how to mate, and watched."""
+
+import numpy as np
+import pytest
+from searching import SMALL, assert_same, problem
+
+from footopt.design import SOLVERS, Solver, Stop, search
+from footopt.errors import SettingError
+
+BUDGET = {"pop_size": 8, "n_gen": 12, "seed": 1}
+
+
+class TestStop:
+    def test_a_progress_that_returns_true_ends_it_with_all_that_was_found(self):
+        seen = []
+
+        def watch(generation):
+            seen.append(generation.generation)
+            return generation.generation == 3
+
+        found = search(problem(), "ga", watch, **BUDGET)
+        assert seen == [1, 2, 3]
+        assert (len(found.history), found.stopped, found.interrupted) == (3, "by its progress", False)
+        whole = search(problem(), "ga", **BUDGET | {"n_gen": 3})
+        assert whole.k.tolist() == found.k.tolist()
+        assert whole.stopped == ""
+
+    def test_after_so_many_walks(self):
+        found = search(problem(), "ga", stop=Stop(walks=20), **BUDGET)
+        assert 20 <= found.designs < 20 + BUDGET["pop_size"]
+        assert found.stopped == f"after {found.designs} walks"
+
+    def test_after_so_long_without_a_better_design(self):
+        """Nor before: the generation that was the last to be better is so far from the end."""
+        found = search(problem(), "ga", stop=Stop(stall=3), **BUDGET | {"n_gen": 200})
+        best = [g.best for g in found.history]
+        assert found.stopped == "no better for 3 generations"
+        assert len(set(best[-4:])) == 1
+        assert best[-5] != best[-4]
+
+    def test_of_a_front_when_its_hypervolume_stalls(self):
+        found = search(problem("pareto"), "nsga2", stop=Stop(stall=2), **BUDGET | {"n_gen": 300})
+        volumes = [g.hypervolume for g in found.history]
+        assert len(set(volumes[-3:])) == 1
+        assert len(volumes) < 300
+
+    def test_after_a_time(self):
+        found = search(problem(), "ga", stop=Stop(seconds=1e-9), **BUDGET)
+        assert len(found.history) == 1
+        assert found.stopped == "after 1e-09 s"
+
+    @pytest.mark.parametrize("name", ["seconds", "walks", "stall"])
+    def test_nothing_is_no_limit(self, name):
+        with pytest.raises(SettingError, match=rf"stop\.{name} = 0"):
+            Stop(**{name: 0})
+
+    def test_an_enumeration_has_no_use_for_it(self):
+        with pytest.raises(SettingError, match="left out with solver=exhaustive"):
+            search(problem(), "exhaustive", stop=Stop(walks=3))
+
+
+class TestStart:
+    @pytest.mark.parametrize("name", [name for name in SOLVERS if name != "rvea"])
+    def test_the_first_generation_holds_the_designs(self, name):
+        k = SMALL.random(3, seed=5)
+        several = name in ("nsga2", "nsga3", "agemoea2", "smsemoa")
+        found = search(
+            problem("pareto" if several else "efficiency"), name, start=k, pop_size=8, n_gen=2, seed=1
+        )
+        first = set(map(tuple, found.k[found.generation == 1]))
+        assert set(map(tuple, k)) <= first
+        assert len(first) > 3
+
+    def test_a_search_that_begins_with_the_best_never_loses_it(self):
+        best = search(problem(), "exhaustive")
+        found = search(problem(), "ga", start=best.k[:1], **BUDGET)
+        assert found.k[found.best].tolist() == best.k[0].tolist()
+
+    def test_resumed_it_is_the_same(self, tmp_path):
+        words = {"start": SMALL.random(3, seed=5), "store": tmp_path / "s", **BUDGET}
+        assert_same(search(problem(), "ga", **words), search(problem(), "ga", **words))
+
+    def test_heights_that_cannot_be_and_too_many_are_refused(self):
+        with pytest.raises(SettingError):
+            search(problem(), "ga", start=[[9, 9, 9, 9, 9]], **BUDGET)
+        with pytest.raises(SettingError, match="at most 8 designs"):
+            search(problem(), "ga", start=SMALL.random(9, seed=1), **BUDGET)
+
+
+class TestOperators:
+    def test_change_what_is_asked_and_the_defaults_are_those_without(self):
+        plain = search(problem(), "ga", **BUDGET)
+        same = search(problem(), "ga", operators={"crossover_eta": 3.0, "mutation_prob": 0.9}, **BUDGET)
+        other = search(problem(), "ga", operators={"crossover_eta": 30.0, "mutation_eta": 30.0}, **BUDGET)
+        assert same.k.tolist() == plain.k.tolist() != other.k.tolist()
+        de = [search(problem(), "de", operators=o, **BUDGET).k.tolist() for o in (None, {"F": 0.9})]
+        assert de[0] != de[1]
+
+    @pytest.mark.parametrize(
+        ("name", "given", "said"),
+        [
+            ("ga", {"CR": 0.5}, "one of crossover_prob"),
+            ("memetic", {"crossover_eta": 3.0}, "left out with solver=memetic"),
+            ("de", {"F": -1.0}, r"solver\.operators\.F = -1\.0"),
+        ],
+    )
+    def test_those_that_a_solver_does_not_have_are_refused(self, name, given, said):
+        with pytest.raises(SettingError, match=said):
+            Solver(name, operators=given).build(1)
+
+
+def test_progress_true_shows_a_line(capsys):
+    search(problem(), "ga", True, **BUDGET)
+    err = capsys.readouterr().err
+    assert "generation 12/12, 96 evaluations, best -" in err
+    assert err.count("\n") == 1
+    assert np.all([len(line) <= 79 for line in err.split("\r")])
