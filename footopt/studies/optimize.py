@@ -35,6 +35,7 @@ from footopt.studies.record import Answer, answer, foot_entry, scene_entry, vali
 from footopt.studies.simulate import check_film, write_film, write_walk
 from footopt.studies.validation.model import describe, model_error
 from footopt.walk import estimate_error, gain_shares, simulate
+from footopt.walk.resolution import resolution
 from footopt.walk.validity import diagnose
 
 LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
@@ -67,7 +68,7 @@ def run(study: Study) -> Answer:
     walk = simulate(best, scene, finer)
     errors = estimate_error(best, scene, finer, problem.record)
     values, base = walk.judged(problem.record), flat.judged(problem.record)
-    diagnostics = diagnose(walk)
+    diagnostics = [*diagnose(walk), *resolution(walk, errors)]
 
     if study.reports:
         files.write_designs(study.folder / "designs.csv", result.columns)

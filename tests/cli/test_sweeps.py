@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import yaml
 from hydra.experimental.callback import Callback
-from running import footopt, program
+from running import footopt
 
 import footopt as fo
 from footopt.report.runs import read_run
@@ -175,6 +175,7 @@ class TestSummary:
         assert "foot.width = -1" in rows[0]["note"]
 
     @pytest.mark.slow
+    @pytest.mark.timeout(3000)
     def test_two_hundred_jobs_by_joblib_in_one_call(self, tmp_path):
         pytest.importorskip("hydra_plugins.hydra_joblib_launcher", reason="needs footopt[joblib]")
         words = [
@@ -183,7 +184,7 @@ class TestSummary:
             "solver.seed=range(1,101)",
             "sand=soft,hard",
         ]
-        done = program("-m", *self.TINY, *words, "hydra.sweep.dir=sweep", "engine.threads=1", cwd=tmp_path)
+        done = footopt("-m", *self.TINY, *words, "hydra.sweep.dir=sweep", "engine.threads=1", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         assert "... and 140 more" in done.stdout
         rows = read(tmp_path / "sweep" / "summary.csv")
