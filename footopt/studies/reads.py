@@ -128,7 +128,7 @@ def _conditions(config: Config) -> Iterator[tuple[tuple[str, ...], str, str]]:
             yield ("foot.block",), f"study={study.name}", "study=optimize, simulate, export"
     if gait.path is None or Path(gait.path).suffix.lower() == ".json":
         yield RECORDED, "a gait without recorded strides", "gait=file gait.path=walk.trc"
-    if not config.effects.auto:
+    if not config.effects.auto and study.name != "effects":
         yield ("effects.tolerance",), "effects that are named", "effects=auto"
     if config.solver.name == EXHAUSTIVE and study.name in SEARCHES:
         yield ("solver.n_gen",), "solver=exhaustive", "the other solvers"
