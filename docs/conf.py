@@ -38,8 +38,8 @@ numpydoc_show_class_members = False
 
 #: The pages in the order of reading; the README is the first page and stays free of it.
 CONTENTS = {
-    "Start": ("docs/getting-started", "docs/commands", "docs/settings", "docs/files", "examples/README",
-              "docs/troubleshooting"),
+    "Start": ("docs/getting-started", "docs/commands", "docs/settings", "docs/reference", "docs/files",
+              "examples/README", "docs/troubleshooting"),
     "Believe": ("docs/physics", "docs/objectives", "docs/validation",
                 "outputs/reference/validation/validation", "docs/claims", "outputs/reference/paper/claims",
                 "docs/gallery", "docs/benchmarks"),

@@ -16,6 +16,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from footopt.cli.run import run as run
     from footopt.design import FootProblem as FootProblem
     from footopt.design import RobustProblem as RobustProblem
     from footopt.design import SearchResult as SearchResult
@@ -37,6 +38,9 @@ if TYPE_CHECKING:
     from footopt.sand import Sand as Sand
     from footopt.sand import StressMap as StressMap
     from footopt.sand import stress as stress
+    from footopt.studies.load import Run as Run
+    from footopt.studies.load import load as load
+    from footopt.studies.load import load_all as load_all
     from footopt.walk import Accuracy as Accuracy
     from footopt.walk import Scenario as Scenario
     from footopt.walk import Scene as Scene
@@ -52,6 +56,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _NAMES = {
+    "footopt.cli.run": "run",
     "footopt.design": "FootProblem RobustProblem SearchResult search",
     "footopt.design.pymoo_problem": "PymooProblem",
     "footopt.effects": "Inertia Layers LeadingEdge Patches Rest Shadowing Slope",
@@ -61,6 +66,7 @@ _NAMES = {
     "footopt.report.film": "animate",
     "footopt.report.plot": "plot",
     "footopt.sand": "Sand StressMap stress",
+    "footopt.studies.load": "Run load load_all",
     "footopt.walk": "Accuracy Scenario Scene Spread Table Walk Walker draw estimate_error evaluate simulate",
 }
 _HOME = {name: module for module, names in _NAMES.items() for name in names.split()}

@@ -11,7 +11,7 @@ from footopt.walk.reference import RAMP
 # a shell that starts the tests in the background has them ignore Ctrl-C, and what they start inherits that
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
-settings.register_profile("footopt", deadline=None, derandomize=True, database=None, max_examples=50)
+settings.register_profile("footopt", deadline=None, derandomize=True, database=None, max_examples=25)
 settings.load_profile("footopt")
 
 

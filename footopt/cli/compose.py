@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import string
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -50,6 +51,10 @@ def _leaves(values: Any, prefix: str = "") -> Iterator[str]:
 def help_text(words: Sequence[str]) -> str:
     """What `footopt [settings] --help` says; "" where that is left to Hydra, which takes a second longer."""
     given = [word for word in words if word not in ("-h", "--help")]
+    if len(given) < len(words) and given and set(given) <= {field.name for field in fields(Config)}:
+        from footopt.studies import reference
+
+        return reference.text(tuple(given))
     if len(given) == len(words) or any(word.startswith("-") for word in given):
         return ""
     with initialize_config_dir(str(CONF), version_base="1.3"):

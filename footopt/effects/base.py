@@ -35,6 +35,12 @@ Array = NDArray[np.float64]
 Hook = Callable[..., Any]
 
 MOST = 100  # layers, or patches: a walk looks at each
+FEW = 8  # numbers of a law's list that are compiled one by one, so that the loop over plates is vectorised
+
+
+def numbers(values: Sequence[float]) -> tuple[float, ...] | Array:
+    """A law's list of numbers: a few as a tuple, whose loop is unrolled, many as an array, whose is not."""
+    return tuple(values) if len(values) <= FEW else np.array(values, dtype=np.float64)
 
 
 class Effect(Protocol):

@@ -8,15 +8,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from footopt.effects.base import EFFECTS, MOST, Scale, register
+from footopt.effects.base import EFFECTS, MOST, Array, Scale, numbers, register
 from footopt.errors import check
 
 
 class LayersLaw(NamedTuple):
     """Interfaces (m) and the jump of the strength at each, in units of the sand's zeta."""
 
-    depths: tuple[float, ...]
-    jumps: tuple[float, ...]
+    depths: tuple[float, ...] | Array
+    jumps: tuple[float, ...] | Array
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Layers:
     @property
     def law(self) -> LayersLaw:
         """Interfaces and jumps."""
-        return LayersLaw(self.depths, tuple(np.diff((1.0, *self.factors)).tolist()))
+        return LayersLaw(numbers(self.depths), numbers(np.diff((1.0, *self.factors)).tolist()))
 
     @property
     def nothing(self) -> bool:

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from footopt.effects.base import EFFECTS, MOST, Scale, register
+from footopt.effects.base import EFFECTS, MOST, Array, Scale, numbers, register
 from footopt.errors import check
 
 
 class PatchesLaw(NamedTuple):
     """Begin and end of each patch (m), its zeta over the sand's less 1, and the blur (m)."""
 
-    begins: tuple[float, ...]
-    ends: tuple[float, ...]
-    extra: tuple[float, ...]
+    begins: tuple[float, ...] | Array
+    ends: tuple[float, ...] | Array
+    extra: tuple[float, ...] | Array
     blur: float
 
 
@@ -38,7 +39,7 @@ class Patches:
     Raises
     ------
     SettingError
-        A patch ends before it begins, or the tuples differ in length.
+        A patch ends before it begins, patches overlap, or the tuples differ in length.
     """
 
     begins: tuple[float, ...] = (0.35,)
@@ -60,6 +61,10 @@ class Patches:
         )
         for begin, end in zip(self.begins, self.ends, strict=True):
             check(begin < end, "effects.patches.ends", end, f"beyond the patch's begin at {begin:g} m")
+        places = sorted(zip(self.begins, self.ends, strict=True))
+        for (_, end), (begin, _) in itertools.pairwise(places):
+            hint = "Where patches overlap it is not said how strong the sand is: cut them at their edges."
+            check(end <= begin, "effects.patches.begins", begin, f"at or beyond the end at {end:g} m", hint)
         check(
             len(self.factors) == count and all(1e-6 <= f <= 1e6 for f in self.factors),
             "effects.patches.factors",
@@ -71,7 +76,8 @@ class Patches:
     @property
     def law(self) -> PatchesLaw:
         """Begins, ends, factor - 1, blur."""
-        return PatchesLaw(self.begins, self.ends, tuple(f - 1.0 for f in self.factors), float(self.blur))
+        extra = numbers([f - 1.0 for f in self.factors])
+        return PatchesLaw(numbers(self.begins), numbers(self.ends), extra, float(self.blur))
 
     @property
     def nothing(self) -> bool:
@@ -91,10 +97,11 @@ def patchy_load(law, state, depth, x):
     strength, change = 1.0, 0.0
     for i in range(len(law.begins)):
         s = np.minimum(np.maximum((x - law.begins[i]) / law.blur + 0.5, 0.0), 1.0)
-        r = np.minimum(np.maximum((law.ends[i] - x) / law.blur + 0.5, 0.0), 1.0)
-        enter, leave = s * s * (3.0 - 2.0 * s), r * r * (3.0 - 2.0 * r)
-        slope = (s * (1.0 - s) * leave - r * (1.0 - r) * enter) * 6.0 / law.blur
-        strength = strength + law.extra[i] * enter * leave
+        r = np.minimum(np.maximum((x - law.ends[i]) / law.blur + 0.5, 0.0), 1.0)
+        # the step down is that of the end, so that a patch narrower than the blur keeps its integral
+        inside = s * s * (3.0 - 2.0 * s) - r * r * (3.0 - 2.0 * r)
+        slope = (s * (1.0 - s) - r * (1.0 - r)) * 6.0 / law.blur
+        strength = strength + law.extra[i] * inside
         change = change + law.extra[i] * slope
     return load * strength, by_depth * strength, by_x * strength + load * change
 

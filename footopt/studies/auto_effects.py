@@ -56,12 +56,15 @@ def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene, list[
     feet: Any = [foot] if foot else study.space.random(RANDOM_FEET, seed=study.seed, inside=True)
     limit = tolerance(config)
     undecided = [kind() for kind in DECIDABLE if not any(isinstance(e, kind) for e in scene.effects)]
+    found: list[Audit] = []
     with study.compiling("a walk for each effect"):
-        found = [audit(effect, scene, feet, study.accuracy, limit, study.space) for effect in undecided]
+        for effect in undecided:  # each where those that matter are on: inertia acts on faces that lead
+            found.append(audit(effect, scene, feet, study.accuracy, limit, study.space))
+            if found[-1].matters:
+                scene = replace(scene, effects=(*scene.effects, effect))
     for a in found:
         study.say(f"effects=auto: {a.name.replace('_', ' ')} {a.verdict}")
-    kept = tuple(a.effect for a in found if a.matters)
-    return replace(scene, effects=(*scene.effects, *kept)), [audit_entry(a) for a in found]
+    return scene, [audit_entry(a) for a in found]
 
 
 def audit_entry(a: Audit) -> dict[str, Any]:

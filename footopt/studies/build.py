@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from footopt.design import Choice
+from footopt.design import Choice, FootProblem
 from footopt.effects import EFFECTS, Effect
 from footopt.errors import SettingError, check
 from footopt.files.gaits import Strides, read_strides
@@ -219,6 +219,19 @@ def make_choice(config: Config) -> Choice:
         hint = "Search several, such as objective=pareto, or limit one: constraint.work=200."
         raise SettingError("choose", choose.name, "left out with one objective", hint)
     return choice
+
+
+def make_problem(config: Config, scene: Scene) -> FootProblem:
+    """What study=optimize searches."""
+    return FootProblem(
+        scene,
+        config.objective.names,
+        make_space(config.foot),
+        make_accuracy(config.accuracy),
+        config.engine.threads,
+        make_limits(config),
+        make_choice(config),
+    )
 
 
 def make_accuracy(config: AccuracyConfig) -> Accuracy:

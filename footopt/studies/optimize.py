@@ -30,11 +30,12 @@ from footopt.report.numbers import objective_quantity
 from footopt.report.progress import report_generations
 from footopt.studies.auto_effects import choose_effects
 from footopt.studies.base import Study
-from footopt.studies.build import check_searchable, make_choice, make_limits
+from footopt.studies.build import check_searchable, make_problem
 from footopt.studies.record import Answer, answer, foot_entry, scene_entry, validity_entry
 from footopt.studies.simulate import check_film, write_film, write_walk
 from footopt.studies.validation.model import describe, model_error
 from footopt.walk import estimate_error, gain_shares, simulate
+from footopt.walk.resolution import resolution
 from footopt.walk.validity import diagnose
 
 LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
@@ -47,10 +48,8 @@ def run(study: Study) -> Answer:
     check_film(study)
     solver = Solver(**vars(config.solver))
     scene, audits = choose_effects(study)
-    limits, choice = make_limits(config), make_choice(config)
-    problem = FootProblem(
-        scene, config.objective.names, study.space, study.accuracy, study.threads, limits, choice
-    )
+    problem = make_problem(config, scene)
+    choice = problem.choice
     if solver.name == EXHAUSTIVE:  # what does not fit is refused before the search
         check_size(problem)
     else:
@@ -69,7 +68,7 @@ def run(study: Study) -> Answer:
     walk = simulate(best, scene, finer)
     errors = estimate_error(best, scene, finer, problem.record)
     values, base = walk.judged(problem.record), flat.judged(problem.record)
-    diagnostics = diagnose(walk)
+    diagnostics = [*diagnose(walk), *resolution(walk, errors)]
 
     if study.reports:
         files.write_designs(study.folder / "designs.csv", result.columns)

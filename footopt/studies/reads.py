@@ -35,7 +35,7 @@ READS: dict[str, tuple[str, ...]] = {
         *WORLD, *SPACE, *FIVE, "foot.shape", "foot.k", "accuracy", "solver.pop_size", "solver.n_gen",
         "solver.seed",
         *(f"study.{n}" for n in ("seeds", "samples", "shape_sand", "mount", "peak_power", "speed_loss",
-                                 "leading_edge", "confirm", "quick")),
+                                 "leading_edge", "shadowing", "confirm", "quick")),
     ),
     "trust": (
         *WORLD, *SPACE, "accuracy", "solver.pop_size", "solver.seed", "study.seeds", "study.solvers",
@@ -128,7 +128,7 @@ def _conditions(config: Config) -> Iterator[tuple[tuple[str, ...], str, str]]:
             yield ("foot.block",), f"study={study.name}", "study=optimize, simulate, export"
     if gait.path is None or Path(gait.path).suffix.lower() == ".json":
         yield RECORDED, "a gait without recorded strides", "gait=file gait.path=walk.trc"
-    if not config.effects.auto:
+    if not config.effects.auto and study.name != "effects":
         yield ("effects.tolerance",), "effects that are named", "effects=auto"
     if config.solver.name == EXHAUSTIVE and study.name in SEARCHES:
         yield ("solver.n_gen",), "solver=exhaustive", "the other solvers"

@@ -18,6 +18,7 @@ from footopt.studies.export import foot_of
 from footopt.studies.record import Answer, answer, foot_entry, scene_entry, validity_entry
 from footopt.studies.validation.model import describe, model_error
 from footopt.walk import OBJECTIVES, Walk, estimate_error, simulate
+from footopt.walk.resolution import resolution
 from footopt.walk.validity import diagnose
 
 
@@ -32,7 +33,7 @@ def run(study: Study) -> Answer:
         walk = simulate(foot, scene, accuracy)
     names = tuple(dict.fromkeys((*OBJECTIVES, *study.config.objective.names)))
     values, errors = walk.judged(names), estimate_error(foot, scene, accuracy, names)
-    diagnostics = diagnose(walk)
+    diagnostics = [*diagnose(walk), *resolution(walk, errors)]
     strides = make_strides(study.config.gait)
     notes = write_walk(study, walk, {foot.name: walk})
     if strides is not None and study.draws:

@@ -228,10 +228,14 @@ def outcome(walk: Walk, expected: str) -> Measure:
 
 
 def _sound(walk: Walk) -> list[Measure]:
-    """What holds for every walk: all steps are finite, energy adds up, the sand gives none."""
+    """What holds for every walk: all steps are finite, energy adds up, the sand gives none.
+
+    What bristles give back they have stored: of them the energy balance is asked, and the power is told.
+    """
+    allowed = smoothing_power(walk.scene.sand.stress_map)
     missing = 1.0 - walk.t[-1] / walk.scene.duration  # a trace ends where it is no longer finite
     return [
         Measure("not finite", float(missing) if missing > 1e-9 else 0.0, 0.0),
         Measure("energy", energy_gap(walk), ENERGY),
-        Measure("power", power_from_sand(walk), smoothing_power(walk.scene.sand.stress_map)),
+        Measure("power", power_from_sand(walk), UNJUDGED if rest_length(walk.scene.effects) else allowed),
     ]

@@ -3,10 +3,11 @@
 from footopt.walk import measures as measures
 from footopt.walk.accuracy import PRESETS, Accuracy
 from footopt.walk.objectives import FIVE, MEASURES, OBJECTIVES, gain_shares
+from footopt.walk.resolution import estimate_error
 from footopt.walk.results import Table, Walk
 from footopt.walk.scenarios import Scenario, Spread, draw
 from footopt.walk.scene import Scene, Walker
-from footopt.walk.simulate import estimate_error, evaluate, simulate
+from footopt.walk.simulate import evaluate, simulate
 from footopt.walk.steppers import STEPPERS
 
 __all__ = [

@@ -14,6 +14,7 @@ from footopt.errors import SettingError, check
 from footopt.foot.plates import RULES
 from footopt.walk.steppers import STEPPERS
 
+LEAST = 1e-12  # m/s, of a creep speed and of a step's control
 MOST_PLATES = 20_000  # 13 um each; beyond 1000 no objective changes by 1e-5
 
 
@@ -68,14 +69,14 @@ class Accuracy:
             "The paper's is 100.",
         )
         check(
-            1e-12 <= self.creep <= 1.0,
+            LEAST <= self.creep <= 1.0,
             "accuracy.creep",
             self.creep,
             "a speed from 1e-12 to 1, in m/s",
             "At zero speed the law is set-valued; 1e-4 changes the distance by 0.002 %.",
         )
         check(
-            self.control is None or 1e-12 <= self.control <= 1.0,
+            self.control is None or LEAST <= self.control <= 1.0,
             "accuracy.control",
             self.control,
             "null, or a speed from 1e-12 to 1, in m/s",

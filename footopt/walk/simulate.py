@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -18,10 +17,10 @@ from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Foot, Plates, Waypoints, as_plates
 from footopt.foot.plates import RULES
 from footopt.walk import prepare
-from footopt.walk.accuracy import MOST_PLATES, Accuracy
+from footopt.walk.accuracy import Accuracy
 from footopt.walk.loop import BACKWARD, DIVERGED, OK, SUNK, walk_range
 from footopt.walk.metrics import RAW, TRACE, Sample
-from footopt.walk.objectives import FIVE, OBJECTIVES, Objective, Raw, lookup
+from footopt.walk.objectives import FIVE, Objective, Raw, lookup
 from footopt.walk.results import Table, Walk
 from footopt.walk.scene import Scene
 from footopt.walk.state import COUNTS
@@ -165,39 +164,6 @@ def _scene(scene: Scene | None) -> Scene:
     found = Scene() if scene is None else scene
     check_kind(found, Scene, "scene", "Try fo.Scene(sand=...)")
     return found
-
-
-def estimate_error(
-    foot: Foot,
-    scene: Scene | None = None,
-    accuracy: Accuracy | str = "standard",
-    names: Sequence[str] | None = None,
-) -> dict[str, float]:
-    """Error estimate of a walk's objectives by refinement, absolute, in their own units.
-
-    The difference to the walk with half the time step (under control: an eighth of the error that a
-    step may have), twice the plates and half the creep speed, times 4/3: what is left of an error that
-    falls with the square of the first two. NaN where the walk or its refinement fails, and for a walk
-    that is too long to be refined (`ROWS`).
-
-    Parameters
-    ----------
-    foot, scene, accuracy : as in `simulate`.
-    names : of measures; by default all compiled objectives.
-    """
-    scene, accuracy, names = scene or Scene(), resolve(accuracy), names or tuple(OBJECTIVES)
-    finer = replace(
-        accuracy,
-        dt=accuracy.dt / 2,
-        control=None if accuracy.control is None else accuracy.control / 8,
-        plates=min(2 * accuracy.plates, MOST_PLATES),
-        creep=accuracy.creep / 2,
-        name="refined",
-    )
-    if prepare.pose_rows(scene, finer) > prepare.ROWS:
-        return dict.fromkeys(names, math.nan)
-    coarse, fine = (simulate(foot, scene, a).judged(names) for a in (accuracy, finer))
-    return {name: 4.0 / 3.0 * abs(coarse[name] - fine[name]) for name in coarse}
 
 
 def resolve(accuracy: Accuracy | str) -> Accuracy:

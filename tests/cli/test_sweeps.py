@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import yaml
 from hydra.experimental.callback import Callback
-from running import footopt, program
+from running import footopt
 
 import footopt as fo
 from footopt.report.runs import read_run
@@ -76,14 +76,18 @@ class TestTracker:
 class TestReport:
     """How much a job leaves."""
 
-    TINY = ("accuracy=draft", "solver.pop_size=4", "solver.n_gen=2")
-
-    @pytest.mark.parametrize("study", ["optimize", "simulate"])
-    def test_none_leaves_the_numbers_and_what_a_run_is_resumed_from(self, study, tmp_path):
+    @pytest.mark.parametrize(
+        ("study", "tiny"),
+        [
+            ("optimize", ("accuracy=draft", "solver.pop_size=4", "solver.n_gen=2")),
+            ("simulate", ("accuracy=draft",)),
+        ],
+    )
+    def test_none_leaves_the_numbers_and_what_a_run_is_resumed_from(self, study, tiny, tmp_path):
         """They are those of a full report, in less than 100 kB."""
         for report in ("none", "light", "full"):
             words = (f"study={study}", f"report={report}", f"hydra.run.dir={report}")
-            done = footopt(*self.TINY, *words, cwd=tmp_path)
+            done = footopt(*tiny, *words, cwd=tmp_path)
             assert done.returncode == 0, done.stderr
         left = {report: {p.name: p.stat().st_size for p in (tmp_path / report).rglob("*") if p.is_file()}
                 for report in ("none", "light", "full")}  # fmt: skip
@@ -175,6 +179,7 @@ class TestSummary:
         assert "foot.width = -1" in rows[0]["note"]
 
     @pytest.mark.slow
+    @pytest.mark.timeout(3000)
     def test_two_hundred_jobs_by_joblib_in_one_call(self, tmp_path):
         pytest.importorskip("hydra_plugins.hydra_joblib_launcher", reason="needs footopt[joblib]")
         words = [
@@ -183,7 +188,7 @@ class TestSummary:
             "solver.seed=range(1,101)",
             "sand=soft,hard",
         ]
-        done = program("-m", *self.TINY, *words, "hydra.sweep.dir=sweep", "engine.threads=1", cwd=tmp_path)
+        done = footopt("-m", *self.TINY, *words, "hydra.sweep.dir=sweep", "engine.threads=1", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         assert "... and 140 more" in done.stdout
         rows = read(tmp_path / "sweep" / "summary.csv")

@@ -162,6 +162,8 @@ def small(words):
     if study not in SMALL:
         return None
     changes = dict(SMALL[study])
+    if "solver=exhaustive" in words:
+        changes.pop("solver.n_gen", None)  # which it does not read
     for choice, more in SMALL_TOO.items():
         if choice in words:
             changes |= more
@@ -287,8 +289,9 @@ def ground(tmp_path_factory):
     fo.Foot.from_file(folder / "sole.csv").to_file(folder / "sole.dxf")
     for text in TEXTS.values():
         for language, content, before in blocks(text):
-            if language == "yaml":  # the file that the text before it names
-                name = re.findall(r"`(?:mine/)?([\w/]+\.yaml)`", before)[-1]
+            names = re.findall(r"`(?:mine/)?([\w/]+\.yaml)`", before)
+            if language == "yaml" and names:  # the file that the text before it names
+                name = names[-1]
                 (folder / "mine" / name).parent.mkdir(parents=True, exist_ok=True)
                 (folder / "mine" / name).write_text(content)
             paragraph = before.rstrip().rpartition("\n\n")[2]

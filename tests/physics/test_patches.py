@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 import footopt as fo
 from footopt.effects import Patches, Scale, laws
 from footopt.effects import base as effects
+from footopt.errors import SettingError
 
 
 class TestPatches:
@@ -66,3 +67,50 @@ class TestPatchesOnTheWay:
         assert reached > 50
         np.testing.assert_allclose(walk.com[:reached], plain.com[:reached], rtol=0, atol=1e-9)
         assert walk.objectives["distance"] < plain.objectives["distance"]
+
+
+class TestPatchesTogether:
+    @given(
+        st.lists(
+            st.tuples(st.floats(0.0, 1.0), st.floats(1e-3, 1.0), st.floats(1e-3, 10.0)),
+            min_size=1,
+            max_size=8,
+        )
+    )
+    def test_sand_is_never_weaker_than_its_weakest_patch(self, patches):
+        """Also where patches adjoin, or are narrower than the blur; the strength has its derivative."""
+        gaps, lengths, factors = (np.array(column) for column in zip(*patches, strict=True))
+        begins = np.cumsum(gaps) + np.concatenate([[0.0], np.cumsum(lengths)[:-1]])
+        law = laws([Patches(begins, begins + lengths * (1 - 1e-12), factors)]).loads
+        if law is None:  # every factor is 1
+            return
+        x, d = np.linspace(-0.5, 9.0, 9001), 1e-7
+        strength, _, slide = effects.load(law, (1.0, 1.0, 0.0), 0.03, x)
+        assert strength.min() > min(1.0, factors.min()) - 1e-12
+        assert strength.max() < max(1.0, factors.max()) + 1e-12
+        ahead, behind = (effects.load(law, (1.0, 1.0, 0.0), 0.03, x + s)[0] for s in (d, -d))
+        np.testing.assert_allclose((ahead - behind) / (2 * d), slide, rtol=0, atol=1e-3 * np.abs(slide).max())
+
+    def test_patches_that_overlap_are_refused(self):
+        with pytest.raises(
+            SettingError, match=r"effects\.patches\.begins = 0\.5: must be at or beyond the end at 0\.6 m"
+        ):
+            Patches((0.3, 0.5), (0.6, 0.9), (0.3, 0.3))
+
+    @pytest.mark.parametrize("width", [0.002, 0.02, 0.05, 0.3])
+    def test_a_patch_keeps_its_integral_however_narrow_it_is(self, width):
+        x = np.linspace(-0.5, 1.0, 150_001)
+        law = laws([Patches((0.1,), (0.1 + width,), (10.0,), blur=0.05)]).loads
+        strength, _, _ = effects.load(law, (1.0, 1.0, 0.0), 0.03, x)
+        assert np.trapezoid(strength - 1.0, x) == pytest.approx(9.0 * width, rel=1e-6)
+
+    @pytest.mark.slow
+    def test_a_hundred_patches_are_a_table_that_walks_as_few_do(self, regular, ramp_foot):
+        """A long list is not compiled one by one; patches that adjoin are one."""
+        edges = tuple(np.linspace(0.35, 0.95, 13).tolist())
+        one = Patches((0.35,), (0.95,), (0.4,), blur=0.02)
+        many = Patches(edges[:-1], edges[1:], (0.4,) * 12, blur=0.02)
+        assert isinstance(many.law.begins, np.ndarray)
+        wide = fo.simulate(ramp_foot, replace(regular, effects=(one,)))
+        cut = fo.simulate(ramp_foot, replace(regular, effects=(many,)))
+        np.testing.assert_allclose(cut.com, wide.com, rtol=0, atol=1e-9)

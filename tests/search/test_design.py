@@ -254,7 +254,7 @@ def test_what_is_of_another_kind_is_said_where_it_is_given(call, message):
 
 def test_an_unknown_budget_is_named():
     with pytest.raises(
-        SettingError, match=r"generations = 3: must be one of pop_size, n_gen, seed, as a key"
+        SettingError, match=r"generations = 3: must be one of pop_size, n_gen, seed, operators, as a key"
     ):
         search(problem(), generations=3)
 

@@ -17,6 +17,8 @@ from footopt.studies.stability_cases import CASES
 from footopt.studies.stability_judges import Setup
 
 K = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)
+#: Cases without effects of their own, and within a minute.
+HARD = [c.name for c in CASES if not c.name.startswith("at rest") and c.name != "ten minutes of walking"]
 
 
 def scene_of(*overrides):
@@ -115,6 +117,7 @@ def test_the_study_from_the_command_line(tmp_path):
 
 @pytest.mark.slow
 def test_auto_simulates_what_matters_and_records_why(tmp_path):
+    """Shadowing changes more than the tolerance by itself, and less where only faces that lead count."""
     arguments = [
         "study=simulate",
         f"foot.k={list(K)}".replace(" ", ""),
@@ -124,18 +127,18 @@ def test_auto_simulates_what_matters_and_records_why(tmp_path):
     done = footopt(*arguments, "effects.tolerance=0.1", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     result = json.loads((only_folder(tmp_path) / "result.json").read_text())
-    assert set(result["scene"]["effects"]) == {"leading_edge", "shadowing", "slope"}
+    assert set(result["scene"]["effects"]) == {"leading_edge", "slope"}
     assert {a["effect"]: a["matters"] for a in result["effects_audit"]} == {
         "leading_edge": True,
         "inertia": False,
-        "shadowing": True,
+        "shadowing": False,
     }
     assert "effects=auto: inertia changes" in done.stdout
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("effect", EFFECTS)
-@pytest.mark.parametrize("case", [c.name for c in CASES if c.name != "ten minutes of walking"])
+@pytest.mark.parametrize("case", HARD)
 def test_hard_cases_are_stable_with_each_effect(effect, case):
     (chosen,) = (c for c in CASES if c.name == case)
     scene = fo.Scene(effects=(EFFECTS[effect](),))

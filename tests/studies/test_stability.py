@@ -19,6 +19,7 @@ from footopt.studies.stability_judges import ENERGY, Measure, Setup
 from footopt.walk.balances import energy_gap
 
 BY_NAME = {case.name: case for case in CASES}
+CREEPS = "at rest by the plain law"
 
 
 @pytest.fixture(scope="module")
@@ -29,11 +30,23 @@ def base(flat_foot):
 class TestStudy:
     @pytest.mark.parametrize(
         "name",
-        [pytest.param(n, marks=pytest.mark.slow) if n == "ten minutes of walking" else n for n in BY_NAME],
+        [
+            pytest.param(n, marks=pytest.mark.slow) if n == "ten minutes of walking" else n
+            for n in BY_NAME
+            if n != CREEPS
+        ],
     )
     def test_the_default_stepper_is_stable_in_every_case(self, name, base):
         (verdict,) = judge(BY_NAME[name], base, ["sdirk2_control"])
         assert verdict.stable, verdict.measures
+
+    def test_nobody_rests_by_the_plain_law(self, base):
+        """The smoothing lets him sink; that is the law's own, so that no stepper helps."""
+        (verdict,) = judge(BY_NAME[CREEPS], base, ["sdirk2_control"])
+        measures = {m.name: m for m in verdict.measures}
+        assert measures["rest"].ratio > 100.0
+        assert measures["place"].ratio > 1.0
+        assert measures["load"].ratio < 1.0
 
     def test_step_control_is_what_keeps_the_peak_of_a_step_ten_times_too_large(self, base):
         free, held = judge(BY_NAME["a step ten times larger"], base, ["sdirk2", "sdirk2_control"])

@@ -1,0 +1,74 @@
+"""`run`: from Python, what the command line does."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from hydra import compose, initialize_config_dir
+from omegaconf import OmegaConf, open_dict
+
+from footopt.cli.compose import CONF
+from footopt.cli.elsewhere import in_the_world_of_its_run
+from footopt.cli.job import tidy, walk
+from footopt.cli.messages import refusal
+from footopt.cli.resume import resume
+from footopt.cli.words import readable
+from footopt.errors import FootoptError
+from footopt.files.lock import Occupied
+from footopt.studies.load import Run, load
+
+
+def run(words: Sequence[str] = (), folder: str | Path | None = None) -> Run:
+    """Do what ``footopt WORDS`` does, in this process, and return the run.
+
+    Parameters
+    ----------
+    words : sequence of str
+        Settings as on the command line, such as ``["sand=soft", "solver=nsga2"]``; with ``resume=FOLDER``
+        that run goes on.
+    folder : str or Path, optional
+        Where the run leaves what it finds; by default as on the command line, below outputs/.
+
+    Returns
+    -------
+    Run
+        As `load` returns it.
+
+    Raises
+    ------
+    FootoptError
+        What the command line ends with: it names the setting and says what is allowed.
+    """
+    if isinstance(words, str):
+        raise FootoptError(f"words = {words!r}: must be a list, such as [{words!r}].")
+    given = [str(word) for word in words]
+    if resumed := [word.partition("=")[2] for word in given if word.startswith("resume=")]:
+        resume(given)
+        return load(Path(resumed[-1]).expanduser())
+    given = [readable(word) for word in given]
+    try:
+        with initialize_config_dir(str(CONF), version_base="1.3"):
+            composed = compose("config", given, return_hydra_config=True)
+            here, place = composed.hydra, Path(folder or composed.hydra.run.dir).expanduser()
+            with open_dict(composed):
+                del composed["hydra"]
+            plain: Any = OmegaConf.to_container(composed, resolve=True)
+            plain = in_the_world_of_its_run(plain, here)
+    except FootoptError:
+        raise
+    except Exception as error:
+        if (refused := refusal(error, given)) is None:
+            raise
+        raise refused from None
+    place = Path(os.path.abspath(place))
+    try:
+        walk(plain, place, [word for word in given if not word.startswith("hydra.")])
+    except Occupied:
+        raise
+    except FootoptError:
+        tidy(place)
+        raise
+    return load(place)

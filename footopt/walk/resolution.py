@@ -1,0 +1,103 @@
+"""How well a walk is resolved: its error estimate by refinement, and a warning where that is too large."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from footopt.foot import Foot
+from footopt.walk import prepare
+from footopt.walk.accuracy import LEAST, MOST_PLATES, TOLERANCES, Accuracy
+from footopt.walk.objectives import FIVE, FLOORS, OBJECTIVES
+from footopt.walk.results import Walk
+from footopt.walk.scene import Scene
+from footopt.walk.simulate import resolve, simulate
+from footopt.walk.validity import Diagnostic
+
+#: A warning is due where the estimate is this many times what the accuracy promises.
+BEYOND = 10.0
+PROMISE = 0.005  # relative, of an accuracy without a name: that of `standard`
+
+#: What an error may come from, by what to change.
+CAUSES = {
+    "accuracy.dt": "the time step makes most of it; try accuracy=fine, or a smaller accuracy.dt",
+    "accuracy.plates": "the plates make most of it; try accuracy=fine, or more accuracy.plates",
+    "accuracy.creep": "the creep speed makes most of it; try accuracy=fine, or a smaller accuracy.creep",
+}
+
+
+def finer(accuracy: Accuracy) -> dict[str, Accuracy]:
+    """An accuracy with one cause of errors refined, by the cause's setting.
+
+    Half the time step (under control: an eighth of the error that a step may have), twice the plates, or
+    half the creep speed.
+    """
+    control = None if accuracy.control is None else max(accuracy.control / 8, LEAST)
+    return {
+        "accuracy.dt": replace(accuracy, dt=accuracy.dt / 2, control=control, name="refined"),
+        "accuracy.plates": replace(accuracy, plates=min(2 * accuracy.plates, MOST_PLATES), name="refined"),
+        "accuracy.creep": replace(accuracy, creep=max(accuracy.creep / 2, LEAST), name="refined"),
+    }
+
+
+def estimate_error(
+    foot: Foot,
+    scene: Scene | None = None,
+    accuracy: Accuracy | str = "standard",
+    names: Sequence[str] | None = None,
+) -> dict[str, float]:
+    """Error estimate of a walk's objectives by refinement, absolute, in their own units.
+
+    The difference to the walk with half the time step (under control: an eighth of the error that a
+    step may have), twice the plates and half the creep speed, times 4/3: what is left of an error that
+    falls with the square of the first two. NaN where the walk or its refinement fails, and for a walk
+    that is too long to be refined (`ROWS`).
+
+    Parameters
+    ----------
+    foot, scene, accuracy : as in `simulate`.
+    names : of measures; by default all compiled objectives.
+    """
+    scene, accuracy, names = scene or Scene(), resolve(accuracy), names or tuple(OBJECTIVES)
+    one = finer(accuracy)
+    plates, creep = one["accuracy.plates"].plates, one["accuracy.creep"].creep
+    refined = replace(one["accuracy.dt"], plates=plates, creep=creep)
+    if prepare.pose_rows(scene, refined) > prepare.ROWS:
+        return dict.fromkeys(names, math.nan)
+    coarse, fine = (simulate(foot, scene, a).judged(names) for a in (accuracy, refined))
+    return {name: 4.0 / 3.0 * abs(coarse[name] - fine[name]) for name in coarse}
+
+
+def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
+    """Whether a walk's worst error estimate is far above what its accuracy promises; empty if it is not.
+
+    Where it is above `BEYOND` times the promise, three more walks find out what causes it.
+
+    Parameters
+    ----------
+    walk : Walk
+        One that succeeded; of another nothing is said.
+    errors : mapping of str to float
+        Its error estimates, from `estimate_error`.
+    """
+    values = walk.objectives
+    shares = {
+        name: errors[name] / max(abs(values[name]), FLOORS.get(name, 1e-3))
+        for name in FIVE
+        if math.isfinite(values[name]) and math.isfinite(errors.get(name, math.nan))
+    }
+    if not walk.feasible or not shares:
+        return []
+    worst = max(shares, key=lambda name: shares[name])
+    limit = BEYOND * TOLERANCES.get(walk.accuracy.name, PROMISE)
+    if shares[worst] <= limit:
+        return []
+    changes = {
+        cause: abs(simulate(walk.foot, walk.scene, one).objectives[worst] - values[worst])
+        for cause, one in finer(walk.accuracy).items()
+        if prepare.pose_rows(walk.scene, one) <= prepare.ROWS
+    }
+    why = CAUSES[max(changes, key=lambda cause: changes[cause])]
+    name = f"estimated error of {worst.replace('_', ' ')}"
+    return [Diagnostic(name, 100.0 * shares[worst], "%", 100.0 * limit, why)]

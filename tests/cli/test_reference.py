@@ -1,0 +1,49 @@
+"""The reference of settings is made of the program, so that it cannot be of another one."""
+
+from pathlib import Path
+
+import pytest
+from running import footopt
+
+from footopt.cli.compose import known
+from footopt.effects import EFFECTS
+from footopt.studies import STUDIES, reference
+
+PAGE = Path(__file__).parents[2] / "docs" / "reference.md"
+
+
+def test_the_page_is_that_of_the_program():
+    again = "python -m footopt.studies.reference > docs/reference.md"
+    assert PAGE.read_text(encoding="utf-8") == reference.page(), f"write it again: {again}"
+
+
+def test_it_has_every_setting_with_a_meaning_and_none_that_is_gone():
+    names = [s.name for s in reference.settings()]
+    bare = {f"effects.{name}" for name in EFFECTS}  # effects without parameters
+    assert sorted(names) == sorted(set(known()) - bare)
+    assert [s.name for s in reference.settings() if not s.meaning] == []
+    assert set(reference.MEANINGS) <= {part for n in names for part in (n, n.rpartition(".")[0])}
+    assert {study for s in reference.settings() for study in s.studies} <= set(STUDIES)
+
+
+@pytest.mark.parametrize(
+    ("name", "allowed"),
+    [
+        ("walker.mass", "a number > 0, from 1e-09 to 1e+09, in kg"),
+        ("foot.n", "a whole number from 4 to 200"),
+        ("solver.pop_size", "a whole number >= 4 and <= 100,000"),
+        ("gait.pitch", "shank or measured"),
+        ("effects.slope.angle", "an angle from -25 to 25, in deg"),
+    ],
+)
+def test_what_is_allowed_is_what_a_refusal_says(name, allowed):
+    (found,) = (s.allowed for s in reference.settings() if s.name == name)
+    assert found == allowed
+
+
+def test_help_shows_the_settings_of_a_group(tmp_path):
+    done = footopt("--help", "walker", cwd=tmp_path)
+    assert done.returncode == 0
+    assert "walker.g = 9.81  (float, m/s^2)\n    Gravity." in done.stdout
+    assert "Read by study=optimize, simulate" in done.stdout
+    assert "sand.zeta" not in done.stdout

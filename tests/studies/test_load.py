@@ -1,0 +1,135 @@
+"""A run is an object: loaded in a line, with its foot, front and designs, walked and searched again."""
+
+import shutil
+
+import numpy as np
+import pytest
+from running import composed, footopt, unrender
+
+import footopt as fo
+from footopt.errors import FileError, SettingError
+from footopt.files import identity
+from footopt.studies.load import configured
+
+WORDS = [
+    *("sand=soft", "accuracy=draft", "objective.names=[distance,work]", "solver=nsga2", "solver.pop_size=8"),
+    *("solver.n_gen=2", "study.confirm=standard", "walker.mass=50", "foot.n=5", "engine.threads=1"),
+]
+TEST = ["study=simulate", "accuracy=draft", "effects=[slope,leading_edge]", "effects.slope.angle=4"]
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """A search, a walk and a multirun, below one folder."""
+    cwd = tmp_path_factory.mktemp("made")
+    with pytest.MonkeyPatch.context() as patch:
+        unrender(patch)
+        patch.chdir(cwd)
+        runs = fo.run(WORDS), fo.run(TEST, folder="out/walk")
+    done = footopt("-m", *TEST[:2], "sand.zeta=0.001,5", "hydra.sweep.dir=out/sweep", cwd=cwd)
+    assert done.returncode == 0, done.stderr
+    return cwd, *runs
+
+
+class TestRun:
+    def test_does_what_the_command_line_does(self, made):
+        cwd, search, walk = made
+        assert search.folder.parent == cwd / "outputs" / "optimize"
+        assert walk.folder == cwd / "out" / "walk"
+        done = footopt(*WORDS, "hydra.run.dir=again", cwd=cwd)
+        assert done.returncode == 0, done.stderr
+        again = fo.load(cwd / "again")
+        assert again.settings == search.settings
+        assert again.words == search.words == tuple(WORDS)
+        assert again.best == search.best
+        assert (again.folder / "designs.csv").read_bytes() == (search.folder / "designs.csv").read_bytes()
+        shutil.rmtree(cwd / "again")
+
+    @pytest.mark.parametrize(
+        ("words", "says"),
+        [(["sand=mud"], "sand = 'mud': must be one of"), (["snad=soft"], "Did you mean sand=soft?"),
+         (["foot.width=0"], "foot.width = 0"), (["foot.length=.2"], "must be left out"),
+         (["sand=soft,hard"], "must be one choice"), ("sand=soft", "must be a list")],
+    )  # fmt: skip
+    def test_what_is_wrong_is_said_as_there(self, words, says, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        with pytest.raises(fo.FootoptError) as error:
+            fo.run(words)
+        assert says in str(error.value)
+        assert not list(tmp_path.rglob(identity.FILE))
+
+    def test_goes_on_with_one(self, made, tmp_path, monkeypatch):
+        unrender(monkeypatch)
+        folder = shutil.copytree(made[1].folder, tmp_path / "run")
+        run = fo.run([f"resume={folder}", "solver.n_gen=3"])
+        assert (run.result["evaluations"], run.result["reused"]) == (24, made[1].result["designs"])
+        with pytest.raises(SettingError, match="start a new run"):
+            fo.run([f"resume={folder}", "sand=hard"])
+
+
+class TestLoad:
+    def test_gives_the_objects_of_a_search(self, made):
+        run = fo.load(made[1].folder)
+        assert run.config == composed(*WORDS)
+        assert run.scene == fo.Scene(sand=fo.Sand.named("soft"), walker=fo.Walker(mass=50.0))
+        assert run.foot.k == tuple(run.result["design"]["k"])
+        assert {n: run.walk().objectives[n] for n in run.best} == run.best
+        assert repr(run).startswith(f"<Run {run.folder}: sand=soft accuracy=draft")
+
+    def test_gives_its_designs_and_its_front_as_frames(self, made):
+        run = made[1]
+        designs, front = run.designs, run.front
+        assert len(designs) == run.result["designs"]
+        found = run.search()
+        assert (found.reused, len(found.k)) == (len(designs), len(designs))
+        np.testing.assert_array_equal(designs[[f"k{i}" for i in range(1, 6)]], found.k)
+        np.testing.assert_array_equal(designs["work"], found.column("work"))
+        assert designs["reason"].tolist() == found.reasons.tolist()
+        assert designs["on_front"].sum() == len(found.front)
+        assert front.iloc[0][[f"k{i}" for i in range(1, 6)]].astype(int).tolist() == list(run.foot.k)
+        assert front.iloc[0]["work"] == run.best["work"]
+        (run.folder / "designs.csv").rename(run.folder / "away")  # as report=none leaves it
+        try:
+            assert run.designs.drop(columns="reason").equals(designs.drop(columns="reason"))
+        finally:
+            (run.folder / "away").rename(run.folder / "designs.csv")
+
+    def test_gives_the_objects_of_a_walk(self, made):
+        run = made[2]
+        assert {type(effect) for effect in run.scene.effects} == {fo.Slope, fo.LeadingEdge}
+        assert fo.Slope(angle=4.0) in run.scene.effects
+        walk = run.walk()
+        assert {n: walk.objectives[n] for n in run.best} == run.best
+        with pytest.raises(SettingError, match="must be optimize, to search again"):
+            run.search()
+
+    def test_with_effects_that_the_audit_has_chosen(self, made, tmp_path):
+        done = footopt("study=simulate", "accuracy=draft", "effects=auto", "hydra.run.dir=run", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        run = fo.load(tmp_path / "run")
+        assert {n: run.walk().objectives[n] for n in run.best} == run.best
+
+    def test_a_folder_without_a_run_is_refused(self, tmp_path):
+        with pytest.raises(FileError, match="not the folder of a run"):
+            fo.load(tmp_path)
+        with pytest.raises(FileError, match="no run is there"):
+            fo.load_all(tmp_path)
+        with pytest.raises(SettingError, match=r"sand.density = 1: must be a setting of this version"):
+            configured({"sand": {"density": 1}})
+
+
+def test_all_runs_are_a_table_with_a_column_for_each_setting_objective_and_time(made):
+    cwd, search, walk = made
+    table = fo.load_all(cwd / "out*")
+    places = [cwd / "out/sweep/0", cwd / "out/sweep/1", cwd / "out/walk", search.folder]
+    assert sorted(table["folder"]) == sorted(map(str, places))
+    row = table.set_index("folder").loc[str(search.folder)]
+    assert (row["sand.zeta"], row["solver.name"], row["walker.mass"]) == (0.2, "nsga2", 50.0)
+    assert row["work"] == search.best["work"]
+    assert row["hypervolume"] == search.result["hypervolume"]
+    assert row["wall_time_s"] > 0
+    assert any(name.startswith("validity.") for name in table.columns)
+    notes = table.set_index("folder")["note"]
+    assert notes[str(cwd / "out/sweep/0")] == "sunk"
+    assert notes[str(walk.folder)] == ""
+    assert row["words"] == " ".join(WORDS)

@@ -1,0 +1,36 @@
+"""A walk that its numerics do not resolve is said to be one."""
+
+from dataclasses import replace
+
+import pytest
+
+import footopt as fo
+from footopt.walk.resolution import BEYOND, resolution
+
+
+def judged(foot, scene, accuracy="standard"):
+    """What is said of a walk's resolution."""
+    return resolution(fo.simulate(foot, scene, accuracy), fo.estimate_error(foot, scene, accuracy))
+
+
+@pytest.mark.parametrize("sand", ["soft", "regular", "hard"])
+def test_of_a_resolved_walk_nothing_is_said(sand, ramp_foot):
+    assert judged(ramp_foot, fo.Scene(sand=fo.Sand.named(sand))) == []
+
+
+@pytest.mark.parametrize(
+    ("setting", "value"), [("dt", 0.02), ("plates", 5), ("creep", 0.3)], ids=["time step", "plates", "creep"]
+)
+def test_a_warning_names_what_causes_the_error(setting, value, ramp_foot):
+    accuracy = replace(fo.Accuracy("sdirk2", 1e-3, 400, 1e-5, "fine"), **{setting: value})
+    (found,) = judged(ramp_foot, fo.Scene(), accuracy)
+    assert found.outside
+    assert found.limit == pytest.approx(100.0 * BEYOND * 0.0005)  # of `fine`, %
+    assert f"accuracy.{setting}" in found.why
+
+
+def test_the_smallest_numbers_that_are_allowed_can_be_refined(ramp_foot):
+    """The estimate halves them, and stays inside what is allowed."""
+    scene = fo.Scene(t_f=1.5)
+    least = fo.Accuracy(dt=5e-3, plates=20, creep=1e-12, control=1e-12)
+    assert fo.estimate_error(ramp_foot, scene, least)["distance"] >= 0.0
