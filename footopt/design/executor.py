@@ -29,11 +29,8 @@ from footopt.walk.simulate import available_threads
 
 OVERHEAD = 1e-3  # s that a chunk costs whoever hands it out, whatever it holds; an executor may know better
 PAUSE = 0.5  # s, before another is made
-PASSING = (
-    OSError,
-    MemoryError,
-    RuntimeError,
-)  # of a machine that has no memory, files or threads for a while
+#: Of a machine that has no memory, files, threads or fork server for a while.
+PASSING = (OSError, MemoryError, EOFError, RuntimeError)
 EACH = 32  # chunks that a worker gets of a large batch: what one is slower at, the others take
 SHARE = 0.05  # of a batch's time that may go into such a balance
 LARGEST = 4096  # designs in a chunk
@@ -159,7 +156,7 @@ class Chunks:
             outcomes = [_outcome(future) if future.done() else None for future in futures]
         except FootoptError:
             raise
-        except (OSError, MemoryError) as error:
+        except (OSError, MemoryError, EOFError) as error:
             raise machine_failed(error, "while work was handed out") from error
         except BrokenExecutor as error:
             raise FootoptError(

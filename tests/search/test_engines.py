@@ -346,7 +346,7 @@ class TestProcesses:
         assert "their results are missing: new ones walk again" in caplog.text
 
     @pytest.mark.parametrize(
-        "error", [OSError(24, "Too many open files"), MemoryError(), RuntimeError("thread")]
+        "error", [OSError(24, "Too many open files"), MemoryError(), RuntimeError("thread"), EOFError()]
     )
     def test_a_machine_that_is_short_of_something_for_a_while_is_asked_again(self, monkeypatch, error):
         monkeypatch.setattr(executor_module, "PAUSE", 0.0)
