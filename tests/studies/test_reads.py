@@ -20,7 +20,7 @@ OTHER = {
 #: Read where this test does not look: how a run is made, what it leaves, what it returns, files.
 ELSEWHERE = ("study.", "plugins", "report", "engine.", "objective.", "foot.block", "foot.shape", "foot.path",
              "foot.box_tolerance", "sand.table", "gait.path", "gait.name", "scene.name",
-             "effects.")  # fmt: skip
+             "effects.", "constraint.")  # fmt: skip
 
 
 def walked(config):
