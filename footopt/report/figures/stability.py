@@ -46,7 +46,8 @@ def verdicts(cases: Sequence[str], methods: Sequence[str], cells: Mapping[tuple[
             axes.add_patch(Rectangle((column, row), 1, 1, lw=0, **(STABLE if cell.stable else UNSTABLE)))
             axes.text(
                 column + 0.5, row + 0.5, f"{CHECK if cell.stable else CROSS} {cell.text}", ha="center",
-                va="center_baseline", fontsize=FONT, fontweight="normal" if cell.stable else "bold",
+                va="center_baseline", fontsize=FONT if cell.stable else 0.9 * FONT,
+                fontweight="normal" if cell.stable else "bold",
             )  # fmt: skip
     axes.hlines(range(1, len(cases)), 0, len(methods), color="white", lw=1.0)
     axes.vlines(range(1, len(methods)), 0, len(cases), color="white", lw=1.0)
