@@ -374,9 +374,13 @@ def test_the_command_runs(arguments, place, request):
     away = any(word.startswith(("hydra/launcher=", "plugins=")) for word in words)
     done = (program if away else footopt)(*words, cwd=place, drawn=drawn)
     assert done.returncode == 0, f"{FOOTOPT[arguments]}: footopt {' '.join(words)}\n{done.stderr}"
-    told = {"--help": "Each run writes to its own folder", "--version": fo.__version__}
-    if words[0] in told:
-        assert told[words[0]] in done.stdout
+    told = {
+        "--help": "Each run writes to its own folder",
+        "--version": fo.__version__,
+        "--help sand": "sand.zeta",
+    }
+    if " ".join(words) in told:
+        assert told[" ".join(words)] in done.stdout
         return
     left = {path for path in place.rglob("*") if path.is_file()} - before
     if "study.video=walk.gif" in words:
