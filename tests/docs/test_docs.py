@@ -61,6 +61,7 @@ SMALL = {
 }  # fmt: skip
 #: Besides, whatever the study: an enumerated space of 3^5 soles, and two workers of the many.
 SMALL_TOO = {
+    "constraint.hollow=0.01": {"constraint.hollow": "1"},  # which no foot of so few meets
     "solver=exhaustive": {"foot.K": "3"},
     "engine=processes": {"engine.workers": "2"},
     "hydra/launcher=joblib": {"hydra.launcher.n_jobs": "2"},
@@ -388,7 +389,7 @@ def test_the_command_runs(arguments, place, request):
         with Image.open(film) as image:
             assert image.n_frames == pytest.approx(1.2 * 25 / 0.5 + 1, abs=1)
     ended = {path.parent for path in left if path.name in ("result.json", "summary.csv")}
-    assert all((folder / "report.html").is_file() for folder in ended)
+    assert "report=none" in words or all((folder / "report.html").is_file() for folder in ended)
     results = [json.loads(path.read_text()) for path in left if path.name == "result.json"]
     assert all(result.get("feasible", True) for result in results)
     if not any(word.startswith("resume=") for word in words):
@@ -400,7 +401,7 @@ def cluster(ground):
     """The address of a scheduler with a worker, started by the page's own commands but for their ports."""
     pytest.importorskip("distributed", reason="needs footopt[dask]")
     program = str(Path(sys.executable).with_name("dask"))
-    written = {words[1]: words[2:] for words in COMMANDS if words[0] == "dask"}
+    written = {words[1]: words[2:] for words in COMMANDS if words[0] == "dask" and "--protocol" not in words}
     file = ground / "scheduler.json"
     running = []
 
