@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields, make_dataclass
+from dataclasses import MISSING, Field, dataclass, field, fields, make_dataclass
 from typing import TYPE_CHECKING, Any, get_type_hints
 
 from footopt.design import WAYS, Choice, RobustProblem, Solver, Stop, make_executor
@@ -38,14 +38,17 @@ def parameters(kind: type, null: tuple[str, ...] = ()) -> Any:
         Fields that may be null, too.
     """
     kinds = {name: t | None if name in null else t for name, t in get_type_hints(kind).items()}
-    return make_dataclass(
-        kind.__name__, [(f.name, kinds[f.name], _changeable(f.default)) for f in fields(kind)]
+    return make_dataclass(kind.__name__, [(f.name, kinds[f.name], _changeable(f)) for f in fields(kind)])
+
+
+def _changeable(given: Field[Any]) -> Any:
+    """A field with the default of another; a tuple is a list, as OmegaConf has it."""
+    value = given.default if given.default_factory is MISSING else given.default_factory()
+    return (
+        field(default_factory=lambda: list(value))
+        if isinstance(value, tuple | list)
+        else field(default=value)
     )
-
-
-def _changeable(value: Any) -> Any:
-    """A field with a default; a tuple is a list, as OmegaConf has it."""
-    return field(default_factory=lambda: list(value)) if isinstance(value, tuple) else field(default=value)
 
 
 if TYPE_CHECKING:
