@@ -161,3 +161,11 @@ def outcome(folder):
     result = json.loads((folder / "result.json").read_text())
     found = {name: value for name, value in result.items() if name not in TIMES}
     return found, *((folder / name).read_bytes() for name in ("designs.csv", "walk.nc", "contour.csv"))
+
+
+def folder_of(places, *words, setting="hydra.run.dir"):
+    """The folder that a command left, which succeeded in a place of its own; places: tmp_path_factory."""
+    cwd = places.mktemp("done")
+    done = footopt(*words, f"{setting}=run", cwd=cwd)
+    assert done.returncode == 0, done.stderr
+    return cwd / "run"

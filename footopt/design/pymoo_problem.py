@@ -42,7 +42,7 @@ class PymooProblem(Problem):  # type: ignore[misc]  # pymoo has no types
         )
 
 
-class Begun(Sampling):  # type: ignore[misc]
+class Begun(Sampling):  # type: ignore[misc]  # pymoo has no types
     """A sampling whose first designs are given; the others are drawn as before."""
 
     def __init__(self, other: Sampling, start: Ints) -> None:

@@ -14,7 +14,7 @@ from footopt.errors import FileError
 try:
     import fcntl
 except ImportError:  # Windows has no such locks: there, folders are not guarded
-    fcntl = None  # type: ignore[assignment]
+    fcntl = None  # type: ignore[assignment]  # a module, or none
 
 LOCK = "footopt.lock"
 

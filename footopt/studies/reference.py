@@ -130,12 +130,8 @@ def settings() -> tuple[Setting, ...]:
 
 def _whole() -> Config:
     """The default settings, with those of all effects."""
-    config: Any = Config()
-    config.effects = AllEffects()
-    for field in fields(AllEffects):
-        if field.name in EFFECTS:
-            setattr(config.effects, field.name, EFFECTS[field.name]())
-    return config  # type: ignore[no-any-return]
+    effects = {f.name: EFFECTS[f.name]() for f in fields(AllEffects) if f.name in EFFECTS}
+    return Config(effects=AllEffects(**effects))
 
 
 def _leaves(value: Any, name: str = "") -> Iterator[str]:

@@ -38,7 +38,19 @@ def parameters(kind: type, null: tuple[str, ...] = ()) -> Any:
         Fields that may be null, too.
     """
     kinds = {name: t | None if name in null else t for name, t in get_type_hints(kind).items()}
-    return make_dataclass(kind.__name__, [(f.name, kinds[f.name], _changeable(f)) for f in fields(kind)])
+    settings = [(f.name, kinds[f.name], _changeable(f)) for f in fields(kind)]
+    return importable(make_dataclass(f"{kind.__name__}Settings", settings))
+
+
+def importable(made: type) -> Any:
+    """A class that was made here, found by its name in this module.
+
+    A launcher sends settings to processes and gets them back. A class that cannot be imported is sent as a
+    whole, and what comes back would overwrite the fields of the one that is here.
+    """
+    made.__module__ = __name__
+    globals()[made.__name__] = made
+    return made
 
 
 def _changeable(given: Field[Any]) -> Any:
@@ -188,10 +200,12 @@ class EffectsConfig:
 
 
 #: With a setting for each effect: its parameters, or null where it is not simulated.
-AllEffects = make_dataclass(
-    "AllEffects",
-    [(name, parameters(kind) | None, None) for name, kind in EFFECTS.items()],
-    bases=(EffectsConfig,),
+AllEffects = importable(
+    make_dataclass(
+        "AllEffects",
+        [(name, parameters(kind) | None, None) for name, kind in EFFECTS.items()],
+        bases=(EffectsConfig,),
+    )
 )
 
 
@@ -255,8 +269,10 @@ class OwnConstraints:
 
 
 #: With a setting for each measure: its limit, or null for none.
-ConstraintConfig = make_dataclass(
-    "ConstraintConfig", [(name, float | None, None) for name in MEASURES], bases=(OwnConstraints,)
+ConstraintConfig = importable(
+    make_dataclass(
+        "ConstraintConfig", [(name, float | None, None) for name in MEASURES], bases=(OwnConstraints,)
+    )
 )
 
 

@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
-from running import BRIEF, ended, environment, footopt, outcome, started, wait_for
+from running import BRIEF, ended, environment, folder_of, footopt, outcome, started, wait_for
 
 TRIES = int(os.environ.get("FOOTOPT_TRIES", "3"))
 SHORT = (*BRIEF, "solver=nsga2", "engine.workers=2")
@@ -22,10 +22,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.timeout(3600)]
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory):
     """The folder of a run that nothing happened to."""
-    cwd = tmp_path_factory.mktemp("undisturbed")
-    done = footopt(*BRIEF, "solver=nsga2", "hydra.run.dir=run", cwd=cwd)
-    assert done.returncode == 0, done.stderr
-    return cwd / "run"
+    return folder_of(tmp_path_factory, *BRIEF, "solver=nsga2")
 
 
 def descendants(pid):

@@ -9,7 +9,7 @@ import signal
 import time
 
 import pytest
-from running import ended, footopt, outcome, started, wait_for
+from running import ended, folder_of, footopt, outcome, started, wait_for
 
 from footopt.cli import job
 from footopt.files import identity
@@ -21,10 +21,7 @@ SWEEP = ["-m", "study=simulate", "accuracy=draft", f"sand.zeta={','.join(map(str
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     """The folder of a multirun that nothing stopped."""
-    cwd = tmp_path_factory.mktemp("whole")
-    done = footopt(*SWEEP, "hydra.sweep.dir=sweep", cwd=cwd)
-    assert done.returncode == 0, done.stderr
-    return cwd / "sweep"
+    return folder_of(tmp_path_factory, *SWEEP, setting="hydra.sweep.dir")
 
 
 def found(sweep):
@@ -108,7 +105,7 @@ class TestResume:
 
 def test_another_multirun_takes_no_folder_that_holds_one(whole):
     before = found(whole)
-    done = footopt(*SWEEP, "scene=brisk", "hydra.sweep.dir=sweep", cwd=whole.parent)
+    done = footopt(*SWEEP, "scene=brisk", "hydra.sweep.dir=run", cwd=whole.parent)
     assert done.returncode == 1
     assert "holds a multirun. footopt resume=" in done.stderr
     assert found(whole) == before

@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 
 import pytest
-from running import BRIEF, QUICK, ended, footopt, outcome, started, wait_for, wait_for_designs
+from running import BRIEF, QUICK, ended, folder_of, footopt, outcome, started, wait_for, wait_for_designs
 
 from footopt.cli.compose import CONF
 from footopt.design import context
@@ -61,10 +61,7 @@ def undisturbed(tmp_path_factory):
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):
     """The folder of a small finished run."""
-    cwd = tmp_path_factory.mktemp("finished")
-    done = footopt(*SMALL, "hydra.run.dir=run", cwd=cwd)
-    assert done.returncode == 0, done.stderr
-    return cwd / "run"
+    return folder_of(tmp_path_factory, *SMALL)
 
 
 @pytest.fixture

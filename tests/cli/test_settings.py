@@ -6,6 +6,7 @@ import math
 from functools import cache
 from itertools import zip_longest
 
+import cloudpickle
 import numpy as np
 import pytest
 from hydra import compose, initialize_config_dir
@@ -41,6 +42,16 @@ ROWS = [
     *([choice] for group in CHOICES if group not in APART for choice in CHOICES[group]),
     *([choice for choice in row if choice] for row in zip_longest(*(CHOICES[group] for group in APART))),
 ]
+
+
+def test_settings_that_come_back_from_another_process_leave_those_here_as_they_are():
+    """As after a job of the joblib launcher, of which a session may run several."""
+    here = OmegaConf.structured(Config)
+    back = cloudpickle.loads(cloudpickle.dumps(here))
+    assert back == here
+    assert OmegaConf.structured(Config) == here
+    again = OmegaConf.merge(OmegaConf.structured(Config), {"effects": {"layers": {"factors": [0.5]}}})
+    assert again.effects.layers.depths == [0.03]
 
 
 class TestDefaults:

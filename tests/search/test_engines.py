@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from running import BRIEF, ended, footopt, outcome, program, started, wait_for_designs
+from running import BRIEF, ended, folder_of, footopt, outcome, program, started, wait_for_designs
 from searching import SMALL, assert_same, problem, stop_after
 
 import footopt as fo
@@ -594,10 +594,7 @@ class TestDask:
 @pytest.fixture(scope="module")
 def here(tmp_path_factory):
     """The folder of a run from the command line that nothing stopped, in one process."""
-    cwd = tmp_path_factory.mktemp("here")
-    done = footopt(*BRIEF, "solver=nsga2", "hydra.run.dir=run", cwd=cwd)
-    assert done.returncode == 0, done.stderr
-    return cwd / "run"
+    return folder_of(tmp_path_factory, *BRIEF, "solver=nsga2")
 
 
 @pytest.mark.slow

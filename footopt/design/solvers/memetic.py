@@ -35,7 +35,7 @@ def shifts(n: int) -> NDArray[np.int8]:
     return np.stack([run, -run], axis=1).reshape(-1, n)
 
 
-class ExchangeRun(Crossover):  # type: ignore[misc]
+class ExchangeRun(Crossover):  # type: ignore[misc]  # pymoo has no types
     """Two parents exchange one run of neighbouring waypoints, of any length: a stretch of the sole."""
 
     def __init__(self) -> None:
@@ -47,7 +47,7 @@ class ExchangeRun(Crossover):  # type: ignore[misc]
         return np.where(exchanged, X[::-1], X)
 
 
-class ShiftRun(Mutation):  # type: ignore[misc]
+class ShiftRun(Mutation):  # type: ignore[misc]  # pymoo has no types
     """Move one run of neighbouring waypoints, of any length, by one level."""
 
     def _do(self, problem: Any, X: Ints, random_state: Any = None, **kwargs: Any) -> Ints:
@@ -70,7 +70,7 @@ class NeverTwice(SameHeights):
         return np.asarray(is_duplicate | asked)
 
 
-class Memetic(GA):  # type: ignore[misc]
+class Memetic(GA):  # type: ignore[misc]  # pymoo has no types
     """`ExchangeRun`, `ShiftRun`, no design twice, and where it stalls the best one's neighbourhood.
 
     When the best design has stood for `PATIENCE`
