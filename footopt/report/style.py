@@ -54,7 +54,7 @@ STYLE: dict[str, Any] = {
     "figure.titlesize": 8,
     "axes.linewidth": 0.6,
     "axes.axisbelow": True,
-    "axes.formatter.limits": (-3, 4),
+    "axes.formatter.limits": (-3, 5),
     "axes.spines.top": False,
     "axes.spines.right": False,
     "xtick.major.width": 0.6,
