@@ -102,7 +102,7 @@ def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, bristles, count
         power = abs(left.power) + abs(right.power)
         rounding = 1e-13 * (1.0 + abs(vx) + abs(vz))
         # a rescue follows the plate that sticks, whatever the mean speed of the others
-        speed = creep if rescue or force == 0.0 else creep + power / force
+        speed = creep if rescue or force == 0.0 else _slowest(world.rest, creep) + power / force
         enough = _smooth_step(world.tolerance * speed, creep, world.gates)
         if size <= rounding or (force > 0.0 and size <= enough + rounding):
             if creep == slip:
@@ -119,6 +119,14 @@ def _slip(rest, creep, c):
     if rest is None:
         return creep
     return rest / c
+
+
+@inlined
+def _slowest(rest, creep):
+    """The least speed against which a step of Newton's method is small, m/s: at rest it would be a drift."""
+    if rest is None:
+        return creep
+    return 1e-3 * creep
 
 
 @inlined

@@ -1,6 +1,7 @@
 """Bristles: who stands on sand stays where he is, and who walks walks as before."""
 
 import math
+import os
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -101,6 +102,29 @@ def test_the_resting_place_is_the_sands_and_not_the_numerics(zeta, slope, ramp_f
             assert drift(walk) < DRIFT
             places.append(walk.com[-1])
         assert np.ptp(places, axis=0).max() < PLACE
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", range(int(os.environ.get("FOOTOPT_SCENES", 60))))
+def test_any_walker_rests_on_any_sand(scene):
+    """Soles, sands, walkers, slopes and time steps at random; FOOTOPT_SCENES=300 tries more."""
+    rng = np.random.default_rng([2026, scene])
+    zeta, mass = np.exp(rng.uniform(np.log([0.05, 2.0]), np.log([500.0, 200.0])))
+    walker = fo.Walker(mass=mass, g=rng.choice([1.62, 3.71, 9.81]))
+    foot = fo.Foot.from_waypoints(fo.Waypoints().random(1, scene, inside=True)[0])
+    tilt, dt = fo.Slope(rng.uniform(-18.0, 18.0)), rng.choice([1e-2, 5e-3, 1e-3])
+    coarse, fine = (
+        fo.simulate(
+            foot,
+            replace(standing(zeta), walker=walker, effects=(fo.Rest(length), tilt)),
+            fo.Accuracy(dt=step, plates=56),
+        )
+        for step, length in ((dt, 1e-6), (dt / 3.0, 1e-7))
+    )
+    assert coarse.reason == fine.reason
+    if coarse.feasible:  # the softest sands carry nobody
+        assert drift(coarse) < DRIFT
+        assert np.hypot(*(coarse.com[-1] - fine.com[-1])) < PLACE
 
 
 @pytest.mark.slow
