@@ -119,7 +119,7 @@ def _structured(folder: Path, saved: Mapping[str, Any]) -> Any:
     try:
         settings = OmegaConf.merge(Config, saved)
         new = identity.differing(OmegaConf.to_container(settings), saved)
-        why = f"{', '.join(new[:4])}" if new else ""
+        why = ", ".join(new[:4])
     except OmegaConfBaseException as error:
         why = str(error).partition("\n")[0]
     if why:
@@ -157,13 +157,13 @@ def _resume_jobs(
     with locked(folder, shared=True):
         for job in identity.jobs(folder):
             name = job.relative_to(folder)
-            if is_finished(job) and _generations(job) >= longer:
-                continue
-            print(f"job {name}: {' '.join(identity.read(job).words)}", flush=True)
             try:
+                if is_finished(job) and _generations(job) >= longer:
+                    continue
+                print(f"job {name}: {' '.join(identity.read(job).words)}", flush=True)
                 _resume_run(job, changes, words, trusted)
             except Occupied as error:
-                busy += 1
+                busy += not is_finished(job)  # one that is finished is no failure below
                 print(f"job {name}: {error}")
             except (FootoptError, OmegaConfBaseException, OSError) as error:
                 log.error("job %s failed: %s", name, explain(error))
