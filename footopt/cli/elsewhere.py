@@ -12,6 +12,7 @@ from hydra.types import RunMode
 from omegaconf import OmegaConf, open_dict
 
 from footopt.files import identity
+from footopt.studies.reads import CHOICE
 
 #: Groups of settings that say in what world, and how finely, is walked.
 WORLD = ("sand", "gait", "walker", "effects", "scene", "accuracy")
@@ -44,8 +45,9 @@ def in_the_world_of_its_run(settings: Mapping[str, Any], here: Any) -> dict[str,
     default = plain.load_configuration(here.job.config_name, ["study=simulate"], RunMode.RUN)
     with open_dict(default):
         del default["hydra"]
-    given = {word.lstrip("+").partition("=")[0] for word in here.overrides.task}
-    changed = {*identity.differing(settings, OmegaConf.to_container(default, resolve=True)), *given}
+    given = (word.lstrip("+").partition("=")[0] for word in here.overrides.task)
+    named = {name if name in WORLD else CHOICE.get(name, name) for name in given}  # planet: walker.g
+    changed = {*identity.differing(settings, OmegaConf.to_container(default, resolve=True)), *named}
     walked = dict(settings) | {group: run[group] for group in WORLD}
     for name in sorted(changed):  # a group before what is in it
         *above, last = name.split(".")

@@ -17,11 +17,26 @@ from typing import Any
 from omegaconf import OmegaConf
 
 from footopt import studies
-from footopt.cli.paths import absolute
+from footopt.cli.elsewhere import in_the_world_of_its_run
+from footopt.cli.paths import absolute, beside_their_files
 from footopt.files.identity import FILE
 from footopt.studies.settings import Config
 
 STOPPED = 130  # exit code after Ctrl-C, as of any program that a shell stops
+
+
+def resolved(settings: Any, here: Any) -> dict[str, Any]:
+    """The settings that Hydra composed as plain data, with files and the world of a run as they are meant.
+
+    Parameters
+    ----------
+    settings : DictConfig
+        All settings, without Hydra's own.
+    here : HydraConfig
+        Of what, and how.
+    """
+    plain: Any = OmegaConf.to_container(settings, resolve=True)
+    return in_the_world_of_its_run(beside_their_files(plain, here), here)
 
 
 def walk(settings: Mapping[str, Any], folder: Path, words: Sequence[str], resumed: bool = False) -> Any:

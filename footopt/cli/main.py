@@ -12,15 +12,13 @@ from typing import Any
 import hydra
 from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
-from omegaconf import DictConfig, OmegaConf
+from omegaconf import DictConfig
 from omegaconf.errors import OmegaConfBaseException
 
 from footopt import __version__
 from footopt.cli.compose import CONF, help_text
-from footopt.cli.elsewhere import in_the_world_of_its_run
-from footopt.cli.job import STOPPED, tidy, walk
+from footopt.cli.job import STOPPED, resolved, tidy, walk
 from footopt.cli.messages import explain
-from footopt.cli.paths import beside_their_files
 from footopt.cli.resume import resume
 from footopt.cli.sweep import Summary
 from footopt.cli.words import check_dashes, readable
@@ -69,8 +67,7 @@ def _job(settings: DictConfig) -> Any:
     here = HydraConfig.get()
     folder, words = Path(here.runtime.output_dir), list(here.overrides.task)
     try:
-        plain: Any = OmegaConf.to_container(settings, resolve=True)
-        return walk(in_the_world_of_its_run(beside_their_files(plain, here), here), folder, words)
+        return walk(resolved(settings, here), folder, words)
     except KeyboardInterrupt:
         sys.exit(STOPPED)
     except (FootoptError, OmegaConfBaseException, OSError, MemoryError) as error:

@@ -119,7 +119,7 @@ def _structured(folder: Path, saved: Mapping[str, Any]) -> Any:
     try:
         settings = OmegaConf.merge(Config, saved)
         new = identity.differing(OmegaConf.to_container(settings), saved)
-        why = f"{', '.join(new[:4])}" if new else ""
+        why = ", ".join(new[:4])
     except OmegaConfBaseException as error:
         why = str(error).partition("\n")[0]
     if why:
@@ -152,19 +152,18 @@ def _resume_jobs(
     """Go on with every job of a multirun that has no result, or a shorter one than is asked for."""
     from footopt.report import summary
 
-    jobs = sorted((path.parent for path in folder.rglob(identity.FILE)), key=_order)
     longer = dict(changes).get("solver.n_gen", 0)
     busy = 0
     with locked(folder, shared=True):
-        for job in jobs:
+        for job in identity.jobs(folder):
             name = job.relative_to(folder)
-            if is_finished(job) and _generations(job) >= longer:
-                continue
-            print(f"job {name}: {' '.join(identity.read(job).words)}", flush=True)
             try:
+                if is_finished(job) and _generations(job) >= longer:
+                    continue
+                print(f"job {name}: {' '.join(identity.read(job).words)}", flush=True)
                 _resume_run(job, changes, words, trusted)
             except Occupied as error:
-                busy += 1
+                busy += not is_finished(job)  # one that is finished is no failure below
                 print(f"job {name}: {error}")
             except (FootoptError, OmegaConfBaseException, OSError) as error:
                 log.error("job %s failed: %s", name, explain(error))
@@ -176,8 +175,3 @@ def _generations(job: Path) -> float:
     """How many generations the search of a finished job has; any number for what is no search."""
     found = result_of(job) or {}
     return found["solver"]["n_gen"] if "solver" in found else math.inf
-
-
-def _order(job: Path) -> tuple[int, str]:
-    """Sort key of a job's folder: job 10 comes after job 9."""
-    return int(job.name) if job.name.isdecimal() else -1, str(job)

@@ -5,14 +5,13 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from hydra import compose, initialize_config_dir
-from omegaconf import OmegaConf, open_dict
+from omegaconf import open_dict
+from omegaconf.errors import OmegaConfBaseException
 
 from footopt.cli.compose import CONF
-from footopt.cli.elsewhere import in_the_world_of_its_run
-from footopt.cli.job import tidy, walk
+from footopt.cli.job import resolved, tidy, walk
 from footopt.cli.messages import refusal
 from footopt.cli.resume import resume
 from footopt.cli.words import readable
@@ -55,10 +54,7 @@ def run(words: Sequence[str] = (), folder: str | Path | None = None) -> Run:
             here, place = composed.hydra, Path(folder or composed.hydra.run.dir).expanduser()
             with open_dict(composed):
                 del composed["hydra"]
-            plain: Any = OmegaConf.to_container(composed, resolve=True)
-            plain = in_the_world_of_its_run(plain, here)
-    except FootoptError:
-        raise
+            plain = resolved(composed, here)
     except Exception as error:
         if (refused := refusal(error, given)) is None:
             raise
@@ -68,7 +64,7 @@ def run(words: Sequence[str] = (), folder: str | Path | None = None) -> Run:
         walk(plain, place, [word for word in given if not word.startswith("hydra.")])
     except Occupied:
         raise
-    except FootoptError:
+    except (FootoptError, OmegaConfBaseException) as error:
         tidy(place)
-        raise
+        raise refusal(error, given) or error from None
     return load(place)

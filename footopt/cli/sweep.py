@@ -18,8 +18,8 @@ from hydra.experimental.callback import Callback
 from omegaconf import DictConfig, OmegaConf, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
-from footopt.cli.elsewhere import in_the_world_of_its_run
-from footopt.cli.paths import absolute, beside_their_files
+from footopt.cli.job import resolved
+from footopt.cli.paths import absolute
 from footopt.errors import FootoptError
 from footopt.files import identity
 from footopt.files.lock import Occupied, locked
@@ -88,9 +88,7 @@ def _jobs(config: DictConfig) -> Iterator[tuple[str, dict[str, Any], list[str]]]
                 HydraConfig.instance().set_config(settings)
                 here, place = settings.hydra, str(OmegaConf.select(settings, "hydra.sweep.subdir"))
                 del settings["hydra"]
-            plain: Any = OmegaConf.to_container(settings, resolve=True)
-            plain = in_the_world_of_its_run(beside_their_files(plain, here), here)
-            yield place, absolute(plain), list(job)
+            yield place, absolute(resolved(settings, here)), list(job)
     except (HydraException, OmegaConfBaseException, FootoptError):  # the sweeper says so, or the job
         return
     finally:

@@ -9,11 +9,11 @@ from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.errors import HydraException
 
 from footopt.cli.compose import groups
+from footopt.cli.paths import PATHS
 from footopt.errors import FootoptError
 
 #: Settings that name files or folders.
-FILES = ("foot.path", "gait.path", "sand.table", "study.run", "study.runs", "study.store", "study.video",
-         "plugins", "hydra.run.dir", "hydra.sweep.dir")  # fmt: skip
+FILES = (*PATHS, "study.video", "hydra.run.dir", "hydra.sweep.dir")
 
 
 def check_dashes(words: Sequence[str]) -> None:

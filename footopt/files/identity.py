@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from footopt.errors import FileError
+from footopt.errors import ERROR_FILE, FileError
 from footopt.files.reading import is_missing, read_text
 from footopt.files.run import write_text
 
@@ -76,6 +76,18 @@ def read(folder: Path, setting: str = "resume") -> Identity:
 
 def _digest(content: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def jobs(folder: Path) -> list[Path]:
+    """Folders of the jobs of a multirun, in order, whatever hydra.sweep.subdir calls them."""
+    numbered = {path for path in folder.iterdir() if path.name.isdecimal()}
+    named = {path.parent for file in (FILE, ERROR_FILE) for path in folder.rglob(file)}
+    return sorted(numbered | named - {folder}, key=order)
+
+
+def order(folder: Path) -> tuple[str, int, str]:
+    """Sort key of a run's folder: job 10 of a multirun comes after job 9."""
+    return str(folder.parent), int(folder.name) if folder.name.isdecimal() else -1, folder.name
 
 
 def differing(one: Any, other: Any, name: str = "") -> list[str]:

@@ -45,10 +45,10 @@ def locked(folder: Path, shared: bool = False) -> Iterator[None]:
         Another process holds the lock; the message names it.
     """
     place = folder.resolve()
+    folder.mkdir(parents=True, exist_ok=True)
     if fcntl is None or place in _held:
         yield
         return
-    folder.mkdir(parents=True, exist_ok=True)
     path = place / LOCK
     with _acquire(path, shared):
         _held.add(place)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +35,8 @@ class Run:
         Where it left what it found.
     overrides : tuple of str
         What it was given on the command line.
+    settings : mapping
+        All its settings; none if it has not written them down.
     result : mapping, optional
         What its result.json says, if it is about one foot.
     note : str
@@ -48,19 +50,10 @@ class Run:
     place: str
     folder: Path
     overrides: tuple[str, ...] = ()
+    settings: Mapping[str, Any] = field(default_factory=dict)
     result: Mapping[str, Any] | None = None
     note: str = ""
     failed: bool = False
-
-    @property
-    def settings(self) -> Mapping[str, Any]:
-        """All its settings; none if it has not written them down."""
-        if self.result and "settings" in self.result:
-            return dict(self.result["settings"])
-        try:
-            return identity.read(self.folder).settings
-        except FileError:
-            return {}
 
     @property
     def objectives(self) -> dict[str, float]:
@@ -112,7 +105,11 @@ def read_run(folder: Path, name: str, key: str, place: str = "") -> Run:
     FileError
         Its result.json cannot be read.
     """
-    own = (name, key, place, folder, _words(folder))
+    try:
+        settings, words = identity.read(folder)
+    except FileError:  # it has not said what it is
+        settings, words = {}, ()
+    own = (name, key, place, folder, words, settings)
     if (folder / ERROR_FILE).is_file():
         return Run(*own, note=(folder / ERROR_FILE).read_text(encoding="utf-8").strip(), failed=True)
     if not (folder / "result.json").is_file():
@@ -123,11 +120,3 @@ def read_run(folder: Path, name: str, key: str, place: str = "") -> Run:
         return Run(*own, note=f"study={result['study']}: see its own folder")
     note = result.get("reason", "") or ("interrupted" if result.get("interrupted") else "")
     return Run(*own, result=result, note=note)
-
-
-def _words(folder: Path) -> tuple[str, ...]:
-    """What a run was given on the command line; nothing where it has not said so."""
-    try:
-        return identity.read(folder).words
-    except FileError:
-        return ()

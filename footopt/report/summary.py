@@ -9,6 +9,7 @@ from pathlib import Path
 from rich.console import Console
 
 from footopt.errors import FileError
+from footopt.files import identity
 from footopt.files.run import write_csv
 from footopt.report import page, sweeps
 from footopt.report.figures.fronts import fronts as draw_fronts
@@ -30,9 +31,9 @@ def of_multirun(folder: Path) -> int:
     int
         How many jobs failed.
     """
-    jobs = sorted((p for p in folder.iterdir() if p.name.isdigit()), key=lambda p: int(p.name))
-    runs = [read_run(job, f"job {job.name}", job.name) for job in jobs]
-    _compare(folder, runs, f"{len(jobs)} jobs in {folder}")
+    names = [str(job.relative_to(folder)) for job in identity.jobs(folder)]
+    runs = [read_run(folder / name, f"job {name}", name) for name in names]
+    _compare(folder, runs, f"{len(runs)} jobs in {folder}")
     return sum(run.failed for run in runs)
 
 
@@ -107,7 +108,7 @@ def _compare(folder: Path, runs: Sequence[Run], headline: str) -> None:
     shown = table((first, *titles, "hollow (mm)"), words=(first,))
     for run in runs[:SHOWN]:
         own = [override for override in run.overrides if override not in common]
-        label = "\n  ".join([f"{run.name.split()[1]}: {''.join(own[:1])}", *own[1:]])
+        label = "\n  ".join([f"{run.name.partition(' ')[2]}: {''.join(own[:1])}", *own[1:]])
         values = [number(run.objectives.get(name, math.nan)) for name in names]
         shown.add_row(label, *values, number(run.hollow))
     out = console()

@@ -44,17 +44,12 @@ def run_folders(patterns: Sequence[str], own: Path) -> Iterator[Path]:
     seen = {own.resolve()}
     for pattern in patterns:
         multiruns = [Path(path).parent for path in glob(f"{pattern}/multirun.yaml", recursive=True)]
-        jobs = [job for folder in multiruns for job in folder.iterdir() if job.name.isdecimal()]
+        jobs = [job for folder in multiruns for job in identity.jobs(folder)]
         alone = [Path(path).parent for path in glob(f"{pattern}/result.json", recursive=True)]
-        found = sorted({*alone, *jobs}, key=_order)
+        found = sorted({*alone, *jobs}, key=identity.order)
         if not found and not (Path(pattern) / identity.FILE).is_file():
             raise FileError(f"{named(pattern, SETTING)}: not the folder of a run. {TRY}")
         for path in found or [Path(pattern)]:
             if path.resolve() not in seen:
                 seen.add(path.resolve())
                 yield path
-
-
-def _order(folder: Path) -> tuple[str, int, str]:
-    """Sort key of a run's folder: job 10 of a multirun comes after job 9."""
-    return str(folder.parent), int(folder.name) if folder.name.isdecimal() else -1, folder.name

@@ -170,7 +170,7 @@ def load_all(pattern: str | Path) -> Any:
     folders = {path.parent for root in roots if root.is_dir() for path in root.rglob(identity.FILE)}
     if not folders:
         raise FileError(f"pattern = {str(pattern)!r}: no run is there. Try 'outputs/**'.")
-    return pandas.DataFrame([_row(load(folder)) for folder in sorted(folders, key=_order)])
+    return pandas.DataFrame([_row(load(folder)) for folder in sorted(folders, key=identity.order)])
 
 
 def _row(run: Run) -> dict[str, Any]:
@@ -198,11 +198,6 @@ def _leaves(settings: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     for name, value in settings.items():
         found |= _leaves(value, f"{prefix}{name}.") if isinstance(value, Mapping) else {prefix + name: value}
     return found
-
-
-def _order(folder: Path) -> tuple[str, int, str]:
-    """Sort key: job 10 of a multirun comes after job 9."""
-    return str(folder.parent), int(folder.name) if folder.name.isdecimal() else -1, folder.name
 
 
 def configured(settings: Mapping[str, Any], into: Any = None, name: str = "") -> Any:

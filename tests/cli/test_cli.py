@@ -191,6 +191,13 @@ class TestSimulateARun:
             f"Sole (best of memetic) of {size} (length, height, width) on {scene.sand.name} sand"
         )
 
+    def test_a_default_that_is_given_counts(self, tmp_path):
+        moon = ["study=simulate", "planet=moon", "report=none", "accuracy=draft", "hydra.run.dir=moon"]
+        assert footopt(*moon, cwd=tmp_path).returncode == 0
+        (tmp_path / "here").mkdir()
+        _, said = self.simulated(tmp_path / "moon", "planet=earth", "report=none", cwd=tmp_path / "here")
+        assert "g 9.81 m/s^2" in said
+
     def test_another_sole_of_its_space(self, elsewhere, tmp_path):
         k = [1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 8]
         assert self.simulated(elsewhere, f"foot.k={k}".replace(" ", ""), cwd=tmp_path)[0]["design"]["k"] == k

@@ -196,7 +196,7 @@ UNREAD = {
 
 @pytest.mark.parametrize("arguments", UNREAD)
 def test_a_setting_without_effect_is_refused_and_what_reads_it_is_said(arguments, tmp_path, monkeypatch):
-    monkeypatch.setattr("footopt.cli.main.in_the_world_of_its_run", lambda settings, here: settings)
+    monkeypatch.setattr("footopt.cli.job.in_the_world_of_its_run", lambda settings, here: settings)
     done = footopt(*arguments.split(), cwd=tmp_path)
     assert done.returncode == 1
     assert UNREAD[arguments] in done.stderr

@@ -175,6 +175,12 @@ class TestSummary:
         assert not (tmp_path / "sweep" / "seeds.csv").exists()
         assert [row["sand.zeta"] for row in read(tmp_path / "sweep" / "summary.csv")] == ["0.2", "5"]
 
+    def test_folders_may_have_any_name(self, tmp_path):
+        words = [*WALK, "sand=soft,hard", "hydra.sweep.dir=m"]
+        done = footopt("-m", *words, "hydra.sweep.subdir=on_${sand.name}", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert {row["job"] for row in read(tmp_path / "m" / "summary.csv")} == {"on_soft", "on_hard"}
+
     def test_a_job_that_failed_has_its_settings_and_its_reason(self, tmp_path):
         footopt("-m", *WALK, "foot.width=-1,0.1", "hydra.sweep.dir=sweep", cwd=tmp_path)
         rows = read(tmp_path / "sweep" / "summary.csv")
