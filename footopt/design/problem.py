@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from numbers import Real
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -97,7 +96,7 @@ class FootProblem:
         self.limits = dict(limits or {})
         for name, limit in self.limits.items():
             check(name in MEASURES, "constraint", name, f"one of {', '.join(MEASURES)}")
-            good = isinstance(limit, Real) and abs(limit) < np.inf
+            good = isinstance(limit, (int, float, np.number)) and abs(limit) < np.inf
             check(good, f"constraint.{name}", limit, "a number")
         self.choice = choose if isinstance(choose, Choice) else Choice(choose)
         self.choice.check_names(self.names)

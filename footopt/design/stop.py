@@ -40,7 +40,7 @@ class Stop:
         for field in fields(self):
             value = getattr(self, field.name)
             kind, what = (Real, "number") if field.name == "seconds" else (Integral, "whole number")
-            good = value is None or (isinstance(value, kind) and value > 0)
+            good = value is None or (isinstance(value, kind) and float(value) > 0)
             check(good, f"stop.{field.name}", value, f"null, or a {what} > 0")
 
     def reason(self, history: Sequence[Generation], walks: int) -> str:
