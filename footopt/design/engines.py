@@ -16,6 +16,8 @@ from multiprocessing import resource_tracker
 from typing import Any
 from urllib.parse import urlsplit
 
+import numpy as np
+
 from footopt.design.executor import Renewing, handled
 from footopt.errors import FootoptError, SettingError, check
 from footopt.walk.simulate import at_once
@@ -89,7 +91,7 @@ class _Pool(ProcessPoolExecutor):
 
         What counts is how many checks have passed: a terminal's Ctrl-Z stops this process, too.
         """
-        signs = {pid: rest for pid, *rest in batched(list(self._signs), len(SIGN)) if pid}
+        signs = {pid: rest for pid, *rest in np.reshape(self._signs, (-1, len(SIGN))).tolist() if pid}
         working = False
         for pid, process in list((self._processes or {}).items()):
             sign = signs.get(pid, [])
@@ -108,11 +110,6 @@ class _Pool(ProcessPoolExecutor):
         if self._idle >= SILENT:
             log.warning("the workers are idle, but their results are missing: new ones walk again")
         return self._idle >= SILENT
-
-
-def batched(values: list[int], size: int) -> Iterator[list[int]]:
-    """The values, so many at a time."""
-    return (values[i : i + size] for i in range(0, len(values), size))
 
 
 def _begin(signs: Any, count: Any) -> None:
@@ -163,7 +160,8 @@ class Dask(Executor):
         count = at_once(workers, "engine.workers")
         check(0 < timeout <= 1e5, "engine.timeout", timeout, "a time > 0 and <= 1e5, in s")
         try:
-            import cryptography  # noqa: F401  for the keys of a cluster that is started here
+            if address is None:
+                import cryptography  # noqa: F401  for the keys of the cluster
             import dask
             import distributed
         except ImportError as error:

@@ -294,13 +294,10 @@ class Renewing(Executor):
                 self.shutdown(wait=False)
                 if not isinstance(error, (BrokenExecutor, *PASSING)):
                     raise
-                why = (
-                    "it dies at once"
-                    if isinstance(error, BrokenExecutor)
-                    else f"{type(error).__name__}: {error}"
-                )
-                if isinstance(error, TimeoutError):
-                    why = f"it takes over {seconds:g} s"
+                why = f"{type(error).__name__}: {error}"
+                if isinstance(error, (BrokenExecutor, TimeoutError)):
+                    dies = isinstance(error, BrokenExecutor)
+                    why = "it dies at once" if dies else f"it takes over {seconds:g} s"
                 time.sleep(PAUSE)
         if self._executor is None:
             raise FootoptError(

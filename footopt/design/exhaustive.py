@@ -102,7 +102,7 @@ def enumerate_space(
     """Walk with every design of a space that is inside its box.
 
     The solver's pop_size is the number of designs in memory at a time; `progress` is called after each
-    batch. The result is exact, unless `interrupted`.
+    batch. The result is exact, unless `interrupted` or `stopped`.
     """
     check_size(problem)
     started, space = time.perf_counter(), problem.space
@@ -110,7 +110,7 @@ def enumerate_space(
     best = no_designs(problem)
     counts: Counter[str] = Counter()
     history: list[Generation] = []
-    interrupted = False
+    interrupted, stopped = False, ""
     try:
         for number, k in enumerate(batches(space, solver.pop_size), start=1):
             violation, median = space.box_violation(k), nan
@@ -136,7 +136,7 @@ def enumerate_space(
                 )
             )
             if progress is not None and progress(history[-1]) is True:
-                interrupted = True
+                stopped = "by its progress"
                 break
     except KeyboardInterrupt:
         interrupted = True
@@ -146,7 +146,7 @@ def enumerate_space(
         causes = ", ".join(f"{count} {reason}" for reason, count in counts.items())
         raise FootoptError(
             f"No feasible design among {counts.total()}: {causes}. "
-            "Try a larger foot.box_tolerance, or harder sand."
+            "Try a larger foot.box_tolerance, wider limits, or harder sand."
         )
     best = best.take(np.argsort(problem.ranked(best.values), kind="stable"))
     return Enumeration(
@@ -161,5 +161,6 @@ def enumerate_space(
         seconds=time.perf_counter() - started,
         interrupted=interrupted,
         reused=evaluator.reused,
+        stopped=stopped,
         counts=dict(counts),
     )

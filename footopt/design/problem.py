@@ -96,7 +96,8 @@ class FootProblem:
         self.limits = dict(limits or {})
         for name, limit in self.limits.items():
             check(name in MEASURES, "constraint", name, f"one of {', '.join(MEASURES)}")
-            check(abs(limit) < np.inf, f"constraint.{name}", limit, "a number")
+            good = isinstance(limit, (int, float, np.number)) and abs(limit) < np.inf
+            check(good, f"constraint.{name}", limit, "a number")
         self.choice = choose if isinstance(choose, Choice) else Choice(choose)
         self.choice.check_names(self.names)
         self.record = tuple(dict.fromkeys((*RECORD, *names, *self.limits)))

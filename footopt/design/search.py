@@ -91,22 +91,23 @@ def search(
         solver = Solver(**(asdict(solver) | budget))
     opened = Store(store, problem) if isinstance(store, (str, Path)) else nullcontext(store)
     with opened as kept:
-        evaluator, tell = Evaluator(problem, kept, executor), _line(solver) if progress is True else progress
+        evaluator = Evaluator(problem, kept, executor)
+        tell = _line(solver.generations(problem.space)) if progress is True else progress or None
         if solver.name == EXHAUSTIVE:
             for name, given in (("stop", stop not in (None, Stop())), ("start", start is not None)):
                 check(not given, name, name, "left out with solver=exhaustive: it walks with every design")
-            return enumerate_space(problem, solver, tell or None, evaluator)
+            return enumerate_space(problem, solver, tell, evaluator)
         first = None if start is None else problem.space.check(start)
-        return ask_and_tell(problem, solver, tell or None, evaluator, stop or Stop(), first)
+        return ask_and_tell(problem, solver, tell, evaluator, stop or Stop(), first)
 
 
-def _line(solver: Solver) -> Callable[[Generation], None]:
+def _line(generations: int) -> Callable[[Generation], None]:
     """A progress that keeps one line of standard error up to date."""
 
     def show(g: Generation) -> None:
         value = f"best {g.best:.4g}" if math.isfinite(g.best) else f"hypervolume {g.hypervolume:.4g}"
-        end = "\n" if g.generation == solver.n_gen else ""
-        where = f"generation {g.generation}/{solver.n_gen}, {g.evaluations} evaluations"
+        end = "\n" if g.generation == generations else ""
+        where = f"generation {g.generation}/{generations}, {g.evaluations} evaluations"
         print(f"\r{f'{where}, {value}, {g.seconds:.1f} s':<78}", end=end, file=sys.stderr, flush=True)
 
     return show

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from numbers import Integral, Real
 
 from footopt.design.result import Generation
 from footopt.errors import check
@@ -28,7 +29,7 @@ class Stop:
     Raises
     ------
     SettingError
-        A number is not above 0.
+        A number is not above 0, or not whole where it counts.
     """
 
     seconds: float | None = None
@@ -38,7 +39,9 @@ class Stop:
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
-            check(value is None or value > 0, f"stop.{field.name}", value, "null, or a number > 0")
+            kind, what = (Real, "number") if field.name == "seconds" else (Integral, "whole number")
+            good = value is None or (isinstance(value, kind) and float(value) > 0)
+            check(good, f"stop.{field.name}", value, f"null, or a {what} > 0")
 
     def reason(self, history: Sequence[Generation], walks: int) -> str:
         """Why to end now; "" to go on."""

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from footopt.design.exhaustive import batches, check_size
+from footopt.design.fronts import REFERENCE
 from footopt.design.problem import Array, Evaluated, FootProblem, Ints, Words
 from footopt.design.result import SearchResult
 from footopt.errors import FootoptError
 
 BATCH = 4096  # designs that are walked at a time
 CHECKPOINTS = 10  # of a run, at which the front that it has found is measured
-REFERENCE = 1.1  # of the hypervolume, where the exact front spans 0 to 1 in every objective
 REACHED = 0.95  # of the exact hypervolume: counts as having found the front
 
 

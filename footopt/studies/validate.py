@@ -135,9 +135,7 @@ def markdown(chosen: Sequence[Experiment], found: dict[str, list[Comparison]]) -
     lines = ["# The law against experiments", "", summary([c for own in found.values() for c in own]), ""]
     lines += markdown_table(chosen, found)
     for e in chosen:
-        about, reading, source = (
-            " ".join(e.content[part].split()) for part in ("about", "reading", "source")
-        )
+        about, reading, source = words(e, "about", "reading", "source")
         lines += ["", f"## {e.title}", "", about, "", f"![{e.title}](figures/{e.name}.png)", "", reading, ""]
         for name, part in e.content.get("inputs", {}).items():
             lines.append(f"- {name}: {part['value']} ({part['low']} to {part['high']}): {part['why']}")
@@ -146,7 +144,7 @@ def markdown(chosen: Sequence[Experiment], found: dict[str, list[Comparison]]) -
                 f"{100 * q['uncertainty']:g} %" if q.get("relative") else f"{q['uncertainty']:g} {q['unit']}"
             )
             lines.append(f"- uncertainty of the measured {q['name']}: {size.removesuffix(' 1')}; {q['why']}")
-        lines += [f"- source: {source}"]
+        lines.append(f"- source: {source}")
     return "\n".join(lines) + "\n"
 
 

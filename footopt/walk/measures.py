@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 from footopt.foot import Foot
+from footopt.walk import validity
 from footopt.walk.objectives import measure
 from footopt.walk.results import Walk
 from footopt.walk.validity import Diagnostic, diagnose
@@ -22,7 +23,7 @@ def thickness(foot: Foot) -> float:
     return float(foot.top - foot.contour[:, 1].max())
 
 
-@lru_cache(maxsize=1)  # five measures of one walk
+@lru_cache(maxsize=1)  # three measures of one walk
 def _validity(walk: Walk) -> dict[str, Diagnostic]:
     return {d.name: d for d in diagnose(walk)}
 
@@ -30,7 +31,7 @@ def _validity(walk: Walk) -> dict[str, Diagnostic]:
 @measure("walk", r"$z_{\mathrm{ankle}}$", "m", maximise=False, worst=1e3)
 def ankle_depth(walk: Walk) -> float:
     """Largest depth of the ankle below the surface, m: only the sole feels the sand, not the leg."""
-    return _validity(walk)["depth of the ankle"].value
+    return validity.ankle_depth(walk)
 
 
 @measure("walk", r"$\bar v$", "m/s", maximise=False, worst=1e3)

@@ -181,7 +181,8 @@ class Walk:
 
     def judged(self, names: Sequence[str]) -> dict[str, float]:
         """Any measures by name (`footopt.walk.objectives.MEASURES`), natural signs; NaN for a failed walk."""
-        return {m.name: self.objectives[m.name] if m.of == "raw" else self.measured(m) for m in lookup(names)}
+        raw = self.objectives
+        return {m.name: raw[m.name] if m.of == "raw" else self.measured(m) for m in lookup(names)}
 
     def measured(self, measure: Objective) -> float:
         """One that is measured in Python; NaN for a failed walk."""

@@ -11,11 +11,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from footopt.effects import Inertia
 from footopt.effects.rest import rest_length
 from footopt.walk.balances import creep_while_standing
 from footopt.walk.results import Walk
+
+Ints = NDArray[np.int64]
 
 SAMPLES = 600  # instants of the walk that are looked at
 
@@ -36,6 +39,18 @@ class Diagnostic:
         return self.value > self.limit
 
 
+def samples(walk: Walk) -> Ints:
+    """The instants of a walk that are looked at."""
+    return np.unique(np.linspace(0, len(walk.t) - 1, SAMPLES).astype(np.int64))
+
+
+def ankle_depth(walk: Walk) -> float:
+    """Largest depth of an ankle below the surface, m; 0 if none is."""
+    index, walker = samples(walk), walk.scene.walker
+    pose = walk.scene.gait.pose(walk.t[index], walker.l1, walker.l2)
+    return float(max(-(walk.com[index, 1, None] + pose.z).min(), 0.0))
+
+
 def diagnose(walk: Walk) -> list[Diagnostic]:
     """The validity of a walk; an empty list for one without a single step.
 
@@ -43,10 +58,8 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
     """
     if len(walk.t) == 0:
         return []
-    index = np.unique(np.linspace(0, len(walk.t) - 1, SAMPLES).astype(int))
+    index = samples(walk)
     states = walk.plates(index)
-    walker = walk.scene.walker
-    pose = walk.scene.gait.pose(walk.t[index], walker.l1, walker.l2)
     depth = np.maximum(-states.position[..., 1], 0.0)
     lasts = np.diff(walk.t[index], prepend=0.0)[:, None, None]  # s, of the time that a sample stands for
     size = lasts * np.linalg.norm(states.force, axis=-1)
@@ -57,7 +70,6 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
     density = (counted[0] if counted else Inertia()).law.density
     inertia = lasts * density * np.maximum(into, 0.0) ** 2 * states.area * (depth > 0)
     total_force, total_power = max(size.sum(), 1e-300), max(power.sum(), 1e-300)
-    ankle = -(walk.com[index, 1, None] + pose.z)
     return [
         Diagnostic(
             "depth of the sole",
@@ -68,7 +80,7 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
         ),
         Diagnostic(
             "depth of the ankle",
-            float(max(ankle.max(), 0.0)),
+            ankle_depth(walk),
             "m",
             0.0,
             "only the sole feels the sand, not the leg",

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from searching import SMALL, assert_same, problem
 
-from footopt.design import SOLVERS, Solver, Stop, search
+from footopt.design import SOLVERS, FootProblem, Solver, Stop, search
 from footopt.errors import SettingError
 
 BUDGET = {"pop_size": 8, "n_gen": 12, "seed": 1}
@@ -54,6 +54,15 @@ class TestStop:
         with pytest.raises(SettingError, match=rf"stop\.{name} = 0"):
             Stop(**{name: 0})
 
+    @pytest.mark.parametrize(("name", "value"), [("stall", 1.5), ("walks", 2.5), ("seconds", "ten")])
+    def test_what_cannot_be_counted_is_refused_before_the_search(self, name, value):
+        with pytest.raises(SettingError, match=rf"stop\.{name} = .*number > 0"):
+            Stop(**{name: value})
+
+    def test_a_progress_that_returns_true_ends_an_enumeration_too(self):
+        found = search(problem(), "exhaustive", lambda g: g.generation == 2, pop_size=50)
+        assert (len(found.history), found.stopped, found.interrupted) == (2, "by its progress", False)
+
     def test_an_enumeration_has_no_use_for_it(self):
         with pytest.raises(SettingError, match="left out with solver=exhaustive"):
             search(problem(), "exhaustive", stop=Stop(walks=3))
@@ -102,11 +111,24 @@ class TestOperators:
             ("ga", {"CR": 0.5}, "one of crossover_prob"),
             ("memetic", {"crossover_eta": 3.0}, "left out with solver=memetic"),
             ("de", {"F": -1.0}, r"solver\.operators\.F = -1\.0"),
+            ("de", {"CR": 50}, r"solver\.operators\.CR = 50: must be a number from 0 to 1"),
+            ("ga", {"mutation_prob": 90}, r"mutation_prob = 90: must be a number from 0 to 1"),
         ],
     )
     def test_those_that_a_solver_does_not_have_are_refused(self, name, given, said):
         with pytest.raises(SettingError, match=said):
             Solver(name, operators=given).build(1)
+
+
+def test_a_limit_that_is_no_number_is_refused():
+    with pytest.raises(SettingError, match=r"constraint\.work = 'much'"):
+        FootProblem(limits={"work": "much"})
+
+
+def test_progress_true_counts_the_batches_of_an_enumeration(capsys):
+    found = search(problem(), "exhaustive", True, pop_size=50)
+    count = len(found.history)
+    assert f"generation {count}/{count}," in capsys.readouterr().err
 
 
 def test_progress_true_shows_a_line(capsys):

@@ -87,12 +87,9 @@ class Solver:
         for name, value in given.items():
             allowed = f"one of {', '.join(known)}" if known else f"left out with solver={self.name}"
             check(name in known, "solver.operators", name, allowed)
-            check(
-                isinstance(value, (int, float)) and 0 <= value <= 100,
-                f"solver.operators.{name}",
-                value,
-                "a number from 0 to 100",
-            )
+            most = 1 if name == "CR" or name.endswith("_prob") else 100
+            good = isinstance(value, (int, float)) and 0 <= value <= most
+            check(good, f"solver.operators.{name}", value, f"a number from 0 to {most}")
         return SOLVERS[self.name](self, n_obj)
 
 
