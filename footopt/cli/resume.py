@@ -167,7 +167,8 @@ def _resume_jobs(
                 print(f"job {name}: {error}")
             except (FootoptError, OmegaConfBaseException, OSError) as error:
                 log.error("job %s failed: %s", name, explain(error))
-                write_text(job / ERROR_FILE, f"{explain(error)}\n")
+                if not is_finished(job):  # whose result stands
+                    write_text(job / ERROR_FILE, f"{explain(error)}\n")
         return summary.of_multirun(folder) - busy
 
 

@@ -67,4 +67,4 @@ def run(words: Sequence[str] = (), folder: str | Path | None = None) -> Run:
     except (FootoptError, OmegaConfBaseException) as error:
         tidy(place)
         raise refusal(error, given) or error from None
-    return load(place)
+    return load(place, trust=True)

@@ -50,13 +50,23 @@ def locked(folder: Path, shared: bool = False) -> Iterator[None]:
         yield
         return
     path = place / LOCK
-    with _acquire(path, shared):
+    with _acquire(path, shared) as file:
         _held.add(place)
         try:
             yield
         finally:
             _held.remove(place)
-            path.unlink(missing_ok=True)
+            if _alone(file):  # who shares the lock may still be at work
+                path.unlink(missing_ok=True)
+
+
+def _alone(file: IO[str]) -> bool:
+    """Whether nobody else holds the lock that this process has."""
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True
 
 
 def _acquire(path: Path, shared: bool) -> IO[str]:

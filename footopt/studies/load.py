@@ -40,11 +40,14 @@ class Run:
         All its settings, resolved: what the run is.
     words : tuple of str
         What was given on the command line.
+    trusted : bool
+        Whether the plugins that the settings name may be run.
     """
 
     folder: Path
     settings: Mapping[str, Any]
     words: tuple[str, ...] = ()
+    trusted: bool = False
 
     def __repr__(self) -> str:
         best = "; ".join(f"{name} {value:.4g}" for name, value in self.best.items() if value is not None)
@@ -74,6 +77,9 @@ class Run:
     @cached_property
     def scene(self) -> Scene:
         """Where it walked, with the effects that `effects=auto` decided for."""
+        if self.config.plugins and not self.trusted:
+            hint = "Read what they do, then load the run with trust=True."
+            raise FileError(f"{self.folder}: its settings name plugins, which are code. {hint}")
         load_plugins(self.config.plugins)
         effects = self.config.effects
         if not effects.auto:
@@ -96,9 +102,18 @@ class Run:
 
     @property
     def designs(self) -> Any:
-        """Every design that it walked: a pandas DataFrame with the columns of designs.csv."""
+        """Every design that it walked: a pandas DataFrame with the columns of designs.csv.
+
+        Raises
+        ------
+        FileError
+            It has not ended: then `search` reads its store, and walks what is missing.
+        """
         path = self.folder / "designs.csv"
         if not path.is_file():
+            if not self.result:
+                hint = "run.search().to_frame() reads its store, and walks what is missing."
+                raise FileError(f"{self.folder}: has not ended. {hint}")
             return self.search().to_frame()
         pandas = needed("pandas", "Run.designs", "pandas")
         frame = pandas.read_csv(path, keep_default_na=False, na_values={}, dtype={"reason": object})
@@ -137,8 +152,15 @@ class Run:
             return search(problem, solver, store=store)
 
 
-def load(folder: str | Path) -> Run:
+def load(folder: str | Path, trust: bool = False) -> Run:
     """A run that is in a folder, finished or not.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Its folder.
+    trust : bool
+        Whether `Run.scene` may run the plugins that its settings name, which are code.
 
     Raises
     ------
@@ -146,7 +168,7 @@ def load(folder: str | Path) -> Run:
         There is none, or footopt.yaml there has been changed by hand.
     """
     path = Path(folder).expanduser()
-    return Run(path, *identity.read(path, "folder"))
+    return Run(path, *identity.read(path, "folder"), trusted=trust)
 
 
 def load_all(pattern: str | Path) -> Any:

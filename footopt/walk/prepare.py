@@ -25,6 +25,7 @@ NEWTON = 3e-3  # last step of Newton's method over the plates' mean speed; the f
 REST = 4  # longer steps while the walker stands
 HALVINGS = 3  # of a step under control, at most
 ROWS = 5_000_000  # poses of a walk that are tabulated, 112 bytes each; ten minutes take 2.6 million
+KEPT = 4e9  # bytes that the bristles of a traced walk may take
 POSES = 64  # motions whose poses are kept: about 1 MB each, and the time of a few dozen walks
 LONG = ROWS // POSES  # poses of a motion of which only `LONG_ONES` are kept
 LONG_ONES = 2
@@ -74,6 +75,19 @@ def pose_rows(scene: Scene, accuracy: Accuracy) -> float:
     """How many poses a walk needs (`poses`), about."""
     levels = 1 if accuracy.control is None else 2 ** (HALVINGS + 1) - 1
     return scene.duration / accuracy.dt * levels * len(STEPPERS[accuracy.stepper].nodes)
+
+
+def too_long(scene: Scene, accuracy: Accuracy) -> bool:
+    """Whether a walk is too long to be traced: for its poses, or for what its bristles remember."""
+    return pose_rows(scene, accuracy) > ROWS or kept_bytes(scene, accuracy) > KEPT
+
+
+def kept_bytes(scene: Scene, accuracy: Accuracy) -> float:
+    """How much the bristles of a traced walk take at most, in single precision."""
+    if rest_length(scene.effects) is None:
+        return 0.0
+    steps = scene.duration / accuracy.dt * (1 if accuracy.control is None else 2**HALVINGS)
+    return steps * accuracy.plates * 16.0
 
 
 def poses(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ...]]:

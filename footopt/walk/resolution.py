@@ -63,7 +63,7 @@ def estimate_error(
     one = finer(accuracy)
     plates, creep = one["accuracy.plates"].plates, one["accuracy.creep"].creep
     refined = replace(one["accuracy.dt"], plates=plates, creep=creep)
-    if prepare.pose_rows(scene, refined) > prepare.ROWS:
+    if prepare.too_long(scene, refined):
         return dict.fromkeys(names, math.nan)
     coarse, fine = (simulate(foot, scene, a).judged(names) for a in (accuracy, refined))
     return {name: 4.0 / 3.0 * abs(coarse[name] - fine[name]) for name in coarse}
@@ -96,7 +96,7 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
     changes = {
         cause: abs(simulate(walk.foot, walk.scene, one).objectives[worst] - values[worst])
         for cause, one in finer(walk.accuracy).items()
-        if prepare.pose_rows(walk.scene, one) <= prepare.ROWS
+        if not prepare.too_long(walk.scene, one)
     }
     why = CAUSES[max(changes, key=lambda cause: changes[cause])]
     name = f"estimated error of {worst.replace('_', ' ')}"

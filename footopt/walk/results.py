@@ -149,7 +149,7 @@ class Walk:
     power: Array
     work: Array
     start: Array
-    bristles: Array | None
+    bristles: NDArray[np.float32] | None
     reason: str
     totals: dict[str, float]
     evaluations: int
@@ -243,6 +243,6 @@ class Walk:
         pose = self.scene.gait.pose(self.t[i], self.scene.walker.l1, self.scene.walker.l2)
         fill = filler(self.scene.effects)
         sole = self.foot.plates(self.accuracy.plates, self.accuracy.rule, directed=True, fill=fill)
-        held = None if self.bristles is None else self.bristles[i]
+        held = None if self.bristles is None else self.bristles[i].astype(np.float64)
         creep = self.accuracy.creep
         return plate_states(sole, pose, self.com[i], self.velocity[i], self.scene, creep, held=held)

@@ -51,6 +51,13 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
     """
     check_kind(foot, Foot, "foot", "Try fo.Foot.from_waypoints(heights)")
     scene, accuracy = _scene(scene), resolve(accuracy)
+    check(
+        prepare.kept_bytes(scene, accuracy) <= prepare.KEPT,
+        "accuracy.plates",
+        accuracy.plates,
+        f"fewer for a walk of {scene.duration:g} s with effects=rest, which keeps them at every step",
+        "Or take a longer accuracy.dt; evaluate keeps nothing.",
+    )
     directed = effects.laws(scene.effects).directed
     plates = foot.plates(accuracy.plates, accuracy.rule, directed, filler(scene.effects))
     raw, status, counts, trace, kept = _walk(plates, scene, accuracy, sink=True, threads=1, traced=True)
@@ -210,7 +217,7 @@ def _walk(
     sink: bool,
     threads: int | None,
     traced: bool = False,
-) -> tuple[Array, NDArray[np.int64], NDArray[Any], Array, Array | None]:
+) -> tuple[Array, NDArray[np.int64], NDArray[Any], Array, NDArray[np.float32] | None]:
     """Run the compiled loop over a batch: raw results, status, counts, and one design's trace and bristles.
 
     Walks that diverge are repeated with a quarter of the time step, `MAX_REPEATS` times at most.
@@ -231,7 +238,7 @@ def _walk(
 
 def _run(
     plates: Plates, scene: Scene, accuracy: Accuracy, sink: bool, threads: int | None, traced: bool
-) -> tuple[Array, NDArray[np.int64], NDArray[Any], Array, Array | None]:
+) -> tuple[Array, NDArray[np.int64], NDArray[Any], Array, NDArray[np.float32] | None]:
     """`_walk` once, with the given time step."""
     stepper, designs = STEPPERS[accuracy.stepper], len(plates.x)
     times, pose0, tables = prepare.poses(scene, accuracy)
@@ -240,7 +247,9 @@ def _run(
     status, counts = np.empty(designs, np.int64), np.zeros(designs, COUNTS)
     trace = np.full((len(tables[-1]) + 1 if traced else 0, len(TRACE)), np.nan)
     constants = prepare.world(scene, accuracy)
-    kept = None if constants.rest is None else np.zeros((len(trace), 2, 2, soles.x.shape[1]))
+    kept: NDArray[np.float32] | None = None
+    if constants.rest is not None:
+        kept = np.zeros((len(trace), 2, 2, soles.x.shape[1]), np.float32)
 
     def run(begin: int) -> None:
         end = min(begin + BLOCK, designs)

@@ -21,7 +21,7 @@ from footopt.cli.compose import CONF
 from footopt.design import context
 from footopt.errors import FileError
 from footopt.files import identity
-from footopt.files.lock import LOCK
+from footopt.files.lock import LOCK, locked
 
 #: A search that is over at once, of soft sand, which is walked fast.
 SMALL = ["sand=soft", "engine.threads=1", *QUICK]
@@ -226,6 +226,14 @@ class TestLock:
         with locked_by_another(run) as process:
             for words in (["resume=run"], ["hydra.run.dir=run", "sand=soft"]):
                 refused(*words, cwd=tmp_path, says=f"process {process} on {socket.gethostname()} is at work")
+
+    def test_a_lock_that_others_share_stays_when_one_of_them_ends(self, tmp_path):
+        with locked(tmp_path, shared=True):
+            code = "import sys, pathlib; from footopt.files.lock import locked\n"
+            code += "with locked(pathlib.Path(sys.argv[1]), shared=True): pass"
+            subprocess.run([sys.executable, "-c", code, str(tmp_path)], check=True)
+            assert (tmp_path / LOCK).exists()
+        assert not (tmp_path / LOCK).exists()
 
     def test_the_lock_of_a_dead_process_is_taken_over(self, run, tmp_path):
         with locked_by_another(run) as process:

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import footopt as fo
+from footopt.errors import SettingError
 from footopt.walk.contact import contact
-from footopt.walk.prepare import sole, world
+from footopt.walk.prepare import KEPT, kept_bytes, sole, world
 from footopt.walk.state import COUNTS
 
 STILL = fo.Gait.human(start=math.inf)
@@ -51,8 +52,16 @@ def test_the_first_instant_carries_the_weight(flat_foot):
 def test_bristles_stay_in_the_unit_disc_and_sand_forgets_a_foot_that_has_left(ramp_foot):
     walk = fo.simulate(ramp_foot, fo.Scene(effects=(fo.Rest(),)))
     states = walk.plates(np.arange(len(walk.t)))
-    assert np.linalg.norm(walk.bristles, axis=-1).max() < 1.0 + 1e-9
+    assert np.linalg.norm(walk.bristles, axis=-1).max() < 1.0 + 1e-6
     assert (walk.bristles[states.position[..., 1] > 0.0] == 0.0).all()
+
+
+def test_a_walk_whose_memory_would_not_fit_is_refused(ramp_foot):
+    """With the setting to change; its error estimate is then not a number, and evaluate walks on."""
+    long = fo.Scene(t_f=1200.0, effects=(fo.Rest(),))
+    with pytest.raises(SettingError, match=r"accuracy\.plates = 400: must be fewer for a walk of 1200 s"):
+        fo.simulate(ramp_foot, long, "reference")
+    assert kept_bytes(fo.Scene(t_f=60.0, effects=(fo.Rest(),)), fo.Accuracy.named("fine")) < KEPT
 
 
 def test_the_plates_forces_add_up_to_the_walks(ramp_foot):

@@ -110,6 +110,27 @@ class TestLoad:
         run = fo.load(tmp_path / "run")
         assert {n: run.walk().objectives[n] for n in run.best} == run.best
 
+    def test_a_read_walks_nothing(self, made, tmp_path):
+        """Who asks a run that was stopped for its designs is told how to have them."""
+        folder = tmp_path / "stopped"
+        shutil.copytree(made[1].folder, folder)
+        (folder / "designs.csv").unlink(missing_ok=True)
+        (folder / "result.json").unlink()
+        with pytest.raises(FileError, match=r"has not ended\. run\.search\(\)"):
+            _ = fo.load(folder).designs
+
+    def test_code_that_its_settings_name_is_run_only_for_who_trusts_it(self, made, tmp_path):
+        folder = tmp_path / "plugged"
+        shutil.copytree(made[2].folder, folder)
+        settings, words = identity.read(folder)
+        (tmp_path / "mine.py").write_text("raise SystemExit('run')\n")
+        settings = {**settings, "plugins": [str(tmp_path / "mine.py")]}
+        identity.write(folder, settings, words)
+        with pytest.raises(FileError, match=r"name plugins, which are code\..* trust=True"):
+            _ = fo.load(folder).scene
+        with pytest.raises(SystemExit, match="run"):
+            _ = fo.load(folder, trust=True).scene
+
     def test_a_folder_without_a_run_is_refused(self, tmp_path):
         with pytest.raises(FileError, match="not the folder of a run"):
             fo.load(tmp_path)
