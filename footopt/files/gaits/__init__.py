@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from footopt.errors import check
-from footopt.files.gaits.angles import Recording, check_angles, check_period
+from footopt.files.gaits.angles import Recording, check_angles, check_period, recording
 from footopt.files.gaits.c3d import read_c3d
 from footopt.files.gaits.captures import holds_markers, read_capture
-from footopt.files.gaits.coefficients import read_json
+from footopt.files.gaits.coefficients import Coefficients, read_json, write_json
 from footopt.files.gaits.leg import leg_angles
 from footopt.files.gaits.mot import read_mot
 from footopt.files.gaits.strides import Strides, average, cut
@@ -17,7 +17,18 @@ from footopt.files.gaits.table import read_csv
 from footopt.files.gaits.trc import read_trc
 from footopt.files.reading import naming, read_bytes, read_table
 
-__all__ = ["Strides", "average", "check_angles", "check_period", "read_json", "read_strides"]
+__all__ = [
+    "Coefficients",
+    "Strides",
+    "average",
+    "check_angles",
+    "check_period",
+    "cut",
+    "read_json",
+    "read_strides",
+    "recording",
+    "write_json",
+]
 
 ENDINGS = (".json", ".csv", ".trc", ".mot", ".sto", ".c3d")
 
@@ -38,7 +49,7 @@ def read_strides(
     allowed = f"a file that ends in {', '.join(ENDINGS[:-1])} or {ENDINGS[-1]}"
     check(suffix in ENDINGS[1:], "gait.path", str(path), allowed)
 
-    def recording(names: Mapping[str, str]) -> Recording:
+    def read(names: Mapping[str, str]) -> Recording:
         if suffix == ".c3d":
             content = read_bytes(path, "gait", "gait.path")
             return leg_angles(read_c3d(path, content), names, side, max_gap)
@@ -50,4 +61,4 @@ def read_strides(
         return leg_angles(read_trc(text) if suffix == ".trc" else read_capture(text), names, side, max_gap)
 
     with naming(path, "gait.path"):
-        return cut(recording(names or {}))._replace(source=str(path))
+        return cut(read(names or {}))._replace(source=str(path))
