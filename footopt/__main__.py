@@ -7,6 +7,8 @@ import signal
 import sys
 from types import FrameType
 
+from footopt import __version__
+
 NEEDED = 700  # MB of address space, for the libraries and a small run
 
 
@@ -21,6 +23,8 @@ def main() -> None:
             sys.exit(
                 f"footopt: error: `ulimit -v` allows {limit >> 20} MB of address space; {NEEDED} are needed."
             )
+    if "--version" in sys.argv[1:]:
+        return print(f"footopt {__version__}")
     from footopt.cli.main import main as run
 
     run()
