@@ -188,8 +188,11 @@ class TestMarkers:
         ("spoil", "message"),
         [
             (lambda s: "", r"cannot be read as TRC \(no line begins with Frame#"),
-            (lambda s: s.replace("mm", "furlong"), "units are one of mm, .*says 'furlong'"),
-            (lambda s: s.replace("\n10\t", "\n10\tx"), "TRC .line 16: could not convert string"),
+            (
+                lambda s: s.replace("mm", "furlong"),
+                "unit of length must be one of mm, .*is 'furlong'.*gait.units",
+            ),
+            (lambda s: s.replace("\n10\t", "\n10\tx"), "TRC .line 16: .* is no number"),
             (lambda s: "\n".join(s.splitlines()[:6]), "holds no markers"),
             (lambda s: "\n".join(s.splitlines()[:60]), "not one whole stride"),
             (lambda s: s[: s.rindex(".") + 3], "may be cut off: its last number"),
@@ -304,15 +307,18 @@ class TestCaptures:
         ("spoil", "message"),
         [
             (lambda s: s.replace("Trajectories", "Model Outputs"), "no line is Trajectories"),
-            (lambda s: s.replace("\n100\n", "\nfast\n"), "could not convert string to float: 'fast'"),
+            (lambda s: s.replace("\n100\n", "\nfast\n"), "'fast' is no number"),
             (lambda s: s.replace("\n100\n", "\n0\n"), "it says 0 frames a second"),
             (lambda s: s.replace("mm,mm,mm", "mm,cm,mm"), "lengths in mm and in cm"),
-            (lambda s: s.replace("mm,mm,mm", ",,"), "units are one of mm"),
+            (lambda s: s.replace("mm,mm,mm", ",,"), "unit of length must be one of mm"),
             (lambda s: "\n".join(s.splitlines()[:5]) + "\n", "it holds no frames"),
             (lambda s: "\n".join(s.splitlines()[:4]) + "\n", "its header is not whole"),
-            (lambda s: s.replace("\n110,0,", "\n110,0,x"), "line 15: could not convert"),
+            (lambda s: s.replace("\n110,0,", "\n110,0,x"), "line 15: .* is no number"),
             (lambda s: s.replace("KNE", "4711"), "no marker for the right knee"),
-            (lambda s: s.replace("\n110,0,", "\n109,0,"), "with the time increasing"),
+            (
+                lambda s: s.replace("\n110,0,", "\n109,0,"),
+                "the time must increase, and goes from 1.09 s to 1.09 s after row 9 ",
+            ),
         ],
     )
     def test_what_is_wrong_with_one_is_named(self, tmp_path, spoil, message):

@@ -17,7 +17,7 @@ BIG_ENDIAN = 86  # of the processors' codes, that of MIPS
 SIGNS = {85: 13, BIG_ENDIAN: 12}  # the byte with the sign of the scale, by processor (85: DEC); else the 15th
 
 
-def read_c3d(path: str | Path, content: bytes) -> Markers:
+def read_c3d(path: str | Path, content: bytes, units: str | None = None) -> Markers:
     """Read markers from C3D; one whose residual is negative is not seen.
 
     Parameters
@@ -26,24 +26,33 @@ def read_c3d(path: str | Path, content: bytes) -> Markers:
         The file.
     content : bytes
         What is in it.
+    units : str, optional
+        Its unit of length; by default what it says.
     """
     ezc3d = needed("ezc3d", "a gait in C3D", "c3d")
     check_whole(content)
     try:
         file = ezc3d.c3d(str(path))
         point = file["parameters"]["POINT"]
-        names = [str(name).strip() for name in point["LABELS"]["value"]]
-        unit, rate = (point[key]["value"][0] for key in ("UNITS", "RATE"))
+        # a list of labels has at most 255 of them
+        lists = sorted((key for key in point if key.startswith("LABELS")), key=len)
+        names = [str(name).strip() for key in lists for name in point[key]["value"]]
+        unit, rate = (([*point[key]["value"], ""] if key in point else [""])[0] for key in ("UNITS", "RATE"))
         first = int(file["header"]["points"]["first_frame"])
         places = np.asarray(file["data"]["points"], np.float64)[:3].transpose(2, 1, 0)
         residuals = np.asarray(file["data"]["meta_points"]["residuals"], np.float64)[0].T
         places = np.where((residuals >= 0)[..., None], places, np.nan)[:, : len(names)]
-    except Exception as error:  # whatever the library finds
-        raise Unusable(f"cannot be read as C3D ({' '.join(str(error).split())[:160]}).") from None
-    if not 0 < rate < np.inf:
-        raise Unusable(f"cannot be read as C3D (it says {rate:g} frames a second).")
+    except Exception:  # the library's own words help nobody
+        raise Unusable(
+            "cannot be read as C3D (its parameters or its data are damaged). "
+            "Export it again from the program that recorded it."
+        ) from None
+    if not names:
+        raise Unusable("holds no markers (POINT:LABELS is empty).")
+    if not (isinstance(rate, float) and 0 < rate < np.inf):
+        raise Unusable(f"cannot be read as C3D (POINT:RATE is {rate}, and must be the frames a second).")
     times = (first + np.arange(len(places))) / rate
-    return to_markers(times, names, metres(unit) * places)
+    return to_markers(times, names, metres(unit, units) * places)
 
 
 def check_whole(content: bytes) -> None:
