@@ -1,8 +1,10 @@
 """study=credibility measures its evidence, and the docs' page is what it writes."""
 
 import json
+import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from running import footopt
 from study_pages import check_page
