@@ -53,6 +53,8 @@ READS: dict[str, tuple[str, ...]] = {
     "compare": ("study.runs",),
     "doctor": (),
     "validate": ("study.cases",),
+    "calibrate": ("study.tests", "sand.name", "sand.coefficients", "sand.table"),
+    "credibility": (),
 }  # fmt: skip
 
 #: Studies that search soles through waypoints, and no others.

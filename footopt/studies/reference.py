@@ -65,6 +65,7 @@ MEANINGS = {
     "study.run": "Folder of the run whose foot is meant.",
     "study.runs": "Folders of the runs that are compared; * and ** as in a shell.",
     "study.video": "Name of a film of the walk, .gif or .mp4; null: none.",
+    "study.tests": "File of tests with plates, from which zeta is found.",
     "sand.name": "For tables and legends.",
     "sand.zeta": "Scale of the stress map on the Earth; 1 is the generic material.",
     "sand.coefficients": "Of the stress map, N/cm^3; Bm11 and Cm11 are the (-1, 1) terms.",

@@ -120,6 +120,7 @@ class StudyConfig:
     run: str | None = None
     runs: list[str] = field(default_factory=list)
     video: str | None = None
+    tests: str | None = None
 
 
 @dataclass

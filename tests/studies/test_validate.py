@@ -135,6 +135,8 @@ def held(e):
         assert model.found()[(c.experiment, c.quantity, c.law)] == pytest.approx(
             c.size / c.scale, rel=1e-3, abs=1e-6
         )
+        assert [k["verdict"] for k in model.kept() if (k["experiment"], k["quantity"], tuple(k["law"])) ==
+                (c.experiment, c.quantity, c.law)] == [c.verdict]  # fmt: skip
 
 
 @pytest.mark.slow
