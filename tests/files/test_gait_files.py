@@ -215,7 +215,6 @@ class TestMarkers:
 class TestC3d:
     @pytest.mark.parametrize("dialect", ["plug_in_gait", "opensim"])
     def test_angles_come_back(self, tmp_path, dialect):
-        pytest.importorskip("ezc3d")
         t, places = record(HUMAN, dialect)
         places = turned(places, 180)
         hidden = next(name for name in places if "K" in name[1:3])
@@ -229,8 +228,7 @@ class TestC3d:
 
 @pytest.fixture(scope="module")
 def markers():
-    pytest.importorskip("ezc3d")
-    return read_c3d(TREADMILL, TREADMILL.read_bytes())
+    return read_c3d(TREADMILL.read_bytes())
 
 
 class TestRealRecording:
@@ -254,7 +252,6 @@ class TestRealRecording:
 
     @pytest.mark.parametrize(("side", "many"), [("right", 4), ("left", 5)])
     def test_its_strides(self, side, many):
-        pytest.importorskip("ezc3d")
         strides = read_strides(TREADMILL, side=side)
         assert len(strides.periods) == many
         assert strides.periods == pytest.approx(np.full(many, 1.135), abs=0.02)
@@ -263,7 +260,6 @@ class TestRealRecording:
         assert all(rms < 1.0 for _, rms in gait.residual)
 
     def test_both_legs_walk_alike(self):
-        pytest.importorskip("ezc3d")
         phase = np.arange(100) / 100
         right, left = (fo.Gait.from_file(TREADMILL, side=side) for side in ("right", "left"))
         for joint in ("thigh", "knee"):

@@ -57,7 +57,7 @@ def _reader(
 ) -> Callable[[str | None], Recording]:
     """A function that gives a side's leg, of a file that is read once."""
     if suffix == ".c3d":
-        markers = read_c3d(path, read_bytes(path, "gait", "gait.path"), units)
+        markers = read_c3d(read_bytes(path, "gait", "gait.path"), units)
     else:
         text = read_table(path, "gait", "gait.path")
         if suffix in (".mot", ".sto"):
