@@ -260,7 +260,9 @@ def _save_figures(
     study.save("convergence", figures.convergence(history, f"{judge.measure} regret (%)"), caption)
     if study.options.scenarios == "laws":
         caption = "What each foot's hollow is worth under each law: as it is, and with its hollows filled."
-        column, label = judge.record.index(judge.guide), MEASURES[judge.guide].label
+        guide = MEASURES[judge.guide]
+        column, better = judge.record.index(guide.name), "more" if guide.maximise else "less"
+        label = f"{guide.label}: {better} is better"
         filled = convex(judge, feet)[..., column]
         drawn = robust_figures.hollows(compared.values[..., column], filled, compared.names, scenarios, label)
         study.save("hollows", drawn, caption)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
 from footopt.report.figures.heat_map import ROW, draw_heat_map
@@ -79,6 +80,7 @@ def hollows(
         axes.plot(before, rows, "o", color=BLUE, label="as it is")
         axes.plot(after, rows, "s", color=VERMILLION, mfc="white", label="its hollows filled")
         axes.set_title(law)
+        axes.xaxis.set_major_locator(MaxNLocator(5))
         axes.grid(color=GRID, lw=0.6)
         axes.tick_params(axis="y", length=0)
     panels[0].set_yticks(rows, feet)
