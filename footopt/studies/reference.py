@@ -78,6 +78,7 @@ MEANINGS = {
     "gait.start": "When the walker begins to walk, s; .inf: never.",
     "gait.side": "right or left; null: right, or left if it is the only one.",
     "gait.max_gap": "Longest gap of a marker that is filled, s.",
+    "gait.units": "The file's unit of length (mm, cm, m, in) or of angle (deg, rad); null: what it says.",
     "gait.names": "The file's own name of this marker or column; null: a usual one.",
     "foot.shape": "waypoints, one of the five shapes, or outline.",
     "foot.closed": "Whether the whole contour feels the sand, not only the sole.",

@@ -160,6 +160,7 @@ class GaitConfig:
     start: float = Gait.start
     side: str | None = None
     max_gap: float = default(Gait.from_file, "max_gap")
+    units: str | None = None
     names: NamesConfig = field(default_factory=NamesConfig)
 
 

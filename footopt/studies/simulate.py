@@ -36,7 +36,7 @@ def run(study: Study) -> Answer:
     values, errors = walk.judged(names), estimate_error(foot, scene, accuracy, names)
     diagnostics = [*diagnose(walk), *resolution(walk, errors)]
     strides = make_strides(study.config.gait)
-    notes = write_walk(study, walk, {foot.name: walk})
+    notes = [*foot.notes, *write_walk(study, walk, {foot.name: walk})]
     if strides is not None and study.draws:
         study.save("gait", gait_fit(strides, scene.gait))
     record = study.write_result(

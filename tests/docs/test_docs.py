@@ -318,7 +318,6 @@ def place(ground):
 @pytest.fixture
 def c3d(place):
     """walk.c3d: the built-in gait as a camera system records it."""
-    pytest.importorskip("ezc3d", reason="needs footopt[c3d]")
     write_c3d(place / "walk.c3d", *record(fo.Gait.human()))
 
 
