@@ -191,6 +191,7 @@ class TestSimulateARun:
         assert second.startswith(
             f"Sole (best of memetic) of {size} (length, height, width) on {scene.sand.name} sand"
         )
+        assert second.endswith("the generic stress map; faces that trail count, as in the paper")
 
     def test_a_default_that_is_given_counts(self, tmp_path):
         moon = ["study=simulate", "planet=moon", "report=none", "accuracy=draft", "hydra.run.dir=moon"]
