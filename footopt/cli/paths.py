@@ -16,7 +16,8 @@ from footopt.cli.compose import CONF
 from footopt.files.identity import flat
 
 #: Settings that name files or folders to read.
-PATHS = ("foot.path", "gait.path", "sand.table", "study.store", "study.run", "study.runs", "plugins")
+PATHS = ("foot.path", "gait.path", "sand.table", "study.store", "study.run", "study.runs",
+         "study.tests", "plugins")  # fmt: skip
 
 
 def absolute(settings: Mapping[str, Any]) -> dict[str, Any]:

@@ -35,6 +35,7 @@ from footopt.files.gaits import (
 )
 from footopt.files.reading import Unusable, naming
 from footopt.gait import start
+from footopt.gait.fourier import Fourier
 
 Array = NDArray[np.float64]
 
@@ -44,37 +45,6 @@ MISFIT = 10.0  # deg; a larger one anywhere means that a curve jumps or is not o
 HARMONICS = 6  # of the series, where nothing else is asked for
 ANGLES = "angles"  # what messages call a gait that is from no file
 PHASES = 200  # of a stride, at which the angles of a series are checked
-
-
-class Fourier(NamedTuple):
-    """theta(p) = a0 + sum_k a[k-1] cos(2 pi k p) + b[k-1] sin(2 pi k p), in degrees; p in strides."""
-
-    a0: float
-    a: tuple[float, ...]
-    b: tuple[float, ...]
-
-    @classmethod
-    def fit(cls, phase: Array, degrees: Array, harmonics: int) -> Fourier:
-        """The least-squares series through a curve, at phases (n,) in strides and angles (n,) in degrees."""
-        w = 2.0 * np.pi * np.outer(phase, np.arange(1, harmonics + 1))
-        design = np.concatenate([np.ones((len(phase), 1)), np.cos(w), np.sin(w)], axis=1)
-        solution, *_ = np.linalg.lstsq(design, degrees, rcond=None)
-        a0, *ab = map(float, solution)
-        return cls(a0, tuple(ab[:harmonics]), tuple(ab[harmonics:]))
-
-    def at(self, phase: Array) -> tuple[Array, Array]:
-        """Angle (rad) and its derivative in the phase (rad per stride)."""
-        value, rate = np.full_like(phase, self.a0), np.zeros_like(phase)
-        for k, (a, b) in enumerate(zip(self.a, self.b, strict=True), start=1):
-            w = 2.0 * np.pi * k
-            c, s = np.cos(w * phase), np.sin(w * phase)
-            value += a * c + b * s
-            rate += w * (b * c - a * s)
-        return np.radians(value), np.radians(rate)
-
-    def truncated(self, harmonics: int) -> Fourier:
-        """The series up to a harmonic."""
-        return Fourier(self.a0, self.a[:harmonics], self.b[:harmonics])
 
 
 class Pose(NamedTuple):
@@ -161,6 +131,7 @@ class Gait:
         names: Mapping[str, str] | None = None,
         side: str | None = None,
         max_gap: float = 0.2,
+        units: str | None = None,
     ) -> Gait:
         """The gait in a file of coefficients (JSON), angles (CSV, MOT, STO) or markers (TRC, C3D, CSV).
 
@@ -176,6 +147,8 @@ class Gait:
             "right" or "left" leg; by default the right one, or the left one if it is the only one.
         max_gap : float, s
             Longest gap of a marker that is filled.
+        units : str, optional
+            Unit of length of markers (mm, cm, m, in), or of angles (deg, rad); by default what the file says.
 
         Raises
         ------
@@ -186,7 +159,7 @@ class Gait:
         """
         if Path(path).suffix.lower() == ".json":
             return cls._from_json(path, harmonics)
-        return cls.from_strides(read_strides(path, names, side, max_gap), harmonics)
+        return cls.from_strides(read_strides(path, names, side, max_gap, units), harmonics)
 
     @classmethod
     def from_angles(

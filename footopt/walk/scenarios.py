@@ -19,7 +19,7 @@ from footopt.effects import Effect, LeadingEdge, Shadowing
 from footopt.errors import check
 from footopt.foot import Waypoints
 from footopt.gait import Gait
-from footopt.gait.gait import Fourier
+from footopt.gait.fourier import Fourier
 from footopt.sand import Sand
 from footopt.walk.scene import Scene
 
