@@ -15,7 +15,7 @@ from rich.table import Table as RichTable
 from rich.text import Text
 
 from footopt.design import Confirmation, SearchResult
-from footopt.effects import name_of
+from footopt.effects import LeadingEdge, name_of
 from footopt.foot import Foot, Waypoints
 from footopt.report.numbers import change, percent, quantity, title
 from footopt.report.numbers import number as number
@@ -157,7 +157,9 @@ def describe_setup(scene: Scene, foot: Foot | Waypoints) -> str:
         what, length, height = "Soles in a box of", 2.0 * foot.L, foot.H
     else:
         what, (length, height) = f"Sole ({foot.name}) of", np.ptp(foot.contour, axis=0)
-    law = "the generic law" if scene.sand.stress_map == GENERIC else "a law of its own"
+    law = "the generic stress map" if scene.sand.stress_map == GENERIC else "a stress map of its own"
+    if not any(isinstance(effect, LeadingEdge) for effect in scene.effects):
+        law += "; faces that trail count, as in the paper"
     size = " x ".join(f"{1e3 * value:.4g}" for value in (length, height, foot.width))
     return (
         f"Walker: {walker.mass:g} kg, legs {walker.l1:g} + {walker.l2:g} m, g {walker.g:g} m/s^2; "

@@ -1,6 +1,8 @@
 """The effect audit: what an effect changes in a scene, and whether that matters."""
 
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -61,3 +63,15 @@ def test_effects_together_change_what_is_walked_and_say_what_is_beyond_each_alon
     beyond = both / none - with_edge / none * (with_shade / none)
     np.testing.assert_allclose(joint.extra, np.percentile(np.abs(beyond), 95.0, axis=0))
     assert joint.extra.max() > 0.01  # they are not independent of each other
+
+
+@pytest.mark.slow
+def test_the_docs_have_what_pairs_change_beyond_each_alone():
+    """Row of the paper's walk, in effects.md."""
+    text = (Path(__file__).parents[2] / "docs" / "effects.md").read_text(encoding="utf-8")
+    (row,) = re.findall(r"^\| `walk` \|(.*)\|$", text, re.M)
+    feet = fo.Waypoints().random(40, seed=1, inside=True)
+    effects = (fo.LeadingEdge(), fo.Inertia(), fo.Shadowing())
+    found = [100.0 * joint.extra.max() for joint in interactions(effects, fo.Scene(), feet)]
+    said = [float(cell) for cell in row.split("|") if cell.strip()]
+    assert said == pytest.approx(found, rel=0.05)
