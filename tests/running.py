@@ -29,6 +29,12 @@ from footopt.cli.compose import CONF
 UNRENDERED = Path(__file__).parent / "unrendered"
 LIMIT = 300  # s, for a process
 
+
+def tries(few):
+    """How often a fault is made: FOOTOPT_TRIES times, or the few that always are."""
+    return int(os.environ.get("FOOTOPT_TRIES") or few)
+
+
 #: A search that is over at once.
 QUICK = ["accuracy=draft", "solver.pop_size=10", "solver.n_gen=3"]
 #: About a second of search, so that a signal has something to hit.
@@ -136,6 +142,13 @@ def ended(run, limit=300):
     except subprocess.TimeoutExpired:
         run.send_signal(signal.SIGABRT)  # Python's faulthandler writes the stack
         raise AssertionError(f"hangs: {run.communicate()[1]}") from None
+
+
+def descendants(pid):
+    """Processes that a process has started, and those that these have."""
+    threads = Path(f"/proc/{pid}/task").glob("*/children")
+    found = {int(word) for thread in threads for word in thread.read_text().split()}
+    return found.union(*(descendants(child) for child in found))
 
 
 def stored(folder):

@@ -300,11 +300,16 @@ class Renewing(Executor):
                     why = "it dies at once" if dies else f"it takes over {seconds:g} s"
                 time.sleep(PAUSE)
         if self._executor is None:
-            raise FootoptError(
-                f"engine=processes: a worker cannot start ({why}). `ulimit -a` shows what is allowed. A "
-                'script that searches has to do so below `if __name__ == "__main__":`, as workers import it.'
-            )
+            raise FootoptError(f"engine=processes: {cannot_start(why)}")
         return self._executor
+
+
+def cannot_start(why: str) -> str:
+    """What is said where workers do not start."""
+    return (
+        f"a worker cannot start ({why}). `ulimit -a` shows what is allowed. A script that searches has to "
+        'do so below `if __name__ == "__main__":`, as workers import it.'
+    )
 
 
 def _first_answer(executor: Executor) -> int:

@@ -21,7 +21,17 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from running import BRIEF, ended, folder_of, footopt, outcome, program, started, wait_for_designs
+from running import (
+    BRIEF,
+    descendants,
+    ended,
+    folder_of,
+    footopt,
+    outcome,
+    program,
+    started,
+    wait_for_designs,
+)
 from searching import SMALL, assert_same, problem, stop_after
 
 import footopt as fo
@@ -248,6 +258,17 @@ class TestSettings:
         with pytest.raises(SettingError) as error:
             make_executor(**settings)
         assert words in str(error.value)
+
+    @pytest.mark.parametrize(
+        "error", [RuntimeError("Nanny failed to start."), OSError(24, "Too many open files")]
+    )
+    def test_a_cluster_that_cannot_start_is_said(self, error, monkeypatch):
+        distributed = pytest.importorskip("distributed", reason="needs the extra footopt[dask]")
+        monkeypatch.setattr(distributed, "LocalCluster", mock.Mock(side_effect=error))
+        with pytest.raises(
+            FootoptError, match=r"engine=dask: a worker cannot start \(.*(Nanny|files).*ulimit"
+        ):
+            Dask(workers=1)
 
     def test_a_missing_extra_is_named(self, monkeypatch):
         monkeypatch.setitem(sys.modules, "distributed", None)
@@ -666,13 +687,6 @@ def listening(family):
                 text = ".".join(map(str, reversed(raw))) if size == 4 else raw.hex()
                 found.add((text, int(port, 16)))
     return found
-
-
-def descendants(pid):
-    """Processes that a process has started, and those that these have."""
-    threads = Path(f"/proc/{pid}/task").glob("*/children")
-    found = {int(word) for thread in threads for word in thread.read_text().split()}
-    return found.union(*(descendants(child) for child in found))
 
 
 def assert_gone(family):
