@@ -11,6 +11,7 @@ from typing import Any
 
 from numba import config, njit
 from numba.core.caching import FunctionCache, IndexDataCacheFile, _cache_log
+from numba.extending import register_jitable
 
 log = logging.getLogger("footopt")
 
@@ -21,9 +22,16 @@ FAST = {"contract", "reassoc", "arcp", "nsz"}
 #: Every function under the walk's loop is inlined by force: a function with a symbol of its own may be
 #: taken from another compilation of the same source, which rounds otherwise. A walk then differed in its
 #: last bits between the process that compiled it and those that load it from the cache on disk.
-INLINE = {"error_model": "numpy", "forceinline": True}
-inlined = njit(**INLINE)
-inlined_fast = njit(fastmath=FAST, **INLINE)
+#:
+#: From Python they are Python: they have no entry of their own there, which is a third of the compiling.
+INLINE = {
+    "error_model": "numpy",
+    "forceinline": True,
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+}
+inlined = register_jitable(**INLINE)
+inlined_fast = register_jitable(fastmath=FAST, **INLINE)
 
 
 class _Files(IndexDataCacheFile):  # type: ignore[misc]  # numba has no types

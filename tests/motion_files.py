@@ -27,15 +27,21 @@ PELVIS = {
 }
 
 
-def record(gait, dialect="opensim", strides=5.3, rate=100.0, speed=1.0, noise=0.0, phase=0.37, seed=1):
-    """Markers of a walk: t (n,) and places by name, each (n, 3) = forward, left, up, m."""
+def record(
+    gait, dialect="opensim", strides=5.3, rate=100.0, speed=1.0, noise=0.0, phase=0.37, seed=1, apart=0.5,
+    climb=0.0,
+):  # fmt: skip
+    """Markers of a walk: t (n,) and places by name, each (n, 3) = forward, left, up, m.
+
+    The legs are `apart` by a part of a stride; the hip goes up by `climb`, m/s.
+    """
     rng = np.random.default_rng(seed)
     t = np.arange(round(strides * gait.period * rate)) / rate
     right = phase + t / gait.period
-    hip = np.stack([speed * t, 0 * t, 0.82 + 0.02 * np.cos(4 * np.pi * right)], axis=1)
+    hip = np.stack([speed * t, 0 * t, 0.82 + climb * t + 0.02 * np.cos(4 * np.pi * right)], axis=1)
     names, left_name = DIALECTS[dialect]
     places = {}
-    for side, p in ((-1.0, right), (1.0, right + 0.5)):
+    for side, p in ((-1.0, right), (1.0, right + apart)):
         thigh, knee, foot = (series.at(p)[0] for series in (gait.thigh, gait.knee, gait.foot))
         at = hip + np.array([0.0, side * 0.09, 0.0])
         joints = [at]
@@ -87,14 +93,23 @@ def write_trc(path, t, places, unit=1000.0, units="mm", blank=True, empty=""):
     return path
 
 
-def write_mot(path, gait, names, knee_sign=1.0, degrees=True, said=True, strides=4.3, rate=100.0, tilt=5.0):
-    """Angles as OpenSim's inverse kinematics writes them, for the right leg."""
-    t = np.arange(round(strides * gait.period * rate)) / rate
-    p = 0.2 + t / gait.period
+def write_mot(
+    path, gait, names, knee_sign=1.0, degrees=True, said=True, strides=4.3, rate=100.0, tilt=5.0, other=None,
+    t=None, phase=None,
+):  # fmt: skip
+    """Angles as OpenSim's inverse kinematics writes them, for the right leg; `other` is the phase by which
+    the left one is ahead of it, in strides.
+    """
+    t = np.arange(round(strides * gait.period * rate)) / rate if t is None else t
+    p = phase(t) if phase else 0.2 + t / gait.period
     thigh, knee, foot = (np.degrees(s.at(p)[0]) for s in (gait.thigh, gait.knee, gait.foot))
     columns = [np.full_like(t, tilt), thigh - tilt, knee_sign * knee, foot - thigh + knee]
+    if other is not None:
+        left, bent = (np.degrees(s.at(p + other)[0]) for s in (gait.thigh, gait.knee))
+        columns += [left - tilt, knee_sign * bent]
+        names = (*names, *(name.replace("_r", "_l") for name in names[1:3]))
     rows = np.stack([t, *(c if degrees else np.radians(c) for c in columns)], axis=1)
-    head = ["Coordinates", "version=1", f"nRows={len(t)}", "nColumns=5"]
+    head = ["Coordinates", "version=1", f"nRows={len(t)}", f"nColumns={len(columns) + 1}"]
     if said:
         head.append(f"inDegrees={'yes' if degrees else 'no'}")
     table = ["\t".join(f"{v:.8f}" for v in row) for row in rows]

@@ -13,7 +13,7 @@ import subprocess
 import sys
 import threading
 import time
-from contextlib import closing, redirect_stderr, redirect_stdout
+from contextlib import closing, redirect_stderr, redirect_stdout, suppress
 from pathlib import Path
 
 import matplotlib.figure
@@ -135,20 +135,29 @@ def wait_for(run, words, limit=300):
     raise AssertionError(f"no {words!r}: {ended(run)[1]}")
 
 
+def children(pid):
+    """Processes that a process has started."""
+    threads = Path(f"/proc/{pid}/task").glob("*/children")
+    return {int(word) for thread in threads for word in thread.read_text().split()}
+
+
+def descendants(pid):
+    """Processes that a process has started, and those that these have."""
+    found = children(pid)
+    return found.union(*(descendants(child) for child in found))
+
+
 def ended(run, limit=300):
     """What a run says until it ends; if it does not, where it hangs."""
     try:
         return run.communicate(timeout=limit)
     except subprocess.TimeoutExpired:
+        family = descendants(run.pid)
         run.send_signal(signal.SIGABRT)  # Python's faulthandler writes the stack
-        raise AssertionError(f"hangs: {run.communicate()[1]}") from None
-
-
-def descendants(pid):
-    """Processes that a process has started, and those that these have."""
-    threads = Path(f"/proc/{pid}/task").glob("*/children")
-    found = {int(word) for thread in threads for word in thread.read_text().split()}
-    return found.union(*(descendants(child) for child in found))
+        for pid in family:  # one that is stopped would keep the pipes open
+            with suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        raise AssertionError(f"hangs: {run.communicate(timeout=60)[1]}") from None
 
 
 def stored(folder):

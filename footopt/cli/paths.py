@@ -12,7 +12,8 @@ from hydra.core.global_hydra import GlobalHydra
 from hydra.types import RunMode
 
 #: Settings that name files or folders to read.
-PATHS = ("foot.path", "gait.path", "sand.table", "study.store", "study.run", "study.runs", "plugins")
+PATHS = ("foot.path", "gait.path", "sand.table", "study.store", "study.run", "study.runs",
+         "study.tests", "plugins")  # fmt: skip
 
 
 def absolute(settings: Mapping[str, Any]) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from urllib.parse import urlsplit
 
 import numpy as np
 
-from footopt.design.executor import PASSING, PATIENCE, Renewing, cannot_start, handled, within
+from footopt.design.executor import CANNOT_START, PASSING, PATIENCE, Renewing, handled, within
 from footopt.errors import FootoptError, SettingError, check
 from footopt.walk.simulate import at_once
 
@@ -202,7 +202,7 @@ class Dask(Executor):
                     self._cluster = within(PATIENCE[-1], make)
             except PASSING as error:
                 why = f"{type(error).__name__}: {error}".removesuffix(": ")
-                raise FootoptError(f"engine=dask: {cannot_start(why)}") from None
+                raise FootoptError(f"engine=dask: {CANNOT_START.format(why)}") from None
         try:
             self._client = distributed.Client(self._cluster or address, timeout=timeout, set_as_default=False)
         except OSError:

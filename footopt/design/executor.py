@@ -12,12 +12,14 @@ import _thread
 import math
 import os
 import pickle
+import signal
 import socket
 import time
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, wait
 from contextlib import suppress
-from functools import cached_property, partial
+from functools import cached_property
+from multiprocessing import forkserver
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -35,6 +37,10 @@ EACH = 32  # chunks that a worker gets of a large batch: what one is slower at, 
 SHARE = 0.05  # of a batch's time that may go into such a balance
 LARGEST = 4096  # designs in a chunk
 KNOWN = 8  # problems that a worker keeps
+CANNOT_START = (
+    "a worker cannot start ({}). `ulimit -a` shows what is allowed. A script that searches has to do so "
+    'below `if __name__ == "__main__":`, as workers import it.'
+)
 PATIENCE = (15.0, 15.0, 60.0)  # s, for a new executor's first worker, each time that one is made
 
 
@@ -147,11 +153,12 @@ class Chunks:
         overhead = getattr(self.executor, "overhead", OVERHEAD)
         parts = [places[part] for part in chunks(len(k), workers_of(self.executor), self._cost, overhead)]
         futures: list[Future[Any]] = []
+        gone = False  # with the workers that had them
         try:
             for part in parts:  # one by one: what is under way is cancelled if another cannot be
                 futures.append(self.executor.submit(walk_chunk, name, content, k[part]))  # noqa: PERF401
             while wait(futures, timeout=1.0).not_done:
-                if getattr(self.executor, "check", bool)():
+                if gone := getattr(self.executor, "check", bool)():
                     break
             outcomes = [_outcome(future) if future.done() else None for future in futures]
         except FootoptError:
@@ -164,7 +171,7 @@ class Chunks:
                 "finished generations is kept: resume. footopt.design.Renewing replaces such an executor."
             ) from None
         finally:
-            for future in futures:
+            for future in () if gone else futures:  # to a pool that ends, a cancelled one is an error
                 future.cancel()
         done = [(part, o) for part, o in zip(parts, outcomes, strict=True) if o is not None]
         self._cost = sum(o.seconds for _, o in done if isinstance(o, Walked)) / len(k)
@@ -287,33 +294,34 @@ class Renewing(Executor):
         why = ""
         for seconds in PATIENCE if self._executor is None else ():
             try:
-                self._executor = self._make()
-                within(seconds, partial(_first_answer, self._executor))
+                made = self._executor = self._make()
+                within(seconds, lambda executor=made: executor.submit(os.getpid).result())
                 break
             except BaseException as error:
                 self.shutdown(wait=False)
                 if not isinstance(error, (BrokenExecutor, *PASSING)):
                     raise
                 why = f"{type(error).__name__}: {error}"
+                if isinstance(error, TimeoutError):
+                    end_fork_server()
                 if isinstance(error, (BrokenExecutor, TimeoutError)):
                     dies = isinstance(error, BrokenExecutor)
                     why = "it dies at once" if dies else f"it takes over {seconds:g} s"
                 time.sleep(PAUSE)
         if self._executor is None:
-            raise FootoptError(f"engine=processes: {cannot_start(why)}")
+            raise FootoptError(f"engine=processes: {CANNOT_START.format(why)}")
         return self._executor
 
 
-def cannot_start(why: str) -> str:
-    """What is said where workers do not start."""
-    return (
-        f"a worker cannot start ({why}). `ulimit -a` shows what is allowed. A script that searches has to "
-        'do so below `if __name__ == "__main__":`, as workers import it.'
-    )
+def end_fork_server() -> None:
+    """End the process that starts workers: if it is stopped, no worker ever starts; the next has another.
 
-
-def _first_answer(executor: Executor) -> int:
-    return executor.submit(os.getpid).result()
+    To other executors of this process their workers have died then. Only where none has started.
+    """
+    server: Any = forkserver
+    if pid := getattr(server._forkserver, "_forkserver_pid", None):  # the standard library has no name for it
+        with suppress(OSError):
+            os.kill(pid, signal.SIGKILL)
 
 
 def within(seconds: float, function: Callable[[], Result]) -> Result:

@@ -37,6 +37,8 @@ def write_dxf(path: Path, sole: Array, outline: Array) -> Path:
     for layer, colour, points, closed in ((OUTLINE, 7, outline, True), (SOLE, 1, sole, False)):
         document.layers.add(layer, color=colour)
         space.add_lwpolyline((MM * points).tolist(), "xy", close=closed, dxfattribs={"layer": layer})
+    low, high = ((*(MM * corner).tolist(), 0.0) for corner in (outline.min(axis=0), outline.max(axis=0)))
+    space.reset_extents(low, high)  # what a viewer shows at first
     with write_whole(path) as new:
         document.saveas(new)
     return path

@@ -160,8 +160,11 @@ def number(cell: str) -> float:
         The cell holds something else.
     """
     if "_" in cell or not cell.isascii():
-        raise ValueError(f"could not convert string to float: {cell[:40]!r}")
-    value = float(cell)
+        raise ValueError(f"{cell[:40]!r} is no number")
+    try:
+        value = float(cell)
+    except ValueError:
+        raise ValueError(f"{cell[:40]!r} is no number") from None
     if abs(value) > LARGEST:
         raise ValueError(f"{cell[:40]!r} is no measured number")
     return value

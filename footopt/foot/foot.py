@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +44,8 @@ class Foot:
         Whether the sides and the top feel the sand too, or only the sole.
     top : float, m
         z_p of the flat top.
+    notes : tuple of str
+        What of its file was left out.
 
     Raises
     ------
@@ -59,6 +61,7 @@ class Foot:
     space: Waypoints | None = None
     closed: bool = False
     top: float = 0.0
+    notes: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", one_line(self.name))
@@ -171,8 +174,9 @@ class Foot:
         SettingError
             A setting cannot be used.
         """
-        contour = soles.read(path, **options)
-        return cls(contour, width, (ankle[0], ankle[1]), Path(path).stem, closed=closed, top=top)
+        sole = soles.read(path, **options)
+        foot = cls(sole.points, width, (ankle[0], ankle[1]), Path(path).stem, closed=closed, top=top)
+        return replace(foot, notes=sole.notes)
 
     def points(self, steps: int) -> Array:
         """Points at equal steps along the sole's arc, (steps + 1, 2), m."""

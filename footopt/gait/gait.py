@@ -153,6 +153,7 @@ class Gait:
         names: Mapping[str, str] | None = None,
         side: str | None = None,
         max_gap: float = 0.2,
+        units: str | None = None,
     ) -> Gait:
         """The gait in a file of coefficients (JSON), angles (CSV, MOT, STO) or markers (TRC, C3D, CSV).
 
@@ -168,6 +169,8 @@ class Gait:
             "right" or "left" leg; by default the right one, or the left one if it is the only one.
         max_gap : float, s
             Longest gap of a marker that is filled.
+        units : str, optional
+            Unit of length of markers (mm, cm, m, in), or of angles (deg, rad); by default what the file says.
 
         Raises
         ------
@@ -178,7 +181,7 @@ class Gait:
         """
         if Path(path).suffix.lower() == ".json":
             return cls._from_json(path, harmonics)
-        return cls.from_strides(read_strides(path, names, side, max_gap), harmonics)
+        return cls.from_strides(read_strides(path, names, side, max_gap, units), harmonics)
 
     @classmethod
     def from_strides(cls, strides: Strides, harmonics: int = 6) -> Gait:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import textwrap
 import threading
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 import numpy as np
@@ -15,7 +15,7 @@ from rich.table import Table as RichTable
 from rich.text import Text
 
 from footopt.design import Confirmation, SearchResult
-from footopt.effects import name_of
+from footopt.effects import LeadingEdge, name_of
 from footopt.foot import Foot, Waypoints
 from footopt.report.numbers import change, percent, quantity, title
 from footopt.report.numbers import number as number
@@ -76,6 +76,7 @@ def objective_table(
     errors: dict[str, float],
     gain: bool = False,
     shares: bool = True,
+    turned: Mapping[str, Sequence[str]] | None = None,
 ) -> RichTable:
     """Objectives (rows) of feet (columns).
 
@@ -91,6 +92,8 @@ def objective_table(
         Whether to show the change from the second foot to the first.
     shares : bool
         Whether to show each factor's share in the gain of J_W, if there is one.
+    turned : mapping, optional
+        Laws under which the two feet change places, by objective: their changes are marked.
     """
     (first, values), *others = feet
     titles = ["objective", "unit", first, "error", *(title for title, _ in others)]
@@ -105,10 +108,13 @@ def objective_table(
         cells = [f"{name.replace('_', ' ')} ({'max' if o.maximise else 'min'})", o.unit, number(value)]
         cells += [percent(abs(errors[name] / value)) if value else "-", *(number(v[name]) for _, v in others)]
         if gain:
-            cells += [change(name, value, base[name])]
+            cells += [change(name, value, base[name]) + (" *" if name in (turned or {}) else "")]
             if gained:
                 cells += [f"{100 * parts[name] + 0.0:.1f} %" if name in parts else ""]
         shown.add_row(*cells)
+    if turned:
+        by = "; ".join(f"{name.replace('_', ' ')}: {', '.join(laws)}" for name, laws in turned.items())
+        shown.caption = f"* another law turns the order of the two feet round ({by})"
     return shown
 
 
@@ -151,7 +157,9 @@ def describe_setup(scene: Scene, foot: Foot | Waypoints) -> str:
         what, length, height = "Soles in a box of", 2.0 * foot.L, foot.H
     else:
         what, (length, height) = f"Sole ({foot.name}) of", np.ptp(foot.contour, axis=0)
-    law = "the generic law" if scene.sand.stress_map == GENERIC else "a law of its own"
+    law = "the generic stress map" if scene.sand.stress_map == GENERIC else "a stress map of its own"
+    if not any(isinstance(effect, LeadingEdge) for effect in scene.effects):
+        law += "; faces that trail count, as in the paper"
     size = " x ".join(f"{1e3 * value:.4g}" for value in (length, height, foot.width))
     return (
         f"Walker: {walker.mass:g} kg, legs {walker.l1:g} + {walker.l2:g} m, g {walker.g:g} m/s^2; "

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from footopt.errors import FileError
-from footopt.files.reading import named, number, read_table
+from footopt.files.columns import read_columns
+from footopt.files.reading import named
 from footopt.sand.law import StressMap
 
 Array = NDArray[np.float64]
 
-COLUMNS = ("beta", "gamma", "alpha_x", "alpha_z")
+COLUMNS = {"beta": "deg", "gamma": "deg", "alpha_x": "N/cm^3", "alpha_z": "N/cm^3"}
 MISFIT = 0.35  # of a column's rms; no law of this form is in such a table
 GAIN = 0.1  # of the table's rms; more power than noise explains comes out of such a sand
 STRESSES = (1e-3, 50.0)  # largest stress of a table, N/cm^3; the hardest sand in the literature has 2
@@ -41,7 +41,8 @@ def fit_table(path: str | Path) -> tuple[StressMap, tuple[float, float]]:
         The file cannot be read, lacks a column, holds something that is not a number, has too few
         different angles to determine nine coefficients, or no sand can have such stresses.
     """
-    table = _read(path)
+    columns, _ = read_columns(path, "sand", "sand.table", COLUMNS)
+    table = np.stack([columns[name] for name in COLUMNS], axis=1)
     _check_units(path, table)
     b, g = np.radians(table[:, 0]), np.radians(table[:, 1])
     terms_x = [np.cos(2 * b + g), np.cos(g), np.cos(-2 * b + g), np.sin(2 * b)]
@@ -70,36 +71,6 @@ def fit_table(path: str | Path) -> tuple[StressMap, tuple[float, float]]:
             "N/cm^3 at beta = 45, gamma = 90 deg). Check the sign of beta: counter-clockwise, + toe up.",
         )
     return found, (error_x, error_z)
-
-
-def _read(path: str | Path) -> Array:
-    """The table's four columns, (rows, 4)."""
-    reader = csv.DictReader(read_table(path, "sand", "sand.table").splitlines(), skipinitialspace=True)
-    rows = []
-    try:
-        header = list(reader.fieldnames or [])
-        if missing := [c for c in COLUMNS if c not in header]:
-            raise _wrong(
-                path,
-                f"the header lacks {', '.join(missing)}; "
-                f"the columns must be {', '.join(COLUMNS)} (deg, deg, N/cm^3, N/cm^3).",
-            )
-        if twice := next((c for c in COLUMNS if header.count(c) > 1), None):
-            raise _wrong(path, f"two columns are called {twice!r}. Which one is it?")
-        for line in reader:
-            try:
-                rows.append([number(line[c]) for c in COLUMNS])
-                if None in line:  # more cells than the header has, as with decimal commas
-                    raise ValueError
-            except (TypeError, ValueError):
-                shown = [*(line[c] for c in COLUMNS), *(line.get(None) or [])][:8]
-                raise _wrong(path, f"line {reader.line_num}: not four numbers: {shown}.") from None
-    except csv.Error as error:
-        raise _wrong(path, f"not a table ({error}).") from None
-    table = np.array(rows, float).reshape(-1, 4)
-    if not np.isfinite(table).all():
-        raise _wrong(path, "holds a value that is not finite.")
-    return table
 
 
 def _least_squares(path: str | Path, terms: list[Array], target: Array) -> tuple[list[float], float]:

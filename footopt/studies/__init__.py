@@ -15,7 +15,8 @@ from footopt.studies.settings import SEARCHES, Config
 STUDIES: dict[str, Callable[[Any], Any] | None] = dict.fromkeys(
     (
         "optimize", "simulate", "accuracy", "stability", "effects", "shapes", "paper", "trust", "robust",
-        "sensitivity", "export", "compare", "doctor", "validate",
+        "sensitivity", "export", "compare", "doctor", "validate", "calibrate",
+        "credibility",
     )
 )  # fmt: skip
 

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
-from footopt.effects import Inertia, LeadingEdge, Shadowing
+import numpy as np
+from rich.table import Table
+from rich.text import Text
+
 from footopt.errors import check
-from footopt.foot import Foot
+from footopt.foot import Foot, Waypoints
+from footopt.report import terminal
 from footopt.studies.base import Study
 from footopt.studies.build import make_scene
 from footopt.studies.settings import Config
-from footopt.walk import FIVE, Scene
+from footopt.walk import FIVE, Scene, evaluate
 from footopt.walk.accuracy import TOLERANCES
-from footopt.walk.audit import Audit, audit, parameters
-
-#: Effects with parameters from the literature, which `effects=auto` decides on. The others say what the
-#: ground is like, which only the user knows.
-DECIDABLE: tuple[type[Any], ...] = (LeadingEdge, Inertia, Shadowing)
+from footopt.walk.audit import QUANTILE, Audit, Joint, audit, parameters
+from footopt.walk.calls import LITERATURE, Call, calls
 
 TOLERANCE = 0.01  # where neither the effects nor the accuracy state one
 RANDOM_FEET = 40  # that decide for a search
@@ -32,8 +34,35 @@ def tolerance(config: Config) -> float:
     return config.accuracy.tolerance or TOLERANCES.get(config.accuracy.name, TOLERANCE)
 
 
-def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene, list[dict[str, Any]]]:
+@dataclass(frozen=True)
+class Chosen:
+    """What `effects=auto` decided.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is simulated.
+    audits, calls : list of dict
+        For result.json; empty unless `effects.auto`.
+    left_out : dict of float
+        Relative change of each objective by the effects that are left out, all together.
+    """
+
+    scene: Scene
+    audits: list[dict[str, Any]] = field(default_factory=list)
+    calls: list[dict[str, Any]] = field(default_factory=list)
+    left_out: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def entry(self) -> dict[str, Any]:
+        """In result.json."""
+        return {"effects_audit": self.audits, "scene_calls": self.calls, "left_out": self.left_out}
+
+
+def choose_effects(study: Study, foot: Foot | None = None) -> Chosen:
     """The scene of a study, with the effects that `effects=auto` decides for.
+
+    The table of the scene's numbers is shown first, with a warning for each outside of what was tested.
 
     Parameters
     ----------
@@ -44,27 +73,65 @@ def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene, list[
 
     Returns
     -------
-    scene : Scene
-        What is simulated.
-    audits : list of dict
-        For result.json; empty unless `effects.auto`.
+    Chosen
+        The scene, and why.
     """
     config = study.config
     if not config.effects.auto:
-        return study.scene, []
+        return Chosen(study.scene)
     scene = make_scene(replace(config, effects=replace(config.effects, auto=False)))
     feet: Any = [foot] if foot else study.space.random(RANDOM_FEET, seed=study.seed, inside=True)
     limit = tolerance(config)
-    undecided = [kind() for kind in DECIDABLE if not any(isinstance(e, kind) for e in scene.effects)]
+    called = calls(scene, soles(feet, study.space), limit)
+    study.say(calls_table(called))
+    undecided = [kind() for kind in LITERATURE if not any(isinstance(e, kind) for e in scene.effects)]
     found: list[Audit] = []
     with study.compiling("a walk for each effect"):
         for effect in undecided:  # each where those that matter are on: inertia acts on faces that lead
             found.append(audit(effect, scene, feet, study.accuracy, limit, study.space))
             if found[-1].matters:
                 scene = replace(scene, effects=(*scene.effects, effect))
+        left = tuple(a.effect for a in found if not a.matters)
+        with_left = replace(scene, effects=(*scene.effects, *left))
+        walked = [evaluate(feet, s, study.accuracy, space=study.space).values for s in (scene, with_left)]
     for a in found:
         study.say(f"effects=auto: {a.name.replace('_', ' ')} {a.verdict}")
-    return scene, [audit_entry(a) for a in found]
+    for words in (c.warning for c in called if c.warning):
+        terminal.warn(study.console, f"effects=auto: outside of what was tested: {words}.")
+    change = np.abs(walked[1] / walked[0] - 1.0)
+    change = change[np.isfinite(change).all(axis=1)]
+    sizes = np.percentile(change, QUANTILE, axis=0).tolist() if left and len(change) else [0.0] * len(FIVE)
+    left_out = dict(zip(FIVE, sizes, strict=True))
+    return Chosen(scene, [audit_entry(a) for a in found], [call_entry(c) for c in called], left_out)
+
+
+def soles(feet: Any, space: Waypoints) -> list[Foot]:
+    """Feet as objects: they are, or are heights in a space."""
+    return [foot if isinstance(foot, Foot) else Foot.from_waypoints(foot, space) for foot in feet]
+
+
+def calls_table(found: Sequence[Call]) -> Table:
+    """The numbers of a scene for the terminal."""
+    words = ("effect", "number", "source", "verdict")
+    shown = terminal.table(("effect", "number", "value", "limit", "source", "verdict"), words)
+    shown.title = "What the scene calls for, estimated before it is walked"
+    for c in found:
+        values = (f"{c.value:.2g}", f"{c.threshold:g}")
+        style = "yellow" if c.above and not c.on else ""
+        shown.add_row(c.name, c.number, *values, c.source, Text(f"{c.kind}: {c.verdict}", style=style))
+    return shown
+
+
+def call_entry(c: Call) -> dict[str, Any]:
+    """A number of a scene in result.json."""
+    return {**asdict(c), "verdict": c.verdict}
+
+
+def joint_entry(j: Joint) -> dict[str, Any]:
+    """Effects together in result.json."""
+    parts = {"changes": j.changes, "extra": j.extra}
+    each = {name: dict(zip(FIVE, part.tolist(), strict=True)) for name, part in parts.items()}
+    return {"effects": j.names, **each, "walks_lost": j.lost}
 
 
 def audit_entry(a: Audit) -> dict[str, Any]:

@@ -100,9 +100,9 @@ def make_strides(config: GaitConfig) -> Strides | None:
     return read_strides(config.path, *_reading(config))
 
 
-def _reading(config: GaitConfig) -> tuple[dict[str, str], str | None, float]:
+def _reading(config: GaitConfig) -> tuple[dict[str, str], str | None, float, str | None]:
     names = {key: name for key, name in vars(config.names).items() if name is not None}
-    return names, config.side, config.max_gap
+    return names, config.side, config.max_gap, config.units
 
 
 def make_spread(config: Config) -> Spread:

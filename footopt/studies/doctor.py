@@ -30,7 +30,6 @@ from footopt.walk.simulate import available_threads
 EXTRAS = {
     "SALib": ("sensitivity", "study=sensitivity"),
     "cadquery-ocp-novtk": ("cad", "soles as STEP files"),
-    "ezc3d": ("c3d", "gaits in C3D files"),
     "pandas": ("pandas", "to_frame()"),
     "xarray": ("xarray", "to_dataset()"),
     "distributed": ("dask", "engine=dask"),

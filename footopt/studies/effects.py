@@ -10,13 +10,14 @@ from rich.table import Table
 from footopt.effects import EFFECTS, Effect, LeadingEdge
 from footopt.errors import check
 from footopt.report import terminal
-from footopt.report.figures.effects import changes
+from footopt.report.figures.effects import changes, pairs
 from footopt.sand import Sand
-from footopt.studies.auto_effects import audit_entry, tolerance
+from footopt.studies.auto_effects import audit_entry, call_entry, calls_table, joint_entry, soles, tolerance
 from footopt.studies.base import Study
 from footopt.studies.record import scene_entry
 from footopt.walk import FIVE, Scene, evaluate
-from footopt.walk.audit import Audit, audit, percent, switched
+from footopt.walk.audit import Audit, Joint, audit, interactions, percent, switched
+from footopt.walk.calls import LITERATURE, calls
 
 #: The leading edge is always audited on these: faces that trail do a fifth to a half of the work.
 SANDS = ("soft", "regular", "hard")
@@ -25,6 +26,7 @@ HEADER = (
     "effect", "sand", *(f"change_{n}" for n in FIVE), *(f"shift_{n}" for n in FIVE),
     "tau", "lost", "feet", "cost", "tolerance", "matters", "verdict",
 )  # fmt: skip
+PAIRS = ("effects", *(f"change_{n}" for n in FIVE), *(f"extra_{n}" for n in FIVE), "lost")
 
 
 def run(study: Study) -> None:
@@ -33,6 +35,7 @@ def run(study: Study) -> None:
     check(2 <= count <= 10_000, "study.feet", count, "2, to rank them, to 10,000")
     scene, space, limit = study.scene, study.space, tolerance(study.config)
     feet = space.random(count, seed=study.seed, inside=True)
+    called = calls(scene, soles(feet, space), limit)
     audits = to_audit(scene)
     found: list[Audit] = []
     with study.compiling("a walk for each effect"):
@@ -42,21 +45,37 @@ def run(study: Study) -> None:
         for effect, where in audits:
             found.append(audit(effect, where, feet, study.accuracy, limit, space))
             step(news=f"{found[-1].name.replace('_', ' ')} on {where.sand.name} sand")
+    together = [effect for effect, where in audits if where is scene and is_possible(effect, scene)]
+    with study.compiling("a walk for each pair of effects"):
+        joints = interactions(together, scene, feet, study.accuracy, space)
     study.write_csv("effects.csv", HEADER, [_row(a) for a in found])
+    study.write_csv("pairs.csv", PAIRS, [["+".join(j.names), *j.changes, *j.extra, j.lost] for j in joints])
     caption = "What each effect changes in every objective, against the change that matters."
     study.save("effects", changes(found), caption)
+    caption = "What effects change together, beyond what each changes alone."
+    study.save("pairs", pairs(joints, limit), caption)
     study.conclude(
         "What each effect changes",
-        [table(found)],
+        [calls_table(called), table(found), pairs_table(joints)],
         {
+            "calls": [call_entry(c) for c in called],
+            "interactions": [joint_entry(j) for j in joints],
             "seed": study.seed,
             "feet": feet.tolist(),
             **scene_entry(scene, study.accuracy, ()),
             "audit": [audit_entry(a) for a in found],
             "called_for": sorted({a.name for a in found if a.matters and a.scene.sand == scene.sand}),
         },
-        said=[f"{a.name.replace('_', ' ')} on {a.scene.sand.name} sand {a.verdict}" for a in found],
+        said=[
+            *(f"{a.name.replace('_', ' ')} on {a.scene.sand.name} sand {a.verdict}" for a in found),
+            *(f"Outside of what was tested: {c.warning}." for c in called if c.warning),
+        ],
     )
+
+
+def is_possible(effect: Effect, scene: Scene) -> bool:
+    """Whether an effect goes into pairs: it may be true of any sand, or the scene has it."""
+    return isinstance(effect, LITERATURE) or effect in scene.effects
 
 
 def to_audit(scene: Scene) -> list[tuple[Effect, Scene]]:
@@ -89,4 +108,17 @@ def table(found: Sequence[Audit]) -> Table:
         cells = [f"{'+' if shift > 0 else '-'}{percent(100 * change)}" for change, shift in pairs]
         cells += [f"{a.tau:.2f}", f"x {a.cost:.2f}", "yes" if a.matters else "no"]
         shown.add_row(a.name.replace("_", " "), a.scene.sand.name, *cells)
+    return shown
+
+
+def pairs_table(found: Sequence[Joint]) -> Table:
+    """Interactions for the terminal, in %."""
+    shown = terminal.table(
+        ("effects together", *(n.replace("_", " ") for n in FIVE), "walks lost"),
+        words=("effects together",),
+        title="change beyond what each effect makes alone, not exceeded by 95 % of the feet (%)",
+    )
+    for j in found:
+        cells = [percent(100.0 * e) for e in j.extra]
+        shown.add_row(" + ".join(j.names).replace("_", " "), *cells, str(j.lost))
     return shown

@@ -28,6 +28,7 @@ from footopt.report import figures, page, terminal
 from footopt.report.figures.search import history_label
 from footopt.report.numbers import objective_quantity
 from footopt.report.progress import report_generations
+from footopt.studies import ranks
 from footopt.studies.auto_effects import choose_effects
 from footopt.studies.base import Study
 from footopt.studies.build import check_searchable, make_problem
@@ -47,7 +48,8 @@ def run(study: Study) -> Answer:
     check_searchable(config.foot)
     check_film(study)
     solver = Solver(**vars(config.solver))
-    scene, audits = choose_effects(study)
+    chosen = choose_effects(study)
+    scene = chosen.scene
     problem = make_problem(config, scene)
     choice = problem.choice
     if solver.name == EXHAUSTIVE:  # what does not fit is refused before the search
@@ -69,6 +71,11 @@ def run(study: Study) -> Answer:
     errors = estimate_error(best, scene, finer, problem.record)
     values, base = walk.judged(problem.record), flat.judged(problem.record)
     diagnostics = [*diagnose(walk), *resolution(walk, errors)]
+    rivals, turns = result.k[confirmed.designs[: options.finalists]], []
+    if study.reports:
+        with study.compiling("a walk for each law"):
+            flat_k = np.full(problem.space.n, problem.space.K)
+            turns = ranks.ranks(problem, rivals, flat_k, options.spread.zeta)
 
     if study.reports:
         files.write_designs(study.folder / "designs.csv", result.columns)
@@ -80,13 +87,14 @@ def run(study: Study) -> Answer:
             "design": foot_entry(best),
             "objectives": values,
             "error_estimate": errors,
-            "model_error": (model := model_error(walk)),
+            "model_error": (model := model_error(walk, chosen.left_out)),
+            "ranks": ranks.entry(turns),
             "flat": base,
             "gain_shares": gain_shares(values, base),
             **scene_entry(scene, finer, problem.record),
             **_search_entry(result, confirmed, options.finalists),
             **validity_entry(diagnostics),
-            "effects_audit": audits,
+            **chosen.entry,
             "notes": notes,
         }
     )
@@ -107,7 +115,10 @@ def run(study: Study) -> Answer:
         terminal.describe_search(result),
         terminal.describe_confirmation(confirmed),
         f"{which}: {terminal.describe_foot(best)}",
-        terminal.objective_table(feet, problem.record, errors, gain=True, shares=by_j),
+        terminal.objective_table(
+            feet, problem.record, errors, gain=True, shares=by_j, turned=ranks.turned_by(turns)
+        ),
+        *ranks.describe(turns, len(rivals)),
         *describe(model),
     )
     for words in _warnings(problem, values, base, by_j):

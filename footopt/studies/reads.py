@@ -53,6 +53,8 @@ READS: dict[str, tuple[str, ...]] = {
     "compare": ("study.runs",),
     "doctor": (),
     "validate": ("study.cases",),
+    "calibrate": ("study.tests", "sand.name", "sand.coefficients", "sand.table"),
+    "credibility": (),
 }  # fmt: skip
 
 #: Studies that walk with one foot, of any shape.
@@ -70,7 +72,7 @@ FEET: dict[str, tuple[str, ...]] = {
 FEET["reversed_triangle"] += ("foot.apex",)
 FEET["reversed_l"] += ("foot.upright",)
 
-RECORDED = ("gait.names", "gait.side", "gait.max_gap")
+RECORDED = ("gait.names", "gait.side", "gait.max_gap", "gait.units")
 
 #: The setting that the choice of a group sets, where it is not its name.
 CHOICE = {"foot": "foot.shape", "objective": "objective.names", "planet": "walker.g", "effects": "effects"}

@@ -126,6 +126,7 @@ class StudyConfig:
     run: str | None = None
     runs: list[str] = field(default_factory=list)
     video: str | None = None
+    tests: str | None = None
 
 
 @dataclass
@@ -165,6 +166,7 @@ class GaitConfig:
     start: float = Gait.start
     side: str | None = None
     max_gap: float = default(Gait.from_file, "max_gap")
+    units: str | None = None
     names: NamesConfig = field(default_factory=NamesConfig)
 
 

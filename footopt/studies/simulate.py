@@ -27,7 +27,8 @@ def run(study: Study) -> Answer:
     check_film(study)
     folder, k, accuracy = study.options.run, study.config.foot.k, study.accuracy
     foot = study.foot if folder is None else foot_of(Path(folder), k)
-    scene, audits = choose_effects(study, foot)
+    chosen = choose_effects(study, foot)
+    scene = chosen.scene
     study.say(terminal.describe_setup(scene, foot))
     with study.compiling():
         walk = simulate(foot, scene, accuracy)
@@ -35,7 +36,7 @@ def run(study: Study) -> Answer:
     values, errors = walk.judged(names), estimate_error(foot, scene, accuracy, names)
     diagnostics = [*diagnose(walk), *resolution(walk, errors)]
     strides = make_strides(study.config.gait)
-    notes = write_walk(study, walk, {foot.name: walk})
+    notes = [*foot.notes, *write_walk(study, walk, {foot.name: walk})]
     if strides is not None and study.draws:
         study.save("gait", gait_fit(strides, scene.gait))
     record = study.write_result(
@@ -45,12 +46,12 @@ def run(study: Study) -> Answer:
             "reason": walk.reason,
             "objectives": values,
             "error_estimate": errors,
-            "model_error": (model := model_error(walk)),
+            "model_error": (model := model_error(walk, chosen.left_out)),
             **scene_entry(scene, accuracy, names),
             **validity_entry(diagnostics),
             "notes": notes,
             "gait_file": strides.notes if strides is not None else [],
-            "effects_audit": audits,
+            **chosen.entry,
         }
     )
     if study.reports:

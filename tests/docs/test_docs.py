@@ -46,6 +46,8 @@ SMALL = {
     "export": {},
     "compare": {},
     "doctor": {},
+    "calibrate": {},
+    "credibility": {},
     "shapes": {"accuracy": "draft"},
     "accuracy": {"study.feet": "2", "study.quick": "true"},
     "stability": {"study.cases": "['standing, zeta 5','2 kg']", "study.methods": "[sdirk2,explicit_euler]"},
@@ -285,7 +287,8 @@ def ground(tmp_path_factory):
     folder = tmp_path_factory.mktemp("docs")
     shutil.copytree(ROOT / "examples", folder / "examples")
     for source, name in (("gait/walk.trc", "walk.trc"), ("gait/walk.mot", "walk.mot"),
-                         ("sole/rocker.csv", "sole.csv"), ("sand/stresses.csv", "stresses.csv")):  # fmt: skip
+                         ("sole/rocker.csv", "sole.csv"), ("sand/stresses.csv", "stresses.csv"),
+                         ("sand/plates.csv", "plates.csv")):  # fmt: skip
         shutil.copy(ROOT / "examples" / source, folder / name)
     fo.Foot.from_file(folder / "sole.csv").to_file(folder / "sole.dxf")
     for text in TEXTS.values():
@@ -315,7 +318,6 @@ def place(ground):
 @pytest.fixture
 def c3d(place):
     """walk.c3d: the built-in gait as a camera system records it."""
-    pytest.importorskip("ezc3d", reason="needs footopt[c3d]")
     write_c3d(place / "walk.c3d", *record(fo.Gait.human()))
 
 

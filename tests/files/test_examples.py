@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import footopt as fo
+from footopt.sand.calibration import calibrate
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -28,6 +29,13 @@ def test_the_gaits_are_the_built_in_one(name):
         for mine, true in zip((gait, human), (human, gait), strict=True):
             angles = [np.degrees(getattr(g, joint).at(np.arange(200) / 200)[0]) for g in (mine, true)]
             assert np.ptp(angles[0]) == pytest.approx(np.ptp(angles[1]), abs=2.5)
+
+
+def test_the_plates_are_of_the_zeta_that_their_page_names():
+    found = calibrate(EXAMPLES / "sand" / "plates.csv")
+    assert not found.zeta.excludes(0.8)
+    assert not found.exponent.excludes(1.0)
+    assert found.warnings == []
 
 
 def test_the_sand_is_six_tenths_of_the_generic_one():

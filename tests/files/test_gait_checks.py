@@ -71,7 +71,6 @@ CHECKS = {
 def test_a_check_says_what_it_saw(check, tmp_path):
     make, said = CHECKS[check]
     if check == "cut off":
-        pytest.importorskip("ezc3d", reason="needs footopt[c3d]")
         path = tmp_path / "walk.c3d"
         write_c3d(path, *record(HUMAN, strides=4.3, rate=60.0))
         path.write_bytes(path.read_bytes()[:-2048])

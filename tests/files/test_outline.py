@@ -6,7 +6,8 @@ import pytest
 
 import footopt as fo
 from footopt.errors import FileError, SettingError
-from footopt.files.soles import lower_edge, read
+from footopt.files import soles
+from footopt.files.soles import lower_edge
 
 HOLLOW = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
 #: A closed outline in mm, clockwise, its lower edge from (-120, -10) over (0, -30) to (130, -12).
@@ -56,6 +57,10 @@ def polygon(points, name="a"):
 
 def same(found, expected, exact=1e-12):
     np.testing.assert_allclose(found, expected, rtol=0, atol=exact)
+
+
+def read(path, **settings):
+    return soles.read(path, **settings).points
 
 
 class TestFootoptsOwnFiles:
@@ -202,7 +207,7 @@ class TestSettings:
 
 class TestWhatIsNoSole:
     def test_several_outlines_are_listed(self, svg):
-        path = svg(polygon(OUTLINE) + '<g id="screw"><circle cx="20" cy="5" r="4"/></g>')
+        path = svg(polygon(OUTLINE) + '<g id="screw"><circle cx="20" cy="45" r="4"/></g>')
         with pytest.raises(
             FileError, match=r"holds 2: a closed outline of 250 x 50 mm; .* 8 x 8 mm on 'screw"
         ):

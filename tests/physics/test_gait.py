@@ -260,9 +260,12 @@ class TestFromCsv:
             ),
             (lambda rows: rows[:32], r"the thigh is \d+\.\d deg from where it began"),
             (lambda rows: rows[:1] + rows[1::6], "at least 14 rows for 6 harmonics"),
-            (lambda rows: rows[:1] + rows[:0:-1], "with the time increasing"),
-            (lambda rows: [*rows[:4], "0.05,much,1,1", *rows[5:]], "line 5: could not convert .* 'much'"),
-            (lambda rows: [*rows[:4], "0.05,nan,1,1", *rows[5:]], "finite, with the time increasing"),
+            (lambda rows: rows[:1] + rows[:0:-1], "the time must increase"),
+            (lambda rows: [*rows[:4], "0.05,much,1,1", *rows[5:]], "line 5: 'much' is no number"),
+            (
+                lambda rows: [*rows[:4], "0.05,nan,1,1", *rows[5:]],
+                "row 4 of the data, at 0.05 s, has a value that is not finite",
+            ),
         ],
     )
     def test_what_is_wrong_with_one_is_named(self, tmp_path, spoil, message):

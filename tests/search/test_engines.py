@@ -21,17 +21,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from running import (
-    BRIEF,
-    descendants,
-    ended,
-    folder_of,
-    footopt,
-    outcome,
-    program,
-    started,
-    wait_for_designs,
-)
+from running import BRIEF, descendants, ended, folder_of, footopt, outcome, program, started, wait_for_designs
 from searching import SMALL, assert_same, problem, stop_after
 
 import footopt as fo
@@ -343,6 +333,18 @@ class TestProcesses:
         for victim in victims:
             assert f"worker process {victim} has been silent for 3 s" in caplog.text
         assert not workers_now() & set(victims)
+
+    @pytest.mark.slow
+    def test_a_stopped_fork_server_is_replaced(self, monkeypatch):
+        """It is the process that starts the workers: while it is stopped, none ever starts."""
+        monkeypatch.setattr(executor_module, "PATIENCE", (3.0, 60.0))
+        forkserver.ensure_running()
+        server = forkserver._forkserver._forkserver_pid
+        os.kill(server, signal.SIGSTOP)
+        p, k = problem(), SMALL.random(5, seed=1)
+        with design.processes(1) as executor:
+            assert Evaluator(p, None, executor)(k)[0].tobytes() == p.walk(k)[0].tobytes()
+        assert_gone({server})
 
     @pytest.mark.slow
     def test_a_worker_that_works_for_long_is_left_alone(self, processes, monkeypatch, caplog):

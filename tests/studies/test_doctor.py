@@ -88,15 +88,15 @@ def test_code_that_is_not_compiled_is_found_and_the_self_test_skipped(tmp_path):
 @pytest.mark.usefixtures("one_sand")
 def test_a_package_that_is_not_there_is_no_fault_and_said_how_to_get(tmp_path, monkeypatch):
     def without(name):
-        if name == "ezc3d":
+        if name == "pandas":
             raise PackageNotFoundError(name)
         return "1.0"
 
     monkeypatch.setattr(doctor, "version", without)
     examine(tmp_path)
-    said = findings(tmp_path)["ezc3d"]["found"]
-    assert 'pip install "footopt[c3d]"' in said
-    assert ["ezc3d", said, ""] in data_of(tmp_path)["tables"][0]["rows"]
+    said = findings(tmp_path)["pandas"]["found"]
+    assert 'pip install "footopt[pandas]"' in said
+    assert ["pandas", said, ""] in data_of(tmp_path)["tables"][0]["rows"]
 
 
 @pytest.mark.usefixtures("one_sand")

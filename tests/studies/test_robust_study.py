@@ -11,11 +11,13 @@ from study_pages import check_page
 
 import footopt as fo
 from footopt import studies
+from footopt.design.robust import RobustProblem
 from footopt.errors import FootoptError, SettingError
 from footopt.files.gaits import read_strides
+from footopt.report.figures.robust import hollows
 from footopt.studies import robust as study
 from footopt.studies.build import make_spread
-from footopt.walk.scenarios import sands
+from footopt.walk.scenarios import laws, sands
 
 SANDS = sands(fo.Scene())
 #: A study that takes a second.
@@ -122,6 +124,21 @@ class TestStudy:
         ):
             with pytest.raises(SettingError, match=message):
                 studies.run(composed(*BRIEF, "study.scenarios=drawn", setting), tmp_path, {})
+
+    def test_a_hollow_that_is_filled_is_the_sole_s_hull_under_every_law(self):
+        space = fo.Waypoints(n=5)
+        judge = RobustProblem(laws(fo.Scene()), ("efficiency",), space, "draft")
+        feet = {"hollow": np.array([2, 9, 2, 9, 2]), "convex": np.array([1, 5, 6, 5, 1])}
+        filled, plain = study.convex(judge, feet), judge.walk_each(np.array(list(feet.values())))[0]
+        column = judge.record.index("efficiency")
+        own = [fo.Foot.from_waypoints(k, space) for k in feet.values()]
+        assert own[0].hollow > 0.005
+        assert own[1].hollow == 0.0
+        np.testing.assert_array_equal(filled[:, 1], plain[:, 1])  # which has none
+        hull = fo.evaluate(own[:1], fo.Scene(effects=(fo.Shadowing(0.0),)), "draft").efficiency[0]
+        assert filled[0, 0, column] == filled[2, 0, column] == hull != plain[0, 0, column]
+        figures = hollows(plain[..., column], filled[..., column], list(feet), ["a", "b", "c", "d"], "J")
+        assert len(figures.axes) == 4
 
     def test_an_interrupted_search_says_which(self, monkeypatch, tmp_path):
         stopped = type("Stopped", (), {"interrupted": True})

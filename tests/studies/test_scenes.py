@@ -15,6 +15,7 @@ from footopt.studies import build
 from footopt.studies.stability import judge
 from footopt.studies.stability_cases import CASES
 from footopt.studies.stability_judges import Setup
+from footopt.studies.validation.model import model_error
 
 K = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)
 #: Cases without effects of their own, and within a minute.
@@ -113,6 +114,10 @@ def test_the_study_from_the_command_line(tmp_path):
     )
     check_page(tmp_path / "out")
     assert "leading edge on soft sand changes" in done.stdout
+    sets = [set(j["effects"]) for j in result["interactions"]]
+    assert sets[-1] == {"leading_edge", "inertia", "shadowing"}
+    assert [len(s) for s in sets] == [2, 2, 2, 3]
+    assert {c["kind"] for c in result["calls"]} == {"effect", "tested range", "not in footopt"}
 
 
 @pytest.mark.slow
@@ -134,6 +139,11 @@ def test_auto_simulates_what_matters_and_records_why(tmp_path):
         "shadowing": False,
     }
     assert "effects=auto: inertia changes" in done.stdout
+    assert "What the scene calls for" in done.stdout
+    assert {c["name"] for c in result["scene_calls"]} >= {"leading edge", "slope", "depth", "cohesion"}
+    assert 0.0 < result["left_out"]["work"] < 0.2  # by inertia and shadowing together
+    known = model_error(fo.load(only_folder(tmp_path)).walk())
+    assert result["model_error"]["work"] == pytest.approx(known["work"] + result["left_out"]["work"])
 
 
 @pytest.mark.slow

@@ -12,6 +12,7 @@ from feet_in_sand import force, pose_of
 from hypothesis import given
 from hypothesis import strategies as st
 from running import composed
+from scipy.optimize import brentq
 from study_pages import check_page
 
 import footopt as fo
@@ -93,6 +94,33 @@ class TestComparison:
         assert [c.verdict for c in found] == [AGREES, AGREES, DIFFERS]
 
 
+def test_sand_piled_up_ahead_lifts_a_dragged_wheel_as_the_docs_say():
+    """Plates of the leading half feel the depth below a pile at 30 degrees that leans on the wheel."""
+    setup, zeta = ALL["wheel"].content["setup"], ALL["wheel"].content["inputs"]["zeta"]["value"]
+    radius, width, load = setup["radius"], setup["width"], setup["load"][0]
+    angle = np.linspace(-np.pi / 2, 0.0, 2001)
+    edges = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    (x, z), (dx, dz) = 0.5 * (edges[1:] + edges[:-1]).T, np.diff(edges, axis=0).T
+    stress = rig.by_angles(np.arctan2(dz, dx), np.tile([1.0, 0.0], (2000, 1)))
+
+    def lift(sinkage, pile):
+        height = math.sqrt(2.0 * pile * math.tan(math.radians(30.0)))
+        centre = radius - sinkage
+        touches = math.sqrt(max(radius**2 - (centre - height) ** 2, 0.0))
+        surface = height - np.maximum(x - touches, 0.0) * math.tan(math.radians(30.0))
+        depth = np.maximum(np.maximum(surface, 0.0) - (centre + z), 0.0)
+        return zeta * width * np.sum(np.hypot(dx, dz) * depth * stress[:, 1])
+
+    def sinkage(pile):
+        return brentq(lambda s: lift(s, pile) - load, 0.0, radius)
+
+    bare = next(c for c in ALL["wheel"].compare(("leading_edge",)) if c.quantity == "sinkage")
+    assert 1e3 * sinkage(0.0) == pytest.approx(bare.simulated[0], rel=1e-3)
+    assert bare.measured[0] == pytest.approx(50.0)
+    found = [1e3 * sinkage(pile) for pile in (0.0, 1e-4, 6e-4)]
+    assert [round(s) for s in found] == [32, 22, 6]
+
+
 @pytest.mark.parametrize("e", ALL.values(), ids=list(ALL))
 class TestFiles:
     def test_a_file_says_where_its_numbers_are_from(self, e):
@@ -135,6 +163,8 @@ def held(e):
         assert model.found()[(c.experiment, c.quantity, c.law)] == pytest.approx(
             c.size / c.scale, rel=1e-3, abs=1e-6
         )
+        assert [k["verdict"] for k in model.kept() if (k["experiment"], k["quantity"], tuple(k["law"])) ==
+                (c.experiment, c.quantity, c.law)] == [c.verdict]  # fmt: skip
 
 
 @pytest.mark.slow
@@ -156,6 +186,23 @@ def test_the_docs_count_the_verdicts_of_their_own_table():
     halved = r"half the uncertainty of the data (\d+)\s+(?:comparisons )?would differ, with twice of it (\d+)"
     assert re.search(halved, text).groups() == re.search(halved, report).groups()
     assert summary_of(agree, differ, open_) in report
+
+
+def test_the_docs_weigh_the_default_law_by_the_numbers_of_the_table():
+    text = DOCS.read_text(encoding="utf-8").partition("## Which law is the default?")[2]
+    rows = [line.strip("| ").split(" | ") for line in text.splitlines() if line.startswith("| a ")]
+    places = {
+        "a person": "people", "a wheel": "wheel", "a plate that is pulled up": "extraction",
+        "a buried plate, loose poppy seeds": "poppy_loose", "a buried plate, close-packed": "poppy_close",
+    }  # fmt: skip
+    words = {"pull at lift-off, of the weight": "pull", "work": "work ratio", "speed": "speed ratio"}
+    for what, quantities, *cells in rows:
+        names = quantities.split(", ") if what.startswith("a buried") else [words.get(quantities, quantities)]
+        for cell, law in zip(cells, ((), ("leading_edge",)), strict=True):
+            errors = (model.found()[(places[what], name, law)] for name in names)
+            said = ", ".join(f"{100 * error:.0f} %" for error in errors)
+            assert cell == said, (what, quantities, law)
+    assert len(rows) == 9
 
 
 class TestModelError:

@@ -1,12 +1,14 @@
 """The effect audit: what an effect changes in a scene, and whether that matters."""
 
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import footopt as fo
-from footopt.walk.audit import audit, switched
+from footopt.walk.audit import audit, interactions, switched
 
 FEET = fo.Waypoints().random(12, seed=3, inside=True)
 
@@ -46,3 +48,30 @@ def test_walks_that_fail_with_it_are_counted_and_matter():
     found = audit(fo.Layers((1e-3,), (1e-4,)), fo.Scene(), FEET[:3], "draft", repeats=1)
     assert (found.lost, found.feet, found.matters) == (3, 0, True)
     assert "3 walks fail" in found.verdict
+
+
+def test_effects_together_change_what_is_walked_and_say_what_is_beyond_each_alone():
+    edge, shade = fo.LeadingEdge(), fo.Shadowing()
+    scene = fo.Scene(effects=(edge,))  # which is switched off first
+    (joint,) = interactions((edge, shade), scene, FEET, "draft")
+    none, with_edge, with_shade, both = (
+        fo.evaluate(FEET, fo.Scene(effects=on), "draft").values
+        for on in ((), (edge,), (shade,), (edge, shade))
+    )
+    assert joint.names == ("leading_edge", "shadowing")
+    np.testing.assert_allclose(joint.changes, np.percentile(np.abs(both / none - 1.0), 95.0, axis=0))
+    beyond = both / none - with_edge / none * (with_shade / none)
+    np.testing.assert_allclose(joint.extra, np.percentile(np.abs(beyond), 95.0, axis=0))
+    assert joint.extra.max() > 0.01  # they are not independent of each other
+
+
+@pytest.mark.slow
+def test_the_docs_have_what_pairs_change_beyond_each_alone():
+    """Row of the paper's walk, in effects.md."""
+    text = (Path(__file__).parents[2] / "docs" / "effects.md").read_text(encoding="utf-8")
+    (row,) = re.findall(r"^\| `walk` \|(.*)\|$", text, re.M)
+    feet = fo.Waypoints().random(40, seed=1, inside=True)
+    effects = (fo.LeadingEdge(), fo.Inertia(), fo.Shadowing())
+    found = [100.0 * joint.extra.max() for joint in interactions(effects, fo.Scene(), feet)]
+    said = [float(cell) for cell in row.split("|") if cell.strip()]
+    assert said == pytest.approx(found, rel=0.05)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from footopt.errors import check
@@ -11,15 +11,17 @@ from footopt.files.gaits.c3d import read_c3d
 from footopt.files.gaits.captures import holds_markers, read_capture
 from footopt.files.gaits.coefficients import read_json
 from footopt.files.gaits.leg import leg_angles
+from footopt.files.gaits.markers import UNITS as LENGTHS
 from footopt.files.gaits.mot import read_mot
 from footopt.files.gaits.strides import Strides, average, cut
 from footopt.files.gaits.table import read_csv
 from footopt.files.gaits.trc import read_trc
-from footopt.files.reading import naming, read_bytes, read_table
+from footopt.files.reading import Unusable, naming, read_bytes, read_table
 
 __all__ = ["Strides", "average", "check_angles", "check_period", "read_json", "read_strides"]
 
 ENDINGS = (".json", ".csv", ".trc", ".mot", ".sto", ".c3d")
+UNITS = (None, *LENGTHS, "deg", "rad")  # of a file of markers, or of angles
 
 
 def read_strides(
@@ -27,6 +29,7 @@ def read_strides(
     names: Mapping[str, str] | None = None,
     side: str | None = None,
     max_gap: float = 0.2,
+    units: str | None = None,
 ) -> Strides:
     """The strides in a file of angles (CSV, MOT, STO) or markers (TRC, C3D, CSV).
 
@@ -35,19 +38,39 @@ def read_strides(
     suffix = Path(path).suffix.lower()
     check(side in (None, "right", "left"), "gait.side", side, "right, left or null")
     check(max_gap >= 0, "gait.max_gap", max_gap, "a time >= 0, in s")
+    check(units in UNITS, "gait.units", units, f"one of {', '.join(filter(None, UNITS))}, or null")
     allowed = f"a file that ends in {', '.join(ENDINGS[:-1])} or {ENDINGS[-1]}"
     check(suffix in ENDINGS[1:], "gait.path", str(path), allowed)
+    with naming(path, "gait.path"):
+        read = _reader(path, suffix, names or {}, max_gap, units)
+        try:
+            return cut(read(side))._replace(source=str(path))
+        except Unusable as why:
+            for other in {"right": ("left",), "left": ("right",)}.get(side or "", ("left", "right")):
+                if _is_walk(read, other):
+                    raise Unusable(f"{why} The {other} leg can be read: set gait.side={other}.") from None
+            raise
 
-    def recording(names: Mapping[str, str]) -> Recording:
-        if suffix == ".c3d":
-            content = read_bytes(path, "gait", "gait.path")
-            return leg_angles(read_c3d(path, content), names, side, max_gap)
+
+def _reader(
+    path: str | Path, suffix: str, names: Mapping[str, str], max_gap: float, units: str | None
+) -> Callable[[str | None], Recording]:
+    """A function that gives a side's leg, of a file that is read once."""
+    if suffix == ".c3d":
+        markers = read_c3d(read_bytes(path, "gait", "gait.path"), units)
+    else:
         text = read_table(path, "gait", "gait.path")
         if suffix in (".mot", ".sto"):
-            return read_mot(text, names, side)
+            return lambda side: read_mot(text, names, side, units)
         if suffix == ".csv" and not holds_markers(text):
-            return read_csv(text, names)
-        return leg_angles(read_trc(text) if suffix == ".trc" else read_capture(text), names, side, max_gap)
+            return lambda _: read_csv(text, names, units)
+        markers = read_trc(text, units) if suffix == ".trc" else read_capture(text, units)
+    return lambda side: leg_angles(markers, names, side, max_gap)
 
-    with naming(path, "gait.path"):
-        return cut(recording(names or {}))._replace(source=str(path))
+
+def _is_walk(read: Callable[[str | None], Recording], side: str) -> bool:
+    try:
+        cut(read(side))
+    except Unusable:
+        return False
+    return True

@@ -17,7 +17,8 @@ LEAST = 3.0  # range of the thigh in a walk, deg; in radians no walk reaches it
 PERIODS = (0.2, 5.0)  # of a stride, s: a sprinter's is 0.45; anything else is a mistake in the units
 JUMP, RARE = 5.0, 12.0  # deg from the mean of its neighbours, and so many times what is usual: a wrong value
 FREQUENT = 0.02  # s; between rows farther apart a joint may turn by as much
-SKIP = 4.0  # a longer step of time than so many usual ones is a hole in a recording
+SKIP, SPARSE = 4.0, 0.05  # a step of time longer than so many usual ones, and than so many s, is a hole
+CLIMB = 0.15  # m; a hip that rises or sinks by more over a recording is on stairs or a slope
 
 
 class Recording(NamedTuple):
@@ -32,37 +33,95 @@ class Recording(NamedTuple):
         (pitch, + toe up).
     notes : tuple of str
         What was recognised, mended or assumed.
+    other : Recording, optional
+        The other leg, which a stride is checked by.
     """
 
     t: Array
     angles: dict[str, Array]
     notes: tuple[str, ...] = ()
+    other: Recording | None = None
 
 
 def recording(rows: Array, notes: tuple[str, ...] = ()) -> Recording:
     """Rows of time, thigh, knee and perhaps foot, (3 or 4, n), as a `Recording`.
+
+    A foot that cannot be one is left out, with a note: it follows the shank unless gait.pitch=measured.
 
     Raises
     ------
     Unusable
         The rows are no walk, or have a hole or a wrong value.
     """
-    t = rows[0]
+    many, more = in_time(rows[0])
+    rows = rows[:, :many]
+    t, needed = rows[0], rows[:3]
+    if many < 4:
+        raise Unusable(f"has {many} rows, and a walk needs at least 4.")
+    if not np.isfinite(needed).all():
+        row = int(np.argmin(np.isfinite(needed).all(axis=0)))
+        raise Unusable(f"row {row + 1} of the data, at {t[row]:.6g} s, has a value that is not finite.")
     steps = np.diff(t)
-    if len(t) < 4 or not np.isfinite(rows).all() or (steps <= 0).any():
-        raise Unusable("needs at least 4 rows, finite, with the time increasing.")
     longest, usual = int(np.argmax(steps)), float(np.median(steps))
-    if steps[longest] > SKIP * usual:
+    if steps[longest] > max(SKIP * usual, SPARSE):
         raise Unusable(
             f"nothing is recorded from {t[longest]:.6g} to {t[longest + 1]:.6g} s, where rows are usually "
             f"{usual:.3g} s apart. Fill it, or cut there."
         )
-    angles = dict(zip(("thigh", "knee", "foot"), rows[1:], strict=False))
+    angles = dict(zip(("thigh", "knee"), rows[1:], strict=False))
     check_angles(angles)
     if usual <= FREQUENT:
         for joint, values in angles.items():
             _check_jumps(joint, t, values)
+    notes += more
+    if len(rows) > 3:
+        try:
+            if not np.isfinite(rows[3]).all():
+                raise Unusable("the foot has values that are not finite.")
+            check_angles({"foot": rows[3]})
+            if usual <= FREQUENT:
+                _check_jumps("foot", t, rows[3])
+            angles["foot"] = rows[3]
+        except Unusable as why:
+            notes += (f"no pitch of the foot: {why}",)
     return Recording(t, angles, notes)
+
+
+def in_time(t: Array) -> tuple[int, tuple[str, ...]]:
+    """How many rows can be read, without a last one that has the time of the one before it; and notes.
+
+    Raises
+    ------
+    Unusable
+        The time does not increase.
+    """
+    many, notes = len(t), tuple[str, ...]()
+    if many > 1 and t[-1] == t[-2]:
+        many, notes = many - 1, (f"the last row, again at {t[-1]:.6g} s, is left out",)
+    if not (np.diff(t[:many]) > 0).all() or not np.isfinite(t[:many]).all():
+        row = int(np.argmin(np.append(np.diff(t[:many]) > 0, True)))
+        raise Unusable(
+            f"the time must increase, and goes from {t[row]:.6g} s to {t[row + 1]:.6g} s after row {row + 1} "
+            "of the data."
+        )
+    return many, notes
+
+
+def climbing(height: Array) -> tuple[str, ...]:
+    """A note if the hip, or the pelvis, at some heights (n,), m, rises or sinks from begin to end."""
+    some = max(len(height) // 10, 1)
+    climb = float(np.mean(height[-some:]) - np.mean(height[:some]))
+    if abs(climb) < CLIMB:
+        return ()
+    way = "rises" if climb > 0 else "sinks"
+    return (f"the hip {way} by {abs(climb):.2f} m: stairs or a slope, and no level ground",)
+
+
+def to_degrees(unit: str) -> float:
+    """Degrees in a unit of angle."""
+    if unit not in ("deg", "rad"):
+        raise Unusable(f"holds angles: gait.units must be deg or rad for it, and is {unit!r}.")
+    return float(np.degrees(1.0)) if unit == "rad" else 1.0
 
 
 def check_angles(angles: dict[str, Array]) -> None:
@@ -74,11 +133,11 @@ def check_angles(angles: dict[str, Array]) -> None:
                 f"the {joint} goes from {least:.4g} to {most:.4g} deg, beyond {low:g} to {high:g} deg. "
                 "Check the columns, their signs (a bent knee is +), and the units."
             )
-    moved = float(np.ptp(angles["thigh"]))
+    moved = float(np.ptp(angles.get("thigh", [0.0, LEAST])))
     if moved < LEAST:
         raise Unusable(
-            f"the thigh moves by {moved:.3g} deg only, which is no walk. "
-            "Angles must be in degrees; of MOT and STO files, inDegrees says which."
+            f"the thigh moves by {moved:.3g} deg only: the subject stands, or the angles are in radians. "
+            "Set gait.units=rad for angles in radians; of MOT and STO files, inDegrees says it."
         )
 
 
@@ -92,7 +151,8 @@ def check_period(period: float) -> None:
 
 
 def _check_jumps(joint: str, t: Array, values: Array) -> None:
-    off = abs(values[1:-1] - 0.5 * (values[:-2] + values[2:]))
+    share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
+    off = abs(values[1:-1] - (1.0 - share) * values[:-2] - share * values[2:])
     if off.max() > max(JUMP, RARE * float(np.median(off))):
         at = 1 + int(np.argmax(off))
         raise Unusable(

@@ -1,69 +1,136 @@
-"""Markers from C3D files, with the library ezc3d."""
+"""Markers from C3D files, as c3d.org's user guide (2021) has them, by processors of Intel, DEC and MIPS.
+
+The libraries that read C3D end the whole process on damaged parameters, or refuse files in which header and
+parameters differ in what is not needed here.
+"""
 
 from __future__ import annotations
 
-from pathlib import Path
+import math
+import struct
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from footopt.errors import needed
 from footopt.files.gaits.markers import Markers, metres, to_markers
 from footopt.files.reading import Unusable
+
+Array = NDArray[np.float64]
 
 BLOCK = 512  # bytes; what the header counts in
 LONG = 0xFFFF  # frames; a longer recording says their number elsewhere
 KEY = 0x50  # the second byte of every C3D file
-BIG_ENDIAN = 86  # of the processors' codes, that of MIPS
-SIGNS = {85: 13, BIG_ENDIAN: 12}  # the byte with the sign of the scale, by processor (85: DEC); else the 15th
+DEC, MIPS = 85, 86  # codes of processors; any other is Intel's
+KINDS = {-1: "S1", 1: "i1", 2: "i2", 4: "f4"}  # of a parameter's values
+DAMAGED = (
+    "cannot be read as C3D (its parameters are damaged). Export it again from the program that recorded it."
+)
 
 
-def read_c3d(path: str | Path, content: bytes) -> Markers:
+class Parameter(NamedTuple):
+    """A parameter of a file."""
+
+    values: NDArray[Any]  # flat, the first dimension varying fastest
+    wide: int  # characters of each text
+
+
+def read_c3d(content: bytes, units: str | None = None) -> Markers:
     """Read markers from C3D; one whose residual is negative is not seen.
 
     Parameters
     ----------
-    path : str or Path
-        The file.
     content : bytes
-        What is in it.
+        What is in the file.
+    units : str, optional
+        Its unit of length; by default what it says.
     """
-    ezc3d = needed("ezc3d", "a gait in C3D", "c3d")
-    check_whole(content)
-    try:
-        file = ezc3d.c3d(str(path))
-        point = file["parameters"]["POINT"]
-        names = [str(name).strip() for name in point["LABELS"]["value"]]
-        unit, rate = (point[key]["value"][0] for key in ("UNITS", "RATE"))
-        first = int(file["header"]["points"]["first_frame"])
-        places = np.asarray(file["data"]["points"], np.float64)[:3].transpose(2, 1, 0)
-        residuals = np.asarray(file["data"]["meta_points"]["residuals"], np.float64)[0].T
-        places = np.where((residuals >= 0)[..., None], places, np.nan)[:, : len(names)]
-    except Exception as error:  # whatever the library finds
-        raise Unusable(f"cannot be read as C3D ({' '.join(str(error).split())[:160]}).") from None
+    begin = BLOCK * (content[0] - 1) if content else 0
+    if len(content) < BLOCK or content[1] != KEY or begin < 0:
+        raise Unusable("cannot be read as C3D (it does not begin as one).")
+    _check_long(content, begin + BLOCK)
+    processor = content[begin + 3]
+    header = _numbers(content[:24], "u2", processor)
+    many, analog, first, last, data = (int(header[i]) for i in (1, 2, 3, 4, 8))
+    stated_scale, stated_rate = (_numbers(content[i : i + 4], "f4", processor)[0] for i in (12, 20))
+    point = _parameters(content, begin + 4, processor)
+
+    def number(name: str, stated: float) -> float:
+        found = point[name].values if name in point else np.zeros(0)
+        return float(found[0]) if found.size and found.dtype.kind != "S" and found[0] else float(stated)
+
+    names = [
+        name for key in sorted(point, key=len) if key.startswith("LABELS") for name in _texts(point[key])
+    ]
+    scale, rate = number("SCALE", stated_scale), number("RATE", stated_rate)
     if not 0 < rate < np.inf:
         raise Unusable(f"cannot be read as C3D (it says {rate:g} frames a second).")
-    times = (first + np.arange(len(places))) / rate
-    return to_markers(times, names, metres(unit) * places)
+    size, start = (4 if scale < 0 else 2), BLOCK * (data - 1)  # a negative scale means floats
+    stride = (4 * many + analog) * size
+    if not (many and any(names) and start >= BLOCK):
+        raise Unusable("cannot be read as C3D (it holds no markers).")
+    _check_long(content, start + (0 if last == LONG else (last - first + 1) * stride))
+    frames = (len(content) - start) // stride
+    frames = min(
+        frames, last - first + 1 if last != LONG else int(number("LONG_FRAMES", number("FRAMES", frames)))
+    )
+    rows = np.frombuffer(content, np.uint8, frames * stride, start).reshape(frames, stride)
+    values = _numbers(rows[:, : 4 * many * size].tobytes(), f"{'f' if size == 4 else 'i'}{size}", processor)
+    values = values.astype(float).reshape(frames, many, 4)
+    seen = (values[..., 3:] >= 0) & np.isfinite(values).all(axis=2, keepdims=True)
+    places = np.where(seen, values[..., :3], np.nan) * (1.0 if size == 4 else scale)
+    unit = metres(next(iter(_texts(point["UNITS"])), "") if "UNITS" in point else "", units)
+    return to_markers((first - 1 + np.arange(frames)) / rate, names, unit * places)
 
 
-def check_whole(content: bytes) -> None:
-    """Raise `Unusable` unless a file begins as C3D and is as long as its own header says.
-
-    ezc3d fills up a file that is cut off with zeros, or does not come to an end.
-    """
-    parameters = BLOCK * (content[0] - 1) if content else 0
-    if len(content) < BLOCK or content[1] != KEY or parameters < 0:
-        raise Unusable("cannot be read as C3D (it does not begin as one).")
-    needs = parameters + BLOCK
-    if needs <= len(content):
-        processor = content[parameters + 3]
-        words = np.frombuffer(content[:18], ">u2" if processor == BIG_ENDIAN else "<u2")
-        points, analog, first, last, data = (int(words[i]) for i in (1, 2, 3, 4, 8))
-        size = 4 if content[SIGNS.get(processor, 15)] & 0x80 else 2  # a negative scale means floats
-        frames = 0 if last == LONG else last - first + 1
-        needs = max(needs, BLOCK * (data - 1) + frames * (4 * points + analog) * size)
+def _check_long(content: bytes, needs: int) -> None:
+    """Raise `Unusable` unless a file is as long as its own header says."""
     if needs > len(content):
         raise Unusable(
             f"cannot be read as C3D (its header says {needs} bytes, it has {len(content)}: "
             "it is cut off or damaged)."
         )
+
+
+def _parameters(content: bytes, at: int, processor: int) -> dict[str, Parameter]:
+    """The parameters of the group POINT, by name; a chain of groups and parameters begins at a byte."""
+    groups: dict[int, str] = {}
+    found: list[tuple[int, str, Parameter]] = []
+    while at + 2 <= len(content):
+        length, group = struct.unpack_from("bb", content, at)
+        at += 2 + abs(length)
+        if length == 0 or group == 0 or at + 5 > len(content):
+            break
+        name = content[at - abs(length) : at].decode("ascii", "replace").upper()
+        step = int(_numbers(content[at : at + 2], "u2", processor)[0])
+        if group < 0:
+            groups[-group] = name
+        else:
+            kind, dimensions = struct.unpack_from("bB", content, at + 2)
+            sizes = content[at + 4 : at + 4 + dimensions]
+            long = abs(kind) * math.prod(sizes)
+            values = content[at + 4 + dimensions :][:long]
+            if kind not in KINDS or len(values) < long or 4 + dimensions + long > (step or len(content)):
+                raise Unusable(DAMAGED)
+            found.append((group, name, Parameter(_numbers(values, KINDS[kind], processor), (*sizes, 1)[0])))
+        at += step
+        if step == 0:
+            break
+    return {name: parameter for group, name, parameter in found if groups.get(group) == "POINT"}
+
+
+def _texts(parameter: Parameter) -> list[str]:
+    """The texts that a parameter holds."""
+    whole = (
+        parameter.values.tobytes().decode("utf-8", "replace") if parameter.values.dtype.kind == "S" else ""
+    )
+    return [whole[i : i + parameter.wide].strip(" \0") for i in range(0, len(whole), max(parameter.wide, 1))]
+
+
+def _numbers(content: bytes, kind: str, processor: int) -> NDArray[Any]:
+    """Numbers of a kind of numpy, such as f4, as a processor writes them."""
+    if kind == "f4" and processor == DEC:  # the halves change places, and the exponent is 2 higher
+        words = np.frombuffer(content, "<u2").astype(np.uint32).reshape(-1, 2)
+        return (words[:, 0] << 16 | words[:, 1]).view(np.float32) / 4
+    order = "|" if kind == "S1" else ">" if processor == MIPS else "<"
+    return np.frombuffer(content, order + kind)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from footopt.files.gaits.angles import in_time
 from footopt.files.reading import Unusable, number
 
 Array = NDArray[np.float64]
@@ -30,32 +31,55 @@ class Markers(NamedTuple):
         By name; NaN where a marker is not seen.
     notes : tuple of str
         What of the file is odd.
+    unclear : tuple of str
+        Names that two markers have, so that neither is read.
     """
 
     t: Array
     places: dict[str, Array]
     notes: tuple[str, ...] = ()
+    unclear: tuple[str, ...] = ()
 
 
 def to_markers(t: Array, names: Sequence[str], places: Array, notes: tuple[str, ...] = ()) -> Markers:
-    """Markers by name, of places (n, markers, 3) in m; at exactly 0, 0, 0 none is."""
-    if twice := next((name for name in names if name and names.count(name) > 1), None):
-        raise Unusable(f"two markers are called {twice!r}. Which one is it?")
-    if len(t) < 2 or not (np.isfinite(t).all() and (np.diff(t) > 0).all()):
-        raise Unusable("needs several frames, with the time increasing.")
+    """Markers by name, of places (n, markers, 3) in m; at exactly 0, 0, 0 none is.
+
+    Of several with one name the one with data is read; where two have data, neither.
+    """
+    many, more = in_time(t)
+    t, places, notes = t[:many], places[:many], notes + more
+    if many < 2:
+        raise Unusable(f"has {many} frames, and a walk needs several.")
     if (far := np.nanmax(abs(places), initial=0.0)) > FAR:
         raise Unusable(f"a marker lies {far:.3g} m from the origin. Check it and the units.")
     places = np.where(np.all(places == 0.0, axis=-1, keepdims=True), np.nan, places)
-    return Markers(t, {name: places[:, i] for i, name in enumerate(names[: places.shape[1]])}, notes)
+    found: dict[str, Array] = {}
+    unclear = []
+    for name, place in zip(names, places.transpose(1, 0, 2), strict=False):
+        if name not in found or not is_seen(found[name]):
+            found[name] = place
+        elif name and is_seen(place) and not np.array_equal(place, found[name], equal_nan=True):
+            unclear.append(name)
+    if twice := dict.fromkeys(n for n in names if n and n not in unclear and names.count(n) > 1):
+        notes += (f"of the markers called {', '.join(twice)}, the first with data is read",)
+    kept = {name: place for name, place in found.items() if name and name not in unclear}
+    return Markers(t, kept, notes, tuple(dict.fromkeys(unclear)))
 
 
-def metres(unit: str) -> float:
-    """A unit of length that a file states, m."""
-    if unit.strip().lower() not in UNITS:
+def is_seen(place: Array) -> bool:
+    """Whether a marker is seen at all."""
+    return bool(np.isfinite(place).any())
+
+
+def metres(unit: str, setting: str | None = None) -> float:
+    """A unit of length, m: that of the setting gait.units, or else the one that a file states."""
+    given = (setting or unit).strip().lower()
+    if given not in UNITS:
         raise Unusable(
-            f"its units are one of {', '.join(UNITS)} in a file that can be read. It says {unit!r}."
+            f"its unit of length must be one of {', '.join(UNITS)}, and is {given!r}. "
+            "Set gait.units to the right one."
         )
-    return UNITS[unit.strip().lower()]
+    return UNITS[given]
 
 
 def to_numbers(rows: Iterable[tuple[int, Sequence[str]]], wide: int, gaps: bool) -> Array:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
+
+from footopt.files.gaits.markers import is_seen
 
 Array = NDArray[np.float64]
 
@@ -16,18 +18,21 @@ USUAL = {
             "greattrochanter"),
     "knee": ("kjc", "kneejc", "kneecenter", "kne", "knee", "kneelat", "knelat", "lfc", "lek", "fle", "le"),
     "ankle": ("ajc", "anklejc", "anklecenter", "ank", "ankle", "anklelat", "anklat", "lmal", "lm", "fal"),
-    "heel": ("hee", "heel", "cal", "calc", "fcc", "ca"),
-    "toe": ("toe", "toetip", "bigtoe", "mt2", "met2", "toemed", "fm2", "sm", "mt1", "mt5", "toelat", "fm1",
-            "fm5"),
+    "heel": ("hee", "heel", "hel", "cal", "calc", "calcaneus", "fcc", "ca", "cpg"),
+    "toe": ("toe", "toes", "toetip", "bigtoe", "mt2", "met2", "2mt", "toemed", "fm2", "sm", "d2m", "mt1",
+            "1mt", "d1m", "mt5", "5mt", "d5m", "mtp", "toelat", "fm1", "fm5", "hlx", "hallux", "mt23", "met"),
 }  # fmt: skip
-ASIS, PSIS = ("asi", "asis", "ias"), ("psi", "psis", "ips")
-SACRUM = ("sacr", "sacral", "vsacral", "sacrum", "sac")
+#: CMU's waist markers (FWT, BWT) are at the iliac spines.
+ASIS, PSIS = ("asi", "asis", "ias", "fwt"), ("psi", "psis", "ips", "bwt")
+SACRUM = ("sacr", "sacral", "vsacral", "vsacrum", "sacrum", "sac", "mpsis", "midpsis", "psism", "s1", "s2")
 SIDES = {"right": ("r", "right"), "left": ("l", "left")}
 NEEDED = ("hip", "knee", "ankle")
 
 
 def find_leg(places: Mapping[str, Array], names: Mapping[str, str], side: str) -> dict[str, Array]:
     """A leg's markers by part (of `USUAL`), each (n, 3); the hip from the pelvis if it has no marker itself.
+
+    A marker without data counts as none, unless `names` names it.
 
     Parameters
     ----------
@@ -38,14 +43,21 @@ def find_leg(places: Mapping[str, Array], names: Mapping[str, str], side: str) -
     side : str
         "right" or "left".
     """
-    plain = {_plain(name): place for name, place in reversed(list(places.items()))}
-    found = {
-        part: places.get(names[part]) if names.get(part) else _find(plain, usual, side)
-        for part, usual in USUAL.items()
-    }
-    if found["hip"] is None and not names.get("hip"):
-        found["hip"] = _hip_of_pelvis(plain, side)
+    plain = {_plain(name): place for name, place in reversed(list(places.items())) if is_seen(place)}
+    found = {part: _find(plain, usual, side) for part, usual in USUAL.items()}
+    pelvis = _hip_of_pelvis(plain, side)
+    if found["hip"] is None or (pelvis is not None and _share(pelvis) > 2.0 * _share(found["hip"])):
+        found["hip"] = pelvis
+    found |= {part: places.get(name) for part, name in names.items() if name and part in USUAL}
     return {part: place for part, place in found.items() if place is not None}
+
+
+def by_subject(places: Mapping[str, Array]) -> Iterator[dict[str, Array]]:
+    """The markers of each subject, whose name stands before a colon; and then all of a file."""
+    subjects = dict.fromkeys(name.rpartition(":")[0] for name in places)
+    for subject in subjects if len(subjects) > 1 else ():
+        yield {name: place for name, place in places.items() if name.rpartition(":")[0] == subject}
+    yield dict(places)
 
 
 def looked_for(part: str, names: Mapping[str, str], side: str) -> str:
@@ -54,6 +66,11 @@ def looked_for(part: str, names: Mapping[str, str], side: str) -> str:
         return own
     usual = ", ".join(f"{side[0].upper()}{u.upper()}" for u in USUAL[part])
     return usual + (", or the pelvis: RASI, LASI and RPSI, LPSI or SACR" if part == "hip" else "")
+
+
+def _share(place: Array) -> float:
+    """The share of the frames in which a marker is seen."""
+    return float(np.isfinite(place[:, 0]).mean())
 
 
 def _plain(name: str) -> str:
@@ -80,6 +97,8 @@ def _hip_of_pelvis(plain: Mapping[str, Array], side: str) -> Array | None:
     sacrum = next((plain[name] for name in SACRUM if name in plain), None)
     if back[0] is not None and back[1] is not None:
         sacrum = 0.5 * (back[0] + back[1])
+    elif sacrum is None:  # one of them is as far back as their middle
+        sacrum = back[0] if back[0] is not None else back[1]
     if front[0] is None or front[1] is None or sacrum is None:
         return None
     middle = 0.5 * (front[0] + front[1])

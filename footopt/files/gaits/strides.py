@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.files.gaits.angles import Recording
+from footopt.files.gaits.angles import PERIODS, Recording
+from footopt.files.gaits.windows import TIMES, closing, mirrored
 from footopt.files.reading import Unusable
 
 Array = NDArray[np.float64]
@@ -19,6 +20,11 @@ BENT = 0.4  # of a joint's largest speed that its speeds at the ends of a single
 LATE = 0.1  # of a single stride; a heel strike that is farther inside is where it ought to begin
 ENDS = 0.05  # of a single stride over which these speeds are taken
 L1, L2 = 0.47, 0.45  # leg, m; only the ankle's forward extreme is taken from it
+PROMINENT = 0.3  # of the ankle's whole way that it goes back between two heel strikes
+UNEVEN = 0.3  # of a stride that the other foot's strike may be before or after its middle
+TOGETHER = 0.0  # correlation of both ankles' ways; in walks, runs and on stairs it is below -0.7, in squats 1
+SWING = 0.25  # of the way of a straight leg that turns with the thigh; in squats the ankle stays where it is
+REST, RESTING = 15.0, 0.3  # deg/s of thigh and knee below which a leg rests; share of time: no stride has it
 
 
 class Strides(NamedTuple):
@@ -58,52 +64,152 @@ class Strides(NamedTuple):
 
 
 def cut(recording: Recording) -> Strides:
-    """The strides of a recording; one without two heel strikes inside must be one whole stride.
+    """The strides of a recording; one without two heel strikes inside must hold one whole stride.
 
     Raises
     ------
     Unusable
-        It is less than one.
+        It is less than one, or no walk.
     """
+    check_walk(recording)
     begins = heel_strikes(recording)
     return _single(recording) if len(begins) < 2 else _several(recording, begins)
 
 
+def check_walk(recording: Recording) -> None:
+    """Raise `Unusable` where a leg moves as in no walk."""
+    t, ahead = _swing(recording)
+    reach, turn = float(np.ptp(ahead)), float(np.ptp(recording.angles["thigh"]))
+    if reach < SWING * (L1 + L2) * np.radians(turn):
+        raise Unusable(
+            f"the thigh turns by {turn:.0f} deg while the ankle moves by {reach:.2f} m only, below the "
+            "hip: squats or sitting down, and no walk."
+        )
+    if recording.other is None:
+        return
+    now, other = _swing(recording.other)
+    both = (t >= now[0]) & (t <= now[-1])
+    own, other = ahead[both], np.interp(t[both], now, other)
+    if both.sum() < 4 or not (np.ptp(own) and np.ptp(other)):
+        return
+    alike = float(np.corrcoef(own, other)[0, 1])
+    if alike > TOGETHER:
+        raise Unusable(
+            f"both legs swing together (their ankles' ways correlate at {alike:+.2f}, in a walk at -0.7 "
+            "to -1): squats, jumps or sitting down, and no walk."
+        )
+
+
 def _single(recording: Recording) -> Strides:
-    """A recording that is one stride; it begins where the heel strikes."""
-    t, angles, notes = recording
+    """A recording that is one stride, or holds one; it begins where the heel strikes."""
+    t, angles, notes = recording.t, recording.angles, recording.notes
+    _check_moving(recording)
     phase = (t - t[0]) / (t[-1] - t[0])
-    for joint, angle in angles.items():
-        if why := _open(phase, angle):
-            raise Unusable(
-                f"at the end of the stride the {joint} {why}: not one whole stride. Give one heel strike "
-                "to the next, or several strides."
-            )
-    notes += ("one stride, from the first row to the last",)
+    open_ = next((f"the {j} {why}" for j, angle in angles.items() if (why := _open(phase, angle))), "")
+    if not open_:
+        phase, curves, more = _from_strike(phase, angles, LATE)
+        notes += ("one stride, from the first row to the last", *more)
+        return Strides(phase, curves, t[-1:] - t[0], notes)
+    for halves in (False, True):
+        window = closing(recording, halves)
+        if window is None:
+            continue
+        begin, end, gap = window
+        phase = np.arange(POINTS + 1) / POINTS
+        if halves:
+            curves, period = mirrored(recording, begin, end, phase), 2.0 * (end - begin)
+            what = f"half a stride of each leg, taken for one of {period:.3f} s by symmetry"
+        else:
+            curves = {j: np.interp(begin + (end - begin) * phase, t, a) for j, a in angles.items()}
+            what, period = f"one stride of {end - begin:.3f} s", end - begin
+        off = f"its ends differ by {100 * gap:.1f} % of the motion"
+        notes += (f"{what}, from {begin:.3f} to {end:.3f} s: {off}",)
+        phase, curves, _ = _from_strike(phase, curves, 0.0)
+        return Strides(phase, curves, np.array([period]), notes)
+    raise Unusable(
+        f"not one whole stride: in {t[-1] - t[0]:.3g} s no stride closes, and at the end {open_}. Give one "
+        "heel strike to the next, or several strides."
+    )
+
+
+def _from_strike(
+    phase: Array, angles: dict[str, Array], late: float
+) -> tuple[Array, dict[str, Array], tuple[str, ...]]:
+    """Phase and curves (1, phases) of one stride, which begins at the heel strike if that is later than a
+    share of it; and notes.
+    """
+    notes: tuple[str, ...] = ()
     strike = int(np.argmax(_ankle_ahead(*(np.radians(angles[j][:-1]) for j in ("thigh", "knee")))))
-    if LATE < phase[strike] < 1.0 - LATE:
-        notes += (f"the heel strikes at {100 * phase[strike]:.0f} % of it, where it now begins",)
+    if late < phase[strike] < 1.0 - late:
+        notes = (f"the heel strikes at {100 * phase[strike]:.0f} % of it, where it now begins",)
         phase = np.append(np.roll((phase[:-1] - phase[strike]) % 1.0, -strike), 1.0)
         angles = {j: np.append(np.roll(v[:-1], -strike), v[strike]) for j, v in angles.items()}
-    return Strides(phase, {j: v[None] for j, v in angles.items()}, t[-1:] - t[0], notes)
+    return phase, {j: v[None] for j, v in angles.items()}, notes
+
+
+def _check_moving(recording: Recording) -> None:
+    """Raise where a leg that makes no two heel strikes is at rest for a part of the time."""
+    t = np.linspace(recording.t[0], recording.t[-1], TIMES)
+    speeds = [np.gradient(np.interp(t, recording.t, recording.angles[j]), t) for j in ("thigh", "knee")]
+    still = np.maximum(*map(abs, speeds)) < REST
+    if still.mean() > RESTING:
+        moves = t[~still]
+        when = f", and moves from {moves[0]:.2f} to {moves[-1]:.2f} s" if len(moves) else ""
+        raise Unusable(
+            f"the leg stands still for {100 * still.mean():.0f} % of {t[-1] - t[0]:.3g} s{when}: not one "
+            "whole stride of a walk. Give several strides without the standing."
+        )
 
 
 def _several(recording: Recording, begins: Array) -> Strides:
-    """The strides between heel strikes, s, without those of another length than usual."""
-    lengths = np.diff(begins)
-    good = abs(lengths / np.median(lengths) - 1.0) <= ODD
+    """The strides between heel strikes, s, without those of another length than usual, or in which the other
+    foot does not strike once, about half a stride later.
+    """
+    lengths, good = np.diff(begins), np.ones(len(begins) - 1, bool)
+    if (other := recording.other) is not None:
+        strikes = heel_strikes(other)
+        phases = [
+            (strikes[(strikes > b) & (strikes < b + n)] - b) / n
+            for b, n in zip(begins, lengths, strict=False)
+        ]
+        seen = (begins[:-1] >= other.t[0]) & (begins[1:] <= other.t[-1])
+        good = np.array([len(p) == 1 and abs(p[0] - 0.5) < UNEVEN for p in phases]) | ~seen
+        if not good.any():
+            found = ", ".join(f"{x:.2f}" for p in phases for x in p) or "none"
+            raise Unusable(
+                f"in {len(good)} strides of this leg the other foot strikes at {found} of a stride, and in a "
+                "walk does once in each, at about 0.5: no walk, or markers are mistaken."
+            )
+    uneven = np.sum(~good)
+    good &= abs(lengths / np.median(lengths[good]) - 1.0) <= ODD
     kept, phase = lengths[good], np.arange(POINTS + 1) / POINTS
     times = begins[:-1][good][:, None] + kept[:, None] * phase
     curves = {joint: np.interp(times, recording.t, angle) for joint, angle in recording.angles.items()}
     note = f"{len(kept)} stride{'s' if len(kept) > 1 else ''} of {kept.mean():.3f} s"
     note += f", {kept.min():.3f} to {kept.max():.3f} s" if len(kept) > 1 else ""
-    note += f"; {np.sum(~good)} of another length left out" if not good.all() else ""
+    note += f"; {uneven} without one strike of the other foot left out" if uneven else ""
+    odd = np.sum(~good) - uneven
+    note += f"; {odd} of another length left out" if odd else ""
     return Strides(phase, curves, kept, (*recording.notes, note))
 
 
 def heel_strikes(recording: Recording) -> Array:
     """Times at which the ankle is farthest ahead of the hip (Zeni et al., Gait & Posture 27, 2008), s."""
-    from scipy.signal import butter, correlate, find_peaks, sosfiltfilt
+    from scipy.signal import find_peaks
+
+    t, ahead = _swing(recording)
+    rate = (len(t) - 1) / (t[-1] - t[0])
+    peaks, _ = find_peaks(ahead, distance=max(PERIODS[0] * rate, 1), prominence=PROMINENT * np.ptp(ahead))
+    before, at, after = ahead[peaks - 1], ahead[peaks], ahead[peaks + 1]
+    bend = before - 2.0 * at + after  # of the parabola through the three; none where they are equal
+    between = np.divide(0.5 * (before - after), bend, out=np.zeros(len(peaks)), where=bend < 0)
+    found: Array = t[peaks] + between / rate
+    return found
+
+
+def _swing(recording: Recording) -> tuple[Array, Array]:
+    """Even times, s, and how far the ankle is ahead of the hip, m, without what is faster than a walk."""
+    from scipy.signal import butter, sosfiltfilt
 
     t = np.linspace(recording.t[0], recording.t[-1], len(recording.t))
     rate = (len(t) - 1) / (t[-1] - t[0])
@@ -111,15 +217,7 @@ def heel_strikes(recording: Recording) -> Array:
     ahead = _ankle_ahead(thigh, knee)
     if rate > 20.0 and len(t) > 30:  # noise has peaks of its own; walking is below 6 Hz
         ahead = sosfiltfilt(butter(2, min(6.0, 0.4 * rate), fs=rate, output="sos"), ahead)
-    ahead = ahead - ahead.mean()
-    again = correlate(ahead, ahead, "full", "fft")[len(t) - 1 :]
-    first_low = int(np.argmax(again < 0)) or 1
-    period = first_low + int(np.argmax(again[first_low:]))
-    peaks, _ = find_peaks(ahead, distance=max(0.6 * period, 1), prominence=0.3 * np.ptp(ahead))
-    before, at, after = ahead[peaks - 1], ahead[peaks], ahead[peaks + 1]
-    between = 0.5 * (before - after) / (before - 2.0 * at + after)  # of the parabola through the three
-    found: Array = t[peaks] + between / rate
-    return found
+    return t, ahead
 
 
 def _ankle_ahead(thigh: Array, knee: Array) -> Array:

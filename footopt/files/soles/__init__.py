@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +26,23 @@ READERS = {".dxf": dxf.read, ".svg": svg.read, ".csv": table.read}
 LENGTHS = (5e-3, 1.5)  # of a sole, m; anything else is a mistake in the units
 STEEPEST = 2.0  # a sole's height over its length; the paper's steepest shape has 1/2
 SPIKE = 20.0  # deg; a sharper angle inside a sole is a wrong point
+HOLE = 0.5  # of an outline's length; a larger line inside it may be the sole itself
 WORLD = 1e9  # m; no drawing has a point farther from its origin
+
+
+class Sole(NamedTuple):
+    """A sole in a file.
+
+    Parameters
+    ----------
+    points : (m, 2) array, m
+        From heel to toe.
+    notes : tuple of str
+        What of the file was left out.
+    """
+
+    points: Array
+    notes: tuple[str, ...]
 
 
 def read(
@@ -35,7 +52,7 @@ def read(
     layer: str | None = None,
     toe: str = "right",
     origin: str = "file",
-) -> Array:
+) -> Sole:
     """Read the sole in a file.
 
     Parameters
@@ -55,8 +72,8 @@ def read(
 
     Returns
     -------
-    sole : (m, 2), m
-        From heel to toe.
+    sole : Sole
+        Its points and notes.
 
     Raises
     ------
@@ -72,7 +89,7 @@ def read(
     path = Path(path)
     check(path.suffix.lower() in READERS, "foot.path", str(path), f"a file that ends in {', '.join(READERS)}")
     with naming(path, "foot.path"):
-        line = the_line(lines_of(path, units), path.name, layer)
+        line, notes = the_line(lines_of(path, units), path.name, layer)
         points = scale * line.points * ([-1.0, 1.0] if toe == "left" else 1.0)
         check_size(points, origin)
         place = crossing(points, line.closed)
@@ -82,7 +99,7 @@ def read(
             points = points - 0.5 * (points.min(axis=0) + points.max(axis=0))
         sole = lower_edge(points) if line.closed else _from_heel(points)
         check_spikes(sole)
-        return sole
+        return Sole(sole, notes)
 
 
 def lines_of(path: Path, units: str | None = None) -> list[Line]:
@@ -96,15 +113,21 @@ def lines_of(path: Path, units: str | None = None) -> list[Line]:
                 raise Unusable(TOO_MANY)
     except (Unusable, FileError):
         raise
-    except Exception as error:  # libraries raise all kinds, of a path that is none, ...
-        raise Unusable(f"cannot be read as {path.suffix[1:].upper()} ({error}).") from error
+    except Exception as error:  # libraries raise all kinds; their words help nobody
+        raise Unusable(
+            f"cannot be read as {path.suffix[1:].upper()}: it is damaged, or something else. Open it in the "
+            "program that made it, and save it again."
+        ) from error
     if not all((abs(line.points) < WORLD).all() for line in lines):
         raise Unusable("a line has a point that is not a finite number, or far away.")
     return [line for line in lines if len(line.points) > 1]
 
 
-def the_line(lines: Sequence[Line], name: str, layer: str | None = None) -> Line:
-    """The one line of a drawing, its pieces joined; raises `Unusable` unless there is just one."""
+def the_line(lines: Sequence[Line], name: str, layer: str | None = None) -> tuple[Line, tuple[str, ...]]:
+    """The one line of a drawing, its pieces joined, or the outline that has all others for holes; and notes.
+
+    Raises `Unusable` if there is no such line.
+    """
     layers = sorted({line.layer for line in lines})
     if layer is not None and layer not in layers:
         held = ", ".join(map(repr, layers)) or "none"
@@ -114,14 +137,35 @@ def the_line(lines: Sequence[Line], name: str, layer: str | None = None) -> Line
     found = join([line for line in lines if layer in (None, line.layer)])
     if not found:
         raise Unusable("holds no line, arc, spline or polyline.")
+    if len(found) > 1 and _has_holes(*found):
+        told = ", ".join(_described(line) for line in found[1:6]) + (", ..." if len(found) > 6 else "")
+        return found[0], (f"{name}: the outer line is read, {_described(found[0])}; not its holes: {told}",)
     if len(found) > 1:
+        choose = (
+            f"Choose one with foot.layer (there: {', '.join(filter(None, layers))}), d"
+            if any(layers)
+            else "D"
+        )
         told = "; ".join(_described(line) for line in found[:6]) + ("; ..." if len(found) > 6 else "")
         raise Unusable(
             "must hold one line that is the sole, or one closed outline; it holds "
-            f"{len(found)}: {told}. Choose one with foot.layer (there: {', '.join(layers)}), delete what is "
+            f"{len(found)}: {told}. {choose}elete what is "
             f"not the sole, or close gaps wider than {MM * JOIN:g} mm."
         )
-    return found[0]
+    return found[0], ()
+
+
+def _has_holes(outer: Line, *others: Line) -> bool:
+    """Whether a closed line holds all others, closed and much smaller: a frame round a sole is no outline."""
+    from shapely import Polygon
+
+    if not (outer.closed and (body := Polygon(outer.points)).is_valid):
+        return False
+    length = HOLE * np.ptp(outer.points[:, 0])
+    return all(
+        o.closed and np.ptp(o.points, axis=0).max() < length and body.contains(Polygon(o.points))
+        for o in others
+    )
 
 
 def lower_edge(outline: Array) -> Array:

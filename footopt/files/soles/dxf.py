@@ -23,9 +23,13 @@ def read(path: Path, units: str | None) -> Iterator[Line]:
     from ezdxf import path as curves
     from ezdxf.disassemble import recursive_decompose
 
-    document = _document(path)
-    unit = unit_of(units, UNITS.get(document.units))
+    document, stated = _document(path)
+    unit = unit_of(units, UNITS.get(document.units) if stated else None)
+    for insert in document.query("INSERT"):  # some programs flatten blocks so, which no matrix undoes
+        insert.dxf.zscale = insert.dxf.zscale or 1.0
     for entity in recursive_decompose(document.modelspace()):
+        if entity.dxftype() == "POLYLINE" and (entity.is_poly_face_mesh or entity.is_polygon_mesh):
+            continue  # a body
         bulged = "POLYLINE" in entity.dxftype() and entity.has_arc
         for piece in entity.virtual_entities() if bulged else (entity,):
             if piece.dxftype() in KINDS:
@@ -36,8 +40,8 @@ def read(path: Path, units: str | None) -> Iterator[Line]:
                 yield from_points(points, entity.dxf.layer)
 
 
-def _document(path: Path) -> Any:
-    """A drawing that is whole."""
+def _document(path: Path) -> tuple[Any, bool]:
+    """A drawing that is whole, and whether it says its unit: the library has one for those that do not."""
     import ezdxf
 
     content = read_bytes(path, "sole", "foot.path")
@@ -46,4 +50,4 @@ def _document(path: Path) -> Any:
     if content.rstrip()[-3:] != b"EOF":
         raise Unusable("cannot be read as DXF (it does not end with EOF: is it cut off?).")
     logging.getLogger("ezdxf").setLevel(logging.ERROR)  # what it mends is not the user's concern
-    return ezdxf.readfile(path)
+    return ezdxf.readfile(path), b"$INSUNITS" in content

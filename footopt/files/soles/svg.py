@@ -33,7 +33,13 @@ def read(path: Path, units: str | None) -> Iterator[Line]:
     from svgelements import SVG, Group, Shape
     from svgelements import Path as Curve
 
-    root = ElementTree.fromstring(read_text(path, "sole", "foot.path"))
+    try:
+        root = ElementTree.fromstring(read_text(path, "sole", "foot.path"))
+    except ElementTree.ParseError as error:
+        line, column = error.position
+        raise Unusable(
+            f"cannot be read as SVG (its XML breaks off or is damaged in line {line}, column {column + 1})."
+        ) from None
     if root.tag.rpartition("}")[2] != "svg":
         raise Unusable(f"cannot be read as SVG (its root is {root.tag[:60]!r}, not svg).")
     _check(root)
@@ -46,10 +52,20 @@ def read(path: Path, units: str | None) -> Iterator[Line]:
             if isinstance(element, Group):
                 yield from lines(element, element.id or layer)
             elif isinstance(element, Shape):
-                for piece in Curve(element).as_subpaths():
-                    yield _line(Curve(piece), unit, layer)
+                # the library cannot turn or skew every shape: its points are
+                turn = _matrix(element.transform)
+                for piece in Curve(*element.segments(transformed=False)).as_subpaths():
+                    line = _line(Curve(piece), unit * float(np.linalg.norm(turn[:, :2], 2)), layer)
+                    yield line._replace(
+                        points=unit * (line.points @ turn[:, :2].T + turn[:, 2]) * [1.0, -1.0]
+                    )
 
-    yield from lines(SVG.parse(io.BytesIO(ElementTree.tostring(root)), reify=True), "")
+    yield from lines(SVG.parse(io.BytesIO(ElementTree.tostring(root)), reify=False), "")
+
+
+def _matrix(transform: Any) -> Array:
+    """A transform as a matrix (2, 3)."""
+    return np.array([[transform.a, transform.c, transform.e], [transform.b, transform.d, transform.f]], float)
 
 
 def _check(root: ElementTree.Element) -> None:
@@ -68,7 +84,7 @@ def _check(root: ElementTree.Element) -> None:
 
 
 def _line(piece: Any, unit: float, layer: str) -> Line:
-    """One piece of a path, flattened; the y-axis of the file points down."""
+    """One piece of a path, flattened, in the file's units, of which one becomes at most `unit` m."""
     from svgelements import Close, Move
     from svgelements import Line as Straight
 
@@ -78,7 +94,7 @@ def _line(piece: Any, unit: float, layer: str) -> Line:
             points.append(np.array([segment.end], float))
         elif not isinstance(segment, Close):
             points.append(_flattened(segment.npoint, FLATTEN / unit)[1:])
-    line = unit * np.concatenate([*points, np.empty((0, 2))]) * [1.0, -1.0]
+    line = np.concatenate([*points, np.empty((0, 2))])
     return Line(line, any(isinstance(segment, Close) for segment in piece), layer)
 
 

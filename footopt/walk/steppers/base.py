@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numba.extending import overload
 
-from footopt.compiled import inlined
+from footopt.compiled import INLINE, inlined
 from footopt.effects.slope import tilted
 from footopt.walk.bristles import bend, next_step, stage_of
 from footopt.walk.contact import contact
@@ -80,7 +80,7 @@ def advance(method, world, sole, poses, state, h, counts):
     return STEPS[type(method)](method, world, sole, poses, state, h, counts)
 
 
-@overload(advance, jit_options={"forceinline": True})
+@overload(advance, jit_options=INLINE)
 def _resolve(method, world, sole, poses, state, h, counts):
     return STEPS[method.instance_class]
 

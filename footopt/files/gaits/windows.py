@@ -1,0 +1,75 @@
+"""The part of a short recording that is one stride: where it closes, or half of one, by symmetry."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.files.gaits.angles import PERIODS, Recording
+
+Array = NDArray[np.float64]
+
+TIMES, SMOOTH = 300, 4.0  # times at which a closed part is looked for; width of their speeds' filter
+CLOSED = 0.06  # of the motion that the ends of such a part may differ by
+MOST = 0.8  # of the thigh's range that such a part must hold
+
+
+def closing(recording: Recording, halves: bool) -> tuple[float, float, float] | None:
+    """Begin and end, s, of the part of a recording that closes best, and how much of the motion lies between.
+
+    With `halves` it is half a stride, after which each leg is where the other one was. None if none closes.
+    """
+    other = recording.other if halves else recording
+    if other is None:
+        return None
+    t = np.linspace(max(recording.t[0], other.t[0]), min(recording.t[-1], other.t[-1]), TIMES)
+    least, most = (limit / (1 + halves) for limit in PERIODS)
+    if t[-1] - t[0] < least:
+        return None
+    own, after = _state(t, recording), _state(t, other)
+    scale = np.maximum(np.ptp(own, axis=1), np.ptp(after, axis=1))
+    gap = np.maximum(_apart(own, after, scale), _apart(after, own, scale))
+    lag = t - t[:, None]  # of an end (columns) after a begin (rows)
+    thigh = own[0]
+    gap[(lag < least) | (lag > most)] = np.inf
+    for _ in range(TIMES):
+        row, column = np.unravel_index(np.argmin(gap), gap.shape)
+        if not gap[row, column] <= CLOSED:
+            return None
+        if halves or np.ptp(thigh[row : column + 1]) > MOST * np.ptp(thigh):
+            return float(t[row]), float(t[column]), float(gap[row, column])
+        gap[row] = np.inf
+    return None
+
+
+def _state(t: Array, recording: Recording) -> Array:
+    """Thigh and knee, and their speeds, of a leg at times t (n,): (4, n)."""
+    from scipy.ndimage import gaussian_filter1d
+
+    curves = [np.interp(t, recording.t, recording.angles[j]) for j in ("thigh", "knee")]
+    speeds = [gaussian_filter1d(np.gradient(curve), SMOOTH, mode="nearest") for curve in curves]
+    return np.array([*curves, *speeds])
+
+
+def _apart(begin: Array, end: Array, scale: Array) -> Array:
+    """The largest difference of states (4, n), of their scale, a speed's for a quarter: (begins, ends)."""
+    weights = np.array([1.0, 1.0, 0.25, 0.25]) / scale
+    apart: Array = np.max(abs(end[:, None, :] - begin[:, :, None]) * weights[:, None, None], axis=0)
+    return apart
+
+
+def mirrored(recording: Recording, begin: float, end: float, phase: Array) -> dict[str, Array]:
+    """A stride of which one half is that of a leg, and the other half that of the other leg, closed."""
+    assert recording.other is not None
+    curves = {}
+    for joint in ("thigh", "knee"):
+        s = 2.0 * phase[phase <= 0.5]
+        first, second = (
+            np.interp(begin + (end - begin) * s, leg.t, leg.angles[joint])
+            for leg in (recording, recording.other)
+        )
+        back, on = first[0] - second[-1], second[0] - first[-1]
+        first = first + 0.5 * (s * on - (1.0 - s) * back)
+        second = second + 0.5 * (s * back - (1.0 - s) * on)
+        curves[joint] = np.concatenate([first, second[1:]])
+    return curves

@@ -1,0 +1,300 @@
+"""zeta, and the exponent of depth, from plates or penetrometers pushed into one's own sand.
+
+A plate of area A at depth z feels F = zeta P z against its motion, with P = A (alpha_x cos g + alpha_z sin g)
+of the stress map. What repeats of a test share, as the sand was prepared once for each, is not known: each is
+fitted alone by least squares, and the mean over the repeats has Student's interval. With one repeat there is
+only the interval of its own least squares.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.files.columns import read_columns
+from footopt.files.reading import Unusable, naming
+from footopt.sand.law import GENERIC, StressMap, alpha
+
+Array = NDArray[np.float64]
+
+SETTING = "study.tests"
+COLUMNS = {"depth_mm": "", "force_N": "", "area_cm2": ""}
+OPTIONAL = {"angle_deg": 0.0, "direction_deg": 90.0}  # a level plate that is pushed down
+LABEL = "repeat"
+
+COVERAGE = 0.95  # of the intervals
+DEPTHS = 3  # different ones that each repeat must have at least
+ZETAS = (0.005, 200.0)  # of any sand; the softest and hardest of the literature are .2 and 3
+EXPONENTS = (0.2, 4.0)  # of any sand; 1 to 1.5 are measured
+CHANGE = 0.1  # of zeta over the depths that were tested, or from set-up to set-up: less is no matter
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A value with its interval of `COVERAGE`; infinite ends where the data do not say."""
+
+    value: float
+    low: float
+    high: float
+
+    def excludes(self, value: float) -> bool:
+        """Whether a value is outside the interval."""
+        return not self.low <= value <= self.high
+
+
+@dataclass(frozen=True, eq=False)
+class SetUp:
+    """Tests with one plate in one direction.
+
+    Parameters
+    ----------
+    area : float, m^2
+        Of the plate.
+    angle, direction : float, deg
+        beta and gamma, as in `footopt.sand.law.alpha`.
+    rows : int
+        Measurements.
+    zeta : Estimate
+        Of these tests alone.
+    """
+
+    area: float
+    angle: float
+    direction: float
+    rows: int
+    zeta: Estimate
+
+    @property
+    def name(self) -> str:
+        """For tables and legends."""
+        return f"{1e4 * self.area:.3g} cm² at {self.angle:g}° moved at {self.direction:g}°"
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """What tests say of a sand.
+
+    Parameters
+    ----------
+    zeta : Estimate
+        With force that grows linearly with depth, as footopt's law has it.
+    exponent : Estimate
+        Of depth, in a law with zeta (z / `reference`)^(exponent - 1).
+    scale : float
+        zeta of that law at the depth `reference`.
+    reference : float, m
+        The geometric mean of the depths.
+    spread : float or None
+        Standard deviation of the logarithm of zeta where the sand is prepared anew; None with one repeat.
+    repeats : dict of (float, float)
+        zeta and exponent of each alone.
+    set_ups : tuple of SetUp
+        The plates and directions.
+    depth, local, which : (rows,)
+        Depth, m, force over P z, and the set-up of each measurement.
+    left_out : int
+        Rows above the surface.
+    """
+
+    zeta: Estimate
+    exponent: Estimate
+    scale: float
+    reference: float
+    spread: float | None
+    repeats: dict[str, tuple[float, float]]
+    set_ups: tuple[SetUp, ...]
+    depth: Array
+    local: Array
+    which: NDArray[np.int64]
+    left_out: int
+
+    def zeta_at(self, depth: Array | float) -> Array:
+        """zeta of the law with an exponent, by depth, m."""
+        return np.asarray(self.scale * (np.asarray(depth) / self.reference) ** (self.exponent.value - 1.0))
+
+    @property
+    def warnings(self) -> list[str]:
+        """What keeps the tests from saying what they are to say."""
+        said = []
+        shallow, deep = self.depth.min(), self.depth.max()
+        low, high = self.zeta_at(shallow), self.zeta_at(deep)
+        n = self.exponent
+        if n.excludes(1.0) and abs(high / low - 1.0) > CHANGE:
+            said.append(
+                f"Force does not grow linearly with depth, as the law has it, but with its power "
+                f"{n.value:.2f} ({n.low:.2f} to {n.high:.2f}): zeta is {low:.2g} at {1e3 * shallow:.3g} mm "
+                f"and {high:.2g} at {1e3 * deep:.3g} mm. Test to the depth to which your feet sink."
+            )
+        if len(self.repeats) == 1:
+            said.append(
+                "There is one repeat: its interval says nothing of how the sand differs from place to place. "
+                "Prepare the sand anew, test again, and number the tests in a column repeat."
+            )
+        if deep > (width := min(np.sqrt(s.area) for s in self.set_ups)):
+            said.append(
+                f"The deepest test ({1e3 * deep:.3g} mm) is deeper than the smallest plate is wide "
+                f"({1e3 * width:.3g} mm): linear growth with depth is not known there."
+            )
+        odd = [s for s in self.set_ups if s.zeta.excludes(self.zeta.value) and self._far(s)]
+        if len(self.set_ups) > 1 and odd:
+            named = "; ".join(f"{s.name}: {s.zeta.value:.2g}" for s in odd)
+            said.append(
+                f"zeta differs from set-up to set-up ({named}): size, angle or direction act otherwise "
+                "than in the stress map. Measure a table of stresses (sand.table)."
+            )
+        return said
+
+    def _far(self, s: SetUp) -> bool:
+        return abs(s.zeta.value / self.zeta.value - 1.0) > CHANGE
+
+
+def calibrate(path: str | Path, stress_map: StressMap = GENERIC) -> Calibration:
+    """Fit zeta and the exponent of depth to tests with plates.
+
+    Parameters
+    ----------
+    path : str or Path
+        CSV file with a header and the columns ``depth_mm`` (of the plate's middle below the surface),
+        ``force_N`` (against the motion), ``area_cm2`` and, optionally, ``angle_deg`` (of the plate, 0 is
+        level), ``direction_deg`` (of the motion, 90 is down) and ``repeat`` (the preparation of the sand, any
+        word); others are ignored.
+    stress_map : StressMap
+        What zeta scales.
+
+    Returns
+    -------
+    Calibration
+        With its intervals.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, lacks a column, holds something that is not a number, has too few depths, or
+        no sand can have such forces.
+    """
+    columns, labels = read_columns(path, "sand", SETTING, COLUMNS, OPTIONAL, LABEL)
+    with naming(path, SETTING):
+        return _calibrate(columns, np.array(labels), stress_map)
+
+
+def _calibrate(columns: dict[str, Array], labels: NDArray[np.str_], stress_map: StressMap) -> Calibration:
+    inside = columns["depth_mm"] > 0
+    left_out = int((~inside).sum())
+    if not inside.any():
+        raise Unusable("has no row with depth_mm > 0: depth is below the surface, in mm.")
+    columns, labels = {name: values[inside] for name, values in columns.items()}, labels[inside]
+    depth, force, area = 1e-3 * columns["depth_mm"], columns["force_N"], 1e-4 * columns["area_cm2"]
+    angle, direction = columns["angle_deg"], columns["direction_deg"]
+    if not (area > 0).all():
+        raise Unusable("area_cm2 must be > 0, the area of the plate's face.")
+    if max(abs(angle).max(), abs(direction).max()) > 180:
+        raise Unusable("angle_deg and direction_deg must be from -180 to 180.")
+    beta, gamma = np.radians(angle), np.radians(direction)
+    x, z = alpha(beta, gamma, stress_map)
+    resistance = (x * np.cos(gamma) + z * np.sin(gamma)) * area
+    if not (resistance > 0).all():
+        raise Unusable("the stress map has a plate of these angles pushed along; zeta cannot be found.")
+    unit = resistance * depth
+    reference = float(np.exp(np.log(depth).mean()))
+
+    fits = {}
+    for name in dict.fromkeys(labels.tolist()):
+        own = labels == name
+        fits[name] = _fit(unit[own], depth[own] / reference, force[own], f"repeat {name!r}: " if name else "")
+    log_zeta, exponent, log_scale = (np.array([f[i] for f in fits.values()]) for i in (0, 1, 2))
+    alone = next(iter(fits.values()))
+    zeta = _exp(_estimate(log_zeta, alone[3], alone[5]))
+    return Calibration(
+        zeta=zeta,
+        exponent=_estimate(exponent, alone[4], alone[5]),
+        scale=float(np.exp(log_scale.mean())),
+        reference=reference,
+        spread=_spread(log_zeta),
+        repeats={name: (float(np.exp(f[0])), f[1]) for name, f in fits.items()},
+        set_ups=(found := _set_ups(np.stack([area, angle, direction], axis=1), unit, force, labels))[0],
+        depth=depth,
+        local=force / unit,
+        which=found[1],
+        left_out=left_out,
+    )
+
+
+def _fit(
+    unit: Array, depth: Array, force: Array, whose: str
+) -> tuple[float, float, float, float, float, int]:
+    """One repeat: log zeta, exponent, log scale; standard errors of the first two, and degrees of freedom.
+
+    unit: force where zeta is 1, N. depth: over the reference.
+    """
+    from scipy.optimize import least_squares
+
+    if len(np.unique(depth)) < DEPTHS:
+        raise Unusable(f"{whose}has fewer than {DEPTHS} different depths, which an exponent needs.")
+    zeta = float(unit @ force / (unit @ unit))
+    if not ZETAS[0] <= zeta <= ZETAS[1]:
+        raise Unusable(
+            f"{whose}zeta would be {zeta:.3g}, and that of sands is from {ZETAS[0]:g} to {ZETAS[1]:g}. Check "
+            "the units (mm, N, cm2) and the sign: force_N is positive against the motion."
+        )
+    size = float(np.sqrt(np.mean(force**2)))
+
+    def misfit(p: Array) -> Array:
+        return np.asarray((np.exp(p[0]) * unit * depth ** (p[1] - 1.0) - force) / size)
+
+    found = least_squares(misfit, [np.log(zeta), 1.0], method="lm")
+    scale, exponent = (float(p) for p in found.x)
+    if not (found.success and EXPONENTS[0] <= exponent <= EXPONENTS[1]):
+        raise Unusable(
+            f"{whose}force grows with the power {exponent:.3g} of depth, and that of sands is from "
+            f"{EXPONENTS[0]:g} to {EXPONENTS[1]:g}. Check depth_mm and force_N."
+        )
+    freedom = len(force) - 2
+    variance = 2.0 * found.cost / max(freedom, 1)
+    covariance = variance * np.linalg.pinv(found.jac.T @ found.jac)
+    straight = float(np.sum((zeta * unit - force) ** 2)) / (len(force) - 1) / float(unit @ unit)
+    return np.log(zeta), exponent, scale, np.sqrt(straight) / zeta, float(np.sqrt(covariance[1, 1])), freedom
+
+
+def _estimate(values: Array, error: float = np.inf, freedom: int = 1) -> Estimate:
+    """The mean of repeats; of one, its own value with its own standard error."""
+    from scipy.special import stdtrit
+
+    count = len(values)
+    if count > 1:
+        error, freedom = float(values.std(ddof=1) / np.sqrt(count)), count - 1
+    mean = float(values.mean())
+    half = float(stdtrit(max(freedom, 1), 0.5 + 0.5 * COVERAGE)) * error
+    return Estimate(mean, mean - half, mean + half)
+
+
+def _exp(e: Estimate) -> Estimate:
+    """From a logarithm to the number."""
+    return Estimate(*(float(np.exp(v)) for v in (e.value, e.low, e.high)))
+
+
+def _spread(log_zeta: Array) -> float | None:
+    """Standard deviation of the next repeat's log zeta about the mean that is known."""
+    count = len(log_zeta)
+    return float(log_zeta.std(ddof=1) * np.sqrt(1.0 + 1.0 / count)) if count > 1 else None
+
+
+def _set_ups(
+    keys: Array, unit: Array, force: Array, labels: Sequence[str] | NDArray[np.str_]
+) -> tuple[tuple[SetUp, ...], NDArray[np.int64]]:
+    """zeta of each plate and direction alone, (area, angle, direction) in rows of `keys`."""
+    distinct, which = np.unique(keys, axis=0, return_inverse=True)
+    which, labels = which.ravel(), np.asarray(labels)
+    found = []
+    for i, (area, angle, direction) in enumerate(distinct):
+        own = which == i
+        each = []
+        for name in dict.fromkeys(labels[own].tolist()):
+            u, f = (values[own & (labels == name)] for values in (unit, force))
+            each.append(max(float(u @ f / (u @ u)), ZETAS[0]))
+        zeta = _exp(_estimate(np.log(each)))
+        found.append(SetUp(float(area), float(angle), float(direction), int(own.sum()), zeta))
+    return tuple(found), which

@@ -1,0 +1,168 @@
+"""What a scene calls for, before anything walks: dimensionless numbers against thresholds with sources.
+
+A number of an effect, or of something that footopt lacks, is about the share of the force on a foot that it
+makes up. These are estimates within a factor of two or so; the audit (`footopt.walk.audit`) walks.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from footopt.effects import EFFECTS, Inertia, LeadingEdge, Shadowing, Slope
+from footopt.foot import Foot
+from footopt.walk.scene import SOLE, STRIDE, Scene
+
+# what the numbers of sand assume: quartz sand as on a beach
+DENSITY = 1600.0  # kg/m^3
+GRAIN = 3e-4  # m
+COHESION = 1e3  # Pa, of damp sand; dry sand has none
+BEARING = 30.0  # N_c at an angle of friction of 30 deg
+FRICTION = 0.5  # of sand on a face, and of its pressure sideways over that from above
+CONE = math.radians(60.0)  # of the sand that moves with a foot at impact
+
+#: Effects whose parameters the literature has. The others say what the ground is like.
+LITERATURE: tuple[type, ...] = (LeadingEdge, Inertia, Shadowing)
+
+SOURCES = {
+    "leading_edge": "Agarwal, Goldman & Kamrin (2023)",
+    "inertia": "Agarwal et al. (2021)",
+    "shadowing": "Agarwal et al. (2021)",
+    "rest": "Dahl (1968)",
+}
+NUMBERS = {
+    "leading_edge": "stress of a plate pulled up / pushed down",
+    "inertia": "lambda rho v^2 / (zeta alpha_z z)",
+    "shadowing": "depth of the hollow that does not count / z",
+    "slope": "weight along the plane / weight",
+    "rest": "elastic length / z",
+    "layers": "change of strength at the depth z",
+    "patches": "change of strength along the way",
+}
+
+EFFECT, RANGE, LACKS = "effect", "tested range", "not in footopt"
+
+
+@dataclass(frozen=True)
+class Call:
+    """One row of the table.
+
+    Parameters
+    ----------
+    name : str
+        Of the effect, or of what is tested.
+    kind : str
+        `EFFECT`, `RANGE` or `LACKS`.
+    number : str
+        What the value is.
+    value : float
+        Dimensionless.
+    threshold : float
+        Above which it matters.
+    source : str
+        Of number and threshold.
+    on : bool
+        Whether the scene has the effect.
+    """
+
+    name: str
+    kind: str
+    number: str
+    value: float
+    threshold: float
+    source: str
+    on: bool = False
+
+    @property
+    def above(self) -> bool:
+        """Whether it matters, or is outside."""
+        return not self.value <= self.threshold
+
+    @property
+    def verdict(self) -> str:
+        """In words."""
+        if self.kind == RANGE:
+            return "outside" if self.above else "inside"
+        if self.on:
+            return "is on"
+        if self.kind == LACKS:
+            return "may matter" if self.above else "small"
+        return "called for" if self.above else "small"
+
+    @property
+    def warning(self) -> str:
+        """What to say where a scene is outside of what was tested; "" inside."""
+        if self.kind != RANGE or not self.above:
+            return ""
+        about = f"{self.number} is about {self.value:.2g}"
+        return f"{self.name}: {about}, tested to {self.threshold:g} ({self.source})"
+
+
+def calls(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> list[Call]:
+    """The numbers of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is walked.
+    feet : sequence of Foot
+        Who walks; medians over them count.
+    tolerance : float
+        The relative change that matters.
+
+    Returns
+    -------
+    list of Call
+        Effects, what the law is tested for, and what footopt lacks.
+    """
+    scale = scene.scale
+    size = np.median([[*np.ptp(foot.contour, axis=0), foot.width, foot.hollow] for foot in feet], axis=0)
+    length, _, width, hollow = (float(v) for v in size)
+    area = length * width
+    depth = scale.depth * SOLE / area
+    ankle = float(np.median([foot.ankle[1] - foot.contour[:, 1].min() for foot in feet]))
+    scale = scale._replace(depth=depth)
+    g, weight, speed = scene.walker.g, scene.walker.weight, scale.speed
+
+    found = []
+    for name, kind in EFFECTS.items():
+        given = next((effect for effect in scene.effects if isinstance(effect, kind)), None)
+        if given is None and kind not in LITERATURE:
+            continue
+        effect = given or kind()
+        if not hasattr(effect, "estimate"):
+            continue
+        value = effect.estimate(scale)
+        if isinstance(effect, Shadowing):
+            value = (1.0 - effect.effective) * hollow / depth
+        number, source = NUMBERS.get(name, "its own estimate"), SOURCES.get(name, "the scene itself")
+        found.append(
+            Call(name.replace("_", " "), EFFECT, number, value, tolerance, source, given is not None)
+        )
+
+    step = 0.5 * STRIDE * (scene.walker.l1 + scene.walker.l2)
+    cone = DENSITY * area * math.sqrt(area / math.pi) * math.tan(CONE) / 3.0
+    sides = (length + width) * depth**2 * DENSITY * g * FRICTION**2
+    angle = next((abs(e.angle) for e in scene.effects if isinstance(e, Slope)), 0.0)
+    return [
+        *found,
+        Call("depth", RANGE, "depth / width of the foot", depth / width, 1.0, "Li, Zhang & Goldman (2013)"),
+        Call("ankle", RANGE, "depth / height of the ankle", depth / ankle if ankle > 0 else math.inf, 1.0,
+             "the leg feels no sand"),
+        Call("speed", RANGE, "v / sqrt(g L)", speed / math.sqrt(g * length), 0.31,
+             "0.5 m/s on the Earth; Li, Zhang & Goldman (2013)"),
+        Call("slope", RANGE, "angle / that of repose", angle / 30.0, 0.6,
+             "the map is that of a level surface"),
+        Call("cohesion", LACKS, "N_c c / pressure of the foot, damp", BEARING * COHESION / (weight / area),
+             tolerance, "c 1 kPa, N_c 30; Wong (2008); none if dry"),
+        Call("added mass at impact", LACKS, "m v^2 / (z weight)", cone * speed**2 / (depth * weight),
+             tolerance, "a cone of sand, Aguilar & Goldman (2016)"),
+        Call("sides of the foot", LACKS, "friction on them / weight", sides / weight, tolerance,
+             "pressure at rest, friction 0.5"),
+        Call("grains", LACKS, "grain / depth", GRAIN / depth, 0.1, "grains of 0.3 mm, ten for a continuum"),
+        Call("footprints", LACKS, "length of the foot / step", length / step, 1.0,
+             "above 1 a foot steps into the last print"),
+    ]  # fmt: skip

@@ -1,0 +1,157 @@
+"""Tests with plates give zeta and the exponent of depth within their intervals, or a clear refusal."""
+
+import contextlib
+import os
+from random import Random
+
+import numpy as np
+import pytest
+import yaml
+from running import footopt
+
+import footopt as fo
+from footopt.errors import FileError
+from footopt.sand.calibration import calibrate
+
+SAMPLE = 200  # tests of a sand; more with FOOTOPT_CALIBRATIONS
+HEAD = "depth_mm,force_N,area_cm2,angle_deg,direction_deg,repeat\n"
+
+
+def plates_in_sand(path, rng, zeta=0.8, exponent=1.0, repeats=5, scatter=0.12, noise=0.03, set_ups=None):
+    """Write tests of a sand that is known: repeats differ by `scatter`, measurements by `noise`."""
+    rows = []
+    for r in range(repeats):
+        own = zeta * np.exp(scatter * rng.standard_normal())
+        for area, angle, direction in set_ups or [(25.0, 0.0, 90.0)]:
+            x, z = fo.stress.alpha(*np.radians([angle, direction]))
+            gamma = np.radians(direction)
+            for depth in np.linspace(4.0, 48.0, 12):
+                grown = 1e-3 * depth * (depth / 20.0) ** (exponent - 1.0)
+                force = own * 1e-4 * area * (x * np.cos(gamma) + z * np.sin(gamma)) * grown
+                force *= 1.0 + noise * rng.standard_normal()
+                rows.append(f"{depth:.1f},{force:.3f},{area:g},{angle:g},{direction:g},{r + 1}\n")
+    path.write_text(HEAD + "".join(rows))
+    return path
+
+
+@pytest.mark.slow
+def test_intervals_hold_what_is_true_as_often_as_they_say(tmp_path):
+    """Over sands, exponents and numbers of repeats drawn at random."""
+    rng, count = np.random.default_rng(1), int(os.environ.get("FOOTOPT_CALIBRATIONS", SAMPLE))
+    held = np.zeros(2)
+    for _ in range(count):
+        zeta, exponent, repeats = rng.uniform(0.2, 4.0), rng.uniform(0.9, 1.5), int(rng.integers(3, 9))
+        # with an exponent a linear zeta has no true value: then that of the law with the exponent is asked
+        found = calibrate(plates_in_sand(tmp_path / "t.csv", rng, zeta, exponent, repeats))
+        linear = (
+            zeta * np.sum(found.depth**2 * (found.depth / 0.02) ** (exponent - 1)) / np.sum(found.depth**2)
+        )
+        held += [not found.zeta.excludes(linear), not found.exponent.excludes(exponent)]
+    assert (abs(held / count - 0.95) < 4.0 * np.sqrt(0.95 * 0.05 / count)).all(), held / count
+
+
+def test_without_noise_zeta_and_exponent_are_exact(tmp_path):
+    set_ups = [(25.0, 0.0, 90.0), (100.0, 30.0, 60.0), (50.0, 90.0, 0.0)]
+    rng = np.random.default_rng(1)
+    found = calibrate(plates_in_sand(tmp_path / "t.csv", rng, 2.0, 1.0, 2, 0.0, 0.0, set_ups))
+    assert found.zeta.value == pytest.approx(2.0, rel=1e-4)  # forces are written to a millinewton
+    assert found.exponent.value == pytest.approx(1.0, abs=1e-4)
+    assert [s.zeta.value for s in found.set_ups] == pytest.approx([2.0] * 3, rel=1e-3)
+    assert found.warnings == []
+
+
+def test_the_spread_is_that_of_sand_prepared_anew(tmp_path):
+    found = calibrate(plates_in_sand(tmp_path / "t.csv", np.random.default_rng(1), repeats=400, scatter=0.2))
+    assert found.spread == pytest.approx(0.2, rel=0.1)
+
+
+class TestWarnings:
+    def test_growth_with_another_power_is_said_with_its_zetas(self, tmp_path):
+        rng = np.random.default_rng(1)
+        straight = calibrate(plates_in_sand(tmp_path / "t.csv", rng))
+        assert not any("linearly" in w for w in straight.warnings)
+        bent = calibrate(plates_in_sand(tmp_path / "t.csv", rng, 0.8, 1.34))
+        (said,) = [w for w in bent.warnings if "linearly" in w]
+        assert "power 1.3" in said
+        assert bent.zeta_at(0.048) / bent.zeta_at(0.004) == pytest.approx(12.0**0.34, rel=0.1)
+
+    def test_one_repeat_says_nothing_of_others(self, tmp_path):
+        found = calibrate(plates_in_sand(tmp_path / "t.csv", np.random.default_rng(1), repeats=1))
+        assert found.spread is None
+        assert any("one repeat" in w for w in found.warnings)
+        assert 0.0 < found.zeta.low < found.zeta.value < found.zeta.high < np.inf
+
+    def test_a_set_up_that_the_map_does_not_fit_is_named(self, tmp_path):
+        path = plates_in_sand(tmp_path / "t.csv", np.random.default_rng(1), repeats=6, scatter=0.02,
+                        set_ups=[(25.0, 0.0, 90.0), (25.0, 90.0, 0.0)])  # fmt: skip
+        lines = path.read_text().splitlines()
+        drag = [f"{d},{1.6 * float(f):.3f},{rest}" for d, f, rest in (x.split(",", 2) for x in lines[1:])
+                if rest.startswith("25,90,0")]  # fmt: skip
+        down = [line for line in lines[1:] if ",25,0,90," in line]
+        path.write_text(HEAD + "\n".join(down + drag) + "\n")
+        (said,) = [w for w in calibrate(path).warnings if "set-up" in w]
+        assert "25 cm² at 90° moved at 0°" in said
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("depth,force\n1,2\n", "lacks depth_mm, force_N, area_cm2"),
+        ("depth_mm,depth_mm,force_N,area_cm2\n1,1,2,3\n", "two columns are called 'depth_mm'"),
+        ("depth_mm,force_N,area_cm2\n1,2\n", "line 2: not three numbers"),
+        ("depth_mm,force_N,area_cm2\n1,5,2,5,25\n", "line 2: not three numbers"),
+        ("depth_mm;force_N;area_cm2\n1;2;25\n", "lacks depth_mm"),
+        ("depth_mm,force_N,area_cm2\n10,nan,25\n", "not finite"),
+        ("depth_mm,force_N,area_cm2\n-10,8,25\n-20,16,25\n", "no row with depth_mm > 0"),
+        ("depth_mm,force_N,area_cm2\n10,8,0\n20,16,25\n", "area_cm2 must be > 0"),
+        ("depth_mm,force_N,area_cm2\n10,8,25\n10,9,25\n20,16,25\n", "fewer than 3 different depths"),
+        ("depth_mm,force_N,area_cm2\n10,-8,25\n20,-16,25\n30,-24,25\n", "positive against the motion"),
+        ("depth_mm,force_N,area_cm2\n10,8000,25\n20,16000,25\n30,24000,25\n", "Check the units"),
+        ("depth_mm,force_N,area_cm2\n10,20,25\n20,15,25\n30,12,25\n40,9,25\n", "force grows with the power"),
+        ("depth_mm,force_N,area_cm2,angle_deg\n10,8,25,200\n20,9,25,0\n", "from -180 to 180"),
+        ("depth_mm,force_N,area_cm2,repeat\n10,8,25,a\n20,16,25,a\n30,24,25,a\n10,8,25,b\n", "repeat 'b'"),
+    ],
+)
+def test_what_is_wrong_with_a_file_is_named(tmp_path, text, message):
+    (tmp_path / "t.csv").write_text(text)
+    with pytest.raises(FileError, match=rf"study\.tests = .*t\.csv.*{message}"):
+        calibrate(tmp_path / "t.csv")
+
+
+def test_a_damaged_file_is_read_or_refused_and_never_a_traceback(tmp_path):
+    """Characters of a good file exchanged, dropped or repeated at random."""
+    good = plates_in_sand(tmp_path / "t.csv", np.random.default_rng(1)).read_text()
+    random = Random(1)
+    for _ in range(150):
+        a, b = sorted((random.randrange(len(good)), random.randrange(len(good))))
+        other = good[:a] + random.choice("x1;,\n-9") + good[a + 1 :]
+        (tmp_path / "bad.csv").write_text(random.choice((good[:a] + good[b:], good[:b] + good[a:], other)))
+        found = None
+        with contextlib.suppress(FileError):  # of any other error the test fails
+            found = calibrate(tmp_path / "bad.csv")
+        assert found is None or 0.0 < found.zeta.low <= found.zeta.value <= found.zeta.high
+
+
+def test_the_study_leaves_a_sand_that_runs_use(tmp_path):
+    plates_in_sand(tmp_path / "my beach.csv", np.random.default_rng(1), 0.8, 1.3)
+    done = footopt(
+        "study=calibrate", "study.tests=my beach.csv", "hydra.run.dir=found", cwd=tmp_path, drawn=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert "does not grow linearly" in done.stdout
+    file = yaml.safe_load((tmp_path / "found" / "sand" / "my_beach.yaml").read_text())
+    assert file["sand"]["zeta"] == pytest.approx(0.94, rel=0.15)
+    used = footopt(
+        "--config-dir", "found", "study=simulate", "sand=my_beach", "accuracy=draft", "report=none",
+        "hydra.run.dir=walk", cwd=tmp_path,
+    )  # fmt: skip
+    assert used.returncode == 0, used.stderr
+    run = fo.load(tmp_path / "walk")
+    assert run.scene.sand.zeta == pytest.approx(file["sand"]["zeta"])
+    assert run.config.study.spread.zeta == pytest.approx(file["study"]["spread"]["zeta"])
+
+
+def test_a_study_without_tests_says_what_to_give(tmp_path):
+    done = footopt("study=calibrate", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "study.tests" in done.stderr

@@ -1,0 +1,82 @@
+"""Ranks that another law turns round are found by walking, and marked."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from running import QUICK, footopt
+
+import footopt as fo
+from footopt.report import terminal
+from footopt.studies import ranks
+from footopt.walk import OBJECTIVES
+
+SPACE = fo.Waypoints()
+FEET = SPACE.random(6, seed=2, inside=True)
+FLAT = np.full(SPACE.n, SPACE.K)
+
+
+@pytest.fixture(scope="module")
+def problem():
+    return fo.FootProblem(fo.Scene(), "efficiency", SPACE, "draft")
+
+
+@pytest.fixture(scope="module")
+def found(problem):
+    best_first = FEET[np.argsort(problem.walk(FEET)[0][:, problem.record.index("efficiency")])]
+    return ranks.ranks(problem, best_first, FLAT, 0.3), best_first
+
+
+def test_each_other_law_is_walked_once_and_the_run_s_own_is_not(found):
+    assert [r.law for r in found[0]] == ["leading edge", "shadowing", "both", "zeta x 0.74", "zeta x 1.3"]
+    under_edge = ranks.other_laws(fo.Scene(effects=(fo.LeadingEdge(), fo.Inertia())), 0.0)
+    assert [s.name for s in under_edge] == ["plain law", "shadowing", "both"]
+    assert all(fo.Inertia() in s.scene.effects for s in under_edge)
+
+
+def test_places_losses_and_turns_are_those_of_the_walks(found):
+    ranked, feet = found
+    for rank, law in zip(ranked, ranks.other_laws(fo.Scene(), 0.3), strict=True):
+        values = fo.evaluate([*feet, FLAT], law.scene, "draft", ("efficiency", "work"))
+        own = fo.evaluate([*feet, FLAT], fo.Scene(), "draft", ("efficiency", "work"))
+        j = values.values[:-1, 0]
+        assert rank.place == 1 + (j < j[0]).sum()
+        assert rank.lost == pytest.approx((j[0] - j.min()) / abs(j.min()))
+        for column, name in enumerate(("efficiency", "work")):
+            turns = np.sign(own.values[0, column] - own.values[-1, column]) != np.sign(
+                values.values[0, column] - values.values[-1, column]
+            )
+            assert (name in rank.turned) == turns
+
+
+def test_a_turned_rank_is_marked_in_the_table_and_its_laws_are_named():
+    turned = ranks.turned_by([ranks.Rank("shadowing", 3, 0.2, 0.05, ("work",)),
+                              ranks.Rank("both", 1, 0.9, 0.0, ("work",))])  # fmt: skip
+    assert turned == {"work": ["shadowing", "both"]}
+    values = dict.fromkeys(OBJECTIVES, 1.0)
+    shown = terminal.objective_table(
+        [("best", values), ("flat", values)], list(OBJECTIVES), dict.fromkeys(OBJECTIVES, 0.0), True,
+        turned=turned,
+    )  # fmt: skip
+    cells = dict(zip(shown.columns[0].cells, shown.columns[5].cells, strict=True))
+    assert {name for name, cell in cells.items() if cell.endswith("*")} == {"work (min)"}
+    assert "work: shadowing, both" in shown.caption
+
+
+def test_the_line_says_what_the_best_loses():
+    told = ranks.describe(
+        [ranks.Rank("shadowing", 3, 0.2, 0.051, ()), ranks.Rank("both", 1, 0.9, 0.0, ())], 5
+    )
+    assert told == ["Under other laws the best of 5 finalists is: shadowing no. 3, loses 5.1 %; both no. 1"]
+    assert ranks.describe([], 5) == []
+    several = ranks.Rank("both", 2, math.nan, math.nan, ())
+    assert ranks.describe([several], 2)[0].endswith("both no. 2")
+
+
+def test_a_search_says_its_ranks_under_other_laws(tmp_path):
+    done = footopt(*QUICK, "report=light", "study.finalists=3", "hydra.run.dir=out", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "Under other laws the best of 3 finalists is: leading edge no." in done.stdout
+    entry = json.loads((tmp_path / "out" / "result.json").read_text())["ranks"]
+    assert len(entry["laws"]) == 5

@@ -1,0 +1,59 @@
+"""What a scene calls for before it is walked: dimensionless numbers, and what was not tested."""
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import footopt as fo
+from footopt.walk.calls import EFFECT, LACKS, LITERATURE, RANGE, calls
+
+ABSOLUTE = ("cohesion", "grains")  # sand has a strength and a size of its own
+
+
+def numbers(scene, foot):
+    return {c.name: c for c in calls(scene, [foot])}
+
+
+def scaled(size):
+    """The walk of a body that is `size` times as large and walks dynamically alike."""
+    human = fo.Walker()
+    walker = replace(human, mass=human.mass * size**3, l1=human.l1 * size, l2=human.l2 * size)
+    gait = replace(fo.Gait.human(), period=1.2 * size**0.5, start=0.5 * size**0.5)
+    foot = fo.Foot.from_waypoints(
+        [5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4], fo.Waypoints(L=0.13 * size, H=0.03 * size, width=0.1 * size)
+    )
+    return fo.Scene(walker=walker, gait=gait), foot
+
+
+@given(st.floats(0.2, 5.0))
+def test_bodies_that_walk_alike_have_the_same_numbers(size):
+    own, other = numbers(*scaled(1.0)), numbers(*scaled(size))
+    for name in set(own) - set(ABSOLUTE):
+        assert other[name].value == pytest.approx(own[name].value, rel=1e-6), name
+
+
+def test_every_kind_is_there_and_each_row_names_its_number_and_source():
+    found = calls(fo.Scene(effects=(fo.Slope(3.0), fo.Layers())), [fo.Foot.flat()])
+    assert {c.kind for c in found} == {EFFECT, RANGE, LACKS}
+    assert {"slope", "layers"} == {c.name for c in found if c.on}
+    assert len([c for c in found if c.kind == EFFECT]) == len(LITERATURE) + 2
+    assert {"cohesion", "added mass at impact", "sides of the foot", "grains"} <= {
+        c.name for c in found if c.kind == LACKS
+    }
+    assert all(c.number and c.source and c.verdict for c in found)
+
+
+def test_a_convex_sole_shadows_nothing_and_a_hollow_one_calls_for_it():
+    hollow = fo.Foot.from_waypoints([2, 8, 2, 2, 2, 2, 2, 2, 2, 8, 2])
+    assert numbers(fo.Scene(), fo.Foot.flat())["shadowing"].verdict == "small"
+    assert numbers(fo.Scene(), hollow)["shadowing"].verdict == "called for"
+
+
+def test_a_foot_that_sinks_deeper_than_it_is_wide_is_outside_and_is_warned_of():
+    soft, hard = (numbers(fo.Scene(sand=fo.Sand.named(name)), fo.Foot.flat()) for name in ("soft", "hard"))
+    assert soft["depth"].verdict == "outside"
+    assert "Li, Zhang & Goldman" in soft["depth"].warning
+    assert hard["depth"].verdict == "inside"
+    assert hard["depth"].warning == ""
