@@ -295,7 +295,7 @@ class Renewing(Executor):
         for seconds in PATIENCE if self._executor is None else ():
             try:
                 made = self._executor = self._make()
-                within(seconds, lambda executor=made: executor.submit(os.getpid).result())
+                within(seconds, lambda: made.submit(os.getpid).result())  # noqa: B023  called here
                 break
             except BaseException as error:
                 self.shutdown(wait=False)
