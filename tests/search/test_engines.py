@@ -249,6 +249,17 @@ class TestSettings:
             make_executor(**settings)
         assert words in str(error.value)
 
+    @pytest.mark.parametrize(
+        "error", [RuntimeError("Nanny failed to start."), OSError(24, "Too many open files")]
+    )
+    def test_a_cluster_that_cannot_start_is_said(self, error, monkeypatch):
+        distributed = pytest.importorskip("distributed", reason="needs the extra footopt[dask]")
+        monkeypatch.setattr(distributed, "LocalCluster", mock.Mock(side_effect=error))
+        with pytest.raises(
+            FootoptError, match=r"engine=dask: a worker cannot start \(.*(Nanny|files).*ulimit"
+        ):
+            Dask(workers=1)
+
     def test_a_missing_extra_is_named(self, monkeypatch):
         monkeypatch.setitem(sys.modules, "distributed", None)
         with pytest.raises(SettingError, match=r"pip install 'footopt\[dask\]'"):
