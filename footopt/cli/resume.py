@@ -20,9 +20,8 @@ from footopt.errors import ERROR_FILE, FootoptError, SettingError, check
 from footopt.files import identity
 from footopt.files.lock import Occupied, locked
 from footopt.files.run import write_text
-from footopt.studies import RESUMABLE
 from footopt.studies.identity import CHANGEABLE, check_same, finished, is_finished, may_change, result_of
-from footopt.studies.settings import Config
+from footopt.studies.settings import REPORTS, SEARCHES, Config
 
 TRUST = "--trust"
 MULTIRUN = "multirun.yaml"
@@ -98,8 +97,8 @@ def _resume_run(
     run = identity.read(folder)
     settings, named = _structured(folder, run.settings), [name for name, _ in changes]
     study = settings.study.name
-    if finished(found) and study not in RESUMABLE:
-        raise SettingError("resume", str(folder), f"a run of study={', '.join(RESUMABLE)}, not {study}")
+    if finished(found) and study not in SEARCHES:
+        raise SettingError("resume", str(folder), f"a run of study={', '.join(SEARCHES)}, not {study}")
     check_same(folder, run.settings, found)
     for name in () if trusted else TRUSTED:
         value = OmegaConf.select(settings, name)
@@ -113,8 +112,9 @@ def _resume_run(
             OmegaConf.update(settings, name, OmegaConf.structured(Config).engine, merge=False)
         OmegaConf.update(settings, "engine.name" if name == "engine" else name, value, merge=False)
     plain: Any = OmegaConf.to_container(settings, resolve=True)
-    _check_longer(found, plain["solver"])
-    kept = [word for word in run.words if word.partition("=")[0] not in named]
+    _check_no_less(found or {}, plain)
+    groups = tuple(f"{name}." for name in named)  # engine=... begins anew, without engine.timeout
+    kept = [word for word in run.words if not f"{word.partition('=')[0]}.".startswith(groups)]
     walk(plain, folder, [*kept, *words], resumed=True)
 
 
@@ -137,10 +137,10 @@ def _reaches_out(name: str, value: Any) -> bool:
     return name != "study.video" or Path(value).name != value
 
 
-def _check_longer(found: Mapping[str, Any] | None, solver: Mapping[str, Any]) -> None:
-    """Raise a `SettingError` for a resumed search that would be shorter than what it has found."""
-    before = (found or {}).get("evaluations", 0)
-    size, generations = solver["pop_size"], solver["n_gen"]
+def _check_no_less(found: Mapping[str, Any], settings: Mapping[str, Any]) -> None:
+    """Raise a `SettingError` for a run that would not replace all that it has found and left before."""
+    solver = settings["solver"]
+    before, size, generations = found.get("evaluations", 0), solver["pop_size"], solver["n_gen"]
     check(
         solver["name"] == "exhaustive" or size * generations >= before,
         "solver.n_gen",
@@ -148,6 +148,13 @@ def _check_longer(found: Mapping[str, Any] | None, solver: Mapping[str, Any]) ->
         f"at least {math.ceil(before / max(size, 1))}: the run has {before} evaluations",
         "A shorter search is a run of its own: leave out resume.",
     )
+    if found:
+        report, film = found["settings"]["report"], found["settings"]["study"]["video"]
+        old = "files of the run as it was would stay beside the new result"
+        less = settings["report"] in REPORTS[: REPORTS.index(report)]
+        check(not less, "report", settings["report"], f"{report}, as before: {old}")
+        new = settings["study"]["video"]
+        check(film in (None, new), "study.video", new, f"{film}, as before: {old}")
 
 
 def _resume_jobs(
