@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import _thread
 import os
 import shlex
 import shutil
@@ -101,16 +102,28 @@ def one_ctrl_c(last_words: str) -> Iterator[None]:
         heard = True
         raise KeyboardInterrupt
 
+    def lost(what: Any) -> None:
+        """Python has raised it where nobody can catch it, as in what garbage collection calls: try again."""
+        nonlocal heard
+        if what.exc_type is KeyboardInterrupt:
+            heard = False
+            threading.Timer(0.05, _thread.interrupt_main).start()
+        else:
+            unraisable(what)
+
+    unraisable = sys.unraisablehook
     if threading.current_thread() is not threading.main_thread():  # a launcher's: signals are not for it
         yield
         return
     before = signal.getsignal(signal.SIGINT)
     if callable(before):  # not where whoever started this wants it ignored
         signal.signal(signal.SIGINT, handle)
+        sys.unraisablehook = lost
     try:
         yield
         if heard:  # a library has caught what was raised, and lost it
             raise KeyboardInterrupt("when everything was done")
     finally:
+        sys.unraisablehook = unraisable
         if not heard and callable(before):
             signal.signal(signal.SIGINT, before)

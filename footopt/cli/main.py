@@ -24,6 +24,7 @@ from footopt.cli.sweep import Summary
 from footopt.cli.words import check_dashes, readable
 from footopt.errors import ERROR_FILE, FootoptError
 from footopt.files.lock import Occupied
+from footopt.files.reading import read_json_file
 from footopt.files.run import write_text
 
 log = logging.getLogger("footopt")
@@ -67,7 +68,12 @@ def _job(settings: DictConfig) -> Any:
     here = HydraConfig.get()
     folder, words = Path(here.runtime.output_dir), list(here.overrides.task)
     try:
-        return walk(resolved(settings, here), folder, words)
+        told = walk(resolved(settings, here), folder, words)
+        if here.mode != RunMode.MULTIRUN and settings.study.name == "simulate":
+            result = read_json_file(folder / "result.json", "run", "study.run")
+            if not result["feasible"]:
+                sys.exit(f"footopt: error: the walk failed: {result['reason']}. {folder} has all about it.")
+        return told
     except KeyboardInterrupt:
         sys.exit(STOPPED)
     except (FootoptError, OmegaConfBaseException, OSError, MemoryError) as error:

@@ -20,9 +20,8 @@ from footopt.errors import ERROR_FILE, FootoptError, SettingError, check
 from footopt.files import identity
 from footopt.files.lock import Occupied, locked
 from footopt.files.run import write_text
-from footopt.studies import RESUMABLE
 from footopt.studies.identity import CHANGEABLE, check_same, is_finished, may_change, result_of
-from footopt.studies.settings import Config
+from footopt.studies.settings import REPORTS, SEARCHES, Config
 
 TRUST = "--trust"
 MULTIRUN = "multirun.yaml"
@@ -94,8 +93,8 @@ def _resume_run(
     run = identity.read(folder)
     settings, named = _structured(folder, run.settings), [name for name, _ in changes]
     study = settings.study.name
-    if is_finished(folder) and study not in RESUMABLE:
-        raise SettingError("resume", str(folder), f"a run of study={', '.join(RESUMABLE)}, not {study}")
+    if is_finished(folder) and study not in SEARCHES:
+        raise SettingError("resume", str(folder), f"a run of study={', '.join(SEARCHES)}, not {study}")
     check_same(folder, run.settings)
     for name in () if trusted else TRUSTED:
         value = OmegaConf.select(settings, name)
@@ -109,8 +108,9 @@ def _resume_run(
             OmegaConf.update(settings, name, OmegaConf.structured(Config).engine, merge=False)
         OmegaConf.update(settings, "engine.name" if name == "engine" else name, value, merge=False)
     plain: Any = OmegaConf.to_container(settings, resolve=True)
-    _check_longer(folder, plain["solver"])
-    kept = [word for word in run.words if word.partition("=")[0] not in named]
+    _check_no_less(folder, plain)
+    groups = tuple(f"{name}." for name in named)  # engine=... begins anew, without engine.timeout
+    kept = [word for word in run.words if not f"{word.partition('=')[0]}.".startswith(groups)]
     walk(plain, folder, [*kept, *words], resumed=True)
 
 
@@ -133,10 +133,10 @@ def _reaches_out(name: str, value: Any) -> bool:
     return name != "study.video" or Path(value).name != value
 
 
-def _check_longer(folder: Path, solver: Mapping[str, Any]) -> None:
-    """Raise a `SettingError` for a resumed search that would be shorter than what its folder holds."""
-    before = (result_of(folder) or {}).get("evaluations", 0)
-    size, generations = solver["pop_size"], solver["n_gen"]
+def _check_no_less(folder: Path, settings: Mapping[str, Any]) -> None:
+    """Raise a `SettingError` for a run that would not replace all that it has found and left before."""
+    found, solver = result_of(folder) or {}, settings["solver"]
+    before, size, generations = found.get("evaluations", 0), solver["pop_size"], solver["n_gen"]
     check(
         solver["name"] == "exhaustive" or size * generations >= before,
         "solver.n_gen",
@@ -144,6 +144,13 @@ def _check_longer(folder: Path, solver: Mapping[str, Any]) -> None:
         f"at least {math.ceil(before / max(size, 1))}: the run has {before} evaluations",
         "A shorter search is a run of its own: leave out resume.",
     )
+    if found:
+        report, film = found["settings"]["report"], found["settings"]["study"]["video"]
+        old = "files of the run as it was would stay beside the new result"
+        less = settings["report"] in REPORTS[: REPORTS.index(report)]
+        check(not less, "report", settings["report"], f"{report}, as before: {old}")
+        new = settings["study"]["video"]
+        check(film in (None, new), "study.video", new, f"{film}, as before: {old}")
 
 
 def _resume_jobs(

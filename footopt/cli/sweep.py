@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 import sys
 from collections.abc import Iterator
@@ -37,7 +38,7 @@ class Summary(Callback):
         folder = Path(config.hydra.sweep.dir)
         try:
             Summary.held.enter_context(locked(folder))
-            if (folder / "multirun.yaml").exists():
+            if os.path.lexists(folder / "multirun.yaml"):  # a link, too: Hydra would write where it leads to
                 raise Occupied(
                     f"{folder}: holds a multirun. footopt resume={folder} goes on with it; or choose another "
                     "hydra.sweep.dir."

@@ -142,7 +142,16 @@ class Store:
             ]
 
     def add(self, k: Sequence[Sequence[int]], evaluations: Sequence[Evaluation]) -> None:
-        """Keep designs, all or none; one that is known stays as it is, unless it had broken the program."""
+        """Keep designs, all or none; one that is known stays as it is, unless it had broken the program.
+
+        Raises
+        ------
+        FileError
+            They cannot be kept; or the file has been deleted, into which SQLite would go on writing.
+        """
+        if not self.path.exists():
+            why = "It was deleted or moved meanwhile: start the run again, or move it back and resume."
+            raise self._error("is gone", why, "no such file")
         rows = []
         for heights, (values, reason, message) in zip(k, evaluations, strict=True):
             key, record = _key(heights), np.asarray(values, "<f8").tobytes()

@@ -21,12 +21,14 @@ Array = NDArray[np.float64]
 
 def write_stl(path: Path, outline: Array, width: float) -> Path:
     """Write the body of an outline (p, 2), m, that runs counter-clockwise, as binary STL; `width` in m."""
-    from shapely import Polygon
+    from shapely import Polygon, remove_repeated_points
     from trimesh.creation import extrude_polygon
 
     half = MM * width / 2
     across = np.array([[1, 0, 0, 0], [0, 0, -1, half], [0, 1, 0, 0], [0, 0, 0, 1]], float)
-    body = extrude_polygon(Polygon(MM * outline), MM * width, transform=across)
+    # of points that single precision makes one, a triangle would have no area
+    kept = remove_repeated_points(Polygon((MM * outline).astype(np.float32)))
+    body = extrude_polygon(kept, MM * width, transform=across)
     write_bytes(path, body.export(file_type="stl"))
     return path
 

@@ -67,7 +67,8 @@ class Run:
     @property
     def best(self) -> dict[str, float]:
         """Objectives of its foot by name, natural signs; empty if it has none."""
-        return dict(self.result.get("objectives", {}) if "design" in self.result else {})
+        found = self.result.get("objectives") if "design" in self.result else None
+        return dict(found) if isinstance(found, Mapping) else {}  # study=sensitivity lists their names
 
     @cached_property
     def foot(self) -> Foot:

@@ -81,7 +81,7 @@ def run(study: Study) -> Answer:
         files.write_designs(study.folder / "designs.csv", result.columns)
     notes = write_walk(study, walk, {"best": walk, "flat": flat})
     if study.draws:
-        _save_figures(study, result, int(np.argmax(result.front == confirmed.designs[0])))
+        _save_figures(study, result, int(np.argmax(result.shown == confirmed.designs[0])))
     record = study.write_result(
         {
             "design": foot_entry(best),
@@ -181,6 +181,7 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
         "choose": dataclasses.asdict(problem.choice) if several else None,
         "constraints": problem.limits,
         "hypervolume": result.history[-1].hypervolume,
+        "front_size": len(result.front),
         "search_accuracy": dataclasses.asdict(problem.accuracy),
         "confirmed": {
             "k": result.k[confirmed.designs[:finalists]].tolist(),
@@ -218,6 +219,6 @@ def _save_figures(study: Study, result: SearchResult, marked: int) -> None:
         study.save("contours", figures.contours(soles))
     if problem.n_obj > 1:
         columns = [problem.record.index(name) for name in problem.names]
-        values = result.values[result.front][:, columns]
+        values = result.values[result.shown][:, columns]
         study.save("scatter_matrix", figures.scatter_matrix(values, problem.names, marked=marked))
         study.save("parallel", figures.parallel(values, problem.names, marked=marked))

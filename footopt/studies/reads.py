@@ -10,7 +10,7 @@ from typing import Any
 from footopt.design import EXHAUSTIVE
 from footopt.errors import SettingError
 from footopt.foot import SHAPES, Waypoints
-from footopt.studies.settings import Config
+from footopt.studies.settings import SEARCHES, Config
 
 #: Read for every study: how it is run, not what is asked. A constraint is refused elsewhere.
 ALWAYS = ("study.name", "plugins", "report", "engine.name", "engine.threads", "constraint", "hydra")
@@ -57,8 +57,6 @@ READS: dict[str, tuple[str, ...]] = {
     "credibility": (),
 }  # fmt: skip
 
-#: Studies that search soles through waypoints, and no others.
-SEARCHES = ("optimize", "robust")
 #: Studies that walk with one foot, of any shape.
 ONE_FOOT = ("simulate", "stability", "sensitivity")
 #: Those that leave it for the workshop.

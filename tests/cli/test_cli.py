@@ -134,7 +134,8 @@ class TestSimulate:
     @pytest.mark.slow
     def test_a_walk_that_sinks_is_a_result_with_a_reason(self, tmp_path):
         done = footopt("study=simulate", "sand.zeta=0.001", "accuracy=draft", cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
+        assert done.returncode == 1
+        assert "footopt: error: the walk failed: sunk. " in done.stderr
         result = json.loads((only_folder(tmp_path) / "result.json").read_text())
         assert (result["feasible"], result["reason"]) == (False, "sunk")
         assert "sunk" in done.stdout

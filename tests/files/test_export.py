@@ -120,6 +120,9 @@ class TestFiles:
     def test_as_dxf_have_millimetres_layers_and_a_closed_and_an_open_line(self, tmp_path, flat_foot):
         document = ezdxf.readfile(flat_foot.to_file(tmp_path / "flat.dxf"))
         assert document.header["$INSUNITS"] == 4
+        # what a viewer shows at first
+        assert document.header["$EXTMIN"] == pytest.approx((-130, -30, 0))
+        assert document.header["$EXTMAX"] == pytest.approx((130, 0, 0))
         lines = {line.dxf.layer: line for line in document.modelspace()}
         assert {name: line.closed for name, line in lines.items()} == {"OUTLINE": True, "SOLE": False}
         assert not document.audit().has_errors

@@ -1,6 +1,7 @@
 """What real recordings hold besides a long clean walk: read to what was walked, or refused for what it is."""
 
 import os
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -223,6 +224,11 @@ TRIVIA = {
     "no frame rate": lambda rows: [*rows[:2], rows[2].replace("100.00\t100", "0\t100"), *rows[3:]],
     "columns without a name": lambda rows: with_columns(rows, "1.0\t2.0\t3.0\t4.0"),
     "the last time again": lambda rows: [*rows, rows[-1]],
+    "a name over each column": lambda rows: [
+        *rows[:3],
+        re.sub(r"(\w_\w+)(\t\t\t|\t\t$)", lambda m: "\t".join(f"{m[1]}_{x}" for x in "xyz") + "\t", rows[3]),
+        *rows[4:],
+    ],
 }
 
 
@@ -304,6 +310,7 @@ class TestTrivia:
             {"HEE": "HEEL", "TOE": "MTP"},
             {"HEE": "CPG", "TOE": "D2M"},
             {"HEE": "HEL", "TOE": "2MT"},
+            {"KNE": "LEPI", "ANK": "LMAL", "HEE": "HEEL", "TOE": "TOE"},
         ],
     )
     def test_names_of_other_laboratories(self, tmp_path, names):
@@ -312,6 +319,30 @@ class TestTrivia:
         gait = fo.Gait.from_file(write_trc(tmp_path / "walk.trc", t, places))
         assert misfit(gait) < 0.3
         assert gait.foot is not None
+
+    def test_of_opencap_s_two_sets_the_finished_one_is_read(self, tmp_path):
+        t, places = record(HUMAN, "opencap")
+        raw = {"RKnee": places["r_knee_study"] + 0.1 * np.sin(t)[:, None], "RHip": places["RHJC_study"] + 0.3}
+        path = write_trc(tmp_path / "walk.trc", t, raw | places)
+        assert misfit(fo.Gait.from_file(path)) < 0.3
+
+    def test_an_empty_cell_of_a_column_that_is_not_read(self, tmp_path):
+        path = write_mot(tmp_path / "a.mot", HUMAN, OPENSIM, other=0.5)
+
+        def without(rows, column):
+            cells = [row.split("\t") for row in rows]
+            return [
+                "\t".join("" if len(c) > 1 and i == column else v for i, v in enumerate(c)) for c in cells
+            ]
+
+        rows = path.read_text().splitlines()
+        path.write_text("\n".join([*rows[:20], *without(rows[20:22], 5), *rows[22:], ""]))
+        assert misfit(fo.Gait.from_file(path)) < 0.3
+        path.write_text("\n".join([*rows[:20], *without(rows[20:22], 3), *rows[22:], ""]))
+        with pytest.raises(
+            FileError, match=r"row 14 of the data, at 0\.13 s, has a value that is not finite"
+        ):
+            fo.Gait.from_file(path)
 
     def test_of_two_subjects_the_first_whole_one_is_read(self, tmp_path):
         t, places = record(HUMAN)

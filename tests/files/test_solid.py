@@ -36,6 +36,16 @@ def test_any_waypoint_sole_makes_a_closed_body_of_its_volume(tmp_path_factory, k
     assert body.area == pytest.approx(surface, rel=1e-5)
 
 
+@pytest.mark.parametrize("apart", [2e-9, 1e-8, 3e-8, 1e-6])
+def test_no_triangle_is_without_area(tmp_path, apart):
+    """Points of a drawing may be nearer to each other than the single precision of STL can tell."""
+    x = np.array([-0.13, -0.05, -0.02, -0.02 + apart, 0.04, 0.1287, 0.13])
+    foot = fo.Foot(np.stack([x, -0.03 + x**2], axis=1))
+    body = trimesh.load_mesh(foot.to_file(tmp_path / "foot.stl"), process=False)
+    assert body.area_faces.min() > 0
+    assert trimesh.load_mesh(tmp_path / "foot.stl").is_watertight
+
+
 @pytest.mark.parametrize("name", sorted(SHAPES))
 def test_every_shape_makes_a_body_across_its_width(name, tmp_path):
     foot = fo.Foot.shape(name, width=0.06)

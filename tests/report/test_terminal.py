@@ -175,14 +175,14 @@ class TestColours:
     @pytest.mark.slow
     def test_on_a_terminal(self, tmp_path):
         text, code = on_a_terminal(SINKING, cwd=tmp_path)
-        assert code == 0
+        assert code == 1  # the walk failed
         assert COLOUR.search(text)
 
     @pytest.mark.slow
     @pytest.mark.parametrize("environment", [{"NO_COLOR": "1"}, {"TERM": "dumb"}], ids=str)
     def test_not_where_they_are_not_wanted(self, environment, tmp_path):
         text, code = on_a_terminal(SINKING, cwd=tmp_path, **environment)
-        assert code == 0
+        assert code == 1
         assert "The walk failed" in text
         assert not COLOUR.search(text)
 

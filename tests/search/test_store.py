@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from running import tries
 from searching import QUICK, SMALL, assert_same, objective_of, problem, stop_after
 
 import footopt as fo
@@ -99,10 +100,10 @@ class TestReplay:
         monkeypatch.setattr(p, "walk", interrupted)
         assert_same(whole, search(p, "nsga2", store=path, pop_size=12, n_gen=9, seed=3))
 
-        def front(archive, feasible, original=Archive._front):
+        def front(archive, original=Archive._front):
             if len(archive.history) == 2:
                 raise KeyboardInterrupt
-            return original(archive, feasible)
+            return original(archive)
 
         monkeypatch.setattr(Archive, "_front", front)  # walked and told, but not finished
         two = search(p, "nsga2", store=path, pop_size=12, n_gen=9, seed=3)
@@ -169,6 +170,14 @@ class TestStore:
             with Store(path, problem(zeta=1.0 + i)) as store:
                 assert len(store) == count // 2 * 5 + 1
                 assert store.get([[9] * 5])[0].values.tolist() == [i] * 6
+
+    def test_that_was_deleted_meanwhile_is_said(self, tmp_path):
+        """SQLite would go on writing into a file that has no name any more."""
+        path = tmp_path / "run" / "designs.sqlite"
+        path.parent.mkdir()
+        with pytest.raises(FileError, match=r"study\.store = .*is gone .* deleted or moved meanwhile"):
+            search(problem(), "ga", lambda g: shutil.rmtree(path.parent), path, pop_size=4, n_gen=9)
+        assert not path.parent.exists()
 
     def test_of_another_problem_is_refused(self, path):
         with Store(path, problem()) as store, pytest.raises(ValueError, match="another problem"):
@@ -437,6 +446,7 @@ class TestUnusableFiles:
         with Store(path, problem()) as store:
             assert len(store) == 0
 
+    @settings(max_examples=tries(25))
     @given(data=st.data())
     def test_damage_to_the_file_is_found_or_does_no_harm(self, full_store, data):
         """The file is cut, a page is overwritten, or one bit is another: a value is never a wrong one."""

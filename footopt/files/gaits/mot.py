@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from footopt.files.gaits.angles import Recording, climbing, recording, to_degrees
 from footopt.files.gaits.markers import differing, to_numbers
+from footopt.files.gaits.trc import cells_of
 from footopt.files.reading import Unusable
 
 Array = NDArray[np.float64]
@@ -77,13 +78,14 @@ def _columns(text: str) -> tuple[str, dict[str, list[Array]], tuple[str, ...]]:
     """The header in lower case, the columns of each name, and notes."""
     lines = text.splitlines()
     end = next((i for i, line in enumerate(lines) if line.strip().lower() == "endheader"), None)
-    rows = [] if end is None else [(i, line.split()) for i, line in enumerate(lines, 1) if i > end + 1]
-    rows = [(i, cells) for i, cells in rows if cells]
+    rows = [] if end is None else [(i, cells_of(line)) for i, line in enumerate(lines, 1) if i > end + 1]
+    rows = [(i, cells) for i, cells in rows if any(cells)]
     if end is None or len(rows) < 2:
         raise Unusable("cannot be read as MOT/STO (no line says endheader, or nothing is after it).")
     (_, names), *rows = rows
     try:
-        table = to_numbers(rows, len(names), gaps=False)
+        # an empty cell matters only in a column that is read
+        table = to_numbers(rows, len(names), gaps="" in {c for _, cells in rows for c in cells})
     except ValueError as error:
         raise Unusable(f"cannot be read as MOT/STO ({error}).") from None
     head = "\n".join(lines[:end]).lower()

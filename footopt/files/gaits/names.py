@@ -16,8 +16,10 @@ Array = NDArray[np.float64]
 USUAL = {
     "hip": ("hjc", "hip", "hipjc", "hipcenter", "gtr", "gtro", "gtroc", "gt", "ftc", "troch", "trochanter",
             "greattrochanter"),
-    "knee": ("kjc", "kneejc", "kneecenter", "kne", "knee", "kneelat", "knelat", "lfc", "lek", "fle", "le"),
-    "ankle": ("ajc", "anklejc", "anklecenter", "ank", "ankle", "anklelat", "anklat", "lmal", "lm", "fal"),
+    "knee": ("kjc", "kneejc", "kneecenter", "kne", "knee", "kneelat", "knelat", "lfc", "lek", "fle", "le",
+             "lepi", "latepi", "lfe", "lfep", "latknee", "kneeout"),
+    "ankle": ("ajc", "anklejc", "anklecenter", "ank", "ankle", "anklelat", "anklat", "lmal", "lm", "fal",
+              "latmal", "latankle", "ankleout", "mallat"),
     "heel": ("hee", "heel", "hel", "cal", "calc", "calcaneus", "fcc", "ca", "cpg"),
     "toe": ("toe", "toes", "toetip", "bigtoe", "mt2", "met2", "2mt", "toemed", "fm2", "sm", "d2m", "mt1",
             "1mt", "d1m", "mt5", "5mt", "d5m", "mtp", "toelat", "fm1", "fm5", "hlx", "hallux", "mt23", "met"),
@@ -26,6 +28,7 @@ USUAL = {
 ASIS, PSIS = ("asi", "asis", "ias", "fwt"), ("psi", "psis", "ips", "bwt")
 SACRUM = ("sacr", "sacral", "vsacral", "vsacrum", "sacrum", "sac", "mpsis", "midpsis", "psism", "s1", "s2")
 SIDES = {"right": ("r", "right"), "left": ("l", "left")}
+SHOWN = 6  # of the usual names, in a message; docs/files.md has more
 NEEDED = ("hip", "knee", "ankle")
 
 
@@ -43,7 +46,9 @@ def find_leg(places: Mapping[str, Array], names: Mapping[str, str], side: str) -
     side : str
         "right" or "left".
     """
-    plain = {_plain(name): place for name, place in reversed(list(places.items())) if is_seen(place)}
+    # OpenCap's file has what the cameras saw, too, in the same names but for their end
+    order = sorted(places, key=lambda name: not name.endswith("_study"))
+    plain = {_plain(name): places[name] for name in reversed(order) if is_seen(places[name])}
     found = {part: _find(plain, usual, side) for part, usual in USUAL.items()}
     pelvis = _hip_of_pelvis(plain, side)
     if found["hip"] is None or (pelvis is not None and _share(pelvis) > 2.0 * _share(found["hip"])):
@@ -64,7 +69,7 @@ def looked_for(part: str, names: Mapping[str, str], side: str) -> str:
     """The names under which a part is looked for, in words."""
     if own := names.get(part):
         return own
-    usual = ", ".join(f"{side[0].upper()}{u.upper()}" for u in USUAL[part])
+    usual = ", ".join(f"{side[0].upper()}{u.upper()}" for u in USUAL[part][:SHOWN]) + " and others"
     return usual + (", or the pelvis: RASI, LASI and RPSI, LPSI or SACR" if part == "hip" else "")
 
 

@@ -31,8 +31,8 @@ def read_trc(text: str, units: str | None = None) -> Markers:
         raise Unusable("cannot be read as TRC (no line begins with Frame#).")
     stated = _stated(lines[at - 2], lines[at - 1])
     unit = metres(stated.get("units", ""), units)
-    rows = [(i, _cells(line)) for i, line in enumerate(lines[at + 2 :], start=at + 3) if line.strip()]
-    header = _cells(lines[at])
+    rows = [(i, cells_of(line)) for i, line in enumerate(lines[at + 2 :], start=at + 3) if line.strip()]
+    header = cells_of(lines[at])
     words = [i for i, cell in enumerate(header) if cell]  # the first two are Frame# and Time
     if not rows or len(words) < 3:
         raise Unusable("cannot be read as TRC (it holds no markers).")
@@ -59,7 +59,7 @@ def read_trc(text: str, units: str | None = None) -> Markers:
 
 def _stated(keys: str, values: str) -> dict[str, str]:
     """What a header states, its keys in lower case; some programs write two tabs for one."""
-    words, said = _cells(keys), _cells(values)
+    words, said = cells_of(keys), cells_of(values)
     some, found = ([cell for cell in cells if cell] for cells in (words, said))
     pairs = zip(some, found, strict=True) if len(some) == len(found) else zip(words, said, strict=False)
     return {key.lower(): value for key, value in pairs}
@@ -68,6 +68,9 @@ def _stated(keys: str, values: str) -> dict[str, str]:
 def _names(cells: Sequence[str], wide: int) -> list[str]:
     """The name over each three of `wide` columns; "" over a marker without one."""
     names = [cell for cell in cells if cell]
+    stems = [re.sub(r"[_.: -]?[xyz]$", "", name, flags=re.I) for name in names]
+    if wide <= len(names) and all(len(set(stems[i : i + 3])) == 1 for i in range(0, len(names), 3)):
+        return stems[::3]  # a name over each column
     if wide <= 3 * len(names):  # whatever tabs are between them
         return names
     over = [i for i, cell in enumerate(cells) if cell]
@@ -79,7 +82,7 @@ def _names(cells: Sequence[str], wide: int) -> list[str]:
     return [cells[i] for i in range(0, over[-1] + 1, 3)]
 
 
-def _cells(line: str) -> list[str]:
+def cells_of(line: str) -> list[str]:
     """Cells of a line with tabs, or else spaces, between them."""
     return [cell.strip() for cell in line.rstrip("\t\r\n").split("\t")] if "\t" in line else line.split()
 
