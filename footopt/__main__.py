@@ -7,6 +7,8 @@ import signal
 import sys
 from types import FrameType
 
+from footopt import __version__
+
 NEEDED = 700  # MB of address space, for the libraries and a small run
 
 
@@ -21,8 +23,19 @@ def main() -> None:
             sys.exit(
                 f"footopt: error: `ulimit -v` allows {limit >> 20} MB of address space; {NEEDED} are needed."
             )
-    from footopt.cli.main import main as run
-
+    if "--version" in sys.argv[1:]:
+        return print(f"footopt {__version__}")
+    # figures are drawn without a backend, and matplotlib is not imported where it knows none of the name
+    os.environ.pop("MPLBACKEND", None)
+    epoch = os.environ.get("SOURCE_DATE_EPOCH") or "0"  # matplotlib puts it into PDFs
+    if not (epoch.isdecimal() and len(epoch) < 12):
+        sys.exit(f"footopt: error: SOURCE_DATE_EPOCH = {epoch!r}: must be a number of seconds, or unset.")
+    try:
+        from footopt.cli.main import main as run
+    except (OSError, MemoryError, ImportError) as error:  # too few files, too little memory, a library gone
+        if os.environ.get("HYDRA_FULL_ERROR") == "1":
+            raise
+        sys.exit(f"footopt: error: the program cannot be loaded ({type(error).__name__}: {error}).")
     run()
 
 

@@ -29,6 +29,12 @@ from footopt.cli.compose import CONF
 UNRENDERED = Path(__file__).parent / "unrendered"
 LIMIT = 300  # s, for a process
 
+
+def tries(few):
+    """How often a fault is made: FOOTOPT_TRIES times, or the few that always are."""
+    return int(os.environ.get("FOOTOPT_TRIES") or few)
+
+
 #: A search that is over at once.
 QUICK = ["accuracy=draft", "solver.pop_size=10", "solver.n_gen=3"]
 #: About a second of search, so that a signal has something to hit.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import _thread
 import os
 import shlex
 import shutil
@@ -39,7 +40,13 @@ def resolved(settings: Any, here: Any) -> dict[str, Any]:
     return in_the_world_of_its_run(beside_their_files(plain, here), here)
 
 
-def walk(settings: Mapping[str, Any], folder: Path, words: Sequence[str], resumed: bool = False) -> Any:
+def walk(
+    settings: Mapping[str, Any],
+    folder: Path,
+    words: Sequence[str],
+    resumed: bool = False,
+    files: Mapping[str, str] | None = None,
+) -> Any:
     """Run the study of some settings in a folder.
 
     Parameters
@@ -52,6 +59,8 @@ def walk(settings: Mapping[str, Any], folder: Path, words: Sequence[str], resume
         What was given on the command line.
     resumed : bool
         Whether it goes on with what is in the folder.
+    files : mapping of str to str, optional
+        What YAML files of the user set, each with its file.
 
     Returns
     -------
@@ -67,7 +76,7 @@ def walk(settings: Mapping[str, Any], folder: Path, words: Sequence[str], resume
     try:
         config: Any = OmegaConf.to_object(OmegaConf.merge(Config, settings))  # refuses what + has added
         with one_ctrl_c(f"footopt: stopped{hint}"):
-            return studies.run(config, folder, absolute(settings), words, resumed)
+            return studies.run(config, folder, absolute(settings), words, resumed, files)
     except KeyboardInterrupt as stop:
         print(" ".join(["footopt: stopped", *map(str, stop.args)]) + hint, file=sys.stderr)
         raise
@@ -101,16 +110,28 @@ def one_ctrl_c(last_words: str) -> Iterator[None]:
         heard = True
         raise KeyboardInterrupt
 
+    def lost(what: Any) -> None:
+        """Python has raised it where nobody can catch it, as in what garbage collection calls: try again."""
+        nonlocal heard
+        if what.exc_type is KeyboardInterrupt:
+            heard = False
+            threading.Timer(0.05, _thread.interrupt_main).start()
+        else:
+            unraisable(what)
+
+    unraisable = sys.unraisablehook
     if threading.current_thread() is not threading.main_thread():  # a launcher's: signals are not for it
         yield
         return
     before = signal.getsignal(signal.SIGINT)
     if callable(before):  # not where whoever started this wants it ignored
         signal.signal(signal.SIGINT, handle)
+        sys.unraisablehook = lost
     try:
         yield
         if heard:  # a library has caught what was raised, and lost it
             raise KeyboardInterrupt("when everything was done")
     finally:
+        sys.unraisablehook = unraisable
         if not heard and callable(before):
             signal.signal(signal.SIGINT, before)

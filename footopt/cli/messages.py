@@ -53,9 +53,11 @@ def explain(error: BaseException, words: Sequence[str] = ()) -> str:
         if error.errno in NO_ROOM:
             return f"a file cannot be written ({error.strerror}). Make room on the disk and run it again."
         said = f"{error.strerror or error}: {error.filename or ''}".rstrip(": ")
-        return (
-            f"{said}. Write to another folder with hydra.run.dir=FOLDER." if error.errno in NO_RIGHT else said
-        )
+        if error.errno not in NO_RIGHT:
+            return said
+        if any(word.startswith("resume=") for word in words):
+            return f"{said}. Resume a copy that is yours."
+        return f"{said}. Write to another folder with hydra.run.dir=FOLDER."
     if isinstance(error, MemoryError) or any(said in str(error) for said in NO_MEMORY):
         return (
             f"there is too little memory ({str(error) or type(error).__name__}). Free some, or ask for less: "

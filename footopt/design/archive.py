@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections import Counter
 from collections.abc import Callable
 from typing import NamedTuple
@@ -10,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from footopt.design.fronts import Volume
 from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import Solver
@@ -47,53 +49,74 @@ class Archive:
     def __init__(self, problem: FootProblem, walk: Callable[[Ints], tuple[Array, Words]]) -> None:
         self.problem, self._walk = problem, walk
         self.history: list[Generation] = []
-        self.designs = no_designs(problem)
+        self._table, self._count = no_designs(problem), 0  # the table has room for more
+        self._good = np.empty(0, np.bool_)  # which are feasible
         self._place: dict[bytes, int] = {}  # of a design in `designs`, by its heights
+        self._kind = np.min_scalar_type(problem.space.K)  # of heights in such a key
         self._latest = np.empty(0, np.int64)
         self._column = problem.record.index(problem.guide)
-        self._sign = -1.0 if MEASURES[problem.guide].maximise else 1.0
+        self._sign = MEASURES[problem.guide].sign
         self._box: tuple[Array, Array] | None = None  # worst values and ranges that volumes are measured by
+        self._hypervolume = Volume()
         # at the end of a generation: generations, designs, and the front, what an interrupted search reports
         self._closed = (0, 0, np.empty(0, np.int64))
 
+    @property
+    def designs(self) -> Designs:
+        """All so far, in order."""
+        return self._table.take(slice(self._count))
+
     def evaluate(self, k: Ints) -> tuple[Array, Array]:
         """F and G of a generation, (designs, ...); designs seen before are not walked again."""
-        keys = [heights.tobytes() for heights in k]
+        keys = [heights.tobytes() for heights in k.astype(self._kind)]
         new = k[list({key: i for i, key in enumerate(keys) if key not in self._place}.values())]
         if len(new):
-            found = self._walk(new)
+            values, reasons = self._walk(new)
+            words = np.array([sys.intern(word) for word in reasons.tolist()], object)  # of any length
             generation = np.full(len(new), len(self.history) + 1)
-            violation = self.problem.space.box_violation(new)
-            self.designs = self.designs.joined(Designs(new, *found, violation, generation))
-            self._place |= {heights.tobytes(): len(self._place) + i for i, heights in enumerate(new)}
+            self._add(Designs(new, values, words, self.problem.space.box_violation(new), generation))
         self._latest = np.array([self._place[key] for key in keys])
-        asked = self.designs.take(self._latest)
+        asked = self._table.take(self._latest)
         return self.problem.minimised(asked.values), self._constraints(asked)
+
+    def _add(self, new: Designs) -> None:
+        """Add rows to the table, which grows by half when it is full: most generations copy nothing."""
+        start, self._count = self._count, self._count + len(new.k)
+        if self._count > len(self._table.k):
+            size = max(self._count, len(self._table.k) * 3 // 2)
+            grown = [np.empty((size, *column.shape[1:]), column.dtype) for column in new]
+            for column, old in zip(grown, self._table, strict=True):
+                column[:start] = old[:start]
+            self._table = Designs._make(grown)
+        for column, added in zip(self._table, new, strict=True):
+            column[start : self._count] = added
+        self._good = np.append(self._good, (self._constraints(new) <= 0.0).all(axis=1))
+        self._place |= {h.tobytes(): start + i for i, h in enumerate(new.k.astype(self._kind))}
 
     def close_generation(self, seconds: float) -> None:
         """Write the generation into the history."""
-        feasible = self._feasible(self.designs)
-        front = self._front(feasible)
+        front = self._front()
         one = self.problem.n_obj == 1
-        guide = self._sign * self.designs.values[:, self._column]
-        now = guide[self._latest[feasible[self._latest]]]
+        now = self._guide(self._latest[self._good[self._latest]])
         self.history.append(
             Generation(
                 generation=len(self.history) + 1,
                 evaluations=len(self._latest) + (self.history[-1].evaluations if self.history else 0),
-                best=float(self._sign * guide[front].min()) if one and len(front) else math.nan,
+                best=float(self._sign * self._guide(front).min()) if one and len(front) else math.nan,
                 median=float(self._sign * np.median(now)) if one and len(now) else math.nan,
                 front=len(front),
                 seconds=seconds,
                 hypervolume=math.nan if one else self._volume(front),
             )
         )
-        self._closed = (len(self.history), len(feasible), front)
+        self._closed = (len(self.history), self._count, front)
+
+    def _guide(self, places: Ints) -> Array:
+        """What ranks designs, minimised, of some of them."""
+        return np.asarray(self._sign * self._table.values[places, self._column])
 
     def _volume(self, front: Ints) -> float:
         """Hypervolume of the front, in units of the box of what the first generation walked."""
-        from moocore import hypervolume
-
         if self._box is None:
             f = self.problem.minimised(self.designs.values[self.designs.reasons == ""])
             if len(f) and (np.ptp(f, axis=0) > 0.0).all():
@@ -101,16 +124,16 @@ class Archive:
         if self._box is None:
             return math.nan
         worst, span = self._box
-        f = (self.problem.minimised(self.designs.values[front]) - worst) / span
-        return float(hypervolume(f, ref=np.zeros(f.shape[1])))
+        f = (self.problem.minimised(self._table.values[front]) - worst) / span
+        return self._hypervolume(f, front >= self._closed[1])
 
     def result(self, solver: Solver, seconds: float, interrupted: bool, reused: int) -> SearchResult:
         """Everything that was evaluated up to the last finished generation, and the best of it."""
         generations, count, front = self._closed
-        designs = self.designs.take(slice(count))
+        designs = self._table.take(slice(count))
+        designs = designs._replace(reasons=designs.reasons.astype(np.str_))
         if interrupted and not len(front):
             raise KeyboardInterrupt("before a feasible design was found")
-        feasible = self._feasible(designs)
         reasons = self.problem.verdicts(designs.values, designs.reasons, designs.violation)
         if not len(front):
             counts = ", ".join(f"{n} {cause}" for cause, n in sorted(Counter(reasons.tolist()).items()))
@@ -123,7 +146,7 @@ class Archive:
             problem=self.problem,
             solver=solver,
             **designs._replace(reasons=reasons)._asdict(),
-            feasible=feasible,
+            feasible=self._good[:count],
             history=self.history[:generations],
             best=int(front[0]),
             front=front[:1] if self.problem.n_obj == 1 else front,
@@ -136,18 +159,14 @@ class Archive:
     def _constraints(self, designs: Designs) -> Array:
         return self.problem.constraints(designs.values, designs.reasons, designs.violation)
 
-    def _feasible(self, designs: Designs) -> NDArray[np.bool_]:
-        """Walked, and inside the box."""
-        return np.asarray((self._constraints(designs) <= 0.0).all(axis=1))
-
-    def _front(self, feasible: NDArray[np.bool_]) -> Ints:
+    def _front(self) -> Ints:
         """The non-dominated of the last front and the newest feasible designs."""
         from moocore import is_nondominated
 
         _, count, front = self._closed
-        pool = np.concatenate([front, count + np.flatnonzero(feasible[count:])])
+        pool = np.concatenate([front, count + np.flatnonzero(self._good[count:])])
         if not len(pool):
             return pool
-        f = self.problem.minimised(self.designs.values[pool])
+        f = self.problem.minimised(self._table.values[pool])
         best: Ints = pool[is_nondominated(f, keep_weakly=True)]
         return best

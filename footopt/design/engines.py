@@ -18,7 +18,7 @@ from urllib.parse import urlsplit
 
 import numpy as np
 
-from footopt.design.executor import Renewing, handled
+from footopt.design.executor import CANNOT_START, PASSING, PATIENCE, Renewing, handled, within
 from footopt.errors import FootoptError, SettingError, check
 from footopt.walk.simulate import at_once
 
@@ -185,18 +185,24 @@ class Dask(Executor):
                     "distributed.worker.http.routes": [],
                 }
             )
-            with interrupt_held():
-                self._cluster = distributed.LocalCluster(
-                    n_workers=count,
-                    threads_per_worker=1,
-                    processes=True,
-                    host="127.0.0.1",
-                    security=distributed.Security.temporary(),  # who can reach the port cannot run code
-                    dashboard_address="127.0.0.1:0",
-                    scheduler_kwargs={"dashboard": False},
-                    memory_limit=0,
-                    silence_logs=logging.ERROR,  # it warns of every chunk that a Ctrl-C takes back
-                )
+            make = partial(
+                distributed.LocalCluster,
+                n_workers=count,
+                threads_per_worker=1,
+                processes=True,
+                host="127.0.0.1",
+                security=distributed.Security.temporary(),  # who can reach the port cannot run code
+                dashboard_address="127.0.0.1:0",
+                scheduler_kwargs={"dashboard": False},
+                memory_limit=0,
+                silence_logs=logging.ERROR,  # it warns of every chunk that a Ctrl-C takes back
+            )
+            try:
+                with interrupt_held():
+                    self._cluster = within(PATIENCE[-1], make)
+            except PASSING as error:
+                why = f"{type(error).__name__}: {error}".removesuffix(": ")
+                raise FootoptError(f"engine=dask: {CANNOT_START.format(why)}") from None
         try:
             self._client = distributed.Client(self._cluster or address, timeout=timeout, set_as_default=False)
         except OSError:

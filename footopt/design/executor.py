@@ -18,7 +18,7 @@ import time
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, wait
 from contextlib import suppress
-from functools import cached_property, partial
+from functools import cached_property
 from multiprocessing import forkserver
 from typing import Any, NamedTuple, TypeVar
 
@@ -37,6 +37,10 @@ EACH = 32  # chunks that a worker gets of a large batch: what one is slower at, 
 SHARE = 0.05  # of a batch's time that may go into such a balance
 LARGEST = 4096  # designs in a chunk
 KNOWN = 8  # problems that a worker keeps
+CANNOT_START = (
+    "a worker cannot start ({}). `ulimit -a` shows what is allowed. A script that searches has to do so "
+    'below `if __name__ == "__main__":`, as workers import it.'
+)
 PATIENCE = (15.0, 15.0, 60.0)  # s, for a new executor's first worker, each time that one is made
 
 
@@ -290,8 +294,8 @@ class Renewing(Executor):
         why = ""
         for seconds in PATIENCE if self._executor is None else ():
             try:
-                self._executor = self._make()
-                within(seconds, partial(_first_answer, self._executor))
+                made = self._executor = self._make()
+                within(seconds, lambda: made.submit(os.getpid).result())  # noqa: B023  called here
                 break
             except BaseException as error:
                 self.shutdown(wait=False)
@@ -305,10 +309,7 @@ class Renewing(Executor):
                     why = "it dies at once" if dies else f"it takes over {seconds:g} s"
                 time.sleep(PAUSE)
         if self._executor is None:
-            raise FootoptError(
-                f"engine=processes: a worker cannot start ({why}). `ulimit -a` shows what is allowed. A "
-                'script that searches has to do so below `if __name__ == "__main__":`, as workers import it.'
-            )
+            raise FootoptError(f"engine=processes: {CANNOT_START.format(why)}")
         return self._executor
 
 
@@ -321,10 +322,6 @@ def end_fork_server() -> None:
     if pid := getattr(server._forkserver, "_forkserver_pid", None):  # the standard library has no name for it
         with suppress(OSError):
             os.kill(pid, signal.SIGKILL)
-
-
-def _first_answer(executor: Executor) -> int:
-    return executor.submit(os.getpid).result()
 
 
 def within(seconds: float, function: Callable[[], Result]) -> Result:

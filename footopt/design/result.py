@@ -6,11 +6,13 @@ import math
 from collections import Counter
 from copy import copy
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from footopt.design.fronts import thinned
 from footopt.design.problem import Array, FootProblem, Ints
 from footopt.design.solvers import Solver
 from footopt.errors import check, needed
@@ -18,6 +20,8 @@ from footopt.foot import Foot
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.objectives import MEASURES
 from footopt.walk.simulate import resolve
+
+SHOWN = 5000  # designs of a front; of a larger one a part is walked finely, drawn, and on the page
 
 
 @dataclass(frozen=True)
@@ -125,6 +129,15 @@ class SearchResult:
         """How many of them failed or leave their box."""
         return len(self.k) - int(self.feasible.sum())
 
+    @cached_property
+    def shown(self) -> Ints:
+        """Indices of the front; of one beyond `SHOWN`, of designs that keep 99.9 % of its hypervolume."""
+        if len(self.front) <= SHOWN:
+            return self.front
+        few = thinned(self.problem.minimised(self.values[self.front]))
+        chosen: Ints = self.front[np.union1d([0], few)]
+        return chosen
+
     @property
     def foot(self) -> Foot:
         """The best design."""
@@ -199,7 +212,7 @@ def confirm(result: SearchResult, accuracy: Accuracy | str, finalists: int = 20)
     Parameters
     ----------
     result : SearchResult
-        Its best feasible designs by the single objective, or its whole front, are the finalists.
+        Its best feasible designs by the single objective, or its front as it is shown, are the finalists.
     accuracy : Accuracy or str
         Of the finer walks.
     finalists : int
@@ -207,7 +220,7 @@ def confirm(result: SearchResult, accuracy: Accuracy | str, finalists: int = 20)
     """
     check_finalists(finalists)
     accuracy, problem = resolve(accuracy), result.problem
-    chosen = result.front
+    chosen = result.shown
     if problem.n_obj == 1:
         pool = np.flatnonzero(result.feasible)
         chosen = pool[np.argsort(problem.ranked(result.values[pool]), kind="stable")[:finalists]]

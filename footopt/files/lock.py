@@ -60,6 +60,11 @@ def locked(folder: Path, shared: bool = False) -> Iterator[None]:
                 path.unlink(missing_ok=True)
 
 
+def _itself(path: str, flags: int) -> int:
+    """Open a file, and not what a link of its name leads to."""
+    return os.open(path, flags | os.O_NOFOLLOW, 0o666)
+
+
 def _alone(file: IO[str]) -> bool:
     """Whether nobody else holds the lock that this process has."""
     try:
@@ -72,7 +77,9 @@ def _alone(file: IO[str]) -> bool:
 def _acquire(path: Path, shared: bool) -> IO[str]:
     """The open file that is the lock."""
     while True:
-        file = open(path, "a+", encoding="utf-8")  # noqa: SIM115  closed by the caller
+        if path.is_symlink():  # somebody has put it there: what it leads to is not ours to write
+            path.unlink(missing_ok=True)
+        file = open(path, "a+", encoding="utf-8", opener=_itself)  # noqa: SIM115  closed by the caller
         try:
             fcntl.flock(file, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | fcntl.LOCK_NB)
         except BlockingIOError:

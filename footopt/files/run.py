@@ -58,9 +58,14 @@ def commit() -> str | None:
     return known
 
 
+def json_text(content: dict[str, Any]) -> str:
+    """JSON that any reader accepts: a value that is not finite becomes null."""
+    return json.dumps(plain(content), indent=2, allow_nan=False) + "\n"
+
+
 def write_json(path: Path, content: dict[str, Any]) -> None:
-    """Write JSON that any reader accepts: a value that is not finite becomes null."""
-    write_text(path, json.dumps(plain(content), indent=2, allow_nan=False) + "\n")
+    """Write `json_text`."""
+    write_text(path, json_text(content))
 
 
 @contextmanager
@@ -125,7 +130,9 @@ def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]
 def write_designs(path: Path, columns: Mapping[str, NDArray[Any]]) -> None:
     """Write a table of designs from its columns (designs,) by name; truth values become 0 and 1."""
     numbers = [v.astype(int) if v.dtype == bool else v for v in columns.values()]
-    write_csv(path, list(columns), zip(*(v.tolist() for v in numbers), strict=True))
+    parts = (slice(i, i + 10_000) for i in range(0, len(numbers[0]), 10_000))  # lists take much memory
+    rows = (row for part in parts for row in zip(*(v[part].tolist() for v in numbers), strict=True))
+    write_csv(path, list(columns), rows)
 
 
 def write_walk(path: Path, variables: Mapping[str, Variable], attributes: Mapping[str, str]) -> None:

@@ -22,5 +22,6 @@ def write_all(foot: Foot, folder: Path, block: Sequence[float] | None = None) ->
         try:
             written.append(foot.to_file(path, block))
         except MissingError as error:
+            path.unlink(missing_ok=True)  # of the same run, before
             notes.append(f"There is no {path.name}: {error}")
     return written, notes

@@ -93,8 +93,8 @@ def drawings(thing: object) -> dict[str, Drawing]:
 def _draw_front(axes: Axes, result: Any) -> None:
     """The designs of the front, an axis for each objective; the chosen one stands out."""
     columns = [result.problem.record.index(name) for name in result.problem.names]
-    best = int(np.argmax(result.front == result.best))
-    draw_parallel(axes, result.values[result.front][:, columns], result.problem.names, best)
+    best = int(np.argmax(result.shown == result.best))
+    draw_parallel(axes, result.values[result.shown][:, columns], result.problem.names, best)
 
 
 DRAWINGS: dict[str, dict[str, Drawing]] = {

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import ERROR_FILE, FileError
+from footopt.errors import ERROR_FILE, FileError, one_line
 from footopt.files import identity
 from footopt.files.drawings import MM
 from footopt.files.reading import read_json_file
@@ -71,13 +72,15 @@ class Run:
         """Heights of its foot, if it is made of waypoints."""
         return (self.result["design"]["k"] if self.result else None) or []
 
-    @property
+    @cached_property
     def contour(self) -> Array:
         """Its sole, (m, 2), m."""
         points: Array = np.loadtxt(self.folder / "contour.csv", delimiter=",", skiprows=1, ndmin=2) / MM
+        if points.shape[1:] != (2,) or not np.isfinite(points).all():
+            raise ValueError("contour.csv holds no points")
         return points
 
-    @property
+    @cached_property
     def traces(self) -> dict[str, Array] | None:
         """Height, speed, power and work of both feet against time `t`, (T,) each; None if it left no walk."""
         from scipy.io import netcdf_file
@@ -100,10 +103,7 @@ class Run:
 def read_run(folder: Path, name: str, key: str, place: str = "") -> Run:
     """Read what a run left: its result.json, or an `ERROR_FILE` if it failed; one that has neither died.
 
-    Raises
-    ------
-    FileError
-        Its result.json cannot be read.
+    What is damaged is said in its note, and it has no result then.
     """
     try:
         settings, words = identity.read(folder)
@@ -114,9 +114,16 @@ def read_run(folder: Path, name: str, key: str, place: str = "") -> Run:
         return Run(*own, note=(folder / ERROR_FILE).read_text(encoding="utf-8").strip(), failed=True)
     if not (folder / "result.json").is_file():
         return Run(*own, note="no result", failed=True)
-    result = read_json_file(folder / "result.json", "run", "study.runs")
-    if not (isinstance(result.get("objectives"), dict) and (folder / "contour.csv").is_file()):
-        # a study of many feet or of none
-        return Run(*own, note=f"study={result['study']}: see its own folder")
-    note = result.get("reason", "") or ("interrupted" if result.get("interrupted") else "")
-    return Run(*own, result=result, note=note)
+    try:
+        result = read_json_file(folder / "result.json", "run", "study.runs")
+        if not (isinstance(result.get("objectives"), dict) and (folder / "contour.csv").is_file()):
+            # a study of many feet or of none
+            return Run(*own, note=f"study={result['study']}: see its own folder")
+        note = result.get("reason", "") or ("interrupted" if result.get("interrupted") else "")
+        run = Run(*own, result=result, note=note)
+        # read, to be sound
+        _ = run.contour, run.traces, sum(run.objectives.values()), run.hollow, [*run.k], result["versions"]
+        _ = result["settings"]["foot"]["top"], result["settings"]["foot"]["width"]
+    except Exception as error:  # whatever can be wrong with files that have been damaged
+        return Run(*own, note=f"damaged: {one_line(f'{type(error).__name__}: {error}')}", failed=True)
+    return run

@@ -11,6 +11,7 @@ import io
 import textwrap
 import threading
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import wraps
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
@@ -20,7 +21,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
-from footopt.errors import FileError
 from footopt.files.run import write_bytes
 from footopt.report.numbers import number
 
@@ -137,7 +137,7 @@ def save(figure: Figure, folder: str | Path, name: str) -> tuple[Path, Path]:
     Raises
     ------
     FileError
-        The folder or a file cannot be written.
+        A file cannot be written.
     """
     folder = Path(folder)
     picture, page = folder / f"{name}.png", folder / f"{name}.pdf"
@@ -146,12 +146,10 @@ def save(figure: Figure, folder: str | Path, name: str) -> tuple[Path, Path]:
     figure.set_layout_engine("none")
     printed = io.BytesIO()  # matplotlib's errors on a full disk are of many kinds
     figure.savefig(printed, format="pdf", metadata={"CreationDate": None})
-    try:
+    with suppress(OSError):  # `write_bytes` says where it cannot write
         folder.mkdir(parents=True, exist_ok=True)
-        write_bytes(picture, png(figure, DPI))
-        write_bytes(page, printed.getvalue())
-    except OSError as error:
-        raise FileError(f"{folder}: the figure {name} cannot be written ({error}).") from error
+    write_bytes(picture, png(figure, DPI))
+    write_bytes(page, printed.getvalue())
     return picture, page
 
 

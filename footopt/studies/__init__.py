@@ -9,7 +9,7 @@ from typing import Any
 
 from footopt.errors import ERROR_FILE, SettingError
 from footopt.files.lock import locked
-from footopt.studies.settings import Config
+from footopt.studies.settings import SEARCHES, Config
 
 #: Studies by name: each is the function `run` of the module of that name. A plugin adds its own function.
 STUDIES: dict[str, Callable[[Any], Any] | None] = dict.fromkeys(
@@ -20,12 +20,6 @@ STUDIES: dict[str, Callable[[Any], Any] | None] = dict.fromkeys(
     )
 )  # fmt: skip
 
-#: Studies that keep what they evaluate: `footopt resume=FOLDER` goes on where they stopped.
-RESUMABLE = ("optimize", "robust")
-
-#: Studies that walk where `engine` says; the others walk in this process.
-DISTRIBUTED = ("optimize", "robust")
-
 
 def run(
     config: Config,
@@ -33,6 +27,7 @@ def run(
     settings: Mapping[str, Any],
     words: Sequence[str] = (),
     resumed: bool = False,
+    files: Mapping[str, str] | None = None,
 ) -> Any:
     """Run the study that the settings name.
 
@@ -48,6 +43,8 @@ def run(
         What was given on the command line.
     resumed : bool
         Whether it goes on with what is in the folder.
+    files : mapping of str to str, optional
+        What YAML files of the user set, each with its file.
 
     Returns
     -------
@@ -64,23 +61,22 @@ def run(
     # what is imported here would slow `footopt --help` down
     from footopt.studies.base import Study
     from footopt.studies.build import check_lists, load_plugins, make_limits
-    from footopt.studies.identity import enter
+    from footopt.studies.identity import check_links, enter
     from footopt.studies.reads import check_read
 
     check_lists(config)
     load_plugins(config.plugins)
-    check_read(config, words)
+    check_read(config, words, files)
     name = config.study.name
     if name not in STUDIES:
         raise SettingError("study.name", name, f"one of {', '.join(STUDIES)}")
-    if config.engine.name != "local" and name not in DISTRIBUTED:
+    if config.engine.name != "local" and name not in SEARCHES:
         raise SettingError("engine.name", config.engine.name, f"local for study={name}")
     if name != "optimize" and (limits := make_limits(config)):
         raise SettingError("constraint", limits, f"left out for study={name}", "study=optimize keeps limits.")
-    if name != "optimize" and (stop := {key: v for key, v in vars(config.stop).items() if v is not None}):
-        raise SettingError("stop", stop, f"left out for study={name}", "study=optimize can be stopped.")
     ask = STUDIES[name] or import_module(f"footopt.studies.{name}").run
     with locked(folder):
+        check_links(folder)
         if not resumed:
             enter(folder, settings, words)
         (folder / ERROR_FILE).unlink(missing_ok=True)  # of a job that failed before

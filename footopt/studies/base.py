@@ -23,11 +23,8 @@ from footopt.report import figures, page, terminal
 from footopt.report.progress import Step, progress
 from footopt.studies.build import make_accuracy, make_foot, make_scene, make_space
 from footopt.studies.identity import is_finished
-from footopt.studies.settings import Config, StudyConfig
+from footopt.studies.settings import REPORTS, Config, StudyConfig
 from footopt.walk import Accuracy, Scene
-
-#: How much a run leaves: result.json, contour.csv and what it is resumed from; all but figures; everything.
-REPORTS = ("none", "light", "full")
 
 
 class Study:
@@ -196,8 +193,10 @@ class Study:
             "wall_time_s": self.seconds,
             "wall_time_covers": "the study up to this file, without imports, report.html and a film",
         }
-        identity.write(self.folder, self.settings, self.words)  # with what a resumed run has changed
-        files.write_json(self.folder / "result.json", record)
+        with files.write_whole(self.folder / "result.json") as new:
+            new.write_bytes(files.json_text(record).encode())
+            # with what a resumed run has changed: only where there is room for both
+            identity.write(self.folder, self.settings, self.words)
         return record
 
     def conclude(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict, fields, is_dataclass, replace
@@ -50,13 +51,18 @@ def load_plugins(plugins: Sequence[str]) -> None:
 
 
 def check_lists(config: Any, name: str = "") -> None:
-    """Raise unless lists hold plain values: OmegaConf lets lists in lists and interpolations through."""
+    """Raise unless lists hold plain values, and no number is a NaN, be it read or not.
+
+    OmegaConf lets lists in lists, interpolations and NaNs through.
+    """
     for field in fields(config):
         value, key = getattr(config, field.name), f"{name}{field.name}"
         if is_dataclass(value):
             check_lists(value, f"{key}.")
+        elif isinstance(value, float):
+            check(not math.isnan(value), key, value, "a number")
         elif isinstance(value, list):
-            plain = all(isinstance(v, (int, float, str)) for v in value)
+            plain = all(isinstance(v, (int, float, str)) and v == v for v in value)
             check(plain, key, value, "a list of plain values")
 
 
@@ -215,7 +221,7 @@ def make_choice(config: Config) -> Choice:
         given = getattr(choose, name)
         check(given is None or isinstance(given, dict), f"choose.{name}", given, "numbers by name: {work: 2}")
     choice = Choice(choose.name, choose.weights or {}, choose.limits or {})
-    if len(config.objective.names) == 1 and choice != Choice():
+    if len(config.objective.names) == 1 and choice != Choice():  # a file may have chosen it
         hint = "Search several, such as objective=pareto, or limit one: constraint.work=200."
         raise SettingError("choose", choose.name, "left out with one objective", hint)
     return choice

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from footopt.errors import FileError
+from footopt.errors import ERROR_FILE, FileError
 from footopt.files import identity
 from footopt.files.identity import differing
-from footopt.files.lock import Occupied
+from footopt.files.lock import LOCK, Occupied
 from footopt.files.reading import is_missing, read_json_file
 from footopt.files.run import plain
 
@@ -18,6 +18,9 @@ CHANGEABLE = (
     "solver.n_gen", "stop", "engine", "report", "choose", "study.confirm", "study.finalists", "study.store",
     "study.reuse", "study.video", "foot.block", "plugins",
 )  # fmt: skip
+
+LOG = "footopt.log"  # Hydra's, of what is logged
+THROUGH = ("designs.sqlite", "figures", LOG)  # what a run opens, and does not replace
 
 
 def may_change(name: str) -> bool:
@@ -36,8 +39,25 @@ def result_of(folder: Path) -> Mapping[str, Any] | None:
 
 def is_finished(folder: Path) -> bool:
     """Whether the run in a folder has a result, and was not stopped before its last generation."""
-    found = result_of(folder)
-    return found is not None and not found.get("interrupted", False)
+    return finished(result_of(folder))
+
+
+def finished(result: Mapping[str, Any] | None) -> bool:
+    """Whether a run with such a result has one, and was not stopped before its last generation."""
+    return result is not None and not result.get("interrupted", False)
+
+
+def check_links(folder: Path) -> None:
+    """Raise where a run would write through a link that somebody has put into its folder.
+
+    Raises
+    ------
+    Occupied
+        It names the link. All other files are written beside and put in place, which follows no link.
+    """
+    for path in (folder / name for name in THROUGH):
+        if path.is_symlink():
+            raise Occupied(f"{path}: is a link, and a run writes into its own folder only. Remove it.")
 
 
 def enter(folder: Path, settings: Mapping[str, Any], words: Sequence[str]) -> None:
@@ -46,13 +66,15 @@ def enter(folder: Path, settings: Mapping[str, Any], words: Sequence[str]) -> No
     Raises
     ------
     Occupied
-        The folder holds a finished run, or what another one has walked.
+        The folder holds a finished run, or what another one has left.
     """
     other = "Choose another hydra.run.dir."
     if is_finished(folder):
         raise Occupied(f"{folder}: holds a run that is finished; footopt resume=... extends it. {other}")
-    if not (is_missing(folder / "result.json") and is_missing(folder / "designs.sqlite")):
-        there = {} if is_missing(folder / identity.FILE) else identity.read(folder, "hydra.run.dir").settings
+    begun = not is_missing(folder / identity.FILE)
+    left = {path.name for path in folder.iterdir()} - {identity.FILE, LOCK, LOG, ERROR_FILE}
+    if left & {"result.json", "designs.sqlite"} or (begun and left):
+        there = identity.read(folder, "hydra.run.dir").settings if begun else {}
         if names := differing(settings, there):
             raise Occupied(
                 f"{folder}: holds another run, which differs in {', '.join(names[:4])}. "
@@ -61,7 +83,7 @@ def enter(folder: Path, settings: Mapping[str, Any], words: Sequence[str]) -> No
     identity.write(folder, settings, words)
 
 
-def check_same(folder: Path, settings: Mapping[str, Any]) -> None:
+def check_same(folder: Path, settings: Mapping[str, Any], found: Mapping[str, Any] | None) -> None:
     """Raise unless the settings of a run are those that its result was found with, but for `CHANGEABLE`.
 
     Raises
@@ -69,7 +91,6 @@ def check_same(folder: Path, settings: Mapping[str, Any]) -> None:
     FileError
         The result is that of another run.
     """
-    found = result_of(folder)
     if found is None:
         return
     names = [name for name in differing(plain(settings), found.get("settings")) if not may_change(name)]

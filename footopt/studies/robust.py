@@ -271,7 +271,7 @@ def _save_figures(
         study.save("held_out", robust_figures.held_out(fresh), caption)
     if judge.n_obj > 1:
         columns = [judge.record.index(name) for name in judge.names]
-        front = figures.scatter_matrix(result.values[result.front][:, columns], judge.names, marked=0)
+        front = figures.scatter_matrix(result.values[result.shown][:, columns], judge.names, marked=0)
         study.save("scatter_matrix", front, "The Pareto front of the robust search, pair by pair.")
 
 

@@ -21,6 +21,12 @@ from footopt.gait import Gait
 from footopt.sand import MEDIA, Sand, StressMap
 from footopt.walk import MEASURES, PRESETS, Spread, Walker
 
+#: How much a run leaves: result.json, contour.csv and what it is resumed from; all but figures; everything.
+REPORTS = ("none", "light", "full")
+
+#: Studies that search: they walk where engine says, keep what they evaluate, and go on where they stopped.
+SEARCHES = ("optimize", "robust")
+
 
 def default(function: Callable[..., Any], name: str) -> Any:
     """The default of a function's parameter."""

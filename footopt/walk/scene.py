@@ -13,11 +13,11 @@ from footopt.errors import SettingError, check, check_kind
 from footopt.gait import Gait
 from footopt.sand import Sand, alpha
 
-#: What a walker can be, with room for limits that are taken on purpose; beyond it numbers overflow.
+#: What a walker can be, from an insect to an excavator that walks, with room for limits taken on purpose.
 WALKERS = {
     "mass": ("kg", 1e-9, 1e9),
-    "l1": ("m", 1e-4, 1e3),
-    "l2": ("m", 1e-4, 1e3),
+    "l1": ("m", 1e-4, 100.0),
+    "l2": ("m", 1e-4, 100.0),
     "g": ("m/s^2", 1e-6, 1e6),
 }
 

@@ -170,6 +170,23 @@ def test_an_address_space_in_which_libraries_would_hang_is_refused(tmp_path):
     assert done.stderr == "footopt: error: `ulimit -v` allows 500 MB of address space; 700 are needed.\n"
 
 
+@pytest.mark.slow
+def test_variables_of_other_programs_are_no_bug(tmp_path):
+    """A backend of notebooks is not needed; a date that is none is named."""
+    words = ["study=simulate", "accuracy=draft", "hydra.run.dir=run"]
+    done = program(*words, cwd=tmp_path, drawn=True, MPLBACKEND="nonsense", SOURCE_DATE_EPOCH="0")
+    assert done.returncode == 0, done.stderr
+    done = program(*words, cwd=tmp_path, SOURCE_DATE_EPOCH="abc")
+    assert done.returncode == 1
+    assert done.stderr.startswith("footopt: error: SOURCE_DATE_EPOCH = 'abc': must be a number of seconds")
+
+
+def test_a_folder_that_may_not_be_written_is_told_what_to_do_about():
+    error = PermissionError(13, "Permission denied", "run")
+    assert explain(error) == "Permission denied: run. Write to another folder with hydra.run.dir=FOLDER."
+    assert explain(error, ["resume=run"]) == "Permission denied: run. Resume a copy that is yours."
+
+
 #: Settings that the study, its foot, gait or solver does not read, and what is said.
 UNREAD = {
     "study=simulate foot.length=.18": "foot.length = 0.18: must be left out: foot=waypoints does not "

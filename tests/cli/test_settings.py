@@ -18,7 +18,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
-from running import composed
+from running import composed, tries
 
 import footopt as fo
 from footopt import studies
@@ -31,7 +31,7 @@ from footopt.errors import FootoptError, SettingError
 from footopt.sand import MEDIA
 from footopt.studies import build
 from footopt.studies.robust import make_scenarios
-from footopt.studies.settings import Config
+from footopt.studies.settings import SEARCHES, Config
 from footopt.walk import PRESETS
 from footopt.walk.accuracy import MARGIN, measured_settings
 
@@ -218,9 +218,7 @@ def used(*overrides):
     config = changed(words, overrides)
     study, engine = config.study, config.engine
     build.check_lists(config)
-    if study.name not in studies.STUDIES or (
-        engine.name != "local" and study.name not in studies.DISTRIBUTED
-    ):
+    if study.name not in studies.STUDIES or (engine.name != "local" and study.name not in SEARCHES):
         studies.run(config, None, {})
     scene, accuracy = build.make_scene(config), build.make_accuracy(config.accuracy)
     foot = build.make_foot(config.foot)
@@ -251,7 +249,7 @@ def told(*words):
 
 
 @pytest.mark.slow
-@settings(max_examples=250, suppress_health_check=list(HealthCheck))
+@settings(max_examples=tries(250), suppress_health_check=list(HealthCheck))
 @given(st.sampled_from(known()), ANY_VALUE)
 def test_any_value_of_any_setting_is_used_or_refused_by_its_name(name, value):
     said = told(f"{name}={value}")
@@ -281,7 +279,7 @@ HUGE = [
     ("simulate", "gait.harmonics=1000000"), ("simulate", "foot.n=1000000"), ("optimize", "foot.n=1000000"),
     ("optimize", "foot.K=1000000000000"), ("optimize", "engine.threads=1000000000"), ("shapes", "foot.length=1e9"),
     ("robust", "study.spread.zeta=1e9"), ("sensitivity", "study.foot_spread.creep=1e9"), ("simulate", "sand.zeta=1e300"),
-    ("simulate", "walker.mass=1e300"), ("optimize", "scene.t_f=1e5"),
+    ("simulate", "walker.mass=1e300"), ("optimize", "scene.t_f=1e5"), ("simulate", "walker.l1=1000"),
 ]  # fmt: skip
 
 
@@ -293,6 +291,12 @@ def test_what_would_take_years_or_all_memory_is_refused_at_once(study, word, tmp
     allowed = ("accuracy.dt", "scene.t_f") if word.startswith(("scene.t_f", "gait.period")) else ()
     assert any(name in str(caught.value) for name in (word.partition("=")[0], *allowed))
     assert not list(tmp_path.glob("*.json"))
+
+
+@pytest.mark.parametrize("word", ["study.spread.zeta=nan", "foot.length=nan", "foot.block=[nan]"])
+def test_a_number_that_is_none_is_refused_where_nothing_reads_it_too(word, tmp_path):
+    with pytest.raises(SettingError, match=rf"{word.partition('=')[0]} = "):
+        studies.run(changed(("study=doctor",), [word]), tmp_path, {})
 
 
 def test_reference_directions_for_very_many_are_refused():

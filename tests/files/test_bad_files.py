@@ -19,7 +19,7 @@ from bad_files import FOOT, GAITS, KINDS, LESS, REFUSED, SAME, SOLES, every, goo
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from motion_files import misfit
-from running import footopt
+from running import footopt, tries
 from shapely import LineString
 from yaml import YAMLError
 
@@ -137,7 +137,7 @@ class TestBadFiles:
             judge(kind, case, good, folder)
 
     @pytest.mark.slow
-    @settings(max_examples=4)
+    @settings(max_examples=tries(4))
     @given(random=st.randoms(use_true_random=False))
     def test_of_every_sort_with_changes_anywhere(self, kind, good, folder, random):
         for case in every(random, kind, good):

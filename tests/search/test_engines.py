@@ -249,6 +249,17 @@ class TestSettings:
             make_executor(**settings)
         assert words in str(error.value)
 
+    @pytest.mark.parametrize(
+        "error", [RuntimeError("Nanny failed to start."), OSError(24, "Too many open files")]
+    )
+    def test_a_cluster_that_cannot_start_is_said(self, error, monkeypatch):
+        distributed = pytest.importorskip("distributed", reason="needs the extra footopt[dask]")
+        monkeypatch.setattr(distributed, "LocalCluster", mock.Mock(side_effect=error))
+        with pytest.raises(
+            FootoptError, match=r"engine=dask: a worker cannot start \(.*(Nanny|files).*ulimit"
+        ):
+            Dask(workers=1)
+
     def test_a_missing_extra_is_named(self, monkeypatch):
         monkeypatch.setitem(sys.modules, "distributed", None)
         with pytest.raises(SettingError, match=r"pip install 'footopt\[dask\]'"):
@@ -307,20 +318,19 @@ class TestProcesses:
         assert not workers_now() & victims
 
     @pytest.mark.slow
-    def test_a_worker_that_is_stopped_is_named_and_others_do_its_work(
-        self, processes, undisturbed, monkeypatch, caplog
-    ):
+    def test_a_worker_that_is_stopped_is_named_and_others_do_its_work(self, processes, monkeypatch, caplog):
         monkeypatch.setattr(engines, "SILENT", 3)
-        victims = []
+        k, victims = SMALL.random(400, seed=1), []  # 2 s for each of two workers
+        Evaluator(problem(), None, processes)(k[:4])  # they are there
 
-        def stop(generation):
-            if generation.generation in (1, 4):
-                victims.append(min(workers_now()))
-                os.kill(victims[-1], signal.SIGSTOP)
+        def stop():
+            victims.append(min(workers_now()))
+            os.kill(victims[0], signal.SIGSTOP)
 
-        assert_same(undisturbed, search(problem("pareto"), "nsga2", stop, executor=processes, **BUDGET))
-        for victim in victims:
-            assert f"worker process {victim} has been silent for 3 s" in caplog.text
+        threading.Timer(0.5, stop).start()
+        found = Evaluator(like(Slow, problem()), None, processes)(k)[0]
+        assert found.tobytes() == problem().walk(k)[0].tobytes()
+        assert f"worker process {victims[0]} has been silent for 3 s" in caplog.text
         assert not workers_now() & set(victims)
 
     @pytest.mark.slow

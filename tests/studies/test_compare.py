@@ -60,6 +60,28 @@ def test_what_has_no_foot_is_said_and_the_others_are_shown(runs, capsys):
     assert f"run 4: {runs}/old/broken; no result" in out
 
 
+DAMAGE = {
+    "contour.csv": [
+        b"",
+        b"x_mm,z_mm\n",
+        b"x_mm,z_mm\n1,2\n3\n",
+        b"x_mm,z_mm\n\xff\x00,1\n",
+        b"a,b\nnan,nan\n",
+    ],
+    "walk.nc": [b"", b"CDF\x02", b"not a walk"],
+    "result.json": [b"", b"[]", b'{"objectives": {}}', b"{", b'{"objectives": {"work": "x"}, "design": 1}'],
+}
+
+
+@pytest.mark.parametrize(("name", "content"), [(name, c) for name, cs in DAMAGE.items() for c in cs])
+def test_a_damaged_run_is_said_and_the_others_are_shown(name, content, runs, capsys):
+    (runs / "old" / "a" / name).write_bytes(content)
+    compare(runs / "here", f"{runs}/*/[abc]")
+    out = " ".join(capsys.readouterr().out.split())
+    assert f"{runs}/old/a; damaged: " in out
+    assert '"label' in (runs / "here" / "report.html").read_text()
+
+
 def test_only_what_all_runs_have_is_compared_on_the_page(runs):
     path = runs / "new" / "c" / "result.json"
     path.write_text(path.read_text().replace('"cost_of_transport"', '"unknown"'))

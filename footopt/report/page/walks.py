@@ -66,7 +66,7 @@ def walked_designs(result: SearchResult, confirmed: Confirmation) -> list[int]:
     the best so far; or the best of an enumerated space.
     """
     if result.problem.n_obj > 1:
-        chosen = _spread(result.front.tolist(), WALKS)
+        chosen = _spread(result.shown.tolist(), WALKS)
     else:
         chosen = successive_bests(result) or list(range(min(LEADERS, len(result.k))))
     return [i for i in chosen if i != confirmed.designs[0]]
@@ -99,7 +99,7 @@ def search_content(
     """
     problem = result.problem
     record, chosen = problem.record, int(confirmed.designs[0])
-    front = result.front.tolist() if problem.n_obj > 1 else []
+    front = result.shown.tolist() if problem.n_obj > 1 else []
     lineage = successive_bests(result)
     exact = isinstance(result, Enumeration)
     rows = np.unique([*front, *lineage, chosen, *_spread(list(range(len(result.k))), DESIGNS)])

@@ -1,0 +1,73 @@
+"""Large fronts: what is kept of them, how their hypervolume is followed, and that a search stays linear."""
+
+import numpy as np
+import pytest
+from moocore import filter_dominated, hypervolume
+from searching import SMALL, problem
+
+import footopt as fo
+from footopt.design.archive import Archive
+from footopt.design.fronts import EXACT, Volume, thinned
+
+
+def sphere(count, objectives, seed=1):
+    """A front on a sphere about the worst corner, minimised, -1 to 0."""
+    drawn = np.abs(np.random.default_rng(seed).normal(size=(count, objectives)))
+    return -drawn / np.linalg.norm(drawn, axis=1, keepdims=True)
+
+
+@pytest.mark.parametrize("objectives", [2, 3, 5])
+def test_a_thinned_front_keeps_its_ends_and_its_hypervolume(objectives):
+    """Half of its designs have a neighbour that is nearly the same."""
+    f = sphere(400, objectives)
+    f = np.concatenate([f, 0.9999 * f])
+    few = thinned(f)
+    assert len(few) < 700
+    assert set(f.argmin(axis=0)) <= set(few)
+    kept, whole = (hypervolume(part, ref=np.full(objectives, 0.1)) for part in (f[few], f))
+    assert 0.998 * whole <= kept <= whole
+
+
+@pytest.mark.parametrize("objectives", [2, 5])
+def test_the_hypervolume_of_a_front_that_grows_is_exact_and_then_close(objectives):
+    f, volume, found = sphere(3 * EXACT, objectives), Volume(), []
+    for size in range(EXACT // 2, len(f) + 1, EXACT // 2):
+        exact = hypervolume(f[:size], ref=np.zeros(objectives))
+        found.append(volume(f[:size], np.arange(size) >= size - EXACT // 2))
+        assert found[-1] == pytest.approx(exact, rel=1e-12 if size <= EXACT else 0.01)
+    assert found == sorted(found)
+
+
+def test_an_archive_keeps_what_it_is_given_in_its_order():
+    """Its table grows in steps, and reasons may become longer."""
+    p, words = problem("pareto", space=fo.Waypoints(n=5, K=4)), ["", "sunk", "a reason that is long"]
+    draw, given = np.random.default_rng(1), []
+
+    def walk(k):
+        given.append((k, draw.normal(size=(len(k), len(p.record))), np.array(words)[k[:, 0] % 3]))
+        return given[-1][1:]
+
+    archive = Archive(p, walk)
+    for _ in range(8):
+        k = SMALL.random(60, seed=int(draw.integers(1000)))
+        f, g = archive.evaluate(k)
+        archive.close_generation(0.0)
+        assert len(f) == len(g) == 60
+    k, values, reasons = (np.concatenate(parts) for parts in zip(*given, strict=True))
+    designs = archive.designs
+    np.testing.assert_array_equal(designs.k, k)
+    np.testing.assert_array_equal(designs.values, values)
+    assert designs.reasons.tolist() == reasons.tolist()
+    assert len(np.unique(k, axis=0)) == len(k)
+    f = p.minimised(values)[(p.constraints(values, reasons, p.space.box_violation(k)) <= 0).all(axis=1)]
+    assert archive.history[-1].front == len(filter_dominated(f))
+
+
+def test_a_large_front_is_shown_in_part(monkeypatch):
+    monkeypatch.setattr("footopt.design.result.SHOWN", 20)
+    result = fo.search(problem("pareto"), "nsga2", pop_size=60, n_gen=3, seed=1)
+    assert len(result.front) > 25
+    assert len(result.shown) < len(result.front)
+    assert result.shown[0] == result.best
+    assert set(result.shown) < set(result.front)
+    assert len(fo.design.confirm(result, "draft").designs) == len(result.shown)
