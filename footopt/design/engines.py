@@ -264,6 +264,7 @@ class Dask(Executor):
         """Leave the scheduler; end a cluster that was started here."""
         with suppress(Exception):
             self._client.close(timeout=5)
+        self._client.status = "closed"  # else it tries again when it is collected, and says that it cannot
         if self._cluster is not None:
             self._cluster.close(timeout=10)
 
