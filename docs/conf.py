@@ -39,7 +39,7 @@ numpydoc_show_class_members = False
 #: The pages in the order of reading; the README is the first page and stays free of it.
 CONTENTS = {
     "Start": ("docs/getting-started", "docs/commands", "docs/settings", "docs/reference", "docs/files",
-              "examples/README", "docs/troubleshooting"),
+              "docs/project", "examples/README", "docs/troubleshooting"),
     "Believe": ("docs/physics", "docs/objectives", "docs/validation",
                 "outputs/reference/validation/validation", "docs/claims", "outputs/reference/paper/claims",
                 "docs/gallery", "docs/benchmarks"),

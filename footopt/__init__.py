@@ -13,6 +13,8 @@ from __future__ import annotations
 
 import sys
 from importlib import import_module
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -84,6 +86,13 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return __all__
+
+
+# Hydra looks for pkg://footopt.conf, which is inside this package in a wheel, and beside it in a checkout
+_here = Path(__file__).parent
+_spec = spec_from_file_location("footopt.conf", _here.parent / "conf" / "__init__.py")
+if _spec is not None and not (_here / "conf").is_dir():
+    sys.modules["footopt.conf"] = module_from_spec(_spec)
 
 
 def load_ipython_extension(shell: Any) -> None:

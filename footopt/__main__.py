@@ -7,6 +7,8 @@ import signal
 import sys
 from types import FrameType
 
+from footopt import __version__
+
 NEEDED = 700  # MB of address space, for the libraries and a small run
 
 
@@ -21,6 +23,8 @@ def main() -> None:
             sys.exit(
                 f"footopt: error: `ulimit -v` allows {limit >> 20} MB of address space; {NEEDED} are needed."
             )
+    if "--version" in sys.argv[1:]:
+        return print(f"footopt {__version__}")
     # figures are drawn without a backend, and matplotlib is not imported where it knows none of the name
     os.environ.pop("MPLBACKEND", None)
     epoch = os.environ.get("SOURCE_DATE_EPOCH") or "0"  # matplotlib puts it into PDFs

@@ -1,11 +1,15 @@
 """Feet and scenes that several test modules share."""
 
+import json
 import signal
+from functools import cache
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
 import footopt as fo
+from footopt.files import run
 from footopt.walk.reference import RAMP
 
 # a shell that starts the tests in the background has them ignore Ctrl-C, and what they start inherits that
@@ -43,3 +47,29 @@ def walk(scene, ramp_foot):
 @pytest.fixture(scope="session")
 def fine_walk(scene, ramp_foot):
     return fo.simulate(ramp_foot, scene, "reference")
+
+
+@cache
+def schema():
+    """What validates a result.json, and the studies that it is for."""
+    from jsonschema import Draft202012Validator
+
+    content = json.loads((Path(run.__file__).parent / "result.schema.json").read_text(encoding="utf-8"))
+    return Draft202012Validator(content), content["properties"]["study"]["enum"]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def every_result_json_is_as_its_schema_says():
+    """Of all that these tests write in this process; studies of plugins have entries of their own."""
+    write = run.write_json
+
+    def validated(path, content):
+        if path.name == "result.json":
+            validator, studies = schema()
+            if content["study"] in studies:
+                validator.validate(run.plain(content))
+        write(path, content)
+
+    run.write_json = validated
+    yield
+    run.write_json = write

@@ -1,21 +1,16 @@
 """One foot in the sand, by the compiled contact: what tests of the law and of effects share."""
 
 import math
-from functools import lru_cache
 
 import numpy as np
 from hypothesis import strategies as st
-from numba import njit
 
 import footopt as fo
-from footopt.compiled import cached_njit
 from footopt.effects import laws
 from footopt.foot import Plates
-from footopt.walk.contact import contact
+from footopt.walk.loop import compiled_contact
 from footopt.walk.prepare import sole, world
-from footopt.walk.sources import own, source
 from footopt.walk.state import COUNTS, Force
-from footopt.walk.steppers import STEPPERS
 
 PITCH, RATE, SPEED = st.floats(-1.2, 1.2), st.floats(-6.0, 6.0), st.floats(-1.5, 1.5)
 SOLES = st.lists(st.integers(1, 10), min_size=11, max_size=11).map(fo.Foot.from_waypoints)
@@ -29,24 +24,6 @@ def pose_of(height, pitch, rate):
     return (0.0, height, 0.0, 0.0, math.cos(pitch), math.sin(pitch), rate)
 
 
-@lru_cache
-def compiled(source, compiler):
-    """The contact of two feet, kept on disk as walks are: all that tests feel is compiled once."""
-
-    @compiler(error_model="numpy")
-    def both(world, soles, poses, x, z, vx, vz, creep, stage, counts):
-        source  # noqa: B018  part of the key of what is kept
-        return contact(world, soles, poses, x, z, vx, vz, creep, stage, None, counts)
-
-    return both
-
-
-def contact_with(acting):
-    """The compiled contact for some laws of effects."""
-    key = STEPPERS["sdirk2"].parameters, [law for chosen in acting for law in chosen or ()]
-    return compiled(source(*key), njit if own(*key) else cached_njit)
-
-
 def feel(plates, pose, vx, vz, *on, zeta=1.0, creep=1e-2, stage=None, x=0.0, z=0.0):
     """`Force` on one foot with effects, as an array, and the counts; the other foot is in the sky."""
     scene = fo.Scene(sand=fo.Sand(zeta), effects=on)
@@ -55,7 +32,7 @@ def feel(plates, pose, vx, vz, *on, zeta=1.0, creep=1e-2, stage=None, x=0.0, z=0
         plates = plates._replace(tx=None, tz=None)
     counts, constants = np.zeros(1, COUNTS)[0], world(scene, fo.Accuracy(creep=creep))
     state = constants, sole(plates), np.array([pose, SKY]), x, z, vx, vz, creep, stage, counts
-    found = contact_with(acting)(*state)
+    found = compiled_contact(acting)(*state)
     assert found.right == Force(*[0.0] * 7)
     return np.array(found.left), counts
 

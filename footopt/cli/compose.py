@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import string
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ from hydra.core.config_store import ConfigStore
 from omegaconf import OmegaConf, open_dict
 
 from footopt.effects import EFFECTS
+from footopt.files.identity import flat
 from footopt.studies.settings import CHOICES, Config
 
 PACKAGE = Path(__file__).parents[1]
@@ -36,16 +37,9 @@ def groups() -> dict[str, list[str]]:
 
 def known() -> list[str]:
     """Full names of all settings, with those of effects that are not chosen."""
-    with_all = OmegaConf.merge(OmegaConf.structured(Config), {"effects": {name: {} for name in EFFECTS}})
-    return list(_leaves(OmegaConf.to_container(with_all)))
-
-
-def _leaves(values: Any, prefix: str = "") -> Iterator[str]:
-    for name, value in values.items():
-        if isinstance(value, Mapping) and value:
-            yield from _leaves(value, f"{prefix}{name}.")
-        else:
-            yield prefix + name
+    with_all = OmegaConf.merge(Config, {"effects": {name: {} for name in EFFECTS}})
+    values: Any = OmegaConf.to_container(with_all)
+    return list(flat(values))
 
 
 def help_text(words: Sequence[str]) -> str:

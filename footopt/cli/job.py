@@ -40,7 +40,13 @@ def resolved(settings: Any, here: Any) -> dict[str, Any]:
     return in_the_world_of_its_run(beside_their_files(plain, here), here)
 
 
-def walk(settings: Mapping[str, Any], folder: Path, words: Sequence[str], resumed: bool = False) -> Any:
+def walk(
+    settings: Mapping[str, Any],
+    folder: Path,
+    words: Sequence[str],
+    resumed: bool = False,
+    files: Mapping[str, str] | None = None,
+) -> Any:
     """Run the study of some settings in a folder.
 
     Parameters
@@ -53,6 +59,8 @@ def walk(settings: Mapping[str, Any], folder: Path, words: Sequence[str], resume
         What was given on the command line.
     resumed : bool
         Whether it goes on with what is in the folder.
+    files : mapping of str to str, optional
+        What YAML files of the user set, each with its file.
 
     Returns
     -------
@@ -68,7 +76,7 @@ def walk(settings: Mapping[str, Any], folder: Path, words: Sequence[str], resume
     try:
         config: Any = OmegaConf.to_object(OmegaConf.merge(Config, settings))  # refuses what + has added
         with one_ctrl_c(f"footopt: stopped{hint}"):
-            return studies.run(config, folder, absolute(settings), words, resumed)
+            return studies.run(config, folder, absolute(settings), words, resumed, files)
     except KeyboardInterrupt as stop:
         print(" ".join(["footopt: stopped", *map(str, stop.args)]) + hint, file=sys.stderr)
         raise

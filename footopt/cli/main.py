@@ -15,10 +15,10 @@ from hydra.types import RunMode
 from omegaconf import DictConfig
 from omegaconf.errors import OmegaConfBaseException
 
-from footopt import __version__
 from footopt.cli.compose import CONF, help_text
 from footopt.cli.job import STOPPED, resolved, tidy, walk
 from footopt.cli.messages import explain
+from footopt.cli.paths import set_by_files
 from footopt.cli.resume import resume
 from footopt.cli.sweep import Summary
 from footopt.cli.words import check_dashes, readable
@@ -38,8 +38,6 @@ def main() -> None:
     """Entry point. Errors that a user can mend end with one message and exit code 1."""
     os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra passes errors on instead of printing them itself
     given = sys.argv[1:]
-    if "--version" in given:
-        return print(f"footopt {__version__}")
     try:
         if any(word.startswith("resume=") for word in given):
             Summary.failed = resume(given)
@@ -47,7 +45,8 @@ def main() -> None:
             check_dashes(given)
             sys.argv[1:] = given = [readable(word) for word in given]
             if text := help_text(given):
-                return print(text)
+                print(text)
+                return
             _job()
     except KeyboardInterrupt:
         sys.exit(STOPPED)
@@ -68,7 +67,7 @@ def _job(settings: DictConfig) -> Any:
     here = HydraConfig.get()
     folder, words = Path(here.runtime.output_dir), list(here.overrides.task)
     try:
-        told = walk(resolved(settings, here), folder, words)
+        told = walk(resolved(settings, here), folder, words, files=set_by_files(here))
         if here.mode != RunMode.MULTIRUN and settings.study.name == "simulate":
             result = read_json_file(folder / "result.json", "run", "study.run")
             if not result["feasible"]:

@@ -1,15 +1,19 @@
-"""Settings that name files: what a YAML file of the user names is found beside it."""
+"""YAML files of the user: what they set, and where the files are that they name."""
 
 from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Iterator, Mapping
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import yaml
 from hydra.core.global_hydra import GlobalHydra
 from hydra.types import RunMode
+
+from footopt.cli.compose import CONF
+from footopt.files.identity import flat
 
 #: Settings that name files or folders to read.
 PATHS = ("foot.path", "gait.path", "sand.table", "study.store", "study.run", "study.runs",
@@ -42,19 +46,34 @@ def beside_their_files(settings: Mapping[str, Any], here: Any) -> dict[str, Any]
     return _changed(settings, lambda *found: str(folders[found] / found[1]) if found in folders else found[1])
 
 
+def set_by_files(here: Any) -> dict[str, str]:
+    """What YAML files of the user set, by the settings' full names, each with its file."""
+    return {name: str(path) for path, content in _files_of(here) for name in flat(content)}
+
+
 def _files_of(here: Any) -> Iterator[tuple[Path, dict[str, Any]]]:
-    """The YAML files that the settings are composed of, in order, each with what it sets by its own."""
+    """The user's YAML files that the settings are composed of, in order, each with what it sets itself."""
+    roots = [folder for source in here.runtime.config_sources if (folder := _folder(source))]
+    own = CONF.resolve()
+    if all(root.resolve() == own for root in roots):
+        return
     loader = GlobalHydra.instance().config_loader()
     words = [*here.overrides.hydra, *here.overrides.task]
-    composed = loader.compute_defaults_list(here.job.config_name, words, RunMode.RUN)
-    roots = [Path(s.path) for s in loader.get_sources() if s.scheme() == "file" and s.path]
-    for part in composed.defaults:
+    for part in loader.compute_defaults_list(here.job.config_name, words, RunMode.RUN).defaults:
         found = [root / f"{part.config_path}.yaml" for root in roots]
-        if path := next(filter(Path.is_file, found), None):
-            content = yaml.safe_load(path.read_bytes())
+        path = next(filter(Path.is_file, found), None)
+        if path is not None and not path.resolve().is_relative_to(own):
+            content = yaml.safe_load(path.read_bytes()) or {}
             for name in reversed(part.package.split(".")) if part.package else ():
                 content = {name: content}
-            yield path, content or {}
+            yield path, content
+
+
+def _folder(source: Any) -> Path | None:
+    """The folder of a source of settings that is not Hydra's own; None for what is no folder."""
+    if source.schema == "pkg" and source.provider != "hydra":
+        return Path(str(resources.files(source.path)))
+    return Path(source.path) if source.schema == "file" and source.path else None
 
 
 def _relative(settings: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

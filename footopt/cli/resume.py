@@ -20,7 +20,7 @@ from footopt.errors import ERROR_FILE, FootoptError, SettingError, check
 from footopt.files import identity
 from footopt.files.lock import Occupied, locked
 from footopt.files.run import write_text
-from footopt.studies.identity import CHANGEABLE, check_same, is_finished, may_change, result_of
+from footopt.studies.identity import CHANGEABLE, check_same, finished, is_finished, may_change, result_of
 from footopt.studies.settings import REPORTS, SEARCHES, Config
 
 TRUST = "--trust"
@@ -60,7 +60,7 @@ def resume(given: Sequence[str]) -> int:
     changes = [_change(readable(word)) for word in new]
     if (folder / MULTIRUN).is_file():
         return _resume_jobs(folder, changes, new, trusted)
-    _resume_run(folder, changes, new, trusted)
+    _resume_run(folder, result_of(folder), changes, new, trusted)
     return 0
 
 
@@ -87,15 +87,19 @@ def _change(word: str) -> tuple[str, Any]:
 
 
 def _resume_run(
-    folder: Path, changes: Sequence[tuple[str, Any]], words: Sequence[str], trusted: bool
+    folder: Path,
+    found: Mapping[str, Any] | None,
+    changes: Sequence[tuple[str, Any]],
+    words: Sequence[str],
+    trusted: bool,
 ) -> None:
-    """Go on with one run."""
+    """Go on with one run, which has left such a result."""
     run = identity.read(folder)
     settings, named = _structured(folder, run.settings), [name for name, _ in changes]
     study = settings.study.name
-    if is_finished(folder) and study not in SEARCHES:
+    if finished(found) and study not in SEARCHES:
         raise SettingError("resume", str(folder), f"a run of study={', '.join(SEARCHES)}, not {study}")
-    check_same(folder, run.settings)
+    check_same(folder, run.settings, found)
     for name in () if trusted else TRUSTED:
         value = OmegaConf.select(settings, name)
         if not value or name in named or "engine" in named or not _reaches_out(name, value):
@@ -108,7 +112,7 @@ def _resume_run(
             OmegaConf.update(settings, name, OmegaConf.structured(Config).engine, merge=False)
         OmegaConf.update(settings, "engine.name" if name == "engine" else name, value, merge=False)
     plain: Any = OmegaConf.to_container(settings, resolve=True)
-    _check_no_less(folder, plain)
+    _check_no_less(found or {}, plain)
     groups = tuple(f"{name}." for name in named)  # engine=... begins anew, without engine.timeout
     kept = [word for word in run.words if not f"{word.partition('=')[0]}.".startswith(groups)]
     walk(plain, folder, [*kept, *words], resumed=True)
@@ -133,9 +137,9 @@ def _reaches_out(name: str, value: Any) -> bool:
     return name != "study.video" or Path(value).name != value
 
 
-def _check_no_less(folder: Path, settings: Mapping[str, Any]) -> None:
+def _check_no_less(found: Mapping[str, Any], settings: Mapping[str, Any]) -> None:
     """Raise a `SettingError` for a run that would not replace all that it has found and left before."""
-    found, solver = result_of(folder) or {}, settings["solver"]
+    solver = settings["solver"]
     before, size, generations = found.get("evaluations", 0), solver["pop_size"], solver["n_gen"]
     check(
         solver["name"] == "exhaustive" or size * generations >= before,
@@ -165,10 +169,11 @@ def _resume_jobs(
         for job in identity.jobs(folder):
             name = job.relative_to(folder)
             try:
-                if is_finished(job) and _generations(job) >= longer:
+                found = result_of(job)
+                if finished(found) and _generations(found) >= longer:
                     continue
                 print(f"job {name}: {' '.join(identity.read(job).words)}", flush=True)
-                _resume_run(job, changes, words, trusted)
+                _resume_run(job, found, changes, words, trusted)
             except Occupied as error:
                 busy += not is_finished(job)  # one that is finished is no failure below
                 print(f"job {name}: {error}")
@@ -179,7 +184,6 @@ def _resume_jobs(
         return summary.of_multirun(folder) - busy
 
 
-def _generations(job: Path) -> float:
+def _generations(found: Mapping[str, Any] | None) -> float:
     """How many generations the search of a finished job has; any number for what is no search."""
-    found = result_of(job) or {}
-    return found["solver"]["n_gen"] if "solver" in found else math.inf
+    return found["solver"]["n_gen"] if found and "solver" in found else math.inf

@@ -13,9 +13,10 @@ from omegaconf.errors import OmegaConfBaseException
 from footopt.cli.compose import CONF
 from footopt.cli.job import resolved, tidy, walk
 from footopt.cli.messages import refusal
-from footopt.cli.resume import resume
+from footopt.cli.paths import set_by_files
+from footopt.cli.resume import MULTIRUN, resume
 from footopt.cli.words import readable
-from footopt.errors import FootoptError
+from footopt.errors import FootoptError, check
 from footopt.files.lock import Occupied
 from footopt.studies.load import Run, load
 
@@ -29,7 +30,7 @@ def run(words: Sequence[str] = (), folder: str | Path | None = None) -> Run:
         Settings as on the command line, such as ``["sand=soft", "solver=nsga2"]``; with ``resume=FOLDER``
         that run goes on.
     folder : str or Path, optional
-        Where the run leaves what it finds; by default as on the command line, below outputs/.
+        Where a new run leaves what it finds; by default as on the command line, below outputs/.
 
     Returns
     -------
@@ -45,8 +46,13 @@ def run(words: Sequence[str] = (), folder: str | Path | None = None) -> Run:
         raise FootoptError(f"words = {words!r}: must be a list, such as [{words!r}].")
     given = [str(word) for word in words]
     if resumed := [word.partition("=")[2] for word in given if word.startswith("resume=")]:
+        place = Path(resumed[-1]).expanduser()
+        check(folder is None, "folder", folder, "left out with resume=FOLDER, where the run goes on")
+        several = (place / MULTIRUN).is_file()
+        hint = "Finish it with `footopt resume=...`, and read it with fo.load_all."
+        check(not several, "resume", str(place), "the folder of one run, not of a multirun", hint)
         resume(given)
-        return load(Path(resumed[-1]).expanduser())
+        return load(place)
     given = [readable(word) for word in given]
     try:
         with initialize_config_dir(str(CONF), version_base="1.3"):
@@ -54,14 +60,14 @@ def run(words: Sequence[str] = (), folder: str | Path | None = None) -> Run:
             here, place = composed.hydra, Path(folder or composed.hydra.run.dir).expanduser()
             with open_dict(composed):
                 del composed["hydra"]
-            plain = resolved(composed, here)
+            plain, files = resolved(composed, here), set_by_files(here)
     except Exception as error:
         if (refused := refusal(error, given)) is None:
             raise
         raise refused from None
     place = Path(os.path.abspath(place))
     try:
-        walk(plain, place, [word for word in given if not word.startswith("hydra.")])
+        walk(plain, place, [word for word in given if not word.startswith("hydra.")], files=files)
     except Occupied:
         raise
     except (FootoptError, OmegaConfBaseException) as error:

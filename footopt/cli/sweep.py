@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import os
 import shlex
 import sys
@@ -10,6 +11,8 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
+from hydra._internal.config_loader_impl import get_overrides_dirname
+from hydra._internal.core_plugins.basic_launcher import BasicLauncher
 from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.hydra_config import HydraConfig
@@ -21,9 +24,10 @@ from omegaconf.errors import OmegaConfBaseException
 
 from footopt.cli.job import resolved
 from footopt.cli.paths import absolute
-from footopt.errors import FootoptError
+from footopt.errors import ERROR_FILE, FootoptError
 from footopt.files import identity
 from footopt.files.lock import Occupied, locked
+from footopt.files.run import write_text
 
 
 class Summary(Callback):
@@ -49,7 +53,10 @@ class Summary(Callback):
         for place, settings, words in _jobs(config):
             path = folder / place
             path.mkdir(parents=True, exist_ok=True)
-            identity.write(path, settings, words)
+            if isinstance(settings, FootoptError):
+                write_text(path / ERROR_FILE, f"{settings}\n")
+            else:
+                identity.write(path, settings, words)
 
     def on_multirun_end(self, config: DictConfig, **kwargs: Any) -> None:
         """Read what the jobs left in their folders."""
@@ -71,11 +78,44 @@ class Summary(Callback):
         )
 
 
-def _jobs(config: DictConfig) -> Iterator[tuple[str, dict[str, Any], list[str]]]:
-    """Place, settings and words of every job; none for a sweeper that chooses as it goes."""
+class Composer:
+    """Composes jobs as Hydra's loader does, which takes 0.15 s: once for each combination of choices.
+
+    What only sets values is set in a copy of what the choices have composed.
+
+    Parameters
+    ----------
+    loader : ConfigLoader
+        Hydra's.
+    """
+
+    def __init__(self, loader: Any) -> None:
+        self.loader, self.compose = loader, loader.load_sweep_config
+        self.known: dict[tuple[str, ...], DictConfig] = {}
+
+    def __call__(self, master_config: DictConfig, sweep_overrides: list[str]) -> DictConfig:
+        words = OverridesParser.create(config_loader=self.loader).parse_overrides(sweep_overrides)
+        values = [w for w in words if "." in w.key_or_group and not w.is_hydra_override()]
+        choices = tuple(str(w.input_line) for w in words if w not in values)
+        if choices not in self.known:
+            self.known[choices] = self.compose(master_config, list(choices))
+        settings = copy.deepcopy(self.known[choices])
+        self.loader._apply_overrides_to_config(values, settings)
+        own, job = [w for w in words if not w.is_hydra_override()], settings.hydra.job
+        with open_dict(settings):
+            settings.hydra.overrides.task = [w.input_line for w in own]
+            job.override_dirname = get_overrides_dirname(own, **job.config.override_dirname)
+        return settings
+
+
+def _jobs(config: DictConfig) -> Iterator[tuple[str, dict[str, Any] | FootoptError, list[str]]]:
+    """Place, settings or what is wrong, and words of every job; none for a sweeper that goes by results."""
     if not config.hydra.sweeper._target_.endswith(f".{BasicSweeper.__name__}"):
         return
-    loader = GlobalHydra.instance().config_loader()
+    loader: Any = GlobalHydra.instance().config_loader()
+    composer = Composer(loader)
+    if config.hydra.launcher._target_.endswith(f".{BasicLauncher.__name__}"):  # others send the loader away
+        loader.load_sweep_config = composer
     own = [f"{name}={value}" for name, value in (config.hydra.sweeper.params or {}).items()]
     before = HydraConfig.instance().cfg
     try:
@@ -83,14 +123,17 @@ def _jobs(config: DictConfig) -> Iterator[tuple[str, dict[str, Any], list[str]]]
             [*own, *config.hydra.overrides.task]
         )
         for number, job in enumerate(BasicSweeper.split_arguments(words, None)[0]):
-            settings = loader.load_sweep_config(config, list(job))
+            settings = composer(config, list(job))
             with open_dict(settings):
                 settings.hydra.job.num, settings.hydra.job.id = number, str(number)
                 HydraConfig.instance().set_config(settings)
                 here, place = settings.hydra, str(OmegaConf.select(settings, "hydra.sweep.subdir"))
                 del settings["hydra"]
-            yield place, absolute(resolved(settings, here)), list(job)
-    except (HydraException, OmegaConfBaseException, FootoptError):  # the sweeper says so, or the job
+            try:
+                yield place, absolute(resolved(settings, here)), list(job)
+            except FootoptError as error:
+                yield place, error, list(job)
+    except (HydraException, OmegaConfBaseException):  # the sweeper says so
         return
     finally:
         HydraConfig.instance().cfg = before

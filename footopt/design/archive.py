@@ -55,7 +55,7 @@ class Archive:
         self._kind = np.min_scalar_type(problem.space.K)  # of heights in such a key
         self._latest = np.empty(0, np.int64)
         self._column = problem.record.index(problem.guide)
-        self._sign = -1.0 if MEASURES[problem.guide].maximise else 1.0
+        self._sign = MEASURES[problem.guide].sign
         self._box: tuple[Array, Array] | None = None  # worst values and ranges that volumes are measured by
         self._hypervolume = Volume()
         # at the end of a generation: generations, designs, and the front, what an interrupted search reports

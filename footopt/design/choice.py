@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import SettingError, check
+from footopt.errors import check
 from footopt.walk.objectives import MEASURES
 
 Array = NDArray[np.float64]
@@ -53,17 +53,17 @@ class Choice:
             hint = f"Try choose={name} 'choose.{name}={{work:2}}'"
             allowed = f"{'' if needed else 'not '}given with choose={self.by}"
             check(bool(given) == needed, setting, dict(given), allowed, hint)
-            for key, value in given.items():
-                positive = name == "limits" or (isinstance(value, (int, float)) and value > 0)
-                good = isinstance(value, (int, float)) and np.isfinite(value) and positive
-                check(good, f"{setting}.{key}", value, "a number" if name == "limits" else "a number > 0")
+        for key, value in self.weights.items():
+            good = isinstance(value, (int, float)) and 0 < value < np.inf
+            check(good, f"choose.weights.{key}", value, "a number > 0")
 
     def check_names(self, names: Sequence[str]) -> None:
-        """Raise a `SettingError` unless weights and limits are of these objectives."""
+        """Raise a `SettingError` unless weights and limits are of these objectives, and can be kept."""
         for setting, given in (("weights", self.weights), ("limits", self.limits)):
             for name in given:
-                if name not in names:
-                    raise SettingError(f"choose.{setting}", name, f"one of {', '.join(names)}")
+                check(name in names, f"choose.{setting}", name, f"one of {', '.join(names)}")
+                if setting == "limits":
+                    MEASURES[name].check_limit(f"choose.limits.{name}", given[name])
 
     def scores(self, f: Array, values: Array, names: Sequence[str], record: Sequence[str]) -> Array:
         """How far designs are from the choice, (designs,): the least is chosen.
@@ -95,5 +95,5 @@ class Choice:
 def excess(name: str, limit: float, values: Array) -> Array:
     """How far values are beyond a limit, relative to it; at most 0 within it, 1 for no value."""
     scale = abs(limit) or 1.0
-    over = (limit - values if MEASURES[name].maximise else values - limit) / scale
+    over = MEASURES[name].sign * (values - limit) / scale
     return np.asarray(np.where(np.isfinite(over), over, 1.0))

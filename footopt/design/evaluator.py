@@ -12,6 +12,7 @@ from footopt.design.executor import Chunks, Failed, Walked, attempt
 from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.store import ERROR, Evaluation, Store
 from footopt.errors import FootoptError
+from footopt.foot.waypoints import written
 
 log = logging.getLogger("footopt")
 
@@ -97,8 +98,9 @@ class Evaluator:
                 "The fault is not in one of them."
             )
         self._works = True
+        values[np.isnan(values)] = np.nan  # one NaN: a store keeps no other
         for i, message in messages.items():
-            log.warning("design %s has failed and is left out: %s", k[i].tolist(), message)
+            log.warning("design %s has failed and is left out: %s", written(k[i]), message)
         return [
             Evaluation(v, str(reason), messages.get(i, ""))
             for i, (v, reason) in enumerate(zip(values, reasons, strict=True))

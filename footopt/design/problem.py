@@ -96,8 +96,7 @@ class FootProblem:
         self.limits = dict(limits or {})
         for name, limit in self.limits.items():
             check(name in MEASURES, "constraint", name, f"one of {', '.join(MEASURES)}")
-            good = isinstance(limit, (int, float, np.number)) and abs(limit) < np.inf
-            check(good, f"constraint.{name}", limit, "a number")
+            MEASURES[name].check_limit(f"constraint.{name}", limit)
         self.choice = choose if isinstance(choose, Choice) else Choice(choose)
         self.choice.check_names(self.names)
         self.record = tuple(dict.fromkeys((*RECORD, *names, *self.limits)))
@@ -138,7 +137,7 @@ class FootProblem:
         for o in self.objectives:
             natural = values[:, self.record.index(o.name)]
             natural = np.where(np.isfinite(natural), natural, o.worst)
-            columns.append(-natural if o.maximise else natural)
+            columns.append(o.sign * natural)
         return np.stack(columns, axis=1)
 
     @property

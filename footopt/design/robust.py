@@ -97,7 +97,7 @@ class RobustProblem(FootProblem):
         values, reasons = self.walk_each(k)
         if self.references is not None:
             values[..., self.record.index(self.guide)] /= np.abs(self.references)[:, None]
-        sign = np.array([-1.0 if MEASURES[name].maximise else 1.0 for name in self.record])
+        sign = np.array([MEASURES[name].sign for name in self.record])
         weights = np.array([s.weight for s in self.scenarios])
         total = sign * measured(sign * values, weights, self.measure, self.tail)
         first = [next((i for i, reason in enumerate(column) if reason), None) for column in reasons.T]
@@ -111,6 +111,5 @@ class RobustProblem(FootProblem):
 
 def regret(values: Array, references: Array, name: str) -> Array:
     """What is lost relative to reference values of an objective: 0 is as good, 0.1 a tenth worse."""
-    sign = -1.0 if MEASURES[name].maximise else 1.0
-    loss: Array = sign * (values - references) / np.abs(references)
+    loss: Array = MEASURES[name].sign * (values - references) / np.abs(references)
     return loss

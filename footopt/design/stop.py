@@ -10,6 +10,8 @@ from numbers import Integral, Real
 from footopt.design.result import Generation
 from footopt.errors import check
 
+GAIN = 1e-3  # a smaller one is below the error of walks at the accuracy `standard`
+
 
 @dataclass(frozen=True)
 class Stop:
@@ -24,7 +26,8 @@ class Stop:
     walks : int, optional
         Once so many different designs are known.
     stall : int, optional
-        After so many generations without a better design, or without more hypervolume.
+        After so many generations in which the best design, or the hypervolume, became better by less than
+        0.1 %.
 
     Raises
     ------
@@ -53,6 +56,6 @@ class Stop:
         if self.stall is not None and len(history) > self.stall:
             before = history[-1 - self.stall]
             values = [g.hypervolume if math.isnan(g.best) else g.best for g in (before, now)]
-            if values[0] == values[1]:
-                return f"no better for {self.stall} generations"
+            if abs(values[1] - values[0]) <= GAIN * abs(values[0]):
+                return f"better by less than {100 * GAIN:g} % in {self.stall} generations"
         return ""

@@ -3,8 +3,9 @@
 A design is kept under its heights and the digest of its context (`footopt.design.context`). A search
 with the same seed asks for the same designs in the same order, so that a search is resumed by running
 it again: what it had is read, what is missing is walked, and the result is that of a search never
-stopped. Nothing is pickled: numbers are kept as the bytes of their doubles, with a checksum of the row,
-because SQLite's integrity check does not look at what a row holds.
+stopped. Numbers are kept as JSON with all their digits, with a checksum of the row, because SQLite's
+integrity check does not look at what a row holds. For each context a view, `designs_1` and so on, has
+them in columns that any program reads.
 """
 
 from __future__ import annotations
@@ -26,9 +27,10 @@ from footopt.design.context import CODE, canonical, context, differences, digest
 from footopt.design.problem import Array, FootProblem
 from footopt.errors import FileError
 from footopt.files.reading import named
+from footopt.walk.objectives import MEASURES
 
 APPLICATION = int.from_bytes(b"foot")  # marks the file as ours (SQLite's application_id)
-LAYOUT = 2  # of the tables below (SQLite's user_version)
+LAYOUT = 3  # of the tables below (SQLite's user_version)
 PATIENCE = 30.0  # s, for another process that writes
 ERROR = "error"  # the reason of a design that breaks the program
 
@@ -37,16 +39,19 @@ CREATE TABLE context (id INTEGER PRIMARY KEY, digest TEXT NOT NULL UNIQUE, descr
 CREATE TABLE design (
     context INTEGER NOT NULL,
     k TEXT NOT NULL,
-    record BLOB NOT NULL,
+    record TEXT NOT NULL,
+    box_violation REAL,
     reason TEXT NOT NULL,
     message TEXT NOT NULL,
+    seal INTEGER NOT NULL,
     PRIMARY KEY (context, k)
 ) WITHOUT ROWID;
 """
 
 ADD = f"""
-INSERT INTO design VALUES (?, ?, ?, ?, ?) ON CONFLICT (context, k) DO UPDATE
-SET record = excluded.record, reason = excluded.reason, message = excluded.message WHERE reason = '{ERROR}'
+INSERT INTO design VALUES (?, ?, ?, ?, ?, ?, ?) ON CONFLICT (context, k) DO UPDATE
+SET record = excluded.record, reason = excluded.reason, message = excluded.message, seal = excluded.seal
+WHERE reason = '{ERROR}'
 """
 
 #: What SQLite's errors mean to a user, and what to do about them, by their primary code.
@@ -109,6 +114,7 @@ class Store:
                 self._identify(connection)
                 _log_ahead(connection)
                 self._id = self._enter_context(connection)
+                _show(connection, f"designs_{self._id}", self._columns())
             others = self._of_other_code() if reuse or not len(self) else {}
             self.foreign = min(others.values(), key=len, default=[])
             self.alien = not (len(self) or others) and bool(self._others())
@@ -132,10 +138,10 @@ class Store:
     def get(self, k: Sequence[Sequence[int]]) -> list[Evaluation | None]:
         """What is known of each design."""
         marks = ", ".join("?" * len(self._read_from))
-        query = f"SELECT record, reason, message FROM design WHERE context IN ({marks}) AND k = ?"
+        query = f"SELECT record, reason, message, seal FROM design WHERE context IN ({marks}) AND k = ?"
         query += " ORDER BY context = ? DESC"  # its own before those of others
         with self._explained() as connection:
-            keys = [_key(heights) for heights in k]
+            keys = [canonical(heights) for heights in k]
             rows = [connection.execute(query, (*self._read_from, key, self._id)).fetchone() for key in keys]
             return [
                 None if row is None else self._read(key, *row) for key, row in zip(keys, rows, strict=True)
@@ -153,9 +159,10 @@ class Store:
             why = "It was deleted or moved meanwhile: start the run again, or move it back and resume."
             raise self._error("is gone", why, "no such file")
         rows = []
-        for heights, (values, reason, message) in zip(k, evaluations, strict=True):
-            key, record = _key(heights), np.asarray(values, "<f8").tobytes()
-            rows.append((self._id, key, record + _checksum(key, record, reason, message), reason, message))
+        violations = self.problem.space.box_violation(np.asarray(k)).tolist()
+        for heights, (values, reason, message), out in zip(k, evaluations, violations, strict=True):
+            text = canonical(heights), _written(values)
+            rows.append((self._id, *text, out, reason, message, _seal(*text, reason, message)))
         with self._explained() as connection, _transaction(connection):
             connection.executemany(ADD, rows)
 
@@ -240,12 +247,32 @@ class Store:
             connection.execute(insert, (name, canonical(self._context)))
         return int(connection.execute(query, (name,)).fetchone()[0])
 
-    def _read(self, key: str, sealed: bytes, reason: str, message: str) -> Evaluation:
+    def _columns(self) -> str:
+        """The columns of designs.csv that the problem's view has, in SQL: SI, natural signs.
+
+        What is feasible, and why not, is what the box and the limits of the problem say that had the file
+        open last.
+        """
+        p = self.problem
+        value = {name: f"json_extract(record, '$[{i}]')" for i, name in enumerate(p.record)}
+        verdict = "CASE WHEN reason != '' THEN reason"
+        if np.isfinite(p.space.box_tolerance):
+            verdict += f" WHEN box_violation / {p.space.H!r} - {p.space.box_tolerance!r} > 0 THEN 'box'"
+        for name, limit in p.limits.items():
+            kept = f"{value[name]} {'>=' if MEASURES[name].maximise else '<='} {float(limit)!r}"
+            verdict += f" WHEN NOT coalesce({kept}, 0) THEN '{name}'"
+        verdict += " ELSE '' END"
+        heights = (f"json_extract(k, '$[{i}]') AS k{i + 1}" for i in range(p.space.n))
+        recorded = (f'{found} AS "{name}"' for name, found in value.items())
+        shown = (*heights, *recorded, "box_violation", f"{verdict} = '' AS feasible", f"{verdict} AS reason")
+        return ", ".join((*shown, "message"))
+
+    def _read(self, key: str, record: str, reason: str, message: str, seal: int) -> Evaluation:
         """A row as an evaluation."""
-        size = 8 * len(self.problem.record)
-        if not isinstance(sealed, bytes) or sealed[size:] != _checksum(key, sealed[:size], reason, message):
+        if seal != _seal(key, record, reason, message):
             raise self._damaged(f"design {key} fails its checksum")
-        return Evaluation(np.frombuffer(sealed[:size], "<f8").astype(np.float64), reason, message)
+        values = np.array(json.loads(record), float)  # NaN of null
+        return Evaluation(values, reason, message)
 
     @contextmanager
     def _explained(self) -> Iterator[sqlite3.Connection]:
@@ -293,11 +320,21 @@ def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
         raise
 
 
-def _key(heights: Sequence[int]) -> str:
-    return ",".join(map(str, heights))
+def _show(connection: sqlite3.Connection, name: str, columns: str) -> None:
+    """Make the view of a context's designs, or make it again if it has other columns."""
+    view = f"CREATE VIEW {name} AS SELECT {columns} FROM design WHERE context = {name.rpartition('_')[2]}"
+    known = connection.execute("SELECT sql FROM sqlite_master WHERE name = ?", (name,)).fetchone()
+    if known != (view,):
+        with _transaction(connection):
+            connection.execute(f"DROP VIEW IF EXISTS {name}")
+            connection.execute(view)
 
 
-def _checksum(key: str, record: bytes, reason: object, message: object) -> bytes:
-    """Four bytes that change with any part of a row."""
-    text = f"{key}|{reason}|{message}".encode(errors="replace")
-    return zlib.crc32(record, zlib.crc32(text)).to_bytes(4, "little")
+def _written(values: Array) -> str:
+    """Numbers as JSON with all their digits, as SQLite reads it, too: null for NaN."""
+    return canonical(np.asarray(values, float).tolist()).replace("NaN", "null").replace("Infinity", "9e999")
+
+
+def _seal(*row: object) -> int:
+    """A checksum that changes with any part of a row."""
+    return zlib.crc32("|".join(map(str, row)).encode(errors="replace"))

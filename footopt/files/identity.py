@@ -90,6 +90,15 @@ def order(folder: Path) -> tuple[str, int, str]:
     return str(folder.parent), int(folder.name) if folder.name.isdecimal() else -1, folder.name
 
 
+def flat(settings: Mapping[str, Any], name: str = "") -> dict[str, Any]:
+    """Nested settings by their full names; lists are values."""
+    found: dict[str, Any] = {}
+    for key, value in settings.items():
+        path = f"{name}.{key}" if name else str(key)
+        found |= flat(value, path) if isinstance(value, Mapping) and value else {path: value}
+    return found
+
+
 def differing(one: Any, other: Any, name: str = "") -> list[str]:
     """Full names of the settings in which two sets of them differ."""
     if isinstance(one, Mapping) and isinstance(other, Mapping):

@@ -15,7 +15,7 @@ from footopt.files import bodies, drawings, soles
 from footopt.foot import outline
 from footopt.foot.plates import RULES, Plates, along_arc
 from footopt.foot.shapes import shape
-from footopt.foot.waypoints import Waypoints, check_ankle, check_length, check_top
+from footopt.foot.waypoints import Waypoints, check_ankle, check_length, check_top, written
 
 Array = NDArray[np.float64]
 
@@ -104,8 +104,7 @@ class Foot:
         check(np.ndim(k) == 1, "foot.k", k, "one design: a list of whole numbers")
         space = replace(space or Waypoints(n=len(k)), **parameters)  # type: ignore[arg-type]
         heights = tuple(int(v) for v in space.check(k)[0])
-        name = "k " + "-".join(map(str, heights))
-        contour = space.contour(heights)[0]
+        contour, name = space.contour(heights)[0], f"k={written(heights)}"
         return cls(contour, space.width, space.ankle, name, heights, space, space.closed, space.top)
 
     @classmethod

@@ -189,6 +189,11 @@ class Waypoints:
         )
 
 
+def written(k: ArrayLike) -> str:
+    """Heights as every text has them, and the command line takes them: [5,8,9,8]."""
+    return f"[{','.join(map(str, np.asarray(k).tolist()))}]"
+
+
 def check_length(setting: str, value: float) -> None:
     """Raise unless a length can be one of a foot."""
     check(1e-4 <= value <= 10.0, setting, value, "a length from 1e-4 to 10, in m")

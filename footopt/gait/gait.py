@@ -22,53 +22,29 @@ from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import SettingError, check, one_line
 from footopt.files.gaits import (
+    Coefficients,
     Strides,
     average,
     check_angles,
     check_period,
+    cut,
     read_json,
     read_strides,
+    recording,
+    write_json,
 )
 from footopt.files.reading import Unusable, naming
 from footopt.gait import start
+from footopt.gait.fourier import Fourier
 
 Array = NDArray[np.float64]
 
 LEFT, RIGHT = 0, 1
 HUMAN = Path(__file__).parent / "data" / "human_walk.json"
 MISFIT = 10.0  # deg; a larger one anywhere means that a curve jumps or is not one period
+HARMONICS = 6  # of the series, where nothing else is asked for
+ANGLES = "angles"  # what messages call a gait that is from no file
 PHASES = 200  # of a stride, at which the angles of a series are checked
-
-
-class Fourier(NamedTuple):
-    """theta(p) = a0 + sum_k a[k-1] cos(2 pi k p) + b[k-1] sin(2 pi k p), in degrees; p in strides."""
-
-    a0: float
-    a: tuple[float, ...]
-    b: tuple[float, ...]
-
-    @classmethod
-    def fit(cls, phase: Array, degrees: Array, harmonics: int) -> Fourier:
-        """The least-squares series through a curve, at phases (n,) in strides and angles (n,) in degrees."""
-        w = 2.0 * np.pi * np.outer(phase, np.arange(1, harmonics + 1))
-        design = np.concatenate([np.ones((len(phase), 1)), np.cos(w), np.sin(w)], axis=1)
-        solution, *_ = np.linalg.lstsq(design, degrees, rcond=None)
-        a0, *ab = map(float, solution)
-        return cls(a0, tuple(ab[:harmonics]), tuple(ab[harmonics:]))
-
-    def at(self, phase: Array) -> tuple[Array, Array]:
-        """Angle (rad) and its derivative in the phase (rad per stride)."""
-        value, rate = np.full_like(phase, self.a0), np.zeros_like(phase)
-        for k, (a, b) in enumerate(zip(self.a, self.b, strict=True), start=1):
-            w = 2.0 * np.pi * k
-            c, s = np.cos(w * phase), np.sin(w * phase)
-            value += a * c + b * s
-            rate += w * (b * c - a * s)
-        return np.radians(value), np.radians(rate)
-
-    def truncated(self, harmonics: int) -> Fourier:
-        """The series up to a harmonic."""
-        return Fourier(self.a0, self.a[:harmonics], self.b[:harmonics])
 
 
 class Pose(NamedTuple):
@@ -140,7 +116,9 @@ class Gait:
                 raise SettingError("gait", self.name, "made of finite coefficients")
 
     @classmethod
-    def human(cls, period: float = 1.2, harmonics: int = 6, pitch: str = "shank", start: float = 0.5) -> Gait:
+    def human(
+        cls, period: float = 1.2, harmonics: int = HARMONICS, pitch: str = "shank", start: float = 0.5
+    ) -> Gait:
         """Human walking at 1.03 m/s: Fukuchi, Fukuchi & Duarte, PeerJ 6:e4640 (2018), CC BY 4.0."""
         gait = cls._from_json(HUMAN, harmonics)
         return replace(gait, name="human", period=period, pitch=pitch, start=start)
@@ -149,7 +127,7 @@ class Gait:
     def from_file(
         cls,
         path: str | Path,
-        harmonics: int = 6,
+        harmonics: int | None = None,
         names: Mapping[str, str] | None = None,
         side: str | None = None,
         max_gap: float = 0.2,
@@ -161,8 +139,8 @@ class Gait:
         ----------
         path : str or Path
             The file; its ending says which format it has.
-        harmonics : int
-            Harmonics of the series.
+        harmonics : int, optional
+            Harmonics of the series; by default 6, or all that a file of coefficients has.
         names : mapping, optional
             The file's own names of markers (hip, knee, ankle, heel, toe) or of columns.
         side : str, optional
@@ -184,7 +162,47 @@ class Gait:
         return cls.from_strides(read_strides(path, names, side, max_gap, units), harmonics)
 
     @classmethod
-    def from_strides(cls, strides: Strides, harmonics: int = 6) -> Gait:
+    def from_angles(
+        cls,
+        times: ArrayLike,
+        thigh: ArrayLike,
+        knee: ArrayLike,
+        foot: ArrayLike | None = None,
+        harmonics: int | None = None,
+    ) -> Gait:
+        """The gait of a leg's angles over time: one stride from heel strike to heel strike, or several.
+
+        What holds of a file of angles holds of them, too.
+
+        Parameters
+        ----------
+        times : (n,), s
+            Increasing.
+        thigh : (n,), deg
+            From the vertical, + knee ahead of the hip.
+        knee : (n,), deg
+            Flexion.
+        foot : (n,), deg, optional
+            Pitch of the foot, + toe up.
+        harmonics : int, optional
+            Harmonics of the series; by default 6.
+
+        Raises
+        ------
+        SettingError
+            They are not as many angles as times.
+        FileError
+            They are no walk.
+        """
+        rows = [np.asarray(row, float) for row in (times, thigh, knee, foot) if row is not None]
+        shapes = [row.shape for row in rows]
+        check(len(set(shapes)) == 1 and len(shapes[0]) == 1, "angles", shapes, "as many angles as times")
+        with naming(ANGLES, "gait"):
+            strides = cut(recording(np.array(rows)))
+        return replace(cls.from_strides(strides._replace(source=ANGLES), harmonics), source="")
+
+    @classmethod
+    def from_strides(cls, strides: Strides, harmonics: int | None = None) -> Gait:
         """The gait fitted to the mean of some strides; its residual is against that mean, as measured.
 
         Raises
@@ -192,6 +210,7 @@ class Gait:
         FileError
             The strides have too few rows, or no periodic curve follows them.
         """
+        harmonics = HARMONICS if harmonics is None else harmonics
         check(harmonics >= 1, "gait.harmonics", harmonics, "a whole number >= 1")
         with naming(strides.source, "gait.path"):
             if len(strides.phase) < 2 * harmonics + 2:
@@ -212,16 +231,13 @@ class Gait:
         )
 
     @classmethod
-    def _from_json(cls, path: str | Path, harmonics: int) -> Gait:
+    def _from_json(cls, path: str | Path, harmonics: int | None) -> Gait:
         """The gait in a file of Fourier coefficients, up to some harmonic."""
         read = read_json(path)
-        available = min(len(terms) for _, a, b in read.series.values() for terms in (a, b))
-        check(
-            1 <= harmonics <= available,
-            "gait.harmonics",
-            harmonics,
-            f"a whole number from 1 to {available}, the harmonics in {Path(path).name}",
-        )
+        many = [len(a) for _, a, _ in read.series.values()]
+        allowed = f"a whole number from 1 to {min(many)}, the harmonics in {Path(path).name}"
+        check(harmonics is None or 1 <= harmonics <= min(many), "gait.harmonics", harmonics, allowed)
+        harmonics = max(many) if harmonics is None else harmonics
         joints = {name: Fourier(*series).truncated(harmonics) for name, series in read.series.items()}
         phase = np.arange(PHASES) / PHASES
         with naming(path, "gait.path"):
@@ -236,6 +252,24 @@ class Gait:
             source=read.source,
             residual=tuple(read.residual.get(str(harmonics), {}).items()),
         )
+
+    def to_file(self, path: str | Path) -> None:
+        """Write the series and the period to a file of coefficients (JSON), which `from_file` reads back.
+
+        Both are the same, to the last bit. How the foot turns and when the walk starts are no part of it.
+
+        Raises
+        ------
+        SettingError
+            The file does not end in .json.
+        FileError
+            It cannot be written.
+        """
+        check(Path(path).suffix.lower() == ".json", "path", str(path), "a file that ends in .json")
+        joints = {"thigh": self.thigh, "knee": self.knee, "foot": self.foot}
+        series = {name: joint for name, joint in joints.items() if joint is not None}
+        many = str(max(len(joint.a) for joint in series.values()))
+        write_json(path, Coefficients(series, self.period, self.source, {many: dict(self.residual)}))
 
     @property
     def heel_strike(self) -> float:

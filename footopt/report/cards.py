@@ -12,6 +12,7 @@ import numpy as np
 
 from footopt.effects import name_of
 from footopt.foot import Foot
+from footopt.foot.waypoints import written
 from footopt.gait import Gait
 from footopt.report.numbers import number, objective_quantity, percent, quantity, title
 from footopt.report.plot import RESOLUTION, drawings, picture
@@ -88,7 +89,7 @@ def gait_facts(gait: Gait) -> Facts:
 def foot_facts(foot: Foot) -> Facts:
     """Its measures."""
     long, high = 1e3 * np.ptp(foot.contour, axis=0)
-    found = {} if foot.k is None else {"heights k": ", ".join(map(str, foot.k))}
+    found = {} if foot.k is None else {"heights k": written(foot.k)}
     found |= {
         "length x height": f"{long:.1f} x {high:.1f} mm",
         "width": f"{1e3 * foot.width:g} mm",
@@ -161,7 +162,7 @@ def search_facts(result: Any) -> Facts:
     if problem.n_obj > 1:
         found["on the front"] = str(len(result.front))
     which = "best k" if problem.n_obj == 1 else f"chosen k ({problem.choice.by})"
-    found[which] = ", ".join(map(str, result.k[result.best]))
+    found[which] = written(result.k[result.best])
     best = zip(problem.record, result.values[result.best], strict=True)
     return found | {title(name): objective_quantity(name, value) for name, value in best}
 

@@ -11,6 +11,7 @@ from rich.console import Console
 from footopt.errors import FileError
 from footopt.files import identity
 from footopt.files.run import write_csv
+from footopt.foot.waypoints import written
 from footopt.report import page, sweeps
 from footopt.report.figures.fronts import fronts as draw_fronts
 from footopt.report.numbers import number
@@ -127,7 +128,7 @@ def _compare(folder: Path, runs: Sequence[Run], headline: str) -> None:
             run.key,
             *(values[i] for values in settings.values()),
             *(values[i] for values in columns.values()),
-            " ".join(map(str, run.k)),
+            written(run.k) if run.k else "",
             run.note,
             " ".join(run.overrides),
         ]

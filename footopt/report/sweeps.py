@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.design.fronts import hypervolume_shares, median_attainment
+from footopt.files.identity import flat
 from footopt.report.runs import Run
 
 Array = NDArray[np.float64]
@@ -18,15 +19,6 @@ Array = NDArray[np.float64]
 SEED = "solver.seed"
 #: Settings that do not change which problem is searched.
 HOW = ("solver.", "engine.", "study.", "choose.", "report", "plugins", "accuracy.")
-
-
-def flat(settings: Mapping[str, Any], name: str = "") -> dict[str, Any]:
-    """Nested settings by their full names; lists are values."""
-    found: dict[str, Any] = {}
-    for key, value in settings.items():
-        path = f"{name}.{key}" if name else str(key)
-        found |= flat(value, path) if isinstance(value, Mapping) and value else {path: value}
-    return found
 
 
 def varied(runs: Sequence[Run]) -> dict[str, list[str]]:

@@ -17,6 +17,7 @@ from rich.text import Text
 from footopt.design import Confirmation, SearchResult
 from footopt.effects import LeadingEdge, name_of
 from footopt.foot import Foot, Waypoints
+from footopt.foot.waypoints import written
 from footopt.report.numbers import change, percent, quantity, title
 from footopt.report.numbers import number as number
 from footopt.sand import GENERIC
@@ -120,8 +121,7 @@ def objective_table(
 
 def describe_loss(name: str, value: float, flat: float) -> list[str]:
     """What to say where a search has found no foot that is better than the flat sole in an objective."""
-    better = value > flat if MEASURES[name].maximise else value < flat
-    if better:
+    if MEASURES[name].sign * (value - flat) < 0.0:
         return []
     how = "no better" if value == flat else "worse"
     return [
@@ -132,7 +132,7 @@ def describe_loss(name: str, value: float, flat: float) -> list[str]:
 
 def describe_foot(foot: Foot) -> str:
     """A sole in one line: its heights, its hollow, its box violation."""
-    parts = [f"k = {list(foot.k)}"] if foot.k is not None else [foot.name]
+    parts = [f"k = {written(foot.k)}"] if foot.k is not None else [foot.name]
     parts.append(f"hollow {1e3 * foot.hollow:.1f} mm")
     if foot.box_violation is not None:
         parts.append(f"outside its box by {1e3 * foot.box_violation:.2f} mm")

@@ -27,6 +27,7 @@ def run(
     settings: Mapping[str, Any],
     words: Sequence[str] = (),
     resumed: bool = False,
+    files: Mapping[str, str] | None = None,
 ) -> Any:
     """Run the study that the settings name.
 
@@ -42,6 +43,8 @@ def run(
         What was given on the command line.
     resumed : bool
         Whether it goes on with what is in the folder.
+    files : mapping of str to str, optional
+        What YAML files of the user set, each with its file.
 
     Returns
     -------
@@ -63,7 +66,7 @@ def run(
 
     check_lists(config)
     load_plugins(config.plugins)
-    check_read(config, words)
+    check_read(config, words, files)
     name = config.study.name
     if name not in STUDIES:
         raise SettingError("study.name", name, f"one of {', '.join(STUDIES)}")
@@ -71,8 +74,6 @@ def run(
         raise SettingError("engine.name", config.engine.name, f"local for study={name}")
     if name != "optimize" and (limits := make_limits(config)):
         raise SettingError("constraint", limits, f"left out for study={name}", "study=optimize keeps limits.")
-    if name != "optimize" and (stop := {key: v for key, v in vars(config.stop).items() if v is not None}):
-        raise SettingError("stop", stop, f"left out for study={name}", "study=optimize can be stopped.")
     ask = STUDIES[name] or import_module(f"footopt.studies.{name}").run
     with locked(folder):
         check_links(folder)

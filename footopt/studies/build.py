@@ -221,7 +221,7 @@ def make_choice(config: Config) -> Choice:
         given = getattr(choose, name)
         check(given is None or isinstance(given, dict), f"choose.{name}", given, "numbers by name: {work: 2}")
     choice = Choice(choose.name, choose.weights or {}, choose.limits or {})
-    if len(config.objective.names) == 1 and choice != Choice():
+    if len(config.objective.names) == 1 and choice != Choice():  # a file may have chosen it
         hint = "Search several, such as objective=pareto, or limit one: constraint.work=200."
         raise SettingError("choose", choose.name, "left out with one objective", hint)
     return choice

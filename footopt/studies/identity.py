@@ -39,8 +39,12 @@ def result_of(folder: Path) -> Mapping[str, Any] | None:
 
 def is_finished(folder: Path) -> bool:
     """Whether the run in a folder has a result, and was not stopped before its last generation."""
-    found = result_of(folder)
-    return found is not None and not found.get("interrupted", False)
+    return finished(result_of(folder))
+
+
+def finished(result: Mapping[str, Any] | None) -> bool:
+    """Whether a run with such a result has one, and was not stopped before its last generation."""
+    return result is not None and not result.get("interrupted", False)
 
 
 def check_links(folder: Path) -> None:
@@ -79,7 +83,7 @@ def enter(folder: Path, settings: Mapping[str, Any], words: Sequence[str]) -> No
     identity.write(folder, settings, words)
 
 
-def check_same(folder: Path, settings: Mapping[str, Any]) -> None:
+def check_same(folder: Path, settings: Mapping[str, Any], found: Mapping[str, Any] | None) -> None:
     """Raise unless the settings of a run are those that its result was found with, but for `CHANGEABLE`.
 
     Raises
@@ -87,7 +91,6 @@ def check_same(folder: Path, settings: Mapping[str, Any]) -> None:
     FileError
         The result is that of another run.
     """
-    found = result_of(folder)
     if found is None:
         return
     names = [name for name in differing(plain(settings), found.get("settings")) if not may_change(name)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, is_dataclass, replace
 from functools import cached_property
@@ -67,7 +68,8 @@ class Run:
     @property
     def best(self) -> dict[str, float]:
         """Objectives of its foot by name, natural signs; empty if it has none."""
-        return dict(self.result.get("objectives", {}) if "design" in self.result else {})
+        found = self.result.get("objectives") if "design" in self.result else None
+        return dict(found) if isinstance(found, Mapping) else {}  # study=sensitivity lists their names
 
     @cached_property
     def foot(self) -> Foot:
@@ -176,6 +178,7 @@ def load_all(pattern: str | Path) -> Any:
 
     Columns are `folder`, `words`, each setting by its full name, each objective, `hypervolume`, `wall_time_s`
     and `search_time_s`, `validity.NAME`, `warnings` (how many), and `note`: why there is no better result.
+    What is damaged is left out with a warning that names its folder.
 
     Parameters
     ----------
@@ -185,14 +188,20 @@ def load_all(pattern: str | Path) -> Any:
     Raises
     ------
     FileError
-        There are no runs.
+        There are no runs, or none that can be read.
     """
     pandas = needed("pandas", "load_all", "pandas")
     roots = [Path(found) for found in sorted(glob(str(pattern), recursive=True))]
     folders = {path.parent for root in roots if root.is_dir() for path in root.rglob(identity.FILE)}
-    if not folders:
+    rows = []
+    for folder in sorted(folders, key=identity.order):
+        try:
+            rows.append(_row(load(folder)))
+        except FileError as error:
+            warnings.warn(f"left out: {error}", stacklevel=2)
+    if not rows:
         raise FileError(f"pattern = {str(pattern)!r}: no run is there. Try 'outputs/**'.")
-    return pandas.DataFrame([_row(load(folder)) for folder in sorted(folders, key=identity.order)])
+    return pandas.DataFrame(rows)
 
 
 def _row(run: Run) -> dict[str, Any]:
@@ -205,21 +214,13 @@ def _row(run: Run) -> dict[str, Any]:
     return {
         "folder": str(run.folder),
         "words": " ".join(run.words),
-        **_leaves(run.settings),
+        **identity.flat(run.settings),
         **run.best,
         **times,
         **validity,
         "warnings": len(result.get("warnings", [])),
         "note": note,
     }
-
-
-def _leaves(settings: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Settings by their full names."""
-    found: dict[str, Any] = {}
-    for name, value in settings.items():
-        found |= _leaves(value, f"{prefix}{name}.") if isinstance(value, Mapping) else {prefix + name: value}
-    return found
 
 
 def configured(settings: Mapping[str, Any], into: Any = None, name: str = "") -> Any:

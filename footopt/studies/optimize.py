@@ -47,7 +47,7 @@ def run(study: Study) -> Answer:
     config, options = study.config, study.options
     check_searchable(config.foot)
     check_film(study)
-    solver = Solver(**vars(config.solver))
+    solver, stop = Solver(**vars(config.solver)), Stop(**vars(config.stop))
     chosen = choose_effects(study)
     scene = chosen.scene
     problem = make_problem(config, scene)
@@ -61,7 +61,7 @@ def run(study: Study) -> Answer:
     finer = study.finer_accuracy
     with study.compiling():
         flat = simulate(Foot.flat(problem.space), scene, finer)
-    result = _search(study, problem, solver)
+    result = _search(study, problem, solver, stop)
     if result.interrupted:
         study.say("Stopped: reporting what was found so far (Ctrl-C again: not even that)")
     confirmed = confirm(result, finer, options.finalists)
@@ -154,7 +154,7 @@ def _unit(solver: Solver) -> str:
     return "batch" if solver.name == EXHAUSTIVE else "generation"
 
 
-def _search(study: Study, problem: FootProblem, solver: Solver) -> SearchResult:
+def _search(study: Study, problem: FootProblem, solver: Solver, stop: Stop) -> SearchResult:
     """Search where `engine` says, with every evaluation kept in the run's store."""
     e, space = study.config.engine, problem.space
     with (
@@ -168,7 +168,7 @@ def _search(study: Study, problem: FootProblem, solver: Solver) -> SearchResult:
         if known := store.describe():
             study.say(known)
         with study.progress(solver.generations(space), _unit(solver)) as step:
-            tell, stop = report_generations(step, problem.names[0]), Stop(**vars(study.config.stop))
+            tell = report_generations(step, problem.names[0])
             return search(problem, solver, tell, store, executor, stop)
 
 

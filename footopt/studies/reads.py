@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -78,8 +78,10 @@ RECORDED = ("gait.names", "gait.side", "gait.max_gap", "gait.units")
 CHOICE = {"foot": "foot.shape", "objective": "objective.names", "planet": "walker.g", "effects": "effects"}
 
 
-def check_read(config: Config, words: Iterable[str]) -> None:
+def check_read(config: Config, words: Iterable[str], files: Mapping[str, str] | None = None) -> None:
     """Refuse settings that are given and have no effect.
+
+    A file of settings is for several studies: what only another study reads of it is no mistake.
 
     Parameters
     ----------
@@ -87,15 +89,17 @@ def check_read(config: Config, words: Iterable[str]) -> None:
         All settings.
     words : iterable of str
         What was given on the command line: settings, and choices of groups.
+    files : mapping of str to str, optional
+        The same of YAML files of the user, each with its file.
 
     Raises
     ------
     SettingError
         The study, its foot, gait or solver does not read one; the message says what does.
     """
-    study = config.study.name
-    for word in words if study in READS else ():
-        word = word.lstrip("+~").partition("=")[0].partition("@")[0]
+    study, files = config.study.name, files or {}
+    for word in (*words, *files) if study in READS else ():
+        given, word = word, word.lstrip("+~/").partition("=")[0].partition("@")[0]
         group, dot, _ = word.partition(".")
         if group not in {field.name for field in fields(Config)} and group not in CHOICE:
             continue  # a group of the user's own
@@ -104,27 +108,29 @@ def check_read(config: Config, words: Iterable[str]) -> None:
         name = word if dot else CHOICE.get(word, f"{word}.name")
         if group == "foot" and not dot and config.foot.shape == "waypoints":
             name = "foot.n"  # a space, which its choice describes
-        if not _in(name, (*ALWAYS, *READS[study])):
+        file = files.get(given, "")
+        if not (file or _in(name, (*ALWAYS, *READS[study]))):
             by = ", ".join(other for other, names in READS.items() if _in(name, names))
             raise _unread(config, name, f"study={study}", f"study={by}" if by else "")
         for names, who, readers in _conditions(config):
-            if any(f"{name}.".startswith(f"{n}.") for n in names):
-                raise _unread(config, name, who, readers)
+            other = file and who.startswith("study=")
+            if not other and any(f"{name}.".startswith(f"{n}.") for n in names):
+                raise _unread(config, name, who, readers, file)
 
 
 def _conditions(config: Config) -> Iterator[tuple[tuple[str, ...], str, str]]:
     """Settings that this study reads only where others have certain values; who does not, and who does."""
     study, foot, gait = config.study, config.foot, config.gait
     every = tuple(dict.fromkeys(name for names in FEET.values() for name in names))
-    if study.name in ONE_FOOT:
-        own = FEET.get(foot.shape, every)
-        own = ("foot.k",) if study.name == "simulate" and study.run is not None else (*own, "foot.shape")
+    if study.name in (*ONE_FOOT, *SEARCHES):
+        of_run = study.name == "simulate" and study.run is not None
+        own = ("foot.k",) if of_run else (*FEET.get(foot.shape, every), "foot.shape")
         for name in (*every, "foot.shape"):
             if not _in(name, own):
                 by = [shape for shape, names in FEET.items() if name in names]
-                who = f"foot={foot.shape}" if study.run is None else "study=simulate run=..."
+                who = "study=simulate run=..." if of_run else f"foot={foot.shape}"
                 yield (name,), who, f"foot={', '.join(by)}" if by else "study=simulate without run"
-        if study.name not in MAKES:
+        if study.name in ONE_FOOT and study.name not in MAKES:
             yield ("foot.block",), f"study={study.name}", "study=optimize, simulate, export"
     if gait.path is None or Path(gait.path).suffix.lower() == ".json":
         yield RECORDED, "a gait without recorded strides", "gait=file gait.path=walk.trc"
@@ -134,6 +140,8 @@ def _conditions(config: Config) -> Iterator[tuple[tuple[str, ...], str, str]]:
         yield ("solver.n_gen",), "solver=exhaustive", "the other solvers"
         if not (config.effects.auto or study.scenarios == "drawn"):
             yield ("solver.seed",), "solver=exhaustive", "the other solvers"
+    if len(config.objective.names) == 1:
+        yield ("choose",), "a search for one objective", "objective=pareto, or a list of several"
     if config.engine.name != "dask":
         yield ("engine.timeout",), f"engine={config.engine.name}", "engine=dask"
     if study.name == "robust":
@@ -151,9 +159,12 @@ def _in(name: str, names: Iterable[str]) -> bool:
     return any(f"{name}.".startswith(f"{n}.") or n.startswith(f"{name}.") for n in names)
 
 
-def _unread(config: Config, name: str, who: str, readers: str) -> SettingError:
+def _unread(config: Config, name: str, who: str, readers: str, file: str = "") -> SettingError:
     value: Any = config
     for key in name.split("."):
         value = getattr(value, key, None)
     hint = f"It is read by {readers}." if readers else ""
-    return SettingError(name, value, f"left out: {who} does not read it", hint)
+    where = f" of {file}" if file else ""
+    group = name.partition(".")[0]
+    hint += f" What only one choice reads is best set in {group}/NAME.yaml, for {group}=NAME." if file else ""
+    return SettingError(name, value, f"left out{where}: {who} does not read it", hint)

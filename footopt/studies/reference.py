@@ -10,7 +10,7 @@ import copy
 import inspect
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 from typing import Any
@@ -124,10 +124,10 @@ class Setting:
     studies: tuple[str, ...]
 
 
-@cache
-def settings() -> tuple[Setting, ...]:
-    """All settings, in the order of the groups."""
-    return tuple(map(_setting, _leaves(_whole())))
+def settings(groups: Container[str] | None = None) -> list[Setting]:
+    """All settings, or those of some groups, in the order of the groups."""
+    names = _leaves(_whole())
+    return [_setting(name) for name in names if groups is None or name.partition(".")[0] in groups]
 
 
 def _whole() -> Config:
@@ -146,6 +146,7 @@ def _leaves(value: Any, name: str = "") -> Iterator[str]:
             yield path
 
 
+@cache
 def _setting(name: str) -> Setting:
     value: Any = _whole()
     for key in name.split("."):
@@ -206,6 +207,8 @@ def _use(config: Any) -> None:
     build.make_scene(config), build.make_space(config.foot), build.make_accuracy(config.accuracy)
     build.make_spread(config), build.make_choice(config), build.make_foot(config.foot)
     Solver(**vars(config.solver)), Stop(**vars(config.stop))
+    for name, limit in build.make_limits(config).items():
+        MEASURES[name].check_limit(f"constraint.{name}", limit)
     check_finalists(config.study.finalists)
     check_measure(config.study.measure, config.study.tail)
 
@@ -213,14 +216,10 @@ def _use(config: Any) -> None:
 def text(groups: tuple[str, ...]) -> str:
     """The reference of some groups for a terminal."""
     lines = []
-    for s in settings():
-        if s.name.partition(".")[0] in groups:
-            lines += [
-                f"{s.name} = {_shown(s.default)}" + (f"  ({s.kind})" if s.kind else ""),
-                f"    {s.meaning}",
-            ]
-            lines += [f"    Allowed: {s.allowed}."] if s.allowed else []
-            lines += [f"    Read by study={', '.join(s.studies)}."] if s.studies else []
+    for s in settings(groups):
+        lines += [f"{s.name} = {_shown(s.default)}" + (f"  ({s.kind})" if s.kind else ""), f"    {s.meaning}"]
+        lines += [f"    Allowed: {s.allowed}."] if s.allowed else []
+        lines += [f"    Read by study={', '.join(s.studies)}."] if s.studies else []
     return "\n".join(lines)
 
 

@@ -16,6 +16,7 @@ from rich.table import Table as RichTable
 from footopt.design import EXHAUSTIVE, SINGLE, SOLVERS, FootProblem, Solver, search
 from footopt.design.truth import BATCH, REACHED, Attempt, Tabulated, judge, walk_all
 from footopt.errors import SettingError, check
+from footopt.foot.waypoints import written
 from footopt.report import terminal
 from footopt.report.figures.trust import trust
 from footopt.sand import Sand
@@ -118,7 +119,7 @@ def run(study: Study) -> None:
         },
         said=[
             f"{sand} sand: {e['feasible']} of {designs} soles are feasible, {e['front']} on the "
-            f"exact front; best J_W {terminal.number(e['efficiency'])} with k = {e['k']}"
+            f"exact front; best J_W {terminal.number(e['efficiency'])} with k = {written(e['k'])}"
             for sand, e in exact.items()
         ],
     )

@@ -13,12 +13,13 @@ import numpy as np
 from numba import njit
 
 from footopt.compiled import cached_njit
+from footopt.effects import Laws
 from footopt.walk.bristles import keep, settled
-from footopt.walk.contact import static_height
+from footopt.walk.contact import contact, static_height
 from footopt.walk.metrics import deepest, embedded, nothing_yet, raw_of, sample_of, watch
 from footopt.walk.sources import own, source
 from footopt.walk.state import Integrals, Sole, State, World, fill, sole_of
-from footopt.walk.steppers import acceleration, advance, touch
+from footopt.walk.steppers import STEPPERS, acceleration, advance, touch
 
 OK, SUNK, BACKWARD, DIVERGED = range(4)
 
@@ -129,3 +130,19 @@ def walk_range(stepper: Any, soles: Sole, world: World, *rest: Any) -> None:
     """The compiled loop; see there for its arguments."""
     laws = [law for chosen in (world.loads, world.gates, world.pushes) for law in chosen or ()]
     compiled(stepper, laws)(stepper, soles, world, *rest)
+
+
+@lru_cache(maxsize=8)
+def _compile_contact(source: str, compiler: Any):
+    @compiler(error_model="numpy")
+    def both(world, soles, poses, x, z, vx, vz, creep, stage, counts):
+        source  # noqa: B018  a free variable is part of the cache's key
+        return contact(world, soles, poses, x, z, vx, vz, creep, stage, None, counts)
+
+    return both
+
+
+def compiled_contact(acting: Laws) -> Any:
+    """`contact` for the laws of a scene, without bristles, for Python: only compiled code can call it."""
+    key = STEPPERS["sdirk2"].parameters, [law for chosen in acting for law in chosen or ()]
+    return _compile_contact(source(*key), njit if own(*key) else cached_njit)

@@ -11,7 +11,7 @@ from footopt.walk.results import Walk
 from footopt.walk.validity import Diagnostic, diagnose
 
 
-@measure("foot", "$h$", "m", maximise=False, worst=1e3)
+@measure("foot", "$h$", "m", maximise=False, worst=1e3, least=0.0)
 def hollow(foot: Foot) -> float:
     """Largest gap between the sole and its lower convex hull, m."""
     return foot.hollow
@@ -34,19 +34,19 @@ def ankle_depth(walk: Walk) -> float:
     return validity.ankle_depth(walk)
 
 
-@measure("walk", r"$\bar v$", "m/s", maximise=False, worst=1e3)
+@measure("walk", r"$\bar v$", "m/s", maximise=False, worst=1e3, least=0.0)
 def plate_speed(walk: Walk) -> float:
     """Speed of the plates, weighted by their force, m/s: RFT is tested for slow motion."""
     return _validity(walk)["force-weighted plate speed"].value
 
 
-@measure("walk", r"$s_{\mathrm{inertia}}$", "", maximise=False, worst=1e3)
+@measure("walk", r"$s_{\mathrm{inertia}}$", "", maximise=False, worst=1e3, least=0.0)
 def inertial_share(walk: Walk) -> float:
     """Share of the force that the grains' inertia has, or would have."""
     return _validity(walk)["inertial share of the force"].value
 
 
-@measure("walk", r"$s_{\mathrm{trailing}}$", "", maximise=False, worst=1e3)
+@measure("walk", r"$s_{\mathrm{trailing}}$", "", maximise=False, worst=1e3, least=0.0)
 def trailing_share(walk: Walk) -> float:
     """Share of |W| on faces that trail."""
     return _validity(walk)["share of |W| on trailing faces"].value

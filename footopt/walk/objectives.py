@@ -7,6 +7,7 @@ What the loop does not know is measured in plain Python, a foot or a whole walk 
 
 from __future__ import annotations
 
+import math
 from collections import ChainMap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -47,6 +48,7 @@ class Objective:
     value : from the raw results (designs, ...) and the scene to (designs,); or from a `Foot` or a `Walk`
         to a number.
     of : "raw", "foot" or "walk": what `value` takes.
+    least : the smallest value that there can be: no smaller limit can be kept.
     """
 
     name: str
@@ -56,6 +58,23 @@ class Objective:
     worst: float
     value: Callable[..., Any]
     of: str = "raw"
+    least: float = -math.inf
+
+    @property
+    def sign(self) -> float:
+        """What turns a value into one that is minimised: 1 or -1."""
+        return -1.0 if self.maximise else 1.0
+
+    def check_limit(self, setting: str, limit: Any) -> None:
+        """Raise a `SettingError` for a limit that is no finite number, or that no walk could keep."""
+        least = -math.inf if self.maximise else self.least
+        number = float(limit) if isinstance(limit, (int, float, np.number)) else math.nan
+        check(
+            math.isfinite(number) and number >= least,
+            setting,
+            limit,
+            "a number" + (f" >= {least:g}" if math.isfinite(least) else ""),
+        )
 
     @property
     def label(self) -> str:
@@ -73,19 +92,21 @@ MEASURES: Mapping[str, Objective] = ChainMap(SLOW, OBJECTIVES)
 
 
 def objective(
-    symbol: str, unit: str, maximise: bool, worst: float
+    symbol: str, unit: str, maximise: bool, worst: float, least: float = -math.inf
 ) -> Callable[[Callable[[Raw, Scene], Array]], Callable[[Raw, Scene], Array]]:
     """Register a function of the raw results as the objective of its name."""
 
     def register(value: Callable[[Raw, Scene], Array]) -> Callable[[Raw, Scene], Array]:
-        OBJECTIVES[value.__name__] = Objective(value.__name__, symbol, unit, maximise, worst, value)
+        OBJECTIVES[value.__name__] = Objective(
+            value.__name__, symbol, unit, maximise, worst, value, least=least
+        )
         return value
 
     return register
 
 
 def measure(
-    of: str, symbol: str, unit: str, maximise: bool, worst: float
+    of: str, symbol: str, unit: str, maximise: bool, worst: float, least: float = -math.inf
 ) -> Callable[[Callable[[Any], float]], Callable[[Any], float]]:
     """Register a plain Python function of a `Foot` or a `Walk` as the objective of its name.
 
@@ -95,13 +116,13 @@ def measure(
     ----------
     of : str
         "foot" or "walk": what the function takes.
-    symbol, unit, maximise, worst
+    symbol, unit, maximise, worst, least
         As in `Objective`.
     """
     check(of in ("foot", "walk"), "of", of, "one of foot, walk")
 
     def register(value: Callable[[Any], float]) -> Callable[[Any], float]:
-        SLOW[value.__name__] = Objective(value.__name__, symbol, unit, maximise, worst, value, of)
+        SLOW[value.__name__] = Objective(value.__name__, symbol, unit, maximise, worst, value, of, least)
         return value
 
     return register
@@ -126,7 +147,7 @@ def mean_height(raw: Raw, scene: Scene) -> Array:
     return raw["mean_height"]
 
 
-@objective("$|W(t_f)|$", "J", maximise=False, worst=1e6)
+@objective("$|W(t_f)|$", "J", maximise=False, worst=1e6, least=0.0)
 def work(raw: Raw, scene: Scene) -> Array:
     """|W(t_f)|, W the time integral of sum f.v over all plates of both feet, J (the paper's eq. 7).
 
@@ -135,7 +156,7 @@ def work(raw: Raw, scene: Scene) -> Array:
     return raw["work"]
 
 
-@objective(r"$p_{\max}$", "W", maximise=False, worst=1e6)
+@objective(r"$p_{\max}$", "W", maximise=False, worst=1e6, least=0.0)
 def peak_power(raw: Raw, scene: Scene) -> Array:
     """Largest |sum f.v| of one foot at any instant from the first heel strike to t_f, W.
 
@@ -146,7 +167,7 @@ def peak_power(raw: Raw, scene: Scene) -> Array:
     return raw["peak_power"]
 
 
-@objective(r"$\Delta V_x$", "m/s", maximise=False, worst=1e3)
+@objective(r"$\Delta V_x$", "m/s", maximise=False, worst=1e3, least=0.0)
 def speed_loss(raw: Raw, scene: Scene) -> Array:
     """Largest fall of the forward COM speed below its running maximum, m/s.
 
@@ -174,7 +195,7 @@ def efficiency(raw: Raw, scene: Scene) -> Array:
     return value
 
 
-@objective("CoT", "", maximise=False, worst=1e6)
+@objective("CoT", "", maximise=False, worst=1e6, least=0.0)
 def cost_of_transport(raw: Raw, scene: Scene) -> Array:
     """|W| / (M g distance); NaN for a walker who does not get forward."""
     forward = np.where(raw["distance"] > 0.0, raw["distance"], np.nan)
@@ -182,19 +203,19 @@ def cost_of_transport(raw: Raw, scene: Scene) -> Array:
     return value
 
 
-@objective(r"$W^+_{\mathrm{joint}}$", "J", maximise=False, worst=1e6)
+@objective(r"$W^+_{\mathrm{joint}}$", "J", maximise=False, worst=1e6, least=0.0)
 def positive_joint_work(raw: Raw, scene: Scene) -> Array:
     """Integral of the positive part of P_joint = -sum f.(v_plate - v_COM) of each leg, summed, J."""
     return raw["positive_joint_work"]
 
 
-@objective(r"$z_{\max}$", "m", maximise=False, worst=1e3)
+@objective(r"$z_{\max}$", "m", maximise=False, worst=1e3, least=0.0)
 def maximum_sinkage(raw: Raw, scene: Scene) -> Array:
     """Depth of the deepest plate below the sand at any step, m."""
     return raw["maximum_sinkage"]
 
 
-@objective(r"$F_{z,\max}$", "N", maximise=False, worst=1e9)
+@objective(r"$F_{z,\max}$", "N", maximise=False, worst=1e9, least=0.0)
 def peak_vertical_force(raw: Raw, scene: Scene) -> Array:
     """Largest vertical force of both feet together at any step, N."""
     return raw["peak_vertical_force"]

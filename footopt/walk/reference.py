@@ -12,11 +12,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from footopt.effects import laws
 from footopt.effects.shadowing import filler
 from footopt.foot import Foot
 from footopt.gait.gait import Pose
 from footopt.walk.accuracy import TOLERANCES, Accuracy
-from footopt.walk.contact import contact
+from footopt.walk.loop import compiled_contact
 from footopt.walk.plates import PlateStates, plate_states
 from footopt.walk.prepare import sole, world
 from footopt.walk.results import Walk
@@ -87,7 +88,8 @@ def contact_forces(
     pose = Pose(none, np.array([[ankle, 10.0]]), none, none, none, np.array([[rate, 0.0]]))
     counts = np.zeros(1, COUNTS)[0]
     constants = world(scene, Accuracy(creep=creep))
-    left = contact(constants, sole(sheets), pose.table()[0], 0.0, 0.0, vx, vz, creep, 1e-3, None, counts).left
+    both = compiled_contact(laws(scene.effects))
+    left = both(constants, sole(sheets), pose.table()[0], 0.0, 0.0, vx, vz, creep, 1e-3, counts).left
     states = plate_states(sheets, pose, np.zeros((1, 2)), np.array([[vx, vz]]), scene, creep, angles)
     force = states.force[0, 0]
     return np.array([left.x, left.z]), force.sum(axis=0), float(np.linalg.norm(force, axis=-1).sum())

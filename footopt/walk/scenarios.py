@@ -16,17 +16,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.effects import Effect, LeadingEdge, Shadowing
-from footopt.errors import SettingError, check
+from footopt.errors import check
 from footopt.foot import Waypoints
 from footopt.gait import Gait
-from footopt.gait.gait import Fourier
+from footopt.gait.fourier import Fourier
 from footopt.sand import Sand
 from footopt.walk.scene import Scene
 
 Array = NDArray[np.float64]
 
 #: How values over scenarios become one; "tail" is the mean over the worst share of them (CVaR).
-MEASURES = ("mean", "tail", "worst")
+WAYS = ("mean", "tail", "worst")
 
 DEFORMATION = 2  # harmonics, beside the mean, by which an angle differs from stride to stride
 
@@ -224,7 +224,7 @@ def measured(values: Array, weights: Array, measure: str, tail: float) -> Array:
     weights : (scenarios,)
         Of any sum.
     measure : str
-        In `MEASURES`.
+        In `WAYS`.
     tail : float
         The share of the probability that "tail" averages over, the worst one: the conditional value at
         risk (Rockafellar & Uryasev 2000), with a scenario's part where the tail ends inside it.
@@ -250,7 +250,6 @@ def measured(values: Array, weights: Array, measure: str, tail: float) -> Array:
 
 
 def check_measure(measure: str, tail: float) -> None:
-    """Raise unless a measure is one of `MEASURES` and its tail a share."""
-    if measure not in MEASURES:
-        raise SettingError("study.measure", measure, f"one of {', '.join(MEASURES)}")
+    """Raise unless a measure is one of `WAYS` and its tail a share."""
+    check(measure in WAYS, "study.measure", measure, f"one of {', '.join(WAYS)}")
     check(0 < tail <= 1, "study.tail", tail, "a share > 0 and <= 1 of the scenarios, by probability")

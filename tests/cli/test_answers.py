@@ -72,7 +72,11 @@ class TestSeveralObjectives:
         [
             (
                 ["choose=weights", "choose.weights={work:2}"],
-                "choose = 'weights': must be left out with one objective",
+                "choose.name = 'weights': must be left out: a search for one objective does not read it",
+            ),
+            (
+                ["choose=knee"],
+                "choose.name = 'knee': must be left out: a search for one objective does not read it",
             ),
             (
                 ["study=simulate", "constraint.work=9"],

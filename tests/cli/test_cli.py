@@ -290,7 +290,7 @@ class TestMultirun:
 
 
 def test_the_version_is_ours(tmp_path):
-    done = footopt("--version", cwd=tmp_path)
+    done = program("--version", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (0, f"footopt {fo.__version__}\n")
 
 

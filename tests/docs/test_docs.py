@@ -72,6 +72,7 @@ SMALL_TOO = {
 #: Programs of other people, and what stands for running them. Besides, what needs Slurm is composed only.
 OTHERS = {
     "python": "benchmarks run with --quick, and print their tables; `test_custom` runs examples",
+    "make": "run by `test_project`",
     "pip": ".ci/run installs; `test_every_extra_exists` holds the names",
     "pytest": "run by .ci/run",
     "sphinx-build": "run by .ci/run",
@@ -374,7 +375,7 @@ def test_the_command_runs(arguments, place, request):
     if any(word.startswith("hydra/launcher=") for word in words):
         pytest.importorskip("hydra_plugins", reason="needs footopt[joblib,submitit]")
     # launchers leave processes behind, and plugins what they register
-    away = any(word.startswith(("hydra/launcher=", "plugins=")) for word in words)
+    away = any(word.startswith(("hydra/launcher=", "plugins=", "-cn", "--version")) for word in words)
     done = (program if away else footopt)(*words, cwd=place, drawn=drawn)
     assert done.returncode == 0, f"{FOOTOPT[arguments]}: footopt {' '.join(words)}\n{done.stderr}"
     told = {

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from every_effect import ALL, LAYERS, ONE, PATCHES, SETS, difference
-from feet_in_sand import HEIGHT, PITCH, PLACE, RATE, SOLES, SPEED, contact_with, feel, force, pose_of
+from feet_in_sand import HEIGHT, PITCH, PLACE, RATE, SOLES, SPEED, feel, force, pose_of
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -16,6 +16,7 @@ from footopt.effects import base as effects
 from footopt.effects.shadowing import filler
 from footopt.errors import SettingError
 from footopt.walk.balances import energy_gap, momentum_gap
+from footopt.walk.loop import compiled_contact
 from footopt.walk.prepare import NEWTON, sole, world
 from footopt.walk.state import COUNTS
 
@@ -77,7 +78,7 @@ class TestContact:
         pose = scene.gait.pose([t], scene.walker.l1, scene.walker.l2).table()[0]
         counts, constants = np.zeros(1, COUNTS)[0], world(scene, accuracy)
         state = constants, sole(plates), pose, x, z, vx, vz, accuracy.creep, None, counts
-        out = np.array(contact_with(laws(scene.effects))(*state))
+        out = np.array(compiled_contact(laws(scene.effects))(*state))
         tolerance = 1e-10 * (1.0 + np.abs(states.force).sum())
         np.testing.assert_allclose(states.force[0].sum(axis=1), out[:, :2], rtol=0, atol=tolerance)
         power = states.power[0].sum(axis=1)

@@ -173,9 +173,9 @@ def test_a_terminal_shows_numbers_with_units_and_no_arrays(things, searches):
     for thing in things.values():
         assert "array" not in repr(thing)
         assert len(repr(thing)) < 900
-    assert repr(things["walk"]).startswith("<Walk of k 5-8-9-8-5-4-4-2-2-3-4 on hard sand: distance 2.1")
+    assert repr(things["walk"]).startswith("<Walk of k=[5,8,9,8,5,4,4,2,2,3,4] on hard sand: distance 2.1")
     assert " W; speed loss " in repr(things["walk"])
-    assert repr(things["sunk"]) == "<Walk of k 5-8-9-8-5-4-4-2-2-3-4 on custom sand: failed, sunk>"
+    assert repr(things["sunk"]) == "<Walk of k=[5,8,9,8,5,4,4,2,2,3,4] on custom sand: failed, sunk>"
     assert "hollow 12.0 mm" in repr([things["foot"]])
     assert repr(searches["one"]).startswith("<SearchResult of ga on hard sand: ")
 

@@ -72,7 +72,7 @@ def test_an_example_has_fewer_than_thirty_lines(name):
         ("sand", r"poppy, measured: 1\.\d+ m, sole \d+ mm deep"),
         ("effect", r"no floor sole 2\d\d mm deep\nFloor\(depth=0\.1,.* 1\d\d mm deep\nFloor.* \d\d mm"),
         ("objective", r"flat 8\d\.\d J/m, best 6\d\.\d J/m"),
-        ("solver", r"best k [\d-]+: J_W -0\.0002\d+"),
+        ("solver", r"best k=\[[\d,]+\]: J_W -0\.0002\d+"),
     ],
 )  # fmt: skip
 def test_an_example_runs_and_says_what_it_found(name, says):

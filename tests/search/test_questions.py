@@ -101,6 +101,15 @@ class TestLimits:
         with pytest.raises(SettingError, match=r"constraint\.work = nan"):
             fo.FootProblem(limits={"work": math.nan})
 
+    @pytest.mark.parametrize("name", ["peak_power", "hollow", "cost_of_transport", "inertial_share"])
+    @pytest.mark.parametrize("limit", [-3, math.inf])
+    def test_those_that_no_walk_could_keep_are_refused(self, name, limit):
+        with pytest.raises(SettingError, match=rf"constraint\.{name} = {limit}: must be a number >= 0"):
+            fo.FootProblem(limits={name: limit})
+        with pytest.raises(SettingError, match=rf"choose\.limits\.{name} = {limit}: must be a number >= 0"):
+            fo.FootProblem(objective=["distance", name], choose=Choice("limits", limits={name: limit}))
+        fo.FootProblem(limits={name: 0.0, "efficiency": -1e-4, "distance": -1.0, "ankle_depth": -0.01})
+
 
 class TestChoice:
     """One design of a front is the answer, by what one asks for and never by J_W unasked."""
@@ -136,7 +145,6 @@ class TestChoice:
                 {"by": "weights", "weights": {"work": -1.0}},
                 r"choose\.weights\.work = -1\.0: must be a number > 0",
             ),
-            ({"by": "limits", "limits": {"work": math.inf}}, r"choose\.limits\.work = inf"),
         ],
     )
     def test_what_is_asked_wrongly_is_refused(self, given, said):

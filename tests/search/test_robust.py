@@ -15,7 +15,7 @@ from footopt.design import Solver, Store, confirm, search
 from footopt.design.context import context, digest
 from footopt.design.robust import regret
 from footopt.errors import SettingError
-from footopt.walk.scenarios import COLUMNS, MEASURES, laws, measured, sands, vary
+from footopt.walk.scenarios import COLUMNS, WAYS, laws, measured, sands, vary
 
 SANDS = sands(fo.Scene())
 NOTHING = fo.Spread(**dict.fromkeys(vars(fo.Spread()), 0.0))
@@ -116,7 +116,7 @@ class TestMeasures:
         part = (3 * worst + 0.5 * np.sort(values, axis=0)[-4]) / 3.5  # ends inside a scenario
         np.testing.assert_allclose(measured(values, np.ones(10), "tail", 0.35), part)
 
-    @pytest.mark.parametrize("measure", MEASURES)
+    @pytest.mark.parametrize("measure", WAYS)
     def test_a_design_s_measure_does_not_depend_on_its_batch(self, measure):
         values = np.random.default_rng(2).normal(size=(33, 50, 6))
         whole = measured(values, np.ones(33), measure, 0.3)
@@ -133,7 +133,7 @@ class TestMeasures:
 class TestRobustProblem:
     k = SMALL.random(6, seed=1)
 
-    @pytest.mark.parametrize("measure", MEASURES)
+    @pytest.mark.parametrize("measure", WAYS)
     def test_one_scenario_is_the_plain_problem(self, measure):
         alone = fo.FootProblem(SANDS[1].scene, "pareto", SMALL, COARSE)
         values, reasons = problem(SANDS[1:2], "pareto", measure=measure).walk(self.k)
@@ -186,7 +186,7 @@ class TestRobustProblem:
         np.testing.assert_array_equal(confirmed.values, finer.walk(first.k[confirmed.designs])[0])
         assert p.accuracy == COARSE
 
-    @pytest.mark.parametrize("measure", MEASURES)
+    @pytest.mark.parametrize("measure", WAYS)
     def test_the_robust_foot_loses_no_more_than_any_specialist(self, measure):
         space = fo.Waypoints(n=4, K=4)
         alone = [fo.FootProblem(s.scene, "efficiency", space, COARSE) for s in SANDS]

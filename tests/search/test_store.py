@@ -117,9 +117,9 @@ class TestStore:
     @settings(max_examples=15)
     @given(
         st.dictionaries(
-            st.tuples(*[st.integers(1, 2**62)] * 5),
+            st.tuples(*[st.integers(1, SMALL.K)] * 5),
             st.tuples(
-                st.lists(st.floats(), min_size=6, max_size=6),
+                st.lists(st.floats().map(lambda x: math.nan if x != x else x), min_size=6, max_size=6),
                 st.sampled_from(["", "sunk", "error"]),
                 st.text(st.characters(exclude_categories=["Cs"])),
             ),
@@ -149,14 +149,16 @@ class TestStore:
 
     @pytest.mark.parametrize("count", [2, 12])
     def test_a_file_that_many_open_and_write_at_once_holds_what_all_wrote(self, path, count):
-        together, failures = threading.Barrier(count), []
+        together, failures, many = threading.Barrier(count), [], dataclasses.replace(SMALL, K=20)
 
         def work(i):
             try:
                 together.wait()
-                with Store(path, problem(zeta=1.0 + i % 2)) as store:
-                    for j in range(5):
-                        store.add([[i, j, 1, 1, 1], [9] * 5], [Evaluation(np.full(6, float(i % 2)), "")] * 2)
+                with Store(path, problem(zeta=1.0 + i % 2, space=many)) as store:
+                    for j in range(1, 6):
+                        store.add(
+                            [[i + 1, j, 1, 1, 1], [20] * 5], [Evaluation(np.full(6, float(i % 2)), "")] * 2
+                        )
             except BaseException as error:
                 failures.append(error)
 
@@ -167,9 +169,32 @@ class TestStore:
             thread.join()
         assert failures == []
         for i in range(2):
-            with Store(path, problem(zeta=1.0 + i)) as store:
+            with Store(path, problem(zeta=1.0 + i, space=many)) as store:
                 assert len(store) == count // 2 * 5 + 1
-                assert store.get([[9] * 5])[0].values.tolist() == [i] * 6
+                assert store.get([[20] * 5])[0].values.tolist() == [i] * 6
+
+    @pytest.mark.parametrize("tolerance", [SMALL.box_tolerance, math.inf])
+    def test_is_a_table_that_pandas_reads(self, path, tolerance):
+        """The columns of designs.csv, with what the limits and the box say; NaN where there is no value."""
+        pandas = pytest.importorskip("pandas", reason="needs footopt[pandas]")
+        space, scene = dataclasses.replace(SMALL, box_tolerance=tolerance), fo.Scene(sand=fo.Sand(0.04))
+
+        def limited(distance):
+            limits = {"peak_power": 700.0, "distance": distance}
+            return fo.FootProblem(scene, ["work", "thickness"], space, QUICK, limits=limits)
+
+        Store(path, limited(9.0)).close()  # the limits that were asked for last count
+        found = search(limited(0.1), "nsga2", store=path, pop_size=40, n_gen=2, seed=1)
+        with contextlib.closing(sqlite3.connect(path)) as connection:
+            read = pandas.read_sql("SELECT * FROM designs_1", connection)
+        frame, k = found.to_frame().drop(columns=["generation", "on_front"]), [f"k{i}" for i in range(1, 6)]
+        assert read.columns.tolist() == [*frame.columns, "message"]
+        read = read.set_index(k).loc[pandas.MultiIndex.from_frame(frame[k])]
+        assert {"sunk", "", "peak_power" if math.isinf(tolerance) else "box"} <= {*read["reason"]}
+        assert read["reason"].tolist() == frame["reason"].tolist()
+        assert read["feasible"].astype(bool).tolist() == frame["feasible"].tolist()
+        for name in (*found.problem.record, "box_violation"):
+            np.testing.assert_allclose(read[name], frame[name], rtol=1e-14)
 
     def test_that_was_deleted_meanwhile_is_said(self, tmp_path):
         """SQLite would go on writing into a file that has no name any more."""

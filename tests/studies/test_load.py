@@ -66,6 +66,15 @@ class TestRun:
         assert (run.result["evaluations"], run.result["reused"]) == (24, made[1].result["designs"])
         with pytest.raises(SettingError, match="start a new run"):
             fo.run([f"resume={folder}", "sand=hard"])
+        with pytest.raises(SettingError, match=r"folder = 'x': must be left out with resume"):
+            fo.run([f"resume={folder}"], folder="x")
+
+    def test_does_not_go_on_with_many_runs_of_which_it_could_return_only_one(self, made):
+        sweep = made[0] / "out" / "sweep"
+        before = {path: path.stat().st_mtime_ns for path in sweep.rglob("*")}
+        with pytest.raises(SettingError, match=r"the folder of one run, not of a multirun.*load_all"):
+            fo.run([f"resume={sweep}"])
+        assert {path: path.stat().st_mtime_ns for path in sweep.rglob("*")} == before
 
 
 class TestLoad:
@@ -131,6 +140,12 @@ class TestLoad:
         with pytest.raises(SystemExit, match="run"):
             _ = fo.load(folder, trust=True).scene
 
+    def test_a_study_that_lists_the_names_of_objectives_has_no_best(self, made, tmp_path):
+        folder = tmp_path / "sensitivity"
+        shutil.copytree(made[2].folder, folder)
+        (folder / "result.json").write_text('{"design": [1], "objectives": ["distance"]}')
+        assert fo.load(folder).best == {}
+
     def test_a_folder_without_a_run_is_refused(self, tmp_path):
         with pytest.raises(FileError, match="not the folder of a run"):
             fo.load(tmp_path)
@@ -155,3 +170,18 @@ def test_all_runs_are_a_table_with_a_column_for_each_setting_objective_and_time(
     assert notes[str(cwd / "out/sweep/0")] == "sunk"
     assert notes[str(walk.folder)] == ""
     assert row["words"] == " ".join(WORDS)
+
+
+def test_a_damaged_run_is_left_out_of_the_table_with_its_name(made, tmp_path):
+    for name in ("good", "changed", "cut"):
+        shutil.copytree(made[2].folder, tmp_path / name)
+    (tmp_path / "changed" / identity.FILE).write_text("settings: {}\n")
+    (tmp_path / "cut" / "result.json").write_text("{")
+    with pytest.warns(UserWarning, match="left out") as said:
+        table = fo.load_all(tmp_path)
+    assert table["folder"].tolist() == [str(tmp_path / "good")]
+    for name, warned in zip(("changed", "cut"), said, strict=True):
+        assert str(tmp_path / name) in str(warned.message)
+    shutil.rmtree(tmp_path / "good")
+    with pytest.warns(UserWarning, match="left out"), pytest.raises(FileError, match="no run is there"):
+        fo.load_all(tmp_path)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import footopt as fo
 from footopt.gait import LEFT, RIGHT
-from footopt.walk.reference import PUBLISHED
+from footopt.walk.reference import PUBLISHED, contact_forces
 
 DEEP = st.floats(-0.5, -0.25)  # heights of the ankle at which every plate is in the sand
 ANY_HEIGHT = st.floats(-0.2, 0.2)
@@ -158,3 +158,10 @@ class TestStaticHeight:
 
         assert height(60, 5) > height(80, 5) > height(80, 2) > height(80, 0.5)
         assert height(60, 1) == pytest.approx(height(120, 2), abs=1e-12)
+
+
+def test_python_can_hold_the_compiled_contact_against_the_readable_law(ramp_foot):
+    """As study=stability and study=credibility do."""
+    motion = (0.3, -0.4, 1.0)
+    compiled, readable, size = contact_forces(ramp_foot, fo.Scene(), 50, motion, 1e-4, angles=True)
+    np.testing.assert_allclose(compiled, readable, rtol=0, atol=1e-12 * size)

@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from footopt.errors import check
-from footopt.files.gaits.angles import Recording, check_angles, check_period
+from footopt.files.gaits.angles import Recording, check_angles, check_period, recording
 from footopt.files.gaits.c3d import read_c3d
 from footopt.files.gaits.captures import holds_markers, read_capture
-from footopt.files.gaits.coefficients import read_json
+from footopt.files.gaits.coefficients import Coefficients, read_json, write_json
 from footopt.files.gaits.leg import leg_angles
 from footopt.files.gaits.markers import UNITS as LENGTHS
 from footopt.files.gaits.mot import read_mot
@@ -18,7 +18,18 @@ from footopt.files.gaits.table import read_csv
 from footopt.files.gaits.trc import read_trc
 from footopt.files.reading import Unusable, naming, read_bytes, read_table
 
-__all__ = ["Strides", "average", "check_angles", "check_period", "read_json", "read_strides"]
+__all__ = [
+    "Coefficients",
+    "Strides",
+    "average",
+    "check_angles",
+    "check_period",
+    "cut",
+    "read_json",
+    "read_strides",
+    "recording",
+    "write_json",
+]
 
 ENDINGS = (".json", ".csv", ".trc", ".mot", ".sto", ".c3d")
 UNITS = (None, *LENGTHS, "deg", "rad")  # of a file of markers, or of angles

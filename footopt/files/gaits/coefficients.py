@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from footopt.files import run
 from footopt.files.reading import LARGEST, Unusable, naming, read_json_file
 
 Series = tuple[float, tuple[float, ...], tuple[float, ...]]
@@ -25,7 +27,7 @@ class Coefficients(NamedTuple):
         By number of harmonics, as text, and joint: the rms misfit against what was measured.
     """
 
-    series: dict[str, Series]
+    series: Mapping[str, Series]
     period: float
     source: str
     residual: dict[str, dict[str, float]]
@@ -66,8 +68,18 @@ def read_json(path: str | Path) -> Coefficients:
         )
 
 
+def write_json(path: str | Path, gait: Coefficients) -> None:
+    """Write what `read_json` reads."""
+    joints = {name: {"a0": a0, "a": a, "b": b} for name, (a0, a, b) in gait.series.items()}
+    residual = {"rms_residual_deg_by_harmonics": gait.residual}
+    run.write_json(Path(path), {"source": gait.source, "period_s": gait.period, **joints, **residual})
+
+
 def _series(joint: Any) -> Series:
-    return _finite(joint["a0"]), tuple(map(_finite, joint["a"])), tuple(map(_finite, joint["b"]))
+    a, b = (tuple(map(_finite, joint[terms])) for terms in ("a", "b"))
+    if len(a) != len(b):
+        raise ValueError(f"it has {len(a)} terms a and {len(b)} terms b")
+    return _finite(joint["a0"]), a, b
 
 
 def _finite(value: Any) -> float:

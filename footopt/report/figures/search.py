@@ -226,7 +226,7 @@ def draw_parallel(
     if len(good) == 0:
         message(axes, f"no design to show: {failed}")
         return None
-    sign = np.array([1.0 if o.maximise else -1.0 for o in objectives])
+    sign = np.array([-o.sign for o in objectives])
     low, high = (sign * good).min(axis=0), (sign * good).max(axis=0)
     span = np.where(high > low, high - low, 1.0)
 

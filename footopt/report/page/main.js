@@ -28,7 +28,7 @@ function designSection() {
     const others = data.walks?.find((walk) => walk.design === null);
     title.textContent = COUNT > 1 ? `The chosen sole: ${label(chosen)}` : `The sole: ${label(chosen)}`;
     words.textContent = [
-      k ? `k = ${k.join(", ")}` : "",
+      k ? `k = [${k.join(",")}]` : "",
       `hollow ${(MM * hollow(points)).toFixed(1)} mm`,
       generation ? `generation ${generation[chosen]}` : "",
       feasible[chosen] ? "" : `infeasible: ${reason(chosen)}`,

@@ -8,6 +8,7 @@ from importlib.resources import files
 from typing import Any
 
 from footopt.files.run import plain
+from footopt.foot.waypoints import written
 from footopt.report import terminal
 from footopt.report.numbers import number
 from footopt.studies.paper.claims import CLAIMS, Claim
@@ -100,7 +101,7 @@ def decision_rows(found: Entry) -> list[list[str]]:
 
 def _foot_cells(foot: Entry) -> list[str]:
     numbers = f"{foot['hollow_mm']:.1f} {foot['turns_inwards_deg']:.0f} {foot['rms_curvature_per_m']:.1f}"
-    return [" ".join(map(str, foot["k"])), *numbers.split(), *_walk_cells(foot)]
+    return [written(foot["k"]), *numbers.split(), *_walk_cells(foot)]
 
 
 def _walk_cells(walk: Entry) -> list[str]:

@@ -195,6 +195,21 @@ def drag(setup: Values, inputs: Values, effects: Sequence[Effect], fine: bool) -
     return {"inertia factor": np.full(len(setup["body"]), factor[0])}
 
 
+def rod(setup: Values, inputs: Values, effects: Sequence[Effect], fine: bool) -> dict[str, Array]:
+    """Powers with which the drag of an upright plate grows with its width, its depth and its speed."""
+    scene, plates = scene_of(inputs["zeta"], effects), 400 if fine else 100
+
+    def drag_of(doubled: str) -> float:
+        width, depth, speed = (
+            setup[name] * (1 + (name == doubled)) for name in ("diameter", "depth", "speed")
+        )
+        upright, along = Foot(np.array([[0.0, -depth], [0.0, 0.0]]), width), np.array([[speed, 0.0]])
+        return float(-body_force(upright, scene, plates, np.zeros(1), along, np.zeros(1))[0, 0])
+
+    once = drag_of("")
+    return {"power of the drag": np.array([np.log2(drag_of(name) / once) for name in setup["doubled"]])}
+
+
 def walker(setup: Values, inputs: Values, effects: Sequence[Effect], fine: bool) -> dict[str, Array]:
     """A person's weight on flat soles: forces on the ground, work on the sand, speed against firm ground."""
     scene = scene_of(inputs["zeta"], effects)
@@ -221,5 +236,6 @@ RIGS: dict[str, Rig] = {
     "extraction": extraction,
     "friction": friction,
     "drag": drag,
+    "rod": rod,
     "walker": walker,
 }

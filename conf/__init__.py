@@ -1,0 +1,1 @@
+"""Settings, which Hydra finds as pkg://footopt.conf too: it asks that a package has this file."""

@@ -1,0 +1,41 @@
+"""`Fourier`: a joint's angle over a stride."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Fourier(NamedTuple):
+    """theta(p) = a0 + sum_k a[k-1] cos(2 pi k p) + b[k-1] sin(2 pi k p), in degrees; p in strides."""
+
+    a0: float
+    a: tuple[float, ...]
+    b: tuple[float, ...]
+
+    @classmethod
+    def fit(cls, phase: Array, degrees: Array, harmonics: int) -> Fourier:
+        """The least-squares series through a curve, at phases (n,) in strides and angles (n,) in degrees."""
+        w = 2.0 * np.pi * np.outer(phase, np.arange(1, harmonics + 1))
+        design = np.concatenate([np.ones((len(phase), 1)), np.cos(w), np.sin(w)], axis=1)
+        solution, *_ = np.linalg.lstsq(design, degrees, rcond=None)
+        a0, *ab = map(float, solution)
+        return cls(a0, tuple(ab[:harmonics]), tuple(ab[harmonics:]))
+
+    def at(self, phase: Array) -> tuple[Array, Array]:
+        """Angle (rad) and its derivative in the phase (rad per stride)."""
+        value, rate = np.full_like(phase, self.a0), np.zeros_like(phase)
+        for k, (a, b) in enumerate(zip(self.a, self.b, strict=True), start=1):
+            w = 2.0 * np.pi * k
+            c, s = np.cos(w * phase), np.sin(w * phase)
+            value += a * c + b * s
+            rate += w * (b * c - a * s)
+        return np.radians(value), np.radians(rate)
+
+    def truncated(self, harmonics: int) -> Fourier:
+        """The series up to a harmonic."""
+        return Fourier(self.a0, self.a[:harmonics], self.b[:harmonics])

@@ -1,0 +1,109 @@
+"""A project of one's own: settings, gait and plugin beside each other, with footopt's settings below them."""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import trimesh
+import yaml
+from PIL import Image
+from running import LIMIT, environment, footopt
+
+import footopt as fo
+from footopt.files import identity
+
+ROBOT = Path(__file__).parents[2] / "examples" / "moon_robot"
+WALK = ("study=simulate", "accuracy=draft", "report=none", "plugins=[]")
+
+
+@pytest.fixture
+def robot(tmp_path):
+    """A copy of the example, which is not that of the checkout."""
+    return shutil.copytree(ROBOT, tmp_path / "robot")
+
+
+def walked(conf, *words, cwd):
+    return footopt("-cp", str(conf), "-cn", "robot", *WALK, *words, "hydra.run.dir=run", cwd=cwd)
+
+
+class TestSearchPath:
+    """Hydra finds footopt's settings as pkg://footopt.conf, in a checkout as in a wheel (`test_wheel`)."""
+
+    def test_paths_in_a_file_are_relative_to_it_wherever_the_command_is_given(self, robot, tmp_path):
+        done = walked(robot / "conf", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        scene = fo.load(tmp_path / "run").scene
+        assert Path(scene.gait.source).resolve() == robot / "gait.csv"
+        assert scene.walker == fo.Walker(mass=35.0, l1=0.3, l2=0.32, g=1.62)
+        assert fo.load(tmp_path / "run").foot.width == 0.07
+
+    def test_so_they_are_in_a_folder_of_the_searchpath(self, robot, tmp_path):
+        shutil.move(robot / "conf" / "gait", tmp_path / "shared" / "gait")
+        (tmp_path / "shared" / "gait" / "robot.yaml").write_text("name: robot\npath: own.csv\nperiod: null\n")
+        shutil.move(robot / "gait.csv", tmp_path / "shared" / "gait" / "own.csv")
+        path = f"[pkg://footopt.conf,'file://{tmp_path}/shared']"
+        done = walked(robot / "conf", f"hydra.searchpath={path}", cwd=robot)
+        assert done.returncode == 0, done.stderr
+        settings = identity.read(robot / "run").settings
+        assert settings["gait"]["path"] == str(tmp_path / "shared" / "gait" / "own.csv")
+
+
+class TestUnread:
+    """What a file of one's own sets, and what nothing reads, is refused as on the command line."""
+
+    @pytest.mark.parametrize(
+        ("words", "added", "said"),
+        [
+            ((), {"foot": {"length": 0.2}}, "foot.length = 0.2: .*: foot=waypoints does not read it"),
+            (("foot=ellipse",), {"foot": {"L": 0.1}}, "foot.L = 0.1: .*: foot=ellipse does not"),
+            (("gait=human",), {"gait": {"side": "left"}}, "gait.side = 'left': .*: a gait without recorded"),
+            (("study=optimize",), {"choose": {"name": "knee"}}, "choose.name = 'knee': .*: a search for one"),
+            (("study=optimize",), {"foot": {"length": 0.2}}, "foot.length = 0.2: .*: foot=waypoints does"),
+            ((), {"effects": {"tolerance": 0.1}}, "effects.tolerance = 0.1: .*: effects that are named"),
+        ],
+    )
+    def test_is_refused_with_its_file(self, words, added, said, robot):
+        path = robot / "conf" / "robot.yaml"
+        path.write_text(yaml.safe_dump(yaml.safe_load(path.read_text()) | added, sort_keys=False))
+        done = walked(robot / "conf", *words, cwd=robot)
+        assert done.returncode == 1
+        assert re.search(said, done.stderr), done.stderr
+        assert str(path) in done.stderr
+
+    def test_what_another_study_reads_is_no_mistake(self, robot):
+        path = robot / "conf" / "robot.yaml"
+        more = {"solver": {"pop_size": 8}, "study": {"finalists": 3}, "stop": {"stall": 9}}
+        path.write_text(yaml.safe_dump(yaml.safe_load(path.read_text()) | more, sort_keys=False))
+        done = walked(robot / "conf", cwd=robot)
+        assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.slow
+def test_the_example_goes_from_a_gait_to_a_body_and_a_film(robot):
+    small = "accuracy=draft solver.pop_size=8 solver.n_gen=2 study.confirm=null engine.threads=1 report=none"
+    words = [
+        f"RUN={sys.executable} -m footopt",
+        f"BUDGET={small}",
+        "FILM=study.video=walk.gif scene.t_f=0.6 report=none",
+    ]
+    options = {"env": environment(drawn=True), "capture_output": True, "text": True, "timeout": LIMIT}
+    done = subprocess.run(["make", *words], cwd=robot, check=False, **options)
+    assert done.returncode == 0, done.stdout + done.stderr
+    found = json.loads((robot / "outputs/foot/result.json").read_text())
+    assert found["scene"]["walker"]["g"] == 1.62
+    assert found["objectives"]["shaking"] <= 0.22 == found["constraints"]["shaking"]
+    body = trimesh.load(robot / "outputs/print/contour.stl")
+    assert body.is_watertight
+    assert body.extents[:2] == pytest.approx([180, 70], abs=0.1)
+    soft = json.loads((robot / "outputs/soft/result.json").read_text())
+    assert (soft["scene"]["sand"]["name"], soft["design"]["k"]) == ("soft", found["design"]["k"])
+    with Image.open(robot / "outputs/soft/walk.gif") as film:
+        assert film.n_frames > 10
+    assert (
+        "Nothing to be done"
+        in subprocess.run(["make", *words], cwd=robot, capture_output=True, text=True).stdout
+    )
