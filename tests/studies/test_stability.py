@@ -86,8 +86,8 @@ class TestStudy:
     def test_from_the_command_line_in_a_reduced_form(self, tmp_path):
         cases = ["standing, zeta 5", "spiky soles", "sinking to the hip", "a gait with a jump"]
         methods = ["sdirk2", "explicit_euler"]
-        done = footopt("study=stability", f"study.cases=[{', '.join(cases)}]",
-                       f"study.methods=[{','.join(methods)}]", "hydra.run.dir=out", cwd=tmp_path, drawn=True)  # fmt: skip
+        words = [f"study.cases=[{', '.join(cases)}]", f"study.methods=[{','.join(methods)}]"]
+        done = footopt("study=stability", *words, "hydra.run.dir=out", cwd=tmp_path, drawn=True)
         assert done.returncode == 0, done.stderr
         with open(tmp_path / "out" / "stability.csv", newline="") as file:
             rows = list(csv.DictReader(file))
