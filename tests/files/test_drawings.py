@@ -95,6 +95,22 @@ class TestSvg:
         assert line.is_closed == (SHAPES[shape].lower()[-1] == "z")
         assert apart(line, LineString(expected)) < 4e-5
 
+    @pytest.mark.parametrize("by", ["defs", "symbol", "mask", "marker"])
+    def test_what_is_drawn_elsewhere_is_drawn_there_and_nowhere_else(self, tmp_path, by):
+        drawing = (
+            f'<{by} id="all"><polyline id="sole" points="-50,0 0,30 60,0"/></{by}>'
+            '<use href="#sole" transform="rotate(180)" y="3"/>'
+            '<use xmlns:xlink="http://www.w3.org/1999/xlink" xlink:href="#sole" x="4"/>'
+        )
+        found = lines_of(svg(tmp_path / "a.svg", drawing))
+        if by in ("mask", "marker"):
+            assert found == []  # nothing of them is drawn but by what they are for
+            return
+        ends = [line.points[[0, -1]] for line in found]
+        np.testing.assert_allclose(
+            ends, 1e-3 * np.array([[(50, 3), (-60, 3)], [(-46, 0), (64, 0)]]), atol=1e-12
+        )
+
     def test_a_drawing_without_names_offers_none(self, tmp_path):
         two = '<rect x="-60" y="0" width="120" height="9"/><rect x="-60" y="20" width="120" height="9"/>'
         with pytest.raises(FileError, match=r"it holds 2: .*mm\. Delete what is not the sole"):

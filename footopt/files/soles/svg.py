@@ -30,7 +30,7 @@ FORMS = {
 
 def read(path: Path, units: str | None) -> Iterator[Line]:
     """Yield each line, flattened; `units` is one of its unit's names, or None for the file's own."""
-    from svgelements import SVG, Group, Shape
+    from svgelements import SVG, Group, Shape, Use
     from svgelements import Path as Curve
 
     try:
@@ -43,13 +43,14 @@ def read(path: Path, units: str | None) -> Iterator[Line]:
     if root.tag.rpartition("}")[2] != "svg":
         raise Unusable(f"cannot be read as SVG (its root is {root.tag[:60]!r}, not svg).")
     _check(root)
+    _hide(root)
     unit = UNITS[units] if units else _own_unit(root)
     for name in ("width", "height", "viewBox"):  # what is left are the drawing's own units
         root.attrib.pop(name, None)
 
     def lines(group: Any, layer: str) -> Iterator[Line]:
         for element in group:
-            if isinstance(element, Group):
+            if isinstance(element, Group | Use):
                 yield from lines(element, element.id or layer)
             elif isinstance(element, Shape):
                 # the library cannot turn or skew every shape: its points are
@@ -66,6 +67,21 @@ def read(path: Path, units: str | None) -> Iterator[Line]:
 def _matrix(transform: Any) -> Array:
     """A transform as a matrix (2, 3)."""
     return np.array([[transform.a, transform.c, transform.e], [transform.b, transform.d, transform.f]], float)
+
+
+def _hide(root: ElementTree.Element) -> None:
+    """Take out what is not drawn where it stands, which the library would draw: masks, markers, symbols."""
+    for parent in list(root.iter()):
+        space, brace, _ = parent.tag.rpartition("}")
+        for child in list(parent):
+            kind = str(child.tag).rpartition("}")[2]
+            if kind in ("mask", "marker", "symbol"):
+                parent.remove(child)
+            if kind == "symbol":  # drawn where it is used
+                if "viewBox" in child.attrib:
+                    raise Unusable("has a symbol with a viewBox of its own. Draw the sole without symbols.")
+                child.tag = f"{space}{brace}g"
+                ElementTree.SubElement(root, f"{space}{brace}defs").append(child)
 
 
 def _check(root: ElementTree.Element) -> None:
