@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Sequence
 
 from hydra.core.override_parser.overrides_parser import OverridesParser
@@ -28,8 +29,10 @@ def check_dashes(words: Sequence[str]) -> None:
 def readable(word: str) -> str:
     """A setting that names files or folders, with quotes about those names that Hydra could not read.
 
-    ``run=FOLDER`` becomes the setting that it is short for, ``~`` the user's own folder.
+    ``run=FOLDER`` becomes the setting that it is short for, ``~`` the user's own folder, and ``.inf`` of
+    YAML the ``inf`` of Hydra's grammar.
     """
+    word = re.sub(r"([=,\[]-?)\.inf(?=[,\]]|$)", r"\1inf", word)
     name, equals, value = word.partition("=")
     if name == "run":
         return f"study.run={quoted(value)}"

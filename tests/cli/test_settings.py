@@ -24,6 +24,7 @@ import footopt as fo
 from footopt import studies
 from footopt.cli.compose import CONF, groups, known
 from footopt.cli.messages import explain
+from footopt.cli.words import readable
 from footopt.design import Solver, make_executor
 from footopt.design.exhaustive import check_size
 from footopt.effects import EFFECTS
@@ -52,6 +53,18 @@ def test_settings_that_come_back_from_another_process_leave_those_here_as_they_a
     assert OmegaConf.structured(Config) == here
     again = OmegaConf.merge(OmegaConf.structured(Config), {"effects": {"layers": {"factors": [0.5]}}})
     assert again.effects.layers.depths == [0.03]
+
+
+@pytest.mark.parametrize("word", ["foot.box_tolerance=.inf", "gait.start=.inf"])
+def test_infinity_is_what_the_pages_and_the_messages_say(word):
+    name, _, last = word.partition("=")[0].partition(".")
+    assert getattr(getattr(composed(readable(word)), name), last) == math.inf
+
+
+def test_infinity_is_one_of_many_and_no_part_of_a_word():
+    assert readable("foot.box_tolerance=0.05,.inf") == "foot.box_tolerance=0.05,inf"
+    assert readable("study.spread=[-.inf,.inf]") == "study.spread=[-inf,inf]"
+    assert readable("sand.name=my.inf") == "sand.name=my.inf"
 
 
 class TestDefaults:
