@@ -195,7 +195,7 @@ class Dask(Executor):
                 dashboard_address="127.0.0.1:0",
                 scheduler_kwargs={"dashboard": False},
                 memory_limit=0,
-                silence_logs=logging.ERROR,  # it warns of every chunk that a Ctrl-C takes back
+                silence_logs=logging.CRITICAL,  # of chunks that a Ctrl-C takes back, of a scheduler that ends
             )
             try:
                 with interrupt_held():
@@ -264,6 +264,7 @@ class Dask(Executor):
         """Leave the scheduler; end a cluster that was started here."""
         with suppress(Exception):
             self._client.close(timeout=5)
+        self._client.status = "closed"  # else it tries again when it is collected, and says that it cannot
         if self._cluster is not None:
             self._cluster.close(timeout=10)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -36,7 +37,7 @@ def run(study: Study) -> Answer:
     values, errors = walk.judged(names), estimate_error(foot, scene, accuracy, names)
     diagnostics = [*diagnose(walk), *resolution(walk, errors)]
     strides = make_strides(study.config.gait)
-    notes = [*foot.notes, *write_walk(study, walk, {foot.name: walk})]
+    notes = [*foot.notes, *write_walk(study, walk, {foot.name: walk}), *_undefined(walk, values)]
     if strides is not None and study.draws:
         study.save("gait", gait_fit(strides, scene.gait))
     record = study.write_result(
@@ -71,6 +72,16 @@ def run(study: Study) -> Answer:
     study.say(*notes)
     study.close()
     return answer(study.config.objective.names, values)
+
+
+def _undefined(walk: Walk, values: Mapping[str, float]) -> list[str]:
+    """Why a walk that has not failed has no value of some objectives."""
+    names = [name.replace("_", " ") for name, value in values.items() if not math.isfinite(value)]
+    if not (walk.feasible and names):
+        return []
+    strikes = walk.scene.duration > walk.scene.gait.heel_strike
+    why = "a number is beyond what can be computed" if strikes else "there is no heel strike in this walk"
+    return [f"There is no value of {', '.join(names)}: {why}."]
 
 
 def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import inspect
 import marshal
-import threading
 from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
+from types import CodeType
 from typing import Any
 
 from footopt.effects import base as effects
@@ -57,20 +56,22 @@ def text_of(thing: Any) -> bytes:
         return b"".join(marshal.dumps(part.__code__) for part in parts if hasattr(part, "__code__"))
 
 
-_parsing = threading.Lock()  # trees that several threads make at once are a SystemError in CPython 3.11
-
-
 @lru_cache(maxsize=256)
 def meaning(text: bytes) -> bytes:
     """A source as it is compiled: comments, docstrings and layout do not count."""
     try:
-        with _parsing:
-            tree = ast.parse(text)
+        code = compile(text, "", "exec", dont_inherit=True, optimize=2)
     except (SyntaxError, ValueError):  # code, not text; or a file that has been edited meanwhile
         return text
-    for node in ast.walk(tree):
-        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)) and (
-            ast.get_docstring(node, clean=False) is not None
-        ):
-            node.body = node.body[1:]
-    return ast.dump(tree).encode()
+    return repr(_instructions(code)).encode()
+
+
+def _instructions(code: CodeType) -> tuple[Any, ...]:
+    """All that a code object does, without its lines; a set of constants has no order of its own."""
+    constants = [
+        _instructions(c) if isinstance(c, CodeType) else sorted(map(repr, c)) if type(c) is frozenset else c
+        for c in code.co_consts
+    ]
+    names = (code.co_name, code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)
+    takes = (code.co_argcount, code.co_kwonlyargcount, code.co_posonlyargcount, code.co_flags)
+    return code.co_code, code.co_exceptiontable, *names, *takes, constants
