@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import difflib
-import re
 from collections.abc import Iterable
 from importlib import import_module
 from typing import Any
 
 ERROR_FILE = "error.txt"  # left in the folder of a job of a multirun that failed, with the message
+#: Other words for what is called by a name here.
+SAME = {
+    **dict.fromkeys(("dense", "firm", "packed", "compact", "stiff"), "hard"),
+    **dict.fromkeys(("loose", "fluffy"), "soft"),
+    **dict.fromkeys(("medium", "normal"), "regular"),
+    **dict.fromkeys(("walk", "walking", "default"), "human"),
+    "flat": "rectangle",
+}
 LONGEST = 480  # characters of a message; a longer one loses its middle
 
 
@@ -38,7 +45,8 @@ class SettingError(FootoptError, ValueError):
         self.setting, self.value, self.allowed, self.hint = setting, value, allowed, hint
         message = f"{setting} = {shortened(repr(value), 160)}: must be {allowed}."
         _, listed, names = allowed.replace(" of: ", " of ").partition(" of ")
-        close = meant(value, re.split("[,;] ", names)) if listed and isinstance(value, str) else ""
+        mark = "; " if "; " in names else ", "  # a name may hold a comma
+        close = meant(value, names.split(mark)) if listed and isinstance(value, str) else ""
         if close and not hint:
             hint = f"Did you mean {close}?"
         super().__init__(f"{message} {hint}" if hint else message)
@@ -81,6 +89,8 @@ def meant(given: str, names: Iterable[str]) -> str:
     """The name that was probably meant, or ""."""
     lower = {name.lower(): name for name in names}
     word = given.lower()
+    if SAME.get(word) in lower:
+        return lower[SAME[word]]
     starts = [name for name in lower if len(word) > 2 and name.startswith(word)]
     close = starts or difflib.get_close_matches(word, lower, n=1, cutoff=0.6)
     return lower[close[0]] if close else ""

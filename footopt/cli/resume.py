@@ -16,7 +16,7 @@ from omegaconf.errors import OmegaConfBaseException
 from footopt.cli.job import walk
 from footopt.cli.messages import explain
 from footopt.cli.words import readable
-from footopt.errors import ERROR_FILE, FootoptError, SettingError, check
+from footopt.errors import ERROR_FILE, FileError, FootoptError, SettingError, check
 from footopt.files import identity
 from footopt.files.lock import Occupied, locked
 from footopt.files.run import write_text
@@ -175,13 +175,21 @@ def _resume_jobs(
                 print(f"job {name}: {' '.join(identity.read(job).words)}", flush=True)
                 _resume_run(job, found, changes, words, trusted)
             except Occupied as error:
-                busy += not is_finished(job)  # one that is finished is no failure below
+                busy += not _stands(job)  # one that is finished is no failure below
                 print(f"job {name}: {error}")
             except (FootoptError, OmegaConfBaseException, OSError) as error:
                 log.error("job %s failed: %s", name, explain(error))
-                if not is_finished(job):  # whose result stands
+                if not _stands(job):
                     write_text(job / ERROR_FILE, f"{explain(error)}\n")
         return summary.of_multirun(folder) - busy
+
+
+def _stands(job: Path) -> bool:
+    """Whether a job has a result, whatever became of what was to go beyond it."""
+    try:
+        return is_finished(job)
+    except FileError:  # it is damaged
+        return False
 
 
 def _generations(found: Mapping[str, Any] | None) -> float:

@@ -160,7 +160,7 @@ def describe_setup(scene: Scene, foot: Foot | Waypoints) -> str:
     law = "the generic stress map" if scene.sand.stress_map == GENERIC else "a stress map of its own"
     if not any(isinstance(effect, LeadingEdge) for effect in scene.effects):
         law += "; faces that trail count, as in the paper"
-    size = " x ".join(f"{1e3 * value:.4g}" for value in (length, height, foot.width))
+    size = " x ".join(f"{round(1e3 * value, 6):.4g}" for value in (length, height, foot.width))
     return (
         f"Walker: {walker.mass:g} kg, legs {walker.l1:g} + {walker.l2:g} m, g {walker.g:g} m/s^2; "
         f"gait {gait.name}, stride {gait.period:.4g} s\n"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Sequence
 from dataclasses import replace
 from functools import cache, partial
 from typing import Any, NamedTuple
@@ -129,7 +129,7 @@ def effort(setup: Setup, method: str) -> float:
 def chosen(config: Config) -> tuple[list[Case], list[str]]:
     """The cases and methods that the settings name; null is all."""
     known = {case.name: case for case in CASES}
-    names = list(known) if config.study.cases is None else config.study.cases
+    names = list(known) if config.study.cases is None else rejoined(config.study.cases, known)
     methods = list(METHODS) if config.study.methods is None else config.study.methods
     given: tuple[tuple[str, list[str], Any], ...] = (
         ("study.cases", names, known),
@@ -142,6 +142,16 @@ def chosen(config: Config) -> tuple[list[Case], list[str]]:
             if word not in allowed:
                 raise SettingError(setting, word, f"one of: {'; '.join(allowed)}")
     return [known[name] for name in names], methods
+
+
+def rejoined(parts: Sequence[str], known: Container[str]) -> list[str]:
+    """Names that hold commas, which the command line takes apart, put together again."""
+    names, rest = [], list(parts)
+    while rest:
+        many = next((n for n in range(len(rest), 0, -1) if ", ".join(rest[:n]) in known), 1)
+        names.append(", ".join(rest[:many]))
+        rest = rest[many:]
+    return names
 
 
 def run(study: Study) -> None:

@@ -9,9 +9,15 @@ import signal
 import time
 
 import pytest
+from hydra import initialize_config_dir
+from hydra.core.global_hydra import GlobalHydra
+from hydra.types import RunMode
+from omegaconf import OmegaConf
 from running import ended, folder_of, footopt, outcome, started, wait_for
 
 from footopt.cli import job
+from footopt.cli.compose import CONF
+from footopt.cli.sweep import Composer
 from footopt.files import identity
 
 JOBS = [0.2, 0.3, 0.5, 1.0]  # sand.zeta
@@ -88,6 +94,15 @@ class TestResume:
         assert "1 of the jobs failed" in done.stderr
         assert "foot.width = -1.0: must be" in (stopped / "3" / "error.txt").read_text()
 
+    def test_a_damaged_result_is_told_and_the_others_are_finished(self, stopped, whole):
+        (stopped / "1" / "result.json").write_text("{")
+        done = footopt("resume=sweep", cwd=stopped.parent)
+        assert done.returncode == 1
+        assert "cannot be read as JSON" in (stopped / "1" / "error.txt").read_text()
+        (stopped / "1" / "result.json").unlink()
+        jobs, expected = found(stopped)[0], found(whole)[0]
+        assert jobs == {job: expected[job] for job in ("0", "2", "3")}
+
     def test_takes_what_a_single_run_may_change(self, stopped):
         done = footopt("resume=sweep", "sand=soft", cwd=stopped.parent)
         assert done.returncode == 1
@@ -103,6 +118,40 @@ class TestResume:
         )
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["solver.seed=3", "sand.zeta=2"],
+        ["sand=soft", "solver.seed=3", "foot=ellipse", "foot.length=.2", "report=none"],
+        ["effects=[inertia]", "effects.inertia.factor=1.2", "+constraint.own={a:1}", "sand.name='a,b'"],
+    ],
+)
+def test_a_job_is_composed_as_hydra_composes_it(words):
+    with initialize_config_dir(str(CONF), version_base="1.3"):
+        loader = GlobalHydra.instance().config_loader()
+        sweep = loader.load_configuration("config", [], RunMode.MULTIRUN)
+        composer = Composer(loader)
+        for job in (words, [*words, "walker.mass=50"], words):
+            ours, theirs = (
+                OmegaConf.to_container(c(sweep, job)) for c in (composer, loader.load_sweep_config)
+            )
+            assert ours == theirs
+        assert len(composer.known) == 1
+
+
+def test_a_job_that_cannot_be_is_written_down_and_so_are_those_after_it(whole, tmp_path, monkeypatch):
+    """They never begin: a killed sweep is resumed from what was written before its first job."""
+
+    def killed(*of, **options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("footopt.cli.main.walk", killed)
+    words = [*SWEEP[:3], f"study.run=missing,{whole / '0'},{whole / '1'}", "hydra.sweep.dir=sweep"]
+    assert footopt(*words, cwd=tmp_path).returncode == 130
+    assert "not the folder of a run" in (tmp_path / "sweep" / "0" / "error.txt").read_text()
+    assert [path.parent.name for path in sorted(tmp_path.glob(f"sweep/*/{identity.FILE}"))] == ["1", "2"]
+
+
 def test_another_multirun_takes_no_folder_that_holds_one(whole):
     before = found(whole)
     done = footopt(*SWEEP, "scene=brisk", "hydra.sweep.dir=run", cwd=whole.parent)
@@ -116,7 +165,7 @@ def test_killed_at_random_and_finished_by_one_command_it_is_that_of_one_never_ki
     """FOOTOPT_JOBS=200 FOOTOPT_KILLS=5 tries more; with jobs of a search, whose stores are cut short, too."""
     jobs, kills = int(os.environ.get("FOOTOPT_JOBS", 8)), int(os.environ.get("FOOTOPT_KILLS", 3))
     words = ["-m", "sand=soft", "accuracy=draft", "solver.pop_size=4", "solver.n_gen=2", "engine.threads=1",
-             f"solver.seed=range({jobs})"]  # fmt: skip
+             "report=light", f"solver.seed=range({jobs})"]  # fmt: skip
     done = footopt(*words, "hydra.sweep.dir=whole", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     rng = random.Random(time.time_ns())

@@ -54,7 +54,10 @@ def test_a_wheel_with_nothing_but_what_it_asks_for_runs_a_small_job(tmp_path):
         for top in {file.parts[0] for file in library.files} - {"..", "__pycache__"}:
             if not (site / top).exists():  # a namespace of several
                 (site / top).symlink_to(library.locate_file(top))
-    job = [programs / "footopt", "solver.n_gen=2", "solver.pop_size=8", "accuracy=draft"]
+    (tmp_path / "conf").mkdir()
+    own = "defaults: [config]\nsolver: {n_gen: 2, pop_size: 8}\nhydra: {searchpath: ['pkg://footopt.conf']}\n"
+    (tmp_path / "conf" / "mine.yaml").write_text(own)
+    job = [programs / "footopt", "-cp", tmp_path / "conf", "-cn", "mine", "accuracy=draft"]
     environment = {**os.environ, "PYTHONPATH": str(UNRENDERED)}  # and nothing else
     done = subprocess.run(job, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=LIMIT)
     assert done.returncode == 0, done.stderr
