@@ -72,7 +72,7 @@ def run(study: Study) -> Answer:
     values, base = walk.judged(problem.record), flat.judged(problem.record)
     diagnostics = [*diagnose(walk), *resolution(walk, errors)]
     rivals, turns = result.k[confirmed.designs[: options.finalists]], []
-    if study.reports:
+    if study.reports and options.confirm:
         with study.compiling("a walk for each law"):
             flat_k = np.full(problem.space.n, problem.space.K)
             turns = ranks.ranks(problem, rivals, flat_k, options.spread.zeta)

@@ -37,7 +37,7 @@ MEANINGS = {
     "plugins": "Files (.py) or modules of your own, which register effects, objectives, solvers or studies.",
     "report": "How much a run leaves: full; light, without figures; none, result.json and contour.csv only.",
     "study.name": "The question.",
-    "study.confirm": "Accuracy at which the finalists are walked again; null: that of the search.",
+    "study.confirm": "Accuracy at which finalists are walked again; null: the search's, under no other law.",
     "study.finalists": "How many of the best designs of one objective are walked again.",
     "study.store": "File of evaluated designs that runs may share; null: designs.sqlite in the run's folder.",
     "study.reuse": "Whether to read what other code has walked from the store, which is said.",

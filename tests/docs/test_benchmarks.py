@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import against_numpy
 import engines
+import large_search
 import numpy as np
 import numpy_walk
 import other_optimisers
@@ -79,3 +80,10 @@ def test_little_goes_over_the_wire():
     assert 8 * 11 <= out < 110
     assert 8 * 6 <= back < 90
     assert problem < 10_000
+
+
+def test_a_large_search_leaves_what_is_measured(tmp_path):
+    found = large_search.measured(400, tmp_path)
+    assert 300 < found["designs"] <= 400
+    assert found["before"] <= found["searched"] <= found["written"]
+    assert (tmp_path / "designs.csv").read_text().count("\n") == found["designs"] + 1

@@ -40,7 +40,13 @@ TEXTS = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for
 HELP = "conf/config.yaml"
 #: What makes each study small: put for the same key of its command, or else added. The choice of a group
 #: (a key without a dot) is added only where the command makes none.
-SEARCH = {"solver.pop_size": "8", "solver.n_gen": "2", "study.finalists": "2", "accuracy": "draft"}
+SEARCH = {
+    "solver.pop_size": "8",
+    "solver.n_gen": "2",
+    "study.finalists": "2",
+    "accuracy": "draft",
+    "study.confirm": "null",
+}
 SMALL = {
     "optimize": SEARCH,
     "simulate": {"accuracy": "draft"},

@@ -133,6 +133,14 @@ class TestDxf:
             soles.read(tmp_path / "a.dxf")
         assert np.ptp(soles.read(tmp_path / "a.dxf", units="mm").points[:, 0]) == pytest.approx(0.2)
 
+    def test_lines_of_old_programs_with_both_x_before_both_y(self, tmp_path):
+        line = "0\nLINE\n8\n1\n10\n{}\n11\n{}\n20\n{}\n21\n{}\n30\n0.0\n31\n0.0\n"
+        lines = line.format(-100.0, 0.0, 0.0, -20.0) + line.format(0.0, 100.0, -20.0, 0.0)
+        text = f"0\nSECTION\n2\nENTITIES\n{lines}0\nENDSEC\n0\nEOF\n"
+        (tmp_path / "a.dxf").write_text(text)
+        sole = soles.read(tmp_path / "a.dxf", units="mm").points
+        np.testing.assert_allclose(sole, [(-0.1, 0), (0, -0.02), (0.1, 0)])
+
     @pytest.mark.parametrize("zscale", [0.0, 1.0])
     def test_blocks_that_are_turned_scaled_mirrored_and_flat(self, tmp_path, zscale):
         def draw(space):

@@ -85,7 +85,7 @@ def _columns(text: str) -> tuple[str, dict[str, list[Array]], tuple[str, ...]]:
     (_, names), *rows = rows
     try:
         # an empty cell matters only in a column that is read
-        table = to_numbers(rows, len(names), gaps="" in {c for _, cells in rows for c in cells})
+        table = to_numbers(rows, len(names), gaps=any("" in cells for _, cells in rows))
     except ValueError as error:
         raise Unusable(f"cannot be read as MOT/STO ({error}).") from None
     head = "\n".join(lines[:end]).lower()

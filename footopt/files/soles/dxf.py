@@ -43,6 +43,7 @@ def read(path: Path, units: str | None) -> Iterator[Line]:
 def _document(path: Path) -> tuple[Any, bool]:
     """A drawing that is whole, and whether it says its unit: the library has one for those that do not."""
     import ezdxf
+    from ezdxf import recover
 
     content = read_bytes(path, "sole", "foot.path")
     if content.startswith(b"AutoCAD Binary DXF"):
@@ -50,4 +51,11 @@ def _document(path: Path) -> tuple[Any, bool]:
     if content.rstrip()[-3:] != b"EOF":
         raise Unusable("cannot be read as DXF (it does not end with EOF: is it cut off?).")
     logging.getLogger("ezdxf").setLevel(logging.ERROR)  # what it mends is not the user's concern
-    return ezdxf.readfile(path), b"$INSUNITS" in content
+    stated = b"$INSUNITS" in content
+    try:
+        return ezdxf.readfile(path), stated
+    except ezdxf.DXFStructureError:  # old programs write a line's x before its y
+        document, auditor = recover.readfile(path)
+        if auditor.has_errors or auditor.has_fixes:
+            raise
+        return document, stated
