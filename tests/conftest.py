@@ -66,7 +66,7 @@ def every_result_json_is_as_its_schema_says():
     def validated(path, content):
         if path.name == "result.json":
             validator, studies = schema()
-            if content["study"] in studies:
+            if content.get("study") in studies:  # some tests write a part only
                 validator.validate(run.plain(content))
         write(path, content)
 

@@ -3,7 +3,7 @@
 import csv
 import json
 import os
-from pathlib import Path
+import sys
 
 import numpy as np
 import pytest
@@ -12,6 +12,8 @@ from hydra.experimental.callback import Callback
 from running import footopt
 
 import footopt as fo
+from footopt.cli.trackers import MLflow
+from footopt.errors import SettingError
 from footopt.report.runs import read_run
 from footopt.report.sweeps import fronts
 
@@ -64,16 +66,37 @@ class TestAJobReturns:
 
 
 class TestTracker:
-    """The example's callback hears of every job."""
+    """Who keeps runs elsewhere hears of every job."""
 
-    def test_writes_a_line_for_each_job_the_failed_ones_too(self, tmp_path, monkeypatch):
-        monkeypatch.syspath_prepend(Path(__file__).parents[2] / "examples" / "tracking")
-        words = ["foot.width=-1,0.1", "+hydra.callbacks.tracker._target_=tracker.Tracker"]
-        footopt("-m", *WALK, *words, "hydra.sweep.dir=sweep", cwd=tmp_path)
+    def test_a_line_of_json_is_written_for_each_job_the_failed_ones_too(self, tmp_path):
+        words = ["foot.width=-1,0.1", "+hydra/callbacks=jsonl", "hydra.sweep.dir=sweep"]
+        footopt("-m", *WALK, *words, cwd=tmp_path)
         failed, good = map(json.loads, (tmp_path / "runs.jsonl").read_text().splitlines())
         assert failed["objectives"] == {}
+        assert "foot.width = -1.0: must be" in failed["note"]
         assert good["settings"]["foot.width"] == 0.1
         assert good["objectives"] == json.loads((tmp_path / "sweep/1/result.json").read_text())["objectives"]
+
+    def test_a_tracker_that_is_not_installed_is_named(self, tmp_path, monkeypatch):
+        monkeypatch.setitem(sys.modules, "mlflow.tracking", None)
+        with pytest.raises(SettingError, match=r"pip install 'footopt\[mlflow\]'"):
+            MLflow()
+
+    @pytest.mark.slow
+    def test_mlflow_has_a_run_for_each_job(self, tmp_path, monkeypatch):
+        tracking = pytest.importorskip("mlflow.tracking")
+        monkeypatch.setenv("MLFLOW_ALLOW_FILE_STORE", "true")
+        store = f"file://{tmp_path}/kept"
+        words = ["foot.width=-1,0.1", "+hydra/callbacks=mlflow", f"hydra.callbacks.mlflow.uri={store}"]
+        footopt("-m", *WALK, *words, "hydra.sweep.dir=sweep", cwd=tmp_path)
+        client = tracking.MlflowClient(store)
+        found = client.search_runs([client.get_experiment_by_name("footopt").experiment_id])
+        good, failed = sorted((run for run in found), key=lambda run: run.info.run_name, reverse=True)
+        assert (good.info.status, failed.info.status) == ("FINISHED", "FAILED")
+        assert "foot.width = -1.0: must be" in failed.data.tags["note"]
+        assert good.data.params["foot.width"] == "0.1"
+        kept = json.loads((tmp_path / "sweep/1/result.json").read_text())["objectives"]
+        assert good.data.metrics == {name: value for name, value in kept.items() if value is not None}
 
 
 class TestReport:
