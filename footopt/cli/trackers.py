@@ -1,6 +1,6 @@
 """Trackers: Hydra's callbacks that hear of every job, and keep it where you keep your runs.
 
-``+hydra/callbacks=mlflow`` or ``+hydra/callbacks=jsonl`` switches one on; a class of your own that derives
+``hydra/callbacks=mlflow`` or ``hydra/callbacks=jsonl`` switches one on; a class of your own that derives
 from `Tracker` is another, by ``+hydra.callbacks.mine._target_=module.Class``.
 """
 

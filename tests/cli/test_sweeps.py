@@ -69,7 +69,7 @@ class TestTracker:
     """Who keeps runs elsewhere hears of every job."""
 
     def test_a_line_of_json_is_written_for_each_job_the_failed_ones_too(self, tmp_path):
-        words = ["foot.width=-1,0.1", "+hydra/callbacks=jsonl", "hydra.sweep.dir=sweep"]
+        words = ["foot.width=-1,0.1", "hydra/callbacks=jsonl", "hydra.sweep.dir=sweep"]
         footopt("-m", *WALK, *words, cwd=tmp_path)
         failed, good = map(json.loads, (tmp_path / "runs.jsonl").read_text().splitlines())
         assert failed["objectives"] == {}
@@ -87,7 +87,7 @@ class TestTracker:
         tracking = pytest.importorskip("mlflow.tracking")
         monkeypatch.setenv("MLFLOW_ALLOW_FILE_STORE", "true")
         store = f"file://{tmp_path}/kept"
-        words = ["foot.width=-1,0.1", "+hydra/callbacks=mlflow", f"hydra.callbacks.mlflow.uri={store}"]
+        words = ["foot.width=-1,0.1", "hydra/callbacks=mlflow", f"hydra.callbacks.mlflow.uri={store}"]
         footopt("-m", *WALK, *words, "hydra.sweep.dir=sweep", cwd=tmp_path)
         client = tracking.MlflowClient(store)
         found = client.search_runs([client.get_experiment_by_name("footopt").experiment_id])

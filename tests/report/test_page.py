@@ -304,7 +304,7 @@ class TestExplorer:
         chosen = int(re.search(r"design (\d+)", title)[1])
         near = result.values[chosen, :2] - result.values[other, :2]
         assert np.all(np.abs(near) < 0.05 * np.ptp(result.values[result.front][:, :2], axis=0))
-        assert f"k = {', '.join(map(str, result.k[chosen]))}" in shown.text("#design-words")
+        assert f"k = [{','.join(map(str, result.k[chosen]))}]" in shown.text("#design-words")
         rows = [row.find_elements("css selector", "td") for row in shown.all("#design tbody tr")]
         numbers = [float(cells[1].text.replace("−", "-")) for cells in rows]
         np.testing.assert_allclose(numbers, result.values[chosen], rtol=1e-3)
@@ -407,7 +407,7 @@ class TestSearch:
         assert len(buttons) == len(walks.successive_bests(result))
         buttons[0].click()
         i = walks.successive_bests(result)[0]
-        assert ", ".join(map(str, result.k[i])) in shown.text("#design-words")
+        assert ",".join(map(str, result.k[i])) in shown.text("#design-words")
         assert shown["#walk-choice option:checked"].text == f"design {i}"
 
 
