@@ -24,8 +24,8 @@ from footopt.cli.sweep import Summary
 from footopt.cli.words import check_dashes, readable
 from footopt.errors import ERROR_FILE, FootoptError
 from footopt.files.lock import Occupied
-from footopt.files.reading import read_json_file
 from footopt.files.run import write_text
+from footopt.studies.identity import result_of
 
 log = logging.getLogger("footopt")
 
@@ -69,8 +69,8 @@ def _job(settings: DictConfig) -> Any:
     try:
         told = walk(resolved(settings, here), folder, words, files=set_by_files(here))
         if here.mode != RunMode.MULTIRUN and settings.study.name == "simulate":
-            result = read_json_file(folder / "result.json", "run", "study.run")
-            if not result["feasible"]:
+            result = result_of(folder)
+            if result and not result["feasible"]:
                 sys.exit(f"footopt: error: the walk failed: {result['reason']}. {folder} has all about it.")
         return told
     except KeyboardInterrupt:

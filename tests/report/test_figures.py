@@ -169,7 +169,7 @@ def test_figures_can_be_drawn_from_threads(foot, hard, tmp_path):
 
 def test_a_folder_that_cannot_be_made_is_named(foot, tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(FileError, match="figure sole cannot be written"):
+    with pytest.raises(FileError, match=r"cannot write .*sole\.png"):
         figures.save(figures.contour(foot), tmp_path / "file", "sole")
 
 

@@ -150,7 +150,7 @@ def test_the_cards_say_what_the_objects_hold(card_of, walked, many, searches):
     assert f"failed: sunk {len(many) - int(many.feasible.sum())}" in text
     best = searches["one"]
     text = card_of("one").text
-    assert ", ".join(map(str, best.k[best.best])) in text
+    assert ",".join(map(str, best.k[best.best])) in text
     assert f"{best.values[best.best][0]:.4g} m" in text
 
 

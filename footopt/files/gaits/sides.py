@@ -113,6 +113,7 @@ def _slower(t: Array, part: Array, part_2: Array, begin: int, end: int) -> bool:
     edges = [(a[-1], b[0]) for a, b in ((before, inside), (inside, after)) if len(a) and len(b)]
 
     def speed(a: Array, b: Array) -> float:
-        return float(sum(np.linalg.norm(a[i] - b[j]) / (t[j] - t[i]) for i, j in edges))
+        with np.errstate(divide="ignore", invalid="ignore"):  # of times that are there twice
+            return float(sum(np.linalg.norm(a[i] - b[j]) / (t[j] - t[i]) for i, j in edges))
 
     return speed(part, part_2) + speed(part_2, part) < speed(part, part) + speed(part_2, part_2)
