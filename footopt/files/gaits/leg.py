@@ -194,9 +194,9 @@ def _check_straight(t: Array, hip: Array, other: Array | None, up: Array) -> Non
         valid = np.hypot(across[:, ahead], across[:, aside]) > PACE
     else:
         across = hip - other
-        seen = valid = np.isfinite(across[:, 0])
+        seen = np.isfinite(across[:, 0])
         across = across[seen]
-        valid = valid[seen]
+        valid = np.hypot(across[:, ahead], across[:, aside]) > 0.0
     across, times = across[valid], t[seen][valid]
     if len(times) < 2 * frames:
         return
