@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,7 @@ from footopt.files.identity import flat
 from footopt.files.reading import read_json_file
 
 
-class Tracker(Callback):
+class Tracker(Callback, ABC):
     """What is told of every job when it has ended, in the job's own process."""
 
     def on_job_end(self, config: DictConfig, job_return: Any, **kwargs: Any) -> None:
@@ -36,6 +37,7 @@ class Tracker(Callback):
             said = error.read_text(encoding="utf-8").strip() if error.is_file() else "no result"
             self.track(folder, {}, {}, said)
 
+    @abstractmethod
     def track(
         self, folder: Path, settings: Mapping[str, Any], objectives: Mapping[str, float | None], note: str
     ) -> None:
@@ -52,7 +54,6 @@ class Tracker(Callback):
         note : str
             Why it or its walk has failed; "" if it has not.
         """
-        raise NotImplementedError
 
 
 class JsonLines(Tracker):
