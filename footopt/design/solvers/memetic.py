@@ -65,7 +65,7 @@ class NeverTwice(SameHeights):
         self.asked: set[bytes] = set()
 
     def do(self, pop: Any, *others: Any, **kwargs: Any) -> Any:
-        """What is new of `pop`: neither asked for, nor among what was found last (pymoo's offspring so far)."""
+        """What is new of `pop`: never asked for, and not in the last of the others (what was just found)."""
         found = set(self._rows(others[-1])) if others and len(others[-1]) else set()
         new = []
         for key in self._rows(pop) if len(pop) else ():
