@@ -22,7 +22,7 @@ from running import composed, tries
 
 import footopt as fo
 from footopt import studies
-from footopt.cli.compose import CONF, groups, known
+from footopt.cli.compose import CONF, groups
 from footopt.cli.messages import explain
 from footopt.cli.words import readable
 from footopt.design import Solver, make_executor
@@ -32,7 +32,7 @@ from footopt.errors import FootoptError, SettingError
 from footopt.sand import MEDIA
 from footopt.studies import build
 from footopt.studies.robust import make_scenarios
-from footopt.studies.settings import SEARCHES, Config
+from footopt.studies.settings import SEARCHES, Config, known
 from footopt.walk import PRESETS
 from footopt.walk.accuracy import MARGIN, measured_settings
 
