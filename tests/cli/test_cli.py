@@ -161,7 +161,7 @@ class TestSimulateARun:
     """study=simulate run=FOLDER: its foot, in its world but for what else is given."""
 
     def simulated(self, elsewhere, *words, cwd):
-        done = footopt("study=simulate", f"run={elsewhere}", *words, cwd=cwd)
+        done = footopt("study=simulate", f"run={elsewhere}", "report=none", *words, cwd=cwd)
         assert done.returncode == 0, done.stderr
         return json.loads((only_folder(cwd) / "result.json").read_text()), done.stdout
 
@@ -170,6 +170,9 @@ class TestSimulateARun:
         result, _ = self.simulated(elsewhere, cwd=tmp_path)
         assert result["design"] == before["design"]
         assert {n: result["objectives"][n] for n in before["objectives"]} == before["objectives"]
+        run = fo.load(only_folder(tmp_path))  # its folder knows the foot, which is not one of the default space
+        assert (run.foot.k, run.foot.width) == (tuple(before["design"]["k"]), 0.08)
+        assert {n: run.walk().objectives[n] for n in run.best} == run.best
 
     @pytest.mark.parametrize(
         ("words", "sand", "mass", "g"),
@@ -202,7 +205,7 @@ class TestSimulateARun:
         moon = ["study=simulate", "planet=moon", "report=none", "accuracy=draft", "hydra.run.dir=moon"]
         assert footopt(*moon, cwd=tmp_path).returncode == 0
         (tmp_path / "here").mkdir()
-        _, said = self.simulated(tmp_path / "moon", "planet=earth", "report=none", cwd=tmp_path / "here")
+        _, said = self.simulated(tmp_path / "moon", "planet=earth", cwd=tmp_path / "here")
         assert "g 9.81 m/s^2" in said
 
     def test_another_sole_of_its_space(self, elsewhere, tmp_path):
