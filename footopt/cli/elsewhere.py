@@ -11,6 +11,7 @@ from hydra.core.global_hydra import GlobalHydra
 from hydra.types import RunMode
 from omegaconf import OmegaConf, open_dict
 
+from footopt.cli.paths import within
 from footopt.files import identity
 from footopt.studies.reads import CHOICE
 
@@ -54,12 +55,5 @@ def in_the_world_of_its_run(settings: Mapping[str, Any], here: Any) -> dict[str,
     for name in sorted(changed):  # a group before what is in it
         *above, last = name.split(".")
         if (above or [last])[0] in WORLD:
-            _within(walked, above)[last] = _within(settings, above)[last]
+            within(walked, above)[last] = within(settings, above)[last]
     return walked
-
-
-def _within(settings: Any, names: list[str]) -> Any:
-    """The group of settings below some names."""
-    for name in names:
-        settings = settings[name]
-    return settings
