@@ -17,7 +17,6 @@ from rich.table import Table
 from footopt.files.run import write_text
 from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
-from footopt.report.figures.credibility import levels
 from footopt.report.numbers import percent
 from footopt.sand import Sand
 from footopt.studies import validation
@@ -71,8 +70,6 @@ def run(study: Study) -> None:
             found.append(ask())
             step(news=found[-1].name)
     write_text(study.folder / "credibility.md", page(found))
-    caption = "Level of each factor, from 0 (nothing) to 4, by this project's own judgement."
-    study.save("levels", levels([f.name for f in found], [f.level for f in found]), caption)
     study.conclude(
         "How credible are the results?",
         [table(found)],
