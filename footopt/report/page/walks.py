@@ -167,7 +167,9 @@ def verdict(best: Walk, flat: Walk) -> str:
         if math.isfinite(change := value / base - 1.0 if base else math.nan):
             more = "more" if change > 0.0 else "less"
             gains[f"{percent(abs(change))} {more} {title(name)}"] = -MEASURES[name].sign * change
-    ends = dict.fromkeys([max(gains, key=gains.__getitem__), min(gains, key=gains.__getitem__)]) if gains else {}
+    ends = (
+        dict.fromkeys([max(gains, key=gains.__getitem__), min(gains, key=gains.__getitem__)]) if gains else {}
+    )
     told = [words for words in ends if abs(gains[words]) >= 0.005]
     return f"{said}: {', '.join(told)} than a flat one" if told else said
 
