@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from paper_cases import HOLLOW, ROCKER, config
+from running import unrender
 from study_pages import check_page
 
 import footopt as fo
 from footopt.errors import SettingError
 from footopt.foot import SHAPES
-from footopt.report import style
 from footopt.report.figures.paper import CAPTIONS
 from footopt.studies import shapes as shapes_study
 from footopt.studies.base import Study
@@ -146,7 +146,7 @@ def small(monkeypatch):
     few = tuple(f for f in FACTORS if f.setting in ("foot.apex", "foot.width"))
     monkeypatch.setattr(sweeping, "FACTORS", few)
     monkeypatch.setattr(setup, "QUICK_SEARCH", (6, 2))
-    monkeypatch.setattr(style, "DPI", 50)
+    unrender(monkeypatch)
 
 
 @pytest.mark.slow
@@ -216,7 +216,8 @@ class TestShapes:
             shapes_study.run(Study(config(foot__k=[1] * 11), tmp_path, {}))
 
     @pytest.mark.slow
-    def test_their_study_is_what_the_library_computes(self, tmp_path):
+    def test_their_study_is_what_the_library_computes(self, tmp_path, monkeypatch):
+        unrender(monkeypatch)
         settings = config(sand__zeta=0.2, foot__length=0.2, accuracy__name="draft", study__name="shapes")
         shapes_study.run(Study(settings, tmp_path, {}))
         result = json.loads((tmp_path / "result.json").read_text())

@@ -100,7 +100,7 @@ class TestSettings:
 @pytest.mark.slow
 def test_the_study_from_the_command_line(tmp_path):
     words = ["study=effects", "study.feet=4", "accuracy=draft", "hydra.run.dir=out"]
-    done = footopt(*words, cwd=tmp_path, drawn=True)
+    done = footopt(*words, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     with open(tmp_path / "out" / "effects.csv", newline="") as file:
         rows = list(csv.DictReader(file))
@@ -109,9 +109,6 @@ def test_the_study_from_the_command_line(tmp_path):
     assert all(r["tolerance"] == "0.02" for r in rows)
     result = json.loads((tmp_path / "out" / "result.json").read_text())
     assert "leading_edge" in result["called_for"]
-    assert all(
-        (tmp_path / "out" / "figures" / f"effects.{end}").stat().st_size > 5000 for end in ("png", "pdf")
-    )
     check_page(tmp_path / "out")
     assert "leading edge on soft sand changes" in done.stdout
     sets = [set(j["effects"]) for j in result["interactions"]]

@@ -17,7 +17,8 @@ TRUST = ("study=trust", "foot.n=4", "foot.K=4")
 
 
 @pytest.mark.slow
-def test_the_exhaustive_solver_as_the_command_line_composes_it(tmp_path, capsys):
+def test_the_exhaustive_solver_as_the_command_line_composes_it(tmp_path, capsys, monkeypatch):
+    unrender(monkeypatch)
     words = ("solver=exhaustive", "foot.n=4", "foot.K=4", "accuracy=draft", "solver.pop_size=100")
     run(composed(*words), tmp_path, {})
     result = json.loads((tmp_path / "result.json").read_text())
@@ -25,7 +26,7 @@ def test_the_exhaustive_solver_as_the_command_line_composes_it(tmp_path, capsys)
     assert result["designs"] == 256
     assert result["infeasible"] == exact.infeasible
     assert result["confirmed"]["k"][0] in exact.k[:20].tolist()
-    assert (tmp_path / "figures" / "contours.png").stat().st_size > 10_000
+    assert (tmp_path / "figures" / "contours.png").exists()
     assert not (tmp_path / "figures" / "convergence.png").exists()
     assert "exhaustive, seed 1: 202 evaluations of 256 designs" in capsys.readouterr().out
 
