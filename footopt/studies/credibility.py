@@ -24,10 +24,11 @@ from footopt.studies.base import Study
 from footopt.studies.ranks import other_laws
 from footopt.studies.validation import model
 from footopt.studies.validation.compare import AGREES, DIFFERS, OPEN, experiments
-from footopt.walk import Scene, Spread, estimate_error, evaluate, simulate
+from footopt.walk import Scene, Spread, evaluate, simulate
 from footopt.walk.audit import tau
 from footopt.walk.objectives import FIVE
 from footopt.walk.reference import LIMITS, PUBLISHED, RAMP, contact_forces
+from footopt.walk.resolution import error_of
 
 SANDS = ("soft", "regular", "hard")
 FEET = 8  # random soles on each sand whose estimated errors are held against a finer walk
@@ -95,8 +96,8 @@ def solution() -> Measured:
         scene = Scene(sand=Sand.named(name))
         finest = evaluate(feet, scene, "reference").values
         for k, true in zip(feet, finest, strict=True):
-            foot = Foot.from_waypoints(k)
-            own, errors = simulate(foot, scene).objectives, estimate_error(foot, scene)
+            walk = simulate(Foot.from_waypoints(k), scene)
+            own, errors = walk.objectives, error_of(walk)
             off = np.array([abs(own[n] - t) for n, t in zip(FIVE, true, strict=True)])
             ratios += (off / np.array([errors[n] for n in FIVE])).tolist()
             worst = max(worst, float((off / np.abs(true)).max()))

@@ -31,6 +31,12 @@ def findings(folder):
     return {f["what"]: f for f in json.loads(path.read_text())["findings"]}
 
 
+@pytest.fixture(autouse=True)
+def few_feet(monkeypatch):
+    """A speed that nobody reads is measured with few walks."""
+    monkeypatch.setattr(doctor, "FEET", 4)
+
+
 @pytest.fixture
 def one_sand(monkeypatch):
     """The self-test is that on hard sand alone."""

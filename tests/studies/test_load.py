@@ -13,7 +13,7 @@ from footopt.studies.load import configured
 
 WORDS = [
     *("sand=soft", "accuracy=draft", "objective.names=[distance,work]", "solver=nsga2", "solver.pop_size=8"),
-    *("solver.n_gen=2", "study.confirm=standard", "walker.mass=50", "foot.n=5", "engine.threads=1"),
+    *("solver.n_gen=2", "study.confirm=null", "walker.mass=50", "foot.n=5", "engine.threads=1"),
 ]
 TEST = ["study=simulate", "accuracy=draft", "effects=[slope,leading_edge]", "effects.slope.angle=4"]
 

@@ -161,7 +161,7 @@ def test_the_study_leaves_figures_claims_and_a_page(small, tmp_path, capsys):
         assert 0.0 <= entry["share_of_sweep"] <= 1.0
         assert entry["holds_at_the_settings"] == (entry["margin"] > 0.0)
         assert set(entry["single_changes"]) == {"foot.width=0.05", "foot.width=0.15", "foot.apex=toe"}
-    hard = found["feet"]["hard"]
+    hard = found["optima"]["hard"]
     walked = fo.simulate(fo.Foot.from_waypoints(hard["k"]), fo.Scene(), "draft").objectives
     assert hard["objectives"] == {name: walked[name] for name in hard["objectives"]}
     assert hard["all_seeds_best_first"][0]["efficiency"] == walked["efficiency"]

@@ -172,7 +172,7 @@ class TestClaims:
 
     def test_the_stored_margins_are_what_is_measured(self):
         stored = json.loads((REFERENCE / "claims.json").read_text(encoding="utf-8"))
-        feet = {sand: fo.Foot.from_waypoints(foot["k"]) for sand, foot in stored["feet"].items()}
+        feet = {sand: fo.Foot.from_waypoints(foot["k"]) for sand, foot in stored["optima"].items()}
         margins = measure(Setup(Config()).evidence(feet))
         np.testing.assert_allclose(margins, [claim["margin"] for claim in stored["claims"]], rtol=1e-6)
 

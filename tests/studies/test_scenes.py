@@ -18,8 +18,8 @@ from footopt.studies.stability_judges import Setup
 from footopt.studies.validation.model import model_error
 
 K = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)
-#: Cases without effects of their own, and within a minute.
-HARD = [c.name for c in CASES if not c.name.startswith("at rest") and c.name != "ten minutes of walking"]
+HARD = ("standing, zeta 5", "a foot set down at 3 m/s", "spiky soles", "creep 1e-9 on zeta 50",
+        "a step ten times larger", "sinking to the hip", "a plate at rest")  # fmt: skip
 
 
 def scene_of(*overrides):

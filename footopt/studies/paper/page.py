@@ -39,7 +39,7 @@ def content(
             {"id": name, **CLAIMS[name]._asdict(), **dataclasses.asdict(judgement)}
             for name, judgement in judged.items()
         ],
-        "feet": {
+        "optima": {
             sand: _foot_entry(evidence, evidence.optima[sand])
             | {"all_seeds_best_first": [_seed_entry(evidence, walk) for walk in seeds[sand]]}
             for sand in SANDS
@@ -126,12 +126,14 @@ def markdown(found: Entry) -> str:
         "holds; for each of them feet were searched again on every sand by a GA of {search[pop_size]} x "
         "{search[n_gen]}. Combinations in which a walk failed are undecided."
     )
-    warnings = [f"- {sand} sand: {says}" for sand, foot in found["feet"].items() for says in foot["warnings"]]
+    warnings = [
+        f"- {sand} sand: {says}" for sand, foot in found["optima"].items() for says in foot["warnings"]
+    ]
     page = _text("page.md").format(
         summary=summary([claim["verdict"] for claim in claims]),
         swept=share.format(**swept) if swept["samples"] else "Nothing was swept (`study.samples=0`).",
         claims=terminal.markdown_rows(claim_rows(found)),
-        feet=terminal.markdown_rows([sand, *_foot_cells(foot)] for sand, foot in found["feet"].items()),
+        feet=terminal.markdown_rows([sand, *_foot_cells(foot)] for sand, foot in found["optima"].items()),
         warnings="\n".join(warnings or ["- nothing"]),
         shapes=terminal.markdown_rows([name, *_walk_cells(shape)] for name, shape in found["shapes"].items()),
         decided=terminal.markdown_rows([c["says"], c["decided"], c["unit"]] for c in claims),
