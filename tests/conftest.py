@@ -61,14 +61,14 @@ def schema():
 @pytest.fixture(scope="session", autouse=True)
 def every_result_json_is_as_its_schema_says():
     """Of all that these tests write in this process; studies of plugins have entries of their own."""
-    json_text = run.json_text
+    text = run.json_text
 
     def validated(content):
         validator, studies = schema()
         if content.get("study") in studies and content.get("settings"):  # some tests write a part only
             validator.validate(run.plain(content))
-        return json_text(content)
+        return text(content)
 
     run.json_text = validated
     yield
-    run.json_text = json_text
+    run.json_text = text
