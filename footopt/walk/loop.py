@@ -18,7 +18,7 @@ from footopt.walk.bristles import keep, settled
 from footopt.walk.contact import contact, static_height
 from footopt.walk.metrics import deepest, embedded, nothing_yet, raw_of, sample_of, watch
 from footopt.walk.sources import own, source
-from footopt.walk.state import Integrals, Sole, State, World, fill, sole_of
+from footopt.walk.state import Integrals, Sole, State, World, sole_of, write
 from footopt.walk.steppers import STEPPERS, acceleration, advance, touch
 
 OK, SUNK, BACKWARD, DIVERGED = range(4)
@@ -71,7 +71,7 @@ def _compile(source: str, compiler: Any):
             state = State(0.0, z, 0.0, 0.0, at, Integrals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), bristles, True)
             reached = nothing_yet()
             if traced:
-                fill(trace[0], sample_of(0.0, state))
+                write(trace[0], sample_of(0.0, state))
                 keep(kept, 0, state.bristles)
             status[d] = OK
             n = place = level = 0  # the step n is walked up to place / 2^finest of it
@@ -105,7 +105,7 @@ def _compile(source: str, compiler: Any):
                 reached = watch(reached, state, after, ax0, ax1, t, h, strike, depth)
                 state = after
                 if traced:
-                    fill(trace[row], sample_of(t, state))
+                    write(trace[row], sample_of(t, state))
                     keep(kept, row, state.bristles)
                 if control is not None:  # noqa: SIM102  only such a test on its own is pruned
                     if level > 0 and place % (2 * stride) == 0 and error < 0.1 * control:
@@ -113,7 +113,7 @@ def _compile(source: str, compiler: Any):
             if status[d] == OK:
                 if state.x <= 0.0 and reached.speed > -np.inf:
                     status[d] = BACKWARD
-                fill(raw[d], raw_of(state, reached, times[steps]))
+                write(raw[d], raw_of(state, reached, times[steps]))
 
     return walk_range
 
