@@ -32,6 +32,15 @@ def rsqrt(square):
 
 
 @inlined_fast
+def motion(ankle, x, z):
+    """Height (m) and velocity (m/s) of the plate at (x, z) in the foot's frame, by the paper's eq. 4."""
+    rise = ankle.sin * x + ankle.cos * z
+    vx = ankle.vx - ankle.rate * rise
+    vz = ankle.vz + ankle.rate * ankle.cos * x - ankle.rate * ankle.sin * z
+    return ankle.z + rise, vx, vz
+
+
+@inlined_fast
 def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, creep, stage, h0):
     """F = sum of f: the force on one foot by the paper's eq. 2, its power, and its derivatives.
 
@@ -59,7 +68,6 @@ def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, cre
     c2p, s2p = ankle.cos * ankle.cos - ankle.sin * ankle.sin, 2.0 * ankle.sin * ankle.cos
     cos, sin = ankle.cos, ankle.sin
     eps2 = creep * creep
-    rate_cos, rate_sin = ankle.rate * cos, ankle.rate * sin
     fx = fz = power = jxx = jxz = jzx = jzz = 0.0
     # slices from 0: an index that could be negative would keep the loop from being vectorised
     x, z, area = sole.x[first:last], sole.z[first:last], sole.area[first:last]
@@ -70,12 +78,9 @@ def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, cre
     if tangent is not None:
         tx, tz = tangent.x[first:last], tangent.z[first:last]
     for i in range(len(x)):
-        # eq. 4, r = r_A + R r_i and v = v_A + dR/dt r_i: the plate's depth, m, and velocity, m/s
-        rz = sin * x[i] + cos * z[i]
-        depth = max(-(ankle.z + rz), 0.0)
+        height, vx, vz = motion(ankle, x[i], z[i])
+        depth = max(-height, 0.0)
         k = area[i] * depth
-        vx = ankle.vx - ankle.rate * rz
-        vz = ankle.vz + rate_cos * x[i] - rate_sin * z[i]
 
         # the direction of motion h = v / |v|: smoothed, or held by the sand's bristles
         if h0 is None:
@@ -89,7 +94,7 @@ def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, cre
             slides = 1.0 if square > 1.0 else 0.0
             q *= turn
 
-        # eq. 1: the stress per depth p = a - M h, with cos and sin of twice the plate's angle in the world
+        # eq. 1: the stress per depth, p = a - M h, with cos and sin of twice the plate's angle in the world
         c = c2[i] * c2p - s2[i] * s2p
         s = s2[i] * c2p + c2[i] * s2p
         mxx = law.C01 + law.C_sum * c
@@ -163,8 +168,16 @@ def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, cre
 
 
 @inlined
-def submerged(sole, za, cos, sin):
+def ankle_of(poses, foot, x, z, vx, vz):
+    """Pose of a foot in the world, from its pose relative to the hip, the hip's place and its velocity."""
+    pose = pose_of(poses, foot)
+    return Pose(x + pose.x, z + pose.z, vx + pose.vx, vz + pose.vz, pose.cos, pose.sin, pose.rate)
+
+
+@inlined
+def submerged(sole, ankle):
     """First and one past the last plate of the blocks that reach below the surface."""
+    za, cos, sin = ankle.z, ankle.cos, ankle.sin
     if za > sole.reach:
         return 0, 0
     first, last = 0, len(sole.block_x)
@@ -207,9 +220,8 @@ def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, counts):
     counts.evaluations += 1
     left, right = no_force(), no_force()
     for foot in range(2):  # one copy of the loop over plates: what is written twice is compiled twice
-        pose = pose_of(poses, foot)
-        ankle = Pose(x + pose.x, z + pose.z, vx + pose.vx, vz + pose.vz, pose.cos, pose.sin, pose.rate)
-        first, last = submerged(sole, ankle.z, pose.cos, pose.sin)
+        ankle = ankle_of(poses, foot, x, z, vx, vz)
+        first, last = submerged(sole, ankle)
         force = no_force()
         if first < last:
             counts.plates += last - first
