@@ -43,7 +43,8 @@ def bristles_at_start(rest, plates):
     if rest is None:
         return None
     now = np.zeros((2, 2, plates))
-    now[:, 1, :] = -1.0
+    for i in range(plates):
+        now[0, 1, i] = now[1, 1, i] = -1.0
     return Bristles(now, np.zeros((2, 2, plates)), np.zeros((2, 2, plates)))
 
 
@@ -83,7 +84,10 @@ def next_step(bristles):
 def record(trace, row, bristles):
     """Write the bristles at a step's beginning into a row of their trace, where there is one."""
     if bristles is not None:
-        trace[row] = bristles.now
+        now = bristles.now
+        for foot in range(2):  # loops: numba takes 20 s to compile an assignment of arrays
+            for i in range(now.shape[2]):
+                trace[row, foot, 0, i], trace[row, foot, 1, i] = now[foot, 0, i], now[foot, 1, i]
 
 
 @inlined_fast

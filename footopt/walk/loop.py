@@ -61,7 +61,8 @@ def _compile(source: str, compiler: Any):
         finest, traced = len(poses) - 1, len(trace) > 0
         for d in range(begin, end):
             sole, count = sole_of(soles, d), counts[d]
-            raw[d, :] = np.nan
+            for column in range(raw.shape[1]):
+                raw[d, column] = np.nan
             status[d] = SUNK
             z = static_height(world, sole, pose0)
             if not np.isfinite(z):
