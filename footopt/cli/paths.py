@@ -22,7 +22,7 @@ PATHS = ("foot.path", "gait.path", "sand.table", "study.store", "study.run", "st
 
 def absolute(settings: Mapping[str, Any]) -> dict[str, Any]:
     """The settings with files where they are, whatever folder they are read from later."""
-    return _changed(settings, lambda _, value: str(Path(value).expanduser().absolute()))
+    return _changed(settings, lambda _, value: _plain(Path(value).expanduser()))
 
 
 def beside_their_files(settings: Mapping[str, Any], here: Any) -> dict[str, Any]:
@@ -43,7 +43,14 @@ def beside_their_files(settings: Mapping[str, Any], here: Any) -> dict[str, Any]
     folders: dict[tuple[str, str], Path] = {}
     for path, content in _files_of(here):
         folders |= {(name, value): path.parent for name, value in _relative(content) if name in named}
-    return _changed(settings, lambda *found: str(folders[found] / found[1]) if found in folders else found[1])
+    return _changed(
+        settings, lambda *found: _plain(folders[found] / found[1]) if found in folders else found[1]
+    )
+
+
+def _plain(path: Path) -> str:
+    """An absolute path without "..", whatever links are on the way."""
+    return str(path.resolve() if ".." in path.parts else path.absolute())
 
 
 def set_by_files(here: Any) -> dict[str, str]:

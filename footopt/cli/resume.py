@@ -167,7 +167,10 @@ def _resume_jobs(
     busy = 0
     with locked(folder, shared=True):
         for job in identity.jobs(folder):
-            name = job.relative_to(folder)
+            name, reason = job.relative_to(folder), job / ERROR_FILE
+            if reason.is_file() and not (job / identity.FILE).exists():  # refused, before it had settings
+                print(f"job {name}: {reason.read_text(encoding='utf-8').strip()}")
+                continue
             try:
                 found = result_of(job)
                 if finished(found) and _generations(found) >= longer:
@@ -180,7 +183,7 @@ def _resume_jobs(
             except (FootoptError, OmegaConfBaseException, OSError) as error:
                 log.error("job %s failed: %s", name, explain(error))
                 if not _stands(job):
-                    write_text(job / ERROR_FILE, f"{explain(error)}\n")
+                    write_text(reason, f"{explain(error)}\n")
         return summary.of_multirun(folder) - busy
 
 

@@ -25,6 +25,7 @@ SOURCES = ("compiled.py", "sand", "effects", "foot", "gait", "walk",
            *(f"design/{name}.py" for name in ("problem", "robust", "evaluator", "executor")))  # fmt: skip
 #: Of a context, what no setting says: the same settings may be walked by other code, on another machine.
 CODE = ("own", "sources", "versions", "machine")
+_CANONICAL = json.JSONEncoder(sort_keys=True, separators=(",", ":"))
 SHOWN = 4  # differences between two contexts that a message names
 
 
@@ -112,7 +113,7 @@ def plain(value: Any) -> Any:
 
 def canonical(content: Any) -> str:
     """The one JSON text of some content; floats by their shortest digits that read back exactly."""
-    return json.dumps(content, sort_keys=True, separators=(",", ":"))
+    return _CANONICAL.encode(content)
 
 
 def digest(content: Any) -> str:

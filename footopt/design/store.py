@@ -138,14 +138,15 @@ class Store:
     def get(self, k: Sequence[Sequence[int]]) -> list[Evaluation | None]:
         """What is known of each design."""
         marks = ", ".join("?" * len(self._read_from))
-        query = f"SELECT record, reason, message, seal FROM design WHERE context IN ({marks}) AND k = ?"
-        query += " ORDER BY context = ? DESC"  # its own before those of others
+        query = f"SELECT k, record, reason, message, seal FROM design WHERE context IN ({marks}) "
+        query += (
+            "AND k IN (SELECT value FROM json_each(?)) ORDER BY context = ?"  # its own over those of others
+        )
+        keys = [canonical(heights) for heights in k]
         with self._explained() as connection:
-            keys = [canonical(heights) for heights in k]
-            rows = [connection.execute(query, (*self._read_from, key, self._id)).fetchone() for key in keys]
-            return [
-                None if row is None else self._read(key, *row) for key, row in zip(keys, rows, strict=True)
-            ]
+            rows = connection.execute(query, (*self._read_from, canonical(keys), self._id))
+            known = {row[0]: row for row in rows}
+            return [self._read(*known[key]) if key in known else None for key in keys]
 
     def add(self, k: Sequence[Sequence[int]], evaluations: Sequence[Evaluation]) -> None:
         """Keep designs, all or none; one that is known stays as it is, unless it had broken the program.

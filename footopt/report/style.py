@@ -68,6 +68,8 @@ STYLE: dict[str, Any] = {
     "legend.handlelength": 2.2,
     "legend.handletextpad": 0.6,
     "legend.columnspacing": 1.2,
+    "figure.autolayout": False,  # whatever the user's matplotlibrc says
+    "figure.constrained_layout.use": False,
     "pdf.fonttype": 42,  # text stays text, as journals ask
 }
 
@@ -145,8 +147,9 @@ def save(figure: Figure, folder: str | Path, name: str) -> tuple[Path, Path]:
     folder = Path(folder)
     picture, page = folder / f"{name}.png", folder / f"{name}.pdf"
     # each pass of the layout moves things a little: all files have the same one
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
+    if (layout := figure.get_layout_engine()) is not None:
+        layout.execute(figure)
+        figure.set_layout_engine(None)  # with "none" it would be drawn once more before each file
     printed = io.BytesIO()  # matplotlib's errors on a full disk are of many kinds
     figure.savefig(printed, format="pdf", metadata={"CreationDate": None})
     with suppress(OSError):  # `write_bytes` says where it cannot write

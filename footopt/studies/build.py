@@ -90,7 +90,8 @@ def make_gait(config: GaitConfig) -> Gait:
     else:
         gait = Gait.from_file(config.path, config.harmonics, *_reading(config))
     period = gait.period if config.period is None else config.period
-    return replace(gait, period=period, pitch=config.pitch, start=config.start)
+    name = gait.name if config.name in ("human", "file") else config.name
+    return replace(gait, name=name, period=period, pitch=config.pitch, start=config.start)
 
 
 def make_strides(config: GaitConfig) -> Strides | None:

@@ -35,8 +35,8 @@ from footopt.studies.build import check_searchable, make_problem
 from footopt.studies.record import Answer, answer, foot_entry, scene_entry, validity_entry
 from footopt.studies.simulate import check_film, write_film, write_walk
 from footopt.studies.validation.model import describe, model_error
-from footopt.walk import estimate_error, gain_shares, simulate
-from footopt.walk.resolution import resolution
+from footopt.walk import gain_shares, simulate
+from footopt.walk.resolution import error_of, resolution
 from footopt.walk.validity import diagnose
 
 LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
@@ -68,7 +68,7 @@ def run(study: Study) -> Answer:
     k = result.k[confirmed.designs[0]]
     best = dataclasses.replace(Foot.from_waypoints(k, problem.space), name=f"best of {solver.name}")
     walk = simulate(best, scene, finer)
-    errors = estimate_error(best, scene, finer, problem.record)
+    errors = error_of(walk, problem.record)
     values, base = walk.judged(problem.record), flat.judged(problem.record)
     diagnostics = [*diagnose(walk), *resolution(walk, errors)]
     rivals, turns = result.k[confirmed.designs[: options.finalists]], []

@@ -89,11 +89,11 @@ def run(study: Study) -> None:
     owners = (*scenarios, Scenario(MEDIAN, scene)) if options.scenarios == "drawn" else scenarios
     feet: Heights = {}
     each = solver.generations(judge.space)
-    work = float(each * (len(owners) + len(scenarios)))  # the robust foot walks in all scenarios
+    units = each * (len(owners) + len(scenarios))  # the robust foot walks in all scenarios
     unit, e = "batch" if solver.name == EXHAUSTIVE else "generation", config.engine
     with (
         make_executor(e.name, e.workers, e.address, e.timeout) as executor,
-        study.progress(each * (len(owners) + 1), unit, work) as step,
+        study.progress(units, unit) as step,
     ):
         for owner in owners:
             alone = FootProblem(owner.scene, judge.names, owner.space(judge.space), accuracy, judge.threads)

@@ -17,7 +17,8 @@ from footopt.studies.base import Study
 from footopt.studies.build import make_foot
 from footopt.studies.record import foot_entry, scene_entry
 from footopt.studies.settings import Config
-from footopt.walk import OBJECTIVES, Accuracy, Scene, Walk, estimate_error, simulate
+from footopt.walk import OBJECTIVES, Accuracy, Scene, Walk, simulate
+from footopt.walk.resolution import error_of
 from footopt.walk.validity import diagnose
 
 MOUNTS = ("centre", "top")
@@ -64,7 +65,7 @@ def run(study: Study) -> None:
                 "feasible": walk.feasible,
                 "reason": walk.reason,
                 "objectives": walk.objectives,
-                "error_estimate": estimate_error(walk.foot, scene, accuracy),
+                "error_estimate": error_of(walk),
                 "validity": {d.name: d.value for d in diagnostics},
                 "warnings": [f"{d.name}: {d.why}" for d in diagnostics if d.outside],
             }

@@ -238,9 +238,7 @@ def switched(effect: Effect, scene: Scene) -> tuple[Scene, Scene]:
 
 
 def tau(a: Array, b: Array) -> float:
-    """Kendall's rank correlation; NaN for fewer than two feet."""
-    if len(a) < 2:
-        return float("nan")
-    from scipy.stats import kendalltau
-
-    return float(kendalltau(a, b).statistic)
+    """Kendall's rank correlation, tau-b; NaN where all feet are equal, or fewer than two."""
+    s, t = (np.sign(np.subtract.outer(x, x)) for x in (a, b))
+    pairs = np.sqrt((s * s).sum() * (t * t).sum())
+    return float((s * t).sum() / pairs) if pairs else float("nan")

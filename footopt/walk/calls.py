@@ -19,10 +19,16 @@ from footopt.walk.scene import SOLE, STRIDE, Scene
 # what the numbers of sand assume: quartz sand as on a beach
 DENSITY = 1600.0  # kg/m^3
 GRAIN = 3e-4  # m
-COHESION = 1e3  # Pa, of damp sand; dry sand has none
-BEARING = 30.0  # N_c at an angle of friction of 30 deg
-FRICTION = 0.5  # of sand on a face, and of its pressure sideways over that from above
-CONE = math.radians(60.0)  # of the sand that moves with a foot at impact
+COHESION, INNER = 1.04e3, math.radians(28.0)  # Pa, and angle of friction: a dry sand in Wong (2008)
+FRICTION = 0.5  # of sand on a face, and of its pressure sideways over that from above: assumed
+CONE = math.radians(60.0)  # of the sand that moves with a foot at impact: assumed
+
+
+def bearing_factor(friction: float) -> float:
+    """N_c of cohesion in the bearing capacity of a strip (Prandtl 1921), of an angle of friction, rad."""
+    n_q = math.exp(math.pi * math.tan(friction)) * math.tan(math.pi / 4 + friction / 2) ** 2
+    return (n_q - 1.0) / math.tan(friction)
+
 
 #: Effects whose parameters the literature has. The others say what the ground is like.
 LITERATURE: tuple[type, ...] = (LeadingEdge, Inertia, Shadowing)
@@ -156,12 +162,13 @@ def calls(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> list[C
              "0.5 m/s on the Earth; Li, Zhang & Goldman (2013)"),
         Call("slope", RANGE, "angle / that of repose", angle / 30.0, 0.6,
              "the map is that of a level surface"),
-        Call("cohesion", LACKS, "N_c c / pressure of the foot, damp", BEARING * COHESION / (weight / area),
-             tolerance, "c 1 kPa, N_c 30; Wong (2008); none if dry"),
+        Call("cohesion", LACKS, "N_c c / pressure of the foot",
+             bearing_factor(INNER) * COHESION * area / weight, tolerance,
+             "N_c: Prandtl (1921); c 1.04 kPa, 28 deg: a dry sand, Wong (2008)"),
         Call("added mass at impact", LACKS, "m v^2 / (z weight)", cone * speed**2 / (depth * weight),
-             tolerance, "a cone of sand, Aguilar & Goldman (2016)"),
+             tolerance, "added mass: Aguilar & Goldman (2016); a cone of 60 deg, assumed"),
         Call("sides of the foot", LACKS, "friction on them / weight", sides / weight, tolerance,
-             "pressure at rest, friction 0.5"),
+             "pressure at rest 0.5, friction 0.5, assumed"),
         Call("grains", LACKS, "grain / depth", GRAIN / depth, 0.1, "grains of 0.3 mm, ten for a continuum"),
         Call("footprints", LACKS, "length of the foot / step", length / step, 1.0,
              "above 1 a foot steps into the last print"),

@@ -150,6 +150,12 @@ def test_a_job_that_cannot_be_is_written_down_and_so_are_those_after_it(whole, t
     assert footopt(*words, cwd=tmp_path).returncode == 130
     assert "not the folder of a run" in (tmp_path / "sweep" / "0" / "error.txt").read_text()
     assert [path.parent.name for path in sorted(tmp_path.glob(f"sweep/*/{identity.FILE}"))] == ["1", "2"]
+    monkeypatch.undo()
+    reason = (tmp_path / "sweep" / "0" / "error.txt").read_text()
+    done = footopt("resume=sweep", cwd=tmp_path)
+    assert (done.returncode, "1 of the jobs failed" in done.stderr) == (1, True)
+    assert (tmp_path / "sweep" / "0" / "error.txt").read_text() == reason
+    assert len(list(tmp_path.glob("sweep/*/result.json"))) == 2
 
 
 def test_another_multirun_takes_no_folder_that_holds_one(whole):

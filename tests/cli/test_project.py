@@ -1,5 +1,6 @@
 """A project of one's own: settings, gait and plugin beside each other, with footopt's settings below them."""
 
+import csv
 import json
 import re
 import shutil
@@ -37,7 +38,8 @@ class TestSearchPath:
         done = walked(robot / "conf", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         scene = fo.load(tmp_path / "run").scene
-        assert Path(scene.gait.source).resolve() == robot / "gait.csv"
+        assert scene.gait.source == str(robot / "gait.csv")
+        assert scene.gait.name == "robot"
         assert scene.walker == fo.Walker(mass=35.0, l1=0.3, l2=0.32, g=1.62)
         assert fo.load(tmp_path / "run").foot.width == 0.07
 
@@ -91,7 +93,7 @@ def test_the_example_goes_from_a_gait_to_a_body_and_a_film(robot):
         "FILM=study.video=walk.gif scene.t_f=0.6 report=none",
     ]
     options = {"env": environment(drawn=True), "capture_output": True, "text": True, "timeout": LIMIT}
-    done = subprocess.run(["make", *words], cwd=robot, check=False, **options)
+    done = subprocess.run(["make", "all", "sweep", *words], cwd=robot, check=False, **options)
     assert done.returncode == 0, done.stdout + done.stderr
     found = json.loads((robot / "outputs/foot/result.json").read_text())
     assert found["scene"]["walker"]["g"] == 1.62
@@ -103,7 +105,12 @@ def test_the_example_goes_from_a_gait_to_a_body_and_a_film(robot):
     assert (soft["scene"]["sand"]["name"], soft["design"]["k"]) == ("soft", found["design"]["k"])
     with Image.open(robot / "outputs/soft/walk.gif") as film:
         assert film.n_frames > 10
+    with open(robot / "outputs/sands/summary.csv", newline="") as file:
+        assert [row["sand.name"] for row in csv.DictReader(file)] == ["soft", "regular", "hard"]
+    launcher = yaml.safe_load((robot / "outputs/sands/multirun.yaml").read_text())["hydra"]["launcher"]
+    assert launcher["_target_"].endswith("JoblibLauncher")
+    assert (launcher["n_jobs"], launcher["batch_size"]) == (2, "1")  # those of the project
     assert (
         "Nothing to be done"
-        in subprocess.run(["make", *words], cwd=robot, capture_output=True, text=True).stdout
+        in subprocess.run(["make", "all", "sweep", *words], cwd=robot, capture_output=True, text=True).stdout
     )

@@ -6,11 +6,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.stats import kendalltau
 
 import footopt as fo
-from footopt.walk.audit import audit, interactions, switched
+from footopt.walk.audit import audit, interactions, switched, tau
 
 FEET = fo.Waypoints().random(12, seed=3, inside=True)
+
+
+def test_the_rank_correlation_is_kendalls_with_ties():
+    random = np.random.default_rng(1)
+    for levels in (3, 1000):
+        a, b = random.integers(0, levels, (2, 20)).astype(float)
+        assert tau(a, b) == pytest.approx(kendalltau(a, b).statistic, abs=1e-12)
+    assert np.isnan(tau(np.zeros(1), np.ones(1)))
 
 
 @pytest.mark.slow

@@ -1,5 +1,6 @@
 """What a scene calls for before it is walked: dimensionless numbers, and what was not tested."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -7,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import footopt as fo
-from footopt.walk.calls import EFFECT, LACKS, LITERATURE, RANGE, calls
+from footopt.walk.calls import EFFECT, LACKS, LITERATURE, RANGE, bearing_factor, calls
 
 ABSOLUTE = ("cohesion", "grains")  # sand has a strength and a size of its own
 
@@ -43,6 +44,11 @@ def test_every_kind_is_there_and_each_row_names_its_number_and_source():
         c.name for c in found if c.kind == LACKS
     }
     assert all(c.number and c.source and c.verdict for c in found)
+
+
+@pytest.mark.parametrize(("degrees", "factor"), [(10, 8.35), (20, 14.83), (30, 30.14)])
+def test_the_bearing_factor_is_that_of_textbooks(degrees, factor):
+    assert bearing_factor(math.radians(degrees)) == pytest.approx(factor, abs=0.01)
 
 
 def test_a_convex_sole_shadows_nothing_and_a_hollow_one_calls_for_it():

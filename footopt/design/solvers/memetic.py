@@ -58,16 +58,20 @@ class ShiftRun(Mutation):  # type: ignore[misc]  # pymoo has no types
 
 
 class NeverTwice(SameHeights):
-    """Drop designs that were ever asked for, not only those still in the population."""
+    """Drop designs that were ever asked for, which those of the population were, or come twice."""
 
     def __init__(self) -> None:
         super().__init__()
         self.asked: set[bytes] = set()
 
-    def _do(self, pop: Any, other: Any, is_duplicate: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        is_duplicate = super()._do(pop, other, is_duplicate)
-        asked = np.array([key in self.asked for key in self._rows(pop)], bool)
-        return np.asarray(is_duplicate | asked)
+    def do(self, pop: Any, *others: Any, **kwargs: Any) -> Any:
+        """What is new of `pop`: never asked for, and not in the last of the others (what was just found)."""
+        found = set(self._rows(others[-1])) if others and len(others[-1]) else set()
+        new = []
+        for key in self._rows(pop) if len(pop) else ():
+            new.append(key not in found and key not in self.asked)
+            found.add(key)
+        return pop[new] if len(pop) else pop
 
 
 class Memetic(GA):  # type: ignore[misc]  # pymoo has no types
