@@ -38,7 +38,7 @@ MEANINGS = {
     "report": "How much a run leaves: full; light, without figures; none, result.json and contour.csv only.",
     "study.name": "The question.",
     "study.confirm": "Accuracy at which finalists are walked again; null: the search's, under no other law.",
-    "study.finalists": "How many of the best designs of one objective are walked again.",
+    "study.finalists": "How many of the best designs are walked again, and by other laws; a front whole.",
     "study.store": "File of evaluated designs that runs may share; null: designs.sqlite in the run's folder.",
     "study.reuse": "Whether to read what other code has walked from the store, which is said.",
     "study.feet": "How many random soles are walked.",
