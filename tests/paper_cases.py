@@ -1,6 +1,6 @@
 """What the tests of the paper's study share."""
 
-from footopt.studies.paper.factors import changed
+from footopt.studies.paper.setup import changed
 from footopt.studies.settings import Config
 
 HOLLOW = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)

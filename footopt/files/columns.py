@@ -1,9 +1,9 @@
-"""Tables of numbers (CSV) by the names of their columns."""
+"""Tables of numbers: cells of any text, and CSV by the names of its columns."""
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 from footopt.files.reading import Unusable, naming, number, read_table
 
 Array = NDArray[np.float64]
-
-COUNTS = {3: "three", 4: "four"}
 
 
 def read_columns(
@@ -53,42 +51,70 @@ def read_columns(
     FileError
         The file cannot be read, lacks a column or has it twice, or holds something that is not a number.
     """
-    text = read_table(path, kind, setting)
+    text, optional = read_table(path, kind, setting), optional or {}
     with naming(path, setting):
-        reader = csv.DictReader(text.splitlines(), skipinitialspace=True)
-        try:
-            return _columns(reader, wanted, optional or {}, label)
-        except csv.Error as error:
-            raise Unusable(f"not a table ({error}).") from None
+        found, labels = columns_of(text, wanted, tuple(optional), label)
+        if not all(np.isfinite(column).all() for column in found.values()):
+            raise Unusable("holds a value that is not finite.")
+    return {name: np.full(len(labels), value) for name, value in optional.items()} | found, labels
 
 
-def _columns(
-    reader: csv.DictReader[str], wanted: Mapping[str, str], optional: Mapping[str, float], label: str | None
+def columns_of(
+    text: str, wanted: Mapping[str, str], optional: Sequence[str] = (), label: str | None = None
 ) -> tuple[dict[str, Array], list[str]]:
-    header = list(reader.fieldnames or [])
+    """The columns of a text that are there, and words; as `read_columns`, but for values that are not finite.
+
+    Raises
+    ------
+    Unusable
+        It lacks a column or has it twice, or holds something that is not a number.
+    """
+    reader = csv.reader(text.splitlines(), skipinitialspace=True)
+    try:
+        header = next(reader, [])
+        rows = [(reader.line_num, row) for row in reader if row]
+    except csv.Error:
+        raise Unusable(f"not a table (line {reader.line_num}: is a quote not closed?).") from None
     if missing := [name for name in wanted if name not in header]:
         units = f" ({', '.join(wanted.values())})" if any(wanted.values()) else ""
         raise Unusable(
             f"the header lacks {', '.join(missing)}; the columns must be {', '.join(wanted)}{units}."
         )
-    if twice := next((n for n in (*wanted, *optional, label) if header.count(n or "") > 1), None):
+    if twice := next((name for name in (*wanted, *optional, label) if header.count(name or "") > 1), None):
         raise Unusable(f"two columns are called {twice!r}. Which one is it?")
-    names = [*wanted, *(name for name in optional if name in header)]
-    rows, labels = [], []
-    for line in reader:
+    names = [name for name in (*wanted, *optional) if name in header]
+    places = [header.index(name) for name in names]
+    words = header.index(label) if label in header else None
+    needed = max([*places, words or 0])
+    for line, row in rows:
+        if not needed < len(row) <= len(header):  # more as with decimal commas
+            raise Unusable(
+                f"not a table of numbers (line {line} has {len(row)} cells, the header {len(header)})."
+            )
+    try:
+        table = to_numbers(((line, [row[c] for c in places]) for line, row in rows), len(places), gaps=False)
+    except ValueError as error:
+        raise Unusable(f"not a table of numbers ({error}).") from None
+    labels = ["" if words is None else row[words].strip() for _, row in rows]
+    return dict(zip(names, table.T, strict=True)), labels
+
+
+def to_numbers(rows: Iterable[tuple[int, Sequence[str]]], wide: int, gaps: bool) -> Array:
+    """The cells of numbered lines as numbers, (rows, wide); with `gaps`, an empty or missing one is NaN.
+
+    Raises
+    ------
+    ValueError
+        A cell is not a number, or a row has too many or too few.
+    """
+    found = []
+    for line, cells in rows:
+        more = [cell for cell in cells[wide:] if cell]
+        if more or (len(cells) < wide and not gaps):
+            raise ValueError(f"line {line} has {len(cells)} cells where the header has {wide}")
         try:
-            rows.append([number(line[name]) for name in names])
-            labels.append((line[label] if label in header else "").strip())
-            if None in line:  # more cells than the header has, as with decimal commas
-                raise ValueError
-        except (AttributeError, TypeError, ValueError):  # a line that is too short has None
-            shown = [*(line[name] for name in names), *(line.get(None) or [])][:8]
-            count = COUNTS.get(len(names), str(len(names)))
-            raise Unusable(f"line {reader.line_num}: not {count} numbers: {shown}.") from None
-    table = np.array(rows, float).reshape(-1, len(names))
-    if not np.isfinite(table).all():
-        raise Unusable("holds a value that is not finite.")
-    found = dict(zip(names, table.T, strict=True))
-    return {
-        name: found.get(name, np.full(len(rows), value)) for name, value in optional.items()
-    } | found, labels
+            row = [number(cell) if cell or not gaps else np.nan for cell in cells[:wide]]
+        except ValueError as error:
+            raise ValueError(f"line {line}: {error}") from None
+        found.append(row + [np.nan] * (wide - len(row)))
+    return np.array(found, float).reshape(-1, wide)

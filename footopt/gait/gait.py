@@ -219,7 +219,13 @@ class Gait:
                     "from one heel strike to the next."
                 )
             check_period(strides.period)
-            fits = {joint: _fitted(joint, strides, harmonics) for joint in strides.curves}
+            fits = {}
+            for joint in strides.curves:
+                try:
+                    fits[joint] = _fitted(joint, strides, harmonics)
+                except Unusable:
+                    if joint != "foot":  # which follows the shank unless its pitch is asked for
+                        raise
         return cls(
             thigh=fits["thigh"][0],
             knee=fits["knee"][0],

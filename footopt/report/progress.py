@@ -23,15 +23,14 @@ LINES = 10  # where there is no terminal
 
 
 class Step(Protocol):
-    """Says that a unit is done, what it cost (in what `progress` was given as `work`), and news."""
+    """Says news, and how many units are done."""
 
-    def __call__(self, work: float = 1.0, news: str = "") -> None: ...
+    def __call__(self, news: str = "", units: int = 1) -> None: ...
 
 
 class _Mark(NamedTuple):
     seconds: float
     units: int
-    work: float
 
 
 class Pace:
@@ -39,20 +38,19 @@ class Pace:
 
     Parameters
     ----------
-    work : float
-        All of it, in any unit.
+    total : int
+        Units of it.
     clock : callable
         The time, s.
     """
 
-    def __init__(self, work: float, clock: Callable[[], float] = time.perf_counter) -> None:
-        self._work, self._clock, self._began = work, clock, clock()
-        self._marks = [_Mark(0.0, 0, 0.0)]
+    def __init__(self, total: int, clock: Callable[[], float] = time.perf_counter) -> None:
+        self._total, self._clock, self._began = total, clock, clock()
+        self._marks = [_Mark(0.0, 0)]
 
-    def step(self, work: float) -> None:
-        """A unit is done."""
-        last = self._marks[-1]
-        self._marks.append(_Mark(self.seconds, last.units + 1, last.work + work))
+    def step(self, units: int = 1) -> None:
+        """So many units are done."""
+        self._marks.append(_Mark(self.seconds, self.done + units))
 
     @property
     def seconds(self) -> float:
@@ -66,18 +64,18 @@ class Pace:
 
     @property
     def share(self) -> float:
-        """Of the work that is done, 0 to 1."""
-        return min(self._marks[-1].work / self._work, 1.0)
+        """Of the units that are done, 0 to 1."""
+        return self.done / self._total
 
     @property
     def left(self) -> float:
         """Seconds; NaN before the first unit is done."""
         last, before = self._marks[-1], self._before()
-        if last.work <= before.work:
+        if last.units <= before.units:
             return math.nan
         late = self._began + last.seconds - self._clock()
-        each = (last.seconds - before.seconds) / (last.work - before.work)
-        return max(each * (self._work - last.work) + late, 0.0)
+        each = (last.seconds - before.seconds) / (last.units - before.units)
+        return max(each * (self._total - last.units) + late, 0.0)
 
     @property
     def rate(self) -> str:
@@ -100,7 +98,7 @@ class Pace:
 
 
 @contextmanager
-def progress(out: Console, total: int, unit: str, work: float | None = None) -> Iterator[Step]:
+def progress(out: Console, total: int, unit: str) -> Iterator[Step]:
     """Show how far a block is that calls what it is given after each of its units.
 
     Parameters
@@ -111,10 +109,8 @@ def progress(out: Console, total: int, unit: str, work: float | None = None) -> 
         How many units there are.
     unit : str
         What a unit is, in the singular.
-    work : float, optional
-        What all units cost together, in the measure of each step's `work`; by default they cost the same.
     """
-    pace = Pace(float(total) if work is None else work)
+    pace = Pace(total)
     shown = _bar(out, total, unit, pace) if out.is_interactive else _lines(out, total, unit, pace)
     with shown as step:
         yield step
@@ -131,8 +127,8 @@ def _bar(out: Console, total: int, unit: str, pace: Pace) -> Iterator[Step]:
     bar = Progress(*columns, console=out, expand=True)
     task = bar.add_task(unit, total=total, news="")
 
-    def step(work: float = 1.0, news: str = "") -> None:
-        pace.step(work)
+    def step(news: str = "", units: int = 1) -> None:
+        pace.step(units)
         bar.update(task, completed=pace.done, news=news)
 
     patience = threading.Timer(PATIENCE, bar.start)
@@ -161,9 +157,9 @@ class _Words(ProgressColumn):
 
 @contextmanager
 def _lines(out: Console, total: int, unit: str, pace: Pace) -> Iterator[Step]:
-    def step(work: float = 1.0, news: str = "") -> None:
+    def step(news: str = "", units: int = 1) -> None:
         before = pace.share
-        pace.step(work)
+        pace.step(units)
         last = pace.done == total
         if pace.seconds > PATIENCE and (last or int(LINES * pace.share) > int(LINES * before)):
             left = duration(0.0 if last else pace.left)
@@ -173,7 +169,7 @@ def _lines(out: Console, total: int, unit: str, pace: Pace) -> Iterator[Step]:
 
 
 def report_generations(
-    step: Step, guide: str, work: float = 1.0, about: str = "", scale: str = ""
+    step: Step, guide: str, units: int = 1, about: str = "", scale: str = ""
 ) -> Callable[[Generation], None]:
     """What a search calls after each generation to show its best value.
 
@@ -183,8 +179,8 @@ def report_generations(
         Of `progress`.
     guide : str
         Name of the objective whose best value is shown.
-    work : float
-        Of a generation, see `progress`.
+    units : int
+        That a generation counts as.
     about : str
         Which search it is.
     scale : str
@@ -198,6 +194,6 @@ def report_generations(
             best = f"hypervolume {number(g.hypervolume)}" if g.front else "none feasible yet"
         front = f", front {g.front}" if g.front > 1 else ""
         speed = f"{g.evaluations / max(g.seconds, 1e-9):.0f} evaluations/s"
-        step(work, f"{about}{best}{front}, {speed}")
+        step(f"{about}{best}{front}, {speed}", units)
 
     return show

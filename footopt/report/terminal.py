@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import textwrap
 import threading
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 import numpy as np
@@ -58,6 +58,11 @@ def table(columns: Sequence[str], words: Collection[str] = (), title: str | None
             broken = textwrap.fill(name, HEADER, break_long_words=False)
             shown.add_column(broken, justify="right", no_wrap=True)
     return shown
+
+
+def markdown_rows(rows: Iterable[Sequence[str]]) -> str:
+    """The rows of a Markdown table."""
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows)
 
 
 @contextmanager

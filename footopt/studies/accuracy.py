@@ -28,7 +28,6 @@ from footopt.walk import FIVE, Accuracy, Scene, evaluate, simulate
 from footopt.walk.accuracy import PRESETS, TABLE_COLUMNS
 from footopt.walk.audit import own_time
 from footopt.walk.reference import lsoda_objectives
-from footopt.walk.simulate import at_once
 from footopt.walk.steppers import STEPPERS
 
 Array = NDArray[np.float64]
@@ -39,7 +38,6 @@ TOLERANCES = (0.02, 0.005, 0.0005)  # that the cheapest setting is told for
 LIMIT = Accuracy("sdirk2", 1e-4, 800, 1e-5, "limit")
 QUICK_LIMIT = Accuracy("sdirk2", 5e-4, 256, 1e-4, "limit")
 PLATES = 64  # of settings that differ in time only
-LSODA, QUICK_LSODA = 8e3, 1e3  # ms that one of SciPy's walks takes, about
 
 IMPLICIT_DT = (
     2e-2, 1.25e-2, 1e-2, 8e-3, 7e-3, 6.25e-3, 5.5e-3, 5e-3, 4e-3, 2.5e-3, 1.6e-3, 1e-3, 5e-4, 2.5e-4,
@@ -101,32 +99,28 @@ def run(study: Study) -> None:
     space = study.space
     scenes = [replace(study.scene, sand=Sand.named(name)) for name in SANDS]
     feet = space.random(count, seed=study.seed, inside=True)
-    grid, limit, lsoda = (quick_grid(), QUICK_LIMIT, QUICK_LSODA) if quick else (full_grid(), LIMIT, LSODA)
+    grid, limit = (quick_grid(), QUICK_LIMIT) if quick else (full_grid(), LIMIT)
     about = f"{len(grid)} settings, {count} feet inside their box, sands {', '.join(SANDS)}"
     study.say(about)
     limits = (limit, replace(limit, plates=PLATES, creep=1e-4))
-    # all feet at once: the limits on all threads, the settings on one
-    shared = {a: effort(a) * count / at_once(study.threads) for a in limits}
-    single = {a: effort(a) * count * len(scenes) for a in grid}
-    work = len(scenes) * (sum(shared.values()) + lsoda) + sum(single.values())
     truths: list[list[Array]] = []
     measured, differences = [], []
     with study.compiling("every stepper"):
         for stepper in STEPPERS:
             evaluate(feet[:1], scenes[0], Accuracy(stepper), space=space, threads=1)
-    with study.progress(len(grid) + 3 * len(scenes), "measurement", work) as step:
-        for accuracy, cost in shared.items():
+    with study.progress(len(grid) + 3 * len(scenes), "measurement") as step:
+        for accuracy in limits:
             truths.append([])
             for scene in scenes:
                 truths[-1].append(evaluate(feet, scene, accuracy, space=space, threads=study.threads).values)
-                step(cost, "the limit of small steps and many plates")
-        for accuracy, cost in single.items():
+                step("the limit of small steps and many plates")
+        for accuracy in grid:
             measured.append(measure(accuracy, feet, scenes, space, *truths))
-            step(cost, f"{accuracy.stepper}, dt {1e3 * accuracy.dt:g} ms, {accuracy.plates} plates")
+            step(f"{accuracy.stepper}, dt {1e3 * accuracy.dt:g} ms, {accuracy.plates} plates")
         foot = Foot.from_waypoints(feet[0], space)
         for scene in scenes:
             differences.append(lsoda_differences(foot, scene, quick))
-            step(lsoda, "SciPy's LSODA")
+            step("SciPy's LSODA")
     write_table(study, measured)
     study.save("accuracy", work_precision(measured, list(PRESETS.values())), CAPTION)
     orders = {name: order(measured, name) for name in STEPPERS}
@@ -151,16 +145,6 @@ def run(study: Study) -> None:
         ],
         about=[about],
     )
-
-
-def effort(accuracy: Accuracy) -> float:
-    """About how long one design takes, ms, to a factor of 2.5: enough to tell how much is left."""
-    stepper = STEPPERS[accuracy.stepper]
-    evaluations = len(stepper.nodes) * (3 if stepper.implicit else 1)
-    dt = accuracy.dt
-    if accuracy.control is not None:  # how long a step it allows, of the measured settings
-        dt = min(dt, 0.018 * accuracy.control**0.16)
-    return 2.8e-6 * evaluations * (accuracy.plates + 60) / dt
 
 
 def full_grid() -> list[Accuracy]:

@@ -150,9 +150,9 @@ class Study:
         for part in parts:
             self.console.print(part)
 
-    def progress(self, total: int, unit: str, work: float | None = None) -> AbstractContextManager[Step]:
+    def progress(self, total: int, unit: str) -> AbstractContextManager[Step]:
         """Show how far a block is: see `footopt.report.progress.progress`."""
-        return progress(self.console, total, unit, work)
+        return progress(self.console, total, unit)
 
     def compiling(self, what: str = "the walk") -> AbstractContextManager[None]:
         """Say that something is being compiled if the block takes long."""

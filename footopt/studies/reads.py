@@ -145,6 +145,9 @@ def _conditions(config: Config) -> Iterator[tuple[tuple[str, ...], str, str]]:
     if config.engine.name != "dask":
         yield ("engine.timeout",), f"engine={config.engine.name}", "engine=dask"
     if study.name == "robust":
+        if len(config.objective.names) > 1:
+            several = "a search for several objectives, which confirms its front,"
+            yield ("study.finalists",), several, "a search for one objective"
         source = f"study.scenarios={study.scenarios}"
         if study.scenarios != "drawn":
             yield ("study.draws", "study.spread"), source, "study.scenarios=drawn"

@@ -14,7 +14,6 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +37,6 @@ FINE = 1000  # levels that a waypoint's own one is divided into
 QUICK_SAMPLES = 16
 RESAMPLES = 200  # bootstrap, for the confidence intervals
 CONFIDENCE = 0.95
-COST = {"parameters": 6.0, "waypoints": 1.0}  # of a walk: another gait has other poses, which take longer
 
 
 @dataclass(frozen=True)
@@ -264,14 +262,12 @@ def run(study: Study) -> None:
     blocks = setting.blocks
     check(blocks, "study.spread", "all 0", "more than 0 for something")
     samples = min(options.samples, QUICK_SAMPLES) if options.quick else options.samples
-    each = {title: samples * (len(part) + 2) + 2 * len(part) + 1 for title, part in blocks.items()}
-    walks = sum(each.values())
+    walks = sum(samples * (len(part) + 2) + 2 * len(part) + 1 for part in blocks.values())
     about = f"{terminal.describe_scene(scene)}; {terminal.describe_foot(foot)}"
     study.say(f"{about}: {walks} walks")
-    work = sum(count * COST[title] for title, count in each.items())
-    with study.progress(walks, "walk", work) as step:
+    with study.progress(walks, "walk") as step:
         found = {
-            title: analyse(setting, part, samples, study.seed, study.threads, partial(step, COST[title]))
+            title: analyse(setting, part, samples, study.seed, study.threads, step)
             for title, part in blocks.items()
         }
     study.write_csv(

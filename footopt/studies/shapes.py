@@ -17,7 +17,8 @@ from footopt.studies.base import Study
 from footopt.studies.build import make_foot
 from footopt.studies.record import foot_entry, scene_entry
 from footopt.studies.settings import Config
-from footopt.walk import OBJECTIVES, Accuracy, Scene, Walk, estimate_error, simulate
+from footopt.walk import OBJECTIVES, Accuracy, Scene, Walk, simulate
+from footopt.walk.resolution import error_of
 from footopt.walk.validity import diagnose
 
 MOUNTS = ("centre", "top")
@@ -64,7 +65,7 @@ def run(study: Study) -> None:
                 "feasible": walk.feasible,
                 "reason": walk.reason,
                 "objectives": walk.objectives,
-                "error_estimate": estimate_error(walk.foot, scene, accuracy),
+                "error_estimate": error_of(walk),
                 "validity": {d.name: d.value for d in diagnostics},
                 "warnings": [f"{d.name}: {d.why}" for d in diagnostics if d.outside],
             }
@@ -72,9 +73,10 @@ def run(study: Study) -> None:
     rows = ([name, *walk.objectives.values(), walk.reason] for name, walk in walks.items())
     study.write_csv("shapes.csv", ["shape", *OBJECTIVES, "reason"], rows)
     shown = paper_figures.labelled(walks)
+    soles = {name: walk.foot for name, walk in shown.items()}
     for name, figure, caption in (
-        ("shapes", paper_figures.shapes(feet), "The five shapes with their contact lines and the ankle."),
-        ("states", paper_figures.states(shown), "Position, height and speed of the COM, for each shape."),
+        ("shapes", figures.contours(soles), "The contact lines of the five shapes, all of one length."),
+        ("states", figures.com(shown), "Position and velocity of the COM, for each shape."),
         ("forces", figures.forces(shown), "Vertical and forward force of each foot, for each shape."),
         ("power_work", figures.power_work(shown), "Power and work of the sand, for each shape."),
     ):

@@ -30,7 +30,6 @@ EXPLICIT_SHARE = 0.2
 CONVERGED = 25.0
 
 CONTROL = 1e-3  # m/s, of the method under step control
-JUDGING = 3.0  # s of walking that take as long as the rest of a verdict does
 
 #: What is judged, by name: a stepper and its step control. Every stepper takes steps of one length,
 #: and the default one is also judged under control, as the accuracies by name use it.
@@ -85,7 +84,7 @@ class Verdict(NamedTuple):
 
 
 def judge(
-    case: Case, base: Setup, methods: Sequence[str], step: Callable[[float], None] = lambda work: None
+    case: Case, base: Setup, methods: Sequence[str], step: Callable[[], None] = lambda: None
 ) -> list[Verdict]:
     """Judge one case with every method.
 
@@ -98,7 +97,7 @@ def judge(
     methods : sequence of str
         Names in `METHODS`.
     step : callable
-        Called with its `effort` after every method.
+        Called after every method.
     """
     setup = case.build(base)
 
@@ -115,15 +114,8 @@ def judge(
         trial = Trial(replace(setup, accuracy=accuracy) if case.walks else setup, converged)
         measures = tuple(case.judge(trial)) if case.walks or not found else found[0].measures
         found.append(Verdict(case, method, measures, trial.walk if case.walks else None))
-        step(effort(setup, method))
+        step()
     return found
-
-
-def effort(setup: Setup, method: str) -> float:
-    """About how long a verdict takes, as how many seconds of walking with an explicit stepper."""
-    stepper, control = METHODS[method]
-    share = 0.3 if STEPPERS[stepper].implicit else 1.0
-    return JUDGING + setup.scene.duration * (share if control is None else 4.0)
 
 
 def chosen(config: Config) -> tuple[list[Case], list[str]]:
@@ -162,8 +154,7 @@ def run(study: Study) -> None:
     with study.compiling("every method"):
         for stepper, control in map(METHODS.__getitem__, methods):
             simulate(base.foot, base.scene, replace(base.accuracy, stepper=stepper, control=control))
-    work = sum(effort(case.build(base), method) for case in cases for method in methods)
-    with study.progress(len(cases) * len(methods), "walk", work) as step:
+    with study.progress(len(cases) * len(methods), "walk") as step:
         for case in cases:
             found += judge(case, base, methods, partial(step, news=case.name))
     names = list(dict.fromkeys(m.name for v in found for m in v.measures))

@@ -23,8 +23,6 @@ from footopt.sand import Sand
 from footopt.studies.accuracy import SANDS
 from footopt.studies.base import Study
 
-WALKED_IN_A_SEARCH = 2500  # designs that are walked in the time of one search, about
-
 
 class Score(NamedTuple):
     """All attempts of a solver on one sand.
@@ -71,15 +69,13 @@ def run(study: Study) -> None:
     ]
     attempts: dict[str, list[Attempt]] = {}
     exact: dict[str, dict[str, Any]] = {}
-    designs, each = space.K**space.n, BATCH / WALKED_IN_A_SEARCH
-    parts = -(-designs // BATCH)
-    work = len(SANDS) * (parts * each + len(solvers))
-    with study.progress(len(SANDS) * (parts + len(solvers)), "task", work) as step:
+    designs = space.K**space.n
+    with study.progress(len(SANDS) * (-(-designs // BATCH) + len(solvers)), "task") as step:
         for sand in SANDS:
             scene = replace(study.scene, sand=Sand.named(sand))
             problem = FootProblem(scene, "pareto", space, study.accuracy, study.threads)
             news = f"walking with all {space.K}^{space.n} soles on {sand} sand"
-            walked = walk_all(problem, partial(step, each, news))
+            walked = walk_all(problem, partial(step, news))
             single, several = (Tabulated(problem, walked, name) for name in ("efficiency", "pareto"))
             exact[sand] = {
                 "efficiency": single.optimum,

@@ -11,6 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from footopt.errors import SettingError
+from footopt.files.run import write_text
 from footopt.report import terminal
 from footopt.report.figures.validation import experiment, law_name, overview
 from footopt.report.numbers import number
@@ -37,17 +38,15 @@ def run(study: Study) -> None:
         "overview", overview(every, titles), "Error of every comparison, and what it could have resolved."
     )
     for e in chosen:
-        study.save(
-            e.name, experiment(found[e.name], e.content.get("x", "")), f"{e.title}. {e.content['source']}."
-        )
-    said = [paragraph(e, found[e.name]) for e in chosen]
-    page = study.folder / "validation.md"
-    page.write_text(markdown(chosen, found), encoding="utf-8")
+        about, reading, source = words(e, "about", "reading", "source")
+        caption = f"{e.title}. {about} {reading} Source: {source}."
+        study.save(e.name, experiment(found[e.name], e.content.get("x", "")), caption)
+    write_text(study.folder / "validation.md", markdown(chosen, found))
     study.conclude(
         "The law against experiments",
         [table(every, titles)],
         {"counts": counts(every), "comparisons": [entry(c) for c in every]},
-        said=[*said, summary(every)],
+        said=[summary(every)],
     )
 
 
@@ -123,17 +122,18 @@ def table(found: Sequence[Comparison], titles: dict[str, str]) -> Table:
     return shown
 
 
-def paragraph(e: Experiment, found: Sequence[Comparison]) -> str:
-    """What was done, what came out and how it may be read."""
-    verdicts = "; ".join(f"{c.quantity}, {law_name(c.law)}: {c.says}" for c in found)
-    about, reading = words(e, "about", "reading")
-    return f"{e.title}: {about} Verdicts: {verdicts}. {reading}"
+def words(e: Experiment, *parts: str) -> list[str]:
+    """Texts of an experiment's file, each in one line."""
+    return [" ".join(e.content[part].split()) for part in parts]
 
 
 def markdown(chosen: Sequence[Experiment], found: dict[str, list[Comparison]]) -> str:
-    """The page validation.md: the table, and for each experiment its paragraph, assumptions and source."""
+    """The page validation.md: the table, then what was done and found in each experiment, and its source."""
+    head = ["experiment", "quantity", "law", "scale", "E rms", "E mean", "2 u", "verdict"]
     lines = ["# The law against experiments", "", summary([c for own in found.values() for c in own]), ""]
-    lines += markdown_table(chosen, found)
+    lines += [terminal.markdown_rows([head, ["---"] * len(head)])]
+    for e in chosen:
+        lines += [markdown_rows(e, found[e.name])]
     for e in chosen:
         about, reading, source = words(e, "about", "reading", "source")
         lines += ["", f"## {e.title}", "", about, "", f"![{e.title}](figures/{e.name}.png)", "", reading, ""]
@@ -148,20 +148,11 @@ def markdown(chosen: Sequence[Experiment], found: dict[str, list[Comparison]]) -
     return "\n".join(lines) + "\n"
 
 
-def words(e: Experiment, *parts: str) -> list[str]:
-    """Texts of an experiment's file, each in one line."""
-    return [" ".join(e.content[part].split()) for part in parts]
-
-
-def markdown_table(chosen: Sequence[Experiment], found: dict[str, list[Comparison]]) -> list[str]:
-    """All comparisons as lines of a Markdown table."""
-    head = "| experiment | quantity | law | scale | E rms | E mean | 2 u | verdict |"
-    lines = [head, "| --- | --- | --- | --- | --- | --- | --- | --- |"]
-    for e in chosen:
-        for c in found[e.name]:
-            unit = "" if c.unit == "1" else f" {c.unit}"
-            scale, *parts = cells(c)
-            lines.append(
-                " | ".join((f"| {e.title}", c.quantity, law_name(c.law), scale + unit, *parts, f"{c.says} |"))
-            )
-    return lines
+def markdown_rows(e: Experiment, found: Sequence[Comparison]) -> str:
+    """An experiment's comparisons as rows of a Markdown table."""
+    rows = []
+    for c in found:
+        scale, *parts = cells(c)
+        unit = "" if c.unit == "1" else f" {c.unit}"
+        rows.append([e.title, c.quantity, law_name(c.law), scale + unit, *parts, c.says])
+    return terminal.markdown_rows(rows)

@@ -62,13 +62,25 @@ def estimate_error(
     foot, scene, accuracy : as in `simulate`.
     names : of measures; by default all compiled objectives.
     """
-    scene, accuracy, names = scene or Scene(), resolve(accuracy), names or tuple(OBJECTIVES)
-    one = finer(accuracy)
+    return error_of(simulate(foot, scene or Scene(), resolve(accuracy)), names)
+
+
+def error_of(walk: Walk, names: Sequence[str] | None = None) -> dict[str, float]:
+    """`estimate_error` of a walk that is there already.
+
+    Parameters
+    ----------
+    walk : Walk
+        The coarse one.
+    names : sequence of str, optional
+        Of measures; by default all compiled objectives.
+    """
+    names, one = names or tuple(OBJECTIVES), finer(walk.accuracy)
     plates, creep = one["accuracy.plates"].plates, one["accuracy.creep"].creep
     refined = replace(one["accuracy.dt"], plates=plates, creep=creep)
-    if prepare.too_long(scene, refined):
+    if prepare.too_long(walk.scene, refined):
         return dict.fromkeys(names, math.nan)
-    coarse, fine = (simulate(foot, scene, a).judged(names) for a in (accuracy, refined))
+    coarse, fine = walk.judged(names), simulate(walk.foot, walk.scene, refined).judged(names)
     return {name: LEFT * abs(coarse[name] - fine[name]) for name in coarse}
 
 

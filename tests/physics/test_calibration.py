@@ -98,8 +98,8 @@ class TestWarnings:
     [
         ("depth,force\n1,2\n", "lacks depth_mm, force_N, area_cm2"),
         ("depth_mm,depth_mm,force_N,area_cm2\n1,1,2,3\n", "two columns are called 'depth_mm'"),
-        ("depth_mm,force_N,area_cm2\n1,2\n", "line 2: not three numbers"),
-        ("depth_mm,force_N,area_cm2\n1,5,2,5,25\n", "line 2: not three numbers"),
+        ("depth_mm,force_N,area_cm2\n1,2\n", "line 2 has 2 cells, the header 3"),
+        ("depth_mm,force_N,area_cm2\n1,5,2,5,25\n", "line 2 has 5 cells, the header 3"),
         ("depth_mm;force_N;area_cm2\n1;2;25\n", "lacks depth_mm"),
         ("depth_mm,force_N,area_cm2\n10,nan,25\n", "not finite"),
         ("depth_mm,force_N,area_cm2\n-10,8,25\n-20,16,25\n", "no row with depth_mm > 0"),

@@ -317,15 +317,15 @@ class TestFromCsv:
         [
             (
                 lambda rows: [rows[0].replace("knee", "hip"), *rows[1:]],
-                r"lacks knee.*time \(s\), thigh, knee",
+                r"lacks knee.*must be time, thigh, knee \(s, deg, deg\)",
             ),
-            (lambda rows: rows[:32], r"the thigh is \d+\.\d deg from where it began"),
+            (lambda rows: rows[:32], r"its ends differ by \d+ % of the motion"),
             (lambda rows: rows[:1] + rows[1::6], "at least 14 rows for 6 harmonics"),
             (lambda rows: rows[:1] + rows[:0:-1], "the time must increase"),
             (lambda rows: [*rows[:4], "0.05,much,1,1", *rows[5:]], "line 5: 'much' is no number"),
             (
                 lambda rows: [*rows[:4], "0.05,nan,1,1", *rows[5:]],
-                "row 4 of the data, at 0.05 s, has a value that is not finite",
+                "row 4 of the data, at 0.05 s, has no finite angle of the thigh",
             ),
         ],
     )

@@ -157,8 +157,8 @@ class TestTableFit:
         ("text", "message"),
         [
             ("beta,gamma,alpha_x,force\n", r"lacks alpha_z.*must be beta, gamma, alpha_x, alpha_z"),
-            (f"{HEAD}0,0,1,1\n0,much,1,1\n", "line 3: not four numbers"),
-            (f"{HEAD}0,0,1\n", "line 2: not four numbers"),
+            (f"{HEAD}0,0,1,1\n0,much,1,1\n", "line 3: 'much' is no number"),
+            (f"{HEAD}0,0,1\n", "line 2 has 3 cells, the header 4"),
             (f"{HEAD}0,0,nan,1\n", "not finite"),
             (HEAD, "0 rows do not determine"),
         ],

@@ -16,7 +16,7 @@ DOCS = Path(__file__).parents[2] / "docs" / "credibility.md"
 
 @pytest.mark.slow
 def test_the_page_of_the_docs_is_what_the_study_writes(tmp_path):
-    done = footopt("study=credibility", "hydra.run.dir=out", cwd=tmp_path, drawn=True)
+    done = footopt("study=credibility", "hydra.run.dir=out", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     written = (tmp_path / "out" / "credibility.md").read_text(encoding="utf-8")
     kept, number = DOCS.read_text(encoding="utf-8"), re.compile(r"\d+(?:\.\d+)?")
@@ -30,5 +30,4 @@ def test_the_page_of_the_docs_is_what_the_study_writes(tmp_path):
 
 def test_levels_follow_what_was_measured():
     assert [credibility.by(share, 0.0, 0.5, 0.9) for share in (0.0, 0.49, 0.5, 0.89, 0.95)] == [1, 1, 2, 2, 3]
-    assert credibility.validated().level == 1  # 9 of 31 agree
-    assert "9 agree, 20 differ" in credibility.validated().evidence
+    assert credibility.validated() == (1, {"every": 31, "agree": 9, "differ": 20, "open": 2})

@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
@@ -30,6 +29,12 @@ def examine(folder):
 def findings(folder):
     (path,) = folder.rglob("result.json")
     return {f["what"]: f for f in json.loads(path.read_text())["findings"]}
+
+
+@pytest.fixture(autouse=True)
+def few_feet(monkeypatch):
+    """A speed that nobody reads is measured with few walks."""
+    monkeypatch.setattr(doctor, "FEET", 4)
 
 
 @pytest.fixture
@@ -61,8 +66,6 @@ def test_a_sound_installation_passes_with_the_measured_differences(tmp_path):
             values = fo.evaluate([RAMP], scene, accuracy).values[0]
             worst = 100 * np.abs(values / published.objectives - 1).max()
             assert f"differs by up to {worst:.2g} %" in found[f"{published.sand} sand, {name}"]["found"]
-    assert found["speed"]["found"].endswith("ms per design and core at accuracy standard")
-    assert found["numba"]["found"] in done.stdout
     assert "FAILED" not in done.stdout
     (path,) = tmp_path.rglob("report.html")
     page = data_of(path.parent)
@@ -104,27 +107,6 @@ def test_a_cache_that_cannot_be_kept_is_found(tmp_path, monkeypatch):
     monkeypatch.setattr(doctor, "kept", lambda function: (None, 0))
     with pytest.raises(FootoptError, match=r"cache folder: none that can be written\. Set NUMBA_CACHE_DIR"):
         examine(tmp_path)
-
-
-@pytest.mark.slow
-def test_a_package_and_a_home_that_cannot_be_written_are_found(tmp_path):
-    shutil.copytree(ROOT / "footopt", tmp_path / "footopt", ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.copytree(ROOT / "conf", tmp_path / "conf", dirs_exist_ok=True)
-    for folder in ("walk", "foot"):  # a file in the way stops root, too
-        (tmp_path / "footopt" / folder / "__pycache__").write_text("")
-    (tmp_path / "home").write_text("")
-    done = program(
-        "study=doctor",
-        cwd=tmp_path,
-        HOME=str(tmp_path / "home"),
-        PYTHONDONTWRITEBYTECODE="1",
-        NUMBA_CACHE_DIR=None,
-        XDG_CACHE_HOME=None,
-    )
-    assert done.returncode == 1
-    assert "cache folder: none that can be written" in done.stderr
-    assert "every start compiles it again" in done.stdout + done.stderr
-    assert findings(tmp_path)["hard sand, standard"]["good"]
 
 
 def test_a_walk_that_is_wrong_fails_with_what_to_do(tmp_path, monkeypatch):

@@ -13,7 +13,7 @@ from footopt.studies.load import configured
 
 WORDS = [
     *("sand=soft", "accuracy=draft", "objective.names=[distance,work]", "solver=nsga2", "solver.pop_size=8"),
-    *("solver.n_gen=2", "study.confirm=standard", "walker.mass=50", "foot.n=5", "engine.threads=1"),
+    *("solver.n_gen=2", "study.confirm=null", "walker.mass=50", "foot.n=5", "engine.threads=1"),
 ]
 TEST = ["study=simulate", "accuracy=draft", "effects=[slope,leading_edge]", "effects.slope.angle=4"]
 
@@ -83,6 +83,7 @@ class TestLoad:
         assert run.config == composed(*WORDS)
         assert run.scene == fo.Scene(sand=fo.Sand.named("soft"), walker=fo.Walker(mass=50.0))
         assert run.foot.k == tuple(run.result["design"]["k"])
+        assert run.result["ranks"] == {"laws": [], "turned": {}}  # nothing is walked again
         assert {n: run.walk().objectives[n] for n in run.best} == run.best
         assert repr(run).startswith(f"<Run {run.folder}: sand=soft accuracy=draft")
 

@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from running import composed
+from running import composed, unrender
 from study_pages import check_page
 
 from footopt import studies
@@ -27,6 +27,7 @@ MADE = ("versions", "commit", "machine", "wall_time_s", "wall_time_covers")  # h
 
 
 def test_it_is_found_by_its_name(tmp_path, capsys, monkeypatch):
+    unrender(monkeypatch)
     monkeypatch.setattr(studies, "STUDIES", dict(studies.STUDIES))
     (tmp_path / "hollow_study.py").write_text(PLUGIN)
     monkeypatch.syspath_prepend(tmp_path)

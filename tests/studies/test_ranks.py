@@ -81,12 +81,3 @@ def test_a_search_says_its_ranks_under_other_laws(tmp_path):
     assert "Under other laws the best of 3 finalists is: leading edge no." in done.stdout
     entry = json.loads((tmp_path / "out" / "result.json").read_text())["ranks"]
     assert len(entry["laws"]) == 5
-
-
-@pytest.mark.slow
-def test_a_search_that_confirms_nothing_walks_under_no_other_law(tmp_path):
-    done = footopt(*QUICK, "report=light", "study.confirm=null", "hydra.run.dir=out", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert "Under other laws" not in done.stdout
-    entry = json.loads((tmp_path / "out" / "result.json").read_text())["ranks"]
-    assert entry == {"laws": [], "turned": {}}

@@ -1,5 +1,7 @@
 """A setting has an effect, or is refused: found by changing each one and looking at what is walked."""
 
+from copy import deepcopy
+
 import pytest
 from running import composed
 
@@ -36,11 +38,12 @@ def walked(config):
 
 @pytest.mark.parametrize("shape", [shape for shape in FEET if shape != "outline"])
 def test_of_a_walk_every_setting_counts_or_is_refused(shape):
-    base = walked(composed("study=simulate", f"foot={shape}"))
+    plain = composed("study=simulate", f"foot={shape}")
+    base = walked(plain)
     names = [name for name in known() if not name.startswith(ELSEWHERE)]
     assert len(names) > 50
     for name in names:
-        config = composed("study=simulate", f"foot={shape}")
+        config = deepcopy(plain)
         *above, last = name.split(".")
         group = config
         for key in above:
@@ -62,6 +65,14 @@ def test_of_a_walk_every_setting_counts_or_is_refused(shape):
             read, named = False, error.setting
             assert named == name
         assert counts == read, (name, value, other)
+
+
+def test_how_many_finalists_does_not_count_for_a_front_that_is_confirmed_as_a_whole():
+    one = composed("study=robust", "study.finalists=3")
+    check_read(one, ["study.finalists=3"])
+    one.objective.names = ["work", "distance"]
+    with pytest.raises(SettingError, match=r"study\.finalists = 3: must be left out: a search for several"):
+        check_read(one, ["study.finalists=3"])
 
 
 def test_every_study_says_what_it_reads_of_settings_that_there_are():

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from running import composed, footopt, program
+from running import composed, footopt, program, unrender
 from study_pages import check_page
 
 import footopt as fo
@@ -75,7 +75,8 @@ class TestStudy:
         assert {name for name in here if here[name] != there[name]} == {"settings", "wall_time_s"}
 
     @pytest.mark.slow
-    def test_drawn_scenarios_are_tested_on_fresh_ones(self, tmp_path, capsys):
+    def test_drawn_scenarios_are_tested_on_fresh_ones(self, tmp_path, capsys, monkeypatch):
+        unrender(monkeypatch)
         config = composed(*BRIEF, "study.scenarios=drawn", "study.measure=tail", "solver=nsga2",
                           "objective.names=[distance,efficiency]")  # fmt: skip
         studies.run(config, tmp_path, {})

@@ -18,8 +18,8 @@ from footopt.studies.stability_judges import Setup
 from footopt.studies.validation.model import model_error
 
 K = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)
-#: Cases without effects of their own, and within a minute.
-HARD = [c.name for c in CASES if not c.name.startswith("at rest") and c.name != "ten minutes of walking"]
+HARD = ("standing, zeta 5", "a foot set down at 3 m/s", "spiky soles", "creep 1e-9 on zeta 50",
+        "a step ten times larger", "sinking to the hip", "a plate at rest")  # fmt: skip
 
 
 def scene_of(*overrides):
@@ -100,7 +100,7 @@ class TestSettings:
 @pytest.mark.slow
 def test_the_study_from_the_command_line(tmp_path):
     words = ["study=effects", "study.feet=4", "accuracy=draft", "hydra.run.dir=out"]
-    done = footopt(*words, cwd=tmp_path, drawn=True)
+    done = footopt(*words, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     with open(tmp_path / "out" / "effects.csv", newline="") as file:
         rows = list(csv.DictReader(file))
@@ -109,9 +109,6 @@ def test_the_study_from_the_command_line(tmp_path):
     assert all(r["tolerance"] == "0.02" for r in rows)
     result = json.loads((tmp_path / "out" / "result.json").read_text())
     assert "leading_edge" in result["called_for"]
-    assert all(
-        (tmp_path / "out" / "figures" / f"effects.{end}").stat().st_size > 5000 for end in ("png", "pdf")
-    )
     check_page(tmp_path / "out")
     assert "leading edge on soft sand changes" in done.stdout
     sets = [set(j["effects"]) for j in result["interactions"]]

@@ -52,11 +52,6 @@ class TestIndices:
     def test_a_linear_model_changes_by_its_coefficients(self, linear):
         np.testing.assert_allclose(linear.change, np.tile([[0.3], [-0.4], [0.0]], len(NAMES)), atol=1e-12)
 
-    def test_more_samples_narrow_the_intervals(self, linear):
-        s = setting(creep=0.5, kind=Linear)
-        few = analyse(s, s.blocks["parameters"], 64, seed=1, threads=1)
-        assert few.total_error[:2].min() > 2 * linear.total_error[:2].max()
-
     def test_a_parameter_of_several_variables_has_an_index_and_no_sign(self):
         s = setting(spread=replace(NOTHING, zeta=0.1, angles=1.0))
         found = analyse(s, s.blocks["parameters"], 8, seed=1)
@@ -100,14 +95,6 @@ class TestSetting:
         labels = [s.label(name) for name in ("zeta", "thigh", "ankle_x", "width", "waypoint 3")]
         assert labels == ["zeta, 30 %", "thigh, 2°", "ankle x, 5 mm", "width, 5 %", "waypoint 3, 1 mm"]
 
-    def test_the_sand_changes_as_in_the_plain_walk(self):
-        s = setting()
-        normals = np.zeros(len(s.columns))
-        normals[s.columns.index("zeta")] = 1.0
-        sand = fo.Sand(5.0 * np.exp(0.2))
-        plain = fo.evaluate([s.foot], fo.Scene(sand=sand), COARSE, NAMES)
-        np.testing.assert_allclose(s.walk(normals)[0], plain.values[0], rtol=1e-12)
-
 
 class TestErrors:
     def test_samples_are_a_power_of_two(self):
@@ -140,7 +127,7 @@ class TestErrors:
 @pytest.mark.slow
 def test_from_the_command_line(tmp_path):
     done = footopt("study=sensitivity", "study.quick=true", "foot.n=4", "foot.k=[3,5,4,2]", "accuracy=draft",
-                   "hydra.run.dir=run", cwd=tmp_path, drawn=True)  # fmt: skip
+                   "hydra.run.dir=run", cwd=tmp_path)  # fmt: skip
     assert done.returncode == 0, done.stderr
     result = json.loads((tmp_path / "run" / "result.json").read_text())
     assert list(result["blocks"]) == ["parameters", "waypoints"]
@@ -150,6 +137,5 @@ def test_from_the_command_line(tmp_path):
     assert len(rows) == (10 + 4) * len(NAMES)
     by_zeta = {r["objective"]: float(r["change"]) for r in rows if r["parameter"] == "zeta"}
     assert by_zeta["mean_height"] > 0 > by_zeta["work"]  # harder sand: less sinkage, less work
-    assert (tmp_path / "run" / "figures" / "sensitivity.png").stat().st_size > 20_000
     check_page(tmp_path / "run")
     assert f"{14 * 16 + 2 * 16 * 2 + 2 * 14 + 2} walks" in done.stdout

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 
 import pytest
 from running import composed, unrender
@@ -12,22 +13,23 @@ from footopt.design import search
 from footopt.errors import SettingError
 from footopt.studies import run
 
-SPACE = fo.Waypoints(n=4, K=4)
-TRUST = ("study=trust", "foot.n=4", "foot.K=4")
+SPACE = fo.Waypoints(n=4, K=3)
+TRUST = ("study=trust", "foot.n=4", "foot.K=3")
 
 
 @pytest.mark.slow
-def test_the_exhaustive_solver_as_the_command_line_composes_it(tmp_path, capsys):
-    words = ("solver=exhaustive", "foot.n=4", "foot.K=4", "accuracy=draft", "solver.pop_size=100")
+def test_the_exhaustive_solver_as_the_command_line_composes_it(tmp_path, capsys, monkeypatch):
+    unrender(monkeypatch)
+    words = ("solver=exhaustive", "foot.n=4", "foot.K=3", "accuracy=draft", "solver.pop_size=100")
     run(composed(*words), tmp_path, {})
     result = json.loads((tmp_path / "result.json").read_text())
     exact = search(fo.FootProblem(fo.Scene(), space=SPACE, accuracy="draft"), "exhaustive")
-    assert result["designs"] == 256
+    assert result["designs"] == 81
     assert result["infeasible"] == exact.infeasible
     assert result["confirmed"]["k"][0] in exact.k[:20].tolist()
-    assert (tmp_path / "figures" / "contours.png").stat().st_size > 10_000
+    assert (tmp_path / "figures" / "contours.png").exists()
     assert not (tmp_path / "figures" / "convergence.png").exists()
-    assert "exhaustive, seed 1: 202 evaluations of 256 designs" in capsys.readouterr().out
+    assert re.search(r"exhaustive, seed 1: \d\d evaluations of 81 designs", capsys.readouterr().out)
 
 
 class TestStudy:
@@ -36,7 +38,7 @@ class TestStudy:
         words = ("study.quick=true", "accuracy=draft", "study.budget=300", "study.solvers=[memetic,nsga2]")
         run(composed(*TRUST, *words), tmp_path, {})
         result = json.loads((tmp_path / "result.json").read_text())
-        assert result["designs"] == 256
+        assert result["designs"] == 81
         assert {s["sand"] for s in result["scores"]} == {"soft", "regular", "hard"}
         memetic = [s for s in result["scores"] if s["solver"] == "memetic"]
         assert all(s["found"] == 1.0 and s["regret"] == 0.0 for s in memetic)

@@ -11,8 +11,7 @@ import pytest
 from feet_in_sand import force, pose_of
 from hypothesis import given
 from hypothesis import strategies as st
-from running import composed
-from scipy.optimize import brentq
+from running import composed, unrender
 from study_pages import check_page
 
 import footopt as fo
@@ -21,13 +20,12 @@ from footopt.effects import EFFECTS
 from footopt.errors import SettingError
 from footopt.report.numbers import number
 from footopt.sand import alpha
-from footopt.studies.validate import markdown_table, summary_of
+from footopt.studies.validate import markdown_rows, summary_of
 from footopt.studies.validation import model, rig
 from footopt.studies.validation.compare import AGREES, DIFFERS, OPEN, UNITS, Comparison, experiments
 from footopt.walk import FIVE
 
 ALL = {e.name: e for e in experiments()}
-WALKS = ("people",)  # the others take a second together
 DOCS = Path(__file__).parents[2] / "docs" / "validation.md"
 
 
@@ -51,11 +49,6 @@ class TestRig:
         assert sinkage[0] == pytest.approx(load / (zeta * 1e6 * 0.01), rel=1e-6)
         assert found[0, 1] == pytest.approx(load, rel=1e-6)
 
-    def test_a_locked_wheel_is_dragged_and_one_that_spins_pulls(self):
-        found = ALL["wheel"].compare(("leading_edge",))
-        drawbar = next(c for c in found if c.quantity == "drawbar").simulated
-        assert drawbar[0] < 0.0 < drawbar[-1]
-
     def test_3d_rft_has_its_published_values(self):
         """A level plate pushed down (0.876), and symmetry where it may not matter which way is ahead."""
         table = np.array(ALL["grains"].content["setup"]["polynomial"])
@@ -72,53 +65,18 @@ class TestComparison:
 
     def test_the_three_uncertainties_add_as_squares(self):
         assert self.made(0.0, 0.02, 0.03, 0.06).uncertainty[0] == pytest.approx(0.07)
-        assert self.made(-0.3).error[0] == pytest.approx(-0.3)
 
-    @pytest.mark.parametrize(
-        ("error", "u", "verdict"),
-        [
+    def test_the_verdict_is_that_of_the_error_against_twice_u(self):
+        for error, u, verdict in (
             (0.1, 0.06, AGREES),
             (-0.1, 0.06, AGREES),
             (0.13, 0.06, DIFFERS),
             (0.1, 0.3, OPEN),
             (0.7, 0.3, DIFFERS),
-        ],
-    )
-    def test_the_verdict_is_that_of_the_error_against_twice_u(self, error, u, verdict):
-        c = self.made(error, experimental=u)
-        assert c.verdict == verdict
-        assert (verdict == DIFFERS) == (c.says == f"differs by {abs(100 * error):.0f} %")
-
-    def test_a_worse_prediction_never_gets_a_better_verdict(self):
-        found = [replace(self.made(0.0, experimental=0.1), simulated=np.ones(1) + e) for e in (0.0, 0.1, 0.3)]
-        assert [c.verdict for c in found] == [AGREES, AGREES, DIFFERS]
-
-
-def test_sand_piled_up_ahead_lifts_a_dragged_wheel_as_the_docs_say():
-    """Plates of the leading half feel the depth below a pile at 30 degrees that leans on the wheel."""
-    setup, zeta = ALL["wheel"].content["setup"], ALL["wheel"].content["inputs"]["zeta"]["value"]
-    radius, width, load = setup["radius"], setup["width"], setup["load"][0]
-    angle = np.linspace(-np.pi / 2, 0.0, 2001)
-    edges = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    (x, z), (dx, dz) = 0.5 * (edges[1:] + edges[:-1]).T, np.diff(edges, axis=0).T
-    stress = rig.by_angles(np.arctan2(dz, dx), np.tile([1.0, 0.0], (2000, 1)))
-
-    def lift(sinkage, pile):
-        height = math.sqrt(2.0 * pile * math.tan(math.radians(30.0)))
-        centre = radius - sinkage
-        touches = math.sqrt(max(radius**2 - (centre - height) ** 2, 0.0))
-        surface = height - np.maximum(x - touches, 0.0) * math.tan(math.radians(30.0))
-        depth = np.maximum(np.maximum(surface, 0.0) - (centre + z), 0.0)
-        return zeta * width * np.sum(np.hypot(dx, dz) * depth * stress[:, 1])
-
-    def sinkage(pile):
-        return brentq(lambda s: lift(s, pile) - load, 0.0, radius)
-
-    bare = next(c for c in ALL["wheel"].compare(("leading_edge",)) if c.quantity == "sinkage")
-    assert 1e3 * sinkage(0.0) == pytest.approx(bare.simulated[0], rel=1e-3)
-    assert bare.measured[0] == pytest.approx(50.0)
-    found = [1e3 * sinkage(pile) for pile in (0.0, 1e-4, 6e-4)]
-    assert [round(s) for s in found] == [32, 22, 6]
+        ):
+            c = self.made(error, experimental=u)
+            assert c.verdict == verdict
+            assert (verdict == DIFFERS) == (c.says == f"differs by {abs(100 * error):.0f} %")
 
 
 @pytest.mark.parametrize("e", ALL.values(), ids=list(ALL))
@@ -146,31 +104,15 @@ class TestFiles:
             measured / alpha(0.0, math.pi / 2)[1], rel=2e-3
         )
 
-    def test_numbers_are_good_enough_to_judge_and_the_docs_have_them(self, e):
-        if e.name in WALKS:
-            return
-        held(e)
-
-
-def held(e):
-    """Compare an experiment with what docs/validation.md says of it."""
-    found = [c for law in e.laws for c in e.compare(law)]
-    assert all(np.isfinite(c.error).all() and c.numerical.max() < 0.05 * c.scale for c in found)
-    lines = DOCS.read_text(encoding="utf-8").splitlines()
-    for line in markdown_table([e], {e.name: found})[2:]:
-        assert line in lines
-    for c in found:  # as closing lines have it, too
-        assert model.found()[(c.experiment, c.quantity, c.law)] == pytest.approx(
-            c.size / c.scale, rel=1e-3, abs=1e-6
-        )
-        assert [k["verdict"] for k in model.kept() if (k["experiment"], k["quantity"], tuple(k["law"])) ==
-                (c.experiment, c.quantity, c.law)] == [c.verdict]  # fmt: skip
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", WALKS)
-def test_the_docs_have_the_numbers_of_walks_too(name):
-    held(ALL[name])
+    def test_numbers_are_good_enough_to_judge_and_docs_and_closing_lines_have_them(self, e):
+        found = [c for law in e.laws for c in e.compare(law)]
+        assert all(np.isfinite(c.error).all() and c.numerical.max() < 0.05 * c.scale for c in found)
+        assert markdown_rows(e, found) in DOCS.read_text(encoding="utf-8")
+        kept = {(k["experiment"], k["quantity"], tuple(k["law"])): k for k in model.kept()}
+        for c in found:
+            own = kept[c.experiment, c.quantity, c.law]
+            assert own["error"] == pytest.approx(c.size / c.scale, rel=1e-3, abs=1e-6)
+            assert own["verdict"] == c.verdict
 
 
 def test_the_docs_count_the_verdicts_of_their_own_table():
@@ -219,7 +161,6 @@ class TestModelError:
 
     def test_a_walk_that_failed_has_none(self, hard_walk):
         assert model.model_error(replace(hard_walk, reason="sunk")) == {}
-        assert model.describe({}) == []
 
 
 @pytest.fixture(scope="module")
@@ -253,7 +194,8 @@ def test_the_docs_say_what_hollow_and_convex_soles_are_worth():
 
 
 class TestStudy:
-    def test_it_leaves_a_page_a_table_and_a_figure_for_each_experiment(self, tmp_path, capsys):
+    def test_it_leaves_a_page_a_table_and_a_figure_for_each_experiment(self, tmp_path, capsys, monkeypatch):
+        unrender(monkeypatch)
         settings = composed("study=validate", "study.cases=[growth,friction]")
         studies.run(settings, tmp_path, {})
         check_page(tmp_path)
@@ -270,7 +212,6 @@ class TestStudy:
         assert "Of 2 comparisons 0 agree, 2 differ, and 0 cannot be told." in said
         assert "differs by" in (tmp_path / "validation.md").read_text()
 
-    @pytest.mark.parametrize("cases", ["[moon]", "[]"])
-    def test_an_experiment_that_is_not_there_is_refused(self, cases, tmp_path):
+    def test_an_experiment_that_is_not_there_is_refused(self, tmp_path):
         with pytest.raises(SettingError, match=r"study\.cases.*some of wheel"):
-            studies.run(composed("study=validate", f"study.cases={cases}"), tmp_path, {})
+            studies.run(composed("study=validate", "study.cases=[moon]"), tmp_path, {})

@@ -12,9 +12,8 @@ from footopt.files.gaits.captures import holds_markers, read_capture
 from footopt.files.gaits.coefficients import Coefficients, read_json, write_json
 from footopt.files.gaits.leg import leg_angles
 from footopt.files.gaits.markers import UNITS as LENGTHS
-from footopt.files.gaits.mot import read_mot
 from footopt.files.gaits.strides import Strides, average, cut
-from footopt.files.gaits.table import read_csv
+from footopt.files.gaits.tables import read_csv, read_mot
 from footopt.files.gaits.trc import read_trc
 from footopt.files.reading import Unusable, naming, read_bytes, read_table
 

@@ -16,7 +16,7 @@ LIMITS = {"thigh": (-90.0, 120.0), "knee": (-12.0, 170.0), "foot": (-120.0, 120.
 LEAST = 3.0  # range of the thigh in a walk, deg; in radians no walk reaches it
 PERIODS = (0.2, 5.0)  # of a stride, s: a sprinter's is 0.45; anything else is a mistake in the units
 JUMP, RARE = 5.0, 12.0  # deg from the mean of its neighbours, and so many times what is usual: a wrong value
-FREQUENT = 0.02  # s; between rows farther apart a joint may turn by as much
+FREQUENT = 0.02  # s; between rows farther apart a joint turns by more, as the square
 SKIP, SPARSE = 4.0, 0.05  # a step of time longer than so many usual ones, and than so many s, is a hole
 CLIMB = 0.15  # m; a hip that rises or sinks by more over a recording is on stairs or a slope
 
@@ -54,13 +54,9 @@ def recording(rows: Array, notes: tuple[str, ...] = ()) -> Recording:
         The rows are no walk, or have a hole or a wrong value.
     """
     many, more = in_time(rows[0])
-    rows = rows[:, :many]
-    t, needed = rows[0], rows[:3]
+    t, rows = rows[0, :many], rows[1:, :many]
     if many < 4:
         raise Unusable(f"has {many} rows, and a walk needs at least 4.")
-    if not np.isfinite(needed).all():
-        row = int(np.argmin(np.isfinite(needed).all(axis=0)))
-        raise Unusable(f"row {row + 1} of the data, at {t[row]:.6g} s, has a value that is not finite.")
     steps = np.diff(t)
     longest, usual = int(np.argmax(steps)), float(np.median(steps))
     if steps[longest] > max(SKIP * usual, SPARSE):
@@ -68,21 +64,15 @@ def recording(rows: Array, notes: tuple[str, ...] = ()) -> Recording:
             f"nothing is recorded from {t[longest]:.6g} to {t[longest + 1]:.6g} s, where rows are usually "
             f"{usual:.3g} s apart. Fill it, or cut there."
         )
-    angles = dict(zip(("thigh", "knee"), rows[1:], strict=False))
-    check_angles(angles)
-    if usual <= FREQUENT:
-        for joint, values in angles.items():
-            _check_jumps(joint, t, values)
     notes += more
-    if len(rows) > 3:
+    angles = {}
+    for joint, values in zip(LIMITS, rows, strict=False):
         try:
-            if not np.isfinite(rows[3]).all():
-                raise Unusable("the foot has values that are not finite.")
-            check_angles({"foot": rows[3]})
-            if usual <= FREQUENT:
-                _check_jumps("foot", t, rows[3])
-            angles["foot"] = rows[3]
+            _check_joint(joint, t, values)
+            angles[joint] = values
         except Unusable as why:
+            if joint != "foot":
+                raise
             notes += (f"no pitch of the foot: {why}",)
     return Recording(t, angles, notes)
 
@@ -150,10 +140,15 @@ def check_period(period: float) -> None:
         )
 
 
-def _check_jumps(joint: str, t: Array, values: Array) -> None:
+def _check_joint(joint: str, t: Array, values: Array) -> None:
+    if not (finite := np.isfinite(values)).all():
+        row = int(np.argmin(finite))
+        raise Unusable(f"row {row + 1} of the data, at {t[row]:.6g} s, has no finite angle of the {joint}.")
+    check_angles({joint: values})
     share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
     off = abs(values[1:-1] - (1.0 - share) * values[:-2] - share * values[2:])
-    if off.max() > max(JUMP, RARE * float(np.median(off))):
+    turn = JUMP * max(float(np.median(np.diff(t))) / FREQUENT, 1.0) ** 2
+    if off.max() > max(turn, RARE * float(np.median(off))):
         at = 1 + int(np.argmax(off))
         raise Unusable(
             f"the {joint} jumps at {t[at]:.6g} s: {values[at]:.4g} deg between "

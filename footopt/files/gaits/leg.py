@@ -19,15 +19,15 @@ from footopt.files.reading import Unusable
 
 Array = NDArray[np.float64]
 
-SEGMENT = (0.1, 0.9)  # length of a thigh or shank, m; anything else is a mistake in the units
-STRETCH = 0.2  # a distance of hip and knee, or knee and ankle, farther from the median: no marker of a leg
-SPEED = 15.0  # m/s; a marker that is faster than a sprinter's foot has jumped
+SEGMENT = (0.1, 0.9)  # length of a thigh, shank or foot, m; anything else is a mistake in the units
+STRETCH = (
+    0.2  # of a segment's usual length that it may be longer or shorter: markers of a leg are fixed to it
+)
 WHOLE = 0.9  # of the time of a leg; a foot that is seen for less of it is left out
 BACKWARDS = 0.3  # m that the hip may go backwards, on a treadmill
-TURN, PACE = (
-    30.0,
-    0.3,
-)  # deg that a straight walk's heading may change by; m/s below which a way has no heading
+STILL = 1e-3  # m rms; who stands does not swing
+TURN = 30.0  # deg that a straight walk's heading may change by
+PACE = 0.3  # m/s below which a way has no heading
 AVERAGED = 1.0  # s over which a heading is averaged: a pelvis swings with each stride
 
 
@@ -50,17 +50,28 @@ def leg_angles(markers: Markers, names: Mapping[str, str], side: str | None, max
     Unusable
         A marker is missing, unseen for too long, or where no leg can be.
     """
+    from scipy.signal import detrend
+
     leg, other, notes = both_legs(markers, names, side)
+    _check_leg(markers.t, leg)
+    if {"heel", "toe"} <= leg.keys():
+        try:
+            _check_segment(markers.t, leg, "foot", "heel", "toe")
+        except Unusable as why:
+            leg, notes = {part: leg[part] for part in NEEDED}, (*notes, f"no pitch of the foot: {why}")
     t, places, filled = _filled(markers.t, leg, max_gap)
     hip, knee, ankle = (places[part] for part in NEEDED)
     up = _up(hip - ankle)
     _check_straight(markers.t, leg["hip"], None if other is None else other["hip"], up)
     forward = _forward(hip, knee, ankle, up)
-    _check_walk((hip[-1] - hip[0]) @ forward)
+    if (travelled := (hip[-1] - hip[0]) @ forward) < -BACKWARDS:
+        raise Unusable(
+            f"the hip goes {-travelled:.2f} m backwards while the knee bends forwards. "
+            "Check the markers' names (gait.names), or that the subject walks forwards."
+        )
     angles, lengths = _angles(places, forward, up)
-    _check_leg(markers.t, leg, lengths)
-    of_hip, of_ankle = (np.std(_steady(t, place @ forward)) for place in (hip, ankle))
-    if of_hip > of_ankle:
+    of_hip, of_ankle = (np.std(detrend(place @ forward)) for place in (hip, ankle))
+    if of_hip > of_ankle + STILL:
         raise Unusable(f"the hip swings by {of_hip:.3f} m (rms), the ankle by {of_ankle:.3f} m: exchanged?")
     notes += (
         *filled,
@@ -69,25 +80,22 @@ def leg_angles(markers: Markers, names: Mapping[str, str], side: str | None, max
         f"up is {_axis(up)}, forward about {_axis(forward)}",
         *climbing(hip @ up),
     )
-    jumps = [why for part in ("heel", "toe") if part in places and (why := _jump(markers.t, part, leg[part]))]
-    if jumps:
-        notes += (f"no pitch of the foot: {jumps[0]}",)
-    elif {"heel", "toe"} <= places.keys():
+    if {"heel", "toe"} <= places.keys():
         pitch, _ = _segment(places["heel"], places["toe"], forward, up)
         # markers sit at different heights: the foot is level while the ankle is lowest and slowest
         angles.append(pitch - np.median(pitch[np.argsort(ankle @ up)[: len(pitch) // 4]]))
-        notes += ("foot: level where the ankle is lowest",)
     own = recording(np.array([t, *angles]), notes)
-    return own._replace(other=None if other is None else _other(markers.t, other, max_gap, forward, up))
+    level = ("foot: level where the ankle is lowest",) if "foot" in own.angles else ()
+    second = None if other is None else _other(markers.t, other, max_gap, forward, up)
+    return own._replace(notes=own.notes + level, other=second)
 
 
 def _other(t: Array, leg: Leg, max_gap: float, forward: Array, up: Array) -> Recording | None:
     """Thigh and knee of the leg that is not read; it is wanted for a check only."""
     try:
+        _check_leg(t, leg)
         now, places, _ = _filled(t, {part: leg[part] for part in NEEDED}, max_gap)
-        angles, lengths = _angles(places, forward, up)
-        _check_leg(t, leg, lengths)
-        return recording(np.array([now, *angles]))
+        return recording(np.array([now, *_angles(places, forward, up)[0]]))
     except Unusable:
         return None
 
@@ -99,36 +107,28 @@ def _angles(places: Leg, forward: Array, up: Array) -> tuple[list[Array], list[f
     return [thigh, thigh - shank], [float(l1.mean()), float(l2.mean())]
 
 
-def _check_leg(t: Array, leg: Leg, lengths: list[float]) -> None:
-    """Raise unless a leg is of a human size, rigid and nowhere too fast."""
-    for part, length in zip(("thigh", "shank"), lengths, strict=True):
-        if not SEGMENT[0] <= length <= SEGMENT[1]:
-            raise Unusable(
-                f"the {part} would be {length:.4g} m long. Check the units in the file (gait.units sets "
-                "others) and the markers' names (gait.names)."
-            )
-    for part, from_ in (("knee", "hip"), ("ankle", "knee")):
-        apart = np.linalg.norm(leg[part] - leg[from_], axis=1)
-        usual = float(np.nanmedian(apart))
-        worst = int(np.nanargmax(abs(apart - usual)))
-        if abs(apart[worst] - usual) > STRETCH * usual:
-            raise Unusable(
-                f"the {part} is {apart[worst]:.4g} m from the {from_} at {t[worst]:.6g} s, and usually "
-                f"{usual:.4g} m. A marker has jumped or is mistaken: "
-                "mend it in the program that recorded it, or cut the file there."
-            )
-    for part in NEEDED:
-        if why := _jump(t, part, leg[part]):
-            raise Unusable(f"{why} Mend the marker in the program that recorded it, or cut the file there.")
+def _check_leg(t: Array, leg: Leg) -> None:
+    _check_segment(t, leg, "thigh", "hip", "knee")
+    _check_segment(t, leg, "shank", "knee", "ankle")
 
 
-def _jump(t: Array, part: str, place: Array) -> str:
-    """Where a marker is faster than any foot, in a sentence; "" if it never is."""
-    steps = np.nan_to_num(np.linalg.norm(np.diff(place, axis=0), axis=1))
-    at = int(np.argmax(steps / np.diff(t)))
-    if steps[at] <= SPEED * (t[at + 1] - t[at]):
-        return ""
-    return f"the {part} jumps by {steps[at]:.4g} m at {t[at]:.6g} s."
+def _check_segment(t: Array, leg: Leg, name: str, begin: str, end: str) -> None:
+    """Raise unless a segment is seen, of a human size, and rigid."""
+    apart = np.linalg.norm(leg[end] - leg[begin], axis=1)
+    if np.isfinite(apart).sum() < 4:
+        raise Unusable(f"the {begin} and the {end} are hardly ever seen together.")
+    usual, worst = float(np.nanmedian(apart)), int(np.nanargmax(abs(apart - np.nanmedian(apart))))
+    if not SEGMENT[0] <= usual <= SEGMENT[1]:
+        raise Unusable(
+            f"the {name} would be {usual:.4g} m long. Check the units in the file (gait.units sets "
+            "others) and the markers' names (gait.names)."
+        )
+    if abs(apart[worst] - usual) > STRETCH * usual:
+        raise Unusable(
+            f"the {end} is {apart[worst]:.4g} m from the {begin} at {t[worst]:.6g} s, and usually "
+            f"{usual:.4g} m. A marker has jumped or is mistaken: "
+            "mend it in the program that recorded it, or cut the file there."
+        )
 
 
 def _filled(
@@ -141,19 +141,18 @@ def _filled(
     from scipy.interpolate import CubicSpline
 
     seen = {part: np.isfinite(place.sum(axis=1)) for part, place in places.items()}
-    seen = {part: ok for part, ok in seen.items() if part in NEEDED or ok.any()}
-    never = [part for part, ok in seen.items() if not ok.any()]
     leg, together = (
         np.flatnonzero(np.all([seen[part] for part in parts], axis=0)) for parts in (NEEDED, seen)
     )
-    if never or len(leg) < 4:
-        raise Unusable(f"the {', '.join(never) or 'leg'} is never seen with the others.")
+    if len(leg) < 4:
+        raise Unusable("hip, knee and ankle are hardly ever seen together.")
+    parts, notes = tuple(places), tuple[str, ...]()
     if len(together) < 4 or together[-1] - together[0] < WHOLE * (leg[-1] - leg[0]):
-        together = leg
+        together, parts = leg, NEEDED
+        notes = (f"no pitch of the foot: it is seen for less than {100 * WHOLE:g} % of the time",)
     inside = slice(together[0], together[-1] + 1)
-    notes: tuple[str, ...] = ()
     filled = {}
-    for part in seen:
+    for part in parts:
         ok, times, place = seen[part][inside], t[inside], places[part][inside]
         known = np.concatenate([times[:1], times[ok], times[-1:]])
         longest = int(np.argmax(np.diff(known)))
@@ -172,40 +171,23 @@ def _filled(
     return t[inside], filled, notes
 
 
-def _check_walk(travelled: float) -> None:
-    """Raise if a hip goes backwards, by so many m."""
-    if travelled < -BACKWARDS:
-        raise Unusable(
-            f"the hip goes {-travelled:.2f} m backwards while the knee bends forwards. "
-            "Check the markers' names (gait.names), or that the subject walks forwards."
-        )
-
-
 def _check_straight(t: Array, hip: Array, other: Array | None, up: Array) -> None:
     """Raise if the subject turns: its hips, or without the other one the way that it goes."""
     from scipy.ndimage import uniform_filter1d
 
     frames = max(round(AVERAGED / float(np.median(np.diff(t)))), 1)
-    ahead, aside = np.flatnonzero(up == 0)
+    across = (hip if other is None else hip - other)[:, up == 0] @ np.array([1.0, 1j])
+    seen, least = np.isfinite(across), 0.0
+    times, across = t[seen], across[seen]
     if other is None:
-        seen = np.isfinite(hip[:, 0])
-        way = uniform_filter1d(hip[seen], frames, axis=0, mode="nearest")
-        across = np.gradient(way, t[seen], axis=0)
-        valid = np.hypot(across[:, ahead], across[:, aside]) > PACE
-    else:
-        across = hip - other
-        seen = np.isfinite(across[:, 0])
-        across = across[seen]
-        valid = np.hypot(across[:, ahead], across[:, aside]) > 0.0
-    across, times = across[valid], t[seen][valid]
+        across, least = np.gradient(uniform_filter1d(across, frames, mode="nearest"), times), PACE
+    times, across = times[abs(across) > least], across[abs(across) > least]
     if len(times) < 2 * frames:
         return
-    across = across / np.hypot(across[:, ahead], across[:, aside])[:, None]
-    across = uniform_filter1d(across, frames, axis=0, mode="nearest")
-    heading = np.degrees(np.unwrap(np.arctan2(across[:, aside], across[:, ahead])))
-    turn, places = float(np.ptp(heading)), sorted((int(np.argmin(heading)), int(np.argmax(heading))))
-    if turn > TURN:
-        begin, end = times[places]
+    heading = np.angle(uniform_filter1d(across / abs(across), frames, mode="nearest"), deg=True)
+    heading = np.unwrap(heading, period=360.0)
+    if (turn := float(np.ptp(heading))) > TURN:
+        begin, end = times[sorted((int(np.argmin(heading)), int(np.argmax(heading))))]
         raise Unusable(
             f"the subject turns by {turn:.0f} deg from {begin:.4g} to {end:.4g} s, and footopt walks "
             "straight ahead. Cut out a part that goes straight."
@@ -235,12 +217,6 @@ def _axis(direction: Array) -> str:
     """The laboratory's axis that is nearest to a direction, as +x."""
     axis = int(np.argmax(abs(direction)))
     return "+-"[int(direction[axis] < 0)] + "xyz"[axis]
-
-
-def _steady(t: Array, way: Array) -> Array:
-    """What is left of a way without its mean speed, m."""
-    left: Array = way - np.polynomial.Polynomial.fit(t, way, 1)(t)
-    return left
 
 
 def _segment(begin: Array, end: Array, forward: Array, up: Array) -> tuple[Array, Array]:

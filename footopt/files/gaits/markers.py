@@ -1,4 +1,4 @@
-"""Markers over time, and the cells and units that files give them in."""
+"""Markers over time, and the units that files give them in."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.files.gaits.angles import in_time
-from footopt.files.reading import Unusable, number
+from footopt.files.reading import Unusable
 
 Array = NDArray[np.float64]
 
@@ -17,7 +17,6 @@ UNITS = {
     **{"mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "in": 0.0254, "inch": 0.0254, "inches": 0.0254},
     **{"millimeters": 1e-3, "centimeters": 1e-2, "meters": 1.0},
 }
-FAR = 1e4  # m; no laboratory is so large
 
 
 class Markers(NamedTuple):
@@ -50,8 +49,6 @@ def to_markers(t: Array, names: Sequence[str], places: Array, notes: tuple[str, 
     t, places, notes = t[:many], places[:many], notes + more
     if many < 2:
         raise Unusable(f"has {many} frames, and a walk needs several.")
-    if (far := np.nanmax(abs(places), initial=0.0)) > FAR:
-        raise Unusable(f"a marker lies {far:.3g} m from the origin. Check it and the units.")
     places = np.where(np.all(places == 0.0, axis=-1, keepdims=True), np.nan, places)
     found: dict[str, Array] = {}
     unclear = []
@@ -80,27 +77,6 @@ def metres(unit: str, setting: str | None = None) -> float:
             "Set gait.units to the right one."
         )
     return UNITS[given]
-
-
-def to_numbers(rows: Iterable[tuple[int, Sequence[str]]], wide: int, gaps: bool) -> Array:
-    """The cells of numbered lines as numbers, (rows, wide); with `gaps`, an empty or missing one is NaN.
-
-    Raises
-    ------
-    ValueError
-        A cell is not a number, or a row has too many or too few.
-    """
-    found = []
-    for line, cells in rows:
-        more = [cell for cell in cells[wide:] if cell]
-        if more or (len(cells) < wide and not gaps):
-            raise ValueError(f"line {line} has {len(cells)} cells where the header has {wide}")
-        try:
-            row = [number(cell) if cell or not gaps else np.nan for cell in cells[:wide]]
-        except ValueError as error:
-            raise ValueError(f"line {line}: {error}") from None
-        found.append(row + [np.nan] * (wide - len(row)))
-    return np.array(found, float).reshape(-1, wide)
 
 
 def differing(held: Iterable[tuple[str, str | None, int]]) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,71 +49,44 @@ def both_legs(
     other = legs["left" if side == "right" else "right"]
     if names or not other.keys() >= set(NEEDED):
         return leg, None, notes
-    return leg, other, notes + _put_back(markers.t, leg, other)
+    return leg, other, notes + _put_back(leg, other)
 
 
-def _put_back(t: Array, leg: Leg, other: Leg) -> tuple[str, ...]:
+def _put_back(leg: Leg, other: Leg) -> tuple[str, ...]:
     """Put markers back, in both legs, that changed sides for some frames; notes that say so.
 
-    They are exchanged only where that makes the legs more rigid and the markers slower.
+    They are exchanged only where that makes the legs more rigid and the markers' ways shorter.
     """
+    from scipy.ndimage import find_objects, label
+
     notes: tuple[str, ...] = ()
-    with np.errstate(invalid="ignore", divide="ignore"):
-        across = leg["hip"] - other["hip"]
-        across = across / np.linalg.norm(across, axis=1, keepdims=True)
+    across = leg["hip"] - other["hip"]
     for part, joint in JOINED.items():
         if not leg.keys() & other.keys() >= {part, joint}:
             continue
         aside = np.sum((leg[part] - other[part]) * across, axis=1)
         if not np.isfinite(aside).any():
             continue  # never seen together
-        swapped = np.sign(np.nanmedian(aside)) * aside < -APART
-        put = 0
-        for begin, end in _runs(swapped):
-            now = (leg[part], leg[joint]), (other[part], other[joint])
-            if _stiffer(*now[0], *now[1], begin, end) and _slower(t, leg[part], other[part], begin, end):
-                exchanged = np.zeros((len(t), 1), bool)
-                exchanged[begin:end] = True
-                leg[part], other[part] = (
-                    np.where(exchanged, other[part], leg[part]),
-                    np.where(exchanged, leg[part], other[part]),
-                )
-                put += end - begin
+        aside *= np.sign(np.nanmedian(aside)) / np.linalg.norm(across, axis=1)
+        put, now = 0, _unrest(leg, other, part, joint)
+        for (run,) in find_objects(label(aside < -APART)[0]):
+            swapped = leg | {part: leg[part].copy()}, other | {part: other[part].copy()}
+            swapped[0][part][run], swapped[1][part][run] = other[part][run], leg[part][run]
+            then = _unrest(*swapped, part, joint)
+            if (then < now).all():
+                leg[part], other[part], now = swapped[0][part], swapped[1][part], then
+                put += run.stop - run.start
         if put:
             notes += (f"{part}: left and right exchanged in {put} frames, put back",)
     return notes
 
 
-def _runs(here: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
-    """Begin and end of each run of true values."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], here, [False]])))
-    return zip(map(int, edges[::2]), map(int, edges[1::2]), strict=True)
-
-
-def _stiffer(part: Array, joint: Array, part_2: Array, joint_2: Array, begin: int, end: int) -> bool:
-    """Whether the distances of parts from their joints vary less with the parts exchanged in a run."""
-
-    long, long_2 = np.linalg.norm(part - joint, axis=1), np.linalg.norm(part_2 - joint_2, axis=1)
-    if not (np.isfinite(long).any() and np.isfinite(long_2).any()):
-        return False
-    usual, usual_2 = np.nanmedian(long), np.nanmedian(long_2)
-    other, other_2 = np.linalg.norm(part_2 - joint, axis=1), np.linalg.norm(part - joint_2, axis=1)
-    before = abs(long - usual) + abs(long_2 - usual_2)
-    after = abs(other - usual) + abs(other_2 - usual_2)
-    return bool(np.nansum(after[begin:end]) < np.nansum(before[begin:end]))
-
-
-def _slower(t: Array, part: Array, part_2: Array, begin: int, end: int) -> bool:
-    """Whether both parts jump less, into a run and out of it, if they are exchanged in it."""
-    seen = np.isfinite((part + part_2).sum(axis=1))
-    inside, before, after = (
-        np.flatnonzero(seen[part_]) + (part_.start or 0)
-        for part_ in (slice(begin, end), slice(0, begin), slice(end, None))
-    )
-    edges = [(a[-1], b[0]) for a, b in ((before, inside), (inside, after)) if len(a) and len(b)]
-
-    def speed(a: Array, b: Array) -> float:
-        with np.errstate(divide="ignore", invalid="ignore"):  # of times that are there twice
-            return float(sum(np.linalg.norm(a[i] - b[j]) / (t[j] - t[i]) for i, j in edges))
-
-    return speed(part, part_2) + speed(part_2, part) < speed(part, part) + speed(part_2, part_2)
+def _unrest(leg: Leg, other: Leg, part: str, joint: str) -> Array:
+    """How far a part's distance from its joint is from the usual one, and how long its way is, m: sums over
+    both legs and the frames in which both are seen.
+    """
+    places = np.array([[each[part], each[joint]] for each in (leg, other)])
+    places = places[..., np.isfinite(places).all(axis=(0, 1, 3)), :]
+    apart = np.linalg.norm(places[:, 0] - places[:, 1], axis=-1)
+    off = abs(apart - np.median(apart, axis=1, keepdims=True))
+    return np.array([off.sum(), np.linalg.norm(np.diff(places[:, 0], axis=1), axis=-1).sum()])

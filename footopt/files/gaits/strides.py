@@ -8,17 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.files.gaits.angles import PERIODS, Recording
-from footopt.files.gaits.windows import TIMES, closing, mirrored
+from footopt.files.gaits.windows import TIMES, closing, mirrored, open_by
 from footopt.files.reading import Unusable
 
 Array = NDArray[np.float64]
 
 ODD = 0.2  # a stride that is so much longer or shorter than the median is left out
 POINTS = 100  # steps of a stride's phase
-OPEN = 0.1  # of a joint's range that the ends of a single stride may differ by
-BENT = 0.4  # of a joint's largest speed that its speeds at the ends of a single stride may differ by
+OPEN = 0.1  # of the motion that the ends of a single stride may differ by
 LATE = 0.1  # of a single stride; a heel strike that is farther inside is where it ought to begin
-ENDS = 0.05  # of a single stride over which these speeds are taken
 L1, L2 = 0.47, 0.45  # leg, m; only the ankle's forward extreme is taken from it
 PROMINENT = 0.3  # of the ankle's whole way that it goes back between two heel strikes
 UNEVEN = 0.3  # of a stride that the other foot's strike may be before or after its middle
@@ -104,10 +102,9 @@ def _single(recording: Recording) -> Strides:
     """A recording that is one stride, or holds one; it begins where the heel strikes."""
     t, angles, notes = recording.t, recording.angles, recording.notes
     _check_moving(recording)
-    phase = (t - t[0]) / (t[-1] - t[0])
-    open_ = next((f"the {j} {why}" for j, angle in angles.items() if (why := _open(phase, angle))), "")
-    if not open_:
-        phase, curves, more = _from_strike(phase, angles, LATE)
+    apart = open_by(recording)
+    if apart <= OPEN:
+        phase, curves, more = _from_strike((t - t[0]) / (t[-1] - t[0]), angles, LATE)
         notes += ("one stride, from the first row to the last", *more)
         return Strides(phase, curves, t[-1:] - t[0], notes)
     for halves in (False, True):
@@ -127,8 +124,8 @@ def _single(recording: Recording) -> Strides:
         phase, curves, _ = _from_strike(phase, curves, 0.0)
         return Strides(phase, curves, np.array([period]), notes)
     raise Unusable(
-        f"not one whole stride: in {t[-1] - t[0]:.3g} s no stride closes, and at the end {open_}. Give one "
-        "heel strike to the next, or several strides."
+        f"not one whole stride: in {t[-1] - t[0]:.3g} s no stride closes, and its ends differ by "
+        f"{100 * apart:.0f} % of the motion. Give one heel strike to the next, or several strides."
     )
 
 
@@ -230,18 +227,3 @@ def average(strides: Strides) -> dict[str, Array]:
     """The mean curve of each joint, closed: what its ends differ by is spread over the stride."""
     means = {joint: curve.mean(axis=0) for joint, curve in strides.curves.items()}
     return {j: mean - (strides.phase - 0.5) * (mean[-1] - mean[0]) for j, mean in means.items()}
-
-
-def _open(phase: Array, curve: Array) -> str:
-    """How the end of a joint's single stride differs from its begin, deg; "" if it is one period."""
-    apart, moves = abs(curve[-1] - curve[0]), np.ptp(curve)
-    if apart > max(OPEN * moves, 1.0):
-        return f"is {apart:.1f} deg from where it began"
-    if len(phase) * ENDS < 1:  # too few rows to tell speeds
-        return ""
-    at = np.linspace(0.0, 1.0, round(1 / ENDS) + 1)
-    speeds = np.diff(np.interp(at, phase, curve)) / np.diff(at)
-    begin, end = 1.5 * speeds[0] - 0.5 * speeds[1], 1.5 * speeds[-1] - 0.5 * speeds[-2]
-    if abs(end - begin) > BENT * abs(speeds).max():
-        return f"turns by {end:.0f} deg a stride, and at its begin by {begin:.0f}"
-    return ""

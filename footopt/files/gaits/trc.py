@@ -9,7 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.files.gaits.markers import Markers, differing, metres, to_markers, to_numbers
+from footopt.files.columns import to_numbers
+from footopt.files.gaits.markers import Markers, differing, metres, to_markers
 from footopt.files.reading import Unusable
 
 Array = NDArray[np.float64]

@@ -42,11 +42,18 @@ def closing(recording: Recording, halves: bool) -> tuple[float, float, float] | 
     return None
 
 
+def open_by(recording: Recording) -> float:
+    """The part of the motion that the ends of a recording differ by."""
+    state = _state(np.linspace(recording.t[0], recording.t[-1], TIMES), recording)
+    return float(_apart(state[:, :1], state[:, -1:], np.ptp(state, axis=1))[0, 0])
+
+
 def _state(t: Array, recording: Recording) -> Array:
     """Thigh and knee, and their speeds, of a leg at times t (n,): (4, n)."""
+    from scipy.interpolate import PchipInterpolator
     from scipy.ndimage import gaussian_filter1d
 
-    curves = [np.interp(t, recording.t, recording.angles[j]) for j in ("thigh", "knee")]
+    curves = [PchipInterpolator(recording.t, recording.angles[j])(t) for j in ("thigh", "knee")]
     speeds = [gaussian_filter1d(np.gradient(curve), SMOOTH, mode="nearest") for curve in curves]
     return np.array([*curves, *speeds])
 

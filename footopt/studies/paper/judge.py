@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.studies.paper.factors import Factor, Plan, shown
+from footopt.studies.paper.sweep import Factor, Plan, shown
 
 Array = NDArray[np.float64]
 NAN = float("nan")

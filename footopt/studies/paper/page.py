@@ -1,9 +1,9 @@
-"""claims.json and its page claims.md: what was found, as plain data, and the same data as tables of words."""
+"""What the paper's study found: plain data for result.json, and tables of words for the page claims.md."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from typing import Any
 
@@ -11,11 +11,10 @@ from footopt.files.run import plain
 from footopt.foot.waypoints import written
 from footopt.report import terminal
 from footopt.report.numbers import number
-from footopt.studies.paper.claims import CLAIMS, Claim
-from footopt.studies.paper.evidence import SANDS, Evidence
-from footopt.studies.paper.factors import Plan, shown
+from footopt.studies.paper.claims import CLAIMS, SANDS, Evidence
 from footopt.studies.paper.judge import Judgement, chance, summary
 from footopt.studies.paper.quantities import inward_turn, rms_curvature
+from footopt.studies.paper.sweep import Plan, shown
 from footopt.walk import Walk
 from footopt.walk.objectives import FIVE
 from footopt.walk.validity import diagnose
@@ -23,11 +22,13 @@ from footopt.walk.validity import diagnose
 Entry = Mapping[str, Any]
 
 
-# --- claims.json ----------------------------------------------------------------------------------
+# --- result.json ----------------------------------------------------------------------------------
 
 
-def content(evidence: Evidence, plan: Plan, judged: Mapping[str, Judgement]) -> dict[str, Any]:
-    """Return what claims.json holds, in JSON's own types."""
+def content(
+    evidence: Evidence, plan: Plan, judged: Mapping[str, Judgement], seeds: Mapping[str, Sequence[Walk]]
+) -> dict[str, Any]:
+    """Return what result.json holds, in JSON's own types; `seeds`: each sand's walks, best first."""
     found = {
         "sweep": {
             "samples": len(plan.levels),
@@ -35,17 +36,17 @@ def content(evidence: Evidence, plan: Plan, judged: Mapping[str, Judgement]) -> 
             "factors": [dataclasses.asdict(factor) for factor in plan.chosen],
         },
         "claims": [
-            {"id": name, **_words(CLAIMS[name]), **dataclasses.asdict(judgement)}
+            {"id": name, **CLAIMS[name]._asdict(), **dataclasses.asdict(judgement)}
             for name, judgement in judged.items()
         ],
-        "feet": {sand: _foot_entry(evidence, evidence.optima[sand]) for sand in SANDS},
+        "optima": {
+            sand: _foot_entry(evidence, evidence.optima[sand])
+            | {"all_seeds_best_first": [_seed_entry(evidence, walk) for walk in seeds[sand]]}
+            for sand in SANDS
+        },
         "shapes": {name: _walk_entry(evidence, walk) for name, walk in evidence.shapes.items()},
     }
     return dict(plain(found))
-
-
-def _words(claim: Claim) -> dict[str, str]:
-    return {"place": claim.place, "says": claim.says, "decided": claim.decided, "unit": claim.unit}
 
 
 def _foot_entry(evidence: Evidence, walk: Walk) -> dict[str, Any]:
@@ -62,6 +63,11 @@ def _foot_entry(evidence: Evidence, walk: Walk) -> dict[str, Any]:
 def _walk_entry(evidence: Evidence, walk: Walk) -> dict[str, Any]:
     objectives = {name: evidence.value(walk, name) for name in (*FIVE, "efficiency")}
     return {"reason": walk.reason, "objectives": objectives}
+
+
+def _seed_entry(evidence: Evidence, walk: Walk) -> dict[str, Any]:
+    efficiency = evidence.value(walk, "efficiency")
+    return {"k": walk.foot.k, "hollow_mm": 1e3 * walk.foot.hollow, "efficiency": efficiency}
 
 
 # --- tables ---------------------------------------------------------------------------------------
@@ -113,40 +119,31 @@ def _walk_cells(walk: Entry) -> list[str]:
 
 
 def markdown(found: Entry) -> str:
-    """Return the page claims.md: all of claims.json in words, and the errata.
-
-    Parameters
-    ----------
-    found : dict
-        What `content` returned, or claims.json as it was read.
-    """
+    """Return the page claims.md: `content`, as result.json has it, in words, and the errata."""
     swept, claims = found["sweep"], found["claims"]
     share = (
         "The share is that of {samples} random combinations of what the paper leaves open in which the claim "
         "holds; for each of them feet were searched again on every sand by a GA of {search[pop_size]} x "
         "{search[n_gen]}. Combinations in which a walk failed are undecided."
     )
-    warnings = [f"- {sand} sand: {says}" for sand, foot in found["feet"].items() for says in foot["warnings"]]
+    warnings = [
+        f"- {sand} sand: {says}" for sand, foot in found["optima"].items() for says in foot["warnings"]
+    ]
     page = _text("page.md").format(
         summary=summary([claim["verdict"] for claim in claims]),
         swept=share.format(**swept) if swept["samples"] else "Nothing was swept (`study.samples=0`).",
-        claims=_lines(claim_rows(found)),
-        feet=_lines([sand, *_foot_cells(foot)] for sand, foot in found["feet"].items()),
+        claims=terminal.markdown_rows(claim_rows(found)),
+        feet=terminal.markdown_rows([sand, *_foot_cells(foot)] for sand, foot in found["optima"].items()),
         warnings="\n".join(warnings or ["- nothing"]),
-        shapes=_lines([name, *_walk_cells(shape)] for name, shape in found["shapes"].items()),
-        decided=_lines([c["says"], c["decided"], c["unit"]] for c in claims),
-        factors=_lines(
+        shapes=terminal.markdown_rows([name, *_walk_cells(shape)] for name, shape in found["shapes"].items()),
+        decided=terminal.markdown_rows([c["says"], c["decided"], c["unit"]] for c in claims),
+        factors=terminal.markdown_rows(
             [f["setting"], ", ".join(map(shown, f["levels"])), f["why"]] for f in swept["factors"]
         ),
         chance=chance(swept["samples"], 3),
-        decides=_lines(decision_rows(found)),
+        decides=terminal.markdown_rows(decision_rows(found)),
     )
     return page + errata()
-
-
-def _lines(rows: Iterable[Sequence[str]]) -> str:
-    """The rows of a Markdown table."""
-    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows)
 
 
 def errata() -> str:

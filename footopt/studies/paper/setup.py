@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 from footopt.design import Solver, search
 from footopt.effects import LeadingEdge, Shadowing
@@ -13,8 +14,7 @@ from footopt.errors import SettingError, check
 from footopt.foot import Foot
 from footopt.sand import Sand
 from footopt.studies import build
-from footopt.studies.paper.evidence import SANDS, Evidence
-from footopt.studies.paper.factors import changed
+from footopt.studies.paper.claims import SANDS, Evidence
 from footopt.studies.paper.quantities import filled
 from footopt.studies.paper.readings import Readings, ReadProblem
 from footopt.studies.settings import Config
@@ -23,6 +23,15 @@ from footopt.walk import Accuracy, Scene, Walk, simulate
 
 SOLVER = "ga"  # the paper's
 QUICK_SEARCH, QUICK_SAMPLES = (20, 6), 4
+
+
+def changed(config: Config, settings: Mapping[str, Any]) -> Config:
+    """Return the configuration with some settings changed; the one given is left alone."""
+    for setting, value in settings.items():
+        group, name = setting.split(".")
+        part = dataclasses.replace(getattr(config, group), **{name: value})
+        config = dataclasses.replace(config, **{group: part})
+    return config
 
 
 def affordable(config: Config) -> Config:

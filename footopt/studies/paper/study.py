@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 from footopt.design import Solver
 from footopt.errors import check
@@ -14,14 +13,12 @@ from footopt.report import terminal
 from footopt.report.figures import paper as paper_figures
 from footopt.studies.base import Study
 from footopt.studies.paper import page
-from footopt.studies.paper.claims import CLAIMS, measure
-from footopt.studies.paper.evidence import SANDS, Evidence
-from footopt.studies.paper.factors import Plan
+from footopt.studies.paper.claims import CLAIMS, SANDS, measure
 from footopt.studies.paper.judge import judge, summary
 from footopt.studies.paper.readings import read
 from footopt.studies.paper.setup import SOLVER, Setup, affordable
-from footopt.studies.paper.sweep import cost_of_search, costs, sweep
-from footopt.studies.record import foot_entry, scene_entry
+from footopt.studies.paper.sweep import Plan, sweep
+from footopt.studies.record import scene_entry
 from footopt.walk import OBJECTIVES, Walk
 from footopt.walk.simulate import at_once
 from footopt.walk.validity import diagnose
@@ -46,10 +43,8 @@ def run(study: Study) -> None:
         setup.shapes()
     plan = Plan.of(config)
     threads = at_once(study.threads)
-    once = cost_of_search(config, threads)
-    work = [*[once] * len(SANDS) * config.study.seeds, *costs(plan, threads)]
-    with study.progress(len(work), "task", sum(work)) as step:
-        runs = optimise(setup, partial(step, once))
+    with study.progress(len(SANDS) * config.study.seeds + len(plan.changes), "task") as step:
+        runs = optimise(setup, step)
         for sand, walks in runs.items():
             study.say(f"{sand:8s} {terminal.describe_foot(walks[0].foot)}")
         feet = {sand: dataclasses.replace(walks[0].foot, name=sand) for sand, walks in runs.items()}
@@ -57,15 +52,14 @@ def run(study: Study) -> None:
         drawn = paper_figures.all_figures(evidence.shapes, evidence.optima, evidence.crossed)
         for name, figure in drawn.items():
             study.save(name, figure, paper_figures.CAPTIONS[name])
-        swept = sweep(plan, feet, threads, partial(step, news="sweep"))
+        swept = sweep(plan, feet, threads, partial(step, "sweep"))
 
     judged = {
         name: judge(float(margin), column, plan, CLAIMS[name].about)
         for name, margin, column in zip(CLAIMS, measure(evidence), swept.T, strict=True)
     }
-    found = page.content(evidence, plan, judged)
+    found = page.content(evidence, plan, judged, runs)
     study.save("claims", paper_figures.claims(found["claims"]), paper_figures.CAPTIONS["claims"])
-    files.write_json(study.folder / "claims.json", found)
     files.write_text(study.folder / "claims.md", page.markdown(found))
     head: tuple[str, ...] = ("figure", "claim", "margin", "share", "verdict")
     tables = [terminal.table(head, ("figure", "claim", "verdict"), "What the paper says, and what comes out")]
@@ -82,7 +76,12 @@ def run(study: Study) -> None:
     study.conclude(
         "The paper, judged",
         tables,
-        _record(setup, runs, evidence),
+        {
+            "seed": config.solver.seed,
+            **found,
+            **scene_entry(setup.scene(config.study.shape_sand), setup.accuracy, tuple(OBJECTIVES)),
+            "readings": setup.readings._asdict(),
+        },
         said=(
             f"{summary([j.verdict for j in judged.values()])}.",
             "The page claims.md has all of it in words, with the feet and the errata.",
@@ -90,43 +89,13 @@ def run(study: Study) -> None:
     )
 
 
-def optimise(setup: Setup, step: Callable[..., None]) -> dict[str, list[Walk]]:
+def optimise(setup: Setup, step: Callable[[str], None]) -> dict[str, list[Walk]]:
     """Return for each sand a walk with the best foot of each seed, best first by J_W as it is read."""
     found, first = {}, setup.config.solver.seed
     for sand in SANDS:
         walks = []
         for seed in range(first, first + setup.config.study.seeds):
             walks.append(setup.walk(setup.best(sand, seed), sand))
-            step(news=f"searched for {sand} sand, seed {seed}")
+            step(f"searched for {sand} sand, seed {seed}")
         found[sand] = sorted(walks, key=lambda walk: read(walk, setup.readings).objectives["efficiency"])
     return found
-
-
-def _record(setup: Setup, runs: dict[str, list[Walk]], evidence: Evidence) -> dict[str, Any]:
-    """The study's own part of result.json."""
-    config = setup.config
-    return {
-        "seed": config.solver.seed,
-        "optima": {sand: _optimum(setup, walks) for sand, walks in runs.items()},
-        "shapes": {
-            name: {"objectives": read(walk, setup.readings).objectives, "reason": walk.reason}
-            for name, walk in evidence.shapes.items()
-        },
-        **scene_entry(setup.scene(config.study.shape_sand), setup.accuracy, tuple(OBJECTIVES)),
-        "readings": setup.readings._asdict(),
-    }
-
-
-def _optimum(setup: Setup, walks: Sequence[Walk]) -> dict[str, Any]:
-    """The best foot of a sand and what every seed found, best first."""
-    read_as = [read(walk, setup.readings).objectives for walk in walks]
-    first = setup.config.solver.seed
-    return {
-        "design": foot_entry(walks[0].foot),
-        "objectives": read_as[0],
-        "seeds": list(range(first, first + len(walks))),
-        "all_seeds_best_first": [
-            {"k": walk.foot.k, "hollow_mm": 1e3 * walk.foot.hollow, "efficiency": values["efficiency"]}
-            for walk, values in zip(walks, read_as, strict=True)
-        ],
-    }
