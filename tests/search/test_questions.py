@@ -185,7 +185,3 @@ class TestFronts:
         assert confirmed.good.all()
         assert confirmed.agrees
         assert confirmed.largest_change == 0.0
-
-    def test_resume_gives_the_same_history(self, found, tmp_path):
-        again = search(found.problem, found.solver, store=tmp_path / "s")
-        assert [g.hypervolume for g in again.history] == [g.hypervolume for g in found.history]
