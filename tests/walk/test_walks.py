@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import footopt as fo
-from footopt.foot import Plates
+from footopt.foot import Plates, as_plates
 from footopt.gait import LEFT, RIGHT
 from footopt.walk import STEPPERS
 from footopt.walk.accuracy import TOLERANCES
@@ -197,7 +197,7 @@ class TestReproducibility:
             np.testing.assert_array_equal(fo.evaluate(k[i], regular, accuracy).raw[0], one.raw[i])
         feet = [fo.Foot.from_waypoints(row) for row in k]
         np.testing.assert_array_equal(fo.evaluate(feet, regular, accuracy).raw, one.raw)
-        plates = fo.Waypoints().plates(k, 50)
+        plates = as_plates(k, 50, "arc", None)
         assert isinstance(plates, Plates)
         np.testing.assert_array_equal(fo.evaluate(plates, regular, accuracy).raw, one.raw)
 
