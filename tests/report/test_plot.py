@@ -103,7 +103,7 @@ def card_of(things):
 def test_a_card_has_numbers_and_a_picture_with_words_for_who_cannot_see_it(card_of, name):
     card = card_of(name)
     assert card.tags.count("img") == 1
-    assert card.tags.count("tr") >= 3
+    assert card.tags.count("tr") >= 1
     assert card.image["alt"]
     picture = card.pixels()
     assert picture[..., :3].std() > 0.02  # something is drawn
