@@ -24,9 +24,10 @@ from running import LIMIT, footopt, program
 from test_custom import EXAMPLES
 
 import footopt as fo
-from footopt.cli.compose import CONF, groups, known
+from footopt.cli.compose import CONF, groups
 from footopt.report.numbers import number
 from footopt.studies import STUDIES
+from footopt.studies.settings import known
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted(
