@@ -14,9 +14,8 @@ from unittest.mock import patch
 import footopt.effects.slope
 import footopt.walk
 
-#: Names that are None where a scene has no effect that needs them, besides a test on `column`, a row of
-#: directions.
-ABSENT = {"loads", "gates", "pushes", "all_tx", "tilt", "column", "before", "bristles", "rest", "directions"}
+#: Names that are None where a scene has no effect that needs them.
+ABSENT = {"loads", "gates", "pushes", "tangent", "tilt", "h0", "bristles", "rest"}
 SOURCES = ("state", "contact", "bristles", "newton", "metrics", "sources", "loop", "steppers")
 
 

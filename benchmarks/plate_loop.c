@@ -1,4 +1,4 @@
-/* The sums of kernels.plate_sums, vectorised by hand: the mark to compare the compiled loop with.
+/* The sums of contact.foot_force, vectorised by hand: the mark to compare the compiled loop with.
 
    Vectors of eight doubles; with AVX-512 the reciprocal square root is the machine's 14-bit estimate
    and two Newton steps. The outer loop repeats the sums at a slightly different speed every time, so
@@ -41,7 +41,7 @@ static inline double sum(v8 a)
     return total;
 }
 
-static inline __attribute__((always_inline)) void plate_sums(
+static inline __attribute__((always_inline)) void foot_force(
     double *restrict out, const double *restrict X, const double *restrict Z, const double *restrict C2,
     const double *restrict S2, const double *restrict AREA, long n, const law_t *law, double za, double vx,
     double vz, double cs, double sn, double rate, double creep, double c_stage, int jacobian)
@@ -92,8 +92,8 @@ void repeat_sums(
     for (long r = 0; r < repeats; r++) {
         double vx = m[1] + change * (double)r;
         if (jacobian)
-            plate_sums(out, x, z, c2, s2, area, n, law, m[0], vx, m[2], m[3], m[4], m[5], m[6], m[7], 1);
+            foot_force(out, x, z, c2, s2, area, n, law, m[0], vx, m[2], m[3], m[4], m[5], m[6], m[7], 1);
         else
-            plate_sums(out, x, z, c2, s2, area, n, law, m[0], vx, m[2], m[3], m[4], m[5], m[6], m[7], 0);
+            foot_force(out, x, z, c2, s2, area, n, law, m[0], vx, m[2], m[3], m[4], m[5], m[6], m[7], 0);
     }
 }

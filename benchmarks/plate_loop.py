@@ -1,4 +1,4 @@
-"""The plate loop against the machine: `contact.plate_sums` and a C loop vectorised by hand.
+"""The plate loop against the machine: `contact.foot_force` and a C loop vectorised by hand.
 
 Both repeat the sums over one submerged foot, at a slightly different speed every time.
 """
@@ -17,9 +17,9 @@ from numba import njit
 from numpy.typing import NDArray
 
 import footopt as fo
-from footopt.walk.contact import plate_sums
+from footopt.walk.contact import foot_force
 from footopt.walk.prepare import sole, world
-from footopt.walk.state import Sole, World
+from footopt.walk.state import Pose, Sole, World
 
 Array = NDArray[np.float64]
 Sums = Callable[[int], Array]
@@ -36,10 +36,10 @@ def _repeat(out, sole, world, motion, jacobian, repeats, change):  # type: ignor
     out[:] = 0.0
     za, vx, vz, cos, sin, rate, creep = motion
     for r in range(repeats):
-        sums = plate_sums(
-            sole, world.law, None, None, None, None, None, 0, len(sole.x), 0.0, za, vx + change * r, vz,
-            cos, sin, rate, creep, jacobian, None,
-        )  # fmt: skip
+        ankle = Pose(0.0, za, vx + change * r, vz, cos, sin, rate)
+        sums = foot_force(
+            sole, world.law, None, None, None, None, 0, len(sole.x), ankle, creep, jacobian, None
+        )
         for j in range(7):
             out[j] += sums[j]
 

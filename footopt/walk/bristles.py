@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.compiled import inlined, inlined_fast
-from footopt.walk.contact import rsqrt, submerged
-from footopt.walk.state import pose_of
+from footopt.walk.contact import ankle_of, rsqrt, submerged
 
 Array = NDArray[np.float64]
 
@@ -39,12 +38,13 @@ class Stage(NamedTuple):
 
 
 @inlined
-def settled(rest, plates):
+def bristles_at_start(rest, plates):
     """Under a walker that has sunk straight down to where it stands; None without bristles."""
     if rest is None:
         return None
     now = np.zeros((2, 2, plates))
-    now[:, 1, :] = -1.0
+    for i in range(plates):
+        now[0, 1, i] = now[1, 1, i] = -1.0
     return Bristles(now, np.zeros((2, 2, plates)), np.zeros((2, 2, plates)))
 
 
@@ -81,10 +81,13 @@ def next_step(bristles):
 
 
 @inlined
-def keep(kept, row, bristles):
-    """Write the bristles at a step's beginning into a row of a table, where there is one."""
+def record(trace, row, bristles):
+    """Write the bristles at a step's beginning into a row of their trace, where there is one."""
     if bristles is not None:
-        kept[row] = bristles.now
+        now = bristles.now
+        for foot in range(2):  # loops: numba takes 20 s to compile an assignment of arrays
+            for i in range(now.shape[2]):
+                trace[row, foot, 0, i], trace[row, foot, 1, i] = now[foot, 0, i], now[foot, 1, i]
 
 
 @inlined_fast
@@ -95,11 +98,9 @@ def bend(sole, poses, z, vx, vz, turn, stage):
     """
     before, after, share = stage.before, stage.after, stage.share
     for foot in range(2):
-        pose = pose_of(poses, foot)
-        za = z + pose.z
-        first, last = submerged(sole, za, pose.cos, pose.sin)
-        rate_cos, rate_sin = pose.rate * pose.cos, pose.rate * pose.sin
-        vxa, vza = vx + pose.vx, vz + pose.vz
+        ankle = ankle_of(poses, foot, 0.0, z, vx, vz)
+        first, last = submerged(sole, ankle)
+        rate_cos, rate_sin = ankle.rate * ankle.cos, ankle.rate * ankle.sin
         for i in range(first):
             after[foot, 0, i] = after[foot, 1, i] = 0.0
         for i in range(last, len(sole.x)):
@@ -108,10 +109,10 @@ def bend(sole, poses, z, vx, vz, turn, stage):
         bx, bz = before[foot, 0, first:last], before[foot, 1, first:last]
         hx, hz = after[foot, 0, first:last], after[foot, 1, first:last]
         for i in range(len(px)):
-            rz = pose.sin * px[i] + pose.cos * pz[i]
-            ux = bx[i] + (vxa - pose.rate * rz) * turn
-            uz = bz[i] + (vza + rate_cos * px[i] - rate_sin * pz[i]) * turn
+            rz = ankle.sin * px[i] + ankle.cos * pz[i]
+            ux = bx[i] + (ankle.vx - ankle.rate * rz) * turn
+            uz = bz[i] + (ankle.vz + rate_cos * px[i] - rate_sin * pz[i]) * turn
             q = rsqrt(max(ux * ux + uz * uz, 1.0))
-            wet = 1.0 if za + rz < 0.0 else 0.0
-            hx[i] = wet * (bx[i] + share * (ux * q - bx[i]))
-            hz[i] = wet * (bz[i] + share * (uz * q - bz[i]))
+            in_sand = 1.0 if ankle.z + rz < 0.0 else 0.0
+            hx[i] = in_sand * (bx[i] + share * (ux * q - bx[i]))
+            hz[i] = in_sand * (bz[i] + share * (uz * q - bz[i]))

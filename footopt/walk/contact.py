@@ -16,7 +16,7 @@ import numpy as np
 
 from footopt.compiled import inlined, inlined_fast
 from footopt.effects import base as effects
-from footopt.walk.state import LANES, Contact, Force, no_force, pose_of
+from footopt.walk.state import LANES, Contact, Force, Pose, no_force, pose_of
 
 EDGE = 0.05  # n.h over which an effect's gate opens where bristles say how a plate moves
 
@@ -32,48 +32,69 @@ def rsqrt(square):
 
 
 @inlined_fast
-def plate_sums(
-    sole, law, loads, gates, pushes, all_tx, all_tz, first, last, xa, za, vx, vz, cos, sin, rate, creep,
-    stage, before,
-):  # fmt: skip
-    """Force on plates first..last of one foot (the paper's eqs. 1, 2, 4 and 7), and its derivatives.
+def motion(ankle, x, z):
+    """Height (m) and velocity (m/s) of the plate at (x, z) in the foot's frame, by the paper's eq. 4."""
+    rise = ankle.sin * x + ankle.cos * z
+    vx = ankle.vx - ankle.rate * rise
+    vz = ankle.vz + ankle.rate * ankle.cos * x - ankle.rate * ankle.sin * z
+    return ankle.z + rise, vx, vz
 
-    loads, gates, pushes: the world's, and the sole's directions; what is None is left out of the compiled
-    code, which numba does for arguments only. xa, za: the ankle, m. vx, vz: its velocity, m/s. cos, sin,
-    rate: of the foot's pitch. stage: dx/dv_x = dz/dv_z in s, how the place follows from the velocity in
-    an implicit stage; None leaves the derivatives (then 0) out.
+
+@inlined_fast
+def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, creep, stage, h0):
+    """F = sum of f: the force on one foot by the paper's eq. 2, its power, and its derivatives.
+
+    What may be None is an argument of its own: numba leaves out branches on arguments only.
+
+    Parameters
+    ----------
+    sole : Sole
+        Its plates, of which those from `first` to `last` are summed; the others are not in the sand.
+    law : Law
+        The stress map times zeta, N/m^3.
+    loads, gates, pushes : tuple or None
+        The laws of the scene's effects (`World`).
+    tangent : Tangent or None
+        The sole's.
+    ankle : Pose
+        In the world.
+    creep, stage, h0
+        As in `contact`; `h0` of this foot, (2, plates).
+
+    Returns
+    -------
+    Force
     """
-    c2p, s2p = cos * cos - sin * sin, 2.0 * sin * cos
+    c2p, s2p = ankle.cos * ankle.cos - ankle.sin * ankle.sin, 2.0 * ankle.sin * ankle.cos
+    cos, sin = ankle.cos, ankle.sin
     eps2 = creep * creep
-    rate_cos, rate_sin = rate * cos, rate * sin
     fx = fz = power = jxx = jxz = jzx = jzz = 0.0
     # slices from 0: an index that could be negative would keep the loop from being vectorised
     x, z, area = sole.x[first:last], sole.z[first:last], sole.area[first:last]
     c2, s2 = sole.c2[first:last], sole.s2[first:last]
-    if before is not None:
+    if h0 is not None:
         turn = 1.0 / creep
-        bx, bz = before[0, first:last], before[1, first:last]
-    if all_tx is not None:
-        tx, tz = all_tx[first:last], all_tz[first:last]
+        h0x, h0z = h0[0, first:last], h0[1, first:last]
+    if tangent is not None:
+        tx, tz = tangent.x[first:last], tangent.z[first:last]
     for i in range(len(x)):
-        # eq. 4, r = r_A + R r_i and v = v_A + dR/dt r_i: the plate's depth, m, and velocity u, m/s
-        rz = sin * x[i] + cos * z[i]
-        depth = max(-(za + rz), 0.0)
+        height, vx, vz = motion(ankle, x[i], z[i])
+        depth = max(-height, 0.0)
         k = area[i] * depth
-        ux = vx - rate * rz
-        uz = vz + rate_cos * x[i] - rate_sin * z[i]
-        if before is None:
-            q = rsqrt(ux * ux + uz * uz + eps2)
-            hx, hz = ux * q, uz * q
+
+        # the direction of motion h = v / |v|: smoothed, or held by the sand's bristles
+        if h0 is None:
+            q = rsqrt(vx * vx + vz * vz + eps2)
+            hx, hz = vx * q, vz * q
         else:
-            bent_x, bent_z = bx[i] + ux * turn, bz[i] + uz * turn
+            bent_x, bent_z = h0x[i] + vx * turn, h0z[i] + vz * turn
             square = bent_x * bent_x + bent_z * bent_z
             q = rsqrt(max(square, 1.0))
             hx, hz = bent_x * q, bent_z * q
             slides = 1.0 if square > 1.0 else 0.0
             q *= turn
 
-        # eq. 1: the stress per depth p = a - M h, with cos and sin of twice the plate's angle in the world
+        # eq. 1: the stress per depth, p = a - M h, with cos and sin of twice the plate's angle in the world
         c = c2[i] * c2p - s2[i] * s2p
         s = s2[i] * c2p + c2[i] * s2p
         mxx = law.C01 + law.C_sum * c
@@ -85,57 +106,57 @@ def plate_sums(
 
         # effects: the strength over the depth in place of it, a share of the stress, a pressure
         if loads is not None:
-            place = xa + cos * x[i] - sin * z[i]
+            place = ankle.x + cos * x[i] - sin * z[i]
             strength, by_depth, by_x = effects.load(loads, (depth, 1.0, 0.0), depth, place)
             k = area[i] * strength
         if stage is not None:
-            wet = stage * area[i] if depth > 0.0 else 0.0
+            sinking = stage * area[i] if depth > 0.0 else 0.0  # -dk/dv_z
             kq = k * q  # dh/dv = (I - h h^T) / |v|
-        if all_tx is not None:
+        if tangent is not None:
             nx, nz = sin * tx[i] + cos * tz[i], sin * tz[i] - cos * tx[i]  # outward normal
-            into = ux * nx + uz * nz
+            vn = vx * nx + vz * nz
         if gates is not None:
-            if before is None:
-                share, by_into = effects.gate(gates, (1.0, 0.0), into, creep)
+            if h0 is None:
+                share, by_vn = effects.gate(gates, (1.0, 0.0), vn, creep)
             else:
-                share, by_into = effects.gate(gates, (1.0, 0.0), hx * nx + hz * nz, EDGE)
+                share, by_vn = effects.gate(gates, (1.0, 0.0), hx * nx + hz * nz, EDGE)
             if stage is not None:
-                if before is None:
+                if h0 is None:
                     gx, gz = nx, nz
                 else:
                     along = slides * (hx * nx + hz * nz)
                     gx, gz = q * (nx - along * hx), q * (nz - along * hz)
-                jxx += k * by_into * px * gx
-                jxz += k * by_into * px * gz
-                jzx += k * by_into * pz * gx
-                jzz += k * by_into * pz * gz
+                jxx += k * by_vn * px * gx
+                jxz += k * by_vn * px * gz
+                jzx += k * by_vn * pz * gx
+                jzz += k * by_vn * pz * gz
                 kq *= share
             px, pz = share * px, share * pz
         if pushes is not None:
-            push, stiff, sink = effects.push(pushes, (0.0, 0.0, 0.0), into, depth)
+            push, push_by_vn, push_by_depth = effects.push(pushes, (0.0, 0.0, 0.0), vn, depth)
             fx -= area[i] * push * nx
             fz -= area[i] * push * nz
-            power -= area[i] * push * into
+            power -= area[i] * push * vn
             if stage is not None:
-                jxx -= area[i] * stiff * nx * nx
-                jxz -= area[i] * stiff * nx * nz - wet * sink * nx
-                jzx -= area[i] * stiff * nx * nz
-                jzz -= area[i] * stiff * nz * nz - wet * sink * nz
+                jxx -= area[i] * push_by_vn * nx * nx
+                jxz -= area[i] * push_by_vn * nx * nz - sinking * push_by_depth * nx
+                jzx -= area[i] * push_by_vn * nx * nz
+                jzz -= area[i] * push_by_vn * nz * nz - sinking * push_by_depth * nz
 
-        # eq. 2, F = sum f with f = p |z| dA, and eq. 7, P = sum f.u
+        # eq. 2, F = sum f with f = p |z| dA, and eq. 7, P = sum f.v
         fx += k * px
         fz += k * pz
-        power += k * (px * ux + pz * uz)
+        power += k * (px * vx + pz * vz)
 
         # dF/dV: the place follows the velocity, and h turns
         if stage is not None:
             if loads is not None:
-                jxx += wet * by_x * px
-                jzx += wet * by_x * pz
-                wet *= by_depth
-            jxz -= wet * px
-            jzz -= wet * pz
-            if before is None:
+                jxx += sinking * by_x * px
+                jzx += sinking * by_x * pz
+                sinking *= by_depth
+            jxz -= sinking * px
+            jzz -= sinking * pz
+            if h0 is None:
                 txx, txz, tzz = 1.0 - hx * hx, -hx * hz, 1.0 - hz * hz
             else:
                 txx, txz, tzz = 1.0 - slides * hx * hx, -slides * hx * hz, 1.0 - slides * hz * hz
@@ -147,8 +168,16 @@ def plate_sums(
 
 
 @inlined
-def submerged(sole, za, cos, sin):
+def ankle_of(poses, foot, x, z, vx, vz):
+    """Pose of a foot in the world, from its pose relative to the hip, the hip's place and its velocity."""
+    pose = pose_of(poses, foot)
+    return Pose(x + pose.x, z + pose.z, vx + pose.vx, vz + pose.vz, pose.cos, pose.sin, pose.rate)
+
+
+@inlined
+def submerged(sole, ankle):
     """First and one past the last plate of the blocks that reach below the surface."""
+    za, cos, sin = ankle.z, ankle.cos, ankle.sin
     if za > sole.reach:
         return 0, 0
     first, last = 0, len(sole.block_x)
@@ -163,7 +192,7 @@ def submerged(sole, za, cos, sin):
 
 
 @inlined
-def contact(world, sole, poses, x, z, vx, vz, creep, stage, before, counts):
+def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, counts):
     """Force of the sand on both feet at the hip's place (m) and velocity (m/s).
 
     Parameters
@@ -176,10 +205,11 @@ def contact(world, sole, poses, x, z, vx, vz, creep, stage, before, counts):
         Both feet relative to the hip, see `state.pose_of`.
     creep : float, m/s
         eps; with bristles, delta over the time for which they have followed the plates.
-    before : (2 feet, 2, plates) or None
+    stage : float, s, or None
+        dx/dv_x = dz/dv_z: how the place follows from the velocity in an implicit stage. None leaves the
+        derivatives out; they are then 0.
+    h0 : (2 feet, 2, plates) or None
         Bristles at the beginning of that time.
-    stage : float or None
-        See `plate_sums`.
     counts : record of `COUNTS`
         Of the walk; added to.
 
@@ -190,27 +220,25 @@ def contact(world, sole, poses, x, z, vx, vz, creep, stage, before, counts):
     counts.evaluations += 1
     left, right = no_force(), no_force()
     for foot in range(2):  # one copy of the loop over plates: what is written twice is compiled twice
-        pose = pose_of(poses, foot)
-        za = z + pose.z
-        first, last = submerged(sole, za, pose.cos, pose.sin)
+        ankle = ankle_of(poses, foot, x, z, vx, vz)
+        first, last = submerged(sole, ankle)
         force = no_force()
         if first < last:
             counts.plates += last - first
-            force = plate_sums(
-                sole, world.law, world.loads, world.gates, world.pushes, sole.tx, sole.tz, first, last,
-                x + pose.x, za, vx + pose.vx, vz + pose.vz, pose.cos, pose.sin, pose.rate, creep, stage,
-                _of_foot(before, foot),
+            force = foot_force(
+                sole, world.law, world.loads, world.gates, world.pushes, sole.tangent, first, last, ankle,
+                creep, stage, _of_foot(h0, foot),
             )  # fmt: skip
         left, right = right, force
     return Contact(left, right)
 
 
 @inlined
-def _of_foot(directions, foot):
-    """One foot's part of both feet's, or None."""
-    if directions is None:
+def _of_foot(h0, foot):
+    """One foot's bristles, or None."""
+    if h0 is None:
         return None
-    return directions[foot]
+    return h0[foot]
 
 
 @inlined
@@ -250,7 +278,7 @@ def _lift(world, sole, poses, z):
                 stress = law.A00 + law.B01 + (law.A10 + law.B_sum) * c
                 place = pose.x + cos * sole.x[i] - sin * sole.z[i]
                 strength = _strength(world.loads, depth, place)
-                share = _sinking_share(world.gates, world.rest, sole.tx, sole.tz, i, cos, sin)
+                share = _sinking_share(world.gates, world.rest, sole.tangent, i, cos, sin)
                 total += sole.area[i] * strength * stress * share
     return total
 
@@ -264,11 +292,11 @@ def _strength(loads, depth, place):
 
 
 @inlined
-def _sinking_share(gates, rest, tx, tz, i, cos, sin):
+def _sinking_share(gates, rest, tangent, i, cos, sin):
     """Share of the stress that plate i feels when it moves straight down, by 1 m/s."""
     if gates is None:
         return 1.0
-    into = cos * tx[i] - sin * tz[i]
+    vn = cos * tangent.x[i] - sin * tangent.z[i]
     if rest is None:
-        return effects.gate(gates, (1.0, 0.0), into, 1e-9)[0]
-    return effects.gate(gates, (1.0, 0.0), into, EDGE)[0]
+        return effects.gate(gates, (1.0, 0.0), vn, 1e-9)[0]
+    return effects.gate(gates, (1.0, 0.0), vn, EDGE)[0]

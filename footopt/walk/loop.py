@@ -14,11 +14,11 @@ from numba import njit
 
 from footopt.compiled import cached_njit
 from footopt.effects import Laws
-from footopt.walk.bristles import keep, settled
+from footopt.walk.bristles import bristles_at_start, record
 from footopt.walk.contact import contact, static_height
-from footopt.walk.metrics import deepest, embedded, nothing_yet, raw_of, sample_of, watch
+from footopt.walk.metrics import no_extremes, raw_of, sample_of, sinkage_of, step_error, updated
 from footopt.walk.sources import own, source
-from footopt.walk.state import Integrals, Sole, State, World, fill, sole_of
+from footopt.walk.state import Integrals, Sole, State, World, sole_of, write
 from footopt.walk.steppers import STEPPERS, acceleration, advance, touch
 
 OK, SUNK, BACKWARD, DIVERGED = range(4)
@@ -42,37 +42,38 @@ def _compile(source: str, compiler: Any):
         status,
         counts,
         trace,
-        kept,
+        bristle_trace,
         sink,
     ):
         """Walk the designs begin..end of a population.
 
         soles: `Sole` of all designs. times: (steps + 1,), s, the first is 0. pose0: (2, 7) at t = 0.
         poses: a table for whole steps, (steps, nodes, 2, 7), then for halves, quarters, ... of them.
-        control: the largest `embedded` error of a step, m/s, or None for steps that are never shortened.
+        control: the largest `step_error`, m/s, or None for steps that are never shortened.
         strike: first heel strike, s. sink: whether to follow the maximum sinkage.
         Filled: raw (designs, len(RAW)), status (designs,), counts (designs,) of `COUNTS`, and trace
         (shortest steps + 1, len(TRACE)) for one design: its row 0 is the start, rows inside longer steps
-        are left as they were; without rows, nothing is traced. kept: the bristles of each row, (rows,
-        2 feet, 2, plates), or None.
+        are left as they were; without rows, nothing is traced. bristle_trace: the bristles of each row,
+        (rows, 2 feet, 2, plates), or None.
         """
         source  # noqa: B018  a free variable is part of the cache's key
         steps = len(times) - 1
         finest, traced = len(poses) - 1, len(trace) > 0
         for d in range(begin, end):
             sole, count = sole_of(soles, d), counts[d]
-            raw[d, :] = np.nan
+            for column in range(raw.shape[1]):
+                raw[d, column] = np.nan
             status[d] = SUNK
             z = static_height(world, sole, pose0)
             if not np.isfinite(z):
                 continue
-            bristles = settled(world.rest, len(sole.x))
+            bristles = bristles_at_start(world.rest, len(sole.x))
             at = touch(world, sole, pose0, 0.0, z, 0.0, 0.0, bristles, 0.0, count)
             state = State(0.0, z, 0.0, 0.0, at, Integrals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), bristles, True)
-            reached = nothing_yet()
+            extremes = no_extremes()
             if traced:
-                fill(trace[0], sample_of(0.0, state))
-                keep(kept, 0, state.bristles)
+                write(trace[0], sample_of(0.0, state))
+                record(bristle_trace, 0, state.bristles)
             status[d] = OK
             n = place = level = 0  # the step n is walked up to place / 2^finest of it
             while n < steps:
@@ -83,8 +84,8 @@ def _compile(source: str, compiler: Any):
                 ax0, az0 = acceleration(world, state.contact)
                 ax1, az1 = acceleration(world, after.contact)
                 if control is not None:
-                    error = embedded(state.vx, after.vx, ax0, ax1, h)
-                    error += embedded(state.vz, after.vz, az0, az1, h)
+                    error = step_error(state.vx, after.vx, ax0, ax1, h)
+                    error += step_error(state.vz, after.vz, az0, az1, h)
                     if level < finest and not (after.solved and error <= control):
                         level += 1
                         count.shortened += 1
@@ -101,19 +102,19 @@ def _compile(source: str, compiler: Any):
                 if place == 1 << finest:
                     n, place = n + 1, 0
                     t = times[n]
-                depth = deepest(sole, poses[level][index, -1], after.z) if sink else 0.0
-                reached = watch(reached, state, after, ax0, ax1, t, h, strike, depth)
+                depth = sinkage_of(sole, poses[level][index, -1], after.z) if sink else 0.0
+                extremes = updated(extremes, state, after, ax0, ax1, t, h, strike, depth)
                 state = after
                 if traced:
-                    fill(trace[row], sample_of(t, state))
-                    keep(kept, row, state.bristles)
+                    write(trace[row], sample_of(t, state))
+                    record(bristle_trace, row, state.bristles)
                 if control is not None:  # noqa: SIM102  only such a test on its own is pruned
                     if level > 0 and place % (2 * stride) == 0 and error < 0.1 * control:
                         level -= 1  # a step twice as long has 8 times the error, if of order 2
             if status[d] == OK:
-                if state.x <= 0.0 and reached.speed > -np.inf:
+                if state.x <= 0.0 and extremes.speed > -np.inf:
                     status[d] = BACKWARD
-                fill(raw[d], raw_of(state, reached, times[steps]))
+                write(raw[d], raw_of(state, extremes, times[steps]))
 
     return walk_range
 

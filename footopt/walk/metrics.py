@@ -69,24 +69,24 @@ class Extremes(NamedTuple):
 
 
 @inlined
-def nothing_yet():
+def no_extremes():
     """The extremes of a walk that has not begun."""
     none = Three(0.0, 0.0, 0.0)
     return Extremes(-np.inf, 0.0, 0.0, 0.0, 0.0, none, none, none)
 
 
 @inlined
-def watch(so_far, before, after, a0, a1, t, h, strike, sinkage):
+def updated(extremes, before, after, a0, a1, t, h, strike, sinkage):
     """The extremes with one step more, which ends at t and is h long, s.
 
     before, after: states at its ends. a0, a1: forward accelerations there, m/s^2. strike: first heel
     strike, s. sinkage: of the deepest plate at its end, m.
     """
     now, v0, v1 = after.contact, before.vx, after.vx
-    speed, fall, power = so_far.speed, so_far.fall, so_far.power
-    left = Three(so_far.left.middle, so_far.left.last, abs(now.left.power))
-    right = Three(so_far.right.middle, so_far.right.last, abs(now.right.power))
-    times = Three(so_far.times.middle, so_far.times.last, t)
+    speed, fall, power = extremes.speed, extremes.fall, extremes.power
+    left = Three(extremes.left.middle, extremes.left.last, abs(now.left.power))
+    right = Three(extremes.right.middle, extremes.right.last, abs(now.right.power))
+    times = Three(extremes.times.middle, extremes.times.last, t)
     if t > strike - 1e-9:  # objectives that begin with the first heel strike
         if speed == -np.inf:
             speed = hermite(v0, v1, a0, a1, h, min(max(1.0 - (t - strike) / h, 0.0), 1.0))
@@ -98,8 +98,8 @@ def watch(so_far, before, after, a0, a1, t, h, strike, sinkage):
         fall = max(fall, speed - v1)
         late = t - h > strike - 1e-9
         power = _highest(_highest(power, left, times, late), right, times, late)
-    force = max(so_far.force, now.left.z + now.right.z)
-    return Extremes(speed, fall, power, force, max(so_far.sinkage, sinkage), left, right, times)
+    force = max(extremes.force, now.left.z + now.right.z)
+    return Extremes(speed, fall, power, force, max(extremes.sinkage, sinkage), left, right, times)
 
 
 @inlined
@@ -141,7 +141,7 @@ def vertex(a, b, c, before, after):
 
 
 @inlined
-def embedded(v0, v1, a0, a1, h):
+def step_error(v0, v1, a0, a1, h):
     """Error estimate of a step's velocity, m/s: against the trapezoidal rule through its own ends.
 
     Its acceleration at both ends is known, so that a second method of order 2 comes for nothing.
@@ -150,7 +150,7 @@ def embedded(v0, v1, a0, a1, h):
 
 
 @inlined
-def deepest(sole, poses, z):
+def sinkage_of(sole, poses, z):
     """Depth of the lowest plate of both feet below the surface, m; 0 when both are above."""
     depth = 0.0
     for foot in range(2):
@@ -173,10 +173,10 @@ def sample_of(t, state):
 
 
 @inlined
-def raw_of(state, reached, t_f):
+def raw_of(state, extremes, t_f):
     """The raw result of a walk that has come to its end at t_f, s."""
-    sums, power, fall = state.integrals, reached.power, reached.fall
-    if reached.speed == -np.inf:  # no heel strike
+    sums, power, fall = state.integrals, extremes.power, extremes.fall
+    if extremes.speed == -np.inf:  # no heel strike
         power = fall = np.nan
     return Raw(
         distance=state.x,
@@ -185,8 +185,8 @@ def raw_of(state, reached, t_f):
         peak_power=power,
         speed_loss=fall,
         positive_joint_work=sums.joint,
-        peak_vertical_force=reached.force,
-        maximum_sinkage=reached.sinkage,
+        peak_vertical_force=extremes.force,
+        maximum_sinkage=extremes.sinkage,
         net_joint_work=sums.joint_net,
         impulse_x=sums.impulse_x,
         impulse_z=sums.impulse_z,

@@ -57,14 +57,14 @@ def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, bristles, count
     """
     guess_x, guess_z = vx, vz
     inv = c / world.mass
-    slip = _slip(world.rest, world.creep, c)
-    creep, best, tries = slip, np.inf, 0
+    turning_speed = _turning_speed(world.rest, world.creep, c)
+    creep, best, tries = turning_speed, np.inf, 0
     rescue, ratio, solved_at, viscous = False, 0.25, np.inf, np.inf
     dvx = dvz = 0.0
     at = Contact(no_force(), no_force())
     for _ in range(MAX_RESCUE):
         x, z = x0 + c * vx, z0 + c * vz
-        at = contact(world, sole, poses, x, z, vx, vz, creep, c, _before(bristles), counts)
+        at = contact(world, sole, poses, x, z, vx, vz, creep, c, _h0(bristles), counts)
         left, right = at.left, at.right
         rx = vx - tilted(vx0, world.tilt, c) - inv * (left.x + right.x)
         rz = vz - vz0 - inv * (left.z + right.z) + c * world.g
@@ -85,7 +85,7 @@ def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, bristles, count
                 ratio = np.sqrt(ratio)
                 if ratio > 0.97 or creep == viscous:
                     break
-                creep = max(ratio * solved_at, slip)
+                creep = max(ratio * solved_at, turning_speed)
             vx, vz = guess_x, guess_z
             best, tries = np.inf, 0
             continue
@@ -102,19 +102,21 @@ def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, bristles, count
         power = abs(left.power) + abs(right.power)
         rounding = 1e-13 * (1.0 + abs(vx) + abs(vz))
         # a rescue follows the plate that sticks, whatever the mean speed of the others
-        speed = creep if rescue or force == 0.0 else _slowest(world.rest, creep) + power / force
+        speed = creep if rescue or force == 0.0 else _least_speed(world.rest, creep) + power / force
         enough = _smooth_step(world.tolerance * speed, creep, world.gates)
         if size <= rounding or (force > 0.0 and size <= enough + rounding):
-            if creep == slip:
+            if creep == turning_speed:
                 _bend(sole, poses, z0 + c * vz, vx, vz, 1.0 / creep, bristles)
-                return Stage(vx, vz, Contact(_carried(left, dvx, dvz), _carried(right, dvx, dvz)), True)
+                return Stage(
+                    vx, vz, Contact(_extrapolated(left, dvx, dvz), _extrapolated(right, dvx, dvz)), True
+                )
             guess_x, guess_z, solved_at = vx, vz, creep
-            creep, best, tries = max(ratio * creep, slip), np.inf, 0
+            creep, best, tries = max(ratio * creep, turning_speed), np.inf, 0
     return Stage(vx, vz, at, False)
 
 
 @inlined
-def _slip(rest, creep, c):
+def _turning_speed(rest, creep, c):
     """The speed over which a plate's direction turns over in a stage, m/s."""
     if rest is None:
         return creep
@@ -122,7 +124,7 @@ def _slip(rest, creep, c):
 
 
 @inlined
-def _slowest(rest, creep):
+def _least_speed(rest, creep):
     """The least speed against which a step of Newton's method is small, m/s: at rest it would be a drift."""
     if rest is None:
         return creep
@@ -137,7 +139,7 @@ def _bend(sole, poses, z, vx, vz, turn, bristles):
 
 
 @inlined
-def _before(bristles):
+def _h0(bristles):
     """Directions at the stage's beginning, or None."""
     if bristles is None:
         return None
@@ -145,7 +147,7 @@ def _before(bristles):
 
 
 @inlined
-def _carried(force, dvx, dvz):
+def _extrapolated(force, dvx, dvz):
     """A foot's force after a small change of the velocity, to first order."""
     return Force(
         force.x + (force.xx * dvx + force.xz * dvz),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache, partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,7 @@ from footopt.foot import Plates
 from footopt.sand.law import PER_CM3, Law
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.scene import Scene, Walker
-from footopt.walk.state import LANES, Sole, World
+from footopt.walk.state import LANES, Sole, Tangent, World, sole_of
 from footopt.walk.steppers import STEPPERS
 
 Array = NDArray[np.float64]
@@ -130,6 +129,9 @@ def soles(plates: Plates) -> Sole:
     x, z = _padded(plates.x, extra), _padded(plates.z, extra)
     by_block_x, by_block_z = (column.reshape(len(column), -1, LANES) for column in (x, z))
     centre_x, centre_z = (0.5 * (q.min(axis=2) + q.max(axis=2)) for q in (by_block_x, by_block_z))
+    tangent = None
+    if plates.tx is not None and plates.tz is not None:
+        tangent = Tangent(_padded(plates.tx, extra), _padded(plates.tz, extra))
     square = (by_block_x - centre_x[..., None]) ** 2 + (by_block_z - centre_z[..., None]) ** 2
     return Sole(
         x=x,
@@ -141,15 +143,14 @@ def soles(plates: Plates) -> Sole:
         block_z=centre_z,
         block_r=np.sqrt(square.max(axis=2)),
         reach=np.sqrt(np.max(plates.x**2 + plates.z**2, axis=1)),
-        tx=None if plates.tx is None else _padded(plates.tx, extra),
-        tz=None if plates.tz is None else _padded(plates.tz, extra),
+        tangent=tangent,
     )
 
 
 def sole(plates: Plates) -> Sole:
     """The first foot's plates, as one contact takes them."""
-    found: Any = (None if column is None else column[0] for column in soles(plates))
-    return Sole(*found)
+    first: Sole = sole_of(soles(plates), 0)
+    return first
 
 
 def _padded(column: Array, extra: int, value: float | None = None) -> Array:

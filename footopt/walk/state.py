@@ -34,6 +34,13 @@ class World(NamedTuple):
     pushes: tuple[Any, ...] | None
 
 
+class Tangent(NamedTuple):
+    """The plates' direction from heel to toe, a unit vector; the outward normal is (z, -x)."""
+
+    x: Array
+    z: Array
+
+
 class Sole(NamedTuple):
     """One design's plates, relative to the ankle (`foot.Plates`); of a batch, each with an axis more.
 
@@ -50,12 +57,11 @@ class Sole(NamedTuple):
     block_z: Array
     block_r: Array
     reach: Any  # the sole's largest distance from the ankle, m
-    tx: Array | None  # the plate's direction, a unit vector, where an effect needs its normal
-    tz: Array | None
+    tangent: Tangent | None  # where an effect needs the plates' normals
 
 
 class Pose(NamedTuple):
-    """Where a foot is, relative to the hip."""
+    """Where a foot is and how it moves: relative to the hip in tables of poses, in the world in `contact`."""
 
     x: float  # ankle, m
     z: float
@@ -136,21 +142,19 @@ def sole_of(soles, design):
         soles.block_z[design],
         soles.block_r[design],
         soles.reach[design],
-        _row(soles.tx, design),
-        _row(soles.tz, design),
+        _tangent_of(soles.tangent, design),
     )
 
 
 @inlined
-def _row(column, design):
-    """One design's row of a column that may not be there."""
-    if column is None:
+def _tangent_of(tangent, design):
+    if tangent is None:
         return None
-    return column[design]
+    return Tangent(tangent.x[design], tangent.z[design])
 
 
 @inlined
-def fill(row, values):
+def write(row, values):
     """Write a tuple of numbers into a row of a table."""
     for j in range(len(values)):
         row[j] = values[j]

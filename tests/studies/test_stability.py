@@ -117,9 +117,8 @@ class TestFigure:
         figure = verdicts(["standing", "soft"], ["sdirk2", "rk4"], cells)
         (axes,) = figure.axes
         assert [t.get_text() for t in axes.texts] == [
-            "✓ chatter 2e-7",
-            "✗ load 0.084",
-            "✓ sunk",
-            "✗ speed 3e5",
+            "✓",
+            "load 0.084",
+            "✓",
+            "speed 3e5",
         ]
-        assert sum(patch.get_hatch() is not None for patch in axes.patches) == 2

@@ -100,8 +100,8 @@ def touch(world, sole, poses, x, z, vx, vz, bristles, time, counts):
     """
     if bristles is None:
         return contact(world, sole, poses, x, z, vx, vz, world.creep, None, None, counts)
-    slip = world.rest / time if time > 0.0 else np.inf
-    return contact(world, sole, poses, x, z, vx, vz, slip, None, bristles.now, counts)
+    turning_speed = world.rest / time if time > 0.0 else np.inf
+    return contact(world, sole, poses, x, z, vx, vz, turning_speed, None, bristles.now, counts)
 
 
 @inlined
