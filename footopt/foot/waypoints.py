@@ -44,8 +44,10 @@ class Waypoints:
     box_tolerance : float
         How far a spline may leave the box [-H, 0] between waypoints before the design is infeasible, in
         units of H; infinity is the paper's choice.
-    closed, top
-        As of every `Foot`.
+    closed : bool
+        Whether the whole contour feels the sand, not only the sole.
+    top : float, m
+        Height of a closed contour's top in the foot frame.
 
     Raises
     ------

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from lsoda import lsoda_objectives
 
 import footopt as fo
 from footopt.foot import Plates, as_plates
@@ -15,7 +16,7 @@ from footopt.gait import LEFT, RIGHT
 from footopt.walk import STEPPERS
 from footopt.walk.accuracy import TOLERANCES
 from footopt.walk.balances import energy_gap
-from footopt.walk.reference import LIMITS, PUBLISHED, RAMP, SAME_PLATES, lsoda_objectives
+from footopt.walk.reference import LIMITS, PUBLISHED, RAMP, SAME_PLATES
 
 ALL = sorted(STEPPERS)
 
