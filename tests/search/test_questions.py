@@ -123,6 +123,9 @@ class TestChoice:
         heavy, p = self.chosen(found, Choice("weights", {"work": 1e6}))
         assert heavy[p.record.index("work")] == work.min()
         even, _ = self.chosen(found, Choice("weights", {"work": 1.0}))
+        f = p.minimised(found.values[found.front])
+        worst = ((f - f.min(axis=0)) / np.ptp(f, axis=0)).max(axis=1)
+        np.testing.assert_array_equal(even, found.values[found.front][worst.argmin()])
         assert even[p.record.index("work")] > work.min()
 
     def test_limits_leave_the_best_in_the_first_objective(self, found):
