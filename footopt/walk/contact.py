@@ -18,6 +18,7 @@ from footopt.compiled import inlined, inlined_fast
 from footopt.effects import base as effects
 from footopt.walk.state import LANES, Contact, Force, Pose, no_force, pose_of
 
+SLOW = 1e-9  # m/s, at which the sand's inertia adds nothing to a limit force
 EDGE = 0.05  # n.h over which an effect's gate opens where bristles say how a plate moves
 
 
@@ -280,6 +281,7 @@ def _lift(world, sole, poses, z):
                 strength = _strength(world.loads, depth, place)
                 share = _sinking_share(world.gates, world.rest, sole.tangent, i, cos, sin)
                 total += sole.area[i] * strength * stress * share
+                total = _pushed(world.pushes, sole.tangent, i, cos, sin, depth, sole.area[i], total)
     return total
 
 
@@ -289,6 +291,15 @@ def _strength(loads, depth, place):
     if loads is None:
         return depth
     return effects.load(loads, (depth, 1.0, 0.0), depth, place)[0]
+
+
+@inlined
+def _pushed(pushes, tangent, i, cos, sin, depth, area, total):
+    """The lift with what the effects' pressure on plate i adds when it moves straight down, slowly."""
+    if pushes is None:
+        return total
+    down = cos * tangent.x[i] - sin * tangent.z[i]
+    return total + area * down * effects.push(pushes, (0.0, 0.0, 0.0), SLOW * down, depth)[0]
 
 
 @inlined

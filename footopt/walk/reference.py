@@ -91,8 +91,8 @@ def contact_forces(
     both = compiled_contact(laws(scene.effects))
     left = both(constants, sole(sheets), pose.table()[0], 0.0, 0.0, vx, vz, creep, 1e-3, counts).left
     states = plate_states(sheets, pose, np.zeros((1, 2)), np.array([[vx, vz]]), scene, creep, angles)
-    force = states.force[0, 0]
-    return np.array([left.x, left.z]), force.sum(axis=0), float(np.linalg.norm(force, axis=-1).sum())
+    size = float(np.linalg.norm(states.force[0, 0], axis=-1).sum())
+    return np.array([left.x, left.z]), states.total[0, 0], size
 
 
 def lsoda_objectives(walk: Walk, rtol: float = 1e-9) -> dict[str, float]:
@@ -123,7 +123,7 @@ def lsoda_objectives(walk: Walk, rtol: float = 1e-9) -> dict[str, float]:
 
     def rate(t: float, y: Array) -> Array:
         states = at(np.array([t]), y[:4, None])
-        fx, fz = states.force.sum(axis=(0, 1, 2))
+        fx, fz = states.total.sum(axis=(0, 1))
         ax, az = fx / walker.mass + (tilt or 0.0), fz / walker.mass - g
         return np.array([y[2], y[3], ax, az, states.power.sum(), y[1]])
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import inspect
 import marshal
 from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
-from types import CodeType
 from typing import Any
 
 from footopt.effects import base as effects
@@ -60,18 +60,13 @@ def text_of(thing: Any) -> bytes:
 def meaning(text: bytes) -> bytes:
     """A source as it is compiled: comments, docstrings and layout do not count."""
     try:
-        code = compile(text, "", "exec", dont_inherit=True, optimize=2)
+        tree = ast.parse(text)
     except (SyntaxError, ValueError):  # code, not text; or a file that has been edited meanwhile
         return text
-    return repr(_instructions(code)).encode()
-
-
-def _instructions(code: CodeType) -> tuple[Any, ...]:
-    """All that a code object does, without its lines; a set of constants has no order of its own."""
-    constants = [
-        _instructions(c) if isinstance(c, CodeType) else sorted(map(repr, c)) if type(c) is frozenset else c
-        for c in code.co_consts
-    ]
-    names = (code.co_name, code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)
-    takes = (code.co_argcount, code.co_kwonlyargcount, code.co_posonlyargcount, code.co_flags)
-    return code.co_code, code.co_exceptiontable, *names, *takes, constants
+    for node in ast.walk(tree):
+        if (
+            isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef)
+            and ast.get_docstring(node) is not None
+        ):
+            del node.body[0]
+    return ast.dump(tree).encode()

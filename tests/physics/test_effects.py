@@ -159,7 +159,7 @@ class TestWalks:
 
     def test_plates_add_up_to_the_feet(self, all_walk):
         """To the last step of Newton's method; where a plate turns to lead inside it, to its force."""
-        found = all_walk.plates(np.arange(len(all_walk.t))).force.sum(axis=2)
+        found = all_walk.plates(np.arange(len(all_walk.t))).total
         error = np.abs(found - all_walk.force).max(axis=(1, 2)) / np.abs(found).max()
         assert np.quantile(error, 0.99) < NEWTON
         assert error.max() < 1.5 / all_walk.accuracy.plates

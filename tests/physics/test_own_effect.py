@@ -71,7 +71,7 @@ class TestAnEffectOfOnesOwn:
             fo.simulate(ramp_foot, replace(regular, effects=on), "fine") for on in ((), (own.Damp(),))
         )
         assert walk.objectives["distance"] != pytest.approx(bare.objectives["distance"], rel=1e-4)
-        found = walk.plates(np.arange(len(walk.t))).force.sum(axis=2)
+        found = walk.plates(np.arange(len(walk.t))).total
         np.testing.assert_allclose(found, walk.force, rtol=0, atol=NEWTON * np.abs(found).max())
         assert energy_gap(walk) < 5e-3
 

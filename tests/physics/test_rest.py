@@ -11,7 +11,7 @@ from numba import njit
 import footopt as fo
 from footopt.errors import SettingError
 from footopt.walk.contact import contact
-from footopt.walk.prepare import KEPT, kept_bytes, sole, world
+from footopt.walk.prepare import MOST_BYTES, bristle_bytes, sole, world
 from footopt.walk.state import COUNTS
 
 STILL = fo.Gait.human(start=math.inf)
@@ -62,12 +62,12 @@ def test_a_walk_whose_memory_would_not_fit_is_refused(ramp_foot):
     long = fo.Scene(t_f=1200.0, effects=(fo.Rest(),))
     with pytest.raises(SettingError, match=r"accuracy\.plates = 400: must be fewer for a walk of 1200 s"):
         fo.simulate(ramp_foot, long, "reference")
-    assert kept_bytes(fo.Scene(t_f=60.0, effects=(fo.Rest(),)), fo.Accuracy.named("fine")) < KEPT
+    assert bristle_bytes(fo.Scene(t_f=60.0, effects=(fo.Rest(),)), fo.Accuracy.named("fine")) < MOST_BYTES
 
 
 def test_the_plates_forces_add_up_to_the_walks(ramp_foot):
     walk = fo.simulate(ramp_foot, fo.Scene(effects=(fo.Rest(),)))
-    found = walk.plates(np.arange(len(walk.t))).force.sum(axis=2)
+    found = walk.plates(np.arange(len(walk.t))).total
     assert np.abs(found - walk.force).max() < 1e-3 * walk.scene.walker.weight
 
 

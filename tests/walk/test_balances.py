@@ -167,6 +167,6 @@ class TestNewton:
     @pytest.mark.parametrize("stepper", ["sdirk2", "implicit_euler"])
     def test_a_step_that_begins_in_the_air_sees_the_sand_it_ends_in(self, stepper, flat_foot):
         walk = fo.simulate(flat_foot, fo.Scene(), fo.Accuracy(stepper, 6.25e-2, 64, 1e-4, rule="chord"))
-        law = walk.plates(np.arange(len(walk.t))).force.sum(axis=2)
+        law = walk.plates(np.arange(len(walk.t))).total
         # Newton's last step leaves 2 % of the weight in so long a step; an unseen landing more than all
         assert np.abs(walk.force - law).max() < 0.1 * walk.scene.walker.weight

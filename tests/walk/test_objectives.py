@@ -12,7 +12,7 @@ from footopt.errors import SettingError
 from footopt.gait import LEFT, RIGHT
 from footopt.walk import FIVE, OBJECTIVES, gain_shares
 from footopt.walk.metrics import RAW, hermite, hermite_extreme
-from footopt.walk.objectives import FLOORS, Raw, lookup
+from footopt.walk.objectives import FLOORS, by_name, lookup
 
 STRIKE = 1.1  # s, the first heel strike
 
@@ -94,7 +94,7 @@ class TestTrade:
 
         def j_w(**changed):
             row = [{**values, **changed}.get(column, 0.0) for column in RAW]
-            return OBJECTIVES["efficiency"].value(Raw(np.array([row])), fo.Scene())[0]
+            return OBJECTIVES["efficiency"].value(by_name(np.array([row])), fo.Scene())[0]
 
         assert j_w(**{name: 0.0}) == j_w(**{name: floor}) == j_w(**{name: floor / 2})
         assert j_w(**{name: 2 * floor}) == pytest.approx(j_w(**{name: floor}) / 2)
