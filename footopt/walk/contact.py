@@ -18,7 +18,6 @@ from footopt.compiled import inlined, inlined_fast
 from footopt.effects import base as effects
 from footopt.walk.state import LANES, Contact, Force, Pose, no_force, pose_of
 
-SLOW = 1e-9  # m/s, at which the sand's inertia adds nothing to a limit force
 EDGE = 0.05  # n.h over which an effect's gate opens where bristles say how a plate moves
 
 
@@ -246,7 +245,8 @@ def _of_foot(h0, foot):
 def static_height(world, sole, poses):
     """Hip height (m) at which the limit forces of downward motion on both feet carry the weight.
 
-    Vertical balance only, h = (0, -1) on every plate. NaN if even at the surface they do not.
+    Vertical balance only: eq. 2 with h = (0, -1) on every plate. Pushes are left out: they depend on the
+    speed, and who stands has none. NaN if even at the surface the forces do not carry it.
     """
     low, high = 0.0, -np.inf
     for foot in range(2):
@@ -281,7 +281,6 @@ def _lift(world, sole, poses, z):
                 strength = _strength(world.loads, depth, place)
                 share = _sinking_share(world.gates, world.rest, sole.tangent, i, cos, sin)
                 total += sole.area[i] * strength * stress * share
-                total = _pushed(world.pushes, sole.tangent, i, cos, sin, depth, sole.area[i], total)
     return total
 
 
@@ -291,15 +290,6 @@ def _strength(loads, depth, place):
     if loads is None:
         return depth
     return effects.load(loads, (depth, 1.0, 0.0), depth, place)[0]
-
-
-@inlined
-def _pushed(pushes, tangent, i, cos, sin, depth, area, total):
-    """The lift with what the effects' pressure on plate i adds when it moves straight down, slowly."""
-    if pushes is None:
-        return total
-    down = cos * tangent.x[i] - sin * tangent.z[i]
-    return total + area * down * effects.push(pushes, (0.0, 0.0, 0.0), SLOW * down, depth)[0]
 
 
 @inlined

@@ -18,21 +18,21 @@ from footopt.walk import steppers
 HOME = ("footopt.", __name__.rpartition(".")[0] + ".")
 
 
-def is_own(thing: Any) -> bool:
+def is_users(thing: Any) -> bool:
     """Whether a type or function is a user's, not footopt's."""
     return not thing.__module__.startswith(HOME)
 
 
-def own(stepper: Any, laws: Sequence[Any]) -> tuple[Any, ...]:
+def users_own(stepper: Any, laws: Sequence[Any]) -> tuple[Any, ...]:
     """A user's own types and functions among those that a walk needs."""
     hooks = [hooks[type(law)] for law in laws for hooks in effects.HOOKS if type(law) in hooks]
     needed = (type(stepper), steppers.STEPS[type(stepper)], *map(type, laws), *hooks)
-    return tuple(filter(is_own, needed))
+    return tuple(filter(is_users, needed))
 
 
 def source(stepper: Any, laws: Sequence[Any]) -> str:
     """A digest of all that is compiled into a walk with this stepper and these laws of effects."""
-    return digest_of(tuple(thing for thing in own(stepper, laws) if not isinstance(thing, type)))
+    return digest_of(tuple(thing for thing in users_own(stepper, laws) if not isinstance(thing, type)))
 
 
 @lru_cache(maxsize=8)

@@ -19,18 +19,18 @@ class TestLeadingEdge:
     def test_a_face_that_leads_feels_the_whole_law_and_one_that_trails_nothing(self, beta, angle, speed):
         creep = 1e-2
         plate, vx, vz = blade(beta), speed * math.cos(angle), speed * math.sin(angle)
-        into = vx * math.sin(beta) - vz * math.cos(beta)
+        vn = vx * math.sin(beta) - vz * math.cos(beta)
         pose = pose_of(-0.1, 0.0, 0.0)
         found = force(plate, pose, vx, vz, LeadingEdge(), creep=creep)
-        if into > creep:
+        if vn > creep:
             np.testing.assert_allclose(found, force(plate, pose, vx, vz, creep=creep), rtol=1e-12, atol=1e-12)
-        elif into < -creep:
+        elif vn < -creep:
             assert (found == 0.0).all()
 
     def test_the_share_rises_smoothly_over_the_creep_speed(self):
         creep = 1e-3
-        into = creep * np.linspace(-1.5, 1.5, 301)
-        share, bend = effects.gate(laws([LeadingEdge()]).gates, (1.0, 0.0), into, creep)
+        vn = creep * np.linspace(-1.5, 1.5, 301)
+        share, bend = effects.gate(laws([LeadingEdge()]).gates, (1.0, 0.0), vn, creep)
         assert (np.diff(share) >= 0.0).all()
         assert (share[0], share[150], share[-1]) == (0.0, pytest.approx(0.5), 1.0)
         assert np.abs(np.diff(bend)).max() < 0.05 * bend.max()  # no jump in the derivative either

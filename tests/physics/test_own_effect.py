@@ -32,9 +32,9 @@ class Damp:
     def law(self):
         return DampLaw(self.rate)
 
-def damp(law, state, into, depth):
-    push, stiff, sink = state
-    return push + 1.0 * law.rate * into * (depth > 0.0), stiff + law.rate * (depth > 0.0), sink
+def damp(law, state, vn, depth):
+    push, by_vn, by_depth = state
+    return push + 1.0 * law.rate * vn * (depth > 0.0), by_vn + law.rate * (depth > 0.0), by_depth
 
 effects.register(DampLaw, push=damp)
 """
