@@ -3,6 +3,9 @@
 import numpy as np
 
 import footopt as fo
+from footopt.files.gaits import cut
+from footopt.files.gaits.leg import leg_angles
+from footopt.files.gaits.markers import to_markers
 
 HUMAN = fo.Gait.human()
 OPENSIM = ("pelvis_tilt", "hip_flexion_r", "knee_angle_r", "ankle_angle_r")
@@ -64,6 +67,14 @@ def record(
             corners = (*corners[:2], back)
         places = dict(zip(PELVIS[dialect], corners, strict=False)) | places
     return t, {name: p + noise * rng.standard_normal(p.shape) for name, p in places.items()}
+
+
+def walked(t, places, side=None, names=None, max_gap=0.2):
+    """The gait and the notes of a walk's markers, by name or as (name, place), without a file between."""
+    names_, arrays = zip(*(places.items() if isinstance(places, dict) else places), strict=True)
+    markers = to_markers(np.asarray(t), list(names_), np.stack(arrays, axis=1))
+    strides = cut(leg_angles(markers, names or {}, side, max_gap))
+    return fo.Gait.from_strides(strides._replace(source="markers")), " | ".join(strides.notes)
 
 
 def turned(places, heading=0.0, up="z"):

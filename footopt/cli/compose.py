@@ -6,14 +6,11 @@ import string
 from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
 
 from hydra import compose, initialize_config_dir
 from hydra.core.config_store import ConfigStore
 from omegaconf import OmegaConf, open_dict
 
-from footopt.effects import EFFECTS
-from footopt.files.identity import flat
 from footopt.studies.settings import CHOICES, Config
 
 PACKAGE = Path(__file__).parents[1]
@@ -33,13 +30,6 @@ def groups() -> dict[str, list[str]]:
     for path in CONF.glob("*/*.yaml"):
         found.setdefault(path.parent.name, set()).add(path.stem)
     return {group: sorted(found[group]) for group in sorted(found)}
-
-
-def known() -> list[str]:
-    """Full names of all settings, with those of effects that are not chosen."""
-    with_all = OmegaConf.merge(Config, {"effects": {name: {} for name in EFFECTS}})
-    values: Any = OmegaConf.to_container(with_all)
-    return list(flat(values))
 
 
 def help_text(words: Sequence[str]) -> str:

@@ -11,6 +11,7 @@ from hydra.core.global_hydra import GlobalHydra
 from hydra.types import RunMode
 from omegaconf import OmegaConf, open_dict
 
+from footopt.cli.paths import within
 from footopt.files import identity
 from footopt.studies.reads import CHOICE
 
@@ -21,7 +22,8 @@ WORLD = ("sand", "gait", "walker", "effects", "scene", "accuracy")
 def in_the_world_of_its_run(settings: Mapping[str, Any], here: Any) -> dict[str, Any]:
     """The settings of a walk with the foot of a run: those of the run where nothing else was given.
 
-    It is walked as finely as the run's own numbers were.
+    It is walked as finely as the run's own numbers were. The foot's own are the run's in any case, so that
+    this walk's folder knows its foot, too; but for another sole of its space, and a block for the workshop.
 
     Parameters
     ----------
@@ -48,16 +50,10 @@ def in_the_world_of_its_run(settings: Mapping[str, Any], here: Any) -> dict[str,
     given = (word.lstrip("+").partition("=")[0] for word in here.overrides.task)
     named = {name if name in WORLD else CHOICE.get(name, name) for name in given}  # planet: walker.g
     changed = {*identity.differing(settings, OmegaConf.to_container(default, resolve=True)), *named}
-    walked = dict(settings) | {group: run[group] for group in WORLD}
+    given_foot = {name: settings["foot"][name] for name in ("k", "block")}
+    walked = dict(settings) | {group: run[group] for group in WORLD} | {"foot": run["foot"] | given_foot}
     for name in sorted(changed):  # a group before what is in it
         *above, last = name.split(".")
         if (above or [last])[0] in WORLD:
-            _within(walked, above)[last] = _within(settings, above)[last]
+            within(walked, above)[last] = within(settings, above)[last]
     return walked
-
-
-def _within(settings: Any, names: list[str]) -> Any:
-    """The group of settings below some names."""
-    for name in names:
-        settings = settings[name]
-    return settings

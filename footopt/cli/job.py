@@ -86,8 +86,7 @@ def tidy(folder: Path) -> None:
     """Remove the folder of a run that was refused, if nothing has been found there."""
     left = [path for path in folder.rglob("*") if path.is_file()]
     logs = [path for path in left if path.suffix == ".log"]
-    own = {folder / FILE, *(folder / ".hydra" / f"{name}.yaml" for name in ("config", "hydra", "overrides"))}
-    if {*left} - {*logs} <= own and not any(path.stat().st_size for path in logs):
+    if {*left} - {*logs} <= {folder / FILE} and not any(path.stat().st_size for path in logs):
         (folder / FILE).unlink(missing_ok=True)
         if folder != Path.cwd():
             shutil.rmtree(folder, ignore_errors=True)

@@ -16,8 +16,9 @@ from omegaconf.errors import (
 )
 from yaml import YAMLError
 
-from footopt.cli.compose import groups, known
+from footopt.cli.compose import groups
 from footopt.errors import FootoptError, SettingError, meant
+from footopt.studies.settings import known
 
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 NO_RIGHT = (errno.EACCES, errno.EROFS, errno.EPERM)

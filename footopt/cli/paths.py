@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -85,10 +85,9 @@ def _folder(source: Any) -> Path | None:
 
 def _relative(settings: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Names and values of the settings that name files by a relative path."""
-    for name in PATHS:
-        value = _get(settings, name)
+    for name, value in flat(settings).items():
         for path in value if isinstance(value, list) else [value]:
-            if _is_file(name, path) and not Path(path).expanduser().is_absolute():
+            if name in PATHS and _is_file(name, path) and not Path(path).expanduser().is_absolute():
                 yield name, path
 
 
@@ -97,24 +96,21 @@ def _is_file(name: str, value: Any) -> bool:
     return isinstance(value, str) and bool(value) and (name != "plugins" or value.endswith(".py"))
 
 
-def _get(settings: Mapping[str, Any], name: str) -> Any:
-    value: Any = settings
-    for key in name.split("."):
-        value = value.get(key) if isinstance(value, Mapping) else None
-    return value
-
-
 def _changed(settings: Mapping[str, Any], change: Callable[[str, str], str]) -> dict[str, Any]:
     """A copy of the settings, with every name of a file changed."""
     copied = copy.deepcopy(dict(settings))
     for name in PATHS:
         *above, last = name.split(".")
-        value = _get(copied, name)
-        if value is None:
-            continue
-        whole = _get(copied, ".".join(above)) if above else copied
-        if isinstance(value, list):
-            whole[last] = [change(name, v) if _is_file(name, v) else v for v in value]
+        group = within(copied, above)
+        if isinstance(value := group[last], list):
+            group[last] = [change(name, v) if _is_file(name, v) else v for v in value]
         elif _is_file(name, value):
-            whole[last] = change(name, value)
+            group[last] = change(name, value)
     return copied
+
+
+def within(settings: Any, names: Sequence[str]) -> Any:
+    """The group of settings below some names."""
+    for name in names:
+        settings = settings[name]
+    return settings

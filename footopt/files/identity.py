@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
+from glob import escape, glob
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -78,11 +79,17 @@ def _digest(content: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
+def runs(pattern: str | Path) -> list[Path]:
+    """Folders of all runs in or below the folders that a pattern names, in order."""
+    roots = [Path(found) for found in glob(str(pattern), recursive=True)]
+    left = (path for root in roots for file in (FILE, ERROR_FILE, "result.json") for path in root.rglob(file))
+    return sorted({path.parent for path in left}, key=order)
+
+
 def jobs(folder: Path) -> list[Path]:
     """Folders of the jobs of a multirun, in order, whatever hydra.sweep.subdir calls them."""
     numbered = {path for path in folder.iterdir() if path.name.isdecimal()}
-    named = {path.parent for file in (FILE, ERROR_FILE) for path in folder.rglob(file)}
-    return sorted(numbered | named - {folder}, key=order)
+    return sorted(numbered | {*runs(escape(str(folder)))} - {folder}, key=order)
 
 
 def order(folder: Path) -> tuple[str, int, str]:

@@ -19,6 +19,8 @@ from footopt.foot.waypoints import Waypoints, check_ankle, check_length, check_t
 
 Array = NDArray[np.float64]
 
+WORN = {"width", "ankle", "closed", "top"}  # of every foot, wherever its sole comes from
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Foot:
@@ -74,6 +76,7 @@ class Foot:
         )
         check_length("foot.width", self.width)
         check_ankle(self.ankle)
+        object.__setattr__(self, "ankle", tuple(self.ankle))
         check_top(self.top)
         object.__setattr__(self, "contour", contour)
 
@@ -114,16 +117,7 @@ class Foot:
         return replace(cls.from_waypoints([space.K] * space.n, space), name="flat")
 
     @classmethod
-    def shape(
-        cls,
-        name: str,
-        length: float = 0.26,
-        width: float = 0.10,
-        ankle: tuple[float, float] = (0.0, 0.0),
-        closed: bool = False,
-        top: float = 0.0,
-        **options: str,
-    ) -> Foot:
+    def shape(cls, name: str, length: float = 0.26, **options: Any) -> Foot:
         """Make one of the paper's five shapes (Fig. 3).
 
         Parameters
@@ -132,39 +126,29 @@ class Foot:
             The shape.
         length : float, m
             Of the contact line.
-        width, ankle, closed, top
-            As of every `Foot`.
         **options
-            ``upright`` of an L, ``apex`` of a triangle (see `footopt.foot.shapes`).
+            ``width``, ``ankle``, ``closed`` and ``top``, as of every `Foot`; ``upright`` of an L, ``apex`` of
+            a triangle (see `footopt.foot.shapes`).
 
         Raises
         ------
         SettingError
             There is no such shape, or a value is out of range.
         """
-        contour = shape(name, length, **options)
-        return cls(contour, width, (ankle[0], ankle[1]), name, closed=closed, top=top)
+        worn = {option: options.pop(option) for option in WORN & options.keys()}
+        return cls(shape(name, length, **options), name=name, **worn)
 
     @classmethod
-    def from_file(
-        cls,
-        path: str | Path,
-        width: float = 0.10,
-        ankle: tuple[float, float] = (0.0, 0.0),
-        closed: bool = False,
-        top: float = 0.0,
-        **options: Any,
-    ) -> Foot:
+    def from_file(cls, path: str | Path, **options: Any) -> Foot:
         """Make the sole that a DXF, SVG or CSV file holds.
 
         Parameters
         ----------
         path : str or Path
             Ends in .dxf, .svg or .csv.
-        width, ankle, closed, top
-            As of every `Foot`.
         **options
-            ``units``, ``scale``, ``layer``, ``toe`` and ``origin`` (see `footopt.files.soles.read`).
+            ``width``, ``ankle``, ``closed`` and ``top``, as of every `Foot`; ``units``, ``scale``, ``layer``,
+            ``toe`` and ``origin`` (see `footopt.files.soles.read`).
 
         Raises
         ------
@@ -173,9 +157,9 @@ class Foot:
         SettingError
             A setting cannot be used.
         """
+        worn = {option: options.pop(option) for option in WORN & options.keys()}
         sole = soles.read(path, **options)
-        foot = cls(sole.points, width, (ankle[0], ankle[1]), Path(path).stem, closed=closed, top=top)
-        return replace(foot, notes=sole.notes)
+        return cls(sole.points, name=Path(path).stem, notes=sole.notes, **worn)
 
     def points(self, steps: int) -> Array:
         """Points at equal steps along the sole's arc, (steps + 1, 2), m."""
@@ -192,7 +176,7 @@ class Foot:
         fill: Callable[[Array], Array] | None = None,
     ) -> Plates:
         """Cut the sole into plates, (1, plates); see `Plates.from_points`."""
-        return stack_plates([self], plates, rule, directed, fill)
+        return as_plates([self], plates, rule, None, directed, fill)
 
     def body_outline(self, block: Sequence[float] | None = None) -> Array:
         """The closed outline that a workshop makes.
@@ -263,27 +247,6 @@ class Foot:
         return None if self.space is None else float(self.space.box_violation(self.k)[0])  # type: ignore[arg-type]
 
 
-def stack_plates(
-    feet: Sequence[Foot],
-    plates: int,
-    rule: str = "arc",
-    directed: bool = False,
-    fill: Callable[[Array], Array] | None = None,
-) -> Plates:
-    """Cut many feet into plates at once, (feet, plates); all are closed, or none."""
-    closed = {foot.closed for foot in feet}
-    check(len(closed) == 1, "foot.closed", "both in one batch", "the same for all feet of a batch")
-    return Plates.from_points(
-        np.stack([foot.points(plates * RULES[rule]) for foot in feet]),
-        np.array([foot.ankle for foot in feet], float),
-        np.array([foot.width for foot in feet], float),
-        rule,
-        directed,
-        np.array([foot.top for foot in feet], float) if closed == {True} else None,
-        fill,
-    )
-
-
 def as_plates(
     feet: Sequence[Foot] | Plates | ArrayLike,
     plates: int,
@@ -301,9 +264,18 @@ def as_plates(
     """
     if isinstance(feet, Plates):
         return feet
+    steps = plates * RULES[rule]
+    bodies: Sequence[Foot | Waypoints]
     if isinstance(feet, Sequence) and any(isinstance(foot, Foot) for foot in feet):
-        whole = [foot for foot in feet if isinstance(foot, Foot)]
+        bodies = whole = [foot for foot in feet if isinstance(foot, Foot)]
         check(len(whole) == len(feet), "feet", "Foot and other things", "all Foot, or all waypoint heights")
-        return stack_plates(whole, plates, rule, directed, fill)
-    heights = np.atleast_2d(np.asarray(feet))
-    return (space or Waypoints(n=heights.shape[-1])).plates(heights, plates, rule, directed, fill)
+        closed = {foot.closed for foot in whole}
+        check(len(closed) == 1, "foot.closed", "both in one batch", "the same for all feet of a batch")
+        points = np.stack([foot.points(steps) for foot in whole])
+    else:
+        heights = np.atleast_2d(np.asarray(feet))
+        space = space or Waypoints(n=heights.shape[-1])
+        points = space.points(heights, steps)
+        bodies = [space] * len(points)
+    ankle, width, top = (np.array([getattr(b, n) for b in bodies], float) for n in ("ankle", "width", "top"))
+    return Plates.from_points(points, ankle, width, rule, directed, top if bodies[0].closed else None, fill)

@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import SettingError, check
+from footopt.errors import check
 from footopt.foot.waypoints import check_length
 
 Array = NDArray[np.float64]
@@ -40,10 +40,10 @@ def rectangle(length: float) -> Array:
 
 def reversed_l(length: float, upright: str = "toe") -> Array:
     """Bottom and upright side of an L with sides a:b = 2:1; the upright is at the toe or the heel."""
-    _choice("foot.upright", upright, ("toe", "heel"))
+    check(upright in ("toe", "heel"), "foot.upright", upright, "one of toe, heel")
     a, b = length * 2.0 / 3.0, length / 3.0
     toe = np.array([[-a / 2, -b / 2], [a / 2, -b / 2], [a / 2, b / 2]])
-    return toe if upright == "toe" else _mirror(toe)
+    return toe if upright == "toe" else toe[::-1] * [-1.0, 1.0]
 
 
 def reversed_triangle(length: float, apex: str = "middle") -> Array:
@@ -51,7 +51,7 @@ def reversed_triangle(length: float, apex: str = "middle") -> Array:
 
     The apex is under the middle of the base (both lower sides equal), or under the toe.
     """
-    _choice("foot.apex", apex, ("middle", "toe"))
+    check(apex in ("middle", "toe"), "foot.apex", apex, "one of middle, toe")
     if apex == "middle":
         b = length / (2.0 * np.sqrt(2.0))
         return np.array([[-b, b / 2], [0.0, -b / 2], [b, b / 2]])
@@ -70,8 +70,7 @@ SHAPES: dict[str, Callable[..., Array]] = {
 
 def shape(name: str, length: float = 0.26, **options: str) -> Array:
     """Contact line of a shape by name, (m, 2), m; the length in m, `options` are the shape's own."""
-    if name not in SHAPES:
-        raise SettingError("foot.shape", name, f"one of {', '.join(SHAPES)}")
+    check(name in SHAPES, "foot.shape", name, f"one of {', '.join(SHAPES)}")
     check_length("foot.length", length)
     return SHAPES[name](length, **options)
 
@@ -82,11 +81,3 @@ def _half_oval(a: float, b: float) -> Array:
     line = np.stack([a * np.cos(angle), b * np.sin(angle)], axis=1)
     line[0], line[-1] = (-a, 0.0), (a, 0.0)
     return line
-
-
-def _mirror(line: Array) -> Array:
-    return line[::-1] * [-1.0, 1.0]
-
-
-def _choice(setting: str, value: str, allowed: tuple[str, ...]) -> None:
-    check(value in allowed, setting, value, f"one of {', '.join(allowed)}")

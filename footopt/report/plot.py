@@ -9,7 +9,6 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-import numpy as np
 from matplotlib.axes import Axes as PlainAxes
 from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
@@ -18,7 +17,7 @@ from footopt.errors import SettingError
 from footopt.report.figures.foot import draw_contour, foot_height
 from footopt.report.figures.gait import draw_angles, draw_path
 from footopt.report.figures.sand import draw_stress
-from footopt.report.figures.search import draw_convergence, draw_parallel, history_label
+from footopt.report.figures.search import FRONT, draw_convergence, draw_parallel, history_label
 from footopt.report.figures.traces import COMPONENTS, draw_components
 from footopt.report.figures.walker import draw_scene, draw_walk, walk_height
 from footopt.report.style import COLUMN, PAGE, Axes, legend_above, legend_columns, new_figure, png, styled
@@ -93,8 +92,8 @@ def drawings(thing: object) -> dict[str, Drawing]:
 def _draw_front(axes: Axes, result: Any) -> None:
     """The designs of the front, an axis for each objective; the chosen one stands out."""
     columns = [result.problem.record.index(name) for name in result.problem.names]
-    best = int(np.argmax(result.shown == result.best))
-    draw_parallel(axes, result.values[result.shown][:, columns], result.problem.names, best)
+    values = result.values[:, columns]
+    draw_parallel(axes, values[result.shown], result.problem.names, {"chosen": values[result.best]}, FRONT)
 
 
 DRAWINGS: dict[str, dict[str, Drawing]] = {

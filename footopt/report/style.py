@@ -10,7 +10,7 @@ from __future__ import annotations
 import io
 import textwrap
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from functools import wraps
 from pathlib import Path
@@ -41,6 +41,9 @@ MARKERS = "osD^vP*"
 SANDS = ("soft", "hard", "regular")
 #: Name and colour of the left and the right leg.
 SIDES = (("left", BLUE), ("right", VERMILLION))
+#: What is designed (the best foot, the chosen one), and the flat sole that it is compared with.
+BEST, FLAT = GREEN, GREY
+ROLES: dict[str, dict[str, Any]] = {"best": {"color": BEST}, "flat": {"color": FLAT, "ls": "--"}}
 SAND, SURFACE, STRONG_SAND = "#F3E9D2", ORANGE, "#7A5230"
 
 STYLE: dict[str, Any] = {
@@ -178,18 +181,28 @@ def legend_above(
     figure: Figure, handles: Sequence[Any], labels: Sequence[str], title: str | None = None
 ) -> None:
     """One legend above all axes, with as many columns as fit beside each other."""
-    short = [textwrap.fill(label, 40) for label in labels]
+    short = wrapped(labels)
     columns = legend_columns(short, figure.get_figwidth())
     rows = -(-len(short) // columns) + (title is not None)
     figure.set_figheight(figure.get_figheight() + 0.17 * rows)  # the legend takes nothing from the axes
     figure.legend(handles, short, loc="outside upper center", ncols=columns, title=title)
 
 
-def legend_columns(labels: Sequence[str], width: float) -> int:
-    """How many columns of a legend with these labels fit into a width, inches."""
+def wrapped(labels: Iterable[str]) -> list[str]:
+    """Labels of a legend, long ones in several lines."""
+    return [textwrap.fill(label, 40) for label in labels]
+
+
+def legend_width(labels: Sequence[str]) -> float:
+    """How wide a column of a legend with these labels is, inches."""
     longest = max((len(part) for label in labels for part in label.split("\n")), default=0)
     # an 8 pt letter is about 0.062 inches wide, a line and the gaps beside it 0.45
-    return min(max(int(width / (0.45 + 0.062 * longest)), 1), max(len(labels), 1))
+    return 0.45 + 0.062 * longest
+
+
+def legend_columns(labels: Sequence[str], width: float) -> int:
+    """How many columns of a legend with these labels fit into a width, inches."""
+    return min(max(int(width / legend_width(labels)), 1), max(len(labels), 1))
 
 
 def legend_entry(axes: Axes, label: str, **looks: Any) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict, fields, is_dataclass, replace
+from dataclasses import asdict, fields, replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,15 @@ from footopt.files.gaits import Strides, read_strides
 from footopt.foot import Foot, Waypoints
 from footopt.gait import Gait
 from footopt.sand import GENERIC, MEDIA, Sand, StressMap
-from footopt.studies.settings import AccuracyConfig, Config, EffectsConfig, FootConfig, GaitConfig, SandConfig
+from footopt.studies.fields import leaves
+from footopt.studies.settings import (
+    AccuracyConfig,
+    Config,
+    EffectsConfig,
+    FootConfig,
+    GaitConfig,
+    SandConfig,
+)
 from footopt.walk import PRESETS, Accuracy, Scene, Spread, Walker
 
 
@@ -50,20 +58,17 @@ def load_plugins(plugins: Sequence[str]) -> None:
         )
 
 
-def check_lists(config: Any, name: str = "") -> None:
+def check_lists(config: Config) -> None:
     """Raise unless lists hold plain values, and no number is a NaN, be it read or not.
 
     OmegaConf lets lists in lists, interpolations and NaNs through.
     """
-    for field in fields(config):
-        value, key = getattr(config, field.name), f"{name}{field.name}"
-        if is_dataclass(value):
-            check_lists(value, f"{key}.")
-        elif isinstance(value, float):
-            check(not math.isnan(value), key, value, "a number")
+    for name, value in leaves(config):
+        if isinstance(value, float):
+            check(not math.isnan(value), name, value, "a number")
         elif isinstance(value, list):
             plain = all(isinstance(v, (int, float, str)) and v == v for v in value)
-            check(plain, key, value, "a list of plain values")
+            check(plain, name, value, "a list of plain values")
 
 
 def make_sand(config: SandConfig) -> Sand:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from glob import glob
+from collections.abc import Sequence
 from pathlib import Path
 
 from footopt.errors import FileError, SettingError
@@ -18,7 +17,7 @@ TRY = "Try footopt study=compare 'study.runs=[outputs/optimize/*]'"
 
 def run(study: Study) -> None:
     """Show the runs of `study.runs` as those of a multirun: a table, summary.csv and report.html."""
-    runs = list(run_folders(study.options.runs, study.folder))
+    runs = run_folders(study.options.runs, study.folder)
     if not runs:
         raise SettingError(SETTING, study.options.runs, "folders of runs", TRY)
     summary.of_runs(study.folder, runs)
@@ -26,8 +25,8 @@ def run(study: Study) -> None:
     study.close()
 
 
-def run_folders(patterns: Sequence[str], own: Path) -> Iterator[Path]:
-    """Folders of runs, each once, in order; a multirun's folder stands for its jobs.
+def run_folders(patterns: Sequence[str], own: Path) -> list[Path]:
+    """Folders of runs, each once, in order; a folder stands for all runs below it.
 
     Parameters
     ----------
@@ -41,15 +40,11 @@ def run_folders(patterns: Sequence[str], own: Path) -> Iterator[Path]:
     FileError
         There is no run of that name.
     """
-    seen = {own.resolve()}
+    found: dict[Path, Path] = {}
     for pattern in patterns:
-        multiruns = [Path(path).parent for path in glob(f"{pattern}/multirun.yaml", recursive=True)]
-        jobs = [job for folder in multiruns for job in identity.jobs(folder)]
-        alone = [Path(path).parent for path in glob(f"{pattern}/result.json", recursive=True)]
-        found = sorted({*alone, *jobs}, key=identity.order)
-        if not found and not (Path(pattern) / identity.FILE).is_file():
+        if not (runs := identity.runs(pattern)):
             raise FileError(f"{named(pattern, SETTING)}: not the folder of a run. {TRY}")
-        for path in found or [Path(pattern)]:
-            if path.resolve() not in seen:
-                seen.add(path.resolve())
-                yield path
+        for path in runs:
+            found.setdefault(path.resolve(), path)
+    found.pop(own.resolve(), None)
+    return list(found.values())

@@ -17,7 +17,6 @@ import numpy as np
 from footopt.files.run import write_text
 from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
-from footopt.report.figures.credibility import levels
 from footopt.report.numbers import percent
 from footopt.sand import Sand
 from footopt.studies.base import Study
@@ -55,8 +54,6 @@ def run(study: Study) -> None:
     weakest = min(f["level"] for f in found)
     page = _text("credibility.md").format(weakest=weakest, factors=terminal.markdown_rows(rows))
     write_text(study.folder / "credibility.md", page)
-    caption = "Level of each factor, from 0 (nothing) to 4, by this project's own judgement."
-    study.save("levels", levels([f["name"] for f in found], [f["level"] for f in found]), caption)
     study.conclude(
         "How credible are the results?",
         [shown],

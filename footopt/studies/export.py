@@ -117,5 +117,6 @@ def _saved_foot(folder: Path, design: dict[str, Any], saved: FootConfig) -> Foot
     else:  # the contour itself: a drawing that it came from may have changed
         width, (x, z) = float(design["width_m"]), design["ankle_m"]
         ankle = float(x), float(z)
-        foot = Foot.from_file(folder / "contour.csv", width, ankle, saved.closed, saved.top)
+        worn = {"width": width, "ankle": ankle, "closed": saved.closed, "top": saved.top}
+        foot = Foot.from_file(folder / "contour.csv", **worn)
     return dataclasses.replace(foot, name=str(design["name"]))

@@ -6,7 +6,6 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, is_dataclass, replace
 from functools import cached_property
-from glob import glob
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -191,10 +190,10 @@ def load_all(pattern: str | Path) -> Any:
         There are no runs, or none that can be read.
     """
     pandas = needed("pandas", "load_all", "pandas")
-    roots = [Path(found) for found in sorted(glob(str(pattern), recursive=True))]
-    folders = {path.parent for root in roots if root.is_dir() for path in root.rglob(identity.FILE)}
     rows = []
-    for folder in sorted(folders, key=identity.order):
+    for folder in identity.runs(pattern):
+        if not (folder / identity.FILE).is_file():  # a job that was refused
+            continue
         try:
             rows.append(_row(load(folder)))
         except FileError as error:

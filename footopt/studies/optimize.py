@@ -25,7 +25,7 @@ from footopt.design.result import check_finalists
 from footopt.files import run as files
 from footopt.foot import Foot
 from footopt.report import figures, page, terminal
-from footopt.report.figures.search import history_label
+from footopt.report.figures.search import FRONT, history_label
 from footopt.report.numbers import objective_quantity
 from footopt.report.progress import report_generations
 from footopt.studies import ranks
@@ -81,7 +81,7 @@ def run(study: Study) -> Answer:
         files.write_designs(study.folder / "designs.csv", result.columns)
     notes = write_walk(study, walk, {"best": walk, "flat": flat})
     if study.draws:
-        _save_figures(study, result, int(np.argmax(result.shown == confirmed.designs[0])))
+        _save_figures(study, result, int(confirmed.designs[0]), base)
     record = study.write_result(
         {
             "design": foot_entry(best),
@@ -208,8 +208,8 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
     }
 
 
-def _save_figures(study: Study, result: SearchResult, marked: int) -> None:
-    """The figures of a search; `marked` is the best design's place in the front."""
+def _save_figures(study: Study, result: SearchResult, best: int, flat: dict[str, float]) -> None:
+    """The figures of a search, with its best design and the flat sole's values."""
     problem = result.problem
     if not isinstance(result, Enumeration):
         study.save("convergence", figures.convergence(result.history, history_label(problem.names)))
@@ -219,6 +219,9 @@ def _save_figures(study: Study, result: SearchResult, marked: int) -> None:
         study.save("contours", figures.contours(soles))
     if problem.n_obj > 1:
         columns = [problem.record.index(name) for name in problem.names]
-        values = result.values[result.shown][:, columns]
-        study.save("scatter_matrix", figures.scatter_matrix(values, problem.names, marked=marked))
-        study.save("parallel", figures.parallel(values, problem.names, marked=marked))
+        values = result.values[:, columns]
+        front = values[result.shown]
+        marks = {"chosen": values[best], "flat sole": [flat[name] for name in problem.names]}
+        groups = {f"{len(front)} {FRONT}": front}
+        study.save("scatter_matrix", figures.scatter_matrix(groups, problem.names, marks))
+        study.save("parallel", figures.parallel(front, problem.names, marks, FRONT))

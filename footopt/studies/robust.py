@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,7 @@ from footopt.files import run as files
 from footopt.foot import Foot
 from footopt.report import figures, terminal
 from footopt.report.figures import robust as robust_figures
+from footopt.report.figures.search import FRONT, history_label
 from footopt.report.progress import Step, report_generations
 from footopt.studies.base import Study
 from footopt.studies.build import check_searchable, make_scene, make_spread
@@ -253,11 +254,11 @@ def _save_figures(
         return 100.0 * regret(np.array(value), own, judge.guide)
 
     history = [
-        {"evaluations": g.evaluations, "best": percent(g.best), "median": percent(g.median)}
-        for g in result.history
+        replace(g, best=float(percent(g.best)), median=float(percent(g.median))) for g in result.history
     ]
-    caption = "The regret of the best foot so far, over the evaluations of the robust search."
-    study.save("convergence", figures.convergence(history, f"{judge.measure} regret (%)"), caption)
+    caption = "The robust search: the best so far over its evaluations."
+    label = f"{judge.measure} regret (%)" if judge.n_obj == 1 else history_label(judge.names)
+    study.save("convergence", figures.convergence(history, label), caption)
     if study.options.scenarios == "laws":
         caption = "What each foot's hollow is worth under each law: as it is, and with its hollows filled."
         guide = MEASURES[judge.guide]
@@ -271,8 +272,9 @@ def _save_figures(
         study.save("held_out", robust_figures.held_out(fresh), caption)
     if judge.n_obj > 1:
         columns = [judge.record.index(name) for name in judge.names]
-        front = figures.scatter_matrix(result.values[result.shown][:, columns], judge.names, marked=0)
-        study.save("scatter_matrix", front, "The Pareto front of the robust search, pair by pair.")
+        front = result.values[result.shown][:, columns]
+        drawn = figures.scatter_matrix({FRONT: front}, judge.names, {"chosen": front[0]})
+        study.save("scatter_matrix", drawn, "The Pareto front of the robust search, pair by pair.")
 
 
 def table(judge: RobustProblem, compared: Comparison) -> RichTable:

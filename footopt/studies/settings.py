@@ -7,9 +7,7 @@ objects of the settings, `footopt.cli` composes them.
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable
-from dataclasses import MISSING, Field, dataclass, field, fields, make_dataclass
+from dataclasses import MISSING, dataclass, field, fields, make_dataclass
 from typing import TYPE_CHECKING, Any, get_type_hints
 
 from footopt.design import WAYS, Choice, RobustProblem, Solver, Stop, make_executor
@@ -19,18 +17,14 @@ from footopt.files import soles
 from footopt.foot import Foot, Waypoints, shapes
 from footopt.gait import Gait
 from footopt.sand import MEDIA, Sand, StressMap
-from footopt.walk import MEASURES, PRESETS, Spread, Walker
+from footopt.studies.fields import default, leaves, setting
+from footopt.walk import MEASURES, PRESETS, Accuracy, Spread, Walker
 
 #: How much a run leaves: result.json, contour.csv and what it is resumed from; all but figures; everything.
 REPORTS = ("none", "light", "full")
 
 #: Studies that search: they walk where engine says, keep what they evaluate, and go on where they stopped.
 SEARCHES = ("optimize", "robust")
-
-
-def default(function: Callable[..., Any], name: str) -> Any:
-    """The default of a function's parameter."""
-    return inspect.signature(function).parameters[name].default
 
 
 def parameters(kind: type, null: tuple[str, ...] = ()) -> Any:
@@ -44,7 +38,8 @@ def parameters(kind: type, null: tuple[str, ...] = ()) -> Any:
         Fields that may be null, too.
     """
     kinds = {name: t | None if name in null else t for name, t in get_type_hints(kind).items()}
-    settings = [(f.name, kinds[f.name], _changeable(f)) for f in fields(kind)]
+    given = ((f, f.default if f.default_factory is MISSING else f.default_factory()) for f in fields(kind))
+    settings = [(f.name, kinds[f.name], setting(value, kind)) for f, value in given]
     return importable(make_dataclass(f"{kind.__name__}Settings", settings))
 
 
@@ -57,16 +52,6 @@ def importable(made: type) -> Any:
     made.__module__ = __name__
     globals()[made.__name__] = made
     return made
-
-
-def _changeable(given: Field[Any]) -> Any:
-    """A field with the default of another; a tuple is a list, as OmegaConf has it."""
-    value = given.default if given.default_factory is MISSING else given.default_factory()
-    return (
-        field(default_factory=lambda: list(value))
-        if isinstance(value, tuple | list)
-        else field(default=value)
-    )
 
 
 if TYPE_CHECKING:
@@ -89,54 +74,65 @@ else:
 class FootSpreadConfig:
     """How far feet lie apart that were to be the same: see `footopt.studies.sensitivity`."""
 
-    waypoint: float = 0.001
-    width: float = 0.05
-    creep: float = 0.7
+    waypoint: float = setting(0.001, "One standard deviation of a waypoint's height, m.")
+    width: float = setting(0.05, "One standard deviation of the logarithm of the width.")
+    creep: float = setting(0.7, "One standard deviation of the logarithm of the creep speed.")
 
 
 @dataclass
 class StudyConfig:
     """Which question is asked, and what only one study or the other needs to know."""
 
-    name: str = "optimize"
-    confirm: str | None = "fine"
-    finalists: int = 20
-    store: str | None = None
-    reuse: bool = False
-    feet: int = 40
-    quick: bool = False
-    cases: list[str] | None = None
-    methods: list[str] | None = None
-    seeds: int = 5
-    samples: int = 48
-    shape_sand: str = "regular"
-    mount: str = "centre"
-    peak_power: str = "stance"
-    speed_loss: str = "walk"
-    leading_edge: bool = False
-    shadowing: bool = False
-    solvers: list[str] | None = None
-    budget: int = 3000
-    scenarios: str = "sands"
-    draws: int = 16
-    measure: str = default(RobustProblem, "measure")
-    tail: float = default(RobustProblem, "tail")
+    name: str = setting("optimize", "The question.")
+    confirm: str | None = setting(
+        "fine", "Accuracy at which finalists are walked again; null: the search's, under no other law."
+    )
+    finalists: int = setting(20, "How many of the best are walked again, and by other laws; a front whole.")
+    store: str | None = setting(None, "File of designs that runs may share; null: one in the folder.")
+    reuse: bool = setting(False, "Whether to read what other code has walked from the store, which is said.")
+    feet: int = setting(40, "How many random soles are walked.")
+    quick: bool = setting(False, "Whether a first look is enough.")
+    cases: list[str] | None = setting(None, "Names of the cases; null: all.")
+    methods: list[str] | None = setting(None, "Names of the steppers that are tried; null: all.")
+    seeds: int = setting(5, "How many searches, each with its own seed.")
+    samples: int = setting(48, "Combinations of what the paper leaves open; samples of Sobol's indices.")
+    shape_sand: str = setting("regular", "Sand on which the paper's five shapes walk.")
+    mount: str = setting("centre", "Where the shank meets a shape: its centre, or its top.")
+    peak_power: str = setting(
+        "stance", "p_max of any instant of stance, or single: while one foot stands alone."
+    )
+    speed_loss: str = setting(
+        "walk", "dV_x over the whole walk, or in a window or a narrow about each heel strike."
+    )
+    leading_edge: bool = setting(False, "Whether faces that trail feel no sand.")
+    shadowing: bool = setting(False, "Whether a groove of a sole counts with a part of its depth.")
+    solvers: list[str] | None = setting(None, "Names of the solvers that are compared; null: all.")
+    budget: int = setting(3000, "Evaluations of each search.")
+    scenarios: str = setting("sands", "What one foot is for: sands, laws, or drawn about the scene.")
+    draws: int = setting(16, "How many scenarios are drawn.")
+    measure: str = setting(
+        default(RobustProblem, "measure"),
+        "Of the loss over the scenarios: worst, mean, or tail, the mean of the worst share.",
+    )
+    tail: float = setting(default(RobustProblem, "tail"), "The share of study.measure=tail.")
     spread: SpreadConfig = field(default_factory=SpreadConfig)
     foot_spread: FootSpreadConfig = field(default_factory=FootSpreadConfig)
-    run: str | None = None
-    runs: list[str] = field(default_factory=list)
-    video: str | None = None
-    tests: str | None = None
+    run: str | None = setting(None, "Folder of the run whose foot is meant.")
+    runs: list[str] = setting([], "Folders of the runs that are compared; * and ** as in a shell.")
+    video: str | None = setting(None, "Name of a film of the walk, .gif or .mp4; null: none.")
+    tests: str | None = setting(None, "File of tests with plates, from which zeta is found.")
 
 
 @dataclass
 class SandConfig:
     """The sand: zeta scales the generic stress map, or nine coefficients, or a table of stresses."""
 
-    name: str = Sand.name
-    zeta: float = Sand.zeta
-    coefficients: CoefficientsConfig = field(default_factory=CoefficientsConfig)
-    table: str | None = None
+    name: str = setting(Sand.name, "For tables and legends.")
+    zeta: float = setting(Sand.zeta, "Scale of the stress map on the Earth; 1 is the generic material.")
+    coefficients: CoefficientsConfig = setting(
+        CoefficientsConfig, "In N/cm^3; Bm11, Cm11: the (-1, 1) terms."
+    )
+    table: str | None = setting(None, "File of measured stresses, to which nine coefficients are fitted.")
 
 
 @dataclass
@@ -158,60 +154,52 @@ class NamesConfig:
 class GaitConfig:
     """The gait: the built-in human walk, or a file, whose own period null is."""
 
-    name: str = "human"
-    path: str | None = None
-    period: float | None = Gait.period
-    harmonics: int = default(Gait.human, "harmonics")
-    pitch: str = Gait.pitch
-    start: float = Gait.start
-    side: str | None = None
-    max_gap: float = default(Gait.from_file, "max_gap")
-    units: str | None = None
-    names: NamesConfig = field(default_factory=NamesConfig)
+    name: str = setting("human", "human, or file.")
+    path: str | None = setting(None, "File of strides: TRC, C3D, MOT, STO, CSV or JSON.")
+    period: float | None = setting(Gait.period, "Of a stride, s; null: the file's own.")
+    harmonics: int = setting(default(Gait.human, "harmonics"), "Of the Fourier series of each joint.")
+    pitch: str = setting(Gait.pitch, "How the foot turns: with the shank, or as measured.")
+    start: float = setting(Gait.start, "When the walker begins to walk, s; .inf: never.")
+    side: str | None = setting(None, "right or left; null: right, or left if it is the only one.")
+    max_gap: float = setting(default(Gait.from_file, "max_gap"), "Longest gap of a marker that is filled, s.")
+    units: str | None = setting(None, "Of the file: mm, cm, m, in, or deg, rad; null: what it says.")
+    names: NamesConfig = setting(NamesConfig, "The file's name of this marker or column; null: a usual one.")
 
 
 @dataclass
 class FootConfig(SpaceConfig):  # type: ignore[misc]  # made of Waypoints' fields as it runs
     """The foot: a space of `Waypoints` (and one sole k in it, to simulate), a shape, or a drawing."""
 
-    shape: str = "waypoints"
-    k: list[int] | None = None
-    length: float = default(Foot.shape, "length")
-    apex: str = default(shapes.reversed_triangle, "apex")
-    upright: str = default(shapes.reversed_l, "upright")
-    path: str | None = None
-    units: str | None = None
-    scale: float = default(soles.read, "scale")
-    layer: str | None = None
-    toe: str = default(soles.read, "toe")
-    origin: str = default(soles.read, "origin")
-    block: list[float] | None = None
+    shape: str = setting("waypoints", "waypoints, one of the five shapes, or outline.")
+    k: list[int] | None = setting(None, "Heights of one sole, to walk with it.")
+    length: float = setting(default(Foot.shape, "length"), "Contact length of a shape, m.")
+    apex: str = setting(
+        default(shapes.reversed_triangle, "apex"), "Where the triangle's apex is: middle, toe."
+    )
+    upright: str = setting(default(shapes.reversed_l, "upright"), "Where the L's upright is: toe, heel.")
+    path: str | None = setting(None, "File of a sole: DXF, SVG or CSV.")
+    units: str | None = setting(None, "Of the file: mm, cm, m, in, pt or px; null: as the file says.")
+    scale: float = setting(default(soles.read, "scale"), "Multiplies all lengths of the file.")
+    layer: str | None = setting(None, "Of the file; null: SOLE if there is one, else all.")
+    toe: str = setting(default(soles.read, "toe"), "Where the toe is in the file: right, or left.")
+    origin: str = setting(default(soles.read, "origin"), "Of the foot frame: file, or centre of its box.")
+    block: list[float] | None = setting(None, "Length and height of a mounting block on the body, m.")
 
 
 @dataclass
 class EffectsConfig:
-    """Effects beyond the plain law, whichever there are.
+    """Effects beyond the plain law, whichever there are."""
 
-    Attributes
-    ----------
-    own : dict
-        Effects of a plugin, with their parameters, by name.
-    auto : bool
-        Whether to simulate those that matter at the accuracy.
-    tolerance : float
-        Relative change that matters to `auto`; null: the accuracy's own tolerance.
-    """
-
-    own: Any = None
-    auto: bool = False
-    tolerance: float | None = None
+    own: Any = setting(None, "Effects of a plugin, by name, with their parameters.")
+    auto: bool = setting(False, "Whether to simulate the effects that matter.")
+    tolerance: float | None = setting(None, "Relative change that matters to auto; null: the accuracy's.")
 
 
 #: With a setting for each effect: its parameters, or null where it is not simulated.
 AllEffects = importable(
     make_dataclass(
         "AllEffects",
-        [(name, parameters(kind) | None, None) for name, kind in EFFECTS.items()],
+        [(name, parameters(kind) | None, setting(None, kind)) for name, kind in EFFECTS.items()],
         bases=(EffectsConfig,),
     )
 )
@@ -221,59 +209,45 @@ AllEffects = importable(
 class SceneConfig:
     """How long the walk lasts; null is two strides after the start."""
 
-    name: str = "walk"
-    t_f: float | None = None
+    name: str = setting("walk", "For tables.")
+    t_f: float | None = setting(None, "End of the walk, s; null: two strides after the start.")
 
 
 @dataclass
 class AccuracyConfig:
     """How finely it is simulated: a preset, the cheapest within a tolerance, or parts of it by hand."""
 
-    name: str = "custom"
-    tolerance: float | None = None
-    stepper: str | None = None
-    dt: float | None = None
-    plates: int | None = None
-    creep: float | None = None
-    rule: str | None = None
-    control: float | None = None
+    name: str = setting("custom", Accuracy)
+    tolerance: float | None = setting(None, "Takes the cheapest accuracy within this relative error.")
+    stepper: str | None = setting(None, Accuracy)
+    dt: float | None = setting(None, Accuracy)
+    plates: int | None = setting(None, Accuracy)
+    creep: float | None = setting(None, Accuracy)
+    rule: str | None = setting(None, Accuracy)
+    control: float | None = setting(None, Accuracy)
 
 
 @dataclass
 class ObjectiveConfig:
     """What is optimised: names from the objectives."""
 
-    names: list[str] = field(default_factory=lambda: list(SETS["efficiency"]))
+    names: list[str] = setting(SETS["efficiency"], "What is optimised: one, or several for a front.")
 
 
 @dataclass
 class ChooseConfig:
-    """Which design of a front is the answer where there are several objectives: see `footopt.design.Choice`.
+    """Which design of a front is the answer where there are several objectives."""
 
-    Attributes
-    ----------
-    weights : dict
-        Of objectives by name, for choose=weights.
-    limits : dict
-        Of objectives by name, for choose=limits.
-    """
-
-    name: str = Choice.by
-    weights: Any = None
-    limits: Any = None
+    name: str = setting(Choice.by, "Which design of a front is the answer.")
+    weights: Any = setting(None, Choice)
+    limits: Any = setting(None, Choice)
 
 
 @dataclass
 class OwnConstraints:
-    """Limits that a design must keep: see `footopt.design.FootProblem`.
+    """Limits that a design must keep: see `footopt.design.FootProblem`."""
 
-    Attributes
-    ----------
-    own : dict
-        Limits of a plugin's measures, by name.
-    """
-
-    own: Any = None
+    own: Any = setting(None, "Limits of a plugin's measures, by name.")
 
 
 #: With a setting for each measure: its limit, or null for none.
@@ -288,19 +262,23 @@ ConstraintConfig = importable(
 class EngineConfig:
     """Where designs are evaluated: see `footopt.design.make_executor`; threads are of this process."""
 
-    name: str = default(make_executor, "name")
-    threads: int | None = None
-    workers: int | None = None
-    address: str | None = None
-    timeout: float = default(make_executor, "timeout")
+    name: str = setting(default(make_executor, "name"), "Where designs are walked: local, processes, dask.")
+    threads: int | None = setting(None, "Of this process; null: as many as it may run on.")
+    workers: int | None = setting(None, "Processes; null: as many as processors.")
+    address: str | None = setting(None, "Of a dask scheduler; null: one is started here.")
+    timeout: float = setting(
+        default(make_executor, "timeout"), "For a scheduler to answer and to have a worker, s."
+    )
 
 
 @dataclass
 class Config:
     """All settings of a run, one group each; plugins are files or modules of the user's own."""
 
-    plugins: list[str] = field(default_factory=list)
-    report: str = "full"
+    plugins: list[str] = setting(
+        [], "Files (.py) or modules that register your effects, objectives, solvers, studies."
+    )
+    report: str = setting("full", "What a run leaves: full; light, without figures; none, numbers only.")
     study: StudyConfig = field(default_factory=StudyConfig)
     sand: SandConfig = field(default_factory=SandConfig)
     gait: GaitConfig = field(default_factory=GaitConfig)
@@ -311,10 +289,24 @@ class Config:
     accuracy: AccuracyConfig = field(default_factory=AccuracyConfig)
     objective: ObjectiveConfig = field(default_factory=ObjectiveConfig)
     choose: ChooseConfig = field(default_factory=ChooseConfig)
-    constraint: OwnConstraints = field(default_factory=ConstraintConfig)
+    constraint: OwnConstraints = setting(
+        ConstraintConfig,
+        "Limit: the largest of what is minimised, the smallest of what is maximised; null: none.",
+    )
     solver: SolverConfig = field(default_factory=SolverConfig)
     stop: StopConfig = field(default_factory=StopConfig)
     engine: EngineConfig = field(default_factory=EngineConfig)
+
+
+def everything() -> Config:
+    """The default settings, with those of all effects."""
+    effects = {each.name: EFFECTS[each.name]() for each in fields(AllEffects) if each.name in EFFECTS}
+    return Config(effects=AllEffects(**effects))
+
+
+def known() -> list[str]:
+    """Full names of all settings, with those of effects that are not chosen."""
+    return [name for name, _ in leaves(everything())]
 
 
 #: Choices of groups that the library knows by name: what each sets. Those in conf/ join them.

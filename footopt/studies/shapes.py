@@ -72,10 +72,11 @@ def run(study: Study) -> None:
             step(news=name)
     rows = ([name, *walk.objectives.values(), walk.reason] for name, walk in walks.items())
     study.write_csv("shapes.csv", ["shape", *OBJECTIVES, "reason"], rows)
-    shown = paper_figures.labelled(walks)
+    shown = {paper_figures.title(name): walk for name, walk in walks.items()}
+    soles = {name: walk.foot for name, walk in shown.items()}
     for name, figure, caption in (
-        ("shapes", paper_figures.shapes(feet), "The five shapes with their contact lines and the ankle."),
-        ("states", paper_figures.states(shown), "Position, height and speed of the COM, for each shape."),
+        ("shapes", figures.contours(soles), "The contact lines of the five shapes, all of one length."),
+        ("states", figures.com(shown), "Position and velocity of the COM, for each shape."),
         ("forces", figures.forces(shown), "Vertical and forward force of each foot, for each shape."),
         ("power_work", figures.power_work(shown), "Power and work of the sand, for each shape."),
     ):

@@ -19,6 +19,7 @@ from footopt.studies.export import foot_of
 from footopt.studies.record import Answer, answer, foot_entry, scene_entry, validity_entry
 from footopt.studies.validation.model import describe, model_error
 from footopt.walk import OBJECTIVES, Walk, simulate
+from footopt.walk.phases import stance
 from footopt.walk.resolution import error_of, resolution
 from footopt.walk.validity import diagnose
 
@@ -111,7 +112,8 @@ def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]
         study.save("com", figures.com(walks))
         study.save("forces", figures.forces(walks))
         study.save("power_work", figures.power_work(walks))
-        study.save("step", figures.step(walk))
+        if stance(walk) is not None:  # of who stands there would be nothing on it
+            study.save("step", figures.step(walk))
     return notes
 
 

@@ -19,14 +19,6 @@ class TestTheAnswer:
         assert "share" not in done.stdout.partition("Validity")[0]
         assert set(result["gain_shares"].values()) == {None}
 
-    def test_says_of_what_it_was_made_and_where(self, tmp_path):
-        footopt(*TINY, cwd=tmp_path)
-        result = json.loads((only_folder(tmp_path) / "result.json").read_text())
-        assert {"llvmlite", "moocore", "numba"} <= set(result["versions"])
-        assert set(result["machine"]) == {"processor", "vector_bits", "system"}
-        assert result["commit"] is None or len(result["commit"].removesuffix("-dirty")) == 40
-        assert "report.html" in result["wall_time_covers"]
-
 
 FRONT = ["accuracy=draft", "report=light", "solver=nsga2", "solver.pop_size=12", "solver.n_gen=3", "foot.n=7"]
 
@@ -71,10 +63,6 @@ class TestSeveralObjectives:
         ("words", "said"),
         [
             (
-                ["choose=weights", "choose.weights={work:2}"],
-                "choose.name = 'weights': must be left out: a search for one objective does not read it",
-            ),
-            (
                 ["choose=knee"],
                 "choose.name = 'knee': must be left out: a search for one objective does not read it",
             ),
@@ -108,8 +96,3 @@ class TestControl:
         again = json.loads((tmp_path / "run" / "result.json").read_text())
         assert again["designs"] >= 30
         assert again["reused"] == first["designs"]
-
-    def test_what_another_study_does_not_read_is_refused(self, tmp_path):
-        done = footopt("study=simulate", "stop.walks=3", cwd=tmp_path)
-        assert done.returncode == 1
-        assert "stop" in done.stderr

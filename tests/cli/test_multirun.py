@@ -121,7 +121,6 @@ class TestResume:
 @pytest.mark.parametrize(
     "words",
     [
-        ["solver.seed=3", "sand.zeta=2"],
         ["sand=soft", "solver.seed=3", "foot=ellipse", "foot.length=.2", "report=none"],
         ["effects=[inertia]", "effects.inertia.factor=1.2", "+constraint.own={a:1}", "sand.name='a,b'"],
     ],

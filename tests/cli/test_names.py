@@ -73,11 +73,15 @@ def written(walk, path, note=""):
     return page.write(path, page.walk_content(walk, entry)).read_text(encoding="utf-8")
 
 
+@pytest.fixture(scope="module")
+def plain(walk, tmp_path_factory):
+    """The page of the walk with names that mean nothing to a browser."""
+    return Elements(written(named(walk, "plain"), tmp_path_factory.mktemp("plain") / "report.html", "plain"))
+
+
 @pytest.mark.parametrize("name", NAMES)
-def test_no_name_adds_an_element_to_a_page(name, walk, tmp_path):
-    plain, changed = (
-        Elements(written(named(walk, text), tmp_path / "report.html", text)) for text in ("plain", name)
-    )
+def test_no_name_adds_an_element_to_a_page(name, walk, plain, tmp_path):
+    changed = Elements(written(named(walk, name), tmp_path / "report.html", name))
     assert changed.tags == plain.tags
     assert changed.tags.count("script") == 2
     assert not changed.handlers
@@ -154,24 +158,27 @@ def test_the_table_over_jobs_has_a_long_setting_whole_and_a_value_of_zero(walk, 
     assert re.search(r" 0 +- +\d", capsys.readouterr().out)
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_the_page_over_jobs_keeps_their_names_as_text(name, walk, tmp_path, capsys):
+def test_the_page_over_jobs_keeps_their_names_as_text(walk, tmp_path, capsys):
+    """A job for each name, and one that failed; beside them the same jobs with names that mean nothing."""
     tags = []
-    for text in ("plain", name):
+    for names in (["plain"] * len(NAMES), NAMES):
         top = tmp_path / f"sweep{len(tags)}"
-        for i in range(2):
+        for i, name in enumerate((*names, names[0])):
             job = top / str(i)
             job.mkdir(parents=True)
-            identity.write(job, {}, [f"sand.name={text}{i}"])
-        changed = named(walk, text)
-        write_all(changed.foot, top / "0")
-        write_walk(top / "0" / "walk.nc", changed.variables, {"reason": changed.reason})
-        result = {
-            "study": "simulate", "design": foot_entry(changed.foot), "objectives": changed.objectives, "reason": text,
-            "settings": {"foot": {"top": 0.0, "width": 0.1}}, "versions": {}, "wall_time_s": 1.0, "seed": 1,
-        }  # fmt: skip
-        (top / "0" / "result.json").write_text(json.dumps(result), encoding="utf-8")
-        (top / "1" / "error.txt").write_text(f"footopt: {text}", encoding="utf-8")
+            identity.write(job, {}, [f"sand.name={name}{i}"])
+            if i == len(names):
+                (job / "error.txt").write_text(f"footopt: {name}", encoding="utf-8")
+                continue
+            changed = named(walk, name)
+            changed.foot.to_file(job / "contour.csv")
+            write_walk(job / "walk.nc", changed.variables, {"reason": changed.reason})
+            result = {
+                "study": "simulate", "design": foot_entry(changed.foot), "objectives": changed.objectives,
+                "reason": name, "settings": {"foot": {"top": 0.0, "width": 0.1}}, "versions": {},
+                "wall_time_s": 1.0, "seed": 1,
+            }  # fmt: skip
+            (job / "result.json").write_text(json.dumps(result), encoding="utf-8")
         assert summary.of_multirun(top) == 1
         found = Elements((top / "report.html").read_text(encoding="utf-8"))
         tags.append(found.tags)

@@ -64,8 +64,6 @@ class TestUnread:
             (("foot=ellipse",), {"foot": {"L": 0.1}}, "foot.L = 0.1: .*: foot=ellipse does not"),
             (("gait=human",), {"gait": {"side": "left"}}, "gait.side = 'left': .*: a gait without recorded"),
             (("study=optimize",), {"choose": {"name": "knee"}}, "choose.name = 'knee': .*: a search for one"),
-            (("study=optimize",), {"foot": {"length": 0.2}}, "foot.length = 0.2: .*: foot=waypoints does"),
-            ((), {"effects": {"tolerance": 0.1}}, "effects.tolerance = 0.1: .*: effects that are named"),
         ],
     )
     def test_is_refused_with_its_file(self, words, added, said, robot):

@@ -100,30 +100,20 @@ def refused(*arguments, cwd, says):
 #: Arguments that name what cannot be resumed or shared, and what the message says.
 BAD = {
     "resume=missing": "missing': not the folder of a run (it has no footopt.yaml)",
-    "resume=": "not the folder of a run (it has no footopt.yaml)",
     "resume=a_file": "a_file': not the folder of a run (it has no footopt.yaml)",
-    "resume=empty": "empty': not the folder of a run (it has no footopt.yaml)",
     "resume=run sand=soft": "For anything else start a new run, without resume",
-    "resume=run sand.zeta=4": "must be a setting that does not make another run",
-    "resume=run solver.seed=2": "must be a setting that does not make another run",
-    "resume=run solver.pop_size=20": "must be a setting that does not make another run",
     "resume=run +x=1": "must be a setting that does not make another run",
     "resume=run ~engine": "must be a setting that does not make another run",
     "resume=run -m solver.n_gen=4,5": "must be a setting that does not make another run",
     "resume=run solver.n_gen=4,5": "solver.n_gen=4,5': must be one value",
-    "resume=run study=simulate": "must be a setting that does not make another run",
     "resume=run hydra.run.dir=elsewhere": "must be a setting that does not make another run",
-    "resume=run --config-dir=mine": "must be a setting that does not make another run",
     "resume=run --experimental-rerun=x.pickle": "must be a setting that does not make another run",
-    "resume=run solver.n_gen=0": "solver.n_gen = 0: must be",
     "resume=run solver.n_gen=abc": "solver.n_gen = 'abc': must be a whole number",
     "resume=run solver.n_gen=2": "solver.n_gen = 2: must be at least 3: the run has 30 evaluations",
     "resume=run report=light": "report = 'light': must be full, as before",
     "resume=filmed study.video=b.gif": "study.video = 'b.gif': must be a.gif, as before",
     "hydra.run.dir=run sand=soft": "run: holds a run that is finished",
     "hydra.run.dir=run": "run: holds a run that is finished",
-    "hydra.run.dir=run study=simulate": "run: holds a run that is finished",
-    "study.store=a_file": "study.store = 'a_file': is not a store of footopt",
 }
 
 
@@ -139,7 +129,6 @@ def film(run):
 @pytest.mark.parametrize("arguments", BAD)
 def test_what_is_another_run_is_refused_and_leaves_the_one_that_is_there(arguments, run, tmp_path):
     (tmp_path / "a_file").write_text("not a store, and in the way\n" * 100)
-    (tmp_path / "empty").mkdir()
     if "filmed" in arguments:
         film(run.rename(tmp_path / "filmed"))
     refused(*arguments.split(), cwd=tmp_path, says=BAD[arguments])
@@ -159,7 +148,7 @@ class TestIdentity:
 
     @pytest.mark.parametrize(
         ("name", "value"),
-        [("sand.zeta", 4.0), ("walker.mass", 61.0), ("solver.seed", 2), ("foot.n", 7), ("accuracy.dt", 0.01)],
+        [("sand.zeta", 4.0), ("solver.seed", 2)],
     )
     def test_settings_that_are_not_those_of_the_result_are_refused(self, name, value, run, tmp_path):
         settings, words = identity.read(run)
@@ -204,8 +193,14 @@ class TestIdentity:
         assert footopt("resume=run", "solver.n_gen=4", cwd=tmp_path).returncode == 1
         assert [(run / name).read_bytes() for name in ("result.json", identity.FILE)] == before
 
-    @pytest.mark.parametrize("name", ["designs.sqlite", "figures", "footopt.log"])
-    @pytest.mark.parametrize("words", [["resume=begun"], ["hydra.run.dir=begun", *SMALL]])
+    @pytest.mark.parametrize(
+        ("name", "words"),
+        [
+            ("designs.sqlite", ["resume=begun"]),
+            ("figures", ["hydra.run.dir=begun", *SMALL]),
+            ("footopt.log", ["resume=begun"]),
+        ],
+    )
     def test_what_a_link_leads_to_is_not_written(self, name, words, begun, tmp_path):
         target = tmp_path / "elsewhere"
         (begun / name).symlink_to(target)
@@ -495,16 +490,6 @@ class TestSettingsOfOnesOwn:
         assert config.sand.table == str(tmp_path / "mine" / "sand" / "dune.csv")
         assert config.plugins == [str(tmp_path / "mine" / "x" / "mine.py"), "/there/other.py", "a.module"]
         assert Path(config.foot.path).resolve() == tmp_path / "mine" / "sole.dxf"
-
-    def test_a_gait_of_any_name_walks(self, tmp_path):
-        (tmp_path / "mine" / "gait").mkdir(parents=True)
-        recorded = (Path(__file__).parents[2] / "footopt" / "gait" / "data" / "human_walk.json").read_text()
-        (tmp_path / "mine" / "gait" / "data.json").write_text(recorded)
-        (tmp_path / "mine" / "gait" / "robot.yaml").write_text("name: robot\npath: data.json\n")
-        words = ["-cd", "mine", "gait=robot", "study=simulate", "accuracy=draft", "hydra.run.dir=run"]
-        done = footopt(*words, cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
-        assert json.loads((tmp_path / "run" / "result.json").read_text())["feasible"]
 
 
 def test_files_of_a_run_are_found_from_another_folder(tmp_path, monkeypatch):

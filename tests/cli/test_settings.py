@@ -22,7 +22,7 @@ from running import composed, tries
 
 import footopt as fo
 from footopt import studies
-from footopt.cli.compose import CONF, groups, known
+from footopt.cli.compose import CONF, groups
 from footopt.cli.messages import explain
 from footopt.cli.words import readable
 from footopt.design import Solver, make_executor
@@ -32,7 +32,7 @@ from footopt.errors import FootoptError, SettingError
 from footopt.sand import MEDIA
 from footopt.studies import build
 from footopt.studies.robust import make_scenarios
-from footopt.studies.settings import SEARCHES, Config
+from footopt.studies.settings import SEARCHES, Config, known
 from footopt.walk import PRESETS
 from footopt.walk.accuracy import MARGIN, measured_settings
 
@@ -93,8 +93,7 @@ class TestDefaults:
     )
     def test_are_not_written_again_in_a_yaml_file(self, path):
         """A file of conf/ sets what differs from the default, and the name of its choice."""
-        everything = OmegaConf.merge(Config, {"effects": {name: {} for name in EFFECTS}})
-        defaults = dict(leaves(OmegaConf.to_container(everything)))
+        defaults = default_leaves()
         place = "" if "@package _global_" in path.read_text() else f"{path.parent.name}."
         for name, value in leaves(OmegaConf.to_container(OmegaConf.load(path)), place):
             if name.partition(".")[2] not in ("name", "shape") and "defaults" not in name:
@@ -124,6 +123,13 @@ class TestDefaults:
         assert composed(f"solver={solver}", "objective.names=[work]").objective.names == ["work"]
         assert composed("solver=nsga2", "objective=efficiency").objective.names == ["efficiency"]
         assert composed("scene=stand", "gait.start=1.0").gait.start == 1.0
+
+
+@cache
+def default_leaves():
+    """All defaults by their full names."""
+    everything = OmegaConf.merge(Config, {"effects": {name: {} for name in EFFECTS}})
+    return dict(leaves(OmegaConf.to_container(everything)))
 
 
 def leaves(values, place=""):

@@ -7,6 +7,7 @@ import stat
 import time
 from contextlib import contextmanager
 
+import numpy as np
 import pytest
 from running import tries
 
@@ -47,11 +48,13 @@ def test_a_fault_of_the_program_leaves_it_too(path):
     assert [p.name for p in path.parent.iterdir()] == ["designs.csv"]
 
 
-def test_a_walk_that_cannot_be_written_is_named_and_leaves_nothing(tmp_path, monkeypatch):
-    walk = fo.simulate(fo.Foot.flat(), accuracy="draft")
+WALK = {"t": (("time",), "s", np.arange(400.0)), "x": (("time",), "m", np.arange(400.0) ** 2)}
+
+
+def test_a_walk_that_cannot_be_written_is_named_and_leaves_nothing(tmp_path):
     with pytest.raises(FileError, match="nowhere"):
-        files.write_walk(tmp_path / "nowhere" / "walk.nc", walk.variables, {})
-    files.write_walk(tmp_path / "walk.nc", walk.variables, {})
+        files.write_walk(tmp_path / "nowhere" / "walk.nc", WALK, {})
+    files.write_walk(tmp_path / "walk.nc", WALK, {})
     assert [p.name for p in tmp_path.iterdir()] == ["walk.nc"]
 
 
@@ -74,29 +77,40 @@ def write_foot(foot, ending):
 def writers():
     """Everything that writes a file of a run, by the file's name."""
     foot = fo.Foot.flat()
-    walk = fo.simulate(foot, accuracy="draft")
     found = {f"contour.{ending}": write_foot(foot, ending) for ending in ("csv", "dxf", "svg", "stl")}
-    found["walk.nc"] = lambda folder: files.write_walk(folder / "walk.nc", walk.variables, {})
+    found["walk.nc"] = lambda folder: files.write_walk(folder / "walk.nc", WALK, {})
     found["result.json"] = lambda folder: files.write_json(folder / "result.json", {"a": list(range(200))})
     found["sole.pdf"] = lambda folder: figures.save(figures.contour(foot), folder, "sole")
-    found["walk.gif"] = lambda folder: fo.animate(walk, folder / "walk.gif", fps=2, speed=1.0, dpi=20)
     return found
 
 
-NAMES = ("contour.csv", "contour.dxf", "contour.svg", "contour.stl", "walk.nc", "result.json", "sole.pdf",
-         "walk.gif")  # fmt: skip
+@pytest.fixture(scope="module")
+def film():
+    walk = fo.simulate(fo.Foot.flat(), accuracy="draft")
+    return lambda folder: fo.animate(walk, folder / "walk.gif", fps=2, speed=1.0, dpi=20)
+
+
+NAMES = ("contour.csv", "contour.dxf", "contour.svg", "contour.stl", "walk.nc", "result.json", "sole.pdf")
+
+
+def assert_whole_on_a_full_disk(write, name, folder):
+    write(folder)
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    for part in (0.0, 0.9):
+        with room(int(part * len(before[name]))), pytest.raises(FileError, match="cannot") as caught:
+            write(folder)
+        assert str(caught.value).count("cannot") == 1
+        assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_full_disk_is_said_and_every_file_is_whole_or_as_it_was(writers, name, tmp_path):
-    write = writers[name]
-    write(tmp_path)
-    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
-    for part in (0.0, 0.3, 0.9):
-        with room(int(part * len(before[name]))), pytest.raises(FileError, match="cannot") as caught:
-            write(tmp_path)
-        assert str(caught.value).count("cannot") == 1
-        assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+    assert_whole_on_a_full_disk(writers[name], name, tmp_path)
+
+
+@pytest.mark.slow
+def test_a_film_is_whole_on_a_full_disk(film, tmp_path):
+    assert_whole_on_a_full_disk(film, "walk.gif", tmp_path)
 
 
 def test_files_that_are_replaced_are_on_the_disk_before(tmp_path, monkeypatch):

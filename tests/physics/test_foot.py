@@ -111,7 +111,7 @@ class TestPlates:
         spline = reference_spline(SPACE, k)
         pieces = zip(SPACE.x[:-1], SPACE.x[1:], strict=True)
         arc = sum(quad(lambda x: math.hypot(1.0, spline(x, 1)), a, b)[0] for a, b in pieces)
-        short = [1.0 - SPACE.plates(k, n, rule).area.sum() / (SPACE.width * arc) for n in (100, 200, 400)]
+        short = [1.0 - as_plates(k, n, rule, SPACE).area.sum() / (SPACE.width * arc) for n in (100, 200, 400)]
         assert -1e-9 < short[2] < 1e-4
         if short[2] > 1e-6:
             assert 3.5 < short[0] / short[1] < 4.5
@@ -132,7 +132,7 @@ class TestPlates:
     @given(HEIGHTS)
     def test_averaged_over_their_arc_keep_the_soles_area_and_first_moments(self, k):
         """An averaged plate stands for its chords: sums over the sole do not notice."""
-        chord, arc = SPACE.plates(k, 256, "chord"), SPACE.plates(k, 64, "arc")
+        chord, arc = as_plates(k, 256, "chord", SPACE), as_plates(k, 64, "arc", SPACE)
         for name in ("x", "z", "c2", "s2"):
             fine = np.sum(chord.area * getattr(chord, name))
             assert np.sum(arc.area * getattr(arc, name)) == pytest.approx(fine, abs=1e-14)
@@ -142,7 +142,7 @@ class TestPlates:
     def test_a_design_does_not_depend_on_its_batch(self, batch, data):
         """Bit for bit: stores and engines rest on it."""
         i = data.draw(st.integers(0, len(batch) - 1))
-        together, alone = (SPACE.plates(k, 64, directed=True) for k in (batch, batch[i]))
+        together, alone = (as_plates(k, 64, "arc", SPACE, directed=True) for k in (batch, batch[i]))
         for all_, one in zip(together, alone, strict=True):
             np.testing.assert_array_equal(all_[i], one[0])
         np.testing.assert_array_equal(SPACE.contour(batch)[i], SPACE.contour(batch[i])[0])

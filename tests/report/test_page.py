@@ -20,10 +20,12 @@ from footopt.design import confirm
 from footopt.errors import FileError
 from footopt.foot.outline import closed_contour
 from footopt.report import figures, page, summary, terminal
-from footopt.report.numbers import number
+from footopt.report.numbers import number, title
 from footopt.report.page import walks
 from footopt.report.page.file import packed
 from footopt.report.runs import Run
+from footopt.walk import FIVE
+from footopt.walk.objectives import lookup
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 needs = pytest.mark.skipif(
@@ -347,6 +349,20 @@ class TestExplorer:
 
 
 @browser_needed
+def test_the_answer_comes_first_then_walk_and_search(front, pages, browser):
+    _, _, best, flat, _, _ = front
+    shown = Page(browser, pages["front"])
+    change = best.objectives["work"] / flat.objectives["work"] - 1.0
+    assert shown.text("h1") == walks.verdict(best, flat)
+    browser.set_window_size(1280, 800)
+    table = shown["#design tbody"].rect
+    assert table["y"] + table["height"] < 720
+    assert f"{100 * change:+.1f}".replace("-", "−") in shown.text("#design tbody")
+    tops = [shown[f"#{name}"].rect["y"] for name in ("design", "parallel", "walk", "search")]
+    assert tops == sorted(tops)
+
+
+@browser_needed
 class TestWalk:
     def test_the_scrubber_moves_the_picture_the_numbers_and_the_plots_together(self, front, pages, browser):
         from selenium.webdriver.common.keys import Keys
@@ -371,10 +387,14 @@ class TestWalk:
         start = float(shown["#time"].get_property("value"))
         shown["#play"].click()
         assert shown.text("#play") == "Pause"
-        time.sleep(0.4)
+        while (value := float(shown["#time"].get_property("value"))) == start:
+            time.sleep(0.05)
+        assert value > start
         shown["#play"].click()
-        assert start < float(shown["#time"].get_property("value")) < start + 1
         assert shown.text("#play") == "Play"
+        stands = shown["#time"].get_property("value")
+        time.sleep(0.1)
+        assert shown["#time"].get_property("value") == stands
 
     def test_a_click_in_a_plot_goes_to_that_instant(self, pages, browser):
         shown = Page(browser, pages["walk"])
@@ -459,7 +479,10 @@ class TestAStudysPage:
     def test_marks_what_is_bold_on_the_terminal_and_what_is_wrong(self, pages, browser):
         shown = Page(browser, pages["study"])
         assert [cell.text for cell in shown.all("#tables strong")] == ["1.25 %"]
-        assert shown.text("#header .warning") == "Not <so> good."
+        assert shown.text("#warnings summary") == "1 warning"
+        assert not shown["#warnings p"].is_displayed()
+        shown["#warnings summary"].click()
+        assert shown.text("#warnings p") == "Not <so> good."
 
     def test_links_the_files_beside_it_that_its_tables_name(self, pages, browser):
         shown = Page(browser, pages["study"])
@@ -490,6 +513,24 @@ def test_a_multirun_shows_every_job_the_failed_ones_too(pages, browser):
     assert "job 0" not in shown.text("#traces")
     rows[1].find_element("css selector", "button").click()
     assert "job 1" in shown.text("#design-title")
+
+
+class TestVerdict:
+    def test_names_the_largest_gain_and_the_largest_loss(self, front):
+        best, flat = front[2], front[3]
+        said = walks.verdict(best, flat)
+        changes = {
+            name: o.sign * (best.objectives[name] / flat.objectives[name] - 1.0)
+            for name, o in zip(FIVE, lookup(FIVE), strict=True)
+        }
+        gain, loss = min(changes, key=changes.get), max(changes, key=changes.get)
+        assert title(gain) in said
+        assert title(loss) in said
+        assert said.endswith("than a flat one")
+
+    def test_of_the_flat_foot_itself_nothing_is_claimed(self, front):
+        flat = front[3]
+        assert walks.verdict(flat, flat) == "A foot without a hollow for hard sand"
 
 
 class TestFile:

@@ -60,10 +60,10 @@ def test_a_table_a_file_and_a_page(runs, capsys):
 
 
 def test_what_has_no_foot_is_said_and_the_others_are_shown(runs, capsys):
-    compare(runs / "here", f"{runs}/old/*", str(runs / "old" / "broken"))
+    compare(runs / "here", f"{runs}/old/*")
     out = " ".join(capsys.readouterr().out.split())
-    assert f"run 3: {runs}/old/other; study=accuracy: see its own folder" in out
-    assert f"run 4: {runs}/old/broken; no result" in out
+    assert f"run 3: {runs}/old/broken; no result" in out
+    assert f"run 4: {runs}/old/other; study=accuracy: see its own folder" in out
 
 
 DAMAGE = {
@@ -105,19 +105,19 @@ def test_objectives_of_plugins_are_compared_by_what_the_runs_say_of_them(runs):
 
 def test_each_run_once_and_not_the_one_that_is_running(runs):
     own = runs / "old" / "a"
-    found = list(run_folders([f"{runs}/*/[ab]", str(runs / "old" / "b"), f"{runs}/**/c"], own))
+    found = run_folders([f"{runs}/*/[ab]", str(runs / "old" / "b"), f"{runs}/**/c"], own)
     assert found == [runs / "old" / "b", runs / "new" / "c"]
 
 
 def test_a_multirun_stands_for_its_jobs_in_their_order(runs):
     (runs / "multi").mkdir()
-    (runs / "multi" / "multirun.yaml").touch()
     for job in ("10", "9", "2"):
         (runs / "multi" / job).mkdir()
+        identity.write(runs / "multi" / job, {}, [])
     (runs / "old" / "b").rename(runs / "multi" / "0")
     expected = [runs / "multi" / job for job in ("0", "2", "9", "10")]
-    assert list(run_folders([f"{runs}/mul*"], runs)) == expected
-    assert list(run_folders([f"{runs}/multi/0", f"{runs}/multi"], runs)) == expected
+    assert run_folders([f"{runs}/mul*"], runs) == expected
+    assert run_folders([f"{runs}/multi/0", f"{runs}/multi"], runs) == expected
 
 
 @pytest.mark.parametrize(

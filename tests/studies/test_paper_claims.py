@@ -14,7 +14,6 @@ from footopt.design import Solver, search
 from footopt.errors import SettingError
 from footopt.foot import SHAPES
 from footopt.report import figures
-from footopt.report.figures import paper as paper_figures
 from footopt.studies.paper import quantities, readings
 from footopt.studies.paper.claims import CLAIMS, LIMITS, MEASURES, SANDS, measure
 from footopt.studies.paper.readings import Readings, ReadProblem, read, switch_losses
@@ -216,31 +215,7 @@ class TestQuantities:
         assert (step.force[:, 1] > STANDS).all()
 
 
-def texts(figure):
-    return [text.get_text() for text in figure.findobj(match=lambda a: hasattr(a, "get_text"))]
-
-
 class TestFigures:
-    def test_states_are_the_walks_own(self, evidence):
-        walks = paper_figures.labelled(evidence.shapes)
-        assert "reversed L" in walks
-        path, forward, upward = paper_figures.states(walks).axes
-        for i, walk in enumerate(walks.values()):
-            np.testing.assert_array_equal(path.get_lines()[i].get_xydata(), walk.com)
-        for axes, column in ((forward, 0), (upward, 1)):
-            np.testing.assert_array_equal(axes.get_lines()[-1].get_ydata(), walk.velocity[:, column])
-
-    def test_an_upright_at_the_heel_is_drawn_there(self):
-        feet = {"reversed_l": fo.Foot.shape("reversed_l", upright="heel"), "circle": fo.Foot.shape("circle")}
-        outline = paper_figures.shapes(feet).axes[0].patches[0].get_xy()
-        assert outline[np.argmax(outline[:, 1]), 0] < 0.0
-
-    def test_the_waypoints_scheme(self):
-        said = texts(paper_figures.waypoints(fo.Foot.from_waypoints(HOLLOW)))
-        assert {"$p_{1}$", "$p_{i}$", "$p_{n}$", "$2L$ = 260 mm", "$2H$ = 60 mm"} <= set(said)
-        with pytest.raises(SettingError, match="foot"):
-            paper_figures.waypoints(fo.Foot.shape("circle"))
-
     def test_figures_of_a_shape_that_failed_are_drawn(self, evidence, failed):
-        paper_figures.states({**evidence.shapes, "circle": failed}).draw_without_rendering()
+        figures.com({**evidence.shapes, "circle": failed}).draw_without_rendering()
         figures.steps({"hard": failed}).draw_without_rendering()

@@ -5,10 +5,10 @@ from copy import deepcopy
 import pytest
 from running import composed
 
-from footopt.cli.compose import known
 from footopt.errors import SettingError
 from footopt.studies import STUDIES, build
 from footopt.studies.reads import FEET, READS, check_read
+from footopt.studies.settings import known
 
 #: Other values of settings that are no numbers.
 OTHER = {

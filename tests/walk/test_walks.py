@@ -9,14 +9,15 @@ from dataclasses import replace
 import every_effect
 import numpy as np
 import pytest
+from lsoda import lsoda_objectives
 
 import footopt as fo
-from footopt.foot import Plates
+from footopt.foot import Plates, as_plates
 from footopt.gait import LEFT, RIGHT
 from footopt.walk import STEPPERS
 from footopt.walk.accuracy import TOLERANCES
 from footopt.walk.balances import energy_gap, momentum_gap
-from footopt.walk.reference import LIMITS, PUBLISHED, RAMP, SAME_PLATES, lsoda_objectives
+from footopt.walk.reference import LIMITS, PUBLISHED, RAMP, SAME_PLATES
 
 ALL = sorted(STEPPERS)
 
@@ -175,7 +176,7 @@ class TestReproducibility:
             np.testing.assert_array_equal(fo.evaluate(k[i], regular, accuracy).raw[0], one.raw[i])
         feet = [fo.Foot.from_waypoints(row) for row in k]
         np.testing.assert_array_equal(fo.evaluate(feet, regular, accuracy).raw, one.raw)
-        plates = fo.Waypoints().plates(k, 50)
+        plates = as_plates(k, 50, "arc", None)
         assert isinstance(plates, Plates)
         np.testing.assert_array_equal(fo.evaluate(plates, regular, accuracy).raw, one.raw)
 

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from footopt.report.style import GREY, GRID, PAGE, legend_above, marker, new_figure, styled
-from footopt.walk import FIVE
+from footopt.walk import FIVE, STEPPERS
 from footopt.walk.accuracy import Accuracy
 
 WORST = "worst objective"
@@ -32,8 +33,10 @@ def work_precision(measured: Sequence[Any], presets: Sequence[Accuracy], default
     """
     figure = new_figure(PAGE, 4.4)
     grid = figure.subplots(2, 3, sharex=True, sharey=True)
-    methods = list(dict.fromkeys(_method(m.accuracy) for m in measured))
-    method = np.array([methods.index(_method(m.accuracy)) for m in measured])
+    found = [_method(m.accuracy) for m in measured]
+    # a stepper has its colour whatever else was measured
+    methods = {name: marker(i) for i, name in enumerate((*STEPPERS, *sorted({*found} - {*STEPPERS})))}
+    shown = {name: looks for name, looks in methods.items() if name in found}
     ms = np.array([m.ms for m in measured])
     errors = 100.0 * np.array([[*np.max(m.errors, axis=0), m.error] for m in measured])
     at = {m.accuracy: i for i, m in enumerate(measured)}
@@ -41,9 +44,9 @@ def work_precision(measured: Sequence[Any], presets: Sequence[Accuracy], default
     marked = {name: at[accuracy] for name, accuracy in nameless.items() if accuracy in at}
     titles = [*(name.replace("_", " ") for name in FIVE), WORST]
     for axes, title, error in zip(grid.flat, titles, errors.T, strict=True):
-        for i in range(len(methods)):
-            seen = (method == i) & (error > 0.0) & (error < 100.0)
-            axes.plot(ms[seen], error[seen], **marker(i), ms=3, alpha=0.7)
+        for name, looks in shown.items():
+            seen = (np.array(found) == name) & (error > 0.0) & (error < 100.0)
+            axes.plot(ms[seen], error[seen], **looks, ms=3, alpha=0.7)
         order = np.lexsort((error, ms))
         order = order[error[order] > 0.0]
         front = order[error[order] == np.minimum.accumulate(error[order])]
@@ -55,17 +58,23 @@ def work_precision(measured: Sequence[Any], presets: Sequence[Accuracy], default
                 if title == WORST:  # once: the circles are in the same order everywhere
                     _name(axes, name, (ms[i], error[i]))
         axes.set(xscale="log", yscale="log", title=title)
+        # matplotlib's own labels overprint where there is less than a decade
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
+        axes.xaxis.set_major_formatter("{x:g}")
+        axes.xaxis.set_minor_formatter(NullFormatter())
+        axes.yaxis.set_minor_formatter(NullFormatter())
         axes.grid(color=GRID, lw=0.6)
     for axes in grid[-1]:
         axes.set_xlabel("time per design and core (ms)")
     for axes in grid[:, 0]:
         axes.set_ylabel("relative error (%)")
-    handles = [Line2D([], [], **marker(i), ms=4) for i in range(len(methods))]
+    handles = [Line2D([], [], **looks, ms=4) for looks in shown.values()]
     handles += [
         Line2D([], [], color="black", lw=0.8),
         Line2D([], [], ls="", marker="o", mfc="none", mec="black", ms=6),
     ]
-    legend_above(figure, handles, [*methods, "none better in both", "preset (default larger)"])
+    names = [name.replace("_", " ") for name in shown]
+    legend_above(figure, handles, [*names, "none better in both", "preset (default larger)"])
     figure.supxlabel(
         "error not exceeded by 95 % of the feet, largest over soft, regular and hard sand", color=GREY
     )
@@ -80,5 +89,4 @@ def _name(axes: Any, name: str, place: tuple[float, float]) -> None:
 
 
 def _method(accuracy: Accuracy) -> str:
-    name = accuracy.stepper.replace("_", " ")
-    return name if accuracy.control is None else f"{name}, step control"
+    return accuracy.stepper if accuracy.control is None else f"{accuracy.stepper}, step control"

@@ -13,24 +13,25 @@ from numpy.typing import NDArray
 from footopt.files.drawings import MM
 from footopt.foot import Foot, lower_hull
 from footopt.report.style import (
-    BLUE,
+    BEST,
     COLUMN,
     GREY,
     PAGE,
     PALE,
-    VERMILLION,
     Axes,
     as_text,
-    legend_above,
+    legend_width,
     line,
     new_figure,
     styled,
+    wrapped,
 )
 
 Array = NDArray[np.float64]
 Point = tuple[float, float]
 
 ANKLE: dict[str, Any] = {"marker": "+", "ls": "", "color": "black", "ms": 6, "mew": 1}
+ROWS = 10  # of a legend beside soles
 HOLLOW = 0.05  # mm; a smaller one is called none
 
 
@@ -38,21 +39,21 @@ HOLLOW = 0.05  # mm; a smaller one is called none
 def contour(foot: Foot) -> Figure:
     """The sole in its box with its waypoints, its lower convex hull and the depth of its hollow."""
     figure = new_figure(COLUMN, foot_height(foot))
-    axes = figure.subplots()
-    draw_contour(axes, foot)
-    legend_above(figure, *axes.get_legend_handles_labels())
+    draw_contour(figure.subplots(), foot)
     return figure
 
 
 @styled
 def contours(feet: Mapping[str, Foot]) -> Figure:
     """Several soles in one frame, by label."""
-    figure = new_figure(COLUMN, _height(np.concatenate([foot.contour for foot in feet.values()])))
+    labels, columns = wrapped(map(as_text, feet)), -(-len(feet) // ROWS)
+    beside = columns * legend_width(labels)
+    figure = new_figure(PAGE, _height(np.concatenate([f.contour for f in feet.values()]), PAGE - beside))
     axes = figure.subplots()
-    for i, (label, foot) in enumerate(feet.items()):
-        axes.plot(*(MM * foot.contour).T, **line(i), label=as_text(label))
+    for i, (label, foot) in enumerate(zip(labels, feet.values(), strict=True)):
+        axes.plot(*(MM * foot.contour).T, **line(i), label=label)
     _label_axes(axes)
-    legend_above(figure, *axes.get_legend_handles_labels())
+    figure.legend(loc="outside right center", ncols=columns)
     return figure
 
 
@@ -74,7 +75,7 @@ def drawing(foot: Foot, block: Sequence[float] | None = None) -> Figure:
     figure = new_figure(PAGE, min(0.8 + 6.3 * (z[1] - z[0]) / (x[1] - x[0]), 6.0))
     axes = figure.subplots()
     axes.add_patch(Polygon(outline, closed=True, fc=PALE, ec="black", lw=0.8))
-    axes.plot(*(MM * foot.contour).T, color=BLUE, zorder=3)
+    axes.plot(*(MM * foot.contour).T, color=BEST, zorder=3)
     axes.plot(*(MM * np.array(foot.ankle)), **ANKLE, zorder=4)
     _dimension(axes, (left, low - gap), (right, low - gap))
     _dimension(axes, (right + gap, low), (right + gap, high))
@@ -91,41 +92,46 @@ def drawing(foot: Foot, block: Sequence[float] | None = None) -> Figure:
 
 def draw_contour(axes: Axes, foot: Foot) -> None:
     """A sole in the foot frame, mm; see `contour`."""
+    near = {"textcoords": "offset points", "zorder": 6}
     if foot.space is not None:
         length, height = MM * foot.space.L, MM * foot.space.H
-        axes.add_patch(Rectangle((-length, -height), 2 * length, 2 * height, color=PALE, lw=0, label="box"))
-    axes.plot(*(MM * foot.contour).T, color=BLUE, label="sole", zorder=3)
+        axes.add_patch(Rectangle((-length, -height), 2 * length, 2 * height, color=PALE, lw=0))
+        axes.annotate("box", (-length, height), (3, -3), **near, color="0.4", va="top")
+    axes.plot(*(MM * foot.contour).T, color=BEST, label="sole", zorder=3)
     if foot.space is not None and foot.k is not None:
         points = foot.space.x, foot.space.heights(foot.k)[0]
-        axes.plot(*(MM * np.array(points)), "o", color=BLUE, mfc="white", label="waypoint", zorder=4)
-    axes.plot(*(MM * np.array(foot.ankle)), **ANKLE, label="ankle", zorder=5)
+        axes.plot(*(MM * np.array(points)), "o", color=BEST, mfc="white", label="waypoint", zorder=4)
+    ankle = MM * np.array(foot.ankle)
+    axes.plot(*ankle, **ANKLE, label="ankle", zorder=5)
+    axes.annotate("ankle", ankle, (4, 3), **near)
     hull, x, low, high = lower_hull(foot.contour)
     depth = MM * foot.hollow
     if depth >= HOLLOW:
-        axes.plot(*(MM * hull).T, ":", color=VERMILLION, label="lower hull", zorder=2)
-        _measure(axes, (MM * x, MM * high), (MM * x, MM * low), VERMILLION)
+        axes.plot(*(MM * hull).T, ":", color="black", label="lower hull", zorder=2)
+        _measure(axes, (MM * x, MM * high), (MM * x, MM * low), "black")
         # under the hull, where there is never a sole nor an ankle
-        below = {"xytext": (0, -4), "textcoords": "offset points", "ha": "center", "va": "top"}
-        axes.annotate(f"hollow {depth:.1f} mm", (MM * x, MM * low), **below, color=VERMILLION)
+        axes.annotate(f"hollow {depth:.1f} mm", (MM * x, MM * low), (0, -4), **near, ha="center", va="top")
     else:
-        axes.set_title("no hollow", loc="right", color=VERMILLION)
+        axes.set_title("no hollow", loc="right")
     _label_axes(axes)
 
 
 def foot_height(foot: Foot) -> float:
     """Height of a column-wide figure with a sole, its box and its ankle, inches."""
     boxes = [] if foot.space is None else [[[foot.space.L, foot.space.H], [-foot.space.L, -foot.space.H]]]
-    return _height(np.concatenate([foot.contour, [foot.ankle], *boxes]))
+    return _height(np.concatenate([foot.contour, [foot.ankle], *boxes]), COLUMN)
 
 
-def _height(points: Array) -> float:
-    """Height of a column-wide figure whose axes, at equal scales, hold some points, inches."""
+def _height(points: Array, width: float) -> float:
+    """Height of a figure so wide (inches) whose axes, at equal scales, hold some points, inches."""
     wide, high = np.ptp(points, axis=0)
-    return float(min(0.75 + 3.6 * max(high, 0.12 * wide) / wide, 6.0))
+    # beside the axes are labels and ticks; within them the margins of `_label_axes`
+    return float(min(0.6 + (width - 0.65) * 1.4 / 1.1 * max(high, 0.12 * wide) / wide, 6.0))
 
 
 def _label_axes(axes: Axes) -> None:
-    axes.set(xlabel="$x_p$ (mm), to the toe", ylabel="$z_p$ (mm)", aspect="equal")
+    axes.set(xlabel="$x_p$ (mm), to the toe", ylabel="$z_p$ (mm)")
+    axes.set_aspect("equal", adjustable="datalim")  # a box that shrinks loses its labels in the layout
     axes.margins(0.05, 0.2)
 
 

@@ -6,12 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
 
+from footopt.report.figures.search import scatter_matrix
 from footopt.report.numbers import percent
-from footopt.report.style import COLOURS, MARKERS, PAGE, as_text, new_figure, styled
-from footopt.walk.objectives import lookup
+from footopt.report.style import marker, styled
 
 if TYPE_CHECKING:
     from footopt.report.sweeps import Fronts
@@ -29,40 +27,17 @@ def fronts(found: Fronts) -> Figure:
     found : Fronts
         Of one problem.
     """
-    n, labels = len(found.names), list(dict.fromkeys(found.labels))
-    colours = {label: COLOURS[i % len(COLOURS)] for i, label in enumerate(labels)}
-    markers = {label: MARKERS[i % len(MARKERS)] for i, label in enumerate(labels)}
-    size = min(PAGE, 1.6 * n + 1.0)
-    figure = new_figure(size, size if n > 2 else 0.75 * size)
-    grid = figure.subplots(n - 1, n - 1, squeeze=False)
-    titles = [o.label for o in lookup(found.names)]
-    for (row, column), axes in np.ndenumerate(grid):
-        if column > row:
-            axes.set_axis_off()
-            continue
-        for label, values in zip(found.labels, found.values, strict=True):
-            look = {"color": colours[label], "ms": 2.5, "mew": 0, "ls": "", "alpha": 0.6}
-            axes.plot(values[:, column], values[:, row + 1], markers[label], **look)
-        axes.xaxis.set_major_locator(MaxNLocator(3))
-        axes.yaxis.set_major_locator(MaxNLocator(3))
-        axes.tick_params(labelbottom=row == n - 2, labelleft=column == 0)
-        if row == n - 2:
-            axes.set_xlabel(titles[column])
-        if column == 0:
-            axes.set_ylabel(titles[row + 1])
-    if n == 2:
-        for label in labels:
-            if found.labels.count(label) > 1:
-                points = found.median_attainment(label)
-                # a point is attained with all that is worse: the step goes by way of the worse corner
-                where = "post" if found.sign[0] > 0 else "pre"
-                grid[0, 0].step(points[:, 0], points[:, 1], where=where, color=colours[label], lw=1.2)
-    handles = []
+    groups, labels = {}, list(dict.fromkeys(found.labels))
     for label in labels:
-        shares = [s for s, name in zip(found.shares, found.labels, strict=True) if name == label]
-        runs = f"{len(shares)} seeds, " if len(shares) > 1 else ""
-        words = f"{as_text(label)}: {runs}hypervolume {percent(float(np.median(shares)))}"
-        handles.append(Line2D([], [], color=colours[label], ls="", marker=markers[label], ms=4, label=words))
-    place = grid[0, -1] if n > 2 else grid[0, 0]
-    place.legend(handles=handles, loc="upper right" if n > 2 else "best")
+        own = [i for i, name in enumerate(found.labels) if name == label]
+        runs = f"{len(own)} seeds, " if len(own) > 1 else ""
+        share = percent(float(np.median([found.shares[i] for i in own])))
+        groups[f"{label}: {runs}hypervolume {share}"] = np.concatenate([found.values[i] for i in own])
+    figure = scatter_matrix(groups, found.names)
+    for i, label in enumerate(labels):
+        if len(found.names) == 2 and found.labels.count(label) > 1:
+            points = found.median_attainment(label)
+            # a point is attained with all that is worse: the step goes by way of the worse corner
+            steps = "steps-post" if found.sign[0] > 0 else "steps-pre"
+            figure.axes[0].plot(*points.T, drawstyle=steps, color=marker(i)["color"], lw=1.2)
     return figure

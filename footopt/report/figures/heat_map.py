@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib import colormaps
-from matplotlib.colors import Normalize
+from matplotlib.colors import Colormap, Normalize
 from numpy.typing import NDArray
 
 from footopt.report.style import Axes, no_frame
@@ -23,10 +23,10 @@ def draw_heat_map(
     columns: Sequence[str],
     texts: Sequence[Sequence[str]],
     norm: Normalize,
-    cmap: str,
+    cmap: str | Colormap,
 ) -> None:
     """One cell a value, (rows, columns), with its text; white where there is none."""
-    colours = colormaps[cmap].with_extremes(bad="white")
+    colours = colormaps.get_cmap(cmap).with_extremes(bad="white")
     shade = colours(np.ma.masked_invalid(norm(values)))
     axes.imshow(shade, aspect="auto", interpolation="nearest")
     for (row, column), _ in np.ndenumerate(values):

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import chain
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -16,6 +16,7 @@ from footopt.report.style import (
     BLUE,
     GREY,
     PAGE,
+    ROLES,
     SIDES,
     VERMILLION,
     Axes,
@@ -29,6 +30,9 @@ from footopt.report.style import (
 from footopt.walk import Walk
 
 Array = NDArray[np.float64]
+
+ROUNDING = 12  # digits behind the point: what is smaller is no motion, force or power
+STRIKE: dict[str, Any] = {"color": GREY, "lw": 0.5, "zorder": 0}
 
 #: A quantity of a walk: the trace's name, which of its components, and the label of its axis.
 Panel = tuple[str, tuple[int, ...], str]
@@ -72,50 +76,19 @@ def _panels(walks: Mapping[str, Walk], rows: Sequence[Sequence[Panel]], sharey: 
     figure = new_figure(PAGE, 3.6)
     grid = figure.subplots(len(rows), len(rows[0]), sharex=True, sharey=sharey)
     for axes, (name, index, label) in zip(grid.flat, chain(*rows), strict=True):
-        draw_traces(axes, walks, name, *index)
-        axes.set(ylabel=label, xlim=(0.0, max((w.scene.duration for w in walks.values()), default=1.0)))
+        for i, (who, walk) in enumerate(walks.items()):
+            looks = ROLES.get(who, line(i)) | {"label": walk_label(who, walk)}
+            _draw(axes, walk, name, index, looks)
+        strikes = _finish(axes, walks.values())
+        axes.set(ylabel=label)
     for axes in grid[-1]:
         axes.set_xlabel("time $t$ (s)")
     figure.align_ylabels()
     handles, labels = grid.flat[0].get_legend_handles_labels()
-    if any(len(walk.scene.gait.heel_strikes(walk.scene.duration)) for walk in walks.values()):
-        handles, labels = [*handles, Line2D([], [], color=GREY, lw=0.5)], [*labels, "heel strike"]
+    if strikes:
+        handles, labels = [*handles, Line2D([], [], **STRIKE)], [*labels, "heel strike"]
     legend_above(figure, handles, labels)
     return figure
-
-
-class Trace(NamedTuple):
-    """One line of a plot against time: its label, the walk, the values (T,), and how it looks."""
-
-    label: str
-    walk: Walk
-    values: Array
-    looks: dict[str, Any]
-
-
-def draw_traces(axes: Axes, walks: Mapping[str, Walk], name: str, *index: int) -> None:
-    """One quantity of each walk against time, with thin lines at heel strikes.
-
-    A walk that failed ends in a cross; one that failed at once leaves only its label.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    walks : Mapping
-        Walks by label.
-    name : str
-        Of the trace: com, velocity, force, power or work.
-    index : int
-        Of the component.
-    """
-    _draw_lines(
-        axes,
-        [
-            Trace(walk_label(label, walk), walk, getattr(walk, name)[(slice(None), *index)], line(i))
-            for i, (label, walk) in enumerate(walks.items())
-        ],
-    )
 
 
 #: What `draw_components` shows of a walk: the label of the axis, and each line's label, component and looks.
@@ -138,22 +111,32 @@ COMPONENTS: dict[str, tuple[str, tuple[tuple[str, tuple[int, ...], dict[str, Any
 def draw_components(axes: Axes, walk: Walk, name: str) -> None:
     """All components of one quantity of `COMPONENTS` of a walk against time."""
     label, parts = COMPONENTS[name]
-    axes.set(xlabel="time $t$ (s)", ylabel=label, xlim=(0.0, walk.scene.duration))
+    for part, index, looks in parts:
+        _draw(axes, walk, name, index, looks | {"label": part})
+    _finish(axes, [walk])
+    axes.set(xlabel="time $t$ (s)", ylabel=label)
     axes.yaxis.set_major_locator(MaxNLocator(5))
-    values = getattr(walk, name)
-    _draw_lines(axes, [Trace(part, walk, values[(slice(None), *i)], looks) for part, i, looks in parts])
 
 
-def _draw_lines(axes: Axes, traces: Sequence[Trace]) -> None:
-    scenes = [trace.walk.scene for trace in traces]
-    for strike in sorted({float(h) for s in scenes for h in s.gait.heel_strikes(s.duration)}):
-        axes.axvline(strike, color=GREY, lw=0.5, zorder=0)
-    for label, walk, values, looks in traces:
-        axes.plot(walk.t, values, **looks, label=label)
-        if not walk.feasible and len(walk.t):
-            axes.plot(walk.t[-1], values[-1], "x", color=looks["color"], ms=6, mew=1.5)
-    if not any(len(trace.walk.t) for trace in traces):
-        message(axes, "no samples: " + ", ".join(sorted({trace.walk.reason for trace in traces})))
+def _draw(axes: Axes, walk: Walk, name: str, index: tuple[int, ...], looks: dict[str, Any]) -> None:
+    """One component of a trace; that of a walk which failed ends in a cross."""
+    values = np.round(getattr(walk, name)[(slice(None), *index)], ROUNDING)
+    axes.plot(walk.t, values, **looks)
+    if not walk.feasible and len(walk.t):
+        axes.plot(walk.t[-1], values[-1], "x", color=looks["color"], ms=6, mew=1.5)
+
+
+def _finish(axes: Axes, walks: Iterable[Walk]) -> list[float]:
+    """Thin lines at the heel strikes, which are returned, and words where no walk has a sample."""
+    shown = list(walks)
+    scenes = [walk.scene for walk in shown]
+    strikes = sorted({float(h) for s in scenes for h in s.gait.heel_strikes(s.duration)})
+    for strike in strikes:
+        axes.axvline(strike, **STRIKE)
+    axes.set_xlim(0.0, max((s.duration for s in scenes), default=1.0))
+    if not any(len(walk.t) for walk in shown):
+        message(axes, "no samples: " + ", ".join(sorted({walk.reason for walk in shown})))
+    return strikes
 
 
 def walk_label(label: str, walk: Walk) -> str:

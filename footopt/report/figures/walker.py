@@ -68,15 +68,19 @@ def draw_scene(axes: Axes, scene: Scene) -> None:
 
 def draw_body(axes: Axes, placed: Body, i: int) -> list[Any]:
     """The walker at the i-th instant, the right leg behind the left; returns what it is drawn with."""
-    drawn = []
-    for foot, order in ((RIGHT, 2.0), (LEFT, 3.0)):
-        colour = SIDES[foot][1]
-        drawn += axes.fill(*placed.outline[i, foot].T, fc=PALE, ec=GREY, lw=0.4, zorder=order)
-        drawn += axes.plot(*placed.legs[i, foot].T, color=colour, lw=2, alpha=0.75, marker="o", ms=2.5,
-                           mfc="black", mec="black", mew=0, solid_capstyle="round", zorder=order)  # fmt: skip
-        drawn += axes.plot(*placed.sole[i, foot].T, color=colour, lw=1.4, zorder=order)
-    drawn += axes.plot(*placed.hip[i], "o", color="black", ms=6, zorder=4)
-    return drawn
+    drawn = [*draw_leg(axes, placed, i, RIGHT, 2.0), *draw_leg(axes, placed, i, LEFT, 3.0)]
+    return [*drawn, *axes.plot(*placed.hip[i], "o", color="black", ms=6, zorder=4)]
+
+
+def draw_leg(axes: Axes, placed: Body, i: int, foot: int, order: float = 2.0) -> list[Any]:
+    """One leg with its foot at the i-th instant; returns what it is drawn with."""
+    colour = SIDES[foot][1]
+    return [
+        *axes.fill(*placed.outline[i, foot].T, fc=PALE, ec=GREY, lw=0.4, zorder=order),
+        *axes.plot(*placed.legs[i, foot].T, color=colour, lw=2, alpha=0.75, marker="o", ms=2.5,
+                   mfc="black", mec="black", mew=0, solid_capstyle="round", zorder=order),
+        *axes.plot(*placed.sole[i, foot].T, color=colour, lw=1.4, zorder=order),
+    ]  # fmt: skip
 
 
 def draw_resultants(axes: Axes, at: Array, force: Array, metres: float) -> Any:

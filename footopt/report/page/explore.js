@@ -60,16 +60,15 @@ function explorer(choose, beside) {
       ...COLUMNS.map((c) => number(c.of(i))), ...(kOf ? [heights(i).join(" ")] : [])]));
   });
   const section = el("section", { id: "explore" },
-    el("h2", {}, data.jobs ? "Their best designs" : "The designs"),
+    data.jobs ? el("h2", {}, "Their best designs") : null,
+    el("div", { class: "grid wide" }, beside,
+      el("figure", {},
+        el("div", { class: "bar" }, el("label", {}, "across", across), el("label", {}, "up", up)), flat)),
     el("p", { class: "note" }, "Drag along an axis, or across the scatter, to set limits: both then show what is within them. ",
       "Click a line or a point to choose that design. Better is up on every axis of the parallel coordinates.",
       numbers ? " A design's number is its row in designs.csv, from 0." : ""),
     el("div", { class: "bar" }, data.jobs ? null : el("label", {}, "designs", which), clear, count),
     el("figure", { class: "scroll" }, wide),
-    el("div", { class: "grid wide" },
-      el("figure", {},
-        el("div", { class: "bar" }, el("label", {}, "across", across), el("label", {}, "up", up)), flat),
-      beside),
     el("details", { id: "limits" }, el("summary", {}, "The limits as numbers"),
       table(["", "from", "to"], COLUMNS.map((c) => [named(c), ...fields.get(c.name)]))),
     rows);
@@ -168,14 +167,14 @@ function explorer(choose, beside) {
       pen.lineWidth = thick;
       pen.stroke();
     };
-    const opacity = (n) => Math.max(0.025, Math.min(0.8, 25 / n));
+    const opacity = (n) => Math.max(0.008, Math.min(0.8, 25 / n)); // thousands are no solid block
     const passing = new Set(state.passing);
     pen.globalAlpha = opacity(state.shown.length);
     for (const i of state.shown) if (!passing.has(i)) line(i, "#aaa", 0.7);
     pen.globalAlpha = opacity(state.passing.length);
     for (const i of state.passing) line(i, colour(i), data.jobs ? 1.8 : 0.9);
     pen.globalAlpha = 1;
-    if (feasible[state.chosen]) line(state.chosen, data.jobs ? colour(state.chosen) : VERMILLION, data.jobs ? 4 : 2.5);
+    if (feasible[state.chosen]) line(state.chosen, data.jobs ? colour(state.chosen) : GREEN, data.jobs ? 4 : 2.5);
     parallel.forEach((c, j) => {
       const [worst, best] = ends[j];
       const [name, unit] = [c.title, c.unit];
@@ -256,7 +255,7 @@ function explorer(choose, beside) {
       svg("text", { class: "halo", x: a.X(cx.of(i)) + 10, y: a.Y(cy.of(i)) - 8 }, text));
     if (data.jobs) nameJobs(a, (i) => [a.X(cx.of(i)), a.Y(cy.of(i))]);
     else if (state.chosen !== data.best) mark(data.best, BEST, { stroke: "#1a1a1a", "stroke-width": 1.5 });
-    if (feasible[state.chosen]) mark(state.chosen, data.jobs ? "" : state.chosen === data.best ? `${BEST}, chosen` : "chosen", { stroke: data.jobs ? "#1a1a1a" : VERMILLION });
+    if (feasible[state.chosen]) mark(state.chosen, data.jobs ? "" : state.chosen === data.best ? `${BEST}, chosen` : "chosen", { stroke: data.jobs ? "#1a1a1a" : GREEN });
     const limits = [cx, cy].map((c) => state.limits.get(c.name));
     if (limits.some(Boolean)) {
       const clip = (v, low, high) => Math.min(Math.max(v, low), high), b = a.inside;

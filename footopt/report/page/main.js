@@ -5,16 +5,16 @@ const flatEntry = entry.flat;
 
 /** The first lines: what this run is and what it found. */
 function headline() {
-  const lines = (data.headline ?? []).map((text) => el("p", {}, text));
-  const warnings = (entry.warnings ?? []).map((text) => el("p", { class: "warning" }, `Outside what the theory is tested for: ${text}.`));
-  const faults = (data.warnings ?? []).map((text) => el("p", { class: "warning" }, text));
-  return [...lines, ...warnings, ...faults];
+  const warnings = [...(entry.warnings ?? []).map((text) => `Outside what the theory is tested for: ${text}.`), ...(data.warnings ?? [])]
+    .map((text) => el("p", { class: "warning" }, text));
+  const badge = el("details", { id: "warnings" }, el("summary", {}, `${warnings.length} warning${warnings.length > 1 ? "s" : ""}`), ...warnings);
+  return [...(data.headline ?? []).map((text) => el("p", {}, text)), ...(warnings.length ? [badge] : [])];
 }
 
 /** The chosen design: its sole, its numbers, its files. */
 function designSection() {
   const drawing = el("div", { class: "plot" }), numbers = el("div", { class: "scroll" }), words = el("p", { id: "design-words" });
-  const title = el(COUNT > 1 ? "h3" : "h2", { id: "design-title" });
+  const title = el("h2", { id: "design-title" });
   let chosen = data.best;
   const buttons = Object.entries(FORMATS).map(([ending, { text, type }]) => el("button", {
     type: "button", id: `download-${ending}`,
@@ -70,8 +70,8 @@ function searchSection(choose) {
       label: "Convergence of the search; the table below has the numbers" });
     const X = (i) => a.X(rows[i].evaluations);
     a.svg.append(
-      svg("path", { d: path(medians.map((v, i) => [X(i), a.Y(v)])), fill: "none", stroke: VERMILLION, "stroke-width": 1.5, "stroke-dasharray": "6 4" }),
-      svg("path", { d: path(bests.flatMap((v, i) => (i ? [[X(i), a.Y(bests[i - 1])], [X(i), a.Y(v)]] : [[X(i), a.Y(v)]]))), fill: "none", stroke: BLUE, "stroke-width": 2.2 }));
+      svg("path", { d: path(medians.map((v, i) => [X(i), a.Y(v)])), fill: "none", stroke: GREY, "stroke-width": 1.5, "stroke-dasharray": "6 4" }),
+      svg("path", { d: path(bests.flatMap((v, i) => (i ? [[X(i), a.Y(bests[i - 1])], [X(i), a.Y(v)]] : [[X(i), a.Y(v)]]))), fill: "none", stroke: GREEN, "stroke-width": 2.2 }));
   };
   const buttons = data.lineage.map((i) => el("button", { type: "button", "aria-pressed": String(i === data.best), "data-design": i, click: () => choose(i) },
     soleDrawing(sole(i), { width: 136, height: 32, plain: true }),
@@ -109,7 +109,8 @@ function jobsSection(choose) {
 function tracesSection() {
   const jobs = data.traces.map((raw, i) => ({ label: data.designs.labels[raw.design], t: unpack(raw.t),
     ...Object.fromEntries(["height", "speed", "power", "work"].map((name) => [name, unpack(raw[name])])),
-    line: { stroke: COLOURS[i % COLOURS.length], "stroke-dasharray": [null, "7 3", "2 2", "9 3 2 3"][Math.floor(i / COLOURS.length) % 4] } }));
+    settings: data.jobs.find((job) => job.design === raw.design).settings,
+    line: { stroke: COLOURS[i % COLOURS.length], "stroke-dasharray": [null, "7 3", "2 2", "9 3 2 3"][i % 4] } }));
   const titles = { height: "height of the COM (m)", speed: "forward speed (m/s)", power: "power of the sand, both feet (W)", work: "work of the sand, both feet (J)" };
   const plots = Object.keys(titles).map((name) => [name, el("div", { class: "plot" })]);
   const draw = () => plots.forEach(([name, holder]) => {
@@ -118,7 +119,7 @@ function tracesSection() {
     for (const job of jobs) a.svg.append(svg("path", { d: path(Array.from(job.t, (t, i) => [a.X(t), a.Y(job[name][i])])), fill: "none", "stroke-width": 1.5, ...job.line }));
   });
   const section = el("section", { id: "traces" }, el("h2", {}, "Their walks"),
-    el("p", { class: "note" }, ...jobs.flatMap((job) => [key(job.line), ` ${job.label}  `])),
+    el("p", { class: "note" }, ...jobs.flatMap((job) => [key(job.line), ` ${[job.label, job.settings].filter(Boolean).join(": ")}  `])),
     el("div", { class: "grid", style: "--columns:2" }, ...plots.map(([, holder]) => el("figure", {}, holder))));
   return { section, draw };
 }
@@ -169,15 +170,12 @@ function build() {
     unwalked.textContent = walks && place < 0 ? `No walk of ${label(i)} is on this page (${data.walks.length - 2} of the designs beside the best are); footopt study=simulate foot.k=[${heights(i)}] walks with it, with this run's own sand and other settings beside.` : "";
   };
   const unwalked = design.section.appendChild(el("p", { class: "note", id: "unwalked" }));
-  const sections = [];
   if (data.figures) main.append(...studySections());
-  if (data.jobs) sections.push(jobsSection((i) => choose(i)));
-  if (data.history?.length) sections.push((found = searchSection((i) => choose(i))).section);
-  if (COUNT > 1) sections.push((explore = explorer((i) => choose(i), design.section)).section);
-  if (explore && data.objectives?.length > 1) sections.reverse(); // the front comes before how it was found
-  main.append(...sections);
+  if (data.jobs) main.append(jobsSection(choose));
+  if (COUNT > 1) main.append((explore = explorer(choose, design.section)).section);
   if (COUNT === 1) main.append(design.section);
   if (walks) main.append(walks.section);
+  if (data.history?.length) main.append((found = searchSection(choose)).section);
   const traces = data.traces?.length ? tracesSection() : null;
   if (traces) { main.append(traces.section); drawn(traces.draw); }
   if (data.entry) document.getElementById("footer").append(...footer());

@@ -294,10 +294,10 @@ function soleDrawing(points, { width, k = null, height = null, ghost = null, pla
     made.append(svg("text", { x: (edge + width) / 2, y: foot + 34, "text-anchor": "middle" },
       "x (mm), to the toe; upwards z (mm), same scale"));
   }
-  made.append(svg("path", { d: to(shape) + "Z", fill: plain ? "#e9e9e9" : "#dfe9f0", stroke: "none" }));
+  made.append(svg("path", { d: to(shape) + "Z", fill: plain ? "#e9e9e9" : "#e0f0ea", stroke: "none" }));
   if (ghost) made.append(svg("path", { d: to(ghost), fill: "none", stroke: GREY, "stroke-width": 1.5, "stroke-dasharray": "5 4" }));
-  made.append(svg("path", { d: to(points), fill: "none", stroke: BLUE, "stroke-width": plain ? 1.5 : 2.5 }));
+  made.append(svg("path", { d: to(points), fill: "none", stroke: GREEN, "stroke-width": plain ? 1.5 : 2.5 }));
   if (k && !plain) k.forEach((height, p) => made.append(svg("circle", { cx: X(space.waypoints[p]),
-    cy: Z(-height * space.step), r: 4, fill: "#fff", stroke: BLUE, "stroke-width": 1.5 })));
+    cy: Z(-height * space.step), r: 4, fill: "#fff", stroke: GREEN, "stroke-width": 1.5 })));
   return made;
 }

@@ -96,7 +96,6 @@ function stage(holder, walk, { close, x, z, label }) {
   const drawing = svg("svg", { viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": label });
   const add = (name, attributes) => drawing.appendChild(svg(name, attributes));
   add("rect", { x: 0, y: Z(0), width, height: height - Z(0), fill: "var(--sand)" });
-  for (const patch of ground()) patch.draw(add, { X, Z, width, height, close });
   const marks = add("g", {});
   add("line", { x1: 0, x2: width, y1: Z(0), y2: Z(0), stroke: "var(--orange)", "stroke-width": 1.5 });
   const body = [LEFT, RIGHT].map((foot) => ({
@@ -121,7 +120,7 @@ function stage(holder, walk, { close, x, z, label }) {
     const now = instant(walk, t);
     if (close) middle = now.com[0];
     const to = ([u, v]) => [X(u), Z(v)], line = (points) => path(points.map(to));
-    marks.replaceChildren(...ticks(middle - width / 2 / scale, middle + width / 2 / scale, width / 110).values.flatMap((v) => [
+    marks.replaceChildren(...ground({ X, Z, width, height }), ...ticks(middle - width / 2 / scale, middle + width / 2 / scale, width / 110).values.flatMap((v) => [
       svg("line", { x1: X(v), x2: X(v), y1: Z(0), y2: Z(0) + 6, stroke: "var(--orange)" }),
       ...(X(v) > 24 && X(v) < width - 24 ? [svg("text", { x: X(v), y: Z(0) + 19, "text-anchor": "middle" }, `${+v.toFixed(2)} m`.replace("-", "−"))] : [])]));
     now.feet.forEach((foot, side) => {
@@ -144,17 +143,20 @@ function stage(holder, walk, { close, x, z, label }) {
   };
 }
 
-/** What the scene's effects do to the ground, as things to draw. */
-function ground() {
-  const { patches, layers } = data.entry.scene.effects;
-  const found = [];
-  for (const depth of layers?.depths ?? []) found.push({
-    draw: (add, { Z, width }) => add("line", { x1: 0, x2: width, y1: Z(-depth), y2: Z(-depth), stroke: "var(--orange)", "stroke-dasharray": "4 4" }),
-  });
-  (patches?.begins ?? []).forEach((begin, i) => found.push({
-    draw: (add, { X, Z, height, close }) => !close && add("rect", { x: X(begin), y: Z(0), width: X(patches.ends[i]) - X(begin), height: height - Z(0), fill: "#d9b26a", "fill-opacity": 0.5 }),
-  }));
-  return found;
+/** What the scene's effects do to the ground: layers, patches with their strength, and which way gravity pulls. */
+function ground({ X, Z, width, height }) {
+  const { patches, layers, slope } = data.entry.scene.effects, tilt = ((slope?.angle ?? 0) * Math.PI) / 180;
+  const label = (x, y, text, anchor = "start") => svg("text", { class: "halo", x, y, "text-anchor": anchor }, text);
+  return [
+    ...(patches?.begins ?? []).flatMap((begin, i) => [
+      svg("rect", { x: X(begin), y: Z(0), width: X(patches.ends[i]) - X(begin), height: height - Z(0), fill: "#d9b26a", "fill-opacity": 0.5 }),
+      label(X(begin) + 4, height - 24, `× ${patches.factors[i]}`)]),
+    ...(layers?.depths ?? []).map((depth) =>
+      svg("line", { x1: 0, x2: width, y1: Z(-depth), y2: Z(-depth), stroke: "var(--orange)", "stroke-dasharray": "4 4" })),
+    ...(slope ? [
+      svg("path", { d: arrow([width - 40, 24], [width - 40 - 44 * Math.sin(tilt), 24 + 44 * Math.cos(tilt)]), fill: "none", stroke: "#1a1a1a", "stroke-width": 1.5 }),
+      label(width - 8, 16, `gravity, ${number(Math.abs(slope.angle))}° ${slope.angle > 0 ? "uphill" : "downhill"}`, "end")] : []),
+  ];
 }
 
 const PLOTS = [
@@ -177,7 +179,7 @@ function tracePlot(holder, { title, name, width, lines }, walk, other, seek) {
     label: `${title} over time; the table below has the numbers`,
   });
   for (const strike of gait.strikes) a.svg.append(svg("line", {
-    class: "gridline", x1: a.X(strike), x2: a.X(strike), y1: a.inside.top, y2: a.inside.bottom, style: "stroke:#bbb" }));
+    class: "strike", x1: a.X(strike), x2: a.X(strike), y1: a.inside.top, y2: a.inside.bottom }));
   pale.forEach((values, i) => a.svg.append(svg("path", { d: path(values.map((v, j) => [a.X(other.t[j]), a.Y(v)])),
     fill: "none", stroke: "#b5b5b5", "stroke-width": 1.2, "stroke-dasharray": lines.length > 1 && i ? "7 3" : null })));
   series.forEach((values, i) => a.svg.append(svg("path", { d: path(values.map((v, j) => [a.X(walk.t[j]), a.Y(v)])),
@@ -225,7 +227,7 @@ function walkSection() {
       el("figure", {}, near, el("figcaption", {}, "Close-up; arrows: forces on parts of the sole, ending there."))),
     numbers,
     el("p", { class: "note", id: "walk-key" }, key(LINES[LEFT]), " left foot, ", key(LINES[RIGHT]), " right foot, ",
-      key({ stroke: "#b5b5b5" }), " the walk it is compared with; grey lines: heel strikes. ",
+      key({ stroke: "#b5b5b5" }), " the walk it is compared with; dotted lines: heel strikes. ",
       "Click or drag in a plot to go to an instant. Power and work are negative where the sand takes energy."),
     el("div", { class: "grid plots", style: "--columns:3" }, ...plots.map((plot) => el("figure", {}, plot))),
     samples);

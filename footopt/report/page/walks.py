@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -10,10 +11,11 @@ import numpy as np
 from footopt.design import Confirmation, SearchResult
 from footopt.design.exhaustive import Enumeration
 from footopt.foot import Waypoints
-from footopt.report.body import groups
+from footopt.report.body import forces_along, groups
+from footopt.report.numbers import percent, title
 from footopt.report.page.file import column, packed
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
-from footopt.walk import MEASURES, Scene, Walk
+from footopt.walk import FIVE, MEASURES, Scene, Walk
 
 DESIGNS = 20_000  # besides the front that are on the page
 LEADERS = 20  # best designs of an enumerated space whose walks are on the page
@@ -22,6 +24,7 @@ FRAMES = 90  # samples of each of their walks
 FINE_FRAMES = 500  # of the walk that the page is about
 ARROWS = 10  # force arrows along a sole
 ON_THE_PAGE = ("front", "front_values", "confirmed")  # as designs, not as entries of result.json
+HOLLOW = 0.5e-3  # m; a smaller one is called none
 POSE_STEP = 0.01  # s, between the poses of the gait
 
 
@@ -108,7 +111,7 @@ def search_content(
     codes = np.array([reasons.index(str(r)) for r in result.reasons])
     return {
         **_common(entry, problem.scene, record),
-        "title": f"{result.solver.name} on {problem.scene.sand.name} sand",
+        "title": verdict(best, flat),
         "headline": [
             f"Soles for {', '.join(problem.names)} on {describe_scene(problem.scene)}",
             describe_search(result),
@@ -152,6 +155,23 @@ def search_content(
             for g in result.history
         ],
     }  # fmt: skip
+
+
+def verdict(best: Walk, flat: Walk) -> str:
+    """What became of the foot, in a line: its largest gain and its largest loss against the flat sole."""
+    kind = "A hollow foot" if best.foot.hollow >= HOLLOW else "A foot without a hollow"
+    said = f"{kind} for {best.scene.sand.name} sand"
+    gains = {}  # relative, by the words of each objective
+    for name in FIVE:
+        value, base = best.objectives[name], flat.objectives[name]
+        if math.isfinite(change := value / base - 1.0 if base else math.nan):
+            more = "more" if change > 0.0 else "less"
+            gains[f"{percent(abs(change))} {more} {title(name)}"] = -MEASURES[name].sign * change
+    ends = (
+        dict.fromkeys([max(gains, key=gains.__getitem__), min(gains, key=gains.__getitem__)]) if gains else {}
+    )
+    told = [words for words in ends if abs(gains[words]) >= 0.005]
+    return f"{said}: {', '.join(told)} than a flat one" if told else said
 
 
 def successive_bests(result: SearchResult) -> list[int]:
@@ -225,7 +245,7 @@ def _traces(walk: Walk, frames: int) -> dict[str, Any]:
     begin, size = groups(sole.x.shape[1], ARROWS)
     # relative to the ankle, as plates are; the page turns and carries them
     at = [np.add.reduceat(part[0], begin) / size for part in (sole.x, sole.z)]
-    force = np.add.reduceat(walk.plates(index).force, begin, axis=2)
+    force = forces_along(walk, index, ARROWS).force
     traces = ("com", "velocity", "force", "power", "work")
     return {
         **shared,
