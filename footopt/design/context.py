@@ -17,7 +17,7 @@ import numpy as np
 from footopt.design.problem import FootProblem
 from footopt.files.identity import flat
 from footopt.walk.objectives import MEASURES
-from footopt.walk.sources import is_own, meaning, own, text_of
+from footopt.walk.sources import is_users, meaning, text_of, users_own
 from footopt.walk.steppers import STEPPERS
 
 PACKAGE = Path(__file__).parent.parent
@@ -50,8 +50,8 @@ def context(problem: FootProblem) -> dict[str, Any]:
         "own": {  # a user's objectives, stepper and effects; the kind of problem
             f"{_module(thing)}.{thing.__qualname__}": hashlib.sha256(meaning(text_of(thing))).hexdigest()
             for thing in (
-                *filter(is_own, judges),
-                *(thing for thing in own(stepper, laws) if not isinstance(thing, type)),
+                *filter(is_users, judges),
+                *(thing for thing in users_own(stepper, laws) if not isinstance(thing, type)),
                 *kinds[: kinds.index(FootProblem)],
             )
         },
