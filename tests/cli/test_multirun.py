@@ -150,14 +150,18 @@ def test_a_job_that_cannot_be_is_written_down_and_so_are_those_after_it(whole, t
 
     monkeypatch.setattr("footopt.cli.main.walk", killed)
     words = [*SWEEP[:4], f"study.run=missing,{whole / '0'},{whole / '1'}", "hydra.sweep.dir=sweep"]
+    words += ["hydra.sweep.subdir=job_${hydra.job.num}"]  # no number, by which a job would be known
     assert footopt(*words, cwd=tmp_path).returncode == 130
-    assert "not the folder of a run" in (tmp_path / "sweep" / "0" / "error.txt").read_text()
-    assert [path.parent.name for path in sorted(tmp_path.glob(f"sweep/*/{identity.FILE}"))] == ["1", "2"]
+    assert "not the folder of a run" in (tmp_path / "sweep" / "job_0" / "error.txt").read_text()
+    assert [path.parent.name for path in sorted(tmp_path.glob(f"sweep/*/{identity.FILE}"))] == [
+        "job_1",
+        "job_2",
+    ]
     monkeypatch.undo()
-    reason = (tmp_path / "sweep" / "0" / "error.txt").read_text()
+    reason = (tmp_path / "sweep" / "job_0" / "error.txt").read_text()
     done = footopt("resume=sweep", cwd=tmp_path)
     assert (done.returncode, "1 of the jobs failed" in done.stderr) == (1, True)
-    assert (tmp_path / "sweep" / "0" / "error.txt").read_text() == reason
+    assert (tmp_path / "sweep" / "job_0" / "error.txt").read_text() == reason
     assert len(list(tmp_path.glob("sweep/*/result.json"))) == 2
 
 
