@@ -5,22 +5,17 @@ from __future__ import annotations
 import base64
 import html
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from footopt.effects import name_of
 from footopt.foot import Foot
-from footopt.foot.waypoints import written
 from footopt.gait import Gait
-from footopt.report.numbers import number, objective_quantity, percent, quantity, title
+from footopt.report.numbers import number, objective_quantity, percent, title
 from footopt.report.plot import RESOLUTION, drawings, picture
 from footopt.report.style import png
+from footopt.report.terminal import describe_foot, describe_outside, describe_scene, describe_search
 from footopt.sand import Sand
-from footopt.sand.law import PER_CM3, alpha
-from footopt.walk import FIVE, MEASURES, Scene, Table, Walk
-from footopt.walk.audit import parameters
+from footopt.walk import FIVE, Scene, Table, Walk
 from footopt.walk.validity import diagnose
 
 Facts = dict[str, str]  # numbers with units, by name
@@ -61,110 +56,64 @@ def card(thing: object) -> str:
 
 
 def sand_facts(sand: Sand) -> Facts:
-    """Its scale, and the stresses that one would measure with a plate."""
-    beta, gamma = np.radians([0.0, 0.0, 90.0]), np.radians([90.0, -90.0, 0.0])
-    x, z = (sand.zeta * part / PER_CM3 for part in alpha(beta, gamma, sand.stress_map))
-    found = {
-        "zeta": number(sand.zeta),
-        "level plate pushed down": quantity(z[0], "N/cm³"),
-        "level plate lifted": quantity(z[1], "N/cm³"),
-        "upright plate pushed ahead": quantity(x[2], "N/cm³"),
-    }
-    if sand.fit_error is not None:
-        found["misfit of the table (x, z)"] = ", ".join(map(percent, sand.fit_error))
-    return found
+    """Its scale, and how well it fits the table that it is from."""
+    fit = {} if sand.fit_error is None else {"misfit (x, z)": ", ".join(map(percent, sand.fit_error))}
+    return {"zeta": number(sand.zeta)} | fit
 
 
 def gait_facts(gait: Gait) -> Facts:
-    """Its timing and where it comes from."""
-    found = {
-        "stride": f"{gait.period:g} s",
-        "begins to move at": f"{gait.start:g} s",
-        "foot turns": "with the shank" if gait.pitch == "shank" else "as measured",
-    }
+    """Its timing, how well it fits its file, and where it comes from."""
+    found = {"stride": f"{gait.period:g} s", "begins to move at": f"{gait.start:g} s"}
     found |= {f"misfit of the {joint} (rms)": f"{value:.2g}°" for joint, value in gait.residual}
     return found | ({"source": gait.source} if gait.source else {})
-
-
-def foot_facts(foot: Foot) -> Facts:
-    """Its measures."""
-    long, high = 1e3 * np.ptp(foot.contour, axis=0)
-    found = {} if foot.k is None else {"heights k": written(foot.k)}
-    found |= {
-        "length x height": f"{long:.1f} x {high:.1f} mm",
-        "width": f"{1e3 * foot.width:g} mm",
-        "ankle (x, z)": ", ".join(f"{1e3 * v:g}" for v in foot.ankle) + " mm",
-        "hollow": f"{1e3 * foot.hollow:.1f} mm",
-    }
-    if foot.box_violation is not None:
-        found["outside its box by"] = f"{1e3 * foot.box_violation:.2f} mm"
-    return found | ({"feels the sand": "with its sides and top too"} if foot.closed else {})
 
 
 def scene_facts(scene: Scene) -> Facts:
     """What is walked through."""
     w = scene.walker
-    found = {
-        "sand": f"{scene.sand.name} (zeta {number(scene.sand.zeta)})",
-        "gait": f"{scene.gait.name}, a stride in {scene.gait.period:g} s",
+    return {
+        "sand": describe_scene(scene),
+        "gait": f"{scene.gait.name}, {scene.duration:g} s",
         "walker": f"{w.mass:g} kg, legs {w.l1:g} + {w.l2:g} m",
-        "gravity": f"{w.g:g} m/s²",
-        "lasts": f"{scene.duration:g} s",
     }
-    for effect in scene.effects:
-        values = ", ".join(f"{name} {value}" for name, value in parameters(effect).items())
-        found[name_of(effect).replace("_", " ")] = values or "on"
-    return found if scene.effects else found | {"effects": "none beyond the plain law"}
 
 
 def walk_facts(walk: Walk) -> Facts:
     """Its objectives, and what is to be thought of them."""
-    if walk.feasible:
-        values = walk.objectives
-        found = {title(name): objective_quantity(name, values[name]) for name in (*FIVE, "efficiency")}
-    else:
+    values = walk.objectives
+    found = {title(name): objective_quantity(name, values[name]) for name in (*FIVE, "efficiency")}
+    if not walk.feasible:
         found = {"failed": f"{walk.reason}, after {len(walk.t)} steps of time"}
-    sand = walk.scene.sand
-    found |= {"foot": walk.foot.name, "sand": f"{sand.name} (zeta {number(sand.zeta)})"}
-    if walk.scene.effects:
-        found["effects"] = ", ".join(name_of(effect).replace("_", " ") for effect in walk.scene.effects)
-    found["accuracy"] = walk.accuracy.name
-    outside = (d for d in diagnose(walk) if d.outside)
-    return found | {f"warning: {d.name}": f"{quantity(d.value, d.unit)}: {d.why}" for d in outside}
+    found |= {"sand": describe_scene(walk.scene), "accuracy": walk.accuracy.name}
+    outside = "; ".join(describe_outside(d) for d in diagnose(walk) if d.outside)
+    return found | ({"warning": outside} if outside else {})
 
 
 def table_facts(table: Table) -> Facts:
     """How many walked, and the range of each objective."""
     failed = Counter(map(str, table.reasons[~table.feasible]))
-    found = {"feet": str(len(table)), "walked": str(int(table.feasible.sum()))}
+    found = {"walked": f"{int(table.feasible.sum())} of {len(table)}"}
     found |= {f"failed: {reason}": str(count) for reason, count in failed.most_common()}
     for name, column in zip(table.names, table.values[table.feasible].T, strict=True):
         if len(column):
-            low, middle, high = (number(v) for v in (column.min(), np.median(column), column.max()))
-            found[title(name)] = f"{low} to {high} {MEASURES[name].unit}".rstrip() + f", median {middle}"
-    return found | {"sand": table.scene.sand.name}
+            found[title(name)] = f"{number(column.min())} to {objective_quantity(name, column.max())}"
+    return found | {"sand": describe_scene(table.scene)}
 
 
 def search_facts(result: Any) -> Facts:
     """What was searched, and what was found."""
     problem = result.problem
-    found = {
-        "searched": f"{problem.space.K}^{problem.space.n} soles for {', '.join(map(title, problem.names))}",
-        "sand": problem.scene.sand.name,
-        "solver": f"{result.solver.name}, seed {result.solver.seed}",
-        "evaluations": f"{result.evaluations} of {result.designs} designs in {result.seconds:.1f} s",
-    }
+    found = {"sand": describe_scene(problem.scene), "search": describe_search(result)}
     if hasattr(problem, "scenarios"):
         found["judged by"] = f"{problem.measure} of {len(problem.scenarios)} scenarios"
-    if result.infeasible:
-        reasons = ", ".join(f"{count} {reason}" for reason, count in result.failures.items())
-        found["infeasible"] = f"{result.infeasible} ({reasons})"
-    if problem.n_obj > 1:
-        found["on the front"] = str(len(result.front))
-    which = "best k" if problem.n_obj == 1 else f"chosen k ({problem.choice.by})"
-    found[which] = written(result.k[result.best])
+    found["best" if problem.n_obj == 1 else problem.choice.by] = describe_foot(result.foot)
     best = zip(problem.record, result.values[result.best], strict=True)
     return found | {title(name): objective_quantity(name, value) for name, value in best}
+
+
+def foot_facts(foot: Foot) -> Facts:
+    """Its shape and its width."""
+    return {"sole": describe_foot(foot), "width": f"{1e3 * foot.width:g} mm"}
 
 
 class Card(NamedTuple):
@@ -172,7 +121,7 @@ class Card(NamedTuple):
 
     title: Callable[[Any], str]
     facts: Callable[[Any], Facts]
-    rows: list[list[str]] | None = None
+    rows: Sequence[Sequence[str]] | None = None
 
 
 #: Cards by the name of a class.

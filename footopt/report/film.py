@@ -116,11 +116,11 @@ def animate(walk: Walk, path: str | Path, fps: int = 25, speed: float = 0.5, dpi
         f"such that a GIF has at most {FRAMES} frames, not {len(at)}",
         "Make an .mp4, or film a shorter walk.",
     )
-    (figure, show), writer = scene_of(walk, speed), kind(rate)
+    (figure, show), writer = scene_of(walk, at, speed), kind(rate)
     try:
         with write_whole(path) as new, writer.saving(figure, str(new), dpi):
-            for t in at:
-                show(t)
+            for i in range(len(at)):
+                show(i)
                 writer.grab_frame()
     except subprocess.CalledProcessError as error:
         raise FileError(f"{path}: the film cannot be written ({_why(error)}).") from None
@@ -144,11 +144,12 @@ def times(walk: Walk, fps: float, speed: float) -> Array:
     return t
 
 
-def scene_of(walk: Walk, speed: float) -> tuple[Any, Callable[[float], None]]:
-    """A figure, and what moves the walker in it to a time."""
-    all_of_it = body(walk, walk.t)
-    left, right, low, high = bounds(all_of_it)
-    at, force = forces_along(walk, np.arange(len(walk.t))).resultant()
+def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], None]]:
+    """A figure, and what moves the walker in it to the i-th of some times, s."""
+    placed = body(walk, t)
+    last = np.minimum(np.searchsorted(walk.t, t), len(walk.t) - 1)  # forces are known at samples
+    at, force = forces_along(walk, last).resultant()
+    left, right, low, high = bounds(placed)
     wide = min(right - left, WIDEST * (high - low))
     metres = ARROW * high / round_newtons(walk)  # of arrow per newton
     figure = new_figure(PAGE, (PAGE - 0.6) * (high - low) / wide + 0.5)
@@ -165,25 +166,15 @@ def scene_of(walk: Walk, speed: float) -> tuple[Any, Callable[[float], None]]:
     figure.set_layout_engine("none")  # a layout of each frame's own would tremble
     shown: list[Any] = []
 
-    def between(samples: Array, t: float) -> Array:
-        """Values (T, 2 feet, 2) at a time, in a straight line between samples."""
-        last = min(int(np.searchsorted(walk.t, t)), len(walk.t) - 1)
-        first = max(last - 1, 0)
-        length = walk.t[last] - walk.t[first]
-        part = (t - walk.t[first]) / length if length > 0 else 1.0
-        mixed: Array = (1.0 - part) * samples[first] + part * samples[last]
-        return mixed
-
-    def show(t: float) -> None:
+    def show(i: int) -> None:
         while shown:
             shown.pop().remove()
-        placed = body(walk, [t])
-        shown.extend(draw_body(axes, placed, 0))
-        shown.append(draw_resultants(axes, between(at, t), between(force, t), metres))
-        middle = float(np.clip(placed.hip[0, 0], left + 0.5 * wide, right - 0.5 * wide))
+        shown.extend(draw_body(axes, placed, i))
+        shown.append(draw_resultants(axes, at[i], force[i], metres))
+        middle = float(np.clip(placed.hip[i, 0], left + 0.5 * wide, right - 0.5 * wide))
         axes.set_xlim(middle - 0.5 * wide, middle + 0.5 * wide)
-        ended = f", failed: {walk.reason}" if walk.reason and t >= walk.t[-1] else ""
-        clock.set_text(f"{t:.2f} s{ended}")
+        ended = f", failed: {walk.reason}" if walk.reason and t[i] >= walk.t[-1] else ""
+        clock.set_text(f"{t[i]:.2f} s{ended}")
 
     return figure, show
 

@@ -34,7 +34,7 @@ def run(study: Study) -> None:
     study.write_csv(
         "repeats.csv", ("repeat", "zeta", "exponent"), [(n, *v) for n, v in found.repeats.items()]
     )
-    caption = "zeta of every measurement by its depth, and of every repeat, with the interval of their mean."
+    caption = "zeta of every measurement by its depth, with the interval of the repeats' mean."
     study.save("calibration", draw(found), caption)
     study.conclude(
         f"The sand of {Path(path).name}",

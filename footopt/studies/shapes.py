@@ -72,7 +72,7 @@ def run(study: Study) -> None:
             step(news=name)
     rows = ([name, *walk.objectives.values(), walk.reason] for name, walk in walks.items())
     study.write_csv("shapes.csv", ["shape", *OBJECTIVES, "reason"], rows)
-    shown = paper_figures.labelled(walks)
+    shown = {paper_figures.title(name): walk for name, walk in walks.items()}
     soles = {name: walk.foot for name, walk in shown.items()}
     for name, figure, caption in (
         ("shapes", figures.contours(soles), "The contact lines of the five shapes, all of one length."),

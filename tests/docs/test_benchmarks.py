@@ -24,6 +24,7 @@ def library(tmp_path_factory):
     return pytest.skip(found) if isinstance(found, str) else found
 
 
+@pytest.mark.slow
 def test_the_numpy_baseline_is_the_compiled_explicit_euler():
     k, paper = feet(1), replace(scene("soft"), t_f=1.2)
     dt = 2e-4  # large steps on hard sand chatter, and amplify rounding
@@ -45,7 +46,7 @@ def test_the_c_loop_gives_the_same_sums(library, jacobian):
 @pytest.mark.parametrize(
     "name",
     [
-        n if n.startswith("footopt") else pytest.param(n, marks=pytest.mark.slow)
+        n if n in ("footopt ga", "footopt de") else pytest.param(n, marks=pytest.mark.slow)
         for n in other_optimisers.RUNS
     ],
 )

@@ -39,19 +39,6 @@ def test_a_gif_has_the_frames_and_the_pace_that_were_asked_for(walk, tmp_path):
     assert min(moved[7:-1]) > 0.5  # and then it walks
 
 
-def test_a_gif_is_as_fast_as_it_says(tmp_path):
-    """Its frames last whole hundredths of a second; browsers show what lasts one for ten."""
-    walk = fo.simulate(fo.Foot.flat(), fo.Scene(t_f=0.4), "draft")
-    path = fo.animate(walk, tmp_path / "walk.gif", fps=60, speed=2.0, dpi=20)
-    lasts = []
-    with Image.open(path) as image:
-        for i in range(image.n_frames):
-            image.seek(i)
-            lasts.append(image.info["duration"])  # ms
-    assert min(lasts) >= 20
-    assert sum(lasts[:-1]) == pytest.approx(0.5e3 * (walk.t[-1] - walk.t[0]), abs=2 * lasts[0])
-
-
 def test_a_gif_has_the_nearest_rate_that_it_can_have():
     assert [1000 / film.gif_rate(fps) // 1 for fps in (10, 24, 25, 30, 33, 50, 60, 100)] == [
         100, 40, 40, 30, 30, 20, 20, 20,
@@ -72,34 +59,34 @@ def test_times_end_with_the_walk(walk):
 
 
 def test_a_frame_shows_legs_soles_force_and_time(walk):
-    figure, show = film.scene_of(walk, speed=1.0)
-    show(1.15)
+    t = np.array([1.15, 1.2])
+    figure, show = film.scene_of(walk, t, speed=1.0)
+    show(0)
     axes = figure.axes[0]
     drawn = [line.get_xydata() for line in axes.lines]
-    placed = body.body(walk, [1.15])
+    placed = body.body(walk, t)
     for foot in range(2):
         assert any(np.array_equal(points, placed.legs[0, foot]) for points in drawn)
         assert any(np.array_equal(points, placed.sole[0, foot]) for points in drawn)
     (arrows,) = (c for c in axes.collections if hasattr(c, "U"))
-    now = np.array(
-        [[np.interp(1.15, walk.t, walk.force[:, foot, axis]) for axis in range(2)] for foot in range(2)]
-    )
+    now = walk.force[np.searchsorted(walk.t, 1.15)]
     np.testing.assert_allclose(np.stack([arrows.U, arrows.V], axis=-1), now, rtol=1e-3, atol=0.1)
     assert axes.get_title(loc="right") == "1.15 s"
     count = len(axes.get_children())
-    show(1.2)
+    show(1)
     assert len(axes.get_children()) == count  # what was drawn before is gone
 
 
 def test_the_camera_follows_a_long_walk():
     walk = fo.simulate(fo.Foot.flat(), fo.Scene(t_f=6.0), "draft")
-    figure, show = film.scene_of(walk, 1.0)
+    times = np.array([0.1, 3.0, 6.0])
+    figure, show = film.scene_of(walk, times, 1.0)
     axes = figure.axes[0]
     seen = []
-    for t in (0.1, 3.0, 6.0):
-        show(t)
+    for i, x in enumerate(np.interp(times, walk.t, walk.com[:, 0])):
+        show(i)
         seen.append(axes.get_xlim())
-        assert seen[-1][0] < np.interp(t, walk.t, walk.com[:, 0]) < seen[-1][1]
+        assert seen[-1][0] < x < seen[-1][1]
     widths = np.diff(seen, axis=1)
     assert widths.min() == pytest.approx(widths.max())
     assert seen[0][0] < seen[1][0] < seen[2][0]
@@ -109,8 +96,8 @@ def test_the_camera_follows_a_long_walk():
 def test_a_failed_walk_is_filmed_to_its_end_and_one_without_a_step_is_refused(tmp_path):
     walk = fo.simulate(fo.Foot.flat(), fo.Scene(sand=fo.Sand(zeta=0.02)), "draft")
     assert walk.reason == "sunk"
-    figure, show = film.scene_of(walk, 1.0)
-    show(walk.t[-1])
+    figure, show = film.scene_of(walk, walk.t[-1:], 1.0)
+    show(0)
     assert figure.axes[0].get_title(loc="right").endswith("failed: sunk")
     void = fo.simulate(fo.Foot.flat(), fo.Scene(sand=fo.Sand(zeta=1e-3)), "draft")
     with pytest.raises(FootoptError, match="failed at once: sunk"):
@@ -148,7 +135,6 @@ def test_without_ffmpeg_it_says_what_to_install_and_that_a_gif_needs_nothing(wal
     ("name", "options", "words"),
     [
         ("walk.avi", {}, r"ends in \.gif or \.mp4"),
-        ("walk", {}, r"ends in \.gif or \.mp4"),
         ("walk.gif", {"fps": 0}, "fps = 0"),
         ("walk.gif", {"speed": -1.0}, r"speed = -1\.0"),
         ("walk.gif", {"dpi": 5}, "dpi = 5"),

@@ -1,4 +1,4 @@
-"""The figure of study=calibrate: zeta by depth, and by repeat."""
+"""The figure of study=calibrate: zeta by depth."""
 
 from __future__ import annotations
 
@@ -6,12 +6,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from footopt.report.style import (
+    COLUMN,
     GREEN,
     GRID,
-    PAGE,
     PALE,
-    as_text,
-    legend_above,
     marker,
     new_figure,
     styled,
@@ -19,14 +17,13 @@ from footopt.report.style import (
 from footopt.sand.calibration import Calibration
 
 HIGHEST = 2.5  # of the mean: what is shown of shallow measurements, whose zeta is noise
-NAMED = 12  # repeats that have room for their names
 
 
 @styled
 def calibration(found: Calibration) -> Figure:
-    """Force over the map's force at zeta 1 of every measurement; zeta and exponent of every repeat."""
-    figure = new_figure(PAGE, 2.5)
-    deep, zetas, exponents = figure.subplots(1, 3, width_ratios=(2.0, 1.0, 1.0))
+    """Force over the map's force at zeta 1 of every measurement."""
+    figure = new_figure(COLUMN, 2.5)
+    deep = figure.subplots()
     mm = 1e3 * found.depth
     deep.axhspan(found.zeta.low, found.zeta.high, color=PALE, lw=0, label="95 % interval of zeta")
     deep.axhline(found.zeta.value, color="black", lw=0.8, label="linear in depth, as footopt has it")
@@ -41,25 +38,6 @@ def calibration(found: Calibration) -> Figure:
     deep.set_xlim(0.0, None)
     top = HIGHEST * max(found.zeta.value, float(found.zeta_at(depth).max()) / 1.5)
     deep.set_ylim(0.0, min(top, 1.1 * float(np.max(found.local))))
-
-    rows, names = np.arange(len(found.repeats)), [as_text(name or "the one") for name in found.repeats]
-    each = np.array(list(found.repeats.values()))
-    parts = ((zetas, found.zeta, r"$\zeta$"), (exponents, found.exponent, "exponent of depth"))
-    for ax, estimate, label in parts:
-        column = each[:, 0 if ax is zetas else 1]
-        ax.axvspan(estimate.low, estimate.high, color=PALE, lw=0)
-        ax.axvline(estimate.value, color="black", lw=0.8)
-        ax.plot(column, rows, "o", color="black", ms=3.5)
-        ax.set_ylim(len(rows) - 0.5, -0.5)
-        ax.set_xlabel(label)
-        ax.set_yticks(rows if len(rows) <= NAMED else [])
-        ax.tick_params(axis="y", length=0)
-        ax.margins(x=0.15)
-    zetas.set_yticklabels(names if len(rows) <= NAMED else [])
-    exponents.set_yticklabels([])
-    zetas.set_ylabel("repeat")
-    exponents.axvline(1.0, color="black", lw=0.8, ls=":")
-    for ax in (deep, zetas, exponents):
-        ax.grid(color=GRID, lw=0.6)
-    legend_above(figure, *deep.get_legend_handles_labels())
+    deep.grid(color=GRID, lw=0.6)
+    deep.legend(loc="best")
     return figure

@@ -22,11 +22,6 @@ from footopt.report.style import BLUE, PAGE, SANDS, VERMILLION, legend_above, ne
 from footopt.walk import Walk, Walker
 
 
-def labelled(walks: Mapping[str, Walk]) -> dict[str, Walk]:
-    """Walks of shapes by the names that a reader sees."""
-    return {title(name): walk for name, walk in walks.items()}
-
-
 def title(shape: str) -> str:
     """A shape's name as a reader sees it."""
     return "reversed L" if shape == "reversed_l" else shape.replace("_", " ")
@@ -75,7 +70,7 @@ def all_figures(
     crossed : Walk
         The best foot for regular sand, on hard sand.
     """
-    by_shape = labelled(of_shapes)
+    by_shape = {title(name): walk for name, walk in of_shapes.items()}
     by_sand = {sand: optima[sand] for sand in SANDS}
     feet = {f"{sand} (hollow {MM * w.foot.hollow:.1f} mm)": w.foot for sand, w in by_sand.items()}
     on_hard_sand = {

@@ -36,9 +36,10 @@ def trust(attempts: Mapping[str, Sequence[Any]], solvers: Sequence[str], evaluat
         for ax, found in zip(row, attempts.values(), strict=True):
             for i, name in enumerate(names):
                 own = [a for a in found if a.solver == name]
-                ax.plot(
-                    *(_shares(own) if name in several else _hits(own, evaluations)), **line(i), label=name
-                )
+                if name in several:
+                    ax.plot(*_shares(own), **line(i), label=name)
+                else:
+                    ax.plot(*_hits(own, evaluations), **line(i), label=name, drawstyle="steps-post")
             ax.grid(color=GRID, lw=0.6)
         row[0].set_ylabel(title)
         row[-1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5), borderaxespad=0.4)
@@ -51,13 +52,10 @@ def trust(attempts: Mapping[str, Sequence[Any]], solvers: Sequence[str], evaluat
 
 
 def _hits(own: Sequence[Any], evaluations: int) -> tuple[list[float], list[float]]:
-    """Share of attempts that have found the optimum against evaluations, as the corners of steps."""
+    """Share of attempts that have found the optimum from each hit on, against evaluations."""
     at = sorted(a.found_at for a in own if np.isfinite(a.found_at))
-    x, y = [0.0], [0.0]
-    for i, when in enumerate(at, start=1):
-        x += [when, when]
-        y += [y[-1], 100.0 * i / len(own)]
-    return [*x, float(evaluations)], [*y, y[-1]]
+    shares = [100.0 * i / len(own) for i in range(len(at) + 1)]
+    return [0.0, *at, float(evaluations)], [*shares, shares[-1]]
 
 
 def _shares(own: Sequence[Any]) -> tuple[list[float], list[float]]:

@@ -131,15 +131,7 @@ def overview(found: Comparisons, titles: Mapping[str, str]) -> Figure:
     for verdict, (colour, shape) in VERDICTS.items():
         own = [i for i, c in enumerate(found) if c.verdict == verdict]
         size = [percent(found[i].size, found[i]) for i in own]
-        look: dict[str, Any] = {
-            "color": colour,
-            "marker": shape,
-            "ls": "",
-            "ms": 5.5,
-            "mew": 0,
-            "clip_on": False,
-        }
-        ax.plot(size, rows[own], **look, label=verdict)
+        ax.plot(size, rows[own], shape, color=colour, ms=5.5, mew=0, clip_on=False, label=verdict)
     for i, c in enumerate(found):
         if i == 0 or found[i - 1].experiment != c.experiment:
             ax.text(FLOOR, rows[i] - 1.0, f" {titles[c.experiment]}", va="center", weight="bold")

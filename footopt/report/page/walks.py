@@ -11,7 +11,7 @@ import numpy as np
 from footopt.design import Confirmation, SearchResult
 from footopt.design.exhaustive import Enumeration
 from footopt.foot import Waypoints
-from footopt.report.body import groups
+from footopt.report.body import forces_along, groups
 from footopt.report.numbers import percent, title
 from footopt.report.page.file import column, packed
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
@@ -245,7 +245,7 @@ def _traces(walk: Walk, frames: int) -> dict[str, Any]:
     begin, size = groups(sole.x.shape[1], ARROWS)
     # relative to the ankle, as plates are; the page turns and carries them
     at = [np.add.reduceat(part[0], begin) / size for part in (sole.x, sole.z)]
-    force = np.add.reduceat(walk.plates(index).force, begin, axis=2)
+    force = forces_along(walk, index, ARROWS).force
     traces = ("com", "velocity", "force", "power", "work")
     return {
         **shared,
