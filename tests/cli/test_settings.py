@@ -262,8 +262,8 @@ def told(*words):
     """What a user is told of settings that are refused; "" where they are used."""
     try:
         used(*words)
-    except (FootoptError, HydraException, OmegaConfBaseException) as error:
-        return explain(error, words)
+    except (FootoptError, HydraException, OmegaConfBaseException, AttributeError) as error:
+        return explain(error, words)  # OmegaConf's, of an effect that is not there
     return ""
 
 
