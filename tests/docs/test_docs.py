@@ -59,7 +59,7 @@ SMALL = {
     "stability": {"study.cases": "['standing, zeta 5','2 kg']", "study.methods": "[sdirk2,explicit_euler]"},
     "effects": {"study.feet": "2", "accuracy": "draft"},
     "validate": {"study.cases": "[growth,friction]"},
-    "robust": SEARCH | {"study.quick": "true"},
+    "robust": {k: v for k, v in SEARCH.items() if k != "study.finalists"} | {"study.quick": "true"},
     "sensitivity": {"study.samples": "2", "accuracy": "draft"},
     "trust": {"study.quick": "true", "study.budget": "20", "solver.pop_size": "10", "foot.n": "4",
               "foot.K": "3", "study.solvers": "[memetic,nsga2]", "accuracy": "draft"},

@@ -396,6 +396,14 @@ class TestWalk:
         time.sleep(0.1)
         assert shown["#time"].get_property("value") == stands
 
+    def test_heel_strikes_are_seen(self, pages, front, browser):
+        shown = Page(browser, pages["front"])
+        strikes = front[2].scene.gait.heel_strikes(front[2].scene.duration)
+        marks = shown.all("#walk .plots figure:first-child .strike")
+        assert len(marks) == len(strikes)
+        style = [marks[0].value_of_css_property(name) for name in ("stroke", "stroke-opacity", "opacity")]
+        assert style == ["rgb(117, 117, 117)", "1", "1"]
+
     def test_a_click_in_a_plot_goes_to_that_instant(self, pages, browser):
         shown = Page(browser, pages["walk"])
         shown.click("#walk .plots figure:nth-child(4) svg", (0.9, 0.5))
