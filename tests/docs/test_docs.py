@@ -1,8 +1,9 @@
-"""The pages keep their word: every command and every block of Python runs, every message is quoted right.
+"""The pages keep their word: their commands and blocks of Python run, every message is quoted right.
 
-Commands are those of the `sh` blocks, of code in running text, and of `footopt --help`. They run as they
-stand but for `SMALL`, which makes their studies small, `real`, which puts files for names that are only
-examples, and what `OTHERS` says of programs that are not footopt.
+Commands are those of the `sh` blocks, of code in running text, and of `footopt --help`. As many run
+(`chosen`) as have every setting with every study, as they stand but for `SMALL`, which makes their
+studies small, `real`, which puts files for names that are only examples, and what `OTHERS` says of
+programs that are not footopt.
 """
 
 import json

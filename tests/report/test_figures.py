@@ -496,7 +496,7 @@ def test_a_stepper_keeps_its_colour_and_ticks_do_not_overprint():
         accuracy = fo.Accuracy(stepper, control=control)
         return SimpleNamespace(accuracy=accuracy, errors=np.full((3, 5), 1e-3 * ms), error=1e-3 * ms, ms=ms)
 
-    few = [measured("sdirk2", 1.2), measured("sdirk2", 2.0)]
+    few = [measured("sdirk2", ms) for ms in (0.6, 1.2, 4.0)]
     many = [measured("heun", 1.5), *few, measured("sdirk2", 1.7, 1e-3)]
     colours = []
     for found in (few, many):
@@ -506,6 +506,7 @@ def test_a_stepper_keeps_its_colour_and_ticks_do_not_overprint():
         boxes = [t.get_window_extent() for t in axes.get_xticklabels(which="both") if t.get_text()]
         assert boxes
         assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[i + 1 :])
+        assert all(float(t.get_text()) for t in axes.get_xticklabels(which="both") if t.get_text())
         legend = figure.legends[0]
         names = [text.get_text() for text in legend.get_texts()]
         colours.append(legend.legend_handles[names.index("sdirk2")].get_color())
