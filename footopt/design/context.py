@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from footopt.design.problem import FootProblem
+from footopt.files.identity import flat
 from footopt.walk.objectives import MEASURES
 from footopt.walk.sources import is_users, meaning, text_of, users_own
 from footopt.walk.steppers import STEPPERS
@@ -123,7 +124,7 @@ def digest(content: Any) -> str:
 
 def differences(there: Any, here: Any) -> list[str]:
     """What differs between two contexts, each with both values."""
-    one, other = _flat(there), _flat(here)
+    one, other = flat(there), flat(here)
     names = [name for name in sorted(one | other) if one.get(name) != other.get(name)]
     return [f"{n} ({_short(one.get(n))} there, {_short(other.get(n))} here)" for n in names]
 
@@ -132,17 +133,6 @@ def listed(found: Sequence[str]) -> str:
     """The first few of many differences."""
     more = f" and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
     return f"{', '.join(found[:SHOWN])}{more}"
-
-
-def _flat(content: Any, name: str = "") -> dict[str, Any]:
-    """Nested content as one level: {"scene.sand.zeta": 5.0, ...}."""
-    if not isinstance(content, (dict, list)):
-        return {name: content}
-    items: Any = content.items() if isinstance(content, dict) else enumerate(content)
-    flat: dict[str, Any] = {}
-    for key, item in items:
-        flat |= _flat(item, f"{name}.{key}" if name else str(key))
-    return flat
 
 
 def _short(value: object) -> str:
