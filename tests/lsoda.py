@@ -25,7 +25,7 @@ def lsoda_objectives(walk, rtol=1e-9):
 
     def rate(t, y):
         states = at(np.array([t]), y[:4, None])
-        fx, fz = states.force.sum(axis=(0, 1, 2))
+        fx, fz = states.total.sum(axis=(0, 1))
         ax, az = fx / walker.mass + (tilt or 0.0), fz / walker.mass - g
         return np.array([y[2], y[3], ax, az, states.power.sum(), y[1]])
 

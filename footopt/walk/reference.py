@@ -90,5 +90,5 @@ def contact_forces(
     both = compiled_contact(laws(scene.effects))
     left = both(constants, sole(sheets), pose.table()[0], 0.0, 0.0, vx, vz, creep, 1e-3, counts).left
     states = plate_states(sheets, pose, np.zeros((1, 2)), np.array([[vx, vz]]), scene, creep, angles)
-    force = states.force[0, 0]
-    return np.array([left.x, left.z]), force.sum(axis=0), float(np.linalg.norm(force, axis=-1).sum())
+    size = float(np.linalg.norm(states.force[0, 0], axis=-1).sum())
+    return np.array([left.x, left.z]), states.total[0, 0], size
