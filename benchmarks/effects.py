@@ -2,7 +2,7 @@
 
 python benchmarks/effects.py  # a table for soft, regular and hard sand, about two minutes
 
-With --quick two feet walk once, in the process that compiles.
+With --quick two feet walk once on one sand with one effect, in the process that compiles.
 
 The same source compiled twice may differ by 5 to 9 % in time, by how its machine code happens to lie. So
 the deleted code is compared with a plain copy of the source that the same process compiles in the same
@@ -17,7 +17,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -38,6 +38,8 @@ SETS = {
     "all": tuple(effect() for effect in EFFECTS.values()),
 }
 
+QUICK = ("bare", "inertia")
+
 Ratios = dict[str, tuple[float, float]]
 
 
@@ -52,8 +54,10 @@ def write(folder: Path) -> None:
     deleted.write(folder, "footopt_copy", delete=False)
 
 
-def jobs(sand: str, designs: int, loops: dict[str, ModuleType]) -> dict[str, Callable[[], fo.Table]]:
-    """Walks of random feet on a sand, one thread: by other loops, and with each of `SETS`."""
+def jobs(
+    sand: str, designs: int, loops: dict[str, ModuleType], sets: Collection[str]
+) -> dict[str, Callable[[], fo.Table]]:
+    """Walks of random feet on a sand, one thread: by other loops, and with some of `SETS`."""
 
     def walk(*effects: object) -> fo.Table:
         return fo.evaluate(feet(designs), replace(scene(sand), effects=effects), threads=1)
@@ -63,17 +67,24 @@ def jobs(sand: str, designs: int, loops: dict[str, ModuleType]) -> dict[str, Cal
             return walk()
 
     others = {name: partial(other, loop) for name, loop in loops.items()}
-    return {**others, **{name: partial(walk, *effects) for name, effects in SETS.items()}}
+    return {**others, **{name: partial(walk, *SETS[name]) for name in sets}}
 
 
-def here(sand: str, loops: dict[str, ModuleType], seed: int, designs: int = 30, repeats: int = 9) -> Ratios:
+def here(
+    sand: str,
+    loops: dict[str, ModuleType],
+    seed: int,
+    designs: int = 30,
+    repeats: int = 9,
+    sets: Collection[str] = tuple(SETS),
+) -> Ratios:
     """Processor time over the bare walk's (its copy's), and evaluations likewise, in this process.
 
     Without the effects' code the walks must be the same to the last bit.
 
     seed : of the order in which the walks are loaded and measured.
     """
-    walks = jobs(sand, designs, loops)
+    walks = jobs(sand, designs, loops, sets)
     chosen = {name: walks[name] for name in np.random.default_rng(seed).permutation(list(walks)).tolist()}
     tables = {name: job() for name, job in chosen.items()}
     for name in (DELETED, COPY):
@@ -92,12 +103,13 @@ def compare(processes: int = 7, quick: bool = False) -> dict[str, Ratios]:
         for seed in range(1 if quick else 1 + processes):
             run = [sys.executable, __file__, folder, str(seed), *(["--quick"] if quick else [])]
             found.append(json.loads(subprocess.run(run, check=True, capture_output=True, text=True).stdout))
-    names = (DELETED, COPY, *SETS)
     kept = found if quick else found[1:]
-    median = np.median([[[one[sand][name] for name in names] for sand in SANDS] for one in kept], axis=0)
+    sands, known = list(kept[0]), kept[0][SANDS[-1]]
+    names = [name for name in (DELETED, COPY, *SETS) if name in known]
+    median = np.median([[[one[sand][name] for name in names] for sand in sands] for one in kept], axis=0)
     return {
         sand: {name: (float(t), float(n)) for name, (t, n) in zip(names, rows, strict=True)}
-        for sand, rows in zip(SANDS, median, strict=True)
+        for sand, rows in zip(sands, median, strict=True)
     }
 
 
@@ -108,14 +120,15 @@ def main() -> None:
     parser.add_argument("seed", nargs="?", type=int, help="of their order")
     given = parser.parse_args()
     if given.folder is not None:
-        loops, sizes = load(given.folder), (2, 1) if given.quick else ()
-        print(json.dumps({sand: here(sand, loops, given.seed, *sizes) for sand in SANDS}))
+        loops, sizes = load(given.folder), (2, 1, QUICK) if given.quick else ()
+        sands = SANDS[-1:] if given.quick else SANDS
+        print(json.dumps({sand: here(sand, loops, given.seed, *sizes) for sand in sands}))
         return
     found = compare(quick=given.quick)
-    print("| over the bare walk | " + " | ".join(f"{sand}: time | evaluations" for sand in SANDS) + " |")
-    print("| --- |" + " --- | --- |" * len(SANDS))
-    for name in (DELETED, COPY, *SETS):
-        row = (f"{found[sand][name][0]:.3f} | {found[sand][name][1]:.3f}" for sand in SANDS)
+    print("| over the bare walk | " + " | ".join(f"{sand}: time | evaluations" for sand in found) + " |")
+    print("| --- |" + " --- | --- |" * len(found))
+    for name in found[SANDS[-1]]:
+        row = (f"{of_sand[name][0]:.3f} | {of_sand[name][1]:.3f}" for of_sand in found.values())
         print(f"| {name} | " + " | ".join(row) + " |")
 
 

@@ -17,6 +17,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 import footopt as fo
+from footopt.foot import as_plates
 from footopt.walk.contact import foot_force
 from footopt.walk.prepare import sole, world
 from footopt.walk.state import Pose, Sole, World
@@ -47,7 +48,7 @@ def _repeat(out, sole, world, motion, jacobian, repeats, change):  # type: ignor
 def submerged_sole(plates: int) -> tuple[Sole, World]:
     """A random foot's plates, a multiple of `contact.LANES`, and regular sand's law."""
     space = fo.Waypoints()
-    feet = space.plates(space.random(1, 5, inside=True), plates, "arc")
+    feet = as_plates(space.random(1, 5, inside=True), plates, "arc", space)
     return sole(feet), world(fo.Scene(sand=fo.Sand.named("regular")), fo.Accuracy())
 
 

@@ -36,7 +36,10 @@ def main() -> None:
         if os.environ.get("HYDRA_FULL_ERROR") == "1":
             raise
         sys.exit(f"footopt: error: the program cannot be loaded ({type(error).__name__}: {error}).")
-    run()
+    try:
+        run()
+    finally:
+        exec("")  # else Python ends by SIGINT, not the exit code, once Ctrl-C has fallen into any `exec`
 
 
 def _stop(signum: int, frame: FrameType | None) -> None:

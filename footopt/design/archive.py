@@ -43,6 +43,19 @@ def no_designs(problem: FootProblem) -> Designs:
     return Designs(k, values, np.empty(0, np.str_), np.empty(0), np.empty(0, np.int64))
 
 
+def nothing_feasible(
+    counts: Counter[str], interrupted: bool, hint: str = "more generations, "
+) -> BaseException:
+    """What ends a search without a feasible design; counts: of the designs, by their reasons."""
+    if interrupted:
+        return KeyboardInterrupt("before a feasible design was found")
+    causes = ", ".join(f"{n} {cause}" for cause, n in sorted(counts.items()))
+    return FootoptError(
+        f"No feasible design among {counts.total()}: {causes}. "
+        f"Try {hint}a larger foot.box_tolerance, wider limits, or harder sand."
+    )
+
+
 class Archive:
     """Every distinct design of a run; `walk` is called with new ones, an `Evaluator` for one."""
 
@@ -132,15 +145,9 @@ class Archive:
         generations, count, front = self._closed
         designs = self._table.take(slice(count))
         designs = designs._replace(reasons=designs.reasons.astype(np.str_))
-        if interrupted and not len(front):
-            raise KeyboardInterrupt("before a feasible design was found")
         reasons = self.problem.verdicts(designs.values, designs.reasons, designs.violation)
         if not len(front):
-            counts = ", ".join(f"{n} {cause}" for cause, n in sorted(Counter(reasons.tolist()).items()))
-            raise FootoptError(
-                f"No feasible design among {count}: {counts}. "
-                "Try more generations, a larger foot.box_tolerance, wider limits, or harder sand."
-            )
+            raise nothing_feasible(Counter(reasons.tolist()), interrupted)
         front = front[np.argsort(self.problem.ranked(designs.values[front]), kind="stable")]
         return SearchResult(
             problem=self.problem,

@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 
 from footopt.design.problem import FootProblem
+from footopt.files.identity import flat
 from footopt.walk.objectives import MEASURES
-from footopt.walk.sources import is_own, meaning, own, text_of
+from footopt.walk.sources import is_users, meaning, text_of, users_own
 from footopt.walk.steppers import STEPPERS
 
 PACKAGE = Path(__file__).parent.parent
@@ -49,8 +50,8 @@ def context(problem: FootProblem) -> dict[str, Any]:
         "own": {  # a user's objectives, stepper and effects; the kind of problem
             f"{_module(thing)}.{thing.__qualname__}": hashlib.sha256(meaning(text_of(thing))).hexdigest()
             for thing in (
-                *filter(is_own, judges),
-                *(thing for thing in own(stepper, laws) if not isinstance(thing, type)),
+                *filter(is_users, judges),
+                *(thing for thing in users_own(stepper, laws) if not isinstance(thing, type)),
                 *kinds[: kinds.index(FootProblem)],
             )
         },
@@ -123,7 +124,7 @@ def digest(content: Any) -> str:
 
 def differences(there: Any, here: Any) -> list[str]:
     """What differs between two contexts, each with both values."""
-    one, other = _flat(there), _flat(here)
+    one, other = flat(there), flat(here)
     names = [name for name in sorted(one | other) if one.get(name) != other.get(name)]
     return [f"{n} ({_short(one.get(n))} there, {_short(other.get(n))} here)" for n in names]
 
@@ -132,17 +133,6 @@ def listed(found: Sequence[str]) -> str:
     """The first few of many differences."""
     more = f" and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
     return f"{', '.join(found[:SHOWN])}{more}"
-
-
-def _flat(content: Any, name: str = "") -> dict[str, Any]:
-    """Nested content as one level: {"scene.sand.zeta": 5.0, ...}."""
-    if not isinstance(content, (dict, list)):
-        return {name: content}
-    items: Any = content.items() if isinstance(content, dict) else enumerate(content)
-    flat: dict[str, Any] = {}
-    for key, item in items:
-        flat |= _flat(item, f"{name}.{key}" if name else str(key))
-    return flat
 
 
 def _short(value: object) -> str:

@@ -176,6 +176,7 @@ class Dask(Executor):
         self._name = "engine.address" if address is None else f"engine.address = {address!r}"
         self._seen: dict[str, tuple[Any, int]] = {}  # by worker: its last sign, and for how many checks
         self._busy_at = time.monotonic()  # when there was a worker
+        self._idle = 0  # checks for which no worker has had anything to do
         if address is None:
             # a chunk whose worker dies is halved at once, not tried again as a whole; nothing is served
             dask.config.set(
@@ -229,11 +230,12 @@ class Dask(Executor):
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Have a function called by a worker; by another one if that dies."""
+        self._idle = 0
         future: Future[Any] = self._ask(partial(self._executor.submit, fn, *args, **kwargs))
         return future
 
     def check(self) -> bool:
-        """Raise if the scheduler is lost, or has had no worker for the timeout; leave out silent workers."""
+        """Raise if the scheduler is lost, has no worker, or results do not come; leave out silent workers."""
         now, workers = time.monotonic(), self._workers()
         for address, worker in workers.items():
             last, since = self._seen.get(address, (None, 0))
@@ -245,7 +247,7 @@ class Dask(Executor):
                     SILENT,
                 )
                 leave = partial(self._client.scheduler.unregister, address=address, stimulus_id="silent")
-                self._ask(partial(self._client.sync, leave, callback_timeout=self._timeout))
+                self._told(leave)
         if workers:
             self._busy_at = now
         elif now - self._busy_at > self._timeout:
@@ -253,12 +255,22 @@ class Dask(Executor):
                 f"{self._name}: no worker is left since {self._timeout:g} s (engine.timeout). "
                 "What was walked in finished generations is kept: start workers, and resume."
             )
+        asked = partial(self._client.scheduler.processing, workers=None)
+        self._idle = 0 if any(self._told(asked).values()) else self._idle + 1
+        if self._idle >= SILENT:
+            raise FootoptError(
+                f"{self._name}: the workers are idle, but their results do not come. Too few files? "
+                "`ulimit -n` says how many. What was walked in finished generations is kept: resume."
+            )
         return False
 
     def _workers(self) -> dict[str, Any]:
         """What the scheduler knows of its workers, by address."""
-        asked = partial(self._client.sync, self._client.scheduler.identity, callback_timeout=self._timeout)
-        return dict(self._ask(asked)["workers"])
+        return dict(self._told(self._client.scheduler.identity)["workers"])
+
+    def _told(self, question: Callable[..., Any]) -> Any:
+        """What the scheduler says; it has the timeout for it."""
+        return self._ask(partial(self._client.sync, question, callback_timeout=self._timeout))
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """Leave the scheduler; end a cluster that was started here."""

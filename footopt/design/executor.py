@@ -18,9 +18,9 @@ import time
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, wait
 from contextlib import suppress
-from functools import cached_property
+from functools import cached_property, lru_cache
 from multiprocessing import forkserver
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 
@@ -88,7 +88,6 @@ def machine_failed(error: Exception, when: str) -> FootoptError:
     )
 
 
-_problems: dict[str, FootProblem] = {}  # that this process, a worker, knows, by digest
 handled = [0, 0]  # chunks that this process, a worker, has begun and ended
 
 
@@ -99,36 +98,35 @@ def walk_chunk(name: str, content: bytes, k: Ints) -> Walked | Failed | Refused:
     """
     handled[0] += 1
     try:
-        return _walk_chunk(name, content, k)
-    finally:
-        handled[1] += 1
-
-
-def _walk_chunk(name: str, content: bytes, k: Ints) -> Walked | Failed | Refused:
-    where = f"The worker {socket.gethostname()}, process {os.getpid()},"
-    if (problem := _problems.get(name)) is None:
-        try:
-            problem, there = pickle.loads(content)
-            here = context(problem)
-        except Exception as error:
-            why = f"{where} cannot load the problem ({type(error).__name__}: {error})"
-            return Refused(f"{why}. What defines it has to be in a module that a worker can import.")
-        if digest(here) != name:
-            return Refused(
-                f"{where} would give other numbers: {listed(differences(here, there))} differ. "
-                "Install the same versions on both, and use processors of one model."
-            )
-        problem.threads = 1
-        while len(_problems) >= KNOWN:
-            with suppress(KeyError, StopIteration):  # another thread may be quicker
-                del _problems[next(iter(_problems))]
-        _problems[name] = problem
-    started = time.perf_counter()
-    try:
+        problem = _loaded(name, content)
+        started = time.perf_counter()
         outcome = attempt(problem, k)
     except FootoptError as error:
         return Refused(str(error))
+    finally:
+        handled[1] += 1
     return outcome._replace(seconds=time.perf_counter() - started) if isinstance(outcome, Walked) else outcome
+
+
+@lru_cache(maxsize=KNOWN)
+def _loaded(name: str, content: bytes) -> FootProblem:
+    """A problem of that digest in a worker; `FootoptError` if it would give other numbers here."""
+    where = f"The worker {socket.gethostname()}, process {os.getpid()},"
+    try:
+        problem, there = pickle.loads(content)
+        here = context(problem)
+    except Exception as error:
+        raise FootoptError(
+            f"{where} cannot load the problem ({type(error).__name__}: {error}). "
+            "What defines it has to be in a module that a worker can import."
+        ) from None
+    if digest(here) != name:
+        raise FootoptError(
+            f"{where} would give other numbers: {listed(differences(here, there))} differ. "
+            "Install the same versions on both, and use processors of one model."
+        )
+    problem.threads = 1
+    return cast(FootProblem, problem)
 
 
 class Chunks:

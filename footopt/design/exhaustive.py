@@ -13,12 +13,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from footopt.design.archive import Designs, no_designs
+from footopt.design.archive import Designs, no_designs, nothing_feasible
 from footopt.design.evaluator import Evaluator
 from footopt.design.problem import FootProblem, Ints
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import Solver
-from footopt.errors import FootoptError, SettingError
+from footopt.errors import SettingError
 from footopt.foot import Waypoints
 
 LIMIT = 20_000_000  # designs; two hours on two cores
@@ -140,14 +140,8 @@ def enumerate_space(
                 break
     except KeyboardInterrupt:
         interrupted = True
-    if interrupted and not len(best.k):
-        raise KeyboardInterrupt("before a feasible design was found")
     if not len(best.k):
-        causes = ", ".join(f"{count} {reason}" for reason, count in counts.items())
-        raise FootoptError(
-            f"No feasible design among {counts.total()}: {causes}. "
-            "Try a larger foot.box_tolerance, wider limits, or harder sand."
-        )
+        raise nothing_feasible(counts, interrupted, hint="")
     best = best.take(np.argsort(problem.ranked(best.values), kind="stable"))
     return Enumeration(
         problem=problem,

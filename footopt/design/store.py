@@ -11,9 +11,7 @@ them in columns that any program reads.
 from __future__ import annotations
 
 import json
-import os
 import sqlite3
-import stat
 import time
 import zlib
 from collections.abc import Iterator, Sequence
@@ -92,8 +90,6 @@ class Store:
     foreign : list of str
         What differs between this program and the one that walked the designs of the same settings; empty
         where there are none of others, or there are own ones.
-    alien : bool
-        Whether all its designs have been walked with other settings.
 
     Raises
     ------
@@ -106,7 +102,6 @@ class Store:
         self.path, self.problem = Path(path), problem
         self._context = context(problem)
         self._connection: sqlite3.Connection | None = None
-        self._check_place()
         with self._explained():
             self._connection = sqlite3.connect(self.path, timeout=PATIENCE, isolation_level=None)
         try:
@@ -117,7 +112,6 @@ class Store:
                 _show(connection, f"designs_{self._id}", self._columns())
             others = self._of_other_code() if reuse or not len(self) else {}
             self.foreign = min(others.values(), key=len, default=[])
-            self.alien = not (len(self) or others) and bool(self._others())
             self._read_from = (self._id, *(others if reuse else ()))
         except BaseException:
             self.close()
@@ -201,17 +195,6 @@ class Store:
         """Let go of the file."""
         if self._connection is not None:
             self._connection.close()
-
-    def _check_place(self) -> None:
-        """Raise where no file can be; SQLite would wait for the other end of a pipe."""
-        try:
-            mode = os.stat(self.path).st_mode
-        except FileNotFoundError:
-            return
-        except (OSError, ValueError) as error:  # a name that is too long, or has a NUL in it
-            raise self._error(*MEANING[sqlite3.SQLITE_CANTOPEN], str(error)) from None
-        if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
-            raise self._error(*MEANING[sqlite3.SQLITE_NOTADB], "no file")
 
     def _identify(self, connection: sqlite3.Connection) -> None:
         """Make the tables in an empty file; refuse any other that is not a sound store of this layout."""

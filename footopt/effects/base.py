@@ -6,10 +6,10 @@ compiled loop. A law changes the force on a plate at one or more of three places
 
 - load, of depth (m) and x (m). The state is the strength of the sand integrated over the depth, m (the
   plain law's is the depth itself), and its derivatives by depth and by x.
-- gate, of into = n.v, the speed along the outward normal (m/s), and the creep speed (m/s); where the
+- gate, of vn = n.v, the speed along the outward normal (m/s), and the creep speed (m/s); where the
   scene has bristles (`rest`), of n.h and a width instead. The state is the share of the stress that the
-  plate feels, and its derivative by into.
-- push, of into and depth. The state is a pressure against the outward normal, Pa, and its derivatives by
+  plate feels, and its derivative by vn.
+- push, of vn and depth. The state is a pressure against the outward normal, Pa, and its derivatives by
   both.
 
 The force on a plate of area dA is then zeta load share (a - M h) dA - push n dA. The same hooks are
@@ -46,7 +46,8 @@ def numbers(values: Sequence[float]) -> tuple[float, ...] | Array:
 class Effect(Protocol):
     """What a scene asks of an effect.
 
-    ``estimate(scale) -> float``, the relative change of the force on a typical plate, is optional.
+    Optional, for the table of what a scene calls for: ``estimate(scale) -> float``, the relative change of
+    the force on a typical plate; ``number``, what that is in words; ``source``, of its parameters.
     """
 
     @property
@@ -66,6 +67,7 @@ class Scale(NamedTuple):
     depth: float  # to which a level foot sinks, m
     speed: float  # with which a foot is set down, m/s
     distance: float  # walked, m
+    hollow: float = 0.01  # depth of the sole's grooves, m: of a typical one, where no foot is known
 
 
 #: Effects by the names that settings give them, in the order in which they act.
@@ -157,13 +159,13 @@ def _through(hooks: dict[type, Hook]) -> Hook:
     return take
 
 
-#: load(laws, (depth, 1.0, 0.0), depth, x), gate(laws, (1.0, 0.0), into, creep) and
-#: push(laws, (0.0, 0.0, 0.0), into, depth): a plate's, with all effects of a scene.
+#: load(laws, (depth, 1.0, 0.0), depth, x), gate(laws, (1.0, 0.0), vn, creep) and
+#: push(laws, (0.0, 0.0, 0.0), vn, depth): a plate's, with all effects of a scene.
 load, gate, push = _through(LOADS), _through(GATES), _through(PUSHES)
 
 
 def readable(
-    effects: Sequence[Effect], depth: Array, x: Array, into: Array, leads: Array, edge: float
+    effects: Sequence[Effect], depth: Array, x: Array, vn: Array, leads: Array, edge: float
 ) -> tuple[Array, Array, Array]:
     """What effects make of plates: load (m), share of the stress, and pressure (Pa), as arrays.
 
@@ -173,7 +175,7 @@ def readable(
         Of the scene.
     depth, x : arrays, m
         Of each plate.
-    into : array, m/s
+    vn : array, m/s
         Each plate's speed along its outward normal.
     leads : array
         n.v or n.h, by which a gate opens.
@@ -184,5 +186,5 @@ def readable(
     none = np.zeros_like(depth)
     strength = depth if loads is None else load(loads, (depth, none + 1.0, none), depth, x)[0]
     share = none + 1.0 if gates is None else gate(gates, (none + 1.0, none), leads, edge)[0]
-    pressure = none if pushes is None else push(pushes, (none, none, none), into, depth)[0]
+    pressure = none if pushes is None else push(pushes, (none, none, none), vn, depth)[0]
     return strength, share, pressure

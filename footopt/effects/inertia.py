@@ -10,7 +10,7 @@ import numpy as np
 from footopt.effects.base import EFFECTS, Scale, register
 from footopt.errors import check
 
-SKIN = 1e-3  # m: a plate is wet from this depth on, and in proportion above it
+SKIN = 1e-3  # m: a plate throws all of it aside from this depth on, and in proportion above it
 
 
 class InertiaLaw(NamedTuple):
@@ -42,6 +42,7 @@ class Inertia:
 
     factor: float = 1.1
     rho: float = 1600.0
+    number, source = "lambda rho v^2 / (zeta alpha_z z)", "Agarwal et al. (2021)"
 
     def __post_init__(self) -> None:
         check(0 <= self.factor <= 1e3, "effects.inertia.factor", self.factor, "a number >= 0 and <= 1000")
@@ -62,14 +63,18 @@ class Inertia:
         return self.law.density * scale.speed**2 / (scale.stress * scale.depth)
 
 
-def inertial_push(law, state, into, depth):
-    """lambda rho (n.v)^2, times how wet the plate is."""
-    push, by_into, by_depth = state
-    speed = np.maximum(into, 0.0)
-    wet = np.minimum(depth / SKIN, 1.0)
+def inertial_push(law, state, vn, depth):
+    """lambda rho (n.v)^2, in proportion to the depth within the `SKIN`."""
+    push, by_vn, by_depth = state
+    speed = np.maximum(vn, 0.0)
+    part = np.minimum(depth / SKIN, 1.0)
     growing = (depth < SKIN) / SKIN
     pressure = law.density * speed * speed
-    return push + wet * pressure, by_into + 2.0 * law.density * wet * speed, by_depth + growing * pressure
+    return (
+        push + part * pressure,
+        by_vn + 2.0 * law.density * part * speed,
+        by_depth + growing * pressure,
+    )
 
 
 EFFECTS["inertia"] = Inertia

@@ -43,6 +43,7 @@ class Layers:
 
     depths: tuple[float, ...] = (0.03,)
     factors: tuple[float, ...] = (0.3,)
+    number = "change of strength at the depth z"
 
     def __post_init__(self) -> None:
         depths, factors = tuple(map(float, self.depths)), tuple(map(float, self.factors))

@@ -28,18 +28,19 @@ class LeadingEdge:
 
     law = LeadingEdgeLaw()
     nothing = False
+    number, source = "stress of a plate pulled up / pushed down", "Agarwal, Goldman & Kamrin (2023)"
 
     def estimate(self, scale: Scale) -> float:
         """What holds back a level plate that is lifted, over what carries one that sinks."""
         return abs(scale.pull) / scale.stress
 
 
-def leading_gate(law, state, into, creep):
+def leading_gate(law, state, vn, creep):
     """A cubic step from 0 at n.v = -eps to 1 at n.v = eps."""
-    share, by_into = state
-    s = np.minimum(np.maximum(into / creep, -1.0), 1.0)
+    share, by_vn = state
+    s = np.minimum(np.maximum(vn / creep, -1.0), 1.0)
     step, slope = 0.5 + s * (0.75 - 0.25 * s * s), 0.75 * (1.0 - s * s) / creep
-    return share * step, by_into * step + share * slope
+    return share * step, by_vn * step + share * slope
 
 
 EFFECTS["leading_edge"] = LeadingEdge

@@ -46,6 +46,7 @@ class Patches:
     ends: tuple[float, ...] = (0.95,)
     factors: tuple[float, ...] = (0.2,)
     blur: float = 0.05
+    number = "change of strength along the way"
 
     def __post_init__(self) -> None:
         for name in ("begins", "ends", "factors"):

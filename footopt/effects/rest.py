@@ -37,6 +37,7 @@ class Rest:
     length: float = 1e-6
     law = None
     nothing = False
+    number, source = "elastic length / z", "Dahl (1968)"
 
     def __post_init__(self) -> None:
         check(

@@ -40,6 +40,7 @@ class Shadowing:
 
     effective: float = 1.0 / 3.0
     law = None
+    number, source = "depth of the hollow that does not count / z", "Agarwal et al. (2021)"
 
     def __post_init__(self) -> None:
         check(0 <= self.effective <= 1, "effects.shadowing.effective", self.effective, "a part, from 0 to 1")
@@ -50,11 +51,8 @@ class Shadowing:
         return self.effective == 1.0
 
     def estimate(self, scale: Scale) -> float:
-        """What a groove of 10 mm loses of its depth, over the depth to which a foot sinks."""
-        return (1.0 - self.effective) * GROOVE / scale.depth
-
-
-GROOVE = 0.01  # m
+        """What a groove loses of its depth, over the depth to which a foot sinks."""
+        return (1.0 - self.effective) * scale.hollow / scale.depth
 
 
 def filler(effects: Sequence[Effect]) -> Callable[[Array], Array] | None:

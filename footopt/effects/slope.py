@@ -31,6 +31,7 @@ class Slope:
 
     angle: float = 5.0
     law = None
+    number = "weight along the plane / weight"
 
     def __post_init__(self) -> None:
         check(

@@ -98,10 +98,12 @@ def order(folder: Path) -> tuple[str, int, str]:
 
 
 def flat(settings: Mapping[str, Any], name: str = "") -> dict[str, Any]:
-    """Nested settings by their full names; lists are values."""
+    """Nested settings by their full names; a list is a value, unless it is one of settings."""
     found: dict[str, Any] = {}
     for key, value in settings.items():
         path = f"{name}.{key}" if name else str(key)
+        if isinstance(value, list) and value and isinstance(value[0], Mapping):
+            value = dict(enumerate(value))
         found |= flat(value, path) if isinstance(value, Mapping) and value else {path: value}
     return found
 

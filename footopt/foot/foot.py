@@ -264,15 +264,18 @@ def as_plates(
     """
     if isinstance(feet, Plates):
         return feet
+    steps = plates * RULES[rule]
+    bodies: Sequence[Foot | Waypoints]
     if isinstance(feet, Sequence) and any(isinstance(foot, Foot) for foot in feet):
-        whole = [foot for foot in feet if isinstance(foot, Foot)]
+        bodies = whole = [foot for foot in feet if isinstance(foot, Foot)]
         check(len(whole) == len(feet), "feet", "Foot and other things", "all Foot, or all waypoint heights")
         closed = {foot.closed for foot in whole}
         check(len(closed) == 1, "foot.closed", "both in one batch", "the same for all feet of a batch")
-        points = np.stack([foot.points(plates * RULES[rule]) for foot in whole])
-        ankle, width, top = (
-            np.array([getattr(f, n) for f in whole], float) for n in ("ankle", "width", "top")
-        )
-        return Plates.from_points(points, ankle, width, rule, directed, top if True in closed else None, fill)
-    heights = np.atleast_2d(np.asarray(feet))
-    return (space or Waypoints(n=heights.shape[-1])).plates(heights, plates, rule, directed, fill)
+        points = np.stack([foot.points(steps) for foot in whole])
+    else:
+        heights = np.atleast_2d(np.asarray(feet))
+        space = space or Waypoints(n=heights.shape[-1])
+        points = space.points(heights, steps)
+        bodies = [space] * len(points)
+    ankle, width, top = (np.array([getattr(b, n) for b in bodies], float) for n in ("ankle", "width", "top"))
+    return Plates.from_points(points, ankle, width, rule, directed, top if bodies[0].closed else None, fill)

@@ -6,7 +6,6 @@ so that a sole does not depend, to the last bit, on the batch it is computed in.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -15,7 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from footopt.compiled import cached_njit
 from footopt.errors import SettingError, check
-from footopt.foot.plates import RULES, Plates
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -135,21 +133,6 @@ class Waypoints:
         z = self.heights(k)
         points: Array = arc_points(z, _slopes(z), 2.0 * self.L / (self.n - 1), steps)
         return points
-
-    def plates(
-        self,
-        k: ArrayLike,
-        plates: int,
-        rule: str = "arc",
-        directed: bool = False,
-        fill: Callable[[Array], Array] | None = None,
-    ) -> Plates:
-        """Cut the soles into plates, (designs, plates); see `Plates.from_points`."""
-        points = self.points(k, plates * RULES[rule])
-        designs = len(points)
-        ankle, width = np.tile(self.ankle, (designs, 1)), np.full(designs, self.width)
-        top = np.full(designs, float(self.top)) if self.closed else None
-        return Plates.from_points(points, ankle, width, rule, directed, top, fill)
 
     def box_violation(self, k: ArrayLike) -> Array:
         """How far each spline leaves the box [-H, 0], (designs,), m; 0 inside."""

@@ -2,8 +2,7 @@
 
 Random feet walk on the three sands at many settings; the error of a setting is measured against the
 limit of many plates and small steps, its cost on one thread. The presets and `accuracy.tolerance` come
-from the table that this study writes (`footopt/walk/accuracy.csv` is one such table). One foot on each
-sand is also checked against SciPy's LSODA on the angle form of the law.
+from the table that this study writes (`footopt/walk/accuracy.csv` is one such table).
 """
 
 from __future__ import annotations
@@ -17,17 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.table import Table as RichTable
 
-from footopt.effects import Rest
 from footopt.errors import check
-from footopt.foot import Foot, Waypoints
+from footopt.foot import Waypoints
 from footopt.report import terminal
 from footopt.report.figures.accuracy import work_precision
 from footopt.sand import Sand
 from footopt.studies.base import Study
-from footopt.walk import FIVE, Accuracy, Scene, evaluate, simulate
+from footopt.walk import FIVE, Accuracy, Scene, evaluate
 from footopt.walk.accuracy import PRESETS, TABLE_COLUMNS
 from footopt.walk.audit import own_time
-from footopt.walk.reference import lsoda_objectives
 from footopt.walk.steppers import STEPPERS
 
 Array = NDArray[np.float64]
@@ -104,11 +101,11 @@ def run(study: Study) -> None:
     study.say(about)
     limits = (limit, replace(limit, plates=PLATES, creep=1e-4))
     truths: list[list[Array]] = []
-    measured, differences = [], []
+    measured = []
     with study.compiling("every stepper"):
         for stepper in STEPPERS:
             evaluate(feet[:1], scenes[0], Accuracy(stepper), space=space, threads=1)
-    with study.progress(len(grid) + 3 * len(scenes), "measurement") as step:
+    with study.progress(len(grid) + 2 * len(scenes), "measurement") as step:
         for accuracy in limits:
             truths.append([])
             for scene in scenes:
@@ -117,10 +114,6 @@ def run(study: Study) -> None:
         for accuracy in grid:
             measured.append(measure(accuracy, feet, scenes, space, *truths))
             step(f"{accuracy.stepper}, dt {1e3 * accuracy.dt:g} ms, {accuracy.plates} plates")
-        foot = Foot.from_waypoints(feet[0], space)
-        for scene in scenes:
-            differences.append(lsoda_differences(foot, scene, quick))
-            step("SciPy's LSODA")
     write_table(study, measured)
     study.save("accuracy", work_precision(measured, list(PRESETS.values())), CAPTION)
     orders = {name: order(measured, name) for name in STEPPERS}
@@ -133,15 +126,10 @@ def run(study: Study) -> None:
             "feet": feet.tolist(),
             "orders": orders,
             "cheapest": {str(t): None if m is None else m.row for t, m in picks.items()},
-            "scipy_lsoda": dict(zip(SANDS, differences, strict=True)),
         },
         said=[
             "Measured order: " + ", ".join(f"{name} {value:.1f}" for name, value in orders.items()),
             *(f"Cheapest within {100 * t:g} %: {_describe(m)}" for t, m in picks.items()),
-            *(
-                f"{name} sand against SciPy's LSODA on the angle form: {100 * max(found.values()):.4f} %"
-                for name, found in zip(SANDS, differences, strict=True)
-            ),
         ],
         about=[about],
     )
@@ -218,17 +206,6 @@ def _error(values: Array, reference: Array) -> Array:
         error = np.abs(values / reference - 1.0)
     both = np.isnan(values) & np.isnan(reference)
     return np.where(both, 0.0, np.where(np.isfinite(error), error, np.inf))
-
-
-def lsoda_differences(foot: Foot, scene: Scene, quick: bool = False) -> dict[str, float]:
-    """Relative differences of the five objectives between the compiled walk and SciPy's LSODA.
-
-    Of the scene without `effects.Rest`: LSODA has no memory of where plates were.
-    """
-    scene = replace(scene, effects=tuple(e for e in scene.effects if not isinstance(e, Rest)))
-    walk = simulate(foot, scene, Accuracy("sdirk2", 2e-4, 30 if quick else 100, rule="chord"))
-    expected = lsoda_objectives(walk, 1e-7 if quick else 1e-9)
-    return {name: float(abs(walk.objectives[name] / expected[name] - 1.0)) for name in FIVE}
 
 
 def pareto(measured: Sequence[Measurement]) -> list[Measurement]:

@@ -104,21 +104,13 @@ class Study:
         """The one foot of the settings."""
         return make_foot(self.config.foot)
 
-    def store(self, problem: FootProblem, alone: bool = False) -> Store:
+    def store(self, problem: FootProblem) -> Store:
         """Where the designs of a problem are kept: study.store, or a file in the folder.
-
-        Parameters
-        ----------
-        problem : FootProblem
-            Whose designs they are.
-        alone : bool
-            Whether the run has no other problem.
 
         Raises
         ------
         FootoptError
-            The file in the folder is that of another run; or the run is finished, and going on would
-            replace its result by that of other code.
+            The run is finished, and going on would replace its result by that of other code.
         """
         store = Store(self.options.store or self.folder / "designs.sqlite", problem, self.options.reuse)
         if store.foreign and self.options.reuse:
@@ -128,13 +120,6 @@ class Study:
             raise FootoptError(
                 f"{self.folder}: other code has walked this finished run ({listed(store.foreign)}). "
                 "Start a new run; or add study.reuse=true, if you know that the walks are the same."
-            )
-        if store.alien and alone and not self.options.store:
-            why = store.describe()
-            store.close()
-            raise FootoptError(
-                f"{store.path}: was walked with other settings than those of {identity.FILE}. "
-                f"Start a new run. ({why})"
             )
         return store
 

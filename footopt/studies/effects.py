@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from rich.table import Table
 
-from footopt.effects import EFFECTS, Effect, LeadingEdge
+from footopt.effects import EFFECTS, Effect
 from footopt.errors import check
 from footopt.report import terminal
 from footopt.report.figures.effects import changes, pairs
-from footopt.sand import Sand
 from footopt.studies.auto_effects import audit_entry, call_entry, calls_table, joint_entry, soles, tolerance
 from footopt.studies.base import Study
 from footopt.studies.record import scene_entry
 from footopt.walk import FIVE, Scene, evaluate
 from footopt.walk.audit import Audit, Joint, audit, interactions, percent, switched
 from footopt.walk.calls import LITERATURE, calls
-
-#: The leading edge is always audited on these: faces that trail do a fifth to a half of the work.
-SANDS = ("soft", "regular", "hard")
 
 HEADER = (
     "effect", "sand", *(f"change_{n}" for n in FIVE), *(f"shift_{n}" for n in FIVE),
@@ -36,16 +31,18 @@ def run(study: Study) -> None:
     scene, space, limit = study.scene, study.space, tolerance(study.config)
     feet = space.random(count, seed=study.seed, inside=True)
     called = calls(scene, soles(feet, space), limit)
-    audits = to_audit(scene)
+    effects = to_audit(scene)
     found: list[Audit] = []
     with study.compiling("a walk for each effect"):
-        for walked in dict.fromkeys(scene for pair in audits for scene in switched(*pair)):
-            evaluate(feet[:1], walked, study.accuracy, space=space)
-    with study.progress(len(audits), "effect") as step:
-        for effect, where in audits:
-            found.append(audit(effect, where, feet, study.accuracy, limit, space))
-            step(news=f"{found[-1].name.replace('_', ' ')} on {where.sand.name} sand")
-    together = [effect for effect, where in audits if where is scene and is_possible(effect, scene)]
+        for effect in effects:
+            for walked in switched(effect, scene):
+                evaluate(feet[:1], walked, study.accuracy, space=space)
+    with study.progress(len(effects), "effect") as step:
+        for effect in effects:
+            found.append(audit(effect, scene, feet, study.accuracy, limit, space))
+            step(news=found[-1].name.replace("_", " "))
+    # what goes into pairs may be true of any sand, or the scene has it
+    together = [e for e in effects if isinstance(e, LITERATURE) or e in scene.effects]
     with study.compiling("a walk for each pair of effects"):
         joints = interactions(together, scene, feet, study.accuracy, space)
     study.write_csv("effects.csv", HEADER, [_row(a) for a in found])
@@ -64,31 +61,19 @@ def run(study: Study) -> None:
             "feet": feet.tolist(),
             **scene_entry(scene, study.accuracy, ()),
             "audit": [audit_entry(a) for a in found],
-            "called_for": sorted({a.name for a in found if a.matters and a.scene.sand == scene.sand}),
+            "called_for": sorted(a.name for a in found if a.matters),
         },
         said=[
-            *(f"{a.name.replace('_', ' ')} on {a.scene.sand.name} sand {a.verdict}" for a in found),
+            *(f"{a.name.replace('_', ' ')} {a.verdict}" for a in found),
             *(f"Outside of what was tested: {c.warning}." for c in called if c.warning),
         ],
     )
 
 
-def is_possible(effect: Effect, scene: Scene) -> bool:
-    """Whether an effect goes into pairs: it may be true of any sand, or the scene has it."""
-    return isinstance(effect, LITERATURE) or effect in scene.effects
-
-
-def to_audit(scene: Scene) -> list[tuple[Effect, Scene]]:
-    """Every effect, as the scene names it or with its own defaults, and where it is switched on."""
-    found: list[tuple[Effect, Scene]] = []
-    for kind in EFFECTS.values():
-        given = [effect for effect in scene.effects if isinstance(effect, kind)]
-        effect = given[0] if given else kind()
-        found.append((effect, scene))
-        if kind is LeadingEdge:
-            others = [Sand.named(name) for name in SANDS if Sand.named(name).zeta != scene.sand.zeta]
-            found += [(effect, replace(scene, sand=sand)) for sand in others]
-    return found
+def to_audit(scene: Scene) -> list[Effect]:
+    """Every effect, as the scene names it or with its own defaults."""
+    given = {type(effect): effect for effect in scene.effects}
+    return [given.get(kind) or kind() for kind in EFFECTS.values()]
 
 
 def _row(a: Audit) -> list[object]:
@@ -99,15 +84,15 @@ def _row(a: Audit) -> list[object]:
 def table(found: Sequence[Audit]) -> Table:
     """Audits for the terminal: changes in %, with the median's sign."""
     shown = terminal.table(
-        ("effect", "sand", *(n.replace("_", " ") for n in FIVE), "tau", "time", "keep"),
-        words=("effect", "sand"),
+        ("effect", *(n.replace("_", " ") for n in FIVE), "tau", "time", "keep"),
+        words=("effect",),
         title="change that 95 % of the feet do not exceed (%), + or -: the median's sign",
     )
     for a in found:
         pairs = zip(a.changes, a.shifts, strict=True)
         cells = [f"{'+' if shift > 0 else '-'}{percent(100 * change)}" for change, shift in pairs]
         cells += [f"{a.tau:.2f}", f"x {a.cost:.2f}", "yes" if a.matters else "no"]
-        shown.add_row(a.name.replace("_", " "), a.scene.sand.name, *cells)
+        shown.add_row(a.name.replace("_", " "), *cells)
     return shown
 
 

@@ -159,7 +159,7 @@ def _search(study: Study, problem: FootProblem, solver: Solver, stop: Stop) -> S
     e, space = study.config.engine, problem.space
     with (
         make_executor(e.name, e.workers, e.address, e.timeout) as executor,
-        study.store(problem, alone=True) as store,
+        study.store(problem) as store,
     ):
         study.say(
             f"Searching {space.K}^{space.n} soles for {', '.join(problem.names)} on "

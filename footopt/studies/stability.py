@@ -49,12 +49,12 @@ EACH_CELL = (
 
 
 class Verdict(NamedTuple):
-    """A case with a method: stable or not, and by which measure; no walk where nothing is walked."""
+    """A case with a method: stable or not, and by which measure."""
 
     case: Case
     method: str
     measures: tuple[Measure, ...]
-    walk: Walk | None
+    walk: Walk
 
     @property
     def decides(self) -> Measure:
@@ -75,8 +75,6 @@ class Verdict(NamedTuple):
     def took(self) -> dict[str, Any]:
         """What the walk took, by the names of `TOOK`."""
         walk = self.walk
-        if walk is None:
-            return dict.fromkeys(TOOK, math.nan)
         simulated = float(walk.t[-1]) if len(walk.t) else 0.0
         each = walk.evaluations / max(len(walk.t), 1)
         counts = (walk.rescues, walk.shortened, walk.repeats)
@@ -111,9 +109,8 @@ def judge(
         stepper, control = METHODS[method]
         dt = setup.accuracy.dt * (1.0 if STEPPERS[stepper].implicit else EXPLICIT_SHARE)
         accuracy = replace(setup.accuracy, stepper=stepper, dt=dt, control=control)
-        trial = Trial(replace(setup, accuracy=accuracy) if case.walks else setup, converged)
-        measures = tuple(case.judge(trial)) if case.walks or not found else found[0].measures
-        found.append(Verdict(case, method, measures, trial.walk if case.walks else None))
+        trial = Trial(replace(setup, accuracy=accuracy), converged)
+        found.append(Verdict(case, method, tuple(case.judge(trial)), trial.walk))
         step()
     return found
 
@@ -217,6 +214,5 @@ def table(cases: Sequence[Case], stable: dict[str, int], found: Sequence[Verdict
 
 def _cell(v: Verdict) -> Text:
     words = ["ok" if v.stable else "NO", v.cell.text]
-    if v.walk is not None:
-        words += [f"{letter}{n}" for letter, n in (("r", v.walk.rescues), ("x", v.walk.repeats)) if n]
+    words += [f"{letter}{n}" for letter, n in (("r", v.walk.rescues), ("x", v.walk.repeats)) if n]
     return Text(" ".join(words), style="" if v.stable else "bold red")

@@ -1,31 +1,23 @@
-"""The hard cases of study=stability: what is walked, and which judge decides.
-
-A case that no stepper enters (the stress law, reading a gait) has the same verdict for all of them.
-"""
+"""The hard cases of study=stability: what is walked, and which judge decides."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import Any, NamedTuple
 
 from footopt.effects import Effect, Rest, Slope
 from footopt.foot import Foot
 from footopt.gait import Fourier, Gait
 from footopt.studies.stability_judges import (
-    LEAP,
     Measure,
     Setup,
     Trial,
-    judge_direction,
-    judge_leap,
     judge_long_walk,
     judge_rest,
     judge_set_down,
     judge_standing,
-    judge_still_plate,
     judge_sunk,
     judge_walk,
 )
@@ -42,20 +34,12 @@ class Case(NamedTuple):
         From the settings' setup to the case's own.
     judge : callable
         The numbers that decide.
-    walks : bool
-        Whether a walker walks in it; otherwise it is the same for every stepper.
     """
 
     name: str
     asks: str
     build: Callable[[Setup], Setup]
     judge: Callable[[Trial], list[Measure]]
-    walks: bool = True
-
-
-def unchanged(base: Setup) -> Setup:
-    """The settings' own."""
-    return base
 
 
 def walking(
@@ -124,9 +108,6 @@ WALKS = "right within 10 % of the converged walk, energy adds up, none from the 
 RESTS = "a minute on a slope: nothing moves, wherever the time step and delta (or the creep speed) put him"
 LASTS = "the last minute as fast as the second, energy adds up"
 FAILS = "infeasible, because he sank"
-TURNS = "turning about any plate: finite, no jump, and the law's force"
-IS_LAW = "finite, and the force of the published law"
-VERTICAL, HORIZONTAL = ((0.0, -1.0), (0.0, 1.0)), ((1.0, 0.0), (-1.0, 0.0))
 
 CASES = tuple(
     Case(*row)
@@ -161,9 +142,5 @@ CASES = tuple(
         ("ten minutes of walking", LASTS, walking(t_f=600.0), judge_long_walk),
         ("sand that carries nobody", FAILS, walking(zeta=1e-3), judge_sunk),
         ("sinking to the hip", FAILS, walking(zeta=0.02), judge_sunk),
-        ("a plate at rest", TURNS, unchanged, judge_still_plate, False),
-        ("vertical motion", IS_LAW, unchanged, partial(judge_direction, VERTICAL), False),
-        ("horizontal motion", IS_LAW, unchanged, partial(judge_direction, HORIZONTAL), False),
-        ("a gait with a jump", f"a leap of {LEAP:g} deg is refused", unchanged, judge_leap, False),
     )
 )

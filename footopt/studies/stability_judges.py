@@ -6,26 +6,21 @@ allows, who stands still stays, and a converged walk says what the right answer 
 
 from __future__ import annotations
 
-import csv
 import math
-import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from footopt.effects import Rest
 from footopt.effects.rest import rest_length
-from footopt.errors import FileError
 from footopt.foot import Foot
-from footopt.gait import Gait
 from footopt.walk import FIVE, Accuracy, Scene, Walk, simulate
 from footopt.walk.balances import energy_gap, power_from_sand, set_down_speed, sinking_speed, smoothing_power
 from footopt.walk.objectives import FLOORS
-from footopt.walk.reference import contact_forces
 
 # Limits, each with its reason; none depends on the stepper.
 CHATTER = 1e-3  # of the weight: what a force plate resolves; the trapped state has none at all
@@ -35,15 +30,11 @@ ERROR = 0.1  # relative, of a result against the converged walk: beyond it the w
 REST = 1e-6  # m, by which who stands may move in half a minute: a thousandth of a grain
 PLACE = 1e-4  # m, by which the time step and delta, or the creep speed, may choose where he stands
 DRIFT = 1e-3  # relative: a periodic gait forgets its start in a few strides, then nothing changes
-LAW = 1e-9  # relative: the fast form of the law against the angles; rounding is 1e-13
-NUDGE, JUMP = 1e-6, 1e-5  # a change of speed in creep speeds, and of the force that it may cause:
-# h changes by NUDGE, M h by less than NUDGE, and no stress is below a tenth of M's largest entry
 LIMITS = {
-    "chatter": CHATTER, "yielding": YIELDING, "energy": ENERGY, "error": ERROR, "drift": DRIFT, "law": LAW,
-    "jump": JUMP, "rest": REST, "place": PLACE,
+    "chatter": CHATTER, "yielding": YIELDING, "energy": ENERGY, "error": ERROR, "drift": DRIFT, "rest": REST,
+    "place": PLACE,
 }  # fmt: skip
 UNJUDGED = math.inf
-LEAP = 30.0  # deg, the jump in the gait that must be refused
 
 
 @dataclass(frozen=True)
@@ -113,16 +104,12 @@ def judge_standing(trial: Trial) -> list[Measure]:
     walk, truth = trial.walk, trial.converged()
     if walk.reason or truth.reason:
         return [outcome(walk, truth.reason)]
-    late = walk.t > 0.5 * walk.t[-1]
-    weight = walk.scene.walker.mass * walk.scene.gravity[1]  # the part that presses on the sand
+    late, weight = _late(walk), _weight(walk)
     speed = sinking_speed(walk, 0.5 * walk.t[-1])
     crept = speed * 0.5 * walk.t[-1]
-    force = walk.force[late, :, 1].sum(axis=1) / weight
     com, work = walk.com[late], walk.work[late].sum(axis=1)
     return [
-        *_sound(walk),
-        Measure("chatter", float(force.std()), CHATTER),
-        Measure("load", float(abs(force.mean() - 1.0)), CHATTER),
+        *_carried(walk),
         Measure("speed", float(np.hypot(*walk.velocity[late].T).max() / speed), YIELDING),
         Measure("drift", float(np.hypot(*(com[-1] - com[0])) / crept), YIELDING),
         Measure("work", float(abs(work[-1] - work[0]) / (weight * crept)), YIELDING),
@@ -134,18 +121,14 @@ def judge_rest(trial: Trial) -> list[Measure]:
     walk, truth = trial.walk, trial.converged()
     if walk.reason or truth.reason:
         return [outcome(walk, truth.reason)]
-    setup, late = trial.setup, walk.t > 0.5 * walk.t[-1]
-    weight = walk.scene.walker.mass * walk.scene.gravity[1]
-    force, com = walk.force[late, :, 1].sum(axis=1) / weight, walk.com[late]
+    setup, com = trial.setup, walk.com[_late(walk)]
     length = rest_length(setup.scene.effects)
     effects = tuple(Rest(length / 10.0) if isinstance(e, Rest) else e for e in setup.scene.effects if length)
     accuracy = setup.accuracy if length else replace(setup.accuracy, creep=setup.accuracy.creep / 10.0)
     finer = simulate(setup.foot, replace(setup.scene, effects=effects or setup.scene.effects), accuracy)
     places = [float(np.hypot(*(com[-1] - other.com[-1]))) for other in (truth, finer) if len(other.t)]
     return [
-        *_sound(walk),
-        Measure("chatter", float(force.std()), CHATTER),
-        Measure("load", float(abs(force.mean() - 1.0)), CHATTER),
+        *_carried(walk),
         Measure("rest", float(np.hypot(*np.ptp(com, axis=0))), REST),
         Measure("place", max(places), PLACE),
     ]
@@ -166,62 +149,6 @@ def judge_sunk(trial: Trial) -> list[Measure]:
     return [outcome(trial.walk, "sunk")]
 
 
-def judge_still_plate(trial: Trial) -> list[Measure]:
-    """A foot that turns about each of its plates in turn: finite forces, without a jump.
-
-    The plate at rest feels the law's bias; all others are compared with the readable affine form.
-    """
-    jump = error = 0.0
-    bad = 0
-    foot, scene, accuracy = trial.setup.foot, trial.setup.scene, trial.setup.accuracy
-    sole, eps = foot.plates(accuracy.plates, "chord"), accuracy.creep
-    for rate in (-5.0, 5.0):  # rad/s
-        for x, z in zip(sole.x[0], sole.z[0], strict=True):
-            vx, vz = rate * z, -rate * x  # of the hip, which leave this plate at rest
-            here, expected, size = contact_forces(
-                foot, scene, accuracy.plates, (vx, vz, rate), eps, angles=False
-            )
-            bad += int((~np.isfinite(here)).sum())
-            error = max(error, float(np.abs(here - expected).max()) / size)
-            for dx, dz in NUDGE * eps * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]):
-                motion = (vx + dx, vz + dz, rate)
-                there, *_ = contact_forces(foot, scene, accuracy.plates, motion, eps, angles=False)
-                jump = max(jump, float(np.abs(there - here).max()) / size)
-    return [Measure("not finite", bad, 0.0), Measure("jump", jump, JUMP), Measure("law", error, LAW)]
-
-
-def judge_direction(directions: Sequence[tuple[float, float]], trial: Trial) -> list[Measure]:
-    """A foot moved along an axis, fast and slowly: the forces of the law in its angles."""
-    error, bad = 0.0, 0
-    foot, scene, plates = trial.setup.foot, trial.setup.scene, trial.setup.accuracy.plates
-    for vx, vz in directions:
-        for speed in (1e-3, 1.0, 10.0):  # m/s; smoothing of 1e-9 m/s is below rounding in all of them
-            motion = (speed * vx, speed * vz, 0.0)
-            found, expected, size = contact_forces(foot, scene, plates, motion, 1e-9, angles=True)
-            bad += int((~np.isfinite(found)).sum())
-            error = max(error, float(np.abs(found - expected).max()) / max(size, 1e-300))
-    return [Measure("not finite", bad, 0.0), Measure("law", error, LAW)]
-
-
-def judge_leap(trial: Trial) -> list[Measure]:
-    """A gait file whose knee jumps: reading it must be refused."""
-    phase = np.linspace(0.0, 1.0, 101)
-    gait = trial.setup.scene.gait
-    thigh, knee = np.degrees(gait.thigh.at(phase)[0]), np.degrees(gait.knee.at(phase)[0])
-    knee += np.where(phase > 0.5, LEAP, 0.0)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "leap.csv"
-        with open(path, "w", newline="", encoding="utf-8") as file:
-            rows = csv.writer(file)
-            rows.writerow(["time", "thigh", "knee"])
-            rows.writerows(np.stack([phase * gait.period, thigh, knee], axis=1).tolist())
-        try:
-            Gait.from_file(path)
-        except FileError:
-            return [Measure("refused", 0.0, 0.0)]
-    return [Measure("accepted", 1.0, 0.0)]
-
-
 def outcome(walk: Walk, expected: str) -> Measure:
     """0 if a walk ended as expected ("": well), 1 if not."""
     return Measure(walk.reason or "no failure", float(walk.reason != expected), 0.0)
@@ -238,4 +165,24 @@ def _sound(walk: Walk) -> list[Measure]:
         Measure("not finite", float(missing) if missing > 1e-9 else 0.0, 0.0),
         Measure("energy", energy_gap(walk), ENERGY),
         Measure("power", power_from_sand(walk), UNJUDGED if rest_length(walk.scene.effects) else allowed),
+    ]
+
+
+def _late(walk: Walk) -> NDArray[np.bool_]:
+    """The second half of a walk."""
+    return np.asarray(walk.t > 0.5 * walk.t[-1])
+
+
+def _weight(walk: Walk) -> float:
+    """The part of the weight that presses on the sand, N."""
+    return walk.scene.walker.mass * walk.scene.gravity[1]
+
+
+def _carried(walk: Walk) -> list[Measure]:
+    """As `_sound`, and in the second half the sand carries exactly the weight, without chatter."""
+    force = walk.force[_late(walk), :, 1].sum(axis=1) / _weight(walk)
+    return [
+        *_sound(walk),
+        Measure("chatter", float(force.std()), CHATTER),
+        Measure("load", float(abs(force.mean() - 1.0)), CHATTER),
     ]

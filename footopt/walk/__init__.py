@@ -1,6 +1,5 @@
 """The walker on sand: scene, compiled loops, steppers, and what a walk is judged by."""
 
-from footopt.walk import measures as measures
 from footopt.walk.accuracy import PRESETS, Accuracy
 from footopt.walk.objectives import FIVE, MEASURES, OBJECTIVES, gain_shares
 from footopt.walk.resolution import estimate_error
@@ -9,6 +8,7 @@ from footopt.walk.scenarios import Scenario, Spread, draw
 from footopt.walk.scene import Scene, Walker
 from footopt.walk.simulate import evaluate, simulate
 from footopt.walk.steppers import STEPPERS
+from footopt.walk.validity import Diagnostic, diagnose
 
 __all__ = [
     "FIVE",
@@ -17,12 +17,14 @@ __all__ = [
     "PRESETS",
     "STEPPERS",
     "Accuracy",
+    "Diagnostic",
     "Scenario",
     "Scene",
     "Spread",
     "Table",
     "Walk",
     "Walker",
+    "diagnose",
     "draw",
     "estimate_error",
     "evaluate",

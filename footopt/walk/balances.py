@@ -80,8 +80,8 @@ def set_down_speed(walk: Walk) -> float:
     fastest = 0.0
     for sample, foot in np.argwhere(loaded[1:] & ~loaded[:-1]):
         states = walk.plates([sample + 1])
-        wet = states.position[0, foot, :, 1] < 0.0
-        fastest = max(fastest, float(-states.velocity[0, foot, wet, 1].min(initial=0.0)))
+        in_sand = states.position[0, foot, :, 1] < 0.0
+        fastest = max(fastest, float(-states.velocity[0, foot, in_sand, 1].min(initial=0.0)))
     return fastest
 
 

@@ -33,22 +33,7 @@ def bearing_factor(friction: float) -> float:
 #: Effects whose parameters the literature has. The others say what the ground is like.
 LITERATURE: tuple[type, ...] = (LeadingEdge, Inertia, Shadowing)
 
-SOURCES = {
-    "leading_edge": "Agarwal, Goldman & Kamrin (2023)",
-    "inertia": "Agarwal et al. (2021)",
-    "shadowing": "Agarwal et al. (2021)",
-    "rest": "Dahl (1968)",
-}
-NUMBERS = {
-    "leading_edge": "stress of a plate pulled up / pushed down",
-    "inertia": "lambda rho v^2 / (zeta alpha_z z)",
-    "shadowing": "depth of the hollow that does not count / z",
-    "slope": "weight along the plane / weight",
-    "rest": "elastic length / z",
-    "layers": "change of strength at the depth z",
-    "patches": "change of strength along the way",
-}
-
+SCENE = "the scene itself"  # the source of an effect that names none
 EFFECT, RANGE, LACKS = "effect", "tested range", "not in footopt"
 
 
@@ -130,7 +115,7 @@ def calls(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> list[C
     area = length * width
     depth = scale.depth * SOLE / area
     ankle = float(np.median([foot.ankle[1] - foot.contour[:, 1].min() for foot in feet]))
-    scale = scale._replace(depth=depth)
+    scale = scale._replace(depth=depth, hollow=hollow)
     g, weight, speed = scene.walker.g, scene.walker.weight, scale.speed
 
     found = []
@@ -141,13 +126,9 @@ def calls(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> list[C
         effect = given or kind()
         if not hasattr(effect, "estimate"):
             continue
-        value = effect.estimate(scale)
-        if isinstance(effect, Shadowing):
-            value = (1.0 - effect.effective) * hollow / depth
-        number, source = NUMBERS.get(name, "its own estimate"), SOURCES.get(name, "the scene itself")
-        found.append(
-            Call(name.replace("_", " "), EFFECT, number, value, tolerance, source, given is not None)
-        )
+        value, title = effect.estimate(scale), name.replace("_", " ")
+        number, source = getattr(effect, "number", "its own estimate"), getattr(effect, "source", SCENE)
+        found.append(Call(title, EFFECT, number, value, tolerance, source, given is not None))
 
     step = 0.5 * STRIDE * (scene.walker.l1 + scene.walker.l2)
     cone = DENSITY * area * math.sqrt(area / math.pi) * math.tan(CONE) / 3.0

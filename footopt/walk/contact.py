@@ -245,7 +245,8 @@ def _of_foot(h0, foot):
 def static_height(world, sole, poses):
     """Hip height (m) at which the limit forces of downward motion on both feet carry the weight.
 
-    Vertical balance only, h = (0, -1) on every plate. NaN if even at the surface they do not.
+    Vertical balance only: eq. 2 with h = (0, -1) on every plate. Pushes are left out: they depend on the
+    speed, and who stands has none. NaN if even at the surface the forces do not carry it.
     """
     low, high = 0.0, -np.inf
     for foot in range(2):

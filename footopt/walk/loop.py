@@ -17,7 +17,7 @@ from footopt.effects import Laws
 from footopt.walk.bristles import bristles_at_start, record
 from footopt.walk.contact import contact, static_height
 from footopt.walk.metrics import no_extremes, raw_of, sample_of, sinkage_of, step_error, updated
-from footopt.walk.sources import own, source
+from footopt.walk.sources import source, users_own
 from footopt.walk.state import Integrals, Sole, State, World, sole_of, write
 from footopt.walk.steppers import STEPPERS, acceleration, advance, touch
 
@@ -124,7 +124,7 @@ def compiled(stepper: Any, laws: Sequence[Any] = ()) -> Any:
 
     What is kept there is read by every process, and not all of them can import a user's types.
     """
-    return _compile(source(stepper, laws), njit if own(stepper, laws) else cached_njit)
+    return _compile(source(stepper, laws), njit if users_own(stepper, laws) else cached_njit)
 
 
 def walk_range(stepper: Any, soles: Sole, world: World, *rest: Any) -> None:
@@ -146,4 +146,4 @@ def _compile_contact(source: str, compiler: Any):
 def compiled_contact(acting: Laws) -> Any:
     """`contact` for the laws of a scene, without bristles, for Python: only compiled code can call it."""
     key = STEPPERS["sdirk2"].parameters, [law for chosen in acting for law in chosen or ()]
-    return _compile_contact(source(*key), njit if own(*key) else cached_njit)
+    return _compile_contact(source(*key), njit if users_own(*key) else cached_njit)

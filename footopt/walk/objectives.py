@@ -26,14 +26,13 @@ Array = NDArray[np.float64]
 FLOORS = {"work": 1.0, "peak_power": 1.0, "speed_loss": 1e-3}
 
 
-class Raw:
-    """The raw results of a batch, (designs, len(RAW)), by name."""
+#: The raw results of a batch by name (`metrics.RAW`), each (designs,).
+Raw = Mapping[str, Array]
 
-    def __init__(self, raw: Array) -> None:
-        self.array = raw
 
-    def __getitem__(self, name: str) -> Array:
-        return self.array[:, RAW.index(name)]
+def by_name(raw: Array) -> Raw:
+    """The columns of raw results (designs, len(RAW)) by name."""
+    return dict(zip(RAW, raw.T, strict=True))
 
 
 @dataclass(frozen=True)

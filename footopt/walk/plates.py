@@ -28,6 +28,11 @@ class PlateStates:
     area: Array  # (N,), m^2
 
     @property
+    def total(self) -> Array:
+        """F = sum of f over the plates of a foot, (M, 2 feet, 2), N: the paper's eq. 2."""
+        return np.asarray(self.force.sum(axis=2))
+
+    @property
     def power(self) -> Array:
         """f.v of every plate, (M, 2 feet, N), W: the paper's eq. 7."""
         return np.asarray(np.sum(self.force * self.velocity, axis=-1))
@@ -41,11 +46,11 @@ def plate_states(
     scene: Scene,
     creep: float,
     angles: bool = False,
-    held: Array | None = None,
+    bristles: Array | None = None,
 ) -> PlateStates:
     """The plates of one foot shape under a walker in some states, with the effects of a scene.
 
-    The paper's eq. 4 gives places and velocities, eqs. 1 and 2 the forces.
+    The paper's eq. 4 gives places and velocities, eq. 1 the forces; `PlateStates.total` is eq. 2.
 
     Parameters
     ----------
@@ -61,8 +66,8 @@ def plate_states(
         Speed over which the law's jump at rest is smoothed.
     angles : bool
         Whether the law is computed from angles, as published; only for flat plates (rule "chord").
-    held : (M, 2, N, 2), optional
-        Directions h that bristles hold (`bristles.Bristles`), in place of the smoothed velocity's.
+    bristles : (M, 2, N, 2), optional
+        Directions h that the sand's bristles hold (`bristles.Bristles`), in place of the smoothed velocity's.
     """
     assert plates.tx is not None, "plates must be directed"
     assert plates.tz is not None, "plates must be directed"
@@ -80,7 +85,7 @@ def plate_states(
         axis=-1,
     )
     normal = np.stack([sin * tx + cos * tz, sin * tz - cos * tx], axis=-1)
-    h = smoothed(v, creep) if held is None else held
+    h = smoothed(v, creep) if bristles is None else bristles
     if angles:
         beta = np.arctan2(tz, tx) + pose.pitch[..., None]
         stress = by_angles(beta, v, creep, scene.sand.stress_map)
@@ -88,8 +93,8 @@ def plate_states(
         c2p, s2p = np.cos(2.0 * pose.pitch)[..., None], np.sin(2.0 * pose.pitch)[..., None]
         c, s = plates.c2[0] * c2p - plates.s2[0] * s2p, plates.s2[0] * c2p + plates.c2[0] * s2p
         stress = by_direction(c, s, h, scene.sand.stress_map)
-    edge = creep if held is None else EDGE
-    force = forces(stress, position, v, normal, plates.area[0], scene, edge, held)
+    edge = creep if bristles is None else EDGE
+    force = forces(stress, position, v, normal, plates.area[0], scene, edge, bristles)
     return PlateStates(position, v, force, normal, plates.area[0])
 
 
@@ -101,7 +106,7 @@ def forces(
     area: Array,
     scene: Scene,
     edge: float,
-    held: Array | None = None,
+    bristles: Array | None = None,
 ) -> Array:
     """zeta load share stress dA - pressure n dA: the force on plates with a scene's effects, (*S, 2), N.
 
@@ -117,12 +122,12 @@ def forces(
         Its sand and effects count.
     edge : float
         The creep speed, m/s; with bristles `contact.EDGE`.
-    held : (*S, 2), optional
-        Bristles: which way a plate faces, in place of its velocity.
+    bristles : (*S, 2), optional
+        Which way a plate faces, in place of its velocity.
     """
     depth = np.maximum(-position[..., 1], 0.0)
-    into = np.sum(normal * velocity, axis=-1)
-    leads = into if held is None else np.sum(normal * held, axis=-1)
-    load, share, push = effects.readable(scene.effects, depth, position[..., 0], into, leads, edge)
+    vn = np.sum(normal * velocity, axis=-1)
+    leads = vn if bristles is None else np.sum(normal * bristles, axis=-1)
+    load, share, push = effects.readable(scene.effects, depth, position[..., 0], vn, leads, edge)
     pull = scene.zeta * load * share * area
     return np.asarray(pull[..., None] * stress - (push * area)[..., None] * normal)

@@ -24,7 +24,7 @@ NEWTON = 3e-3  # last step of Newton's method over the plates' mean speed; the f
 REST = 4  # longer steps while the walker stands
 HALVINGS = 3  # of a step under control, at most
 ROWS = 5_000_000  # poses of a walk that are tabulated, 112 bytes each; ten minutes take 2.6 million
-KEPT = 4e9  # bytes that the bristles of a traced walk may take
+MOST_BYTES = 4e9  # bytes that the bristles of a traced walk may take
 POSES = 64  # motions whose poses are kept: about 1 MB each, and the time of a few dozen walks
 LONG = ROWS // POSES  # poses of a motion of which only `LONG_ONES` are kept
 LONG_ONES = 2
@@ -78,10 +78,10 @@ def pose_rows(scene: Scene, accuracy: Accuracy) -> float:
 
 def too_long(scene: Scene, accuracy: Accuracy) -> bool:
     """Whether a walk is too long to be traced: for its poses, or for what its bristles remember."""
-    return pose_rows(scene, accuracy) > ROWS or kept_bytes(scene, accuracy) > KEPT
+    return pose_rows(scene, accuracy) > ROWS or bristle_bytes(scene, accuracy) > MOST_BYTES
 
 
-def kept_bytes(scene: Scene, accuracy: Accuracy) -> float:
+def bristle_bytes(scene: Scene, accuracy: Accuracy) -> float:
     """How much the bristles of a traced walk take at most, in single precision."""
     if rest_length(scene.effects) is None:
         return 0.0
@@ -104,8 +104,8 @@ def poses(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, 
             "Or shorten the walk: scene.t_f, gait.period, gait.start.",
         )
     motion = Scene(gait=scene.gait, walker=Walker(l1=scene.walker.l1, l2=scene.walker.l2), t_f=scene.t_f)
-    kept = long_pose_tables if pose_rows(scene, accuracy) > LONG else pose_tables
-    return kept(motion, Accuracy(accuracy.stepper, accuracy.dt, control=accuracy.control))
+    tables = long_pose_tables if pose_rows(scene, accuracy) > LONG else pose_tables
+    return tables(motion, Accuracy(accuracy.stepper, accuracy.dt, control=accuracy.control))
 
 
 def _pose_tables(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ...]]:

@@ -1,8 +1,8 @@
-"""The second program: a contact and a walk written again from the readable law, and published numbers.
+"""The second program: a contact from the readable law, and published numbers.
 
-`lsoda_objectives` walks by SciPy's LSODA with the law in its angles. `PUBLISHED` is what another program,
-written apart from this one, found for one foot: the law in its angles, LSODA, 100 chords for plates, a
-creep speed of 1e-5 m/s, and all else as the defaults are. Every release and study=doctor is held to it.
+`PUBLISHED` is what another program, written apart from this one, found for one foot: the law in its angles,
+LSODA, 100 chords for plates, a creep speed of 1e-5 m/s, and all else as the defaults are. Every release and
+study=doctor is held to it.
 """
 
 from __future__ import annotations
@@ -18,9 +18,8 @@ from footopt.foot import Foot
 from footopt.gait.gait import Pose
 from footopt.walk.accuracy import TOLERANCES, Accuracy
 from footopt.walk.loop import compiled_contact
-from footopt.walk.plates import PlateStates, plate_states
+from footopt.walk.plates import plate_states
 from footopt.walk.prepare import sole, world
-from footopt.walk.results import Walk
 from footopt.walk.scene import Scene
 from footopt.walk.state import COUNTS
 
@@ -91,52 +90,5 @@ def contact_forces(
     both = compiled_contact(laws(scene.effects))
     left = both(constants, sole(sheets), pose.table()[0], 0.0, 0.0, vx, vz, creep, 1e-3, counts).left
     states = plate_states(sheets, pose, np.zeros((1, 2)), np.array([[vx, vz]]), scene, creep, angles)
-    force = states.force[0, 0]
-    return np.array([left.x, left.z]), force.sum(axis=0), float(np.linalg.norm(force, axis=-1).sum())
-
-
-def lsoda_objectives(walk: Walk, rtol: float = 1e-9) -> dict[str, float]:
-    """The five objectives of a walk that is simulated again by SciPy's LSODA.
-
-    It takes the law in its angles, and the plates, the creep speed and the start of the walk that is
-    given, integrates work and height along with the motion, and shares no code with the compiled walk but
-    the effects' hooks.
-
-    Parameters
-    ----------
-    walk : Walk
-        Of chord plates.
-    rtol : float
-        Relative tolerance of the integration.
-    """
-    from scipy.integrate import solve_ivp
-
-    scene, accuracy = walk.scene, walk.accuracy
-    walker, t_f = scene.walker, scene.duration
-    plates = walk.foot.plates(accuracy.plates, "chord", directed=True, fill=filler(scene.effects))
-    tilt, g = scene.gravity
-
-    def at(t: Array, state: Array) -> PlateStates:
-        """The plates at times (T,) in states (4, T)."""
-        pose = scene.gait.pose(t, walker.l1, walker.l2)
-        return plate_states(plates, pose, state[:2].T, state[2:].T, scene, accuracy.creep, angles=True)
-
-    def rate(t: float, y: Array) -> Array:
-        states = at(np.array([t]), y[:4, None])
-        fx, fz = states.force.sum(axis=(0, 1, 2))
-        ax, az = fx / walker.mass + (tilt or 0.0), fz / walker.mass - g
-        return np.array([y[2], y[3], ax, az, states.power.sum(), y[1]])
-
-    start, tight = [0.0, walk.start[1], 0.0, 0.0, 0.0, 0.0], {"rtol": rtol, "atol": 1e-2 * rtol}
-    solution = solve_ivp(rate, (0.0, t_f), start, "LSODA", max_step=5e-3, dense_output=True, **tight)
-    t = np.linspace(scene.gait.heel_strike, t_f, 20_001)
-    states = solution.sol(t)[:4]
-    pieces = [slice(i, i + 1000) for i in range(0, len(t), 1000)]
-    power = np.concatenate([at(t[piece], states[:, piece]).power.sum(axis=-1) for piece in pieces])
-    return {
-        "distance": float(solution.y[0, -1]),
-        "mean_height": float(solution.y[5, -1] / t_f),
-        "work": float(abs(solution.y[4, -1])),
-        "peak_power": float(np.abs(power).max()),
-        "speed_loss": float(np.max(np.maximum.accumulate(states[2]) - states[2])),
-    }
+    size = float(np.linalg.norm(states.force[0, 0], axis=-1).sum())
+    return np.array([left.x, left.z]), states.total[0, 0], size

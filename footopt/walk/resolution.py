@@ -59,8 +59,10 @@ def estimate_error(
 
     Parameters
     ----------
-    foot, scene, accuracy : as in `simulate`.
-    names : of measures; by default all compiled objectives.
+    foot, scene, accuracy
+        As in `simulate`.
+    names : sequence of str, optional
+        Of measures; by default all compiled objectives.
     """
     return error_of(simulate(foot, scene or Scene(), resolve(accuracy)), names)
 

@@ -15,7 +15,7 @@ from footopt.errors import check, needed
 from footopt.foot import Foot
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.metrics import RAW
-from footopt.walk.objectives import MEASURES, OBJECTIVES, Objective, Raw, lookup
+from footopt.walk.objectives import MEASURES, OBJECTIVES, Objective, by_name, lookup
 from footopt.walk.plates import PlateStates, plate_states
 from footopt.walk.scene import Scene
 
@@ -77,7 +77,7 @@ class Table:
         """
         found = lookup([name])[0]
         if found.of == "raw":
-            return np.asarray(found.value(Raw(self.raw), self.scene))
+            return np.asarray(found.value(by_name(self.raw), self.scene))
         check(name in self.names, "name", name, f"one of {', '.join(self.names)}: what was asked for")
         return self.values[:, self.names.index(name)]
 
@@ -176,7 +176,7 @@ class Walk:
     @property
     def objectives(self) -> dict[str, float]:
         """All objectives by name, in natural signs; NaN for a failed walk."""
-        raw = Raw(np.array([[self.totals[name] if self.feasible else np.nan for name in RAW]]))
+        raw = {name: np.array([self.totals[name] if self.feasible else np.nan]) for name in RAW}
         return {name: float(o.value(raw, self.scene)[0]) for name, o in OBJECTIVES.items()}
 
     def judged(self, names: Sequence[str]) -> dict[str, float]:
@@ -243,6 +243,6 @@ class Walk:
         pose = self.scene.gait.pose(self.t[i], self.scene.walker.l1, self.scene.walker.l2)
         fill = filler(self.scene.effects)
         sole = self.foot.plates(self.accuracy.plates, self.accuracy.rule, directed=True, fill=fill)
-        held = None if self.bristles is None else self.bristles[i].astype(np.float64)
+        bristles = None if self.bristles is None else self.bristles[i].astype(np.float64)
         creep = self.accuracy.creep
-        return plate_states(sole, pose, self.com[i], self.velocity[i], self.scene, creep, held=held)
+        return plate_states(sole, pose, self.com[i], self.velocity[i], self.scene, creep, bristles=bristles)

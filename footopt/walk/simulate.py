@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,7 +20,7 @@ from footopt.walk import prepare
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.loop import BACKWARD, DIVERGED, OK, SUNK, walk_range
 from footopt.walk.metrics import RAW, TRACE, Sample
-from footopt.walk.objectives import FIVE, Objective, Raw, lookup
+from footopt.walk.objectives import FIVE, Objective, by_name, lookup
 from footopt.walk.results import Table, Walk
 from footopt.walk.scene import Scene
 from footopt.walk.state import COUNTS
@@ -42,17 +42,27 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
 
     Parameters
     ----------
-    foot : the sole. scene : the paper's walk on hard sand by default.
-    accuracy : an `Accuracy` or a preset's name.
+    foot : Foot
+        The sole.
+    scene : Scene, optional
+        The paper's walk on hard sand by default.
+    accuracy : Accuracy or str
+        An accuracy, or a preset's name.
 
     Returns
     -------
-    Walk : also of a walk that failed; see its `reason`.
+    Walk
+        Also of a walk that failed; see its `reason`.
+
+    Raises
+    ------
+    SettingError
+        The walk is too long to be traced at this accuracy.
     """
     check_kind(foot, Foot, "foot", "Try fo.Foot.from_waypoints(heights)")
     scene, accuracy = _scene(scene), resolve(accuracy)
     check(
-        prepare.kept_bytes(scene, accuracy) <= prepare.KEPT,
+        prepare.bristle_bytes(scene, accuracy) <= prepare.MOST_BYTES,
         "accuracy.plates",
         accuracy.plates,
         f"fewer for a walk of {scene.duration:g} s with effects=rest, which keeps them at every step",
@@ -60,10 +70,10 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
     )
     directed = effects.laws(scene.effects).directed
     plates = foot.plates(accuracy.plates, accuracy.rule, directed, filler(scene.effects))
-    raw, status, counts, trace, kept = _walk(plates, scene, accuracy, sink=True, threads=1, traced=True)
-    there = 1 + np.flatnonzero(np.isfinite(trace[1:]).all(axis=1))
-    rows = trace[there]
-    c: Any = Sample(*rows.T)  # columns
+    walked = _walk(plates, scene, accuracy, sink=True, threads=1, traced=True)
+    bristles = walked.bristle_trace
+    rows = 1 + np.flatnonzero(np.isfinite(walked.trace[1:]).all(axis=1))
+    c: Any = Sample(*walked.trace[rows].T)  # columns
     return Walk(
         foot=foot,
         scene=scene,
@@ -74,14 +84,11 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
         force=np.stack([_pair(c.fx_left, c.fz_left), _pair(c.fx_right, c.fz_right)], axis=1),
         power=_pair(c.power_left, c.power_right),
         work=_pair(c.work_left, c.work_right),
-        bristles=None if kept is None else np.moveaxis(kept[there][..., : plates.x.shape[1]], 2, 3),
-        start=np.array(Sample(*trace[0])[1:3]),
-        reason=REASONS[int(status[0])],
-        totals=dict(zip(RAW, map(float, raw[0]), strict=True)),
-        evaluations=int(counts["evaluations"][0]),
-        rescues=int(counts["rescues"][0]),
-        shortened=int(counts["shortened"][0]),
-        repeats=int(counts["repeats"][0]),
+        bristles=None if bristles is None else np.moveaxis(bristles[rows][..., : plates.x.shape[1]], 2, 3),
+        start=np.array(Sample(*walked.trace[0])[1:3]),
+        reason=REASONS[int(walked.status[0])],
+        totals=dict(zip(RAW, map(float, walked.raw[0]), strict=True)),
+        **{name: int(walked.counts[name][0]) for name in ("evaluations", "rescues", "shortened", "repeats")},
     )
 
 
@@ -103,15 +110,26 @@ def evaluate(
 
     Parameters
     ----------
-    feet : a `Foot` or a sequence of them; or waypoint heights (designs, n) in `space` (default: the
-        paper's).
-    scene, accuracy : as in `simulate`.
-    objectives : names from `footopt.walk.objectives.MEASURES`; those that are measured in Python are slow.
-    threads : how many to use; by default as many as the process may run on.
+    feet : Foot, sequence of Foot, Plates, or (designs, n)
+        The soles; an array holds heights of waypoints in `space`.
+    scene, accuracy
+        As in `simulate`.
+    objectives : sequence of str
+        Names from `footopt.walk.objectives.MEASURES`; those that are measured in Python are slow.
+    space : Waypoints, optional
+        Of the heights; the paper's by default.
+    threads : int, optional
+        How many to use; by default as many as the process may run on.
 
     Returns
     -------
-    Table : with ``values`` (designs, objectives) in natural signs.
+    Table
+        With ``values`` (designs, objectives) in natural signs.
+
+    Raises
+    ------
+    SettingError
+        The scene has no heel strike, an objective is not known, or there are no feet.
     """
     scene, accuracy = _scene(scene), resolve(accuracy)
     if isinstance(feet, Foot):
@@ -128,7 +146,7 @@ def evaluate(
     values = np.full((len(raw), len(chosen)), np.nan)
     for column, o in enumerate(chosen):
         if o.of == "raw":
-            values[:, column] = o.value(Raw(raw), scene)
+            values[:, column] = o.value(by_name(raw), scene)
     if slow := [column for column, o in enumerate(chosen) if o.of != "raw"]:
         for design in np.flatnonzero(status == OK).tolist():
             values[design, slow] = _measured(feet, design, [chosen[c] for c in slow], scene, accuracy, space)
@@ -139,12 +157,8 @@ def evaluate(
         feasible=status == OK,
         reasons=reasons,
         raw=raw,
-        evaluations=counts["evaluations"],
-        plates=counts["plates"],
-        rescues=counts["rescues"],
-        shortened=counts["shortened"],
-        repeats=counts["repeats"],
         scene=scene,
+        **{name: counts[name] for name in COUNTS.names or ()},
     )
 
 
@@ -210,6 +224,16 @@ def _chunks(feet: Any, scene: Scene, accuracy: Accuracy, space: Waypoints | None
     )
 
 
+class _Walked(NamedTuple):
+    """What the compiled loop makes of a batch."""
+
+    raw: Array  # (designs, len(RAW))
+    status: NDArray[np.int64]  # (designs,)
+    counts: NDArray[Any]  # (designs,) of COUNTS
+    trace: Array  # of one design, (rows, len(TRACE)); without rows where nothing is traced
+    bristle_trace: NDArray[np.float32] | None  # (rows, 2 feet, 2, plates)
+
+
 def _walk(
     plates: Plates,
     scene: Scene,
@@ -217,28 +241,29 @@ def _walk(
     sink: bool,
     threads: int | None,
     traced: bool = False,
-) -> tuple[Array, NDArray[np.int64], NDArray[Any], Array, NDArray[np.float32] | None]:
-    """Run the compiled loop over a batch: raw results, status, counts, and one design's trace and bristles.
+) -> _Walked:
+    """Run the compiled loop over a batch.
 
     Walks that diverge are repeated with a quarter of the time step, `MAX_REPEATS` times at most.
     """
-    raw, status, counts, trace, kept = _run(plates, scene, accuracy, sink, threads, traced)
+    walked = _run(plates, scene, accuracy, sink, threads, traced)
     for repeat in range(1, MAX_REPEATS + 1):
-        again = np.flatnonzero(status == DIVERGED)
+        again = np.flatnonzero(walked.status == DIVERGED)
         finer = replace(accuracy, dt=accuracy.dt / 4**repeat)
         if len(again) == 0 or prepare.pose_rows(scene, finer) > prepare.ROWS:
             break
-        plates_again = plates.take(again)
-        raw[again], status[again], more, trace, kept = _run(plates_again, scene, finer, sink, threads, traced)
+        shorter = _run(plates.take(again), scene, finer, sink, threads, traced)
+        walked.raw[again], walked.status[again] = shorter.raw, shorter.status
         for name in COUNTS.names or ():
-            counts[name][again] += more[name]
-        counts["repeats"][again] = repeat
-    return raw, status, counts, trace, kept
+            walked.counts[name][again] += shorter.counts[name]
+        walked.counts["repeats"][again] = repeat
+        walked = walked._replace(trace=shorter.trace, bristle_trace=shorter.bristle_trace)
+    return walked
 
 
 def _run(
     plates: Plates, scene: Scene, accuracy: Accuracy, sink: bool, threads: int | None, traced: bool
-) -> tuple[Array, NDArray[np.int64], NDArray[Any], Array, NDArray[np.float32] | None]:
+) -> _Walked:
     """`_walk` once, with the given time step."""
     stepper, designs = STEPPERS[accuracy.stepper], len(plates.x)
     times, pose0, tables = prepare.poses(scene, accuracy)
@@ -247,15 +272,14 @@ def _run(
     status, counts = np.empty(designs, np.int64), np.zeros(designs, COUNTS)
     trace = np.full((len(tables[-1]) + 1 if traced else 0, len(TRACE)), np.nan)
     constants = prepare.world(scene, accuracy)
-    kept: NDArray[np.float32] | None = None
-    if constants.rest is not None:
-        kept = np.zeros((len(trace), 2, 2, soles.x.shape[1]), np.float32)
+    shape = len(trace), 2, 2, soles.x.shape[1]
+    bristle_trace = None if constants.rest is None else np.zeros(shape, np.float32)
 
     def run(begin: int) -> None:
         end = min(begin + BLOCK, designs)
         walk_range(
             stepper.parameters, soles, constants, pose0, tables, times, accuracy.control,
-            scene.gait.heel_strike, begin, end, raw, status, counts, trace, kept, sink,
+            scene.gait.heel_strike, begin, end, raw, status, counts, trace, bristle_trace, sink,
         )  # fmt: skip
 
     workers = at_once(threads)
@@ -266,4 +290,4 @@ def _run(
     else:
         with ThreadPoolExecutor(min(workers, len(blocks))) as pool:
             list(pool.map(run, blocks))
-    return raw, status, counts, trace, kept
+    return _Walked(raw, status, counts, trace, bristle_trace)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import inspect
 import marshal
 from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
-from types import CodeType
 from typing import Any
 
 from footopt.effects import base as effects
@@ -18,21 +18,21 @@ from footopt.walk import steppers
 HOME = ("footopt.", __name__.rpartition(".")[0] + ".")
 
 
-def is_own(thing: Any) -> bool:
+def is_users(thing: Any) -> bool:
     """Whether a type or function is a user's, not footopt's."""
     return not thing.__module__.startswith(HOME)
 
 
-def own(stepper: Any, laws: Sequence[Any]) -> tuple[Any, ...]:
+def users_own(stepper: Any, laws: Sequence[Any]) -> tuple[Any, ...]:
     """A user's own types and functions among those that a walk needs."""
     hooks = [hooks[type(law)] for law in laws for hooks in effects.HOOKS if type(law) in hooks]
     needed = (type(stepper), steppers.STEPS[type(stepper)], *map(type, laws), *hooks)
-    return tuple(filter(is_own, needed))
+    return tuple(filter(is_users, needed))
 
 
 def source(stepper: Any, laws: Sequence[Any]) -> str:
     """A digest of all that is compiled into a walk with this stepper and these laws of effects."""
-    return digest_of(tuple(thing for thing in own(stepper, laws) if not isinstance(thing, type)))
+    return digest_of(tuple(thing for thing in users_own(stepper, laws) if not isinstance(thing, type)))
 
 
 @lru_cache(maxsize=8)
@@ -60,18 +60,13 @@ def text_of(thing: Any) -> bytes:
 def meaning(text: bytes) -> bytes:
     """A source as it is compiled: comments, docstrings and layout do not count."""
     try:
-        code = compile(text, "", "exec", dont_inherit=True, optimize=2)
+        tree = ast.parse(text)
     except (SyntaxError, ValueError):  # code, not text; or a file that has been edited meanwhile
         return text
-    return repr(_instructions(code)).encode()
-
-
-def _instructions(code: CodeType) -> tuple[Any, ...]:
-    """All that a code object does, without its lines; a set of constants has no order of its own."""
-    constants = [
-        _instructions(c) if isinstance(c, CodeType) else sorted(map(repr, c)) if type(c) is frozenset else c
-        for c in code.co_consts
-    ]
-    names = (code.co_name, code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)
-    takes = (code.co_argcount, code.co_kwonlyargcount, code.co_posonlyargcount, code.co_flags)
-    return code.co_code, code.co_exceptiontable, *names, *takes, constants
+    for node in ast.walk(tree):
+        if (
+            isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef)
+            and ast.get_docstring(node) is not None
+        ):
+            del node.body[0]
+    return ast.dump(tree).encode()

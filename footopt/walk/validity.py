@@ -1,4 +1,4 @@
-"""Is the walk inside what resistive force theory has been tested for? Numbers, with their limits.
+"""Is the walk inside what resistive force theory has been tested for? Numbers, limits, measures.
 
 RFT's growth of stress with depth is tested to about one plate width, its rate independence for slow
 motion, and, as in the paper, faces that trail (n.v < 0) are counted like those that lead, unless the
@@ -9,13 +9,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from footopt.effects import Inertia
 from footopt.effects.rest import rest_length
+from footopt.foot import Foot
 from footopt.walk.balances import creep_while_standing
+from footopt.walk.objectives import measure
 from footopt.walk.results import Walk
 
 Ints = NDArray[np.int64]
@@ -44,8 +47,21 @@ def samples(walk: Walk) -> Ints:
     return np.unique(np.linspace(0, len(walk.t) - 1, SAMPLES).astype(np.int64))
 
 
+@measure("foot", "$h$", "m", maximise=False, worst=1e3, least=0.0)
+def hollow(foot: Foot) -> float:
+    """Largest gap between the sole and its lower convex hull, m."""
+    return foot.hollow
+
+
+@measure("foot", "$d_{\\min}$", "m", maximise=True, worst=-1e3)
+def thickness(foot: Foot) -> float:
+    """Smallest height of the foot's top above its sole, m."""
+    return float(foot.top - foot.contour[:, 1].max())
+
+
+@measure("walk", r"$z_{\mathrm{ankle}}$", "m", maximise=False, worst=1e3)
 def ankle_depth(walk: Walk) -> float:
-    """Largest depth of an ankle below the surface, m; 0 if none is."""
+    """Largest depth of the ankle below the surface, m: only the sole feels the sand, not the leg."""
     index, walker = samples(walk), walk.scene.walker
     pose = walk.scene.gait.pose(walk.t[index], walker.l1, walker.l2)
     return float(max(-(walk.com[index, 1, None] + pose.z).min(), 0.0))
@@ -64,11 +80,11 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
     lasts = np.diff(walk.t[index], prepend=0.0)[:, None, None]  # s, of the time that a sample stands for
     size = lasts * np.linalg.norm(states.force, axis=-1)
     speed = np.linalg.norm(states.velocity, axis=-1)
-    into = np.sum(states.normal * states.velocity, axis=-1)
+    vn = np.sum(states.normal * states.velocity, axis=-1)
     power = lasts * np.abs(np.sum(states.force * states.velocity, axis=-1))
     counted = [effect for effect in walk.scene.effects if isinstance(effect, Inertia)]
     density = (counted[0] if counted else Inertia()).law.density
-    inertia = lasts * density * np.maximum(into, 0.0) ** 2 * states.area * (depth > 0)
+    inertia = lasts * density * np.maximum(vn, 0.0) ** 2 * states.area * (depth > 0)
     total_force, total_power = max(size.sum(), 1e-300), max(power.sum(), 1e-300)
     return [
         Diagnostic(
@@ -101,7 +117,7 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
         ),
         Diagnostic(
             "share of |W| on trailing faces",
-            float(power[into < 0].sum() / total_power),
+            float(power[vn < 0].sum() / total_power),
             "",
             0.2,
             "faces that trail are counted as in the paper; effects=leading_edge leaves them out",
@@ -116,3 +132,26 @@ def standing(walk: Walk) -> list[Diagnostic]:
     why = "the smoothed law lets who stands sink; effects=rest holds him"
     found = Diagnostic("sinking while standing", sinks, "m", 1e-3, why)
     return [found] if found.outside else []
+
+
+@lru_cache(maxsize=1)  # three measures of one walk
+def _by_name(walk: Walk) -> dict[str, float]:
+    return {d.name: d.value for d in diagnose(walk)}
+
+
+@measure("walk", r"$\bar v$", "m/s", maximise=False, worst=1e3, least=0.0)
+def plate_speed(walk: Walk) -> float:
+    """Speed of the plates, weighted by their force, m/s: RFT is tested for slow motion."""
+    return _by_name(walk)["force-weighted plate speed"]
+
+
+@measure("walk", r"$s_{\mathrm{inertia}}$", "", maximise=False, worst=1e3, least=0.0)
+def inertial_share(walk: Walk) -> float:
+    """Share of the force that the grains' inertia has, or would have."""
+    return _by_name(walk)["inertial share of the force"]
+
+
+@measure("walk", r"$s_{\mathrm{trailing}}$", "", maximise=False, worst=1e3, least=0.0)
+def trailing_share(walk: Walk) -> float:
+    """Share of |W| on faces that trail."""
+    return _by_name(walk)["share of |W| on trailing faces"]

@@ -18,12 +18,14 @@ from pathlib import Path
 import pytest
 from running import (
     BRIEF,
+    assert_gone,
     children,
     descendants,
     ended,
     environment,
     footopt,
     outcome,
+    program,
     started,
     tries,
     wait_for,
@@ -82,11 +84,12 @@ def clear(err):
     assert "unexpected" not in err
 
 
-@pytest.mark.parametrize("seed", range(tries(2)))
+@pytest.mark.parametrize("seed", range(tries(3)))
 def test_signals_at_any_moment_change_no_result(seed, undisturbed, tmp_path):
     """Two or three a run: Ctrl-C, a kill, SIGTERM, or a stop for a while; every solver, every engine.
 
-    From the first line of footopt on; before that, Python itself says what it thinks of Ctrl-C.
+    From the first line of footopt on; before that, Python itself says what it thinks of Ctrl-C. A terminal
+    sends it to workers, too. No process outlives its run.
     """
     draw, folder = random.Random(seed), tmp_path / "run"
     solvers, engines = [*SOLVERS, EXHAUSTIVE], [*ENGINES]
@@ -94,23 +97,33 @@ def test_signals_at_any_moment_change_no_result(seed, undisturbed, tmp_path):
     first = [*words_of(solver), "hydra.run.dir=run"]
     for _ in range(2 + seed % 2):
         begun = (folder / identity.FILE).is_file()
-        run = started(*(["resume=run"] if begun else first), *ENGINES[engine], cwd=tmp_path)
+        words = ["resume=run"] if begun else first
+        run = started(*words, *ENGINES[engine], cwd=tmp_path, start_new_session=True)
         if draw.random() < 0.5:
             wait_for(run, "Searching")
             time.sleep(draw.uniform(0.0, 1.5))
         else:
             time.sleep(0.4 + draw.uniform(0.0, 5.0))
         sent = draw.choice([signal.SIGINT, signal.SIGINT, signal.SIGKILL, signal.SIGTERM, signal.SIGSTOP])
-        run.send_signal(sent)
+        family = descendants(run.pid)
+        (os.killpg if sent == signal.SIGINT else os.kill)(run.pid, sent)
         if sent == signal.SIGSTOP:
             time.sleep(1.0)
             run.send_signal(signal.SIGCONT)
         _, err = ended(run)
         clear(err)
+        assert_gone(family)
         assert run.returncode in (0, {signal.SIGINT: 130, signal.SIGSTOP: 0}.get(sent, -sent)), err
         assert run.returncode != 130 or "footopt: stopped" in err
     finished(folder, first)
     same(folder, undisturbed(solver))
+
+
+def test_ctrl_c_inside_code_that_a_library_makes_has_its_exit_code_too(tmp_path):
+    """Python -m would end itself by SIGINT once `exec` has been interrupted, whatever is done about it."""
+    (tmp_path / "made.py").write_text('exec("raise KeyboardInterrupt")')
+    done = program("study=simulate", "plugins=[made.py]", cwd=tmp_path)
+    assert (done.returncode, done.stderr.partition(";")[0]) == (130, "footopt: stopped")
 
 
 @pytest.mark.parametrize("seed", range(tries(1)))
@@ -165,6 +178,28 @@ def limit(pid, what, room):
     elif room is not None:
         most = 4096 * int(Path(f"/proc/{pid}/statm").read_text().split()[0]) + room
     resource.prlimit(pid, kind, (most, resource.prlimit(pid, kind)[1]))
+
+
+@pytest.mark.parametrize("seed", range(tries(2)))
+def test_too_few_files_for_a_whole_resume_blame_no_design(seed, undisturbed, tmp_path):
+    """20 to 90 file handles, with processes or dask: it ends well or says so, and the next resume does."""
+    draw, folder = random.Random(seed), tmp_path / "run"
+    engine, handles = ("dask", "processes")[seed % 2], 45 if seed == 0 else draw.randint(20, 90)
+    first = [*words_of("nsga2"), "hydra.run.dir=run"]
+    done = footopt(*first, "solver.n_gen=5", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    more = ["resume=run", "solver.n_gen=25"]
+
+    def few():
+        resource.setrlimit(resource.RLIMIT_NOFILE, (handles, handles))
+
+    run = started(*more, *ENGINES[engine], cwd=tmp_path, preexec_fn=few)
+    _, err = ended(run)
+    clear(err)
+    assert run.returncode == 0 or "footopt: error: " in err, err
+    done = footopt(*more, *HERE, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    same(folder, undisturbed())
 
 
 @pytest.mark.parametrize("seed", range(tries(1)))

@@ -13,7 +13,7 @@ import footopt as fo
 from footopt.errors import FileError
 from footopt.sand.calibration import calibrate
 
-SAMPLE = 200  # tests of a sand; more with FOOTOPT_CALIBRATIONS
+SAMPLE = 60  # tests of a sand; more with FOOTOPT_CALIBRATIONS
 HEAD = "depth_mm,force_N,area_cm2,angle_deg,direction_deg,repeat\n"
 
 
@@ -61,7 +61,7 @@ def test_without_noise_zeta_and_exponent_are_exact(tmp_path):
 
 
 def test_the_spread_is_that_of_sand_prepared_anew(tmp_path):
-    found = calibrate(plates_in_sand(tmp_path / "t.csv", np.random.default_rng(1), repeats=400, scatter=0.2))
+    found = calibrate(plates_in_sand(tmp_path / "t.csv", np.random.default_rng(1), repeats=150, scatter=0.2))
     assert found.spread == pytest.approx(0.2, rel=0.1)
 
 
@@ -122,7 +122,7 @@ def test_a_damaged_file_is_read_or_refused_and_never_a_traceback(tmp_path):
     """Characters of a good file exchanged, dropped or repeated at random."""
     good = plates_in_sand(tmp_path / "t.csv", np.random.default_rng(1)).read_text()
     random = Random(1)
-    for _ in range(150):
+    for _ in range(50):
         a, b = sorted((random.randrange(len(good)), random.randrange(len(good))))
         other = good[:a] + random.choice("x1;,\n-9") + good[a + 1 :]
         (tmp_path / "bad.csv").write_text(random.choice((good[:a] + good[b:], good[:b] + good[a:], other)))

@@ -8,6 +8,7 @@ from shapely import Polygon
 
 import footopt as fo
 from footopt.errors import SettingError
+from footopt.foot import as_plates
 from footopt.foot.outline import closed_contour
 
 K = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)
@@ -41,7 +42,7 @@ def test_a_side_of_no_length_has_no_area_and_is_finite():
 def test_a_population_and_a_foot_have_the_same_plates():
     space = fo.Waypoints(closed=True, top=0.01)
     alone = fo.Foot.from_waypoints(K, space).plates(48, directed=True)
-    for a, b in zip(space.plates([K, K], 48, directed=True), alone, strict=True):
+    for a, b in zip(as_plates([K, K], 48, "arc", space, directed=True), alone, strict=True):
         np.testing.assert_array_equal(a[1], b[0])
 
 

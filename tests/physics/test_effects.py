@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from every_effect import ALL, LAYERS, ONE, PATCHES, SETS, difference
+from every_effect import ALL, LAYERS, PATCHES, difference
 from feet_in_sand import HEIGHT, PITCH, PLACE, RATE, SOLES, SPEED, feel, force, pose_of
 from hypothesis import assume, given
 from hypothesis import strategies as st
@@ -44,28 +44,20 @@ class TestStrength:
 
 
 class TestContact:
-    @pytest.mark.parametrize("name", [*(pytest.param(n, marks=pytest.mark.slow) for n in ONE), "all"])
     @given(SOLES, HEIGHT, PITCH, RATE, SPEED, SPEED, PLACE, st.sampled_from([1e-3, 1e-2]))
-    def test_has_an_exact_jacobian(self, name, foot, height, pitch, rate, vx, vz, x, stage):
+    def test_has_an_exact_jacobian(self, foot, height, pitch, rate, vx, vz, x, stage):
         """In an implicit stage the place follows the velocity: d/dV of F(r0 + c V, V)."""
         plates, pose, creep, d = foot.plates(40, directed=True), pose_of(height, pitch, rate), 1e-1, 1e-5
 
         def moved(dx, dz):
             follow = {"creep": creep, "stage": stage, "x": x + stage * dx, "z": stage * dz}
-            return force(plates, pose, vx + dx, vz + dz, *SETS[name], **follow)
+            return force(plates, pose, vx + dx, vz + dz, *ALL, **follow)
 
-        found = feel(plates, pose, vx, vz, *SETS[name], creep=creep, stage=stage, x=x)[0]
+        found = feel(plates, pose, vx, vz, *ALL, creep=creep, stage=stage, x=x)[0]
         slopes = [(moved(d, 0) - moved(-d, 0)) / (2 * d), (moved(0, d) - moved(0, -d)) / (2 * d)]
         jacobian = found[3:].reshape(2, 2)
         tolerance = 1e-5 * np.abs(jacobian).max() + 1e-4
         np.testing.assert_allclose(jacobian, np.stack(slopes, axis=1), rtol=0, atol=tolerance)
-
-    @given(SOLES, HEIGHT, PITCH, RATE, SPEED, SPEED, PLACE)
-    def test_jacobian_or_not_the_force_is_the_same(self, foot, height, pitch, rate, vx, vz, x):
-        state = foot.plates(40, directed=True), pose_of(height, pitch, rate), vx, vz, *ALL
-        with_, without = feel(*state, x=x, stage=1e-2)[0], feel(*state, x=x)[0]
-        first = slice(0, 3)
-        np.testing.assert_allclose(with_[first], without[first], rtol=1e-10, atol=1e-8)
 
     @given(st.floats(0.5, 2.9), PLACE, st.floats(0.75, 0.95), SPEED, SPEED)
     def test_readable_and_compiled_form_are_one_law(self, regular_walk, t, x, z, vx, vz):
@@ -103,7 +95,6 @@ SMALL = {
     "inertia": lambda e: Inertia(1.1, 900.0 * e),
     "layers": lambda e: Layers((0.02, 0.05), (1.0 + e, 1.0 - e)),
     "patches": lambda e: Patches((0.35, 1.2), (0.95, 1.6), (1.0 + e, 1.0 + e)),
-    "slope": lambda e: Slope(e),
 }
 
 
@@ -129,19 +120,6 @@ class TestNothing:
         np.testing.assert_allclose(two, 2.0 * one, rtol=0, atol=1e-12 * np.abs(bare).max())
         assert np.abs(one).max() <= 2e-2 * np.abs(bare).max() + 2.0
 
-    @pytest.mark.slow
-    @pytest.mark.parametrize("name", SMALL)
-    def test_the_walk_approaches_the_bare_one_in_proportion(self, name, regular, ramp_foot):
-        def distance(*on):
-            scene = replace(regular, effects=on)
-            accuracy = fo.Accuracy(dt=1e-3, control=1.0)
-            return fo.simulate(ramp_foot, scene, accuracy).objectives["distance"]
-
-        bare = distance()
-        one, two = (distance(SMALL[name](e)) - bare for e in (0.05, 0.1))
-        assert one != 0.0
-        assert two == pytest.approx(2.0 * one, rel=0.1)
-
 
 @pytest.fixture(scope="module")
 def all_walk(scene, ramp_foot):
@@ -159,7 +137,7 @@ class TestWalks:
 
     def test_plates_add_up_to_the_feet(self, all_walk):
         """To the last step of Newton's method; where a plate turns to lead inside it, to its force."""
-        found = all_walk.plates(np.arange(len(all_walk.t))).force.sum(axis=2)
+        found = all_walk.plates(np.arange(len(all_walk.t))).total
         error = np.abs(found - all_walk.force).max(axis=(1, 2)) / np.abs(found).max()
         assert np.quantile(error, 0.99) < NEWTON
         assert error.max() < 1.5 / all_walk.accuracy.plates

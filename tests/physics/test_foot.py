@@ -111,7 +111,7 @@ class TestPlates:
         spline = reference_spline(SPACE, k)
         pieces = zip(SPACE.x[:-1], SPACE.x[1:], strict=True)
         arc = sum(quad(lambda x: math.hypot(1.0, spline(x, 1)), a, b)[0] for a, b in pieces)
-        short = [1.0 - SPACE.plates(k, n, rule).area.sum() / (SPACE.width * arc) for n in (100, 200, 400)]
+        short = [1.0 - as_plates(k, n, rule, SPACE).area.sum() / (SPACE.width * arc) for n in (100, 200, 400)]
         assert -1e-9 < short[2] < 1e-4
         if short[2] > 1e-6:
             assert 3.5 < short[0] / short[1] < 4.5
@@ -132,26 +132,17 @@ class TestPlates:
     @given(HEIGHTS)
     def test_averaged_over_their_arc_keep_the_soles_area_and_first_moments(self, k):
         """An averaged plate stands for its chords: sums over the sole do not notice."""
-        chord, arc = SPACE.plates(k, 256, "chord"), SPACE.plates(k, 64, "arc")
+        chord, arc = as_plates(k, 256, "chord", SPACE), as_plates(k, 64, "arc", SPACE)
         for name in ("x", "z", "c2", "s2"):
             fine = np.sum(chord.area * getattr(chord, name))
             assert np.sum(arc.area * getattr(arc, name)) == pytest.approx(fine, abs=1e-14)
         assert arc.area.sum() == pytest.approx(chord.area.sum(), rel=1e-12)
 
-    @pytest.mark.parametrize("rule", sorted(RULES))
-    def test_of_a_flat_sole_are_level_whatever_the_rule(self, rule, flat_foot):
-        plates = flat_foot.plates(10, rule)
-        np.testing.assert_allclose(plates.x[0], 0.026 * np.arange(10) - 0.117, rtol=0, atol=1e-12)
-        np.testing.assert_allclose(plates.z[0], -0.03, rtol=1e-12)
-        np.testing.assert_allclose(plates.c2[0], 1.0, rtol=1e-12)
-        np.testing.assert_allclose(plates.s2[0], 0.0, rtol=0, atol=1e-12)
-        np.testing.assert_allclose(plates.area[0], 0.1 * 0.026, rtol=1e-9)
-
     @given(st.lists(HEIGHTS, min_size=1, max_size=12), st.data())
     def test_a_design_does_not_depend_on_its_batch(self, batch, data):
         """Bit for bit: stores and engines rest on it."""
         i = data.draw(st.integers(0, len(batch) - 1))
-        together, alone = (SPACE.plates(k, 64, directed=True) for k in (batch, batch[i]))
+        together, alone = (as_plates(k, 64, "arc", SPACE, directed=True) for k in (batch, batch[i]))
         for all_, one in zip(together, alone, strict=True):
             np.testing.assert_array_equal(all_[i], one[0])
         np.testing.assert_array_equal(SPACE.contour(batch)[i], SPACE.contour(batch[i])[0])
@@ -200,12 +191,6 @@ class TestShapes:
         assert depth == pytest.approx(half if name == "circle" else half / 2)
         top = {"ellipse": 0.0, "circle": 0.0, "rectangle": -depth}.get(name, depth)
         assert contour[:, 1].max() == pytest.approx(top, abs=1e-15)
-
-    def test_curves_are_the_curves(self):
-        x, z = fo.Foot.shape("circle").contour.T
-        np.testing.assert_allclose(np.hypot(x, z), 0.26 / np.pi, rtol=1e-12)
-        x, z = fo.Foot.shape("ellipse").contour.T
-        np.testing.assert_allclose(np.hypot(x / x.max(), z / z.min()), 1.0, rtol=1e-12)
 
     def test_the_upright_and_the_apex_are_where_they_are_told(self):
         toe = fo.Foot.shape("reversed_l").contour

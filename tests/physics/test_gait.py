@@ -124,17 +124,6 @@ class TestMotion:
         for a, b in zip(now, later, strict=True):
             np.testing.assert_allclose(a[:, LEFT], b[:, RIGHT], rtol=0, atol=1e-9)
 
-    def test_a_slower_stride_is_the_same_path_at_a_lower_speed(self):
-        slow, fast = (stride(fo.Gait.human(period=T))[1] for T in (2.4, 1.2))
-        np.testing.assert_allclose(slow.x, fast.x, rtol=0, atol=1e-12)
-        np.testing.assert_allclose(2 * slow.vx, fast.vx, rtol=0, atol=1e-11)
-
-    def test_a_leg_is_never_longer_than_its_segments(self):
-        pose = fo.Gait.human().pose(np.linspace(0, 4, 2001), L1, L2)
-        reach = np.hypot(pose.x, pose.z)
-        assert reach.max() <= L1 + L2 + 1e-12
-        assert reach.min() > L1 - L2
-
     def test_the_hip_does_not_go_backwards_while_starting(self):
         """The standing leg carries the hip: its ankle moves back from the start on."""
         t = np.linspace(0.5, 1.1, 601)[1:-1]
@@ -162,12 +151,6 @@ class TestStanding:
 
 
 class TestPitch:
-    def test_of_the_paper_turns_with_the_shank(self):
-        gait = fo.Gait.human()
-        _, (shank, shank_rate), (pitch, rate) = gait.cycle(np.linspace(0, 1, 50))
-        np.testing.assert_array_equal(pitch, shank)
-        np.testing.assert_array_equal(rate, shank_rate)
-
     def test_measured_is_the_foots_own_series(self):
         gait = fo.Gait.human(pitch="measured")
         phase = np.linspace(0, 1, 50)
@@ -211,11 +194,6 @@ class TestFourier:
         d = 1e-5
         (before, _), (_, rate), (after, _) = (series.at(np.array([p])) for p in (phase - d, phase, phase + d))
         np.testing.assert_allclose(rate, (after - before) / (2 * d), rtol=0, atol=1e-5)
-
-    @given(SERIES, st.floats(0, 1))
-    def test_is_periodic_in_the_phase(self, series, phase):
-        a, b = series.at(np.array([phase])), series.at(np.array([phase + 4]))
-        np.testing.assert_allclose(a, b, rtol=0, atol=1e-11)
 
     @given(SERIES)
     def test_a_fit_of_the_curve_gives_the_series_back(self, series):

@@ -46,14 +46,14 @@ class TestInertia:
         np.testing.assert_allclose(thrown, expected, rtol=0, atol=1e-9)
 
     @given(st.floats(-2.0, 2.0), st.floats(0.0, 3e-3))
-    def test_push_has_its_derivatives(self, into, depth):
+    def test_push_has_its_derivatives(self, vn, depth):
         assume(abs(depth - SKIN) > 1e-6)
         found = laws([Inertia()]).pushes
 
         def push(du, dd):
-            return effects.push(found, (0.0, 0.0, 0.0), into + du, depth + dd)[0]
+            return effects.push(found, (0.0, 0.0, 0.0), vn + du, depth + dd)[0]
 
-        _, stiff, sink = effects.push(found, (0.0, 0.0, 0.0), into, depth)
+        _, stiff, sink = effects.push(found, (0.0, 0.0, 0.0), vn, depth)
         assert stiff == pytest.approx(difference(lambda d: push(d, 0.0)), abs=1e-3)
         assert sink == pytest.approx(difference(lambda d: push(0.0, d)), rel=1e-6, abs=1e-2)
 

@@ -5,29 +5,16 @@ import math
 import numpy as np
 import pytest
 from every_effect import DOWN, LAYERS
-from feet_in_sand import PITCH, RATE, SOLES, SPEED, blade, feel, force, pose_of
+from feet_in_sand import blade, force
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
 import footopt as fo
-from footopt.effects import Layers, Scale, laws
-from footopt.effects import base as effects
+from footopt.effects import Layers, Scale
 
 
 class TestLayers:
-    @pytest.mark.parametrize("interface", LAYERS.depths)
-    def test_stress_is_continuous_at_an_interface(self, interface):
-        above, at, below = effects.load(
-            laws([LAYERS]).loads, *self.state(interface + np.array([-1, 0, 1e-12]))
-        )[0]
-        assert below - at == pytest.approx(0.0, abs=1e-11)
-        assert above < at
-
-    @staticmethod
-    def state(depth):
-        return (depth, np.ones_like(depth), np.zeros_like(depth)), depth, 0.0
-
     @given(st.floats(0.0, 0.12), st.floats(-1.5, 1.5), st.floats(0.0, math.pi), st.floats(0.2, 5.0))
     def test_stress_is_the_integral_of_zeta_over_depth(self, depth, beta, gamma, zeta):
         """A plate's force by quadrature of the plain law's growth with depth, as published."""
@@ -42,16 +29,6 @@ class TestLayers:
         plate = blade(beta, parts=8)._replace(x=np.zeros((1, 8)), z=np.zeros((1, 8)))
         found = force(plate, DOWN, vx, vz, LAYERS, zeta=zeta, creep=1e-7, z=-depth)
         np.testing.assert_allclose(found, integral * area * np.array([-ax, az]), rtol=1e-9, atol=1e-8)
-
-    @given(SOLES, PITCH, RATE, SPEED, SPEED)
-    def test_above_the_first_interface_nothing_changes(self, foot, pitch, rate, vx, vz):
-        plates = foot.plates(40, directed=True)
-        lowest = (math.sin(pitch) * plates.x + math.cos(pitch) * plates.z).min()
-        state = plates, pose_of(-lowest - 0.99 * LAYERS.depths[0], pitch, rate), vx, vz
-        plain = feel(*state)[0]
-        np.testing.assert_allclose(
-            feel(*state, LAYERS)[0], plain, rtol=1e-12, atol=1e-12 * np.abs(plain).max()
-        )
 
     def test_are_estimated_at_the_depth_of_the_foot(self):
         scale = Scale(stress=1e6, pull=0.0, depth=0.04, speed=0.5, distance=2.0)

@@ -11,7 +11,7 @@ from numba import njit
 import footopt as fo
 from footopt.errors import SettingError
 from footopt.walk.contact import contact
-from footopt.walk.prepare import KEPT, kept_bytes, sole, world
+from footopt.walk.prepare import MOST_BYTES, bristle_bytes, sole, world
 from footopt.walk.state import COUNTS
 
 STILL = fo.Gait.human(start=math.inf)
@@ -30,7 +30,7 @@ def drift(walk):
     return float(np.hypot(*np.ptp(late, axis=0)))
 
 
-@pytest.mark.parametrize("zeta", [0.05, 0.2, 1.0, 5.0, 50.0, 500.0])
+@pytest.mark.parametrize("zeta", [0.2, 5.0, 500.0])
 def test_who_stands_for_a_minute_stays(zeta, ramp_foot):
     walk = fo.simulate(ramp_foot, standing(zeta))
     weight = walk.scene.walker.weight
@@ -62,12 +62,12 @@ def test_a_walk_whose_memory_would_not_fit_is_refused(ramp_foot):
     long = fo.Scene(t_f=1200.0, effects=(fo.Rest(),))
     with pytest.raises(SettingError, match=r"accuracy\.plates = 400: must be fewer for a walk of 1200 s"):
         fo.simulate(ramp_foot, long, "reference")
-    assert kept_bytes(fo.Scene(t_f=60.0, effects=(fo.Rest(),)), fo.Accuracy.named("fine")) < KEPT
+    assert bristle_bytes(fo.Scene(t_f=60.0, effects=(fo.Rest(),)), fo.Accuracy.named("fine")) < MOST_BYTES
 
 
 def test_the_plates_forces_add_up_to_the_walks(ramp_foot):
     walk = fo.simulate(ramp_foot, fo.Scene(effects=(fo.Rest(),)))
-    found = walk.plates(np.arange(len(walk.t))).force.sum(axis=2)
+    found = walk.plates(np.arange(len(walk.t))).total
     assert np.abs(found - walk.force).max() < 1e-3 * walk.scene.walker.weight
 
 
@@ -102,15 +102,15 @@ def test_the_force_has_its_analytic_derivative_where_plates_stick_and_where_they
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("slope", [0.0, 5.0, 15.0])
-@pytest.mark.parametrize("zeta", [0.05, 0.2, 5.0, 500.0])
+@pytest.mark.parametrize("slope", [0.0, 15.0])
+@pytest.mark.parametrize("zeta", [0.05, 500.0])
 def test_the_resting_place_is_the_sands_and_not_the_numerics(zeta, slope, ramp_foot, flat_foot):
     """On level sand and on every slope that holds; time step, plates and delta do not matter."""
     tilt = (fo.Slope(slope),) if slope else ()
     for foot in (ramp_foot, flat_foot):
         places = []
         for dt, plates, length in ((1e-2, 56, 1e-6), (1e-2, 56, 1e-7), (1e-2, 256, 1e-6), (1e-3, 56, 1e-6)):
-            scene = replace(standing(zeta, *tilt), effects=(fo.Rest(length), *tilt))
+            scene = replace(standing(zeta, *tilt, t_f=20.0), effects=(fo.Rest(length), *tilt))
             walk = fo.simulate(foot, scene, fo.Accuracy(dt=dt, plates=plates))
             assert drift(walk) < DRIFT
             places.append(walk.com[-1])
@@ -118,7 +118,7 @@ def test_the_resting_place_is_the_sands_and_not_the_numerics(zeta, slope, ramp_f
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("scene", range(int(os.environ.get("FOOTOPT_SCENES", 60))))
+@pytest.mark.parametrize("scene", range(int(os.environ.get("FOOTOPT_SCENES", 15))))
 def test_any_walker_rests_on_any_sand(scene):
     """Soles, sands, walkers, slopes and time steps at random; FOOTOPT_SCENES=300 tries more."""
     rng = np.random.default_rng([2026, scene])
@@ -141,10 +141,10 @@ def test_any_walker_rests_on_any_sand(scene):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("preset", ["draft", "standard", "fine", "reference"])
+@pytest.mark.parametrize("preset", ["draft", "fine"])
 def test_every_preset_rests(preset, ramp_foot):
     for zeta in (0.05, 500.0):
-        assert drift(fo.simulate(ramp_foot, standing(zeta, fo.Slope(5.0)), preset)) < DRIFT
+        assert drift(fo.simulate(ramp_foot, standing(zeta, fo.Slope(5.0), t_f=20.0), preset)) < DRIFT
 
 
 @pytest.mark.slow
@@ -198,7 +198,7 @@ def test_who_stops_for_ten_seconds_stays_and_walks_on(sand, ramp_foot):
 @pytest.mark.parametrize("sand", ["soft", "regular", "hard"])
 def test_walks_change_by_less_than_standard_promises(sand):
     """delta is a numerical length: 95 % of the feet's objectives stay within 0.5 %."""
-    plain, feet = fo.Scene(sand=fo.Sand.named(sand)), fo.Waypoints().random(60, 11, inside=True)
+    plain, feet = fo.Scene(sand=fo.Sand.named(sand)), fo.Waypoints().random(20, 11, inside=True)
     remembering = replace(plain, effects=(fo.Rest(),))
     with_, without = (fo.evaluate(feet, scene, "fine").values for scene in (remembering, plain))
     assert np.percentile(np.abs(with_ / without - 1.0), 95.0, axis=0).max() < 5e-3

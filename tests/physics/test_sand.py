@@ -84,18 +84,6 @@ class TestSand:
         b = fo.evaluate([narrow], fo.Scene(sand=Sand(2.0)), accuracy)
         np.testing.assert_allclose(a.values, b.values, rtol=1e-9)
 
-    def test_named_media_of_the_paper_and_the_literature(self):
-        assert {name: Sand.named(name).zeta for name in MEDIA} == {
-            "soft": 0.2,
-            "regular": 1.0,
-            "hard": 5.0,
-            "poppy_loose": 0.35,
-            "poppy_close": 0.55,
-            "glass_beads": 0.33,
-            "medium_sand": 2.02,
-            "mars_simulant": 3.05,
-        }
-
     def test_an_unknown_sand_lists_the_known_ones(self):
         with pytest.raises(SettingError) as error:
             Sand.named("concrete")

@@ -66,7 +66,7 @@ class TestTheWalk:
         scene = fo.Scene(effects=(fo.Shadowing(),))
         one, many = fo.simulate(fo.Foot.from_waypoints(K), scene), fo.evaluate([K, K[::-1]], scene)
         assert many.values[0].tolist() == [one.objectives[name] for name in many.names]
-        found = one.plates(np.arange(len(one.t))).force.sum(axis=2)
+        found = one.plates(np.arange(len(one.t))).total
         error = np.abs(found - one.force).max(axis=(1, 2)) / np.abs(found).max()
         assert np.median(error) < 1e-5
         assert np.quantile(error, 0.9) < NEWTON

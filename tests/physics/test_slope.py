@@ -8,7 +8,6 @@ import pytest
 
 import footopt as fo
 from footopt.effects import Slope
-from footopt.walk.balances import energy_gap, momentum_gap
 
 
 class TestSlope:
@@ -29,19 +28,10 @@ class TestSlope:
         assert shares[1] == pytest.approx(2.0 * shares[0], rel=0.2)
 
     @pytest.mark.slow
-    @pytest.mark.parametrize("angle", [-5.0, 15.0])
-    def test_momentum_and_energy_close(self, angle, scene, ramp_foot):
-        accuracy = fo.Accuracy(dt=1e-3, control=1.0)
-        walk = fo.simulate(ramp_foot, replace(scene, effects=(Slope(angle),)), accuracy)
-        np.testing.assert_allclose(momentum_gap(walk), 0.0, rtol=0, atol=1e-9)
-        assert energy_gap(walk) < 5e-4
-
-    @pytest.mark.slow
-    @pytest.mark.parametrize("sand", ["soft", "regular", "hard"])
-    def test_who_stands_on_10_deg_only_creeps(self, sand, ramp_foot):
+    def test_who_stands_on_10_deg_only_creeps(self, ramp_foot):
         """The sand carries the tilted weight; what motion is left is the smoothing's, and goes with it."""
         gait, slope = fo.Gait.human(start=math.inf), Slope(10.0)
-        scene = fo.Scene(sand=fo.Sand.named(sand), gait=gait, t_f=4.0, effects=(slope,))
+        scene = fo.Scene(gait=gait, t_f=4.0, effects=(slope,))
         weight = scene.walker.weight * np.array([math.sin(math.radians(10)), math.cos(math.radians(10))])
         speeds = []
         for creep in (1e-4, 2e-4):

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from searching import SMALL, assert_same, problem
+from searching import SMALL, assert_same, objective_of, problem
 
-from footopt.design import SOLVERS, FootProblem, Solver, Stop, search
+from footopt.design import FootProblem, Solver, Stop, search
 from footopt.design.result import Generation
 from footopt.design.stop import GAIN
 from footopt.errors import SettingError
@@ -64,12 +64,7 @@ class TestStop:
         assert len(found.history) == 1
         assert found.stopped == "after 1e-09 s"
 
-    @pytest.mark.parametrize("name", ["seconds", "walks", "stall"])
-    def test_nothing_is_no_limit(self, name):
-        with pytest.raises(SettingError, match=rf"stop\.{name} = 0"):
-            Stop(**{name: 0})
-
-    @pytest.mark.parametrize(("name", "value"), [("stall", 1.5), ("walks", 2.5), ("seconds", "ten")])
+    @pytest.mark.parametrize(("name", "value"), [("walks", 0), ("stall", 1.5), ("seconds", "ten")])
     def test_what_cannot_be_counted_is_refused_before_the_search(self, name, value):
         with pytest.raises(SettingError, match=rf"stop\.{name} = .*number > 0"):
             Stop(**{name: value})
@@ -84,13 +79,10 @@ class TestStop:
 
 
 class TestStart:
-    @pytest.mark.parametrize("name", [name for name in SOLVERS if name != "rvea"])
+    @pytest.mark.parametrize("name", ["memetic", "de", "nsga2"])
     def test_the_first_generation_holds_the_designs(self, name):
         k = SMALL.random(3, seed=5)
-        several = name in ("nsga2", "nsga3", "agemoea2", "smsemoa")
-        found = search(
-            problem("pareto" if several else "efficiency"), name, start=k, pop_size=8, n_gen=2, seed=1
-        )
+        found = search(problem(objective_of(name)), name, start=k, pop_size=8, n_gen=2, seed=1)
         first = set(map(tuple, found.k[found.generation == 1]))
         assert set(map(tuple, k)) <= first
         assert len(first) > 3

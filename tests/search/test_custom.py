@@ -1,13 +1,10 @@
 """The examples of one's own sand, effect, objective and solver: short, run as they are, and as plugins."""
 
-import ast
 import dataclasses
-import io
 import json
 import re
 import subprocess
 import sys
-import tokenize
 from pathlib import Path
 
 import numpy as np
@@ -24,8 +21,6 @@ from footopt.studies.settings import AllEffects
 from footopt.walk.objectives import OBJECTIVES
 
 CUSTOM = Path(__file__).parents[2] / "examples" / "custom"
-EXAMPLES = ("sand", "effect", "objective", "solver")
-LAYOUT = {getattr(tokenize, name) for name in ["COMMENT", "NL", "NEWLINE", "INDENT", "DEDENT", "ENDMARKER"]}
 
 
 @pytest.fixture
@@ -42,27 +37,6 @@ def clean(tmp_path):
     for name in set(sys.modules) - modules:
         if str(getattr(sys.modules[name], "__file__", "")).startswith((str(CUSTOM), str(tmp_path))):
             del sys.modules[name]
-
-
-def lines_of_code(text):
-    """Lines with code: no comments, no docstrings, no empty ones."""
-    lines = set()
-    for token in tokenize.generate_tokens(io.StringIO(text).readline):
-        if token.type not in LAYOUT:
-            lines |= set(range(token.start[0], token.end[0] + 1))
-    for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
-            lines -= set(range(node.lineno, node.end_lineno + 1))
-    return len(lines)
-
-
-def test_lines_of_code_are_counted_as_a_reader_would():
-    assert lines_of_code('"""Says\nwhat."""\n\nx = (\n    1\n)  # why\n# more\ny = 2\n') == 4
-
-
-@pytest.mark.parametrize("name", EXAMPLES)
-def test_an_example_has_fewer_than_thirty_lines(name):
-    assert 5 < lines_of_code((CUSTOM / f"{name}.py").read_text(encoding="utf-8")) < 30
 
 
 @pytest.mark.slow
@@ -110,7 +84,7 @@ class TestPlugins:
     def test_a_solver_joins_those_of_one_objective(self):
         load_plugins([str(CUSTOM / "solver.py")])
         problem = fo.FootProblem(space=fo.Waypoints(n=5), accuracy="draft")
-        results = [fo.search(problem, "hill_climbing", pop_size=20, n_gen=15, seed=2) for _ in range(2)]
+        results = [fo.search(problem, "hill_climbing", pop_size=20, n_gen=6, seed=2) for _ in range(2)]
         np.testing.assert_array_equal(results[0].k, results[1].k)
         first = results[0].values[results[0].generation == 1][:, problem.record.index("efficiency")]
         assert results[0].history[-1].best < first.min()

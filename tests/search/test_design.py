@@ -8,7 +8,7 @@ import pytest
 from pymoo.algorithms.soo.nonconvex.ga import GA
 from pymoo.core.problem import Problem
 from pymoo.optimize import minimize
-from searching import SMALL, objective_of, problem, stop_after
+from searching import SMALL, objective_of, problem
 
 import footopt as fo
 from footopt.design import SINGLE, Solver, confirm, search
@@ -102,15 +102,6 @@ class TestSearch:
         assert ((k >= 1) & (k <= 10)).all()
         assert hashlib.sha256(k.astype("<i8").tobytes()).hexdigest()[:16] == ASKED[name]
 
-    @pytest.mark.parametrize("name", ["nsga3", "rvea"])
-    def test_same_seed_same_result_when_constraints_tie(self, name):
-        # soles that all leave the box: every tournament among equal failures is decided by chance
-        runs = [
-            search(problem("pareto", zeta=0.5), name, pop_size=12, n_gen=6, seed=2).k.tolist()
-            for _ in range(2)
-        ]
-        assert runs[0] == runs[1]
-
     @pytest.mark.parametrize("name", SINGLE)
     def test_a_scalar_search_finds_the_best_of_a_space_it_can_enumerate(self, name):
         space = fo.Waypoints(n=4, K=4)
@@ -148,20 +139,16 @@ class TestSearch:
         assert best[-1] == r.column("efficiency")[r.best]
 
     def test_infeasible_designs_are_kept_with_their_reason_and_are_never_best(self):
-        r = search(problem(), "ga", pop_size=30, n_gen=2, seed=1)
-        assert set(r.reasons) == {"", "box"}
+        r = search(problem(zeta=0.04), "ga", pop_size=40, n_gen=2, seed=1)
+        assert set(r.reasons) == {"", "box", "sunk"}
         assert r.feasible[r.best]
         assert ((r.reasons == "") == r.feasible).all()
+        assert sum(r.failures.values()) == (~r.feasible).sum()
+        assert list(r.failures.values()) == sorted(r.failures.values(), reverse=True)
 
     def test_nothing_feasible_says_so_with_counts(self):
         with pytest.raises(FootoptError, match=r"No feasible design among \d+: \d+ sunk"):
             search(problem(zeta=1e-3), "ga", pop_size=6, n_gen=2)
-
-    def test_an_interrupted_search_returns_what_it_has(self):
-        r = search(problem(), "ga", pop_size=8, n_gen=50, seed=1, progress=stop_after(2))
-        assert r.interrupted
-        assert len(r.history) == 2
-        assert r.foot.k is not None
 
     def test_a_solver_that_does_not_fit_the_objectives_is_refused(self):
         with pytest.raises(SettingError, match="several objectives"):
@@ -200,10 +187,10 @@ def test_duplicates_are_those_that_pymoo_finds():
 
 
 def test_reference_directions_are_on_the_simplex_and_cached():
-    w = reference_directions(5, 20)
-    assert w.shape == (20, 5)
+    w = reference_directions(5, 12)
+    assert w.shape == (12, 5)
     np.testing.assert_allclose(w.sum(axis=1), 1.0)
-    assert reference_directions(5, 20) is w
+    assert reference_directions(5, 12) is w
 
 
 def test_ties_in_a_tournament_are_decided_by_the_runs_own_generator():

@@ -13,7 +13,7 @@ from footopt.errors import SettingError
 from footopt.report.figures.stability import Cell, verdicts
 from footopt.studies import stability
 from footopt.studies.stability import judge
-from footopt.studies.stability_cases import CASES, unchanged
+from footopt.studies.stability_cases import CASES
 from footopt.studies.stability_judges import Measure, Setup
 
 BY_NAME = {case.name: case for case in CASES}
@@ -68,12 +68,12 @@ class TestStudy:
         (verdict,) = judge(case, base, ["sdirk2"])
         assert not verdict.stable
         assert not judge(BY_NAME["sinking to the hip"], base, ["sdirk2"])[0].walk.feasible
-        carried = BY_NAME["sinking to the hip"]._replace(build=unchanged)
+        carried = BY_NAME["sinking to the hip"]._replace(build=lambda base: base)
         assert not judge(carried, base, ["sdirk2"])[0].stable
 
     @pytest.mark.slow
     def test_from_the_command_line_in_a_reduced_form(self, tmp_path):
-        cases = ["standing, zeta 5", "spiky soles", "sinking to the hip", "a gait with a jump"]
+        cases = ["standing, zeta 5", "spiky soles", "sinking to the hip"]
         methods = ["sdirk2", "explicit_euler"]
         words = [f"study.cases=[{', '.join(cases)}]", f"study.methods=[{','.join(methods)}]"]
         done = footopt("study=stability", *words, "hydra.run.dir=out", cwd=tmp_path)
@@ -85,10 +85,10 @@ class TestStudy:
             "sdirk2": "1",
             "explicit_euler": "0",
         }
-        assert all(r["rescues"] and r["repeats"] for r in rows if r["case"] != cases[-1])
+        assert all(r["rescues"] and r["repeats"] for r in rows)
         result = json.loads((tmp_path / "out" / "result.json").read_text())
-        assert result["stable"] == {"sdirk2": 4, "explicit_euler": 3}
-        assert result["cases"] == 4
+        assert result["stable"] == {"sdirk2": 3, "explicit_euler": 2}
+        assert result["cases"] == 3
         assert result["settings"]["study"]["methods"] == methods
         check_page(tmp_path / "out")
         assert "NO chatter 1.7" in done.stdout

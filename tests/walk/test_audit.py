@@ -22,22 +22,13 @@ def test_the_rank_correlation_is_kendalls_with_ties():
     assert np.isnan(tau(np.zeros(1), np.ones(1)))
 
 
-@pytest.mark.slow
-def test_an_effect_that_hardly_acts_is_left_out_and_ranks_feet_alike():
-    found = audit(fo.Inertia(rho=0.01), fo.Scene(), FEET, "draft", 0.01, repeats=1)
-    assert not found.matters
-    assert "leave it out" in found.verdict
-    assert (found.lost, found.feet) == (0, 12)
-    assert found.tau == pytest.approx(1.0)
-    assert (found.changes < 1e-3).all()
-
-
 def test_an_effect_that_acts_is_kept_and_says_what_it_changes():
     found = audit(fo.LeadingEdge(), fo.Scene(), FEET, "draft", 0.01, repeats=1)
     assert found.matters
     assert found.verdict.startswith(f"changes {found.worst.replace('_', ' ')} by")
     assert found.verdict.endswith("above your 1 %, keep it")
     assert "leave it out" in replace(found, tolerance=10.0).verdict
+    assert 0.0 < found.tau < 1.0
     assert (found.lost, found.feet) == (0, 12)
     with_ = fo.evaluate(FEET, fo.Scene(effects=(fo.LeadingEdge(),)), "draft").values
     without = fo.evaluate(FEET, fo.Scene(), "draft").values
@@ -54,7 +45,8 @@ def test_the_effect_takes_the_place_of_one_of_its_kind():
 
 @pytest.mark.slow
 def test_walks_that_fail_with_it_are_counted_and_matter():
-    found = audit(fo.Layers((1e-3,), (1e-4,)), fo.Scene(), FEET[:3], "draft", repeats=1)
+    bog = fo.Patches((-1.0, 30.0), (20.0, 40.0), (1e-4, 1.0))
+    found = audit(bog, fo.Scene(), FEET[:3], "draft", repeats=1)
     assert (found.lost, found.feet, found.matters) == (3, 0, True)
     assert "3 walks fail" in found.verdict
 

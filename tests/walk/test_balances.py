@@ -80,15 +80,14 @@ def finite_or_infeasible_with_a_reason(foot, scene):
 
 
 class TestRandomScenes:
-    @settings(max_examples=100)
     @given(hard_scenes())
     def test_no_nan_in_any(self, scene):
         finite_or_infeasible_with_a_reason(*scene)
 
     @pytest.mark.slow
-    @settings(max_examples=1000, suppress_health_check=[HealthCheck.too_slow])
+    @settings(max_examples=300, suppress_health_check=[HealthCheck.too_slow])
     @given(hard_scenes())
-    def test_no_nan_in_a_thousand(self, scene):
+    def test_no_nan_in_hundreds(self, scene):
         finite_or_infeasible_with_a_reason(*scene)
 
 
@@ -114,9 +113,8 @@ class TestEnergy:
             assert force @ velocity < 0
 
     @pytest.mark.parametrize("stepper", STEPPERS)
-    @pytest.mark.parametrize("zeta", [0.2, 5.0, 50.0])
-    def test_the_sand_gives_no_power_beyond_that(self, zeta, stepper, ramp_foot):
-        walk = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand(zeta)), fo.Accuracy(stepper, 1e-3, 64, 1e-4))
+    def test_the_sand_gives_no_power_beyond_that(self, stepper, ramp_foot):
+        walk = fo.simulate(ramp_foot, fo.Scene(), fo.Accuracy(stepper, 1e-3, 64, 1e-4))
         assert power_from_sand(walk) <= smoothing_power(GENERIC)
 
 
@@ -167,6 +165,6 @@ class TestNewton:
     @pytest.mark.parametrize("stepper", ["sdirk2", "implicit_euler"])
     def test_a_step_that_begins_in_the_air_sees_the_sand_it_ends_in(self, stepper, flat_foot):
         walk = fo.simulate(flat_foot, fo.Scene(), fo.Accuracy(stepper, 6.25e-2, 64, 1e-4, rule="chord"))
-        law = walk.plates(np.arange(len(walk.t))).force.sum(axis=2)
+        law = walk.plates(np.arange(len(walk.t))).total
         # Newton's last step leaves 2 % of the weight in so long a step; an unseen landing more than all
         assert np.abs(walk.force - law).max() < 0.1 * walk.scene.walker.weight

@@ -1,6 +1,8 @@
 """What a walk is judged by: each objective recomputed from a fine trace by numpy, and J_W."""
 
 import math
+from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,12 +13,13 @@ import footopt as fo
 from footopt.errors import SettingError
 from footopt.gait import LEFT, RIGHT
 from footopt.walk import FIVE, OBJECTIVES, gain_shares
-from footopt.walk.metrics import RAW, hermite, hermite_extreme
-from footopt.walk.objectives import FLOORS, Raw, lookup
+from footopt.walk.metrics import RAW, hermite, hermite_extreme, no_extremes, updated
+from footopt.walk.objectives import FLOORS, by_name, lookup
 
 STRIKE = 1.1  # s, the first heel strike
 
 
+@cache
 def recomputed(walk):
     """The objectives of a walk from its trace, by their definitions, without interpolation."""
     walker, t, vx = walk.scene.walker, walk.t, walk.velocity[:, 0]
@@ -49,12 +52,6 @@ class TestAgainstTheTrace:
         rel = 1e-2 if name in ("peak_power", "speed_loss") else 3e-3
         assert walk.objectives[name] == pytest.approx(recomputed(fine_walk)[name], rel=rel)
 
-    def test_interpolated_peaks_are_never_below_the_sampled_ones(self, walk):
-        sampled = recomputed(walk)
-        for name in ("peak_power", "speed_loss"):
-            assert walk.objectives[name] >= sampled[name] * (1 - 1e-12)
-            assert walk.objectives[name] == pytest.approx(sampled[name], rel=2e-2)
-
     def test_work_is_lost_and_joints_make_up_for_it(self, walk):
         """The sand takes |W|; the joints give at least that, less the energy the hip lost."""
         assert walk.work[-1, LEFT] < 0
@@ -62,7 +59,7 @@ class TestAgainstTheTrace:
         assert walk.objectives["work"] == pytest.approx(-walk.work[-1].sum())
         assert walk.objectives["positive_joint_work"] >= walk.totals["net_joint_work"]
 
-    @pytest.mark.parametrize("t_f", [1.13, 1.2, 1.3, 1.45, 1.75, 1.85, 2.05])
+    @pytest.mark.parametrize("t_f", [1.13, 1.45, 1.85])
     def test_of_walks_that_end_anywhere_in_a_step(self, t_f, scene, ramp_foot):
         """In the middle of a fall of the speed or a rise of the power, too."""
         walk = fo.simulate(ramp_foot, fo.Scene(scene.sand, t_f=t_f), "fine")
@@ -76,6 +73,19 @@ class TestAgainstTheTrace:
         late = walk.t >= STRIKE - 1e-9
         assert walk.objectives["peak_power"] == pytest.approx(np.abs(walk.power[late]).max(), rel=1e-3)
         assert np.abs(walk.power[~late]).max() > 1.2 * walk.objectives["peak_power"]
+
+
+def test_a_peak_before_the_strike_does_not_come_in_by_interpolation():
+    """Of three samples of |P| only the last is at the strike: the highest, just before it, does not count."""
+    none = SimpleNamespace(power=0.0, z=0.0)
+    states = [
+        SimpleNamespace(vx=1.0, contact=SimpleNamespace(left=SimpleNamespace(power=-p, z=0.0), right=none))
+        for p in (1.0, 5.0, 4.0)
+    ]
+    found = no_extremes()
+    for t, before, after in zip((0.98, 0.99, 1.0), [states[0], *states], states, strict=False):
+        found = updated(found, before, after, 0.0, 0.0, t, 0.01, 1.0, 0.0)
+    assert found.power == 4.0
 
 
 class TestTrade:
@@ -94,7 +104,7 @@ class TestTrade:
 
         def j_w(**changed):
             row = [{**values, **changed}.get(column, 0.0) for column in RAW]
-            return OBJECTIVES["efficiency"].value(Raw(np.array([row])), fo.Scene())[0]
+            return OBJECTIVES["efficiency"].value(by_name(np.array([row])), fo.Scene())[0]
 
         assert j_w(**{name: 0.0}) == j_w(**{name: floor}) == j_w(**{name: floor / 2})
         assert j_w(**{name: 2 * floor}) == pytest.approx(j_w(**{name: floor}) / 2)
@@ -114,13 +124,6 @@ class TestTrade:
     def test_a_gain_in_one_factor_is_all_its_own(self):
         base = dict.fromkeys(FIVE, 10.0)
         assert gain_shares({**base, "work": 5.0}, base) == {**dict.fromkeys(FIVE, 0.0), "work": 1.0}
-
-    def test_equal_gains_share_equally_and_a_loss_is_negative(self):
-        base = dict.fromkeys(FIVE, 10.0)
-        shares = gain_shares({**base, "distance": 40.0, "work": 5.0, "peak_power": 20.0}, base)
-        assert shares["distance"] == pytest.approx(1.0)
-        assert shares["work"] == pytest.approx(0.5)
-        assert shares["peak_power"] == pytest.approx(-0.5)
 
     def test_no_gain_has_no_shares(self):
         base = dict.fromkeys(FIVE, 10.0)

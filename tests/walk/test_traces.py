@@ -81,9 +81,8 @@ class TestFailures:
         assert np.isnan(table.values[[1, 3]]).all()
         np.testing.assert_array_equal(table.values[[0, 2]], fo.evaluate([flat_foot, ramp_foot], scene).values)
 
-    @pytest.mark.parametrize("creep", [1e-6, 1e-9])
-    def test_a_nearly_sharp_law_is_still_walked_on(self, creep, scene, ramp_foot, fine_walk):
-        walk = fo.simulate(ramp_foot, scene, fo.Accuracy(dt=5e-3, creep=creep))
+    def test_a_nearly_sharp_law_is_still_walked_on(self, scene, ramp_foot, fine_walk):
+        walk = fo.simulate(ramp_foot, scene, fo.Accuracy(dt=5e-3, creep=1e-9))
         assert walk.feasible
         assert walk.objectives["distance"] == pytest.approx(fine_walk.objectives["distance"], rel=5e-3)
 
@@ -118,15 +117,11 @@ class TestTraces:
         table = fo.evaluate([ramp_foot], walk.scene, accuracy)
         assert (table.shortened[0], table.evaluations[0]) == (walk.shortened, walk.evaluations)
 
-    @pytest.mark.parametrize(
-        "stepper", ["explicit_euler", pytest.param("rk4", marks=pytest.mark.slow), "sdirk2"]
-    )
-    def test_a_smaller_control_gives_a_smaller_error(self, stepper, ramp_foot):
+    def test_a_smaller_control_gives_a_smaller_error(self, ramp_foot):
         exact = fo.simulate(ramp_foot, fo.Scene(), fo.Accuracy(dt=2e-4)).objectives
 
         def error(control):
-            accuracy = fo.Accuracy(stepper, 1e-2 if stepper == "sdirk2" else 2e-3, control=control)
-            found = fo.simulate(ramp_foot, fo.Scene(), accuracy).objectives
+            found = fo.simulate(ramp_foot, fo.Scene(), fo.Accuracy(dt=1e-2, control=control)).objectives
             return max(abs(found[name] / exact[name] - 1.0) for name in ("work", "peak_power", "speed_loss"))
 
         coarse, fine = error(3e-2), error(3e-5)
@@ -152,16 +147,7 @@ class TestTraces:
         rate = np.gradient(fine_walk.com, fine_walk.t, axis=0)[1:-1]
         np.testing.assert_allclose(rate, fine_walk.velocity[1:-1], rtol=0, atol=2e-3)
 
-    def test_force_is_mass_times_acceleration_and_weight(self, fine_walk):
-        walker = fine_walk.scene.walker
-        rate = np.gradient(fine_walk.velocity, fine_walk.t, axis=0)
-        force = fine_walk.force.sum(axis=1) - np.array([0.0, walker.weight])
-        late = fine_walk.t > 0.1  # the first instants settle within the creep speed
-        error = np.abs(walker.mass * rate - force)[late]
-        assert np.quantile(error, 0.99) < 1e-2 * walker.weight
-
-    @pytest.mark.parametrize("rule", ["arc", "chord"])
-    @pytest.mark.parametrize("stepper", ["semi_implicit_euler", "heun", "sdirk2"])
+    @pytest.mark.parametrize(("stepper", "rule"), [("heun", "chord"), ("sdirk2", "arc")])
     def test_plates_add_up_to_the_feet(self, rule, stepper, scene, ramp_foot):
         """To rounding; behind an implicit step, to the last step of Newton's method (NEWTON)."""
         tolerance = NEWTON if stepper == "sdirk2" else 1e-9
@@ -170,19 +156,6 @@ class TestTraces:
         force, power = states.force.sum(axis=2), np.sum(states.force * states.velocity, axis=(2, 3))
         np.testing.assert_allclose(force, walk.force, rtol=0, atol=tolerance * np.abs(force).max())
         np.testing.assert_allclose(power, walk.power, rtol=0, atol=tolerance * np.abs(power).max())
-
-    def test_plates_of_the_paper_feel_the_published_stresses(self, scene, ramp_foot):
-        """Fast plates, where the creep speed does not matter, by the map in the angles."""
-        walk = fo.simulate(ramp_foot, scene, fo.Accuracy(dt=5e-3, plates=64, rule="chord"))
-        states = walk.plates(np.arange(0, len(walk.t), 20))
-        beta = np.arctan2(states.normal[..., 0], -states.normal[..., 1])
-        gamma = np.arctan2(-states.velocity[..., 1], states.velocity[..., 0])
-        ax, az = fo.stress.alpha(beta, gamma)
-        pull = scene.sand.zeta * np.maximum(-states.position[..., 1], 0.0) * states.area
-        force = np.stack([-ax, az], axis=-1) * pull[..., None]
-        fast = np.hypot(states.velocity[..., 0], states.velocity[..., 1]) > 0.1
-        assert fast.any()
-        np.testing.assert_allclose(states.force[fast], force[fast], rtol=0, atol=1e-6 * force.max())
 
 
 class TestValidity:

@@ -6,16 +6,18 @@ import subprocess
 import sys
 from dataclasses import replace
 
+import every_effect
 import numpy as np
 import pytest
+from lsoda import lsoda_objectives
 
 import footopt as fo
-from footopt.foot import Plates
+from footopt.foot import Plates, as_plates
 from footopt.gait import LEFT, RIGHT
 from footopt.walk import STEPPERS
 from footopt.walk.accuracy import TOLERANCES
-from footopt.walk.balances import energy_gap
-from footopt.walk.reference import LIMITS, PUBLISHED, RAMP, SAME_PLATES, lsoda_objectives
+from footopt.walk.balances import energy_gap, momentum_gap
+from footopt.walk.reference import LIMITS, PUBLISHED, RAMP, SAME_PLATES
 
 ALL = sorted(STEPPERS)
 
@@ -29,10 +31,10 @@ class TestIndependentProgram:
         np.testing.assert_allclose(table.values[0], published.objectives, rtol=limit)
 
     @pytest.mark.slow
-    def test_a_walk_uphill_with_leading_edges_is_that_of_the_second_program(self, ramp_foot):
+    def test_a_walk_with_every_effect_is_that_of_the_second_program(self, ramp_foot):
         """SciPy's LSODA with the law in its angles shares only the effects' hooks with the compiled walk."""
-        scene = fo.Scene(effects=(fo.LeadingEdge(), fo.Slope(3.0)))
-        walk = fo.simulate(ramp_foot, scene, fo.Accuracy("sdirk2", 2e-3, 40, 1e-2, rule="chord"))
+        accuracy = fo.Accuracy("sdirk2", 2e-3, 40, 1e-2, rule="chord", control=1.0)
+        walk = fo.simulate(ramp_foot, fo.Scene(effects=every_effect.ALL), accuracy)
         for name, value in lsoda_objectives(walk, rtol=1e-7).items():
             assert walk.objectives[name] == pytest.approx(value, rel=5e-4)
 
@@ -54,12 +56,10 @@ def slopes(errors):
 
 class TestBalances:
     @pytest.mark.parametrize("stepper", ALL)
-    def test_momentum_is_the_impulse_of_sand_and_weight(self, stepper, scene, ramp_foot):
+    def test_momentum_is_the_impulse_of_sand_and_weight(self, stepper, regular, ramp_foot):
         """M v = integral of force - M g t, to rounding: a step takes from the sand what it gives."""
-        walk = fo.simulate(ramp_foot, scene, fo.Accuracy(stepper, 1e-3))
-        momentum = scene.walker.mass * walk.velocity[-1]
-        impulse = [walk.totals["impulse_x"], walk.totals["impulse_z"] - scene.walker.weight * walk.t[-1]]
-        np.testing.assert_allclose(momentum, impulse, rtol=0, atol=1e-9)
+        walk = fo.simulate(ramp_foot, regular, fo.Accuracy(stepper, 1e-3))
+        np.testing.assert_allclose(momentum_gap(walk), 0.0, rtol=0, atol=1e-9)
 
     @pytest.mark.parametrize("stepper", ALL)
     def test_energy_closes_at_the_steppers_order(self, stepper, sliding):
@@ -69,10 +69,6 @@ class TestBalances:
             walk = sliding(stepper, steps)
             errors.append(energy_gap(walk))
         assert (slopes(errors) > STEPPERS[stepper].order - 0.15).all()
-
-    def test_energy_of_a_whole_walk_closes(self, scene, ramp_foot):
-        walk = fo.simulate(ramp_foot, scene, fo.Accuracy(dt=1e-3))
-        assert energy_gap(walk) < 1e-4
 
     def test_work_is_the_integral_of_power(self, fine_walk):
         for foot in (LEFT, RIGHT):
@@ -89,22 +85,6 @@ class TestOrders:
         exact = state(sliding("rk4", 1600))
         errors = [np.abs(state(sliding(stepper, n)) - exact).max() for n in (16, 32, 64)]
         np.testing.assert_allclose(slopes(errors), STEPPERS[stepper].order, rtol=0, atol=0.3)
-
-    def test_all_steppers_converge_to_one_walk(self, regular, ramp_foot):
-        ends = [
-            fo.simulate(ramp_foot, regular, fo.Accuracy(stepper, 1e-4, 100, 1e-4)).com[-1] for stepper in ALL
-        ]
-        np.testing.assert_allclose(ends, [ends[0]] * len(ends), rtol=1e-3)
-
-    def test_each_preset_is_better_than_the_one_before(self, scene):
-        k = fo.Waypoints().random(10, seed=5, inside=True)
-        exact = fo.evaluate(k, scene, "reference").values
-        draft, standard, fine = (
-            np.quantile(np.abs(fo.evaluate(k, scene, name).values / exact - 1).max(axis=1), 0.95)
-            for name in ("draft", "standard", "fine")
-        )
-        assert fine < 0.7 * standard < 0.5 * draft
-        assert standard < 0.02
 
     @pytest.mark.slow
     def test_presets_keep_their_promise_for_95_percent_of_random_feet(self, scene):
@@ -129,7 +109,7 @@ class TestSymmetriesOfTheWalk:
         a, b = (fo.simulate(foot, regular) for foot in (still, moved))
         np.testing.assert_allclose(a.com, b.com, rtol=0, atol=1e-9)
 
-    @pytest.mark.parametrize("stepper", ALL)
+    @pytest.mark.parametrize("stepper", ["sdirk2", "explicit_euler"])
     def test_similar_walkers_walk_alike(self, stepper, ramp_foot):
         """Lengths x s, times x sqrt(s), masses x s^3 in the same sand and gravity: no other scale.
 
@@ -150,7 +130,7 @@ class TestSymmetriesOfTheWalk:
         np.testing.assert_allclose(big.force, small.force * s**3, rtol=1e-10)
         assert big.objectives["efficiency"] * s**6 == pytest.approx(small.objectives["efficiency"], rel=1e-10)
 
-    @pytest.mark.parametrize("effects", [(), (fo.Inertia(), fo.LeadingEdge(), fo.Slope(5.0))])
+    @pytest.mark.parametrize("effects", [(), every_effect.ALL], ids=["plain", "all effects"])
     def test_a_walk_on_the_moon_is_one_on_the_earth_in_slow_motion(self, effects, ramp_foot):
         """The weight of the grains makes their strength: times x sqrt(9.81 / g) at the same depths.
 
@@ -184,10 +164,9 @@ class TestReproducibility:
         assert table.evaluations[0] == walk.evaluations
         np.testing.assert_array_equal(fo.evaluate(ramp_foot, scene).raw, fo.evaluate([ramp_foot], scene).raw)
 
-    @pytest.mark.parametrize("stepper", ["sdirk2", "semi_implicit_euler"])
-    def test_a_design_does_not_depend_on_batch_place_or_threads(self, stepper, regular):
+    def test_a_design_does_not_depend_on_batch_place_or_threads(self, regular):
         """Bit for bit: stores, engines and resume rest on it."""
-        accuracy, k = fo.Accuracy(stepper, 5e-3, 50), fo.Waypoints().random(40, seed=2)
+        accuracy, k = fo.Accuracy("sdirk2", 5e-3, 50), fo.Waypoints().random(40, seed=2)
         one = fo.evaluate(k, regular, accuracy, threads=1)
         for threads in (2, 3):
             np.testing.assert_array_equal(fo.evaluate(k, regular, accuracy, threads=threads).raw, one.raw)
@@ -197,16 +176,15 @@ class TestReproducibility:
             np.testing.assert_array_equal(fo.evaluate(k[i], regular, accuracy).raw[0], one.raw[i])
         feet = [fo.Foot.from_waypoints(row) for row in k]
         np.testing.assert_array_equal(fo.evaluate(feet, regular, accuracy).raw, one.raw)
-        plates = fo.Waypoints().plates(k, 50)
+        plates = as_plates(k, 50, "arc", None)
         assert isinstance(plates, Plates)
         np.testing.assert_array_equal(fo.evaluate(plates, regular, accuracy).raw, one.raw)
 
     @pytest.mark.slow
-    @pytest.mark.parametrize("stepper", ["sdirk2", "semi_implicit_euler"])
-    def test_the_process_that_compiles_walks_like_those_that_load_its_code(self, stepper, tmp_path):
+    def test_the_process_that_compiles_walks_like_those_that_load_its_code(self, tmp_path):
         code = (
             "import footopt as fo; f = fo.Foot.from_waypoints([1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 8]);"
-            f"print(fo.evaluate([f], fo.Scene(), fo.Accuracy({stepper!r}, 1e-3)).raw.tobytes().hex())"
+            "print(fo.evaluate([f], fo.Scene(), fo.Accuracy(dt=1e-3)).raw.tobytes().hex())"
         )
         environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
         compiled, loaded = (
@@ -218,34 +196,10 @@ class TestReproducibility:
         assert compiled == loaded
 
 
-@pytest.fixture(scope="module")
-def vertical(ramp_foot):
-    """Vertical force in the second of two seconds of standing on hard sand, over the weight."""
-    scene = fo.Scene(sand=fo.Sand.named("hard"), gait=fo.Gait.human(start=math.inf), t_f=2.0)
-
-    def run(stepper, dt, creep):
-        walk = fo.simulate(ramp_foot, scene, fo.Accuracy(stepper, dt, 100, creep))
-        assert walk.feasible
-        return walk.force.sum(axis=1)[walk.t > 1.0, 1] / scene.walker.weight
-
-    return run
-
-
 class TestStandingStill:
-    @pytest.mark.parametrize("dt", [1e-2, 2e-3, 5e-4])
-    def test_an_implicit_step_comes_to_rest(self, dt, vertical):
-        force = vertical("sdirk2", dt, 1e-4)
-        assert force.std() < 1e-3
-        assert force.mean() == pytest.approx(1.0, abs=1e-3)
-
-    def test_an_explicit_step_comes_to_rest_where_smoothing_outlasts_it(self, vertical):
+    def test_an_explicit_step_comes_to_rest_where_smoothing_outlasts_it(self, ramp_foot):
         """dt < 2 eps / g, beyond which smoothing no longer helps."""
-        assert vertical("explicit_euler", 1e-5, 1e-4).std() < 1e-2
-
-    def test_the_walker_stays_where_he_is(self, ramp_foot):
-        scene = fo.Scene(sand=fo.Sand.named("hard"), gait=fo.Gait.human(start=math.inf), t_f=2.0)
-        walk = fo.simulate(ramp_foot, scene)
+        scene = fo.Scene(gait=fo.Gait.human(start=math.inf), t_f=1.0)
+        walk = fo.simulate(ramp_foot, scene, fo.Accuracy("explicit_euler", 1e-5, 40, 1e-4))
         assert walk.feasible
-        assert np.abs(walk.com - walk.start).max() < 2e-3
-        assert math.isnan(walk.objectives["peak_power"])
-        assert math.isnan(walk.objectives["speed_loss"])
+        assert walk.force.sum(axis=1)[walk.t > 0.5, 1].std() < 1e-2 * scene.walker.weight

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import struct
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,22 +17,17 @@ from footopt.files.gaits.markers import Markers, metres, to_markers
 from footopt.files.reading import Unusable
 
 Array = NDArray[np.float64]
+Parameter = list[str] | NDArray[Any]
 
 BLOCK = 512  # bytes; what the header counts in
 LONG = 0xFFFF  # frames; a longer recording says their number elsewhere
 KEY = 0x50  # the second byte of every C3D file
 DEC, MIPS = 85, 86  # codes of processors; any other is Intel's
-KINDS = {-1: "S1", 1: "i1", 2: "i2", 4: "f4"}  # of a parameter's values
+TEXT = -1
+KINDS = {TEXT: "S1", 1: "i1", 2: "i2", 4: "f4"}  # of a parameter's values
 DAMAGED = (
     "cannot be read as C3D (its parameters are damaged). Export it again from the program that recorded it."
 )
-
-
-class Parameter(NamedTuple):
-    """A parameter of a file."""
-
-    values: NDArray[Any]  # flat, the first dimension varying fastest
-    wide: int  # characters of each text
 
 
 def read_c3d(content: bytes, units: str | None = None) -> Markers:
@@ -56,12 +51,14 @@ def read_c3d(content: bytes, units: str | None = None) -> Markers:
     point = _parameters(content, begin + 4, processor)
 
     def number(name: str, stated: float) -> float:
-        found = point[name].values if name in point else np.zeros(0)
-        return float(found[0]) if found.size and found.dtype.kind != "S" and found[0] else float(stated)
+        found = point.get(name, [])
+        return float(found[0]) if len(found) and not isinstance(found, list) and found[0] else float(stated)
 
-    names = [
-        name for key in sorted(point, key=len) if key.startswith("LABELS") for name in _texts(point[key])
-    ]
+    def texts(name: str) -> list[str]:
+        found = point.get(name, [])
+        return found if isinstance(found, list) else []
+
+    names = [name for key in sorted(point, key=len) if key.startswith("LABELS") for name in texts(key)]
     scale, rate = number("SCALE", stated_scale), number("RATE", stated_rate)
     if not 0 < rate < np.inf:
         raise Unusable(f"cannot be read as C3D (it says {rate:g} frames a second).")
@@ -79,7 +76,7 @@ def read_c3d(content: bytes, units: str | None = None) -> Markers:
     values = values.astype(float).reshape(frames, many, 4)
     seen = (values[..., 3:] >= 0) & np.isfinite(values).all(axis=2, keepdims=True)
     places = np.where(seen, values[..., :3], np.nan) * (1.0 if size == 4 else scale)
-    unit = metres(next(iter(_texts(point["UNITS"])), "") if "UNITS" in point else "", units)
+    unit = metres(next(iter(texts("UNITS")), ""), units)
     return to_markers((first - 1 + np.arange(frames)) / rate, names, unit * places)
 
 
@@ -93,7 +90,9 @@ def _check_long(content: bytes, needs: int) -> None:
 
 
 def _parameters(content: bytes, at: int, processor: int) -> dict[str, Parameter]:
-    """The parameters of the group POINT, by name; a chain of groups and parameters begins at a byte."""
+    """The parameters of the group POINT, by name: texts or numbers; a chain of groups and parameters begins
+    at a byte.
+    """
     groups: dict[int, str] = {}
     found: list[tuple[int, str, Parameter]] = []
     while at + 2 <= len(content):
@@ -112,19 +111,14 @@ def _parameters(content: bytes, at: int, processor: int) -> dict[str, Parameter]
             values = content[at + 4 + dimensions :][:long]
             if kind not in KINDS or len(values) < long or 4 + dimensions + long > (step or len(content)):
                 raise Unusable(DAMAGED)
-            found.append((group, name, Parameter(_numbers(values, KINDS[kind], processor), (*sizes, 1)[0])))
+            if kind == TEXT:
+                whole, wide = values.decode("utf-8", "replace"), (*sizes, 1)[0]
+                cells = [whole[i : i + wide].strip(" \0") for i in range(0, len(whole), max(wide, 1))]
+            found.append((group, name, cells if kind == TEXT else _numbers(values, KINDS[kind], processor)))
         at += step
         if step == 0:
             break
     return {name: parameter for group, name, parameter in found if groups.get(group) == "POINT"}
-
-
-def _texts(parameter: Parameter) -> list[str]:
-    """The texts that a parameter holds."""
-    whole = (
-        parameter.values.tobytes().decode("utf-8", "replace") if parameter.values.dtype.kind == "S" else ""
-    )
-    return [whole[i : i + parameter.wide].strip(" \0") for i in range(0, len(whole), max(parameter.wide, 1))]
 
 
 def _numbers(content: bytes, kind: str, processor: int) -> NDArray[Any]:
@@ -132,5 +126,4 @@ def _numbers(content: bytes, kind: str, processor: int) -> NDArray[Any]:
     if kind == "f4" and processor == DEC:  # the halves change places, and the exponent is 2 higher
         words = np.frombuffer(content, "<u2").astype(np.uint32).reshape(-1, 2)
         return (words[:, 0] << 16 | words[:, 1]).view(np.float32) / 4
-    order = "|" if kind == "S1" else ">" if processor == MIPS else "<"
-    return np.frombuffer(content, order + kind)
+    return np.frombuffer(content, (">" if processor == MIPS else "<") + kind)

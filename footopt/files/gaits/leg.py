@@ -20,9 +20,7 @@ from footopt.files.reading import Unusable
 Array = NDArray[np.float64]
 
 SEGMENT = (0.1, 0.9)  # length of a thigh, shank or foot, m; anything else is a mistake in the units
-STRETCH = (
-    0.2  # of a segment's usual length that it may be longer or shorter: markers of a leg are fixed to it
-)
+STRETCH = 0.2  # of a segment's usual length that it may be longer or shorter: its markers are fixed to it
 WHOLE = 0.9  # of the time of a leg; a foot that is seen for less of it is left out
 BACKWARDS = 0.3  # m that the hip may go backwards, on a treadmill
 STILL = 1e-3  # m rms; who stands does not swing
