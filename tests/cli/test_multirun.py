@@ -21,7 +21,10 @@ from footopt.cli.sweep import Composer
 from footopt.files import identity
 
 JOBS = [0.2, 0.3, 0.5, 1.0]  # sand.zeta
-SWEEP = ["-m", "study=simulate", "accuracy=draft", f"sand.zeta={','.join(map(str, JOBS))}", "sand=regular"]
+SWEEP = [
+    *("-m", "study=simulate", "accuracy=draft", "report=light"),
+    *(f"sand.zeta={','.join(map(str, JOBS))}", "sand=regular"),
+]
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +82,8 @@ class TestResume:
         done = footopt("resume=sweep", cwd=stopped.parent)
         assert done.returncode == 0, done.stderr
         assert [line for line in done.stdout.splitlines() if line.startswith("job ")][:2] == [
-            f"job {i}: study=simulate accuracy=draft sand.zeta={JOBS[i]} sand=regular" for i in (2, 3)
+            f"job {i}: study=simulate accuracy=draft report=light sand.zeta={JOBS[i]} sand=regular"
+            for i in (2, 3)
         ]
         assert "4 jobs in" in done.stdout
         assert {path: path.stat().st_mtime_ns for path in before} == before
@@ -145,15 +149,19 @@ def test_a_job_that_cannot_be_is_written_down_and_so_are_those_after_it(whole, t
         raise KeyboardInterrupt
 
     monkeypatch.setattr("footopt.cli.main.walk", killed)
-    words = [*SWEEP[:3], f"study.run=missing,{whole / '0'},{whole / '1'}", "hydra.sweep.dir=sweep"]
+    words = [*SWEEP[:4], f"study.run=missing,{whole / '0'},{whole / '1'}", "hydra.sweep.dir=sweep"]
+    words += ["hydra.sweep.subdir=job_${hydra.job.num}"]  # no number, by which a job would be known
     assert footopt(*words, cwd=tmp_path).returncode == 130
-    assert "not the folder of a run" in (tmp_path / "sweep" / "0" / "error.txt").read_text()
-    assert [path.parent.name for path in sorted(tmp_path.glob(f"sweep/*/{identity.FILE}"))] == ["1", "2"]
+    assert "not the folder of a run" in (tmp_path / "sweep" / "job_0" / "error.txt").read_text()
+    assert [path.parent.name for path in sorted(tmp_path.glob(f"sweep/*/{identity.FILE}"))] == [
+        "job_1",
+        "job_2",
+    ]
     monkeypatch.undo()
-    reason = (tmp_path / "sweep" / "0" / "error.txt").read_text()
+    reason = (tmp_path / "sweep" / "job_0" / "error.txt").read_text()
     done = footopt("resume=sweep", cwd=tmp_path)
     assert (done.returncode, "1 of the jobs failed" in done.stderr) == (1, True)
-    assert (tmp_path / "sweep" / "0" / "error.txt").read_text() == reason
+    assert (tmp_path / "sweep" / "job_0" / "error.txt").read_text() == reason
     assert len(list(tmp_path.glob("sweep/*/result.json"))) == 2
 
 

@@ -23,7 +23,7 @@ from footopt.files import identity
 from footopt.files.lock import LOCK, locked
 
 #: A search that is over at once, of soft sand, which is walked fast.
-SMALL = ["sand=soft", "engine.threads=1", *QUICK]
+SMALL = ["sand=soft", "engine.threads=1", "report=light", *QUICK]
 
 
 @contextlib.contextmanager
@@ -110,7 +110,7 @@ BAD = {
     "resume=run --experimental-rerun=x.pickle": "must be a setting that does not make another run",
     "resume=run solver.n_gen=abc": "solver.n_gen = 'abc': must be a whole number",
     "resume=run solver.n_gen=2": "solver.n_gen = 2: must be at least 3: the run has 30 evaluations",
-    "resume=run report=light": "report = 'light': must be full, as before",
+    "resume=run report=none": "report = 'none': must be light, as before",
     "resume=filmed study.video=b.gif": "study.video = 'b.gif': must be a.gif, as before",
     "hydra.run.dir=run sand=soft": "run: holds a run that is finished",
     "hydra.run.dir=run": "run: holds a run that is finished",
@@ -463,17 +463,12 @@ class TestSettingsOfOnesOwn:
         )
         assert config.gait.path == settings["gait"]["path"] == str(folder / "data" / "walk.csv")
         assert config.gait.name == "robot"
-        monkeypatch.undo()
-        config, _, settings, *_ = self.composed(
-            "-cd",
-            "../mine",
-            *words,
-            "gait.path=data/walk.csv",
-            cwd=tmp_path / "here",
-            monkeypatch=monkeypatch,
-        )
+
+    def test_and_one_of_the_command_line_to_the_folder_where_it_is_given(self, tmp_path, monkeypatch):
+        words = ["gait=file", "gait.path=data/walk.csv"]
+        config, _, settings, *_ = self.composed(*words, cwd=tmp_path, monkeypatch=monkeypatch)
         assert config.gait.path == "data/walk.csv"
-        assert settings["gait"]["path"] == str(tmp_path / "here" / "data" / "walk.csv")
+        assert settings["gait"]["path"] == str(tmp_path / "data" / "walk.csv")
 
     def test_a_plugin_a_table_and_a_drawing_too_and_nothing_that_is_absolute(self, tmp_path, monkeypatch):
         (tmp_path / "mine" / "sand").mkdir(parents=True)

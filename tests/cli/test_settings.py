@@ -277,7 +277,7 @@ def test_any_value_of_any_setting_is_used_or_refused_by_its_name(name, value):
     assert len(said) < 1500
 
 
-@settings(max_examples=20, suppress_health_check=list(HealthCheck))
+@settings(max_examples=10, suppress_health_check=list(HealthCheck))
 @given(
     st.dictionaries(
         st.sampled_from(NUMBERS), st.floats(1e-3, 3).map(repr) | st.integers(0, 12).map(str), max_size=6
@@ -289,16 +289,15 @@ def test_several_settings_at_once_may_clash_and_then_one_is_named(chosen):
 
 #: What would take years or all memory.
 HUGE = [
-    ("effects", "study.feet=1000000000"), ("trust", "study.seeds=1000000000"), ("trust", "study.budget=100000000000"),
+    ("effects", "study.feet=1000000000"), ("trust", "study.seeds=1000000000"),
     ("sensitivity", "study.samples=1073741824"), ("robust", "study.draws=1000000000"),
-    ("paper", "study.samples=1000000000"), ("paper", "study.seeds=1000000000"), ("robust", "study.finalists=1000000000"),
-    ("optimize", "study.finalists=1000000000"), ("optimize", "solver.pop_size=1000000000"),
-    ("optimize", "solver.n_gen=1000000000"), ("optimize", "accuracy.dt=1e-12"), ("simulate", "accuracy.dt=1e-8"),
-    ("simulate", "accuracy.plates=1000000000"), ("simulate", "scene.t_f=1e6"), ("simulate", "gait.period=1e6"),
-    ("simulate", "gait.harmonics=1000000"), ("simulate", "foot.n=1000000"), ("optimize", "foot.n=1000000"),
-    ("optimize", "foot.K=1000000000000"), ("optimize", "engine.threads=1000000000"), ("shapes", "foot.length=1e9"),
-    ("robust", "study.spread.zeta=1e9"), ("sensitivity", "study.foot_spread.creep=1e9"), ("simulate", "sand.zeta=1e300"),
-    ("simulate", "walker.mass=1e300"), ("optimize", "scene.t_f=1e5"), ("simulate", "walker.l1=1000"),
+    ("paper", "study.samples=1000000000"), ("optimize", "study.finalists=1000000000"),
+    ("optimize", "solver.pop_size=1000000000"), ("optimize", "solver.n_gen=1000000000"),
+    ("simulate", "accuracy.dt=1e-8"), ("simulate", "accuracy.plates=1000000000"),
+    ("simulate", "scene.t_f=1e6"), ("simulate", "gait.period=1e6"), ("simulate", "foot.n=1000000"),
+    ("optimize", "foot.K=1000000000000"), ("optimize", "engine.threads=1000000000"),
+    ("shapes", "foot.length=1e9"), ("robust", "study.spread.zeta=1e9"),
+    ("sensitivity", "study.foot_spread.creep=1e9"),
 ]  # fmt: skip
 
 

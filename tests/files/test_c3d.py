@@ -33,7 +33,7 @@ def c3d(names, places, processor, floats, rate=100.0, unit="mm", first=1):
     n, many, _ = places.shape
     scale = -0.1 if floats else 0.1
     values = np.concatenate([places if floats else np.round(places / 0.1), np.zeros((n, many, 1))], axis=2)
-    values[np.isnan(values).any(axis=2)] = (0, 0, 0, -1)
+    values[np.isnan(values).any(axis=2)] = (1, 2, 3, -1)
     rows = np.concatenate([values.reshape(n, -1), np.full((n, 2), 7.0)], axis=1)  # two samples a frame
     wide = max(map(len, names))
     chain = struct.pack("bb", 5, -1) + b"POINT" + numbers([3], "u2", processor) + b"\0"

@@ -11,6 +11,7 @@ from running import tries
 
 import footopt as fo
 from footopt.files.gaits import Strides, cut, recording
+from footopt.files.gaits.names import find_leg
 from footopt.files.reading import Unusable
 from footopt.gait import Fourier
 
@@ -139,7 +140,10 @@ class TestALeg:
         """Joint centres that were never seen give way to it."""
         t, places = record(HUMAN, "plug_in_gait")
         places["RHJC"], places["SACR"] = np.full((len(t), 3), np.nan), 0.5 * (places["RPSI"] + places["LPSI"])
-        assert misfit(walked(t, {n: p for n, p in places.items() if n not in lost})[0]) < 1.0
+        places = {n: p for n, p in places.items() if n not in lost}
+        assert misfit(walked(t, places)[0]) < 1.0
+        asides = [np.mean(find_leg(places, {}, side)["hip"][:, 1]) for side in ("right", "left")]
+        assert asides == pytest.approx([-0.0865, 0.0865], abs=0.005)  # left is +
 
     @pytest.mark.parametrize("begin", [True, False])
     def test_of_markers_with_one_name_is_of_the_one_with_data(self, begin):
@@ -223,6 +227,17 @@ class TestSides:
         gait, notes = walk(cross)
         assert "exchanged" not in notes
         assert gait.foot is not None
+
+    def test_nor_are_legs_that_scissor(self):
+        """Exchanged, the ways would be shorter, but not the shanks more rigid."""
+
+        def scissor(t, places):
+            ahead = places["R_AJC"][:, 0] > places["L_AJC"][:, 0]
+            for name, place in places.items():
+                if name[2:] in ("AJC", "Heel", "MT2"):
+                    place[ahead & (t > 1.5), 1] += 0.16 if name.startswith("R") else -0.16
+
+        assert "exchanged" not in walk(scissor)[1]
 
 
 class TestNoWalk:
@@ -362,6 +377,14 @@ class TestShortTrials:
         assert "half a stride of each leg" in notes
         assert misfit(gait) < 4.0
         assert gait.period == pytest.approx(HUMAN.period, rel=0.05)
+
+    def test_both_halves_of_it_meet(self):
+        """Though one leg's angles are 2 deg larger, as where its markers sit elsewhere."""
+        own = angles(steady, 0.62, apart=0.5)
+        higher = {joint: 2.0 + values for joint, values in own.other.angles.items()}
+        found = cut(own._replace(other=own.other._replace(angles=higher)))
+        assert "half a stride of each leg" in found.notes[-1]
+        assert abs(np.diff(found.curves["thigh"][0], 2)).max() < 0.3
 
     def test_less_is_refused(self):
         refused(

@@ -6,6 +6,7 @@ import ezdxf
 import numpy as np
 import pytest
 from ezdxf import path as curves
+from ezdxf.disassemble import recursive_decompose
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from running import tries
@@ -187,31 +188,35 @@ SCALES = st.floats(0.3, 1.1)  # the other reader has arcs as cubics, 0.03 % off
 
 class TestDxf:
     @given(
-        x=SCALES, y=SCALES, mirrored=st.booleans(), z=st.sampled_from([0.0, 1.0]), turn=st.floats(-180, 180),
+        x=SCALES, y=SCALES, mirrored=st.booleans(), turn=st.floats(-180, 180),
         bulge=st.sampled_from([-0.8, 0.0, 0.3]), units=st.sampled_from(UNITS),
     )  # fmt: skip
     @settings(max_examples=tries(20), phases=[Phase.generate])
-    def test_curves_in_blocks_are_what_another_reader_sees(
-        self, folder, x, y, mirrored, z, turn, bulge, units
+    def test_curves_in_blocks_of_blocks_are_what_another_reader_sees(
+        self, folder, x, y, mirrored, turn, bulge, units
     ):
+        """Some programs flatten blocks with a scale of 0 along z."""
         document = ezdxf.new("R2010")
         document.units, unit = units
-        block, size = document.blocks.new("FOOT"), 1e-3 / unit
+        block, outer, size = document.blocks.new("FOOT"), document.blocks.new("PAIR"), 1e-3 / unit
         block.add_lwpolyline([(-50 * size, 0, bulge), (0, -10 * size, 0), (50 * size, 0, 0)], "xyb")
         block.add_ellipse((0, 10 * size), (50 * size, 10 * size), 0.4, 0.0, 2.0)
         block.add_arc((0, 0), 100 * size, 180, 270)
         block.add_spline([(0, -100 * size), (50 * size, -90 * size), (100 * size, -40 * size)])
-        given_ = {"xscale": -x if mirrored else x, "yscale": y, "zscale": z, "rotation": turn}
-        insert = document.modelspace().add_blockref("FOOT", (3 * size, 4 * size), dxfattribs=given_)
+        outer.add_blockref("FOOT", (size, 2 * size))
+        scales = {"xscale": -x if mirrored else x, "yscale": y, "zscale": 7.0, "rotation": turn}
+        insert = document.modelspace().add_blockref("PAIR", (3 * size, 4 * size), dxfattribs=scales)
         document.saveas(folder / "b.dxf")
-        found = lines_of(folder / "b.dxf")
+        (folder / "b.dxf").write_text((folder / "b.dxf").read_text().replace("43\n7.0", "43\n0.0"))
         insert.dxf.zscale = 1.0
-        expected = [
-            unit * np.array([(v.x, v.y) for v in curves.make_path(entity).flattening(1e-3 * size, 64)])
-            for entity in insert.virtual_entities()
-        ]
-        expected = MultiLineString([line for line in expected if len(line) > 1])
-        assert MultiLineString([line.points for line in found]).hausdorff_distance(expected) < 6e-5
+        expected = MultiLineString(
+            [
+                unit * np.array([(v.x, v.y) for v in curves.make_path(entity).flattening(1e-3 * size, 64)])
+                for entity in recursive_decompose(document.modelspace())
+            ]
+        )
+        found = MultiLineString([line.points for line in lines_of(folder / "b.dxf")])
+        assert found.hausdorff_distance(expected) < 6e-5
 
     def test_arcs_are_flattened_on_themselves(self, dxf):
         half = [(-100, 0, 1.0), (100, 0, 0.0)]  # a bulge of 1 is half a circle, here below its chord

@@ -88,6 +88,7 @@ class TestSweep:
             (True, 0.5, {"a": 1.0, "b": 0.0}, "holds only if x.y = a (100 %, else 0 %)"),
             (False, 0.3, {"a": 0.1, "c": 0.6}, f"{combine}, above all x.y = c (60 %, else 10 %)"),
             (True, 0.5, {}, combine),
+            (True, 0.02, {}, combine),
         ):
             assert " ".join(verdict(holds, share, rates, "x.y" if rates else "")).rstrip() == says
 

@@ -80,6 +80,9 @@ class TestReadings:
         power = np.where(both[:, None], -1e6, walk.power)
         assert readings.single_stance_power(replace(walk, power=power)) == readings.single_stance_power(walk)
         assert both.any()
+        alone = np.abs(walk.force[:, ::-1, 1]) < 0.05 * walk.scene.walker.weight
+        power = np.where(alone, walk.power, 1e6)
+        assert readings.single_stance_power(replace(walk, power=power)) == readings.single_stance_power(walk)
 
     def test_a_failed_walk_has_no_readings(self, failed):
         assert math.isnan(read(failed, Readings("single", "window")).objectives["efficiency"])
@@ -136,6 +139,7 @@ class TestClaims:
             for walks in ((one, other), (other, one), (one, one))
         )
         assert min(there, back) < 0.0, "a claim and its opposite both hold"
+        assert max(there, back) > 0.0, "neither a claim nor its opposite holds"
         assert same == 0.0, "a claim holds of walks that are the same"
 
     def test_claims_that_compare_nothing_turn_at_their_limits(self, evidence, walk):
