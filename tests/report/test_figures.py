@@ -13,7 +13,8 @@ import footopt as fo
 from footopt.errors import FileError, SettingError
 from footopt.gait.gait import RIGHT
 from footopt.report import figures, style
-from footopt.report.figures import search
+from footopt.report.figures import accuracy, fronts, paper, search
+from footopt.report.sweeps import Fronts
 from footopt.walk.objectives import FIVE, OBJECTIVES
 from footopt.walk.phases import stance
 
@@ -197,6 +198,18 @@ def test_a_foot_without_a_hollow_or_without_waypoints_says_or_shows_none():
     assert "waypoint" not in lines(shape)
 
 
+def test_soles_in_one_frame_keep_their_contours_and_the_legend_is_beside_them():
+    feet = {name: fo.Foot.shape(name) for name in ("ellipse", "circle")}
+    figure = figures.contours(feet)
+    (axes,) = figure.axes
+    for name, line in lines(axes).items():
+        np.testing.assert_allclose(line.get_xydata(), 1e3 * feet[name].contour)
+    figure.draw_without_rendering()
+    legend, drawn = figure.legends[0].get_window_extent(), axes.get_window_extent()
+    assert legend.x0 >= drawn.x1
+    assert legend.width < 0.5 * drawn.width
+
+
 # --- a search -------------------------------------------------------------------------------------
 
 
@@ -360,6 +373,12 @@ def test_a_step_shows_the_ground_of_its_scene(foot):
     assert "g, 5° downhill" in texts(figures.step(fo.simulate(foot, scene, "draft"), 1))
 
 
+def test_feet_have_the_colours_of_their_sides(hard):
+    axes = figures.step(hard, 1).axes[0]
+    assert any(same_color(line.get_color(), dict(style.SIDES)["right"]) for line in axes.get_lines())
+    assert not any(same_color(line.get_color(), dict(style.SIDES)["left"]) for line in axes.get_lines())
+
+
 def test_a_walk_without_a_step_says_why(void, sunk, foot):
     assert any("the walk failed: sunk" in text for text in texts(figures.step(void)))
     short = fo.simulate(foot, fo.Scene(t_f=0.3), "draft")
@@ -454,3 +473,53 @@ def test_a_table_that_does_not_fit_its_names_is_refused(table):
             draw(table[:, :2], ["speed", "work"])
     with pytest.raises(SettingError, match="two objectives"):
         figures.scatter_matrix({"front": table[:, :1]}, FIVE[:1])
+
+
+# --- studies --------------------------------------------------------------------------------------
+
+
+def test_claims_say_whether_they_hold_apart_from_how_often():
+    entry = {"says": "it holds", "holds_at_the_settings": True, "share_of_sweep": 0.19, "decides": "x.y"}
+    never = {**entry, "says": "never", "holds_at_the_settings": False, "share_of_sweep": None}
+    figure = paper.claims([entry, never])
+    (axes,) = figure.axes
+    assert {"19 %  x.y", "not swept", "it holds", "never"} <= set(texts(figure))
+    drawn = lines(axes)
+    assert drawn["holds at the settings"].get_ydata().tolist() == [0]
+    assert drawn["does not hold at the settings"].get_ydata().tolist() == [1]
+    assert len({patch.get_facecolor() for patch in axes.patches}) == 1
+    assert axes.spines["bottom"].get_bounds() == (0.0, 1.0)
+
+
+def test_a_stepper_keeps_its_colour_and_ticks_do_not_overprint():
+    def measured(stepper, ms, control=None):
+        accuracy = fo.Accuracy(stepper, control=control)
+        return SimpleNamespace(accuracy=accuracy, errors=np.full((3, 5), 1e-3 * ms), error=1e-3 * ms, ms=ms)
+
+    few = [measured("sdirk2", ms) for ms in (0.6, 1.2, 4.0)]
+    many = [measured("heun", 1.5), *few, measured("sdirk2", 1.7, 1e-3)]
+    colours = []
+    for found in (few, many):
+        figure = accuracy.work_precision(found, [])
+        figure.draw_without_rendering()
+        axes = figure.axes[3]
+        boxes = [t.get_window_extent() for t in axes.get_xticklabels(which="both") if t.get_text()]
+        assert boxes
+        assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[i + 1 :])
+        assert all(float(t.get_text()) for t in axes.get_xticklabels(which="both") if t.get_text())
+        legend = figure.legends[0]
+        names = [text.get_text() for text in legend.get_texts()]
+        colours.append(legend.legend_handles[names.index("sdirk2")].get_color())
+    assert colours[0] == colours[1]
+
+
+def test_of_two_objectives_a_line_shows_what_half_of_the_seeds_attain():
+    values = [np.array([[1.0, 3.0], [2.0, 4.0]]), np.array([[1.0, 2.0], [2.0, 3.0]])]
+    found = Fronts(("distance", "work"), (True, False), [0, 1, 2], ["ga", "ga", "de"], [*values, values[0]],
+                   [0.5, 0.7, 0.9])  # fmt: skip
+    axes = fronts.fronts(found).axes[0]
+    points, _, line = axes.get_lines()
+    np.testing.assert_array_equal(points.get_xydata(), np.concatenate(values))
+    np.testing.assert_array_equal(line.get_xydata(), found.median_attainment("ga"))
+    assert (line.get_drawstyle(), line.get_color()) == ("steps-pre", points.get_color())
+    assert {"ga: 2 seeds, hypervolume 60 %", "de: hypervolume 90 %"} <= set(texts(axes.figure))

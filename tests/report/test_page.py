@@ -404,6 +404,14 @@ class TestWalk:
         time.sleep(0.1)
         assert shown["#time"].get_property("value") == stands
 
+    def test_heel_strikes_are_seen(self, pages, front, browser):
+        shown = Page(browser, pages["front"])
+        strikes = front[2].scene.gait.heel_strikes(front[2].scene.duration)
+        marks = shown.all("#walk .plots figure:first-child .strike")
+        assert len(marks) == len(strikes)
+        style = [marks[0].value_of_css_property(name) for name in ("stroke", "stroke-opacity", "opacity")]
+        assert style == ["rgb(117, 117, 117)", "1", "1"]
+
     def test_a_click_in_a_plot_goes_to_that_instant(self, pages, browser):
         shown = Page(browser, pages["walk"])
         shown.click("#walk .plots figure:nth-child(4) svg", (0.9, 0.5))
@@ -421,6 +429,11 @@ class TestWalk:
             heel = best.foot.contour[0] - best.foot.ankle
             expected = com + [pose.x[0, foot], pose.z[0, foot]] + np.array([[c, -s], [s, c]]) @ heel
             np.testing.assert_allclose(feet[foot][0], expected, atol=1e-3)
+            forces = shown.js(f"instant(open(0), {t}).feet[{foot}].forces")
+            total = np.sum([force["f"] for force in forces], axis=0)
+            np.testing.assert_allclose(total, best.force[len(best.t) // 2, foot], rtol=0.02, atol=10.0)
+            away = np.array([force["at"] for force in forces])[:, None] - np.array(feet[foot])
+            assert np.linalg.norm(away, axis=-1).min(axis=1).max() < 0.02  # the arrows end on the sole
 
     def test_a_walk_that_sank_says_so(self, pages, browser):
         assert "sunk" in Page(browser, pages["sunk"]).text("#walk")

@@ -22,6 +22,8 @@ from footopt.errors import FootoptError, MissingError, SettingError
 from footopt.files import run as files
 from footopt.report import body, cards, plot
 from footopt.report.figures import walker
+from footopt.report.terminal import describe_outside
+from footopt.walk.validity import diagnose
 
 NASTY = '<script>alert("&")</script>'
 
@@ -139,7 +141,10 @@ def test_the_cards_say_what_the_objects_hold(card_of, walked, many, searches):
     text = card_of("walk").text
     for name in ("distance", "work", "peak_power"):
         assert f"{walked.objectives[name]:.4g}" in text
+    (outside,) = {describe_outside(d) for d in diagnose(walked) if d.outside}
+    assert outside in text
     text = card_of("table").text
+    assert f"walked {int(many.feasible.sum())} of {len(many)}" in text
     assert f"failed: sunk {len(many) - int(many.feasible.sum())}" in text
     best = searches["one"]
     text = card_of("one").text

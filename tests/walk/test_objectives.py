@@ -2,6 +2,7 @@
 
 import math
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ import footopt as fo
 from footopt.errors import SettingError
 from footopt.gait import LEFT, RIGHT
 from footopt.walk import FIVE, OBJECTIVES, gain_shares
-from footopt.walk.metrics import RAW, hermite, hermite_extreme
+from footopt.walk.metrics import RAW, hermite, hermite_extreme, no_extremes, updated
 from footopt.walk.objectives import FLOORS, by_name, lookup
 
 STRIKE = 1.1  # s, the first heel strike
@@ -72,6 +73,19 @@ class TestAgainstTheTrace:
         late = walk.t >= STRIKE - 1e-9
         assert walk.objectives["peak_power"] == pytest.approx(np.abs(walk.power[late]).max(), rel=1e-3)
         assert np.abs(walk.power[~late]).max() > 1.2 * walk.objectives["peak_power"]
+
+
+def test_a_peak_before_the_strike_does_not_come_in_by_interpolation():
+    """Of three samples of |P| only the last is at the strike: the highest, just before it, does not count."""
+    none = SimpleNamespace(power=0.0, z=0.0)
+    states = [
+        SimpleNamespace(vx=1.0, contact=SimpleNamespace(left=SimpleNamespace(power=-p, z=0.0), right=none))
+        for p in (1.0, 5.0, 4.0)
+    ]
+    found = no_extremes()
+    for t, before, after in zip((0.98, 0.99, 1.0), [states[0], *states], states, strict=False):
+        found = updated(found, before, after, 0.0, 0.0, t, 0.01, 1.0, 0.0)
+    assert found.power == 4.0
 
 
 class TestTrade:
