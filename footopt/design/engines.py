@@ -201,6 +201,8 @@ class Dask(Executor):
             try:
                 with interrupt_held():
                     self._cluster = within(PATIENCE[-1], make)
+                # it opens a file in every garbage collection, and writes a traceback where it cannot
+                distributed.gc.disable_gc_diagnosis(force=True)
             except PASSING as error:
                 why = f"{type(error).__name__}: {error}".removesuffix(": ")
                 raise FootoptError(f"engine=dask: {CANNOT_START.format(why)}") from None

@@ -94,19 +94,6 @@ class TestOptimize:
         assert "\x1b" not in text  # no colours or cursor moves in a log file
 
     @pytest.mark.slow
-    def test_several_objectives_give_a_front_and_its_figures(self, tmp_path):
-        done = footopt(*QUICK, "sand=soft", "solver=nsga2", "objective.names=[distance,work,peak_power]",
-                       cwd=tmp_path, drawn=True)  # fmt: skip
-        assert done.returncode == 0, done.stderr
-        folder = only_folder(tmp_path)
-        result = json.loads((folder / "result.json").read_text())
-        assert len(result["front"]) > 1
-        assert (folder / "figures" / "scatter_matrix.png").stat().st_size > 10_000
-        assert (folder / "figures" / "parallel.pdf").is_file()
-        with open(folder / "designs.csv", newline="") as file:
-            assert sum(int(r["on_front"]) for r in csv.DictReader(file)) == len(result["front"])
-
-    @pytest.mark.slow
     def test_two_runs_at_once_do_not_share_a_folder(self, tmp_path):
         runs = [started("study=simulate", "accuracy=draft", cwd=tmp_path) for _ in range(2)]
         for run in runs:

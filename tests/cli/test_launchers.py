@@ -6,27 +6,27 @@ import signal
 import time
 
 import pytest
-from running import BRIEF, ended, footopt, outcome, program, started, stored
+from running import BRIEF, children, ended, footopt, outcome, program, started, stored
 
 pytestmark = pytest.mark.slow
 
-NEEDS = {"submitit_local": "submitit", "joblib": "joblib"}
+
+@pytest.fixture(autouse=True)
+def submitit():
+    pytest.importorskip("hydra_plugins.hydra_submitit_launcher", reason="needs footopt[submitit]")
 
 
-def need(launcher):
-    pytest.importorskip(
-        f"hydra_plugins.hydra_{NEEDS[launcher]}_launcher", reason=f"needs footopt[{NEEDS[launcher]}]"
-    )
-
-
-@pytest.mark.parametrize("launcher", NEEDS)
-def test_a_sweep_finds_what_each_job_finds_alone_and_ends_with_a_table(launcher, tmp_path):
-    need(launcher)
+def test_a_sweep_finds_what_each_job_finds_alone_and_ends_with_a_table(tmp_path):
     arguments = [*BRIEF, "solver.n_gen=3", "hydra.sweep.dir=sweep"]
     done = footopt(*arguments, "sand.zeta=5", "solver.seed=2", "hydra.run.dir=alone", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     done = program(
-        "-m", f"hydra/launcher={launcher}", "solver.seed=1,2", "sand.zeta=5,0.001", *arguments, cwd=tmp_path
+        "-m",
+        "hydra/launcher=submitit_local",
+        "solver.seed=1,2",
+        "sand.zeta=5,0.001",
+        *arguments,
+        cwd=tmp_path,
     )
     assert done.returncode == 1, done.stderr  # nobody walks on sand of zeta 0.001
     assert "4 jobs in sweep" in done.stdout
@@ -37,7 +37,6 @@ def test_a_sweep_finds_what_each_job_finds_alone_and_ends_with_a_table(launcher,
 
 
 def test_a_job_that_is_killed_leaves_the_others_and_is_resumed(tmp_path):
-    need("submitit_local")
     command = ["-m", "hydra/launcher=submitit_local", "solver.seed=1,2", *BRIEF, "hydra.sweep.dir=sweep"]
     run = started(*command, cwd=tmp_path)
     _, victim = searching(run, tmp_path / "sweep" / ".submitit")
@@ -72,14 +71,7 @@ def searching(run, folder):
     return logs[0], process
 
 
-def children(pid):
-    """Processes that a process has started."""
-    with open(f"/proc/{pid}/task/{pid}/children") as file:
-        return [int(word) for word in file.read().split()]
-
-
 def test_a_job_that_is_preempted_is_queued_again_and_goes_on_by_itself(tmp_path):
-    need("submitit_local")
     command = ["-m", "hydra/launcher=submitit_local", "solver.seed=1", *BRIEF, "hydra.sweep.dir=sweep"]
     run = started(*command, cwd=tmp_path)
     job, victim = searching(run, tmp_path / "sweep" / ".submitit")

@@ -1,6 +1,7 @@
 """Engines: the same result everywhere, whatever dies on the way, and nothing left behind."""
 
 import contextlib
+import gc
 import http.client
 import itertools
 import json
@@ -510,6 +511,7 @@ class TestDask:
         with Dask(workers=1, timeout=30) as engine:
             address = engine._client.scheduler.address
             assert address.startswith("tls://127.0.0.1:")
+            assert "GCDiagnosis" not in str(gc.callbacks)  # it needs a file each time
             ports = listening({os.getpid(), *descendants(os.getpid())})
             assert len(ports) >= 2
             assert {host for host, _ in ports} == {"127.0.0.1"}
