@@ -19,7 +19,9 @@ PACKAGE = Path(footopt.__file__).parent
 #: The statement that is timed with nothing compiled, and one that compiles a small function only.
 FIRST = "import footopt as fo; table = fo.evaluate([[5] * 11, [6] * 11])"
 
-SMALL = "import footopt as fo; fo.Waypoints().plates([[5] * 11, [6] * 11], 20, 'arc')"
+SMALL = (
+    "from footopt.foot import Waypoints, as_plates; as_plates([[5] * 11, [6] * 11], 20, 'arc', Waypoints())"
+)
 
 #: Statements whose cost is that of an interpreter of their own, less that of an empty one.
 WARM = {

@@ -20,6 +20,7 @@ from footopt.report.style import save
 from footopt.report.terminal import console, table
 
 SHOWN = 60  # runs of the table on the terminal
+ROOM, COLUMN = 26, 10  # letters of its first and last column, and of each between
 
 
 def of_multirun(folder: Path) -> int:
@@ -106,15 +107,18 @@ def _compare(folder: Path, runs: Sequence[Run], headline: str) -> None:
     units = {name: unit for run in runs for name, unit in (run.result or {}).get("units", {}).items()}
     titles = [f"{name.replace('_', ' ')} ({units.get(name, '')})".removesuffix(" ()") for name in names]
     first = f"{what} and settings"
-    shown = table((first, *titles, "hollow (mm)"), words=(first,))
+    out = console()
+    fit = max((out.width - ROOM) // COLUMN, 1)  # numbers that were cut would tell nothing
+    shown = table((first, *titles[:fit], "hollow (mm)"), words=(first,))
     for run in runs[:SHOWN]:
         own = [override for override in run.overrides if override not in common]
         label = "\n  ".join([f"{run.name.partition(' ')[2]}: {''.join(own[:1])}", *own[1:]])
-        values = [number(run.objectives.get(name, math.nan)) for name in names]
+        values = [number(run.objectives.get(name, math.nan)) for name in names[:fit]]
         shown.add_row(label, *values, number(run.hollow))
-    out = console()
     out.print(headline, soft_wrap=True)
     out.print(shown)
+    if left := titles[fit:]:
+        out.print(f"In {folder / 'summary.csv'}, too: {', '.join(left)}", soft_wrap=True)
     if len(runs) > SHOWN:
         out.print(f"... and {len(runs) - SHOWN} more in {folder / 'summary.csv'}", soft_wrap=True)
     for run in runs:

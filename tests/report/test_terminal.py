@@ -7,11 +7,12 @@ import sys
 import numpy as np
 import pytest
 from rich.console import Console
+from study_pages import leave_job
 from terminals import on_a_terminal
 
 import footopt as fo
 from footopt.report import progress as module
-from footopt.report import terminal
+from footopt.report import summary, terminal
 from footopt.report.progress import LINES, PATIENCE, Pace, progress, report_generations
 from footopt.studies.base import Study
 from footopt.studies.settings import Config
@@ -196,6 +197,17 @@ class TestNarrowTables:
         assert "…" not in text
         (row,) = [line for line in lines if line.startswith("efficiency (min)")]
         assert len(re.findall(r"-\d\.\d+e-4", row)) == 2
+
+    def test_a_multirun_cuts_no_number_and_names_the_columns_left_out(self, tmp_path, monkeypatch):
+        walk = fo.simulate(fo.Foot.flat(), accuracy="draft")
+        leave_job(tmp_path / "0", walk)
+        file = io.StringIO()
+        monkeypatch.setattr(summary, "console", lambda: Console(file=file, width=80, force_terminal=True))
+        assert summary.of_multirun(tmp_path) == 0
+        text = ESCAPE.sub("", file.getvalue())
+        assert "…" not in text
+        assert terminal.number(walk.objectives["work"]) in text
+        assert "summary.csv, too: efficiency, cost of transport" in text
 
     def test_a_folders_name_is_in_one_piece(self, tmp_path):
         study = Study(Config(), tmp_path / ("deep[er]" * 20), {})

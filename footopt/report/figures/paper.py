@@ -98,7 +98,7 @@ def claims(entries: Sequence[Mapping[str, Any]]) -> Figure:
     Parameters
     ----------
     entries : sequence of dict
-        The claims as in claims.json, by `says`, `holds_at_the_settings`, `share_of_sweep` (None: not swept)
+        The claims as in result.json, by `says`, `holds_at_the_settings`, `share_of_sweep` (None: not swept)
         and `decides`.
     """
     figure = new_figure(PAGE, 0.6 + 0.17 * len(entries))

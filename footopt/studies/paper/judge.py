@@ -51,7 +51,7 @@ def chance(samples: int, levels: int) -> float:
 
 @dataclass(frozen=True)
 class Judgement:
-    """What came out for one claim; the names are those of claims.json.
+    """What came out for one claim; the names are those of result.json.
 
     Parameters
     ----------
