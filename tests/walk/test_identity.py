@@ -23,7 +23,11 @@ SANDS = ("soft", "regular", "hard", "poppy_loose", "poppy_close", "glass_beads",
          "mars_simulant")  # fmt: skip
 EFFECTS = {
     "plain": (),
+    "layers": (fo.Layers(),),
+    "patches": (fo.Patches(),),
     "leading edge": (fo.LeadingEdge(),),
+    "inertia": (fo.Inertia(),),
+    "slope": (fo.Slope(),),
     "all": (fo.Layers(), fo.Patches(), fo.LeadingEdge(), fo.Inertia(), fo.Slope()),
 }
 #: How many of the 200 feet walk at each preset: the finer, the fewer.
@@ -51,7 +55,7 @@ def cases():
         scene = fo.Scene(sand=fo.Sand.named(sand))
         for effects, chosen in EFFECTS.items():
             for preset, count in FEET.items():
-                if preset == "reference" and (chosen or sand not in SANDS[:3]):
+                if preset == "reference" and sand not in SANDS[:3]:
                     continue
                 yield f"{sand}, {effects}, {preset}", feet[:count], replace(scene, effects=chosen), preset
     for sand in SANDS[:3]:
