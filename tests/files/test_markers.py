@@ -239,6 +239,20 @@ class TestSides:
 
         assert "exchanged" not in walk(scissor)[1]
 
+    def test_nor_is_what_is_never_seen_with_its_joint(self):
+        def hidden(t, places):
+            places["L_KJC"][t < 3.0], places["L_AJC"][t >= 3.0] = np.nan, np.nan
+
+        gait, notes = walk(hidden)
+        assert misfit(gait) < 0.3
+        assert "exchanged" not in notes
+
+    def test_nor_anything_where_the_hips_are_in_one_place(self):
+        def narrow(t, places):
+            places["L_HJC"][10] = places["R_HJC"][10]
+
+        assert "exchanged" not in walk(narrow)[1]
+
 
 class TestNoWalk:
     """What is none is called what it is."""

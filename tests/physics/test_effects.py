@@ -15,6 +15,7 @@ from footopt.effects import EFFECTS, Inertia, Layers, LeadingEdge, Patches, Slop
 from footopt.effects import base as effects
 from footopt.effects.shadowing import filler
 from footopt.errors import SettingError
+from footopt.foot import as_plates
 from footopt.walk.balances import energy_gap, momentum_gap
 from footopt.walk.loop import compiled_contact
 from footopt.walk.prepare import NEWTON, sole, world
@@ -198,6 +199,6 @@ class TestSettings:
         assert fo.Scene(effects=ALL[::-1]) == fo.Scene(effects=ALL)
 
     def test_plates_without_directions_are_refused_where_they_are_needed(self):
-        plates = fo.Waypoints().plates(np.full((1, 11), 5), 32)
+        plates = as_plates(np.full((1, 11), 5), 32, "arc", None)
         with pytest.raises(SettingError, match="directed=True"):
             fo.evaluate(plates, fo.Scene(effects=(LeadingEdge(),)))

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 import footopt as fo
 from footopt.effects.shadowing import filled
 from footopt.errors import SettingError
-from footopt.foot import lower_hull
+from footopt.foot import as_plates, lower_hull
 from footopt.studies.validation.rig import blades
 from footopt.walk.prepare import NEWTON
 
@@ -75,7 +75,7 @@ class TestTheWalk:
         assert fo.Scene(effects=(fo.Shadowing(1.0),)).effects == ()
 
     def test_plates_that_are_cut_already_are_refused(self):
-        plates = fo.Waypoints().plates([K], 32)
+        plates = as_plates([K], 32, "arc", None)
         with pytest.raises(SettingError, match="shadowing"):
             fo.evaluate(plates, fo.Scene(effects=(fo.Shadowing(),)))
 

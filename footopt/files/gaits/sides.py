@@ -61,13 +61,15 @@ def _put_back(leg: Leg, other: Leg) -> tuple[str, ...]:
 
     notes: tuple[str, ...] = ()
     across = leg["hip"] - other["hip"]
+    width = np.linalg.norm(across, axis=1)
+    width[width == 0.0] = np.nan  # hips in one place have no sides
     for part, joint in JOINED.items():
         if not leg.keys() & other.keys() >= {part, joint}:
             continue
         aside = np.sum((leg[part] - other[part]) * across, axis=1)
         if not np.isfinite(aside).any():
             continue  # never seen together
-        aside *= np.sign(np.nanmedian(aside)) / np.linalg.norm(across, axis=1)
+        aside *= np.sign(np.nanmedian(aside)) / width
         put, now = 0, _unrest(leg, other, part, joint)
         for (run,) in find_objects(label(aside < -APART)[0]):
             swapped = leg | {part: leg[part].copy()}, other | {part: other[part].copy()}
@@ -88,5 +90,7 @@ def _unrest(leg: Leg, other: Leg, part: str, joint: str) -> Array:
     places = np.array([[each[part], each[joint]] for each in (leg, other)])
     places = places[..., np.isfinite(places).all(axis=(0, 1, 3)), :]
     apart = np.linalg.norm(places[:, 0] - places[:, 1], axis=-1)
+    if not apart.size:  # nothing is more rigid than what is never seen
+        return np.zeros(2)
     off = abs(apart - np.median(apart, axis=1, keepdims=True))
     return np.array([off.sum(), np.linalg.norm(np.diff(places[:, 0], axis=1), axis=-1).sum()])
