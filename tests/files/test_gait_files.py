@@ -120,6 +120,7 @@ class TestTrc:
             (lambda s: s.replace("\n10\t", "\n10\tx"), "TRC .line 16: .* is no number"),
             (lambda s: s.replace("\n10\t", "\n10\t1\t2\t"), r"TRC \(line 16 has 33 cells"),
             (lambda s: "\n".join(s.splitlines()[:6]), "holds no markers"),
+            (lambda s: "\n".join(s.splitlines()[:8])[:-40], ""),  # two rows of different widths
             (lambda s: s[: s.rindex(".") + 3], "may be cut off: its last number"),
             (lambda s: s.replace("50.00\t50", "100.00\t50"), "says 100 frames a second, and its times 50"),
             (

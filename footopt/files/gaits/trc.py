@@ -38,7 +38,7 @@ def read_trc(text: str, units: str | None = None) -> Markers:
     if not rows or len(words) < 3:
         raise Unusable("cannot be read as TRC (it holds no markers).")
     widths = Counter(len(cells) for _, cells in rows)
-    wide = max(width for width, many in widths.items() if many > 1 or len(widths) == 1)
+    wide = max((width for width, many in widths.items() if many > 1), default=max(widths))
     names = _names(header[words[1] + 1 :], wide - 2)
     notes = differing(
         [
