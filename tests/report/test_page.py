@@ -94,6 +94,25 @@ def single():
 
 
 @pytest.fixture(scope="module")
+def ten_thousand(front, tmp_path_factory):
+    """A page of as many designs, spread about those of a search."""
+    result, confirmed, best, flat, _, entry = front
+    some = np.resize(np.flatnonzero(result.feasible), 10_000)
+    many = dataclasses.replace(
+        result,
+        **{
+            name: getattr(result, name)[some] for name in ("k", "values", "feasible", "reasons", "generation")
+        },
+        front=np.arange(3000),
+    )
+    many.values[:] *= np.random.default_rng(1).normal(1.0, 0.05, many.values.shape)
+    chosen = page.walked_designs(many, confirmed)
+    assert walks.WALKS - 1 <= len(set(chosen)) <= walks.WALKS  # without the best one
+    content = page.search_content(many, confirmed, best, flat, [(i, best) for i in chosen], entry)
+    return page.write(tmp_path_factory.mktemp("many") / "report.html", content)
+
+
+@pytest.fixture(scope="module")
 def pages(front, single, tmp_path_factory):
     """A page of each kind, as files by name."""
     folder = tmp_path_factory.mktemp("pages")
@@ -564,21 +583,20 @@ class TestFile:
         assert line[-1] == result.best
         assert [g.best for g in result.history][-1] == values[-1]
 
-    def test_a_front_of_ten_thousand_designs_stays_small(self, front, tmp_path):
-        result, confirmed, best, flat, _, entry = front
-        some = np.resize(np.flatnonzero(result.feasible), 10_000)
-        many = dataclasses.replace(
-            result,
-            **{
-                name: getattr(result, name)[some]
-                for name in ("k", "values", "feasible", "reasons", "generation")
-            },
-            front=np.arange(3000),
+    def test_ten_thousand_designs_stay_small(self, ten_thousand):
+        assert ten_thousand.stat().st_size < LIMIT
+
+    @browser_needed
+    def test_lines_of_ten_thousand_designs_are_neither_a_solid_block_nor_nothing(self, ten_thousand, browser):
+        Page(browser, ten_thousand)
+        ink = browser.execute_script(
+            "const canvas = document.querySelector('#parallel canvas'), { width, height } = canvas;"
+            "const all = canvas.getContext('2d').getImageData(0, 0, width, height).data;"
+            "return Array.from({ length: all.length / 4 }, (_, i) => all[4 * i + 3]);"
         )
-        chosen = page.walked_designs(many, confirmed)
-        assert walks.WALKS - 1 <= len(set(chosen)) <= walks.WALKS  # without the best one
-        content = page.search_content(many, confirmed, best, flat, [(i, best) for i in chosen], entry)
-        assert page.write(tmp_path / "report.html", content).stat().st_size < LIMIT
+        shade = np.array(ink) / 255
+        assert (shade > 0.05).mean() > 0.1
+        assert (shade > 0.95).mean() < 0.1
 
     def test_of_very_many_designs_the_front_and_an_even_selection_are_shown(self, front, monkeypatch):
         result = front[0]

@@ -34,6 +34,7 @@ from footopt.walk.objectives import Objective, lookup
 Array = NDArray[np.float64]
 
 FRONT = "designs on the front"
+LINES = 1000  # parallel ones at most: more are a solid block, or too faint to be seen
 #: Designs that stand out among the others.
 MARKS: dict[str, dict[str, Any]] = {
     "chosen": {"marker": "*", "ms": 11, "mfc": BEST, "color": BEST, "mec": "black", "zorder": 6},
@@ -191,8 +192,9 @@ def draw_parallel(
         return np.where(high > low, (sign * rows - low) / span, 0.5)
 
     x = np.arange(n)
-    alpha = max(0.015, min(0.8, 20.0 / len(table)))  # that thousands of lines are no solid block
-    curves = [np.stack([x, row], axis=1) for row in place(table)]
+    every = -(-len(table) // LINES)
+    curves = [np.stack([x, row], axis=1) for row in place(table[::every])]
+    alpha = max(0.03, min(0.8, 20.0 / len(curves)))
     axes.add_collection(LineCollection(curves, colors=SKY, linewidths=0.6, alpha=alpha), autolim=False)
     for i, o in enumerate(objectives):
         axes.plot([i, i], [0, 1], color="black", lw=0.8, zorder=3)
@@ -209,7 +211,8 @@ def draw_parallel(
                 axes.text(i + 0.06, y[i], formula(row[i]), va="center", bbox=box, zorder=7)
     axes.annotate("", (-0.25, 0.2), (-0.25, 0.8), arrowprops={"arrowstyle": "<-", "lw": 0.8})
     axes.text(-0.29, 0.5, "better", rotation=90, ha="right", va="center")
-    return f"{len(table)} {what}" + (f" ({failed} failed, not drawn)" if failed else "")
+    left_out = [f"{failed} failed, not drawn"] * (failed > 0) + [f"1 of {every} is drawn"] * (every > 1)
+    return f"{len(table)} {what}" + (f" ({'; '.join(left_out)})" if left_out else "")
 
 
 def _table(values: ArrayLike, names: Sequence[str]) -> Array:

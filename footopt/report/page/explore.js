@@ -6,6 +6,7 @@ const feasible = data.designs.feasible.data ? unpack(data.designs.feasible) : da
 const reason = (i) => data.designs.reasons[data.designs.reason ? reasonCodes[i] : i];
 const reasonCodes = data.designs.reason && unpack(data.designs.reason);
 const front = new Set(data.front ?? []);
+const MOST = 1000; // parallel ones of a colour at most
 
 /** What designs can be filtered and drawn by: the recorded values, and when a search came to them. */
 const COLUMNS = data.columns.map((column, c) => ({ ...column, of: (i) => values[i * WIDTH + c] }));
@@ -66,7 +67,8 @@ function explorer(choose, beside) {
         el("div", { class: "bar" }, el("label", {}, "across", across), el("label", {}, "up", up)), flat)),
     el("p", { class: "note" }, "Drag along an axis, or across the scatter, to set limits: both then show what is within them. ",
       "Click a line or a point to choose that design. Better is up on every axis of the parallel coordinates.",
-      numbers ? " A design's number is its row in designs.csv, from 0." : ""),
+      numbers ? " A design's number is its row in designs.csv, from 0." : "",
+      COUNT > MOST ? ` Of more than ${MOST} lines an even selection is drawn.` : ""),
     el("div", { class: "bar" }, data.jobs ? null : el("label", {}, "designs", which), clear, count),
     el("figure", { class: "scroll" }, wide),
     el("details", { id: "limits" }, el("summary", {}, "The limits as numbers"),
@@ -167,12 +169,14 @@ function explorer(choose, beside) {
       pen.lineWidth = thick;
       pen.stroke();
     };
-    const opacity = (n) => Math.max(0.008, Math.min(0.8, 25 / n)); // thousands are no solid block
+    const lines = (all, style, thick) => { // more would be a solid block, or too faint to be seen
+      const some = all.filter((_, n) => n % Math.ceil(all.length / MOST) === 0);
+      pen.globalAlpha = Math.max(0.03, Math.min(0.8, 25 / some.length));
+      for (const i of some) line(i, style(i), thick);
+    };
     const passing = new Set(state.passing);
-    pen.globalAlpha = opacity(state.shown.length);
-    for (const i of state.shown) if (!passing.has(i)) line(i, "#aaa", 0.7);
-    pen.globalAlpha = opacity(state.passing.length);
-    for (const i of state.passing) line(i, colour(i), data.jobs ? 1.8 : 0.9);
+    lines(state.shown.filter((i) => !passing.has(i)), () => "#aaa", 0.7);
+    lines(state.passing, colour, data.jobs ? 1.8 : 0.9);
     pen.globalAlpha = 1;
     if (feasible[state.chosen]) line(state.chosen, data.jobs ? colour(state.chosen) : GREEN, data.jobs ? 4 : 2.5);
     parallel.forEach((c, j) => {
