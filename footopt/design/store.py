@@ -133,9 +133,7 @@ class Store:
         """What is known of each design."""
         marks = ", ".join("?" * len(self._read_from))
         query = f"SELECT k, record, reason, message, seal FROM design WHERE context IN ({marks}) "
-        query += (
-            "AND k IN (SELECT value FROM json_each(?)) ORDER BY context = ?"  # its own over those of others
-        )
+        query += "AND k IN (SELECT value FROM json_each(?)) ORDER BY context = ?"  # its own last: they count
         keys = [canonical(heights) for heights in k]
         with self._explained() as connection:
             rows = connection.execute(query, (*self._read_from, canonical(keys), self._id))

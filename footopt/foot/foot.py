@@ -19,8 +19,6 @@ from footopt.foot.waypoints import Waypoints, check_ankle, check_length, check_t
 
 Array = NDArray[np.float64]
 
-WORN = {"width", "ankle", "closed", "top"}  # of every foot, wherever its sole comes from
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Foot:
@@ -117,7 +115,17 @@ class Foot:
         return replace(cls.from_waypoints([space.K] * space.n, space), name="flat")
 
     @classmethod
-    def shape(cls, name: str, length: float = 0.26, **options: Any) -> Foot:
+    def shape(
+        cls,
+        name: str,
+        length: float = 0.26,
+        *,
+        width: float = width,
+        ankle: tuple[float, float] = ankle,
+        closed: bool = closed,
+        top: float = top,
+        **options: str,
+    ) -> Foot:
         """Make one of the paper's five shapes (Fig. 3).
 
         Parameters
@@ -126,29 +134,39 @@ class Foot:
             The shape.
         length : float, m
             Of the contact line.
+        width, ankle, closed, top
+            As of every `Foot`.
         **options
-            ``width``, ``ankle``, ``closed`` and ``top``, as of every `Foot`; ``upright`` of an L, ``apex`` of
-            a triangle (see `footopt.foot.shapes`).
+            ``upright`` of an L, ``apex`` of a triangle (see `footopt.foot.shapes`).
 
         Raises
         ------
         SettingError
             There is no such shape, or a value is out of range.
         """
-        worn = {option: options.pop(option) for option in WORN & options.keys()}
-        return cls(shape(name, length, **options), name=name, **worn)
+        return cls(shape(name, length, **options), width, ankle, name, closed=closed, top=top)
 
     @classmethod
-    def from_file(cls, path: str | Path, **options: Any) -> Foot:
+    def from_file(
+        cls,
+        path: str | Path,
+        *,
+        width: float = width,
+        ankle: tuple[float, float] = ankle,
+        closed: bool = closed,
+        top: float = top,
+        **options: Any,
+    ) -> Foot:
         """Make the sole that a DXF, SVG or CSV file holds.
 
         Parameters
         ----------
         path : str or Path
             Ends in .dxf, .svg or .csv.
+        width, ankle, closed, top
+            As of every `Foot`.
         **options
-            ``width``, ``ankle``, ``closed`` and ``top``, as of every `Foot`; ``units``, ``scale``, ``layer``,
-            ``toe`` and ``origin`` (see `footopt.files.soles.read`).
+            ``units``, ``scale``, ``layer``, ``toe`` and ``origin`` (see `footopt.files.soles.read`).
 
         Raises
         ------
@@ -157,9 +175,8 @@ class Foot:
         SettingError
             A setting cannot be used.
         """
-        worn = {option: options.pop(option) for option in WORN & options.keys()}
-        sole = soles.read(path, **options)
-        return cls(sole.points, name=Path(path).stem, notes=sole.notes, **worn)
+        sole, name = soles.read(path, **options), Path(path).stem
+        return cls(sole.points, width, ankle, name, closed=closed, top=top, notes=sole.notes)
 
     def points(self, steps: int) -> Array:
         """Points at equal steps along the sole's arc, (steps + 1, 2), m."""

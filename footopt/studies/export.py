@@ -117,6 +117,7 @@ def _saved_foot(folder: Path, design: dict[str, Any], saved: FootConfig) -> Foot
     else:  # the contour itself: a drawing that it came from may have changed
         width, (x, z) = float(design["width_m"]), design["ankle_m"]
         ankle = float(x), float(z)
-        worn = {"width": width, "ankle": ankle, "closed": saved.closed, "top": saved.top}
-        foot = Foot.from_file(folder / "contour.csv", **worn)
+        foot = Foot.from_file(
+            folder / "contour.csv", width=width, ankle=ankle, closed=saved.closed, top=saved.top
+        )
     return dataclasses.replace(foot, name=str(design["name"]))

@@ -38,6 +38,9 @@ def run(study: Study) -> Answer:
     values, errors = walk.judged(names), error_of(walk, names)
     diagnostics = [*diagnose(walk), *resolution(walk, errors)]
     strides = make_strides(study.config.gait)
+    read = [] if strides is None else [*strides.notes]
+    if strides is not None and "foot" in strides.curves and scene.gait.foot is None:
+        read.append("the foot's angle misses its Fourier series and is left out")
     notes = [*foot.notes, *write_walk(study, walk, {foot.name: walk}), *_undefined(walk, values)]
     if strides is not None and study.draws:
         study.save("gait", gait_fit(strides, scene.gait))
@@ -52,7 +55,7 @@ def run(study: Study) -> Answer:
             **scene_entry(scene, accuracy, names),
             **validity_entry(diagnostics),
             "notes": notes,
-            "gait_file": strides.notes if strides is not None else [],
+            "gait_file": read,
             **chosen.entry,
         }
     )
@@ -63,8 +66,7 @@ def run(study: Study) -> Answer:
     study.say(terminal.describe_foot(foot))
     if strides is not None:
         misfit = ", ".join(f"{joint} {rms:.2f}" for joint, rms in scene.gait.residual)
-        read = "; ".join(strides.notes)
-        study.say(f"Gait from {study.config.gait.path}: {read}. Misfit (rms, deg): {misfit}")
+        study.say(f"Gait from {study.config.gait.path}: {'; '.join(read)}. Misfit (rms, deg): {misfit}")
     if not walk.feasible:
         study.say(Text(f"The walk failed: {walk.reason} after {len(walk.t)} steps of time.", style="yellow"))
     study.say(terminal.objective_table([(foot.name, values)], names, errors))
