@@ -112,7 +112,7 @@ def enumerate_space(
     history: list[Generation] = []
     interrupted, stopped = False, ""
     try:
-        for number, k in enumerate(batches(space, solver.pop_size), start=1):
+        for number, k in enumerate(batches(space, solver.size), start=1):
             violation, median = space.box_violation(k), nan
             inside = violation <= space.box_tolerance * space.H
             reasons = np.full(len(k), "box", dtype=object)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from pymoo.core.problem import Problem
 from pymoo.core.sampling import Sampling
 from pymoo.problems.static import StaticProblem
@@ -12,6 +13,8 @@ from pymoo.problems.static import StaticProblem
 from footopt.design.problem import Array, FootProblem, Ints
 from footopt.design.solvers import Solver
 from footopt.errors import check
+
+REPEATS = 10  # times as many generations as its walks need, where a solver asks for designs again
 
 
 class PymooProblem(Problem):  # type: ignore[misc]  # pymoo has no types
@@ -42,6 +45,33 @@ class PymooProblem(Problem):  # type: ignore[misc]  # pymoo has no types
         )
 
 
+class Size(Problem):  # type: ignore[misc]  # pymoo has no types
+    """What an algorithm knows of a `FootProblem` that it asks for designs of: no walks, the box, a memory."""
+
+    def __init__(self, problem: FootProblem) -> None:
+        n, space = problem.space.n, problem.space
+        super().__init__(
+            n, problem.n_obj, problem.n_constraints, xl=np.ones(n), xu=np.full(n, space.K), vtype=int
+        )
+        self._space, self._asked = space, set[bytes]()
+
+    def inside(self, k: Ints) -> NDArray[np.bool_]:
+        """Which designs are inside their box."""
+        return np.asarray(self._space.box_violation(k) <= self._space.box_tolerance * self._space.H)
+
+    def seen(self, k: Ints) -> NDArray[np.bool_]:
+        """Which designs have been asked for."""
+        return np.array([row.tobytes() in self._asked for row in k.astype(np.int64)], bool)
+
+    def remember(self, k: Ints) -> None:
+        """Note designs that are asked for."""
+        self._asked.update(row.tobytes() for row in k)
+
+    def __deepcopy__(self, memo: Any) -> Size:
+        """Itself: pymoo copies what it holds in every generation."""
+        return self
+
+
 class Begun(Sampling):  # type: ignore[misc]  # pymoo has no types
     """A sampling whose first designs are given; the others are drawn as before."""
 
@@ -62,19 +92,16 @@ class Algorithm:
     """
 
     def __init__(self, problem: FootProblem, solver: Solver, start: Ints | None = None) -> None:
-        n, K = problem.space.n, problem.space.K
         self._algorithm = solver.build(problem.n_obj)
-        self._size = Problem(
-            n, problem.n_obj, problem.n_constraints, xl=np.ones(n), xu=np.full(n, K), vtype=int
-        )
-        self._algorithm.setup(
-            self._size, termination=("n_gen", solver.n_gen), seed=solver.seed, verbose=False
-        )
+        self._size = Size(problem)
+        most = solver.n_gen or REPEATS * solver.generations(problem.space)
+        self._algorithm.setup(self._size, termination=("n_gen", most), seed=solver.seed, verbose=False)
         self._asked: Any = None
         if start is not None:
             initial: Any = getattr(self._algorithm, "initialization", None)
             check(initial is not None, "start", solver.name, "left out: this solver draws its own designs")
-            check(len(start) <= solver.pop_size, "start", len(start), f"at most {solver.pop_size} designs")
+            most = next(solver.sizes())
+            check(len(start) <= most, "start", len(start), f"at most {most} designs")
             initial.sampling = Begun(initial.sampling, start)
 
     def ask(self) -> Ints | None:
@@ -83,6 +110,7 @@ class Algorithm:
         if self._asked is None:
             return None
         k: Ints = np.round(self._asked.get("X").astype(float)).astype(np.int64)
+        self._size.remember(k)
         return k
 
     def tell(self, f: Array, g: Array) -> None:

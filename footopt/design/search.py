@@ -24,7 +24,8 @@ from footopt.design.stop import Stop
 from footopt.design.store import Store
 from footopt.errors import check, check_kind
 
-BUDGET = ("pop_size", "n_gen", "seed", "operators")  # of a solver that is named
+BUDGET = ("walks", "pop_size", "n_gen", "seed", "operators")  # of a solver that is named
+NOTHING_NEW = "because the solver found no design that it had not asked for"
 
 
 def search(
@@ -44,7 +45,7 @@ def search(
     problem : FootProblem
         What is searched.
     solver : Solver or str, optional
-        A name will do. By default the memetic GA for one objective and NSGA-II for several.
+        A name will do. By default the best one for the number of objectives (`Solver.fitting`).
     progress : callable or bool, optional
         Called with each `Generation`; the search ends if it returns True. True itself shows a line on
         standard error.
@@ -60,7 +61,7 @@ def search(
     start : (designs, n), optional
         Heights of designs to begin with, in place of as many of the random first generation.
     **budget : int
-        pop_size, n_gen, seed and operators of the solver.
+        walks, pop_size, n_gen, seed and operators of the solver.
 
     Returns
     -------
@@ -85,10 +86,10 @@ def search(
     for name, value in budget.items():
         check(name in BUDGET, name, value, f"one of {', '.join(BUDGET)}, as a keyword")
     if not isinstance(solver, Solver):
-        default = "memetic" if problem.n_obj == 1 else "nsga2"
-        solver = Solver(name=solver or default, **budget)
+        solver = Solver(name=solver, **budget)
     elif budget:
         solver = Solver(**(asdict(solver) | budget))
+    solver = solver.fitting(problem.n_obj)
     opened = Store(store, problem) if isinstance(store, (str, Path)) else nullcontext(store)
     with opened as kept:
         evaluator = Evaluator(problem, kept, executor)
@@ -127,12 +128,18 @@ def ask_and_tell(
     algorithm, archive = Algorithm(problem, solver, start), Archive(problem, evaluator)
     started, interrupted, stopped = time.perf_counter(), False, ""
     try:
-        while (k := algorithm.ask()) is not None:
-            algorithm.tell(*archive.evaluate(k))
+        while archive.count < solver.most:
+            if (k := algorithm.ask()) is None:
+                stopped = "" if len(archive.history) == solver.n_gen else NOTHING_NEW
+                break
+            first = archive.first(k, solver.most)  # the last generation is cut where the walks end
+            found = archive.evaluate(k[:first])
+            if first == len(k):
+                algorithm.tell(*found)
             archive.close_generation(time.perf_counter() - started)
             if progress is not None and progress(archive.history[-1]) is True:
                 stopped = "by its progress"
-            stopped = stopped or stop.reason(archive.history, len(archive.designs.k))
+            stopped = stopped or stop.reason(archive.history, archive.count)
             if stopped:
                 break
     except KeyboardInterrupt:

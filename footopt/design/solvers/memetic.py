@@ -1,123 +1,171 @@
-"""A genetic algorithm whose moves suit a spline: the default for one objective.
-
-A spline through waypoints answers to neighbours that move together: where one waypoint alone would
-make a bump that costs more than the new level brings, a run of them shifts the sole without one. Random
-soles that are improved by single steps of one waypoint end in as many local optima; by shifts of
-runs, on soft sand, all in the same one.
-"""
+"""The default solvers: the fewest walks by moves that suit a spline, descents, and restarts."""
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pymoo.algorithms.soo.nonconvex.ga import GA
-from pymoo.core.crossover import Crossover
-from pymoo.core.mutation import Mutation
+from pymoo.core.algorithm import Algorithm
+from pymoo.core.initialization import Initialization
 from pymoo.core.population import Population
-from pymoo.operators.sampling.rnd import IntegerRandomSampling
+from pymoo.util.display.multi import MultiObjectiveOutput
+from pymoo.util.display.single import SingleObjectiveOutput
 
-from footopt.design.solvers.operators import SameHeights
+from footopt.design.solvers.moves import DRAWS, RandomInside, allowed, exchanged, shifted, shifts
+from footopt.design.solvers.registry import grown
 
+Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-PATIENCE = 10  # generations without a better design before the best one's neighbours are asked for
+PARENTS = 10  # of one objective, at first; twice as many after each restart
+PATIENCE = 8  # generations without a better design before the best one's neighbours are asked for
+CROSSED = 0.4  # share of the children that have two parents
+TWICE = 0.2  # share of the others that are shifted twice
 
 
-@lru_cache(maxsize=4)
-def shifts(n: int) -> NDArray[np.int8]:
-    """Every run of neighbours among n waypoints, one level down and one level up: (n (n + 1), n)."""
-    first, last = np.triu_indices(n)
-    at = np.arange(n)
-    run = ((first[:, None] <= at) & (at <= last[:, None])).astype(np.int8)
-    return np.stack([run, -run], axis=1).reshape(-1, n)
+class Moves(Algorithm):  # type: ignore[misc]  # pymoo has no types
+    """What the solvers by moves have in common: no design twice, none outside its box, growing batches.
 
-
-class ExchangeRun(Crossover):  # type: ignore[misc]  # pymoo has no types
-    """Two parents exchange one run of neighbouring waypoints, of any length: a stretch of the sole."""
-
-    def __init__(self) -> None:
-        super().__init__(n_parents=2, n_offsprings=2, prob=0.9)
-
-    def _do(self, problem: Any, X: Ints, random_state: Any = None, **kwargs: Any) -> Ints:
-        runs = shifts(problem.n_var)[::2]
-        exchanged = runs[random_state.integers(len(runs), size=X.shape[1])] > 0
-        return np.where(exchanged, X[::-1], X)
-
-
-class ShiftRun(Mutation):  # type: ignore[misc]  # pymoo has no types
-    """Move one run of neighbouring waypoints, of any length, by one level."""
-
-    def _do(self, problem: Any, X: Ints, random_state: Any = None, **kwargs: Any) -> Ints:
-        moves = shifts(problem.n_var)
-        moved = X + moves[random_state.integers(len(moves), size=len(X))]
-        out: Ints = np.clip(moved, problem.xl.astype(np.int64), problem.xu.astype(np.int64))
-        return out
-
-
-class NeverTwice(SameHeights):
-    """Drop designs that were ever asked for, which those of the population were, or come twice."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.asked: set[bytes] = set()
-
-    def do(self, pop: Any, *others: Any, **kwargs: Any) -> Any:
-        """What is new of `pop`: never asked for, and not in the last of the others (what was just found)."""
-        found = set(self._rows(others[-1])) if others and len(others[-1]) else set()
-        new = []
-        for key in self._rows(pop) if len(pop) else ():
-            new.append(key not in found and key not in self.asked)
-            found.add(key)
-        return pop[new] if len(pop) else pop
-
-
-class Memetic(GA):  # type: ignore[misc]  # pymoo has no types
-    """`ExchangeRun`, `ShiftRun`, no design twice, and where it stalls the best one's neighbourhood.
-
-    When the best design has stood for `PATIENCE`
-    generations, all its shifts that were not asked for yet take up to half of the next ones, so that
-    what a run that stalls returns is a local optimum. To ask for them at once would be quicker on
-    average, but converge too early now and then.
+    Parameters
+    ----------
+    pop_size : int, optional
+        Designs a generation; by default a tenth of all designs so far, from `FIRST` to `MOST`.
     """
 
-    def __init__(self, pop_size: int) -> None:
-        self._never_twice = NeverTwice()
-        self._best, self._age = b"", 0
-        super().__init__(
-            pop_size=pop_size,
-            sampling=IntegerRandomSampling(),
-            crossover=ExchangeRun(),
-            mutation=ShiftRun(),
-            eliminate_duplicates=self._never_twice,
-        )
+    def __init__(self, pop_size: int | None = None, sampling: Any = None, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        self.pop_size = pop_size
+        self.initialization = Initialization(RandomInside() if sampling is None else sampling)
+        self.asked: set[bytes] = set()
+
+    def _setup(self, problem: Any, **kwargs: Any) -> None:
+        several = problem.n_obj > 1
+        if self.output is None:
+            self.output = MultiObjectiveOutput() if several else SingleObjectiveOutput()
+            self.display.output = self.output
+
+    def _size(self) -> int:
+        """Designs of the next generation."""
+        return self.pop_size or grown(len(self.asked))
 
     def _initialize_infill(self) -> Any:
-        return self._remember(super()._initialize_infill())
+        drawn = self.initialization.do(self.problem, self._size(), random_state=self.random_state)
+        return Population.new(X=self._new(np.round(drawn.get("X").astype(float)).astype(np.int64), len(drawn)))
 
     def _infill(self) -> Any:
-        polish = self._neighbours()[: self.pop_size // 2]
-        self.n_offsprings = self.pop_size - len(polish)
-        self._remember(polish)
-        offspring = super()._infill()  # None when nothing new is found
-        if offspring is None:
-            return polish if len(polish) else None
-        return self._remember(Population.merge(polish, offspring))
+        size = self._size()
+        found = self._propose(size)
+        for _ in range(DRAWS):
+            if len(found) >= size:
+                break
+            found = np.concatenate([found, self._new(self._children(4 * size), size - len(found))])
+        if not len(found):
+            found = self._drawn(size)
+        if not len(found):  # of a small space no more is found
+            self.termination.force_termination = True
+            return None
+        return Population.new(X=found)
 
-    def _neighbours(self) -> Any:
-        """The best design's shifts that were not asked for yet, if it has stood long enough."""
-        best = self.pop[:1]
-        key = best.get("X").tobytes()
-        self._age = self._age + 1 if key == self._best else 0
-        self._best = key
-        if self._age < PATIENCE:
-            return Population.new()
-        k = best.get("X") + shifts(self.problem.n_var)
-        k = k[((k >= self.problem.xl) & (k <= self.problem.xu)).all(axis=1)]
-        return self._never_twice.do(Population.new("X", self.random_state.permutation(k)))
+    def _drawn(self, count: int) -> Ints:
+        """New designs drawn at random."""
+        return self._new(RandomInside().do(self.problem, 4 * count, random_state=self.random_state).get("X"), count)
 
-    def _remember(self, asked: Any) -> Any:
-        self._never_twice.asked.update(self._never_twice._rows(asked) if len(asked) else ())
-        return asked
+    def _new(self, X: Ints, count: int) -> Ints:
+        """The first `count` designs that are allowed and were never asked for, which they now are."""
+        kept = []
+        for x in X[allowed(self.problem, X)]:
+            if len(kept) == count:
+                break
+            key = x.tobytes()
+            if key not in self.asked:
+                self.asked.add(key)
+                kept.append(x)
+        return np.array(kept, np.int64).reshape(-1, self.problem.n_var)
+
+    def _children(self, count: int) -> Ints:
+        """Children of the parents that a solver draws: exchanged, shifted, or both."""
+        draw = self.random_state
+        X = self._parents(count)
+        crossed = draw.random(count) < CROSSED
+        X = np.where(crossed[:, None], exchanged(X, self._parents(count), draw), X)
+        coin = draw.random(count)
+        often = np.where(crossed, coin < 0.5, 1 + (coin < TWICE))
+        X = np.where((often > 0)[:, None], shifted(X, draw), X)
+        return np.where((often > 1)[:, None], shifted(X, draw), X)
+
+    def _parents(self, count: int) -> Ints:
+        raise NotImplementedError
+
+    def _propose(self, size: int) -> Ints:
+        """Designs that are asked for ahead of children."""
+        return np.empty((0, self.problem.n_var), np.int64)
+
+
+class Memetic(Moves):
+    """One objective: few parents, their children, the best one's neighbourhood where it stalls, restarts."""
+
+    def __init__(self, pop_size: int | None = None, **kwargs: Any) -> None:
+        super().__init__(pop_size, **kwargs)
+        self.parents, self.age, self.restarts = PARENTS, 0, 0
+        self.champion: Any = None
+
+    def _initialize_advance(self, infills: Any = None, **kwargs: Any) -> None:
+        self.pop = infills[order(infills)[: self.parents]]
+
+    def _advance(self, infills: Any = None, **kwargs: Any) -> None:
+        pool = Population.merge(self.pop, infills)
+        best = order(pool)[: self.parents]
+        self.age = 0 if best[0] >= len(self.pop) else self.age + 1
+        self.pop = pool[best]
+
+    def _set_optimum(self) -> None:
+        pool = self.pop[:1] if self.champion is None else Population.merge(self.champion, self.pop[:1])
+        self.opt = self.champion = pool[order(pool)[:1]]
+
+    def _parents(self, count: int) -> Ints:
+        """The better, the more often: the square of a uniform number picks the place."""
+        place = (len(self.pop) * self.random_state.random(count) ** 2).astype(np.int64)
+        return self.pop.get("X")[place].astype(np.int64)
+
+    def _propose(self, size: int) -> Ints:
+        """Where it stalls, the best one's neighbourhood, in half of a generation; then a restart."""
+        if self.age < PATIENCE:
+            return super()._propose(size)
+        near = self.pop[0].X.astype(np.int64) + shifts(self.problem.n_var)
+        found = self._new(self.random_state.permutation(near), max(size // 2, 1))
+        if len(found) or self.age < 3 * PATIENCE:
+            return found
+        self.age, self.restarts, self.parents = 0, self.restarts + 1, min(2 * self.parents, 8 * PARENTS)
+        drawn = self._drawn(size)
+        self.pop = self.pop[:0] if len(drawn) == size else self.pop
+        return drawn
+
+
+class Archive(Moves):
+    """Several objectives: every design that no other dominates is a parent (Knowles & Corne 2000)."""
+
+    def _initialize_advance(self, infills: Any = None, **kwargs: Any) -> None:
+        self.pop = front(infills)
+
+    def _advance(self, infills: Any = None, **kwargs: Any) -> None:
+        self.pop = front(Population.merge(self.pop, infills))
+
+    def _parents(self, count: int) -> Ints:
+        chosen = self.random_state.integers(len(self.pop), size=count)
+        return self.pop.get("X")[chosen].astype(np.int64)
+
+
+def order(pop: Any) -> Ints:
+    """Places of a population for one objective, best first: the feasible, then the least violation."""
+    f, violation = pop.get("F")[:, 0], pop.get("CV")[:, 0]
+    return np.lexsort((f, np.maximum(violation, 0.0)))
+
+
+def front(pop: Any) -> Any:
+    """What of a population is not dominated; without a feasible design those of least violation."""
+    from moocore import is_nondominated
+
+    violation = pop.get("CV")[:, 0]
+    pop = pop[violation <= max(violation.min(), 0.0)]
+    return pop[is_nondominated(np.ascontiguousarray(pop.get("F"), float), keep_weakly=True)]
