@@ -51,7 +51,7 @@ def run(study: Study) -> Answer:
     chosen = choose_effects(study)
     scene = chosen.scene
     problem = make_problem(config, scene)
-    choice = problem.choice
+    choice, solver = problem.choice, solver.fitting(problem.n_obj)
     if solver.name == EXHAUSTIVE:  # what does not fit is refused before the search
         check_size(problem)
     else:

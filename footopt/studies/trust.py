@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from rich.table import Table as RichTable
 
-from footopt.design import EXHAUSTIVE, SINGLE, SOLVERS, FootProblem, Solver, search
+from footopt.design import SINGLE, SOLVERS, FootProblem, Solver, search
 from footopt.design.truth import BATCH, REACHED, Attempt, Tabulated, judge, walk_all
 from footopt.errors import SettingError, check
 from footopt.foot.waypoints import written
@@ -55,7 +55,7 @@ def run(study: Study) -> None:
     """Walk with the whole space, let every solver search it, and say what each was worth."""
     options, space = study.options, study.space
     check(1 <= options.seeds <= 1000, "study.seeds", options.seeds, "a whole number >= 1 and <= 1000")
-    size = study.config.solver.pop_size if study.config.solver.name != EXHAUSTIVE else 100
+    size = study.config.solver.pop_size or 100
     allowed = f"at least one generation, {size}, and <= 1e7"
     check(size <= options.budget <= 10**7, "study.budget", options.budget, allowed)
     names = list(SOLVERS) if options.solvers is None else options.solvers

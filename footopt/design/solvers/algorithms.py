@@ -8,18 +8,23 @@ from importlib import import_module
 from typing import Any
 
 from footopt.design.solvers.registry import GROWING, Solver, register
+from footopt.errors import needed
 
 single = partial(register, single=True)
 
 
 def genetic(solver: Solver, path: str, **parameters: Any) -> Any:
-    """The algorithm at a path below `pymoo.algorithms`, with moves of runs, or operators if they are given."""
+    """The algorithm at a path below `pymoo.algorithms`, with moves of runs, or the operators given."""
+    from pymoo.core.repair import NoRepair
+
     from footopt.design.solvers.operators import by_runs, operators
 
     module, name = path.split(":")
     algorithm = getattr(import_module(f"pymoo.algorithms.{module}"), name)
     moves = by_runs() if solver.operators is None else operators(**solver.operators)
-    return algorithm(pop_size=solver.size, **moves, **parameters)
+    built = algorithm(pop_size=solver.size, **moves, **parameters)
+    built.initialization.repair = NoRepair()  # what a user begins with is asked for, wherever it lies
+    return built
 
 
 @single
@@ -43,7 +48,8 @@ def surrogate(solver: Solver, n_obj: int) -> Any:
     """Gaussian processes of the objectives, for walks that are dear; of one objective or several."""
     from footopt.design.solvers.surrogate import Surrogate
 
-    return Surrogate(solver.pop_size)
+    needed("sklearn", "solver=surrogate", "surrogate")
+    return Surrogate(solver.size)
 
 
 GROWING += ["memetic", "archive"]

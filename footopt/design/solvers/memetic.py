@@ -12,16 +12,22 @@ from pymoo.core.population import Population
 from pymoo.util.display.multi import MultiObjectiveOutput
 from pymoo.util.display.single import SingleObjectiveOutput
 
-from footopt.design.solvers.moves import DRAWS, RandomInside, allowed, exchanged, shifted, shifts
+from footopt.design.solvers.moves import IDLE, RandomInside, allowed, exchanged, shifted, shifts
 from footopt.design.solvers.registry import grown
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-PARENTS = 10  # of one objective, at first; twice as many after each restart
+PARENTS = 30  # at first; of one objective twice as many after each restart
+MOST_PARENTS = 240
 PATIENCE = 8  # generations without a better design before the best one's neighbours are asked for
-CROSSED = 0.4  # share of the children that have two parents
-TWICE = 0.2  # share of the others that are shifted twice
+NORMAL = 0.5  # share of the children that are drawn from the parents' normal distribution
+CROSSED = 0.4  # share of the others that have two parents
+TWICE = 0.2  # share of the rest that are shifted twice
+SCREENED = 8  # children for each design that is asked for
+LEARNT, TRAINED = 40, 300  # designs before there is a model, and that it knows at most
+SMOOTHING = 0.01  # of the model
+FEW = 100  # parents of several objectives at most
 
 
 class Moves(Algorithm):  # type: ignore[misc]  # pymoo has no types
@@ -38,12 +44,11 @@ class Moves(Algorithm):  # type: ignore[misc]  # pymoo has no types
         self.pop_size = pop_size
         self.initialization = Initialization(RandomInside() if sampling is None else sampling)
         self.asked: set[bytes] = set()
+        self.known = self.front = Population.new()
 
     def _setup(self, problem: Any, **kwargs: Any) -> None:
-        several = problem.n_obj > 1
-        if self.output is None:
-            self.output = MultiObjectiveOutput() if several else SingleObjectiveOutput()
-            self.display.output = self.output
+        if self.display.output is None:
+            self.display.output = MultiObjectiveOutput() if problem.n_obj > 1 else SingleObjectiveOutput()
 
     def _size(self) -> int:
         """Designs of the next generation."""
@@ -51,15 +56,18 @@ class Moves(Algorithm):  # type: ignore[misc]  # pymoo has no types
 
     def _initialize_infill(self) -> Any:
         drawn = self.initialization.do(self.problem, self._size(), random_state=self.random_state)
-        return Population.new(X=self._new(np.round(drawn.get("X").astype(float)).astype(np.int64), len(drawn)))
+        first = {x.tobytes(): x for x in np.round(drawn.get("X").astype(float)).astype(np.int64)}
+        self.asked.update(first)  # outside its box, too, if a user begins with it
+        return Population.new(X=np.array(list(first.values())))
 
     def _infill(self) -> Any:
         size = self._size()
         found = self._propose(size)
-        for _ in range(DRAWS):
-            if len(found) >= size:
-                break
-            found = np.concatenate([found, self._new(self._children(4 * size), size - len(found))])
+        idle = 0
+        while (wanted := size - len(found)) and idle < IDLE:
+            children = self._screened(self._fresh(self._children(SCREENED * wanted)), wanted)
+            found = np.concatenate([found, self._new(children, wanted)])
+            idle = 0 if len(children) else idle + 1
         if not len(found):
             found = self._drawn(size)
         if not len(found):  # of a small space no more is found
@@ -69,22 +77,24 @@ class Moves(Algorithm):  # type: ignore[misc]  # pymoo has no types
 
     def _drawn(self, count: int) -> Ints:
         """New designs drawn at random."""
-        return self._new(RandomInside().do(self.problem, 4 * count, random_state=self.random_state).get("X"), count)
+        return self._new(
+            RandomInside().do(self.problem, 4 * count, random_state=self.random_state).get("X"), count
+        )
+
+    def _fresh(self, X: Ints) -> Ints:
+        """What is allowed of some designs, was never asked for, and does not come twice."""
+        kept = {x.tobytes(): x for x in X[allowed(self.problem, X)]}
+        fresh = [x for key, x in kept.items() if key not in self.asked]
+        return np.array(fresh, np.int64).reshape(-1, X.shape[1])
 
     def _new(self, X: Ints, count: int) -> Ints:
-        """The first `count` designs that are allowed and were never asked for, which they now are."""
-        kept = []
-        for x in X[allowed(self.problem, X)]:
-            if len(kept) == count:
-                break
-            key = x.tobytes()
-            if key not in self.asked:
-                self.asked.add(key)
-                kept.append(x)
-        return np.array(kept, np.int64).reshape(-1, self.problem.n_var)
+        """The first `count` fresh ones of some designs, which are asked for from now on."""
+        fresh = self._fresh(X)[:count]
+        self.asked.update(x.tobytes() for x in fresh)
+        return fresh
 
     def _children(self, count: int) -> Ints:
-        """Children of the parents that a solver draws: exchanged, shifted, or both."""
+        """Children of the parents that a solver draws: exchanged, shifted, or both; or like all of them."""
         draw = self.random_state
         X = self._parents(count)
         crossed = draw.random(count) < CROSSED
@@ -92,10 +102,48 @@ class Moves(Algorithm):  # type: ignore[misc]  # pymoo has no types
         coin = draw.random(count)
         often = np.where(crossed, coin < 0.5, 1 + (coin < TWICE))
         X = np.where((often > 0)[:, None], shifted(X, draw), X)
-        return np.where((often > 1)[:, None], shifted(X, draw), X)
+        X = np.where((often > 1)[:, None], shifted(X, draw), X)
+        normal = draw.random(count) < NORMAL
+        return np.where(normal[:, None], like(self.pop.get("X").astype(float), count, draw), X)
+
+    def _screened(self, X: Ints, count: int) -> Ints:
+        """Of as many groups of children, the one in each that a model of the walks so far likes best."""
+        if len(self.known) < LEARNT or len(X) <= count:
+            return X
+        promise = self._promise(X)
+        groups = np.array_split(self.random_state.permutation(len(X)), count)
+        return X[[group[promise[group].argmax()] for group in groups]]
+
+    def _promise(self, X: Ints) -> Array:
+        """How far designs (designs, n) should lie ahead of the best so far, in ranks, (designs,).
+
+        The model interpolates the ranks of known designs linearly in the distance (scipy's RBFInterpolator),
+        of heights and of differences of neighbours. It knows the newest designs and the best.
+        """
+        from scipy.interpolate import RBFInterpolator
+
+        known, F = self.known.get("X").astype(float), self.known.get("F").astype(float)
+        F[self.known.get("CV")[:, 0] > 0.0] = np.inf
+        if len(F) > TRAINED:
+            best = ranks(F).min(axis=1)[: -TRAINED // 2].argsort(kind="stable")[: TRAINED // 2]
+            chosen = np.concatenate([np.sort(best), np.arange(len(F) - TRAINED // 2, len(F))])
+            known, F = known[chosen], F[chosen]
+        rank = ranks(F) / len(F)
+        model = RBFInterpolator(steps(known), rank, kernel="linear", smoothing=SMOOTHING)
+        expected = np.round(model(steps(X)), 6)  # sums in another order must not lead elsewhere
+        promise = np.full(len(X), np.inf)
+        for ahead in rank[nondominated(rank)]:
+            np.minimum(promise, (ahead - expected).max(axis=1), out=promise)
+        return promise
 
     def _parents(self, count: int) -> Ints:
         raise NotImplementedError
+
+    def advance(self, infills: Any = None, **kwargs: Any) -> Any:
+        """Note what has been walked, and go on."""
+        if infills is not None:
+            self.known = Population.merge(self.known, infills)
+        return super().advance(infills=infills, **kwargs)
 
     def _propose(self, size: int) -> Ints:
         """Designs that are asked for ahead of children."""
@@ -107,7 +155,7 @@ class Memetic(Moves):
 
     def __init__(self, pop_size: int | None = None, **kwargs: Any) -> None:
         super().__init__(pop_size, **kwargs)
-        self.parents, self.age, self.restarts = PARENTS, 0, 0
+        self.parents, self.age = PARENTS, 0
         self.champion: Any = None
 
     def _initialize_advance(self, infills: Any = None, **kwargs: Any) -> None:
@@ -126,7 +174,7 @@ class Memetic(Moves):
     def _parents(self, count: int) -> Ints:
         """The better, the more often: the square of a uniform number picks the place."""
         place = (len(self.pop) * self.random_state.random(count) ** 2).astype(np.int64)
-        return self.pop.get("X")[place].astype(np.int64)
+        return np.asarray(self.pop.get("X")[place].astype(np.int64))
 
     def _propose(self, size: int) -> Ints:
         """Where it stalls, the best one's neighbourhood, in half of a generation; then a restart."""
@@ -136,24 +184,64 @@ class Memetic(Moves):
         found = self._new(self.random_state.permutation(near), max(size // 2, 1))
         if len(found) or self.age < 3 * PATIENCE:
             return found
-        self.age, self.restarts, self.parents = 0, self.restarts + 1, min(2 * self.parents, 8 * PARENTS)
+        self.age, self.parents = 0, min(2 * self.parents, MOST_PARENTS)
         drawn = self._drawn(size)
         self.pop = self.pop[:0] if len(drawn) == size else self.pop
         return drawn
 
 
 class Archive(Moves):
-    """Several objectives: every design that no other dominates is a parent (Knowles & Corne 2000)."""
+    """Several objectives: every design that no other dominates is kept, and a parent.
+
+    Of more than `FEW`, those are parents that NSGA-II would let survive (Deb et al. 2002).
+    """
 
     def _initialize_advance(self, infills: Any = None, **kwargs: Any) -> None:
-        self.pop = front(infills)
+        self._advance(infills)
 
     def _advance(self, infills: Any = None, **kwargs: Any) -> None:
-        self.pop = front(Population.merge(self.pop, infills))
+        from pymoo.operators.survival.rank_and_crowding import RankAndCrowding
+
+        kept = self.front = front(Population.merge(self.front, infills))
+        if len(kept) > FEW:
+            kept = RankAndCrowding().do(self.problem, kept, n_survive=FEW, random_state=self.random_state)
+        self.pop = kept
+
+    def _set_optimum(self) -> None:
+        self.opt = self.front
 
     def _parents(self, count: int) -> Ints:
         chosen = self.random_state.integers(len(self.pop), size=count)
-        return self.pop.get("X")[chosen].astype(np.int64)
+        return np.asarray(self.pop.get("X")[chosen].astype(np.int64))
+
+
+def like(X: Array, count: int, draw: Any) -> Ints:
+    """Whole numbers from the normal distribution of designs (designs, n): (count, n).
+
+    An estimation of distribution (Larranaga & Lozano 2002); the variances do not vanish.
+    """
+    n = X.shape[1]
+    deviations = X - X.mean(axis=0)
+    covariance = deviations.T @ deviations / max(len(X) - 1, 1) + 0.05 * np.eye(n)
+    drawn = X.mean(axis=0) + draw.normal(size=(count, n)) @ np.linalg.cholesky(covariance).T
+    return np.asarray(np.round(drawn).astype(np.int64))
+
+
+def steps(X: Any) -> Array:
+    """Heights and differences of neighbours, (designs, 2 n - 1): few change where a run is shifted."""
+    return np.concatenate([X, np.diff(X, axis=1)], axis=1).astype(float)
+
+
+def ranks(F: Array) -> Ints:
+    """Place of each design by each objective, (designs, objectives)."""
+    return F.argsort(axis=0, kind="stable").argsort(axis=0, kind="stable")
+
+
+def nondominated(F: Array) -> NDArray[np.bool_]:
+    """Which designs no other dominates, (designs,)."""
+    from moocore import is_nondominated
+
+    return np.asarray(is_nondominated(np.ascontiguousarray(F, float), keep_weakly=True))
 
 
 def order(pop: Any) -> Ints:
@@ -164,8 +252,6 @@ def order(pop: Any) -> Ints:
 
 def front(pop: Any) -> Any:
     """What of a population is not dominated; without a feasible design those of least violation."""
-    from moocore import is_nondominated
-
     violation = pop.get("CV")[:, 0]
     pop = pop[violation <= max(violation.min(), 0.0)]
-    return pop[is_nondominated(np.ascontiguousarray(pop.get("F"), float), keep_weakly=True)]
+    return pop[nondominated(pop.get("F"))]

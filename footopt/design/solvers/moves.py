@@ -21,7 +21,8 @@ from pymoo.core.sampling import Sampling
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
-DRAWS = 200  # batches that are drawn for designs that are new before a space counts as used up
+DRAWS = 200  # batches of random designs at most, of which as many as are wanted should be inside their box
+IDLE = 8  # batches that may bring nothing new before a space counts as used up
 
 
 @lru_cache(maxsize=4)
@@ -58,13 +59,14 @@ class RandomInside(Sampling):  # type: ignore[misc]  # pymoo has no types
     """Random whole numbers, different and inside their box: as many as there are, at most."""
 
     def _do(self, problem: Any, n_samples: int, random_state: Any = None, **kwargs: Any) -> Ints:
-        kept = np.empty((0, problem.n_var), np.int64)
+        kept, idle = np.empty((0, problem.n_var), np.int64), 0
         low, high = problem.xl.astype(np.int64), problem.xu.astype(np.int64)
         for _ in range(DRAWS):
             drawn = random_state.integers(low, high + 1, (4 * n_samples, problem.n_var))
-            kept = np.concatenate([kept, drawn[allowed(problem, drawn)]])
+            before, kept = len(kept), np.concatenate([kept, drawn[allowed(problem, drawn)]])
             kept = kept[np.sort(np.unique(kept, axis=0, return_index=True)[1])]
-            if len(kept) >= n_samples:
+            idle = idle + 1 if before and len(kept) == before else 0
+            if len(kept) >= n_samples or idle == IDLE:
                 break
         return kept[:n_samples] if len(kept) else drawn[:n_samples]
 

@@ -2,190 +2,181 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pymoo.core.population import Population
 
-from footopt.design.solvers.memetic import Moves, front, order
-from footopt.design.solvers.moves import RandomInside, allowed, exchanged, shifted
+from footopt.design.solvers.memetic import Moves, front, nondominated, order, steps
+from footopt.design.solvers.moves import RandomInside, allowed
+from footopt.design.solvers.registry import SIZES
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-BATCH = 50  # designs a generation
+LEAST = 10  # feasible designs before there are models
 FITTED = 300  # designs that a model's lengths are fitted to
 TRAINED = 1500  # designs that a model knows
-ROUNDS, KIDS = 12, 600  # of moves on the models, and children in each
-CANDIDATES, RANDOM = 500, 50  # designs that samples of the models choose from, and random ones beside them
-NOISE = 1e-4  # at least, of a model's variance: ruggedness that it cannot follow
+STEPS = 15  # of L-BFGS-B a generation, from the lengths of the last one
+ROUNDS, CHILDREN = 12, 600  # of moves on the models, and children in each
+CANDIDATES, RANDOM = 500, 50  # designs that samples choose from: the best of the moves, and random ones
+PARENTS = 20  # of one objective, of which the moves begin
+NOISE = (1e-4, 1.0)  # of a model's variance: ruggedness that it cannot follow
 
 
 class Surrogate(Moves):
-    """Gaussian processes of the objectives, sampled for each design of a batch (Thompson 1933).
+    """Gaussian processes of the objectives; each design of a batch is the best of another sample of them.
 
-    Each objective has a process with a Matern kernel of one length for each height and each difference of
-    neighbours. Every design is a whole number before the kernel sees it, which Garrido-Merchan and
-    Hernandez-Lobato (Neurocomputing 380, 2020) advise. The moves of `memetic` improve designs on the models; of what
-    they find, each member of the batch is the best of another sample of the processes, in another direction
-    if there are several objectives.
+    Each objective has a process with a Matern kernel, of one length for each height and each difference of
+    neighbours (scikit-learn's). The kernel sees whole numbers only, as Garrido-Merchan & Hernandez-Lobato
+    (Neurocomputing 380, 2020) advise. The moves of `memetic` improve designs on the models' means; of what
+    they come upon, samples of the processes choose (Thompson 1933; Kandasamy et al. 2018): explored is what
+    the models do not know. With several objectives each sample looks in another direction, by the
+    augmented Chebyshev distance from its ideal point (Knowles 2006).
     """
 
-    def __init__(self, pop_size: int | None = None, **kwargs: Any) -> None:
-        super().__init__(pop_size or BATCH, **kwargs)
-        self.theta: list[Array] = []
+    def __init__(self, pop_size: int = SIZES["surrogate"], **kwargs: Any) -> None:
+        super().__init__(pop_size, **kwargs)
+        self.theta: list[Array] = []  # of each kernel, from which the next fit goes on
 
     def _initialize_advance(self, infills: Any = None, **kwargs: Any) -> None:
         self._advance(infills)
 
     def _advance(self, infills: Any = None, **kwargs: Any) -> None:
-        from pymoo.core.population import Population
-
-        self.pop = Population.merge(self.pop, infills) if self.is_initialized else infills
+        self.front = front(Population.merge(self.front, infills))
+        self.pop = self.known[order(self.known)[:PARENTS]] if self.problem.n_obj == 1 else self.front
 
     def _set_optimum(self) -> None:
-        self.opt = self.pop[order(self.pop)[:1]] if self.problem.n_obj == 1 else front(self.pop)
+        self.opt = self.pop[:1] if self.problem.n_obj == 1 else self.front
 
     def _parents(self, count: int) -> Ints:
-        best = self.pop[order(self.pop)[:20]] if self.problem.n_obj == 1 else self.opt
-        return best.get("X")[self.random_state.integers(len(best), size=count)].astype(np.int64)
+        chosen = self.random_state.integers(len(self.pop), size=count)
+        return np.asarray(self.pop.get("X")[chosen].astype(np.int64))
 
     def _propose(self, size: int) -> Ints:
+        from sklearn.exceptions import ConvergenceWarning
         from threadpoolctl import threadpool_limits
 
-        with threadpool_limits(1):  # a sum in another order would lead elsewhere
-            return self._chosen(size)
-
-    def _chosen(self, size: int) -> Ints:
-        """The batch: each the best candidate by another sample of the models."""
-        X, F = self.pop.get("X").astype(np.int64), self.pop.get("F").astype(float)
-        good = self.pop.get("CV")[:, 0] <= 0.0
-        if good.sum() < 10:
+        good = self.known.get("CV")[:, 0] <= 0.0
+        if good.sum() < LEAST:
             return super()._propose(size)
+        X, F = self.known.get("X").astype(np.int64), self.known.get("F").astype(float)
         F = np.where(good[:, None], F, F[good].max(axis=0))  # what fails is as bad as the worst
-        models = self._models(X, F)
-        candidates = self._candidates(X, F, models, size)
-        draw = self.random_state
-        drawn = np.stack([sampled(m, features(candidates, self._top), size, draw) for m in models], axis=-1)
-        if len(models) > 1:  # Chebyshev's distance from the ideal point, in a random direction each
-            weights = draw.dirichlet(np.ones(len(models)), size)[None]
-            low = np.min([m.y_train_.min() for m in models]) if False else drawn.min(axis=(0, 1))
-            span = np.ptp(drawn, axis=(0, 1))
-            distance = weights * (drawn - low) / np.where(span > 0, span, 1.0)
-            score = distance.max(axis=-1) + 0.05 * distance.sum(axis=-1)
-        else:
-            score = drawn[..., 0]
-        taken: list[int] = []
-        for j in range(min(size, len(candidates))):
-            ranks = np.argsort(score[:, j], kind="stable")
-            taken.append(next(int(i) for i in ranks if int(i) not in taken))
-        return self._new(candidates[taken], size)
-
-    @property
-    def _top(self) -> float:
-        return float(np.max(self.problem.xu))
+        with threadpool_limits(1), warnings.catch_warnings():  # sums in another order would lead elsewhere
+            warnings.simplefilter(
+                "ignore", ConvergenceWarning
+            )  # a length at its bound
+            models = self._models(X, F)
+            candidates = self._candidates(models)
+            if not len(candidates):
+                return super()._propose(size)
+            drawn = np.stack([self._samples(m, candidates, size) for m in models], axis=-1)
+        span = np.ptp(drawn, axis=(0, 1))
+        far = (drawn - drawn.min(axis=(0, 1))) / np.where(span > 0.0, span, 1.0)
+        weighted = far * self.random_state.dirichlet(np.ones(len(models)), size)
+        score = weighted.max(axis=-1) + 0.05 * weighted.sum(axis=-1)
+        taken: dict[int, None] = {}
+        for column in score.T:
+            free = (int(i) for i in np.argsort(column, kind="stable") if int(i) not in taken)
+            taken[next(free, 0)] = None
+        return self._new(candidates[list(taken)], size)
 
     def _models(self, X: Ints, F: Array) -> list[Any]:
-        """A fitted process for each objective."""
+        """A process for each objective."""
         from sklearn.gaussian_process import GaussianProcessRegressor
         from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
 
-        few = self._few(F, TRAINED)
-        inputs, models = features(X[few], self._top), []
-        fitted = self._few(F[few], FITTED)
-        length = np.full(inputs.shape[1], 2.0)
+        one = F.shape[1] == 1
+        rank = (F if one else (F - F.min(axis=0)) / np.maximum(np.ptp(F, axis=0), 1e-300)).sum(axis=1)
+        known = self._few(rank, TRAINED)
+        fitted = self._few(rank[known], FITTED)
+        inputs, models = self._inputs(X[known]), []
         for j in range(F.shape[1]):
-            y = flattened(F[few, j]) if F.shape[1] == 1 else scaled(F[few, j])
-            kernel = ConstantKernel(4.0, (1e-2, 1e3)) * Matern(length, (0.1, 30.0), nu=2.5) + WhiteKernel(
-                1e-2, (NOISE, 1.0)
-            )
-            if len(self.theta) == F.shape[1]:
+            y = stretched(F[known, j]) if one else bounded(F[known, j])
+            lengths = Matern(np.full(inputs.shape[1], 2.0), (0.1, 30.0), nu=2.5)
+            kernel = ConstantKernel(4.0, (1e-2, 1e3)) * lengths + WhiteKernel(1e-2, NOISE)
+            if self.theta:
                 kernel = kernel.clone_with_theta(self.theta[j])
-            model = GaussianProcessRegressor(kernel, optimizer=short, alpha=1e-8, normalize_y=True).fit(inputs[fitted], y[fitted])
-            whole = GaussianProcessRegressor(model.kernel_, optimizer=None, alpha=1e-8, normalize_y=True)
-            models.append(whole.fit(inputs, y))
-        self.theta = [m.kernel_.theta for m in models]
+            options = {"alpha": 1e-8, "normalize_y": True}
+            few = GaussianProcessRegressor(kernel, optimizer=fit, **options).fit(inputs[fitted], y[fitted])
+            models.append(GaussianProcessRegressor(few.kernel_, optimizer=None, **options).fit(inputs, y))
+        self.theta = [model.kernel_.theta for model in models]
         return models
 
-    def _few(self, F: Array, count: int) -> Ints:
-        """Places of at most so many designs: half the best, half the others at random."""
-        if len(F) <= count:
-            return np.arange(len(F))
-        rank = np.argsort(F[:, 0] if F.shape[1] == 1 else ((F - F.min(axis=0)) / np.ptp(F, axis=0)).sum(axis=1))
-        rest = self.random_state.permutation(rank[count // 2 :])[: count - count // 2]
-        return np.concatenate([rank[: count // 2], rest])
+    def _inputs(self, X: Ints) -> Array:
+        """What a kernel sees of designs: heights and differences, 2 for the whole range."""
+        return np.asarray(2.0 * steps(X) / float(np.max(self.problem.xu)))
 
-    def _candidates(self, X: Ints, F: Array, models: list[Any], size: int) -> Ints:
-        """Designs never asked for that are good on the models: what moves come upon, from the best so far."""
-        draw, several = self.random_state, F.shape[1] > 1
-        pool = np.unique(self._parents(100), axis=0)
-        value = predicted(models, features(pool, self._top))
+    def _few(self, rank: Array, count: int) -> Ints:
+        """Places of at most so many designs: the best, and as many of the others at random."""
+        if len(rank) <= count:
+            return np.arange(len(rank))
+        places = rank.argsort(kind="stable")
+        rest = self.random_state.permutation(places[count // 2 :])[: count - count // 2]
+        return np.concatenate([places[: count // 2], rest])
+
+    def _means(self, models: list[Any], X: Ints) -> Array:
+        inputs = self._inputs(X)
+        return np.stack([model.predict(inputs) for model in models], axis=1)
+
+    def _candidates(self, models: list[Any]) -> Ints:
+        """Designs never asked for that are good on the models: what moves come upon, and random ones."""
+        known, draw = self.pop, self.random_state
+        pool = np.unique(self.pop.get("X").astype(np.int64), axis=0)[:CANDIDATES]
+        mean = self._means(models, pool)
         for _ in range(ROUNDS):
-            parents = pool[draw.integers(len(pool), size=KIDS)]
-            crossed = draw.random(KIDS) < 0.4
-            kids = np.where(crossed[:, None], exchanged(parents, pool[draw.integers(len(pool), size=KIDS)], draw), parents)
-            kids = np.where((draw.random(KIDS) < 0.8)[:, None] | ~crossed[:, None], shifted(kids, draw), kids)
-            kids = kids[allowed(self.problem, kids)]
-            if not len(kids):
+            self.pop = Population.new(X=pool)
+            children = np.unique(self._children(CHILDREN), axis=0)
+            children = children[allowed(self.problem, children)]
+            if not len(children):
                 continue
-            pool = np.concatenate([pool, kids])
-            value = np.concatenate([value, predicted(models, features(kids, self._top))])
+            pool = np.concatenate([pool, children])
+            mean = np.concatenate([mean, self._means(models, children)])
             pool, first = np.unique(pool, axis=0, return_index=True)
-            value = value[first]
-            best = best_of(value, CANDIDATES if several else CANDIDATES)
-            pool, value = pool[best], value[best]
+            best = leaders(mean[first], CANDIDATES)
+            pool, mean = pool[best], mean[first][best]
+        self.pop = known
         drawn = RandomInside().do(self.problem, RANDOM, random_state=draw).get("X").astype(np.int64)
-        pool = np.unique(np.concatenate([pool, drawn]), axis=0)
-        return pool[[x.tobytes() not in self.asked for x in pool]]
+        return self._fresh(np.concatenate([pool, drawn]))
+
+    def _samples(self, model: Any, X: Ints, count: int) -> Array:
+        """Samples of a process at designs, (designs, count)."""
+        mean, covariance = model.predict(self._inputs(X), return_cov=True)
+        jitter = 1e-8 * max(float(np.trace(covariance)) / len(covariance), 1e-12)
+        factor = np.linalg.cholesky(covariance + jitter * np.eye(len(covariance)))
+        return np.asarray(mean[:, None] + factor @ self.random_state.normal(size=(len(mean), count)))
 
 
-def features(X: Ints, top: float) -> Array:
-    """What a kernel sees of designs: heights and differences of neighbours."""
-    h = X / top
-    return np.concatenate([2 * h, 2 * np.diff(h, axis=1)], axis=1)
+def bounded(f: Array) -> Array:
+    """An objective whose worst values are drawn in: they are of no interest."""
+    middle = float(np.median(f))
+    return np.minimum(f, middle + 2.0 * (middle - float(f.min())))
 
 
-def scaled(f: Array) -> Array:
-    """An objective, with its worst values drawn in: they are of no interest."""
-    return np.minimum(f, np.median(f) + 2.0 * (np.median(f) - f.min()))
+def stretched(f: Array) -> Array:
+    """A single objective on a logarithmic scale, on which the best differ more than the others."""
+    above = f - f.min()
+    scale = float(np.median(above)) or 1.0
+    return np.asarray(np.log(0.03 + above / scale))
 
 
-def flattened(f: Array) -> Array:
-    """A single objective on a scale on which the best differ more than the others."""
-    z = (f - f.min()) / max(float(np.median(f) - f.min()), 1e-300)
-    return np.log(0.03 + z)
-
-
-def short(objective: Any, theta: Array, bounds: Array) -> tuple[Array, float]:
-    """A few steps of L-BFGS-B: the next generation goes on from there."""
+def fit(objective: Any, theta: Array, bounds: Array) -> tuple[Array, float]:
+    """scikit-learn's optimizer of a kernel: a few steps, from where the last generation ended."""
     from scipy.optimize import minimize
 
-    found = minimize(objective, theta, jac=True, bounds=bounds, method="L-BFGS-B", options={"maxiter": 15})
-    return found.x, found.fun
+    options = {"maxiter": STEPS}
+    found = minimize(objective, theta, jac=True, bounds=bounds, method="L-BFGS-B", options=options)
+    return found.x, float(found.fun)
 
 
-def predicted(models: list[Any], inputs: Array) -> Array:
-    """Means (designs, objectives)."""
-    return np.stack([m.predict(inputs) for m in models], axis=1)
-
-
-def best_of(value: Array, count: int) -> Ints:
-    """Places of the best by means: fronts, one after the other, if there are several objectives."""
+def leaders(value: Array, count: int) -> Ints:
+    """Places of the best designs (designs, objectives), or of one front after the other."""
     if value.shape[1] == 1:
         return np.argsort(value[:, 0], kind="stable")[:count]
-    from moocore import is_nondominated
-
-    left, kept = np.arange(len(value)), []
-    while len(left) and sum(map(len, kept)) < count:
-        now = is_nondominated(value[left], keep_weakly=True)
-        kept.append(left[now])
-        left = left[~now]
-    return np.concatenate(kept)[:count]
-
-
-def sampled(model: Any, inputs: Array, count: int, draw: Any) -> Array:
-    """Samples of a process at designs, (designs, count)."""
-    mean, covariance = model.predict(inputs, return_cov=True)
-    scale = np.trace(covariance) / len(covariance)
-    factor = np.linalg.cholesky(covariance + 1e-8 * max(scale, 1e-12) * np.eye(len(covariance)))
-    return mean[:, None] + factor @ draw.normal(size=(len(mean), count))
+    left, kept = np.arange(len(value)), np.empty(0, np.int64)
+    while len(left) and len(kept) < count:
+        now = nondominated(value[left])
+        kept, left = np.concatenate([kept, left[now]]), left[~now]
+    return kept[:count]
