@@ -21,7 +21,9 @@ from footopt.files.run import plain, write_text
 from footopt.report.numbers import title
 
 STYLES = ("page.css",)
-SCRIPTS = ("tools.js", "walk.js", "explore.js", "main.js")  # in this order: each uses those before it
+SCRIPTS = (  # in this order: each uses those before it
+    "tools.js", "contact.js", "simulate.js", "walk.js", "explore.js", "main.js",
+)  # fmt: skip
 
 
 def write(path: Path, content: dict[str, Any]) -> Path:
@@ -64,15 +66,17 @@ def write(path: Path, content: dict[str, Any]) -> Path:
     return path
 
 
-def packed(values: ArrayLike, exact: bool = False) -> dict[str, Any]:
+def packed(values: ArrayLike, exact: bool = False, double: bool = False) -> dict[str, Any]:
     """An array as the page reads it.
 
     Whole numbers stay exact up to 2^24; other values are rounded to 1/65535 of their range, or, with
-    `exact`, to 32-bit floats (which keep a NaN).
+    `exact`, to 32-bit floats (which keep a NaN). With `double`, nothing is rounded.
     """
     array = np.asarray(values)
     large = array.size and np.issubdtype(array.dtype, np.integer) and np.ptp(array) > 65535
-    if exact or large:
+    if double:
+        whole, low, step = array.astype("<f8"), 0.0, -1.0
+    elif exact or large:
         whole, low, step = array.astype("<f4"), 0.0, 0.0
     else:
         low, high = (float(array.min()), float(array.max())) if array.size else (0.0, 0.0)

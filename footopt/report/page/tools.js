@@ -4,10 +4,10 @@ const data = JSON.parse(document.getElementById("data").textContent);
 const BLUE = "#0072b2", VERMILLION = "#d55e00", GREEN = "#00795a", GREY = "#8c8c8c";
 const COLOURS = [BLUE, VERMILLION, "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000"];
 
-/** A flat array of numbers from base64: 32-bit floats, or whole numbers of 16 bits and their scale. */
+/** A flat array of numbers from base64: floats of 32 or 64 bits, or whole numbers of 16 bits and their scale. */
 function unpack({ low, step, data: text }) {
   const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-  if (step === 0) return new Float32Array(bytes.buffer);
+  if (step <= 0) return step < 0 ? new Float64Array(bytes.buffer) : new Float32Array(bytes.buffer);
   return Float64Array.from(new Uint16Array(bytes.buffer), (v) => low + step * v);
 }
 
