@@ -139,9 +139,7 @@ def own_best(
     solver = EXHAUSTIVE if problem.space.K**problem.space.n <= FEW else None
     found = []
     for s in problem.scenarios:
-        alone = FootProblem(
-            s.scene, problem.guide, s.space(problem.space), problem.accuracy, problem.threads
-        )
+        alone = FootProblem(s.scene, problem.guide, s.space(problem.space), problem.accuracy, problem.threads)
         try:
             result = search(alone, solver, store=store, executor=executor)
         except FootoptError as error:
