@@ -98,7 +98,7 @@ def physics(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> dict[st
             "tolerance": space.box_tolerance * space.H,
         },
         # of a sole without waypoints
-        "points": None if space else packed(foot.points(steps), exact=True, double=True),
+        "points": packed(foot.points(steps), double=True) if isinstance(foot, Foot) and not space else None,
     }
 
 
