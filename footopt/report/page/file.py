@@ -19,9 +19,18 @@ from numpy.typing import ArrayLike
 
 from footopt.files.run import plain, write_text
 from footopt.report.numbers import title
+from footopt.report.style import PALETTE
 
 STYLES = ("page.css",)
-SCRIPTS = ("tools.js", "walk.js", "explore.js", "main.js")  # in this order: each uses those before it
+# in this order: each uses those before it
+SCRIPTS = (
+    "tools.js",
+    "soles.js",
+    "stage.js",
+    "walk.js",
+    "explore.js",
+    "main.js",
+)
 
 
 def write(path: Path, content: dict[str, Any]) -> Path:
@@ -52,7 +61,7 @@ def write(path: Path, content: dict[str, Any]) -> Path:
     data = json.dumps(plain(content), separators=(",", ":"), allow_nan=False)
     filled = {
         "TITLE": html.escape(content["title"]),
-        "STYLE": "\n".join(map(read, STYLES)),
+        "STYLE": "\n".join([_roles(), *map(read, STYLES)]),
         # "</script>" in a name would end the element
         "DATA": data.replace("<", "\\u003c"),
         "SCRIPT": "\n".join(map(read, SCRIPTS)),
@@ -62,6 +71,11 @@ def write(path: Path, content: dict[str, Any]) -> Path:
         text = text.replace(f"<!--{name}-->", value)
     write_text(path, text)
     return path
+
+
+def _roles() -> str:
+    """The figures' colours of roles, which the page's style and scripts use."""
+    return f":root {{ {' '.join(f'--{role}: {colour};' for role, colour in PALETTE.items())} }}"
 
 
 def packed(values: ArrayLike, exact: bool = False) -> dict[str, Any]:
