@@ -122,6 +122,7 @@ def search_content(
             f"Soles for {', '.join(problem.names)} on {describe_scene(problem.scene)}",
             describe_search(result),
             describe_confirmation(confirmed),
+            *([entry["certificate"]["says"]] if entry.get("certificate") else []),
             *([f"{len(rows)} of the designs are on this page"] if len(rows) < result.designs else []),
         ],
         "guide": problem.names[0],
