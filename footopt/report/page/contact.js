@@ -21,7 +21,7 @@ function fourier({ a0, a, b }, phase) {
 const smoothStep = (s) => [s ** 3 * (10 - 15 * s + 6 * s * s), 30 * s * s * (1 - s) ** 2];
 
 /** A foot relative to the hip at t: x, z, vx, vz of the ankle, cos and sin of the pitch, its rate. */
-function pose(t, foot, table, at) {
+function footPose(t, foot, table, at) {
   const { thigh, knee, pitch, start, period, standing } = P.gait, { l1, l2 } = P.walker;
   const r = period / 2, since = t - (start ?? Infinity), s = clip(since / r, 0, 1);
   const phase = 0.25 + 0.5 * s ** 4 * (2.5 - 3 * s + s * s) + Math.max(since - r, 0) / period + 0.5 * foot;
@@ -59,13 +59,13 @@ function motion(dt) {
     if (Number.isNaN(table[at])) {
       const n0 = index >> level, part = index - (n0 << level);
       for (let i = 0; i < 4; i++) // two nodes, two feet
-        pose(times[n0] + (times[n0 + 1] - times[n0]) * ((part + nodes[i >> 1]) / 2 ** level), i & 1, table, at + 7 * i);
+        footPose(times[n0] + (times[n0 + 1] - times[n0]) * ((part + nodes[i >> 1]) / 2 ** level), i & 1, table, at + 7 * i);
     }
     return at;
   };
   const pose0 = new Float64Array(14);
-  pose(0, 0, pose0, 0);
-  pose(0, 1, pose0, 7);
+  footPose(0, 0, pose0, 0);
+  footPose(0, 1, pose0, 7);
   const made = { times, finest, tables, poses, pose0 };
   motions.set(dt, made);
   return made;

@@ -19,10 +19,11 @@ from numpy.typing import ArrayLike
 
 from footopt.files.run import plain, write_text
 from footopt.report.numbers import title
+from footopt.report.style import PALETTE
 
 STYLES = ("page.css",)
 SCRIPTS = (  # in this order: each uses those before it
-    "tools.js", "contact.js", "simulate.js", "walk.js", "explore.js", "main.js",
+    "tools.js", "soles.js", "contact.js", "simulate.js", "stage.js", "walk.js", "explore.js", "main.js",
 )  # fmt: skip
 
 
@@ -54,7 +55,7 @@ def write(path: Path, content: dict[str, Any]) -> Path:
     data = json.dumps(plain(content), separators=(",", ":"), allow_nan=False)
     filled = {
         "TITLE": html.escape(content["title"]),
-        "STYLE": "\n".join(map(read, STYLES)),
+        "STYLE": "\n".join([_roles(), *map(read, STYLES)]),
         # "</script>" in a name would end the element
         "DATA": data.replace("<", "\\u003c"),
         "SCRIPT": "\n".join(map(read, SCRIPTS)),
@@ -64,6 +65,11 @@ def write(path: Path, content: dict[str, Any]) -> Path:
         text = text.replace(f"<!--{name}-->", value)
     write_text(path, text)
     return path
+
+
+def _roles() -> str:
+    """The figures' colours of roles, which the page's style and scripts use."""
+    return f":root {{ {' '.join(f'--{role}: {colour};' for role, colour in PALETTE.items())} }}"
 
 
 def packed(values: ArrayLike, exact: bool = False, double: bool = False) -> dict[str, Any]:
