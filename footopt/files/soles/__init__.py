@@ -147,7 +147,7 @@ def the_line(lines: Sequence[Line], name: str, layer: str | None = None) -> tupl
             if len(layers) > 1
             else "D"
         )
-        told = "; ".join(_described(line) for line in found[:LISTED]) + ("; ..." if len(found) > LISTED else "")
+        told = "; ".join([*map(_described, found[:LISTED]), *(["..."] if len(found) > LISTED else [])])
         raise Unusable(
             "must hold one line that is the sole, or one closed outline; it holds "
             f"{len(found)}: {told}. {choose}elete what is "
