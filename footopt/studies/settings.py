@@ -88,6 +88,9 @@ class StudyConfig:
         "fine", "Accuracy at which finalists are walked again; null: the search's, under no other law."
     )
     finalists: int = setting(20, "How many of the best are walked again, and by other laws; a front whole.")
+    certify: bool | None = setting(
+        None, "Whether all soles near the best are walked; null: if they are fewer than the search walked."
+    )
     store: str | None = setting(None, "File of designs that runs may share; null: one in the folder.")
     reuse: bool = setting(False, "Whether to read what other code has walked from the store, which is said.")
     feet: int = setting(40, "How many random soles are walked.")
