@@ -6,12 +6,12 @@ import io
 import json
 import random
 import re
-import shutil
 import time
 from collections import Counter
 
 import numpy as np
 import pytest
+from browsers import Page, arrived, browser_needed
 from rich.text import Text
 from running import tries
 from shapely import Polygon
@@ -30,28 +30,6 @@ from footopt.studies.record import foot_entry, scene_entry
 from footopt.walk import FIVE, OBJECTIVES
 from footopt.walk.objectives import lookup
 
-CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-needs = pytest.mark.skipif(
-    not (CHROMIUM and DRIVER), reason="no chromium: apt-get install chromium chromium-driver"
-)
-
-
-def browser_needed(test):
-    """A browser takes ten seconds, wherever it is."""
-    return pytest.mark.slow(needs(test))
-
-
-FLAGS = (
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--window-size=1280,900",
-)
 LIMIT = 8e6  # bytes of a page
 MARKUP = (
     "<script>", "</script>", "alert(1)", "window.ran=1", "<svg/onload=window.ran=1>", "<!--", "-->", "]]>",
@@ -175,96 +153,6 @@ def study_table():
 
 
 KINDS = ["front", "single", "exact", "walk", "sunk", "jobs", "no jobs", "study"]
-
-
-@pytest.fixture(scope="module")
-def downloads(tmp_path_factory):
-    return tmp_path_factory.mktemp("downloads")
-
-
-@pytest.fixture(scope="module")
-def browser(downloads, tmp_path_factory):
-    webdriver = pytest.importorskip("selenium.webdriver")
-    options = webdriver.ChromeOptions()
-    options.binary_location = CHROMIUM
-    for flag in (*FLAGS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    options.add_experimental_option("prefs", {"download.default_directory": str(downloads)})
-    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
-    yield driver
-    driver.quit()
-
-
-class Page:
-    """A page in the browser, in the words of the tests."""
-
-    def __init__(self, driver, path):
-        self.driver = driver
-        driver.get(path.as_uri())
-
-    def __getitem__(self, selector):
-        for _ in range(40):  # what opens on demand is filled a moment later
-            if found := self.all(selector):
-                return found[0]
-            time.sleep(0.05)
-        raise LookupError(f"nothing is {selector}")
-
-    def all(self, selector):
-        return self.driver.find_elements("css selector", selector)
-
-    def js(self, code):
-        return self.driver.execute_script(f"return {code}")
-
-    def text(self, selector):
-        return self[selector].text
-
-    def counts(self):
-        """How many designs are within the limits, and of how many."""
-        return tuple(map(int, re.findall(r"\d+", self.text("#count"))))
-
-    def limits(self, name):
-        """The limits of a value, as its two fields show them."""
-        fields = [self[f'input[aria-label^="{end} {name}"]'] for end in ("smallest", "largest")]
-        ends = [f.get_property("value") for f in fields]
-        return tuple(float(e) if e else s * np.inf for e, s in zip(ends, (-1, 1), strict=True))
-
-    def drag(self, selector, start, end):
-        """Drag inside an element, from and to fractions of its width and height."""
-        actions = self._pointer(selector, start).click_and_hold()
-        self._to(actions, selector, end).release().perform()
-
-    def click(self, selector, place):
-        self._pointer(selector, place).click().perform()
-
-    def _pointer(self, selector, place):
-        from selenium.webdriver.common.action_chains import ActionChains
-
-        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", self[selector])
-        return self._to(ActionChains(self.driver, duration=30), selector, place)
-
-    def _to(self, actions, selector, place):
-        element = self[selector]
-        x, y = (
-            round((part - 0.5) * element.size[side])
-            for part, side in zip(place, ("width", "height"), strict=True)
-        )
-        return actions.move_to_element_with_offset(element, x, y)
-
-    def errors(self):
-        return [entry for entry in self.driver.get_log("browser") if entry["level"] == "SEVERE"]
-
-
-def arrived(folder, ending):
-    """The text of the only file with an ending, once the browser has written it."""
-    for _ in range(100):
-        found = [p for p in folder.glob(f"*.{ending}") if p.stat().st_size]
-        if found and not list(folder.glob("*.crdownload")):
-            text = found[0].read_text(encoding="utf-8")
-            found[0].unlink()
-            return text
-        time.sleep(0.05)
-    raise AssertionError(f"no .{ending} file arrived")
 
 
 @browser_needed

@@ -13,10 +13,10 @@ function ramp(share) {
   return `rgb(${stops[i].map((v, c) => Math.round(v + (place - i) * (stops[i + 1][c] - v))).join(" ")})`;
 }
 
-/** A flat array of numbers from base64: 32-bit floats, or whole numbers of 16 bits and their scale. */
+/** A flat array of numbers from base64: floats of 32 or 64 bits, or whole numbers of 16 bits and their scale. */
 function unpack({ low, step, data: text }) {
   const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-  if (step === 0) return new Float32Array(bytes.buffer);
+  if (step <= 0) return step < 0 ? new Float64Array(bytes.buffer) : new Float32Array(bytes.buffer);
   return Float64Array.from(new Uint16Array(bytes.buffer), (v) => low + step * v);
 }
 

@@ -15,6 +15,7 @@ from footopt.foot import Waypoints
 from footopt.report.body import forces_along, groups
 from footopt.report.numbers import percent, title
 from footopt.report.page.file import column, packed
+from footopt.report.page.physics import ARROWS, physics
 from footopt.report.scenery import scenery
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
 from footopt.walk import FIVE, MEASURES, Scene, Walk
@@ -28,7 +29,6 @@ WALKS = 200  # designs of a front whose walks are on the page
 BEND = 0.004  # of a trace's range: as far as straight lines between its samples may be from it
 FRAMES = 60  # samples of the forces along the sole of each of their walks
 FINE_FRAMES = 250  # of the walk that the page is about
-ARROWS = 10  # force arrows along a sole
 ON_THE_PAGE = ("front", "front_values", "confirmed")  # as designs, not as entries of result.json
 HOLLOW = 0.5e-3  # m; a smaller one is called none
 POSE_STEP = 0.01  # s, between the poses of the gait
@@ -51,6 +51,7 @@ def walk_content(walk: Walk, entry: dict[str, Any]) -> dict[str, Any]:
         shape = {"soles": [packed(foot.contour, exact=True)]}
     return {
         **_common(entry, walk.scene, tuple(values)),
+        "physics": physics(walk.scene, walk.accuracy, foot),
         "title": f"{foot.name} on {walk.scene.sand.name} sand",
         "headline": [f"{describe_scene(walk.scene)}; {describe_foot(foot)}"],
         "space": _splines(foot.space) if "k" in shape and foot.space else None,
@@ -117,6 +118,7 @@ def search_content(
     codes = np.array([reasons.index(str(r)) for r in result.reasons])
     return {
         **_common(entry, problem.scene, record),
+        "physics": physics(problem.scene, problem.accuracy, problem.space),
         "title": verdict(best, flat),
         "headline": [
             f"Soles for {', '.join(problem.names)} on {describe_scene(problem.scene)}",
