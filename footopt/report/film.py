@@ -172,7 +172,8 @@ def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], N
     close.set(xlabel="$x$ (m)", ylabel="$z$ (m)", xlim=(-reach, reach), ylim=(deep, top), aspect="equal")
     label_arrows(whole, walk, high)
     title = f"{walk.foot.name} on {walk.scene.sand.name} sand, {speed:g} × real time"
-    legend_above(figure, *whole.get_legend_handles_labels(), title=title)
+    handles, labels = whole.get_legend_handles_labels()
+    legend_above(figure, handles, labels, title)
     clock = whole.set_title(" ", loc="right", fontsize=10)
     for _ in range(2):  # each pass of the layout moves things a little
         figure.draw_without_rendering()
