@@ -65,7 +65,7 @@ def run(study: Study) -> Answer:
     finer = study.finer_accuracy
     with study.compiling():
         flat = simulate(Foot.flat(problem.space), scene, finer)
-    result, confirmed, certificate = _search(study, problem, solver, stop)
+    result, confirmed, certificate = _search(study, problem, solver, stop, flat.objectives["efficiency"])
     k = result.k[confirmed.designs[0]]
     best = dataclasses.replace(Foot.from_waypoints(k, problem.space), name=f"best of {solver.name}")
     walk = simulate(best, scene, finer)
@@ -158,7 +158,7 @@ def _unit(solver: Solver) -> str:
 
 
 def _search(
-    study: Study, problem: FootProblem, solver: Solver, stop: Stop
+    study: Study, problem: FootProblem, solver: Solver, stop: Stop, base: float
 ) -> tuple[SearchResult, Confirmation, Certificate | None]:
     """Search where `engine` says, keep every walk in the run's store, and confirm what was found."""
     e, space = study.config.engine, problem.space
@@ -173,7 +173,7 @@ def _search(
         if known := store.describe():
             study.say(known)
         with study.progress(solver.generations(space), _unit(solver)) as step:
-            tell = report_generations(step, problem.names[0])
+            tell = report_generations(step, problem.names[0], base=base)
             start = _start(study.options.start, space)
             result = search(problem, solver, tell, store, executor, stop, start)
         finer, finalists = study.finer_accuracy, study.options.finalists
@@ -242,7 +242,9 @@ def _save_figures(study: Study, result: SearchResult, best: int, flat: dict[str,
     """The figures of a search, with its best design and the flat sole's values."""
     problem = result.problem
     if not isinstance(result, Enumeration):
-        study.save("convergence", figures.convergence(result.history, history_label(problem.names)))
+        relative = problem.n_obj == 1 and problem.guide == "efficiency" and flat["efficiency"] < 0.0
+        base = flat["efficiency"] if relative else None
+        study.save("convergence", figures.convergence(result.history, history_label(problem.names), base))
     elif problem.n_obj == 1:
         leaders = enumerate(result.k[:LEADERS], start=1)
         soles = {f"no. {i}": Foot.from_waypoints(k, problem.space) for i, k in leaders}

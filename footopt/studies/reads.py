@@ -42,7 +42,7 @@ READS: dict[str, tuple[str, ...]] = {
     ),
     "trust": (
         *WORLD, *SPACE, "accuracy", "solver.pop_size", "solver.seed", "study.seeds", "study.solvers",
-        "study.budget", "study.quick",
+        "study.budget", "study.scenes", "study.quick",
     ),
     "robust": (
         *SCENE, *SEARCH,

@@ -113,7 +113,8 @@ class StudyConfig:
     leading_edge: bool = setting(False, "Whether faces that trail feel no sand.")
     shadowing: bool = setting(False, "Whether a groove of a sole counts with a part of its depth.")
     solvers: list[str] | None = setting(None, "Names of the solvers that are compared; null: all.")
-    budget: int = setting(3000, "Evaluations of each search.")
+    budget: int = setting(3000, "Walks of each search: different designs.")
+    scenes: int = setting(10, "How many scenes are drawn at random.")
     scenarios: str = setting("sands", "What one foot is for: sands, laws, or drawn about the scene.")
     draws: int = setting(16, "How many scenarios are drawn.")
     measure: str = setting(

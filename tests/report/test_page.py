@@ -120,8 +120,8 @@ def pages(front, single, tmp_path_factory):
     contents["no jobs"] = page.jobs_content(folder, [dead], [])
     (folder / "figures").mkdir()
     walk = fo.simulate(fo.Foot.flat(), accuracy="draft")
-    figures.save(figures.contour(walk.foot), folder / "figures", "contour")
-    figures.save(figures.forces({"flat": walk}), folder / "figures", "wide")
+    figures.save(figures.contour(walk.foot), folder / "figures", "contour", svg=True)
+    figures.save(figures.forces({"flat": walk}), folder / "figures", "wide", svg=True)
     (folder / "table 1.csv").write_text("")
     page.write_study(folder, "A study", ["What <it> found"], SAYS, [study_table()], STUDY, ["Not <so> good."])
     (folder / "report.html").rename(folder / "study.html")
@@ -442,8 +442,9 @@ class TestAStudysPage:
         shown = Page(browser, pages["study"])
         images = shown.all("img")
         assert [image.get_attribute("alt") for image in images] == list(SAYS.values())
-        natural = [shown.js(f"document.images[{i}].naturalWidth") for i in range(2)]
-        assert natural[1] > natural[0] > 300
+        assert all(image.get_attribute("src").startswith("data:image/svg+xml") for image in images)
+        wide = [image.size["width"] for image in images]  # letters of one size: a column, and a page
+        assert wide[1] > 1.9 * wide[0] > 600
         cells = [cell.text for cell in shown.all("#tables th, #tables td")]
         assert cells == ["name", "a number", "[bold]", "1.25 %", "k = [1, 2, 3]", "-",
                          "table 1.csv", "2"]  # fmt: skip

@@ -158,7 +158,7 @@ function walkPlates(sole, zeta, mass, dt = P.accuracy.dt, repeat = 0) {
     const left = Math.abs(F[LEFT_POWER]), right = Math.abs(F[RIGHT_POWER]);
     const error = Math.abs(after.vx - now.vx - 0.5 * h * (a0 + a1)) +
       Math.abs(after.vz - now.vz - 0.5 * h * (accelZ(W, now.force) + accelZ(W, F)));
-    const allowed = control;
+    const near = power > 0 && Math.max(left, right) >= P.accuracy.near * power, allowed = near ? P.accuracy.peak * control : control;
     if (control !== null && level < finest && !(solved && error <= allowed)) {
       level++;
       continue;
