@@ -2,22 +2,27 @@
 
 A scene is drawn by its number alone, so that a sample of any size begins alike. What is drawn:
 
-- gait: human (a third), the human one with swing x 0.8 to 1.2 and random changes of 1 to 4 deg in its mean and
-  its first two harmonics (a third), or fitted to angles of a made-up machine: a thigh that swings by 12 to
-  28 deg, a knee that bends by 15 to 60 deg in swing (a third). Pitch with the shank, as measured, or level.
+- gait: human (a third), the human one with swing x 0.8 to 1.2 and random changes of 1 to 4 deg in its mean
+  and its first two harmonics (a third), or fitted to angles of a made-up machine: a thigh that swings by 12
+  to 28 deg, a knee that bends by 15 to 60 deg in swing (a third). The foot's pitch is that of the shank, as
+  measured, or level.
 - walker: legs of 0.15 to 1.1 m, 0.5 to 200 kg, on the Earth (70 %), Mars or the Moon; a stride takes 0.8 to
   1.5 times what the human one does at that size and gravity.
 - sand: zeta from 0.05 to 500, log-uniform, the measured media among them, by the generic map (80 %), or with
   coefficients that differ by up to 20 %; the walker sinks by 0.1 mm at least and half of his shank at most.
 - effects: none (a fifth), or one of `EFFECTS`.
 - feet: random soles of a space with 5, 11 or 21 waypoints (rough), soles of 21 with a smooth contour, the
-  paper's shapes, or a comb; as long as fits the leg. A third of the spaces in scenes with the leading edge
-  are closed.
+  paper's shapes, or a comb; as long as fits the leg. A third of the feet in scenes with the leading edge are
+  closed.
 - duration: two strides after the start, or between 0.02 and 4 strides after the first heel strike.
+
+``python tests/random_scenes.py 300 OUT.csv`` judges a sample (an hour of one core), a row a foot.
 """
 
+import csv
 import itertools
 import math
+import sys
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -26,6 +31,8 @@ import numpy as np
 import footopt as fo
 from footopt.errors import FootoptError
 from footopt.sand import MEDIA
+from footopt.walk.adapt import accuracies
+from footopt.walk.objectives import FIVE, FLOORS
 from footopt.walk.scenarios import deformed
 
 FEET = 16  # of a scene whose feet are waypoints
@@ -47,7 +54,7 @@ class Drawn(NamedTuple):
 def _layers(rng, size):
     """Two interfaces near where feet get to; a factor beyond 10 is a hard pan."""
     depths = np.sort(rng.uniform(0.2, 2.5, 2)) * size
-    return fo.Layers(tuple(depths + [0.0, 1e-6]), tuple(10.0 ** rng.uniform(-1.0, 2.0, 2)))
+    return fo.Layers((depths[0], depths[1] + 1e-6), tuple(10.0 ** rng.uniform(-1.0, 2.0, 2)))
 
 
 def _sheets(rng, size):
@@ -66,7 +73,7 @@ def _slope(rng):
     return fo.Slope(rng.uniform(-12.0, 12.0))
 
 
-#: Effects of a scene, by name: from the random generator, the depth to which a foot sinks (m) and the leg (m).
+#: Effects of a scene by name, from the random generator, the depth to which a foot sinks and the leg, m.
 EFFECTS = {
     "slope": lambda rng, size, leg: (_slope(rng),),
     "leading edge": lambda rng, size, leg: (fo.LeadingEdge(),),
@@ -169,3 +176,83 @@ def draw(number):
                  "zeta": float(zeta), "mass": float(mass), "leg": float(leg), "g": float(g),
                  "depth": float(depth), "n": space.n if space else 0, "t_f": float(late)}  # fmt: skip
         return Drawn(scene, feet, space, about)
+
+
+LEAST = 2e-5  # relative: the truth's own error; a smaller one of a walk is not known
+SHOWN = ("gait", "pitch", "effects", "feet", "closed", "n", "zeta", "mass", "leg", "g", "depth", "t_f")
+
+
+class Judged(NamedTuple):
+    """Of a foot in a scene: relative errors of the objectives, their estimates, and how either walk ended."""
+
+    error: np.ndarray
+    estimate: np.ndarray
+    reason: str
+    truth: str
+
+
+def scale_of(values):
+    """What errors are relative to: the objectives, not below the floors of J_W and a millimetre."""
+    return np.maximum(np.abs(values), [FLOORS.get(name, 1e-3) for name in FIVE])
+
+
+def truth_of(feet, scene, space=None):
+    """Objectives and reasons by much finer plates, creep speed and steps."""
+    values, reasons = np.empty((len(feet), len(FIVE))), np.empty(len(feet), object)
+    for own, index in accuracies(feet, scene, fo.Accuracy.named("standard"), space).items():
+        slower = own.creep / fo.Accuracy.named("standard").creep
+        plates = min(max(1024, 8 * own.plates), 6400)
+        dt = 4e-4 * min(scene.gait.period / 1.2, 1.0)
+        finest = fo.Accuracy("sdirk2", dt, plates, 2e-6 * slower, "truth", control=1e-7 * slower)
+        table = fo.evaluate([feet[i] for i in index], scene, finest, space=space)
+        values[index], reasons[index] = table.values, table.reasons
+    return values, reasons
+
+
+def judge(feet, scene, accuracy="standard", space=None):
+    """Each foot's `Judged`."""
+    own, (truth, reasons) = (
+        fo.evaluate(feet, scene, accuracy, space=space, errors=True),
+        truth_of(feet, scene, space),
+    )
+    size = scale_of(truth)
+    error, estimate = np.abs(own.values - truth) / size, own.errors / size
+    return [Judged(*row) for row in zip(error, estimate, own.reasons, reasons, strict=True)]
+
+
+def promises(found):
+    """Shares of judged feet, and worst cases, of those that walk: what docs/accuracy.md has."""
+    walked = [one for one in found if not one.truth and not one.reason]
+    error, estimate = (np.array([getattr(one, name) for one in walked]) for name in ("error", "estimate"))
+    worst, said = error.max(axis=1), estimate.max(axis=1)
+    ratio = said / np.maximum(worst, LEAST)
+    return {
+        "feet": len(found),
+        "walked": len(walked),
+        "another outcome": sum(one.reason != one.truth for one in found),
+        "no estimate": int((~np.isfinite(said)).sum()),
+        "within 0.5 %": float((worst <= 0.005).mean()),
+        "95 % of feet": float(np.percentile(worst, 95)),
+        "largest error": float(worst.max()),
+        "covered": float((np.maximum(said, LEAST) >= worst).mean()),
+        "smallest estimate over error": float(np.nanmin(ratio)),
+        "at most 5 times": float((ratio <= 5.0).mean()),
+        "each covered": float((np.maximum(estimate, LEAST) >= error).mean()),
+    }
+
+
+if __name__ == "__main__":
+    with open(sys.argv[2], "w", newline="") as file:
+        table, every = csv.writer(file), []
+        table.writerow(["scene", "foot", *SHOWN, "reason", "truth", *FIVE, *(f"{n} estimate" for n in FIVE)])
+        for number in range(int(sys.argv[1])):
+            drawn = draw(number)
+            feet = drawn.feet[: int(sys.argv[3]) if len(sys.argv) > 3 else FEET]
+            found = judge(feet, drawn.scene, space=drawn.space)
+            every += found
+            for i, one in enumerate(found):
+                numbers = [f"{value:.3g}" for value in (*one.error, *one.estimate)]
+                about = [drawn.about[name] for name in SHOWN]
+                table.writerow([number, i, *about, one.reason, one.truth, *numbers])
+            file.flush()
+    print(promises(every))

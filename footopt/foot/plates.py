@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 #: (cos 2 beta, sin 2 beta), so that this leaves only their covariance within a plate as an error.
 RULES = {"chord": 1, "arc": 4}
 
+CORNER = 0.3  # rad: who draws a curve by chords turns less from one to the next
+
 
 class Plates(NamedTuple):
     """The plates of a batch of feet: arrays of shape (designs, plates).
@@ -142,9 +144,37 @@ def cap(sole: Array, top: Array, plates: int) -> Array:
     return np.concatenate(pieces, axis=1)
 
 
-def along_arc(polyline: Array, plates: int) -> Array:
-    """Points at equal steps along the arc of a polyline (m, 2), m: (plates + 1, 2), m."""
-    steps = np.hypot(*np.diff(polyline, axis=0).T)
-    arc = np.concatenate([[0.0], np.cumsum(steps)])
-    at = arc[-1] * np.arange(plates + 1) / plates
+def along_arc(polyline: Array, plates: int, parts: int = 1) -> Array:
+    """Points along the arc of a polyline (m, 2), m: (plates parts + 1, 2), m, at equal steps between corners.
+
+    At a corner (`corners`) one plate ends and the next begins: a plate around it would have the mean of two
+    directions. Between two corners plates are equally long.
+    """
+    arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(polyline, axis=0).T))])
+    ends = np.concatenate([[0.0], arc[corners(polyline, (plates - 1) // 2)], arc[-1:]])
+    share = np.diff(ends) / arc[-1] * (plates - len(ends) + 1)
+    count = 1 + share.astype(np.int64)  # one each, and the others by length
+    rest = np.argsort(-(share % 1.0), kind="stable")[: plates - count.sum()]
+    count[rest] += 1
+    pieces = zip(ends[:-1], ends[1:], parts * count, strict=True)
+    at = np.concatenate([*(a + (b - a) * np.arange(n) / n for a, b, n in pieces), arc[-1:]])
     return np.stack([np.interp(at, arc, polyline[:, 0]), np.interp(at, arc, polyline[:, 1])], axis=1)
+
+
+def corners(polyline: Array, most: int | None = None) -> NDArray[np.int64]:
+    """The points of a polyline (m, 2) where it turns by more than `CORNER`; of many the `most` sharpest."""
+    distinct = np.flatnonzero(np.append(True, (polyline[1:] != polyline[:-1]).any(axis=1)))
+    turns = np.zeros(len(polyline))
+    turns[distinct] = np.abs(turns_of(polyline[distinct][None])[0])
+    found = np.flatnonzero(turns > CORNER)
+    if most is not None and len(found) > most:
+        found = np.sort(found[np.argsort(-turns[found], kind="stable")[:most]])
+    return found
+
+
+def turns_of(points: Array) -> Array:
+    """By how much polylines (designs, m, 2) turn at their points, (designs, m), rad; 0 at the ends."""
+    dx, dz = np.moveaxis(points[:, 1:] - points[:, :-1], -1, 0)
+    across = dx[:, :-1] * dz[:, 1:] - dz[:, :-1] * dx[:, 1:]
+    ahead = dx[:, :-1] * dx[:, 1:] + dz[:, :-1] * dz[:, 1:]
+    return np.pad(np.arctan2(across, ahead), ((0, 0), (1, 1)))

@@ -76,9 +76,14 @@ def pose_rows(scene: Scene, accuracy: Accuracy) -> float:
     return scene.duration / accuracy.dt * levels * len(STEPPERS[accuracy.stepper].nodes)
 
 
+def too_many_poses(scene: Scene, accuracy: Accuracy) -> bool:
+    """Whether a walk is too long for its poses."""
+    return pose_rows(scene, accuracy) > ROWS
+
+
 def too_long(scene: Scene, accuracy: Accuracy) -> bool:
     """Whether a walk is too long to be traced: for its poses, or for what its bristles remember."""
-    return pose_rows(scene, accuracy) > ROWS or bristle_bytes(scene, accuracy) > MOST_BYTES
+    return too_many_poses(scene, accuracy) or bristle_bytes(scene, accuracy) > MOST_BYTES
 
 
 def bristle_bytes(scene: Scene, accuracy: Accuracy) -> float:
