@@ -34,6 +34,8 @@ class Plates(NamedTuple):
     tx, tz : (designs, plates), optional
         The plate's direction along the contour, a unit vector; its outward normal is (t_z, -t_x). None
         where nothing asks for it.
+    span : (designs,), m, optional
+        Length along the sole for which a plate stands; None for chords, which stand for themselves.
     """
 
     x: Array
@@ -43,6 +45,7 @@ class Plates(NamedTuple):
     area: Array
     tx: Array | None = None
     tz: Array | None = None
+    span: Array | None = None
 
     @classmethod
     def from_points(
@@ -81,11 +84,13 @@ class Plates(NamedTuple):
         """
         points = points if fill is None else fill(points)
         sole = cls._along(points, ankle, width, RULES[rule], directed)
+        span = None if RULES[rule] == 1 else sole.area.mean(axis=1) / width
         if top is None:
-            return sole
+            return sole._replace(span=span)
         rest = cls._along(cap(points, top, sole.x.shape[1]), ankle, width, 1, directed)
         pairs = zip(sole, rest, strict=True)
-        return cls(*(np.concatenate([a, b], axis=1) for a, b in pairs if a is not None and b is not None))
+        both = (np.concatenate([a, b], axis=1) for a, b in pairs if a is not None and b is not None)
+        return cls(*both)._replace(span=span)
 
     @classmethod
     def _along(cls, points: Array, ankle: Array, width: Array, parts: int, directed: bool) -> Plates:

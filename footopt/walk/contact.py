@@ -18,6 +18,7 @@ from footopt.compiled import inlined, inlined_fast
 from footopt.effects import base as effects
 from footopt.walk.state import LANES, Contact, Force, Pose, no_force, pose_of
 
+TURN = 0.25  # of the difference in speed along a turning plate, over which its direction is smoothed
 EDGE = 0.05  # n.h over which an effect's gate opens where bristles say how a plate moves
 
 
@@ -227,10 +228,23 @@ def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, counts):
             counts.plates += last - first
             force = foot_force(
                 sole, world.law, world.loads, world.gates, world.pushes, sole.tangent, first, last, ankle,
-                creep, stage, _of_foot(h0, foot),
+                _slip(creep, ankle.rate, sole.span, h0), stage, _of_foot(h0, foot),
             )  # fmt: skip
         left, right = right, force
     return Contact(left, right)
+
+
+@inlined
+def _slip(creep, rate, span, h0):
+    """Speed over which the direction of a foot's plates is smoothed, m/s.
+
+    Along a plate that turns, the velocity differs by rate * span; near the centre of the turn, the mean
+    direction over the plate is smooth where the direction in its middle jumps. Bristles need no smoothing.
+    """
+    if h0 is None:
+        turn = TURN * rate * span
+        return np.sqrt(creep * creep + turn * turn)
+    return creep
 
 
 @inlined
