@@ -34,6 +34,8 @@ class Plates(NamedTuple):
     tx, tz : (designs, plates), optional
         The plate's direction along the contour, a unit vector; its outward normal is (t_z, -t_x). None
         where nothing asks for it.
+    turn : (designs, plates), rad, optional
+        How much the contour turns within a plate, given with ``tx`` and ``tz``; 0 for chords.
     span : (designs,), m, optional
         Length along the sole for which a plate stands; None for chords, which stand for themselves.
     """
@@ -45,6 +47,7 @@ class Plates(NamedTuple):
     area: Array
     tx: Array | None = None
     tz: Array | None = None
+    turn: Array | None = None
     span: Array | None = None
 
     @classmethod
@@ -71,7 +74,7 @@ class Plates(NamedTuple):
         rule : str
             A name in `RULES`.
         directed : bool
-            Whether ``tx`` and ``tz`` are wanted.
+            Whether ``tx``, ``tz`` and ``turn`` are wanted.
         top : (designs,), m, optional
             z_p of a flat top that closes each contour with vertical sides (see `cap`).
         fill : callable, optional
@@ -116,7 +119,13 @@ class Plates(NamedTuple):
             return plates
         along_x, along_z = mean(dx / length), mean(dz / length)
         norm = np.maximum(np.sqrt(along_x * along_x + along_z * along_z), 1e-30)
-        return plates._replace(tx=along_x / norm, tz=along_z / norm)
+        if parts == 1:  # chords stand for themselves
+            return plates._replace(tx=along_x / norm, tz=along_z / norm, turn=np.zeros_like(along_x))
+        bends = np.abs(turns_of(points))
+        between = bends[:, ::parts]
+        between[between > CORNER] = 0.0  # a corner between two plates bends neither
+        turn = _sum_parts(bends[:, :-1], parts) + 0.5 * (bends[:, parts::parts] - bends[:, :-1:parts])
+        return plates._replace(tx=along_x / norm, tz=along_z / norm, turn=turn)
 
     def take(self, index: slice | NDArray[np.int64]) -> Plates:
         """The plates of some of the designs."""

@@ -1,12 +1,14 @@
 """An accuracy as a scene and a sole need it: presets are stated for the paper's walker, feet and sands.
 
-Three things make a walk harder than those, and each is a rule here:
+Four things make a walk harder than those, and each is a rule here:
 
 - A smaller walker takes shorter strides at lower speeds. The time step is in proportion to the stride's
   period, the control and the creep speed to the legs' length over it, and never larger than the preset's.
-- A sole with more waypoints or corners needs more plates, `EACH` a waypoint.
+- A sole with more waypoints or corners needs more plates, at `standard` `EACH` a waypoint.
 - The harder the sand under a light walker, the shorter the part of the sole that carries him. At least
   `TOUCHING` plates are to touch the sand when he stands, whatever the pitch of his foot.
+- Effects that change the force on a plate make blows short, as hard sand does. Where there are such, or more
+  plates than the preset's, steps are half as long and held to half the control.
 """
 
 from __future__ import annotations
@@ -32,10 +34,12 @@ from footopt.walk.state import LANES
 Array = NDArray[np.float64]
 
 PERIOD, LEG = 1.2, Walker().l1 + Walker().l2  # of the walk that presets are measured with
+STATED = 56  # plates along a sole, of which the next three are stated; a preset with more has more of them
 EACH = 5  # plates a waypoint, or a straight side between two corners
 BEND = 0.2  # rad by which a sole turns within a plate: five a waypoint of a rough sole
 TOUCHING = 8  # plates in the sand under who stands
 LEADING = 2.0  # times more plates where only faces that lead feel sand
+SHORTER = 0.5  # times the step and its control where blows are short
 MOST = 32  # times the preset's plates
 
 PROBES = 3  # random soles that stand for a space
@@ -64,13 +68,14 @@ def adapted(accuracy: Accuracy, scene: Scene, sole: Foot | Waypoints) -> Accurac
     period = scene.gait.period / PERIOD
     legs = (scene.walker.l1 + scene.walker.l2) / LEG
     slower, shorter = min(legs / period, 1.0), min(period, 1.0)
-    control = accuracy.control
+    plates, control = _plates(accuracy.plates, scene, sole), accuracy.control
+    blows = SHORTER if plates > accuracy.plates or any(laws(scene.effects)) else 1.0
     return replace(
         accuracy,
-        dt=accuracy.dt * shorter,
-        control=None if control is None else control * slower,
-        creep=accuracy.creep * slower,
-        plates=_plates(accuracy.plates, scene, sole),
+        dt=blows * shorter * accuracy.dt,
+        control=None if control is None else blows * slower * control,
+        creep=slower * accuracy.creep,
+        plates=plates,
         adapt=False,
     )
 
@@ -93,11 +98,13 @@ def accuracies(
 
 
 def _plates(preset: int, scene: Scene, sole: Foot | Waypoints) -> int:
-    """How many plates a sole needs, a whole number of blocks, the preset's at least."""
+    """How many plates a sole needs, a whole number of blocks if more than the preset's."""
     leading = any(isinstance(effect, LeadingEdge) for effect in scene.effects)
-    least = max((LEADING if leading else 1.0) * preset, _bends(sole), TOUCHING / _touching(scene, sole))
-    blocks = math.ceil(min(least, MOST * preset, MOST_PLATES) / LANES - 1e-9)
-    return max(preset, LANES * blocks)
+    needed = max(_bends(sole), TOUCHING / _touching(scene, sole)) / STATED
+    times = min(max(LEADING if leading else 1.0, needed), MOST)
+    if times <= 1.0:
+        return preset
+    return min(LANES * math.ceil(times * preset / LANES - 1e-9), MOST_PLATES)
 
 
 def _bends(sole: Foot | Waypoints) -> float:

@@ -135,8 +135,8 @@ def soles(plates: Plates) -> Sole:
     by_block_x, by_block_z = (column.reshape(len(column), -1, LANES) for column in (x, z))
     centre_x, centre_z = (0.5 * (q.min(axis=2) + q.max(axis=2)) for q in (by_block_x, by_block_z))
     tangent = None
-    if plates.tx is not None and plates.tz is not None:
-        tangent = Tangent(_padded(plates.tx, extra), _padded(plates.tz, extra))
+    if plates.tx is not None and plates.tz is not None and plates.turn is not None:
+        tangent = Tangent(*(_padded(column, extra) for column in (plates.tx, plates.tz, plates.turn)))
     square = (by_block_x - centre_x[..., None]) ** 2 + (by_block_z - centre_z[..., None]) ** 2
     return Sole(
         x=x,

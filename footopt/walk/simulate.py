@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 #: Why a walk failed, by the loop's status.
 REASONS = {OK: "", SUNK: "sunk", BACKWARD: "backward", DIVERGED: "diverged"}
 
-SAFE = 1.5  # times the differences to two refined walks, see `estimated`
+SAFE = 2.0  # times the differences to two refined walks, see `estimated`
 
 MAX_REPEATS = 3  # of a walk that diverged, each with a quarter of the time step before
 CHUNK = 4096  # designs whose plates are in memory at once

@@ -52,7 +52,7 @@ def test_plates_follow_hardness_and_mass():
     hard = fo.Scene(sand=fo.Sand(1.0), effects=(fo.Patches((0.5,), (0.6,), (500.0,)),))
     assert adapted(STANDARD, hard, PAPER).plates > STANDARD.plates
     absurd = fo.Scene(sand=fo.Sand(1e4), walker=fo.Walker(mass=1e-6))
-    assert adapted(STANDARD, absurd, PAPER).plates == MOST * STANDARD.plates
+    assert 16 * STANDARD.plates < adapted(STANDARD, absurd, PAPER).plates <= MOST * STANDARD.plates
 
 
 @pytest.mark.parametrize("n", [5, 21, 50, 200])
@@ -65,13 +65,23 @@ def test_plates_follow_waypoints(n):
 
 
 def test_a_smaller_walker_takes_shorter_steps_at_smaller_speeds():
-    human, small = fo.Scene(), fo.Scene(gait=fo.Gait.human(period=0.6), walker=fo.Walker(8.0, 0.1, 0.13))
+    human, small = fo.Scene(), fo.Scene(gait=fo.Gait.human(period=0.6), walker=fo.Walker(60.0, 0.1, 0.13))
     found = adapted(STANDARD, small, PAPER)
     assert found.dt == pytest.approx(STANDARD.dt / 2)
     assert found.control == pytest.approx(STANDARD.control / 2)  # legs a quarter as long, in half the time
     assert found.creep == pytest.approx(STANDARD.creep / 2)
     slow = replace(human, gait=fo.Gait.human(period=3.0))
     assert adapted(STANDARD, slow, PAPER).dt == STANDARD.dt
+
+
+@pytest.mark.parametrize("effect", [fo.LeadingEdge(), fo.Inertia(), fo.Layers(), fo.Patches()])
+def test_steps_are_shorter_where_blows_are(effect):
+    found = adapted(STANDARD, fo.Scene(effects=(effect,)), PAPER)
+    assert (found.dt, found.control) == (STANDARD.dt / 2, STANDARD.control / 2)
+    hard = adapted(STANDARD, fo.Scene(sand=fo.Sand(100.0)), PAPER)
+    assert (hard.dt, hard.control) == (STANDARD.dt / 2, STANDARD.control / 2)
+    for other in (fo.Slope(), fo.Rest(), fo.Shadowing()):
+        assert adapted(STANDARD, fo.Scene(effects=(other,)), PAPER) == replace(STANDARD, adapt=False)
 
 
 def test_feet_with_other_numbers_of_plates_walk_in_one_batch_as_alone(ramp_foot, flat_foot, regular):

@@ -1,14 +1,10 @@
 """Scenes that once were walked wrongly without a word: now right, or their estimate says how wrong."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from random_scenes import judge, scale_of
+from random_scenes import judge
 
 import footopt as fo
-from footopt.walk import FIVE
-from footopt.walk.resolution import resolution
 
 
 def soles(n=11, count=2):
