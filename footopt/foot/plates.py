@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from footopt.compiled import cached_njit
+
 Array = NDArray[np.float64]
 
 
@@ -98,34 +100,9 @@ class Plates(NamedTuple):
     @classmethod
     def _along(cls, points: Array, ankle: Array, width: Array, parts: int, directed: bool) -> Plates:
         """Plates of some chords each."""
-        chord = points[:, 1:] - points[:, :-1]
-        dx, dz = chord[..., 0], chord[..., 1]
-        square = np.maximum(dx * dx + dz * dz, 1e-60)  # a side of no length has no area, and no harm
-        length = np.sqrt(square)
-        middle = 0.5 * (points[:, 1:] + points[:, :-1]) - ankle[:, None, :]
-        total = _sum_parts(length, parts)
-
-        def mean(value: Array) -> Array:
-            return _sum_parts(value * length, parts) / total
-
-        plates = cls(
-            x=mean(middle[..., 0]),
-            z=mean(middle[..., 1]),
-            c2=mean((dx * dx - dz * dz) / square),
-            s2=mean(2.0 * dx * dz / square),
-            area=total * width[:, None],
-        )
-        if not directed:
-            return plates
-        along_x, along_z = mean(dx / length), mean(dz / length)
-        norm = np.maximum(np.sqrt(along_x * along_x + along_z * along_z), 1e-30)
-        if parts == 1:  # chords stand for themselves
-            return plates._replace(tx=along_x / norm, tz=along_z / norm, turn=np.zeros_like(along_x))
-        bends = np.abs(turns_of(points))
-        between = bends[:, ::parts]
-        between[between > CORNER] = 0.0  # a corner between two plates bends neither
-        turn = _sum_parts(bends[:, :-1], parts) + 0.5 * (bends[:, parts::parts] - bends[:, :-1:parts])
-        return plates._replace(tx=along_x / norm, tz=along_z / norm, turn=turn)
+        x, z, c2, s2, length, tx, tz = cut(points, parts)
+        plates = cls(x - ankle[:, :1], z - ankle[:, 1:], c2, s2, length * width[:, None])
+        return plates._replace(tx=tx, tz=tz, turn=bent(points, parts)) if directed else plates
 
     def take(self, index: slice | NDArray[np.int64]) -> Plates:
         """The plates of some of the designs."""
@@ -133,12 +110,34 @@ class Plates(NamedTuple):
         return Plates(**{name: np.ascontiguousarray(column[index]) for name, column in given.items()})
 
 
-def _sum_parts(value: Array, parts: int) -> Array:
-    """Sums of `parts` neighbours, elementwise, so that no batch rounds differently."""
-    total = value[:, ::parts].copy()
-    for i in range(1, parts):
-        total += value[:, i::parts]
-    return total
+@cached_njit(nogil=True, error_model="numpy")
+def cut(points, parts):  # type: ignore[no-untyped-def]
+    """The means of `parts` neighbouring chords each along contours (designs, m, 2), m.
+
+    Returns (7, designs, plates): place x and z (m), cosine and sine of twice the angle, length (m), and the
+    direction, a unit vector.
+    """
+    designs, plates = points.shape[0], (points.shape[1] - 1) // parts
+    out = np.zeros((7, designs, plates))
+    for d in range(designs):
+        for i in range(plates):
+            x = z = c2 = s2 = total = 0.0
+            for j in range(i * parts, (i + 1) * parts):
+                dx, dz = points[d, j + 1, 0] - points[d, j, 0], points[d, j + 1, 1] - points[d, j, 1]
+                square = max(dx * dx + dz * dz, 1e-60)  # a side of no length has no area, and no harm
+                length = np.sqrt(square)
+                x += 0.5 * (points[d, j + 1, 0] + points[d, j, 0]) * length
+                z += 0.5 * (points[d, j + 1, 1] + points[d, j, 1]) * length
+                c2 += (dx * dx - dz * dz) / length
+                s2 += 2.0 * dx * dz / length
+                total += length
+            first, last = i * parts, (i + 1) * parts
+            dx, dz = points[d, last, 0] - points[d, first, 0], points[d, last, 1] - points[d, first, 1]
+            norm = max(np.sqrt(dx * dx + dz * dz), 1e-30)
+            out[0, d, i], out[1, d, i] = x / total, z / total
+            out[2, d, i], out[3, d, i], out[4, d, i] = c2 / total, s2 / total, total
+            out[5, d, i], out[6, d, i] = dx / norm, dz / norm
+    return out
 
 
 def cap(sole: Array, top: Array, plates: int) -> Array:
@@ -156,6 +155,17 @@ def cap(sole: Array, top: Array, plates: int) -> Array:
         part = (np.arange(1, count + 1) / count)[:, None]
         pieces.append(begin[:, None] + part * (end - begin)[:, None])
     return np.concatenate(pieces, axis=1)
+
+
+def bent(points: Array, parts: int) -> Array:
+    """By how much soles (designs, m, 2) turn within plates of `parts` chords each, (designs, plates), rad."""
+    if parts == 1:  # chords stand for themselves
+        return np.zeros((len(points), points.shape[1] - 1))
+    turns = np.abs(turns_of(points))
+    between = turns[:, ::parts]
+    between[between > CORNER] = 0.0  # a corner between two plates bends neither
+    inside = turns[:, :-1].reshape(len(points), -1, parts).sum(axis=2)
+    return np.asarray(inside + 0.5 * (between[:, 1:] - between[:, :-1]))
 
 
 def along_arc(polyline: Array, plates: int, parts: int = 1) -> Array:

@@ -107,7 +107,7 @@ def objective_table(
         base = others[0][1]
         parts = gain_shares(values, base)
         gained = shares and any(map(math.isfinite, parts.values()))
-        titles += ["change", *(["share of J_W's gain"] if gained else [])]
+        titles += ["change from flat", *(["share of J_W's gain"] if gained else [])]
     shown = table(titles, words=("objective", "unit"))
     for name in names:
         o, value = MEASURES[name], values[name]

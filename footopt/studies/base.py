@@ -152,10 +152,10 @@ class Study:
         files.write_csv(self.folder / name, header, rows)
 
     def save(self, name: str, figure: Any, caption: str = "") -> None:
-        """Save a figure as PNG and PDF if wanted; with a caption it is also on the page of `conclude`."""
+        """Save a figure as PNG and PDF if wanted; with a caption also as SVG, on the page of `conclude`."""
         if not self.draws:
             return
-        figures.save(figure, self.folder / "figures", name)
+        figures.save(figure, self.folder / "figures", name, svg=bool(caption))
         if caption:
             self._captions[name] = caption
 
