@@ -25,8 +25,9 @@ from footopt.design.certificate import Certificate, certified
 from footopt.design.choice import excess
 from footopt.design.exhaustive import Enumeration, check_size
 from footopt.design.result import check_finalists
+from footopt.errors import SettingError
 from footopt.files import run as files
-from footopt.foot import Foot
+from footopt.foot import Foot, Waypoints
 from footopt.report import figures, page, terminal
 from footopt.report.figures.search import FRONT, history_label
 from footopt.report.numbers import objective_quantity
@@ -106,7 +107,7 @@ def run(study: Study) -> Answer:
             for i in page.walked_designs(result, confirmed)
         )
         shown = page.search_content(result, confirmed, walk, flat, others, record)
-        page.write(study.folder / "report.html", shown)
+        page.write(study.folder / "report.html", shown | study.origin)
     write_film(study, walk)
 
     several = problem.n_obj > 1
@@ -174,7 +175,8 @@ def _search(
             study.say(known)
         with study.progress(solver.generations(space), _unit(solver)) as step:
             tell = report_generations(step, problem.names[0], base=base)
-            result = search(problem, solver, tell, store, executor, stop)
+            start = _start(study.options.start, space)
+            result = search(problem, solver, tell, store, executor, stop, start)
         finer, finalists = study.finer_accuracy, study.options.finalists
         if result.interrupted:
             study.say("Stopped: reporting what was found so far (Ctrl-C again: not even that)")
@@ -183,6 +185,17 @@ def _search(
             return result, confirm(result, finer, finalists), None
         most = math.inf if asked else result.designs
         return certified(result, finer, finalists, Evaluator(problem, store, executor), most)
+
+
+def _start(heights: list[int] | None, space: Waypoints) -> list[list[int]] | None:
+    """The soles that a search begins with, or None; a `SettingError` names study.start."""
+    if heights is None:
+        return None
+    try:
+        rows = [heights[i : i + space.n] for i in range(0, len(heights), space.n)]
+        return [space.check(row)[0].tolist() for row in rows]
+    except SettingError as error:
+        raise SettingError("study.start", heights, error.allowed, error.hint) from None
 
 
 def _certificate_entry(certificate: Certificate) -> dict[str, Any]:

@@ -87,6 +87,9 @@ class StudyConfig:
     confirm: str | None = setting(
         "fine", "Accuracy at which finalists are walked again; null: the search's, under no other law."
     )
+    start: list[int] | None = setting(
+        None, "Heights of the sole that a search begins with, or of several in a row."
+    )
     finalists: int = setting(20, "How many of the best are walked again, and by other laws; a front whole.")
     certify: bool | None = setting(
         None, "Whether all soles near the best are walked; null: if they are fewer than the search walked."
