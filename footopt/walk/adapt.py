@@ -8,7 +8,7 @@ Four things make a walk harder than those, and each is a rule here:
 - The harder the sand under a light walker, the shorter the part of the sole that carries him. At least
   `TOUCHING` plates are to touch the sand when he stands, whatever the pitch of his foot.
 - Effects that change the force on a plate make blows short, as hard sand does. Where there are such, or more
-  plates than the preset's, steps are half as long and held to half the control.
+  plates than the preset's, steps are half as long and held to a quarter of the control.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ EACH = 5  # plates a waypoint, or a straight side between two corners
 BEND = 0.2  # rad by which a sole turns within a plate: five a waypoint of a rough sole
 TOUCHING = 8  # plates in the sand under who stands
 LEADING = 2.0  # times more plates where only faces that lead feel sand
-SHORTER = 0.5  # times the step and its control where blows are short
+SHORTER, CLOSER = 0.5, 0.25  # times the step, and its control, where blows are short
 MOST = 32  # times the preset's plates
 
 PROBES = 3  # random soles that stand for a space
@@ -69,11 +69,12 @@ def adapted(accuracy: Accuracy, scene: Scene, sole: Foot | Waypoints) -> Accurac
     legs = (scene.walker.l1 + scene.walker.l2) / LEG
     slower, shorter = min(legs / period, 1.0), min(period, 1.0)
     plates, control = _plates(accuracy.plates, scene, sole), accuracy.control
-    blows = SHORTER if plates > accuracy.plates or any(laws(scene.effects)) else 1.0
+    blows = plates > accuracy.plates or any(laws(scene.effects))
+    step, held = (SHORTER, CLOSER) if blows else (1.0, 1.0)
     return replace(
         accuracy,
-        dt=blows * shorter * accuracy.dt,
-        control=None if control is None else blows * slower * control,
+        dt=step * shorter * accuracy.dt,
+        control=None if control is None else held * slower * control,
         creep=slower * accuracy.creep,
         plates=plates,
         adapt=False,

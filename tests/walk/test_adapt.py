@@ -77,9 +77,9 @@ def test_a_smaller_walker_takes_shorter_steps_at_smaller_speeds():
 @pytest.mark.parametrize("effect", [fo.LeadingEdge(), fo.Inertia(), fo.Layers(), fo.Patches()])
 def test_steps_are_shorter_where_blows_are(effect):
     found = adapted(STANDARD, fo.Scene(effects=(effect,)), PAPER)
-    assert (found.dt, found.control) == (STANDARD.dt / 2, STANDARD.control / 2)
+    assert (found.dt, found.control) == (STANDARD.dt / 2, STANDARD.control / 4)
     hard = adapted(STANDARD, fo.Scene(sand=fo.Sand(100.0)), PAPER)
-    assert (hard.dt, hard.control) == (STANDARD.dt / 2, STANDARD.control / 2)
+    assert (hard.dt, hard.control) == (STANDARD.dt / 2, STANDARD.control / 4)
     for other in (fo.Slope(), fo.Rest(), fo.Shadowing()):
         assert adapted(STANDARD, fo.Scene(effects=(other,)), PAPER) == replace(STANDARD, adapt=False)
 
