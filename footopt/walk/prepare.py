@@ -21,6 +21,7 @@ from footopt.walk.steppers import STEPPERS
 Array = NDArray[np.float64]
 
 NEWTON = 0.03  # last step of Newton's method over the plates' mean speed; the forces' error is the square
+STICKING = 1e-3  # the same where bristles hold plates: the law is bent where they begin to slide
 REST = 4  # longer steps while the walker stands
 HALVINGS = 3  # of a step under control, at most
 ROWS = 5_000_000  # poses of a walk that are tabulated, 112 bytes each; ten minutes take 2.6 million
@@ -34,7 +35,7 @@ def world(scene: Scene, accuracy: Accuracy) -> World:
     """What the compiled loops need to know of a scene."""
     law = Law(*(float(scene.zeta * PER_CM3 * c) for c in scene.sand.stress_map.law))
     tilt, g = scene.gravity
-    laws = effects.laws(scene.effects)
+    laws, rest = effects.laws(scene.effects), rest_length(scene.effects)
     # floats throughout: a whole number would be another type, and compile the loop again
     return World(
         law=law,
@@ -42,8 +43,8 @@ def world(scene: Scene, accuracy: Accuracy) -> World:
         g=float(g),
         tilt=None if tilt is None else float(tilt),
         creep=float(accuracy.creep),
-        rest=rest_length(scene.effects),
-        tolerance=NEWTON,
+        rest=rest,
+        tolerance=NEWTON if rest is None else STICKING,
         loads=laws.loads,
         gates=laws.gates,
         pushes=laws.pushes,
