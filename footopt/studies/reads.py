@@ -48,6 +48,7 @@ READS: dict[str, tuple[str, ...]] = {
         *SCENE, *SEARCH,
         *(f"study.{n}" for n in ("scenarios", "draws", "measure", "tail", "spread", "quick")),
     ),
+    "codesign": (*WORLD, *SEARCH, "study.speed", "study.quick"),
     "sensitivity": (
         *SCENE, "foot", "accuracy", "solver.seed",
         *(f"study.{n}" for n in ("samples", "spread", "foot_spread", "quick")),

@@ -24,7 +24,7 @@ from footopt.walk import MEASURES, PRESETS, Accuracy, Spread, Walker
 REPORTS = ("none", "light", "full")
 
 #: Studies that search: they walk where engine says, keep what they evaluate, and go on where they stopped.
-SEARCHES = ("optimize", "robust")
+SEARCHES = ("optimize", "robust", "codesign")
 
 
 def parameters(kind: type, null: tuple[str, ...] = ()) -> Any:
@@ -122,6 +122,7 @@ class StudyConfig:
         "Of the loss over the scenarios: worst, mean, or tail, the mean of the worst share.",
     )
     tail: float = setting(default(RobustProblem, "tail"), "The share of study.measure=tail.")
+    speed: float | None = setting(None, "That a walk has to reach, m/s; null: as with the gait as given.")
     spread: SpreadConfig = field(default_factory=SpreadConfig)
     foot_spread: FootSpreadConfig = field(default_factory=FootSpreadConfig)
     run: str | None = setting(None, "Folder of the run whose foot is meant.")
