@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-import time
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from footopt.design import Solver
 from footopt.errors import FileError, SettingError
 from footopt.files import identity
-from footopt.files.lock import Occupied, locked
+from footopt.files.lock import LOCK, Occupied, locked
 from footopt.report.page.live import watched
 from footopt.studies.base import Study
 from footopt.studies.build import make_problem
@@ -20,7 +23,6 @@ POLL = 0.5  # s, between looks at whether the run has ended
 
 def run(study: Study) -> None:
     """Serve the page of the run `study.run` until it ends, or until Ctrl-C; nothing is left behind."""
-    (study.folder / identity.FILE).unlink(missing_ok=True)  # this is no run of its own
     if study.options.run is None:
         raise SettingError(
             "study.run", None, "the folder of a search that runs", "Such as run=outputs/optimize/2026..."
@@ -39,21 +41,31 @@ def run(study: Study) -> None:
     solver = Solver(**vars(found.config.solver))
     store = Path(found.config.study.store or found.folder / "designs.sqlite")
     entry = {"settings": found.settings, **scene_entry(problem.scene, problem.accuracy, problem.record)}
-    try:
-        with watched(
-            found.folder,
-            store,
-            problem,
-            solver.generations(problem.space) * solver.pop_size,
-            entry,
-            study.say,
-        ) as server:
-            while at_work(found.folder):
-                time.sleep(POLL)
+    most = solver.generations(problem.space) * solver.pop_size
+    with _stop() as stop, watched(found.folder, store, problem, most, entry, study.say) as server:
+        while at_work(found.folder) and not stop.wait(POLL):
+            pass
+        if not stop.is_set():
             server.end()
-        study.say(f"{found.folder} has ended")
-    except KeyboardInterrupt:
-        study.say("No longer watched; the run goes on")
+    study.say("No longer watched; the run goes on" if stop.is_set() else f"{found.folder} has ended")
+    for name in (identity.FILE, LOCK):  # this is no run of its own
+        (study.folder / name).unlink(missing_ok=True)
+    with suppress(OSError):
+        study.folder.rmdir()
+
+
+@contextmanager
+def _stop() -> Iterator[threading.Event]:
+    """What Ctrl-C sets: it ends the watching, and there is nothing to go on with."""
+    stop = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield stop
+        return
+    before = signal.signal(signal.SIGINT, lambda *_: stop.set())
+    try:
+        yield stop
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def at_work(folder: Path) -> bool:

@@ -56,12 +56,12 @@ class Growth:
     def _read(self) -> list[list[Any]]:
         names = [*(f"k{i + 1}" for i in range(self._problem.space.n)), *self._problem.record, "reason"]
         columns = ", ".join(f'"{name}"' for name in names)
-        with suppress(sqlite3.OperationalError):  # before its first design, or while it is locked
-            with closing(sqlite3.connect(f"{self._path.resolve().as_uri()}?mode=ro", uri=True)) as store:
-                query = "SELECT id FROM context WHERE digest = ?"
-                for (number,) in store.execute(query, (self._digest,)):
-                    return [list(row) for row in store.execute(f"SELECT {columns} FROM designs_{number}")]
-        return []
+        place = f"{self._path.resolve().as_uri()}?mode=ro"
+        with suppress(sqlite3.OperationalError), closing(sqlite3.connect(place, uri=True)) as store:
+            query = "SELECT id FROM context WHERE digest = ?"
+            for (number,) in store.execute(query, (self._digest,)):
+                return [list(row) for row in store.execute(f"SELECT {columns} FROM designs_{number}")]
+        return []  # before its first design, or while it is locked
 
 
 def live_content(problem: FootProblem, most: int, entry: dict[str, Any]) -> dict[str, Any]:
