@@ -227,7 +227,7 @@ function explorer(choose, beside, glimpse) {
       line((c) => c.flat, ink("--flat"), 2, [6, 4]);
       drawing.append(svg("text", { class: "halo", x: X(0) - 10, y: Y(0, order[0].flat) + 4, "text-anchor": "end", style: "fill:var(--grey)" }, "flat"));
     }
-    const strong = (i, style, thick) => feasible[i] && line((c) => c.of(i), ink(style), thick);
+    const strong = (i, style, thick) => feasible[i] && !(generation?.[i] > state.until) && line((c) => c.of(i), ink(style), thick);
     if (!data.jobs && state.chosen !== data.best) strong(data.best, "--best", 2.5);
     strong(state.chosen, data.jobs ? COLOURS[state.chosen % COLOURS.length] : state.chosen === data.best ? "--best" : "--chosen", data.jobs ? 4 : 3);
     if (state.near >= 0) strong(state.near, "--ink", 1.5);
