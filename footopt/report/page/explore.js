@@ -161,6 +161,8 @@ function explorer(choose, beside, glimpse) {
   /** Tell a click from a drag. */
   function gestures(a, { drag, click }) {
     let from = null, box = null;
+    // a finger on an axis brushes, elsewhere it moves the page
+    a.svg.addEventListener("touchstart", (event) => event.target.classList.contains("grip") && event.preventDefault(), { passive: false });
     a.svg.addEventListener("pointerdown", (event) => {
       from = where(a, event);
       a.svg.setPointerCapture(event.pointerId);
