@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from contextlib import ExitStack
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,6 +33,7 @@ from footopt.foot import Foot, Waypoints
 from footopt.report import figures, page, terminal
 from footopt.report.figures.search import FRONT, history_label
 from footopt.report.numbers import objective_quantity
+from footopt.report.page.live import watched
 from footopt.report.progress import report_generations
 from footopt.studies import ranks
 from footopt.studies.auto_effects import choose_effects
@@ -40,6 +43,7 @@ from footopt.studies.record import Answer, answer, foot_entry, scene_entry, vali
 from footopt.studies.simulate import check_film, write_film, write_walk
 from footopt.studies.validation.model import describe, model_error
 from footopt.walk import gain_shares, simulate
+from footopt.walk.adapt import adapted
 from footopt.walk.resolution import error_of, resolution
 from footopt.walk.validity import diagnose
 
@@ -48,6 +52,12 @@ LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
 
 def run(study: Study) -> Answer:
     """Search, then walk with the best foot and leave everything about it; returns its objectives."""
+    with ExitStack() as watching:
+        return _run(study, watching)
+
+
+def _run(study: Study, watching: ExitStack) -> Answer:
+    """`run`, watched until its page is written."""
     config, options = study.config, study.options
     check_searchable(config.foot)
     check_film(study)
@@ -65,6 +75,12 @@ def run(study: Study) -> Answer:
     finer = study.finer_accuracy
     with study.compiling():
         flat = simulate(Foot.flat(problem.space), scene, finer)
+    server = None
+    if options.watch:
+        entry = {"settings": study.settings, **scene_entry(scene, problem.accuracy, problem.record)}
+        most = solver.generations(problem.space) * solver.pop_size
+        store = Path(options.store or study.folder / "designs.sqlite")
+        server = watching.enter_context(watched(study.folder, store, problem, most, entry, study.say))
     result, confirmed, certificate = _search(study, problem, solver, stop, flat.objectives["efficiency"])
     k = result.k[confirmed.designs[0]]
     best = dataclasses.replace(Foot.from_waypoints(k, problem.space), name=f"best of {solver.name}")
@@ -92,7 +108,7 @@ def run(study: Study) -> Answer:
             "ranks": ranks.entry(turns),
             "flat": base,
             "gain_shares": gain_shares(values, base),
-            **scene_entry(scene, finer, problem.record),
+            **scene_entry(scene, walk.accuracy, problem.record),
             **_search_entry(result, confirmed, options.finalists),
             "certificate": None if certificate is None else _certificate_entry(certificate),
             **validity_entry(diagnostics),
@@ -107,6 +123,8 @@ def run(study: Study) -> Answer:
         )
         shown = page.search_content(result, confirmed, walk, flat, others, record)
         page.write(study.folder / "report.html", shown | study.origin)
+    if server is not None:
+        server.end()
     write_film(study, walk)
 
     several = problem.n_obj > 1
@@ -212,7 +230,7 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
         "constraints": problem.limits,
         "hypervolume": result.history[-1].hypervolume,
         "front_size": len(result.front),
-        "search_accuracy": dataclasses.asdict(problem.accuracy),
+        "search_accuracy": dataclasses.asdict(adapted(problem.accuracy, problem.scene, problem.space)),
         "confirmed": {
             "k": result.k[confirmed.designs[:finalists]].tolist(),
             "values": confirmed.values[:finalists],
