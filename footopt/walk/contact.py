@@ -16,7 +16,7 @@ import numpy as np
 
 from footopt.compiled import inlined, inlined_fast
 from footopt.effects import base as effects
-from footopt.walk.state import LANES, Contact, Force, Pose, no_force, pose_of
+from footopt.walk.state import LANES, Contact, Force, Pose, Surface, no_force, pose_of
 
 EDGE = 0.05  # n.h over which an effect's gate opens where bristles say how a plate moves
 
@@ -41,7 +41,16 @@ def motion(ankle, x, z):
 
 
 @inlined_fast
-def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, creep, stage, h0):
+def surface_at(surface, x):
+    """Height of a surface (m) at x, linear between the middles of its cells, and its slope."""
+    at = x / surface.cell - surface.first
+    i = min(max(int(np.floor(at)), 0), len(surface.height) - 2)
+    here, next_ = surface.height[i], surface.height[i + 1]
+    return here + (at - i) * (next_ - here), (next_ - here) / surface.cell
+
+
+@inlined_fast
+def foot_force(sole, law, loads, gates, pushes, tangent, surface, first, last, ankle, creep, stage, h0):
     """F = sum of f: the force on one foot by the paper's eq. 2, its power, and its derivatives.
 
     What may be None is an argument of its own: numba leaves out branches on arguments only.
@@ -56,6 +65,8 @@ def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, cre
         The laws of the scene's effects (`World`).
     tangent : Tangent or None
         The sole's.
+    surface : Surface or None
+        Of the sand, as this foot found it; None is level, at 0.
     ankle : Pose
         In the world.
     creep, stage, h0
@@ -79,7 +90,11 @@ def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, cre
         tx, tz = tangent.x[first:last], tangent.z[first:last]
     for i in range(len(x)):
         height, vx, vz = motion(ankle, x[i], z[i])
-        depth = max(-height, 0.0)
+        if surface is None:
+            depth = max(-height, 0.0)
+        else:
+            level, slope = surface_at(surface, ankle.x + cos * x[i] - sin * z[i])
+            depth = max(level - height, 0.0)
         k = area[i] * depth
 
         # the direction of motion h = v / |v|: smoothed, or held by the sand's bristles
@@ -142,6 +157,9 @@ def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, cre
                 jxz -= area[i] * push_by_vn * nx * nz - sinking * push_by_depth * nx
                 jzx -= area[i] * push_by_vn * nx * nz
                 jzz -= area[i] * push_by_vn * nz * nz - sinking * push_by_depth * nz
+                if surface is not None:
+                    jxx -= sinking * slope * push_by_depth * nx
+                    jzx -= sinking * slope * push_by_depth * nz
 
         # eq. 2, F = sum f with f = p |z| dA, and eq. 7, P = sum f.v
         fx += k * px
@@ -154,6 +172,9 @@ def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, cre
                 jxx += sinking * by_x * px
                 jzx += sinking * by_x * pz
                 sinking *= by_depth
+            if surface is not None:
+                jxx += sinking * slope * px
+                jzx += sinking * slope * pz
             jxz -= sinking * px
             jzz -= sinking * pz
             if h0 is None:
@@ -175,9 +196,9 @@ def ankle_of(poses, foot, x, z, vx, vz):
 
 
 @inlined
-def submerged(sole, ankle):
-    """First and one past the last plate of the blocks that reach below the surface."""
-    za, cos, sin = ankle.z, ankle.cos, ankle.sin
+def submerged(sole, ankle, top):
+    """First and one past the last plate of the blocks that reach below the highest sand, m."""
+    za, cos, sin = ankle.z - top, ankle.cos, ankle.sin
     if za > sole.reach:
         return 0, 0
     first, last = 0, len(sole.block_x)
@@ -221,16 +242,32 @@ def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, counts):
     left, right = no_force(), no_force()
     for foot in range(2):  # one copy of the loop over plates: what is written twice is compiled twice
         ankle = ankle_of(poses, foot, x, z, vx, vz)
-        first, last = submerged(sole, ankle)
+        first, last = submerged(sole, ankle, highest(sole.ground, foot))
         force = no_force()
         if first < last:
             counts.plates += last - first
             force = foot_force(
-                sole, world.law, world.loads, world.gates, world.pushes, sole.tangent, first, last, ankle,
-                creep, stage, _of_foot(h0, foot),
+                sole, world.law, world.loads, world.gates, world.pushes, sole.tangent,
+                found_by(sole.ground, foot), first, last, ankle, creep, stage, _of_foot(h0, foot),
             )  # fmt: skip
         left, right = right, force
     return Contact(left, right)
+
+
+@inlined
+def highest(ground, foot):
+    """The highest sand that a foot may feel, m."""
+    if ground is None:
+        return 0.0
+    return ground.top[foot]
+
+
+@inlined
+def found_by(ground, foot):
+    """The surface that a foot found, or None where it is level."""
+    if ground is None:
+        return None
+    return Surface(ground.first, ground.cell, ground.found[foot])
 
 
 @inlined

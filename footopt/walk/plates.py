@@ -26,6 +26,7 @@ class PlateStates:
     force: Array  # N
     normal: Array  # outward, into the sand
     area: Array  # (N,), m^2
+    depth: Array  # (M, 2 feet, N), m: below the sand's surface, 0 above
 
     @property
     def total(self) -> Array:
@@ -47,6 +48,7 @@ def plate_states(
     creep: float,
     angles: bool = False,
     bristles: Array | None = None,
+    level: Array | float = 0.0,
 ) -> PlateStates:
     """The plates of one foot shape under a walker in some states, with the effects of a scene.
 
@@ -68,6 +70,8 @@ def plate_states(
         Whether the law is computed from angles, as published; only for flat plates (rule "chord").
     bristles : (M, 2, N, 2), optional
         Directions h that the sand's bristles hold (`bristles.Bristles`), in place of the smoothed velocity's.
+    level : (M, 2, N), m, or float
+        Of the sand above each plate (`Footprints`).
     """
     assert plates.tx is not None, "plates must be directed"
     assert plates.tz is not None, "plates must be directed"
@@ -94,8 +98,13 @@ def plate_states(
         c, s = plates.c2[0] * c2p - plates.s2[0] * s2p, plates.s2[0] * c2p + plates.c2[0] * s2p
         stress = by_direction(c, s, h, scene.sand.stress_map)
     edge = creep if bristles is None else EDGE
-    force = forces(stress, position, v, normal, plates.area[0], scene, edge, bristles)
-    return PlateStates(position, v, force, normal, plates.area[0])
+    force = forces(stress, position, v, normal, plates.area[0], scene, edge, bristles, level)
+    return PlateStates(position, v, force, normal, plates.area[0], depth_of(position, level))
+
+
+def depth_of(position: Array, level: Array | float = 0.0) -> Array:
+    """Depth below the sand's surface, m, 0 above; positions are (..., 2), m."""
+    return np.maximum(level - position[..., 1], 0.0)
 
 
 def forces(
@@ -107,6 +116,7 @@ def forces(
     scene: Scene,
     edge: float,
     bristles: Array | None = None,
+    level: Array | float = 0.0,
 ) -> Array:
     """zeta load share stress dA - pressure n dA: the force on plates with a scene's effects, (*S, 2), N.
 
@@ -124,8 +134,10 @@ def forces(
         The creep speed, m/s; with bristles `contact.EDGE`.
     bristles : (*S, 2), optional
         Which way a plate faces, in place of its velocity.
+    level : broadcast to S, m
+        Of the sand's surface.
     """
-    depth = np.maximum(-position[..., 1], 0.0)
+    depth = depth_of(position, level)
     vn = np.sum(normal * velocity, axis=-1)
     leads = vn if bristles is None else np.sum(normal * bristles, axis=-1)
     load, share, push = effects.readable(scene.effects, depth, position[..., 0], vn, leads, edge)

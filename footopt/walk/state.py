@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.compiled import inlined
+from footopt.effects.footprints import Prints
 from footopt.sand.law import Law
 
 Array = NDArray[np.float64]
@@ -32,6 +33,7 @@ class World(NamedTuple):
     loads: tuple[Any, ...] | None  # laws of the scene's effects: `footopt.effects.Laws`
     gates: tuple[Any, ...] | None
     pushes: tuple[Any, ...] | None
+    prints: Prints | None  # the sand's surface as the feet leave it; None if it stays level
 
 
 class Tangent(NamedTuple):
@@ -39,6 +41,14 @@ class Tangent(NamedTuple):
 
     x: Array
     z: Array
+
+
+class Surface(NamedTuple):
+    """A height field; cell i has its middle at (first + i) * cell."""
+
+    first: int
+    cell: float  # m
+    height: Array  # (cells,), m
 
 
 class Sole(NamedTuple):
@@ -58,6 +68,7 @@ class Sole(NamedTuple):
     block_r: Array
     reach: Any  # the sole's largest distance from the ankle, m
     tangent: Tangent | None  # where an effect needs the plates' normals
+    ground: Any  # the sand under it, `ground.Ground`; None where it is level
 
 
 class Pose(NamedTuple):
@@ -143,6 +154,7 @@ def sole_of(soles, design):
         soles.block_r[design],
         soles.reach[design],
         _tangent_of(soles.tangent, design),
+        soles.ground,
     )
 
 
