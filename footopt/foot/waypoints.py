@@ -209,7 +209,7 @@ def _fine(n: int) -> Array:
 
 
 @lru_cache
-def _slope_matrix(n: int) -> Array:
+def slope_matrix(n: int) -> Array:
     """Slopes of the not-a-knot spline at its knots, from the values: dz/du = matrix @ z."""
     from scipy.interpolate import CubicSpline
 
@@ -218,7 +218,7 @@ def _slope_matrix(n: int) -> Array:
 
 
 def _slopes(z: Array) -> Array:
-    matrix = _slope_matrix(z.shape[1])
+    matrix = slope_matrix(z.shape[1])
     total = np.zeros_like(z)
     for j in range(z.shape[1]):  # a matrix product may round differently from batch to batch
         total += z[:, j : j + 1] * matrix[:, j]

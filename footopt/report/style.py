@@ -37,14 +37,26 @@ COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, "black")
 DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)))
 MARKERS = "osD^vP*"
 
-#: Sands in the order that gives them the paper's colours: soft blue, hard red, regular green.
+#: Sands in the paper's order.
 SANDS = ("soft", "hard", "regular")
 #: Name and colour of the left and the right leg.
 SIDES = (("left", BLUE), ("right", VERMILLION))
 #: What is designed (the best foot, the chosen one), and the flat sole that it is compared with.
-BEST, FLAT = GREEN, GREY
-ROLES: dict[str, dict[str, Any]] = {"best": {"color": BEST}, "flat": {"color": FLAT, "ls": "--"}}
+BEST, FLAT, CHOSEN, DESIGNS = GREEN, "#8C8C8C", PURPLE, SKY
 SAND, SURFACE, STRONG_SAND = "#F3E9D2", ORANGE, "#7A5230"
+#: Lines that look the same in every figure, by what they are; a stronger sand is darker.
+ROLES: dict[str, dict[str, Any]] = {
+    "best": {"color": BEST},
+    "flat": {"color": FLAT, "ls": "--"},
+    "soft": {"color": ORANGE},
+    "hard": {"color": "#4A2C12", "ls": "--"},
+    "regular": {"color": "#A8601C", "ls": "-."},
+}
+#: Colours of roles that the page takes from here, as CSS variables.
+PALETTE = {
+    "left": BLUE, "right": VERMILLION, "best": BEST, "flat": FLAT, "chosen": CHOSEN, "designs": DESIGNS,
+    "surface": SURFACE,
+}  # fmt: skip
 
 STYLE: dict[str, Any] = {
     "font.size": 8,

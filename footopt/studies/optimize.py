@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from footopt.design import (
     EXHAUSTIVE,
     WAYS,
     Confirmation,
+    Evaluator,
     FootProblem,
     SearchResult,
     Solver,
@@ -19,6 +21,7 @@ from footopt.design import (
     make_executor,
     search,
 )
+from footopt.design.certificate import Certificate, certified
 from footopt.design.choice import excess
 from footopt.design.exhaustive import Enumeration, check_size
 from footopt.design.result import check_finalists
@@ -61,10 +64,7 @@ def run(study: Study) -> Answer:
     finer = study.finer_accuracy
     with study.compiling():
         flat = simulate(Foot.flat(problem.space), scene, finer)
-    result = _search(study, problem, solver, stop)
-    if result.interrupted:
-        study.say("Stopped: reporting what was found so far (Ctrl-C again: not even that)")
-    confirmed = confirm(result, finer, options.finalists)
+    result, confirmed, certificate = _search(study, problem, solver, stop)
     k = result.k[confirmed.designs[0]]
     best = dataclasses.replace(Foot.from_waypoints(k, problem.space), name=f"best of {solver.name}")
     walk = simulate(best, scene, finer)
@@ -93,6 +93,7 @@ def run(study: Study) -> Answer:
             "gain_shares": gain_shares(values, base),
             **scene_entry(scene, finer, problem.record),
             **_search_entry(result, confirmed, options.finalists),
+            "certificate": None if certificate is None else _certificate_entry(certificate),
             **validity_entry(diagnostics),
             **chosen.entry,
             "notes": notes,
@@ -114,6 +115,7 @@ def run(study: Study) -> Answer:
     study.say(
         terminal.describe_search(result),
         terminal.describe_confirmation(confirmed),
+        *([] if certificate is None else [str(certificate)]),
         f"{which}: {terminal.describe_foot(best)}",
         terminal.objective_table(
             feet, problem.record, errors, gain=True, shares=by_j, turned=ranks.turned_by(turns)
@@ -154,8 +156,10 @@ def _unit(solver: Solver) -> str:
     return "batch" if solver.name == EXHAUSTIVE else "generation"
 
 
-def _search(study: Study, problem: FootProblem, solver: Solver, stop: Stop) -> SearchResult:
-    """Search where `engine` says, with every evaluation kept in the run's store."""
+def _search(
+    study: Study, problem: FootProblem, solver: Solver, stop: Stop
+) -> tuple[SearchResult, Confirmation, Certificate | None]:
+    """Search where `engine` says, keep every walk in the run's store, and confirm what was found."""
     e, space = study.config.engine, problem.space
     with (
         make_executor(e.name, e.workers, e.address, e.timeout) as executor,
@@ -169,7 +173,20 @@ def _search(study: Study, problem: FootProblem, solver: Solver, stop: Stop) -> S
             study.say(known)
         with study.progress(solver.generations(space), _unit(solver)) as step:
             tell = report_generations(step, problem.names[0])
-            return search(problem, solver, tell, store, executor, stop)
+            result = search(problem, solver, tell, store, executor, stop)
+        finer, finalists = study.finer_accuracy, study.options.finalists
+        if result.interrupted:
+            study.say("Stopped: reporting what was found so far (Ctrl-C again: not even that)")
+        asked, several = study.options.certify, problem.n_obj > 1
+        if result.interrupted or several or isinstance(result, Enumeration) or asked is False:
+            return result, confirm(result, finer, finalists), None
+        most = math.inf if asked else result.designs
+        return certified(result, finer, finalists, Evaluator(problem, store, executor), most)
+
+
+def _certificate_entry(certificate: Certificate) -> dict[str, Any]:
+    """A certificate in result.json, with the sentence that the terminal and the page have."""
+    return {"says": str(certificate), **dataclasses.asdict(certificate)}
 
 
 def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int) -> dict[str, Any]:

@@ -25,7 +25,7 @@ SEARCH = (*SPACE, "foot.shape", "foot.k", "accuracy", "objective", "solver", "en
 
 #: What each study reads of the settings, a name or a group each. A plugin's study reads what it likes.
 READS: dict[str, tuple[str, ...]] = {
-    "optimize": (*SCENE, *SEARCH, "choose", "stop", "foot.block", "study.video"),
+    "optimize": (*SCENE, *SEARCH, "choose", "stop", "foot.block", "study.video", "study.certify"),
     "simulate": (*SCENE, "foot", "accuracy", "objective.names", "study.run", "study.video"),
     "accuracy": (*WORLD, *SPACE, "solver.seed", "study.feet", "study.quick"),
     "stability": (*SCENE, "foot", "accuracy", "study.cases", "study.methods"),
@@ -39,7 +39,7 @@ READS: dict[str, tuple[str, ...]] = {
     ),
     "trust": (
         *WORLD, *SPACE, "accuracy", "solver.pop_size", "solver.seed", "study.seeds", "study.solvers",
-        "study.budget", "study.quick",
+        "study.budget", "study.scenes", "study.quick",
     ),
     "robust": (
         *SCENE, *SEARCH,
@@ -138,10 +138,13 @@ def _conditions(config: Config) -> Iterator[tuple[tuple[str, ...], str, str]]:
         yield ("effects.tolerance",), "effects that are named", "effects=auto"
     if config.solver.name == EXHAUSTIVE and study.name in SEARCHES:
         yield ("solver.n_gen",), "solver=exhaustive", "the other solvers"
+        yield ("study.certify",), "solver=exhaustive, whose best is that of all soles,", "the other solvers"
         if not (config.effects.auto or study.scenarios == "drawn"):
             yield ("solver.seed",), "solver=exhaustive", "the other solvers"
     if len(config.objective.names) == 1:
         yield ("choose",), "a search for one objective", "objective=pareto, or a list of several"
+    else:
+        yield ("study.certify",), "a search for several objectives", "a search for one objective"
     if config.engine.name != "dask":
         yield ("engine.timeout",), f"engine={config.engine.name}", "engine=dask"
     if study.name == "robust":

@@ -88,6 +88,9 @@ class StudyConfig:
         "fine", "Accuracy at which finalists are walked again; null: the search's, under no other law."
     )
     finalists: int = setting(20, "How many of the best are walked again, and by other laws; a front whole.")
+    certify: bool | None = setting(
+        None, "Whether all soles near the best are walked; null: if they are fewer than the search walked."
+    )
     store: str | None = setting(None, "File of designs that runs may share; null: one in the folder.")
     reuse: bool = setting(False, "Whether to read what other code has walked from the store, which is said.")
     feet: int = setting(40, "How many random soles are walked.")
@@ -108,7 +111,8 @@ class StudyConfig:
     shadowing: bool = setting(False, "Whether a groove of a sole counts with a part of its depth.")
     footprints: bool = setting(False, "Whether feet meet sand that others have moved.")
     solvers: list[str] | None = setting(None, "Names of the solvers that are compared; null: all.")
-    budget: int = setting(3000, "Evaluations of each search.")
+    budget: int = setting(3000, "Walks of each search: different designs.")
+    scenes: int = setting(10, "How many scenes are drawn at random.")
     scenarios: str = setting("sands", "What one foot is for: sands, laws, or drawn about the scene.")
     draws: int = setting(16, "How many scenarios are drawn.")
     measure: str = setting(

@@ -6,12 +6,12 @@ import io
 import json
 import random
 import re
-import shutil
 import time
 from collections import Counter
 
 import numpy as np
 import pytest
+from browsers import Page, arrived, browser_needed
 from rich.text import Text
 from running import tries
 from shapely import Polygon
@@ -30,28 +30,6 @@ from footopt.studies.record import foot_entry, scene_entry
 from footopt.walk import FIVE, OBJECTIVES
 from footopt.walk.objectives import lookup
 
-CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-needs = pytest.mark.skipif(
-    not (CHROMIUM and DRIVER), reason="no chromium: apt-get install chromium chromium-driver"
-)
-
-
-def browser_needed(test):
-    """A browser takes ten seconds, wherever it is."""
-    return pytest.mark.slow(needs(test))
-
-
-FLAGS = (
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--window-size=1280,900",
-)
 LIMIT = 8e6  # bytes of a page
 MARKUP = (
     "<script>", "</script>", "alert(1)", "window.ran=1", "<svg/onload=window.ran=1>", "<!--", "-->", "]]>",
@@ -74,6 +52,13 @@ def searched(objective, solver, space=None):
         "accuracy": {"name": "standard"},
         "search_accuracy": {"name": "draft"},
         "scene": {"effects": {}},
+        "ranks": {
+            "laws": [
+                {"law": "shadowing", "change": dict.fromkeys(FIVE, -0.1)},
+                {"law": "leading edge", "change": dict.fromkeys(FIVE, 0.2)},
+            ]
+        },
+        "warnings": ["it is deep"],
         "wall_time_s": 1.0,
         "versions": {"footopt": fo.__version__},
     }
@@ -170,96 +155,6 @@ def study_table():
 KINDS = ["front", "single", "exact", "walk", "sunk", "jobs", "no jobs", "study"]
 
 
-@pytest.fixture(scope="module")
-def downloads(tmp_path_factory):
-    return tmp_path_factory.mktemp("downloads")
-
-
-@pytest.fixture(scope="module")
-def browser(downloads, tmp_path_factory):
-    webdriver = pytest.importorskip("selenium.webdriver")
-    options = webdriver.ChromeOptions()
-    options.binary_location = CHROMIUM
-    for flag in (*FLAGS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    options.add_experimental_option("prefs", {"download.default_directory": str(downloads)})
-    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
-    yield driver
-    driver.quit()
-
-
-class Page:
-    """A page in the browser, in the words of the tests."""
-
-    def __init__(self, driver, path):
-        self.driver = driver
-        driver.get(path.as_uri())
-
-    def __getitem__(self, selector):
-        for _ in range(40):  # what opens on demand is filled a moment later
-            if found := self.all(selector):
-                return found[0]
-            time.sleep(0.05)
-        raise LookupError(f"nothing is {selector}")
-
-    def all(self, selector):
-        return self.driver.find_elements("css selector", selector)
-
-    def js(self, code):
-        return self.driver.execute_script(f"return {code}")
-
-    def text(self, selector):
-        return self[selector].text
-
-    def counts(self):
-        """How many designs are within the limits, and of how many."""
-        return tuple(map(int, re.findall(r"\d+", self.text("#count"))))
-
-    def limits(self, name):
-        """The limits of a value, as its two fields show them."""
-        fields = [self[f'input[aria-label^="{end} {name}"]'] for end in ("smallest", "largest")]
-        ends = [f.get_property("value") for f in fields]
-        return tuple(float(e) if e else s * np.inf for e, s in zip(ends, (-1, 1), strict=True))
-
-    def drag(self, selector, start, end):
-        """Drag inside an element, from and to fractions of its width and height."""
-        actions = self._pointer(selector, start).click_and_hold()
-        self._to(actions, selector, end).release().perform()
-
-    def click(self, selector, place):
-        self._pointer(selector, place).click().perform()
-
-    def _pointer(self, selector, place):
-        from selenium.webdriver.common.action_chains import ActionChains
-
-        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", self[selector])
-        return self._to(ActionChains(self.driver, duration=30), selector, place)
-
-    def _to(self, actions, selector, place):
-        element = self[selector]
-        x, y = (
-            round((part - 0.5) * element.size[side])
-            for part, side in zip(place, ("width", "height"), strict=True)
-        )
-        return actions.move_to_element_with_offset(element, x, y)
-
-    def errors(self):
-        return [entry for entry in self.driver.get_log("browser") if entry["level"] == "SEVERE"]
-
-
-def arrived(folder, ending):
-    """The text of the only file with an ending, once the browser has written it."""
-    for _ in range(100):
-        found = [p for p in folder.glob(f"*.{ending}") if p.stat().st_size]
-        if found and not list(folder.glob("*.crdownload")):
-            text = found[0].read_text(encoding="utf-8")
-            found[0].unlink()
-            return text
-        time.sleep(0.05)
-    raise AssertionError(f"no .{ending} file arrived")
-
-
 @browser_needed
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_page_loads_alone_names_all_that_one_operates_and_fits_any_window(kind, pages, browser):
@@ -285,7 +180,7 @@ class TestExplorer:
         assert shown.counts() == (len(result.front), len(result.front))
         before = shown.js("document.querySelector('#scatter canvas').toDataURL()")
         left = 70 / shown["#parallel"].size["width"]  # the first axis: distance
-        shown.drag("#parallel svg", (left, 0.05), (left, 0.5))
+        shown.drag("#parallel svg", (left, 0.15), (left, 0.5))
         low, high = shown.limits("distance")
         values = result.column("distance")[result.front]
         assert np.isinf(high)
@@ -320,7 +215,9 @@ class TestExplorer:
         other = int(result.front[-1])
         place = shown.js(
             "(() => { const x = columnOf('distance'), y = columnOf('mean_height');"
-            "const all = data.front.map((i) => [x.of(i), y.of(i)]), i = " + str(other) + ";"
+            "const all = [...data.front.map((i) => [x.of(i), y.of(i)]), [x.flat, y.flat]], i = "
+            + str(other)
+            + ";"
             "const part = (v, vs) => { const [a, b] = range(vs); return (v - a) / (b - a); };"
             "return [part(x.of(i), all.map((p) => p[0])), part(y.of(i), all.map((p) => p[1]))]; })()"
         )
@@ -334,10 +231,10 @@ class TestExplorer:
         near = result.values[chosen, :2] - result.values[other, :2]
         assert np.all(np.abs(near) < 0.05 * np.ptp(result.values[result.front][:, :2], axis=0))
         assert f"k = [{','.join(map(str, result.k[chosen]))}]" in shown.text("#design-words")
-        rows = [row.find_elements("css selector", "td") for row in shown.all("#design tbody tr")]
+        rows = [row.find_elements("css selector", "td") for row in shown.all("#glance tbody tr")]
         numbers = [float(cells[1].text.replace("−", "-")) for cells in rows]
         np.testing.assert_allclose(numbers, result.values[chosen], rtol=1e-3)
-        assert shown["#walk-choice option:checked"].text == f"design {chosen}"
+        assert shown.text("#walk-title") == f"The walk: design {chosen}"
         assert shown.js("document.querySelector('#walk figure path').getAttribute('d')") != walk
 
     def test_numbers_are_written_as_on_the_terminal(self, pages, browser):
@@ -373,20 +270,50 @@ class TestExplorer:
         beside = next(i for i in listed if i not in result.front)
         listed[beside].click()
         assert f"foot.k=[{','.join(map(str, result.k[beside]))}]" in shown.text("#unwalked")
+        assert not shown["#walk svg"].is_displayed()  # which would be that of another design
+        assert shown.text("#walk-title") == f"The walk: design {beside}"
 
 
 @browser_needed
 def test_the_answer_comes_first_then_walk_and_search(front, pages, browser):
     _, _, best, flat, _, _ = front
     shown = Page(browser, pages["front"])
-    change = best.objectives["work"] / flat.objectives["work"] - 1.0
-    assert shown.text("h1") == walks.verdict(best, flat)
     browser.set_window_size(1280, 800)
-    table = shown["#design tbody"].rect
-    assert table["y"] + table["height"] < 720
-    assert f"{100 * change:+.1f}".replace("-", "−") in shown.text("#design tbody")
-    tops = [shown[f"#{name}"].rect["y"] for name in ("design", "parallel", "walk", "search")]
+    assert shown.text("h1") == walks.verdict(best, flat)
+    for part in ("#design figure svg", "#bars", "#step svg", "#warnings"):
+        box = shown[part].rect
+        assert box["y"] + box["height"] < 720, part
+    tops = [shown[f"#{name}"].rect["y"] for name in ("design", "walk", "parallel", "search")]
     assert tops == sorted(tops)
+
+
+@browser_needed
+class TestBars:
+    def test_each_objective_is_a_bar_as_long_as_its_change(self, front, pages, browser):
+        _, _, best, flat, _, _ = front
+        shown = Page(browser, pages["front"])
+        marks = {bar.get_attribute("data-name"): bar for bar in shown.all("#bars .bar-of-change")}
+        assert set(marks) == set(FIVE)
+        change = {name: best.objectives[name] / flat.objectives[name] - 1.0 for name in FIVE}
+        scale = {name: float(bar.get_attribute("width")) / abs(change[name]) for name, bar in marks.items()}
+        assert max(scale.values()) < 1.01 * min(scale.values())
+        for name, bar in marks.items():
+            assert f"{100 * change[name]:+.1f} %".replace("-", "−") in shown.text("#bars")
+            better = change[name] * (1 if lookup((name,))[0].maximise else -1) > 0
+            assert (bar.get_attribute("stroke-dasharray") is None) == better
+
+    def test_has_the_error_of_the_numbers_and_what_other_laws_say(self, front, pages, browser):
+        shown = Page(browser, pages["front"])
+        assert len(shown.all("#bars .error")) == 5
+        said = [title.get_attribute("textContent") for title in shown.all("#bars circle title")]
+        assert said[:2] == ["shadowing: −10.0 %", "leading edge: +20.0 %"]
+
+    def test_j_w_is_told_as_a_multiple_with_the_values_behind(self, front, pages, browser):
+        _, _, best, flat, _, _ = front
+        raw = [walk.objectives["efficiency"] for walk in (best, flat)]
+        shown = Page(browser, pages["front"])
+        assert shown.text("#gain strong") == f"J_W x {raw[0] / raw[1]:.2f} of flat"
+        assert number(raw[0]).replace("-", "−", 1) in shown.text("#gain")
 
 
 @browser_needed
@@ -429,7 +356,7 @@ class TestWalk:
         marks = shown.all("#walk .plots figure:first-child .strike")
         assert len(marks) == len(strikes)
         style = [marks[0].value_of_css_property(name) for name in ("stroke", "stroke-opacity", "opacity")]
-        assert style == ["rgb(117, 117, 117)", "1", "1"]
+        assert style == ["rgb(95, 95, 95)", "1", "1"]
 
     def test_a_click_in_a_plot_goes_to_that_instant(self, pages, browser):
         shown = Page(browser, pages["walk"])
@@ -468,7 +395,7 @@ class TestSearch:
         buttons[0].click()
         i = walks.successive_bests(result)[0]
         assert ",".join(map(str, result.k[i])) in shown.text("#design-words")
-        assert shown["#walk-choice option:checked"].text == f"design {i}"
+        assert shown.text("#walk-title") == f"The walk: design {i}"
 
 
 @browser_needed

@@ -15,6 +15,8 @@ from footopt.report.page.file import packed, write
 
 SCALE = 0.75  # of a figure's pixels: a wide one then fills the page
 
+NOTHING = {"values": packed(np.empty((0, 0)), exact=True), "feasible": [], "reasons": []}  # of designs
+
 #: What the foot of a page says of a study, of all that is in its result.json.
 FOOTER = (
     "seed", "wall_time_s", "accuracy", "evaluations", "designs", "versions", "error_estimate", "settings",
@@ -72,7 +74,7 @@ def write_study(
         ],
         "tables": [_plain_table(table, files) for table in tables],
         "columns": [],
-        "designs": {"values": packed(np.empty((0, 0)), exact=True), "feasible": [], "reasons": []},
+        "designs": NOTHING,
         "entry": {name: entry[name] for name in FOOTER if name in entry},
     }
     return write(folder / "report.html", content)

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from footopt.design import Confirmation, SearchResult
 from footopt.design.exhaustive import Enumeration
@@ -14,15 +15,20 @@ from footopt.foot import Waypoints
 from footopt.report.body import forces_along, groups
 from footopt.report.numbers import percent, title
 from footopt.report.page.file import column, packed
+from footopt.report.page.physics import ARROWS, physics
+from footopt.report.scenery import scenery
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
 from footopt.walk import FIVE, MEASURES, Scene, Walk
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 DESIGNS = 20_000  # besides the front that are on the page
 LEADERS = 20  # best designs of an enumerated space whose walks are on the page
 WALKS = 200  # designs of a front whose walks are on the page
-FRAMES = 90  # samples of each of their walks
-FINE_FRAMES = 500  # of the walk that the page is about
-ARROWS = 10  # force arrows along a sole
+BEND = 0.004  # of a trace's range: as far as straight lines between its samples may be from it
+FRAMES = 60  # samples of the forces along the sole of each of their walks
+FINE_FRAMES = 250  # of the walk that the page is about
 ON_THE_PAGE = ("front", "front_values", "confirmed")  # as designs, not as entries of result.json
 HOLLOW = 0.5e-3  # m; a smaller one is called none
 POSE_STEP = 0.01  # s, between the poses of the gait
@@ -45,6 +51,7 @@ def walk_content(walk: Walk, entry: dict[str, Any]) -> dict[str, Any]:
         shape = {"soles": [packed(foot.contour, exact=True)]}
     return {
         **_common(entry, walk.scene, tuple(values)),
+        "physics": physics(walk.scene, walk.accuracy, foot),
         "title": f"{foot.name} on {walk.scene.sand.name} sand",
         "headline": [f"{describe_scene(walk.scene)}; {describe_foot(foot)}"],
         "space": _splines(foot.space) if "k" in shape and foot.space else None,
@@ -111,11 +118,13 @@ def search_content(
     codes = np.array([reasons.index(str(r)) for r in result.reasons])
     return {
         **_common(entry, problem.scene, record),
+        "physics": physics(problem.scene, problem.accuracy, problem.space),
         "title": verdict(best, flat),
         "headline": [
             f"Soles for {', '.join(problem.names)} on {describe_scene(problem.scene)}",
             describe_search(result),
             describe_confirmation(confirmed),
+            *([entry["certificate"]["says"]] if entry.get("certificate") else []),
             *([f"{len(rows)} of the designs are on this page"] if len(rows) < result.designs else []),
         ],
         "guide": problem.names[0],
@@ -195,6 +204,7 @@ def _common(entry: dict[str, Any], scene: Scene, names: Sequence[str]) -> dict[s
     return {
         "columns": [column(name, MEASURES[name].unit, MEASURES[name].maximise) for name in names],
         "entry": {name: value for name, value in entry.items() if name not in ON_THE_PAGE},
+        "ground": scenery(scene),
         "gait": {
             "end": scene.duration,
             "angles": packed(np.stack([thigh, shank, pitch], axis=-1)),
@@ -238,19 +248,38 @@ def _traces(walk: Walk, frames: int) -> dict[str, Any]:
     shared = {"ankle": foot.ankle, "top": foot.top, "reason": walk.reason}
     if len(walk.t) == 0:
         return {**shared, "t": packed(walk.t)}
-    peaks = [np.abs(walk.power).argmax(axis=0), np.abs(walk.force).reshape(len(walk.t), -1).argmax(axis=0)]
-    even = np.searchsorted(walk.t, np.linspace(walk.t[0], walk.t[-1], frames))
-    index = np.unique(np.concatenate([even, *peaks]))
+    traces = ("com", "velocity", "force", "power", "work")
+    columns = np.concatenate([getattr(walk, name).reshape(len(walk.t), -1) for name in traces], axis=1)
+    index = _bends(walk.t, columns)
+    even = np.unique(np.searchsorted(walk.t, np.linspace(walk.t[0], walk.t[-1], frames)))
     sole = foot.plates(walk.accuracy.plates, walk.accuracy.rule)
     begin, size = groups(sole.x.shape[1], ARROWS)
     # relative to the ankle, as plates are; the page turns and carries them
     at = [np.add.reduceat(part[0], begin) / size for part in (sole.x, sole.z)]
-    force = forces_along(walk, index, ARROWS).force
-    traces = ("com", "velocity", "force", "power", "work")
     return {
         **shared,
         "t": packed(walk.t[index], exact=True),
         **{name: packed(getattr(walk, name)[index]) for name in traces},
         "at": packed(np.stack(at, axis=-1)),
-        "arrows": packed(force),
+        "area": packed(np.add.reduceat(sole.area[0], begin), exact=True),
+        "when": packed(walk.t[even], exact=True),
+        "arrows": packed(forces_along(walk, even, ARROWS).force),
     }
+
+
+def _bends(t: Array, columns: Array) -> Ints:
+    """Samples between which straight lines are nowhere farther than `BEND` from traces, (T, n)."""
+    span = np.ptp(columns, axis=0)
+    scaled = columns / np.where(span > 0.0, span, 1.0)
+    keep, open_ = {0, len(t) - 1}, [(0, len(t) - 1)]
+    while open_:
+        a, b = open_.pop()
+        if b - a < 2:
+            continue
+        part = ((t[a : b + 1] - t[a]) / (t[b] - t[a]))[:, None]
+        away = np.abs(scaled[a : b + 1] - (1.0 - part) * scaled[a] - part * scaled[b]).max(axis=1)
+        worst = a + int(away.argmax())
+        if away.max() > BEND:
+            keep.add(worst)
+            open_ += [(a, worst), (worst, b)]
+    return np.array(sorted(keep))
