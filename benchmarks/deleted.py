@@ -17,7 +17,18 @@ import footopt.walk
 #: Names that are None where a scene has no effect that needs them.
 ABSENT = {"loads", "gates", "pushes", "tangent", "tilt", "h0", "bristles", "rest"}
 ABSENT |= {"prints", "ground", "surface"}
-SOURCES = ("state", "contact", "bristles", "newton", "metrics", "sources", "ground", "loop", "steppers")
+SOURCES = (
+    "state",
+    "contact",
+    "bristles",
+    "newton",
+    "metrics",
+    "sources",
+    "surface",
+    "ground",
+    "loop",
+    "steppers",
+)
 
 
 class Delete(ast.NodeTransformer):

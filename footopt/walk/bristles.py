@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.compiled import inlined, inlined_fast
-from footopt.walk.contact import ankle_of, found_by, highest, rsqrt, submerged, surface_at
+from footopt.walk.contact import ankle_of, rsqrt, submerged
+from footopt.walk.surface import found_by, highest, surface_at
 
 Array = NDArray[np.float64]
 

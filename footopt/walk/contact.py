@@ -16,7 +16,8 @@ import numpy as np
 
 from footopt.compiled import inlined, inlined_fast
 from footopt.effects import base as effects
-from footopt.walk.state import LANES, Contact, Force, Pose, Surface, no_force, pose_of
+from footopt.walk.state import LANES, Contact, Force, Pose, no_force, pose_of
+from footopt.walk.surface import highest, over
 
 EDGE = 0.05  # n.h over which an effect's gate opens where bristles say how a plate moves
 
@@ -41,15 +42,6 @@ def motion(ankle, x, z):
 
 
 @inlined_fast
-def surface_at(surface, x):
-    """Height of a surface (m) at x, linear between the middles of its cells, and its slope."""
-    at = x / surface.cell - surface.first
-    i = min(max(int(np.floor(at)), 0), len(surface.height) - 2)
-    here, next_ = surface.height[i], surface.height[i + 1]
-    return here + (at - i) * (next_ - here), (next_ - here) / surface.cell
-
-
-@inlined_fast
 def foot_force(sole, law, loads, gates, pushes, tangent, surface, first, last, ankle, creep, stage, h0):
     """F = sum of f: the force on one foot by the paper's eq. 2, its power, and its derivatives.
 
@@ -65,8 +57,8 @@ def foot_force(sole, law, loads, gates, pushes, tangent, surface, first, last, a
         The laws of the scene's effects (`World`).
     tangent : Tangent or None
         The sole's.
-    surface : Surface or None
-        Of the sand, as this foot found it; None is level, at 0.
+    surface : (2, plates) or None
+        Height of the sand over each plate, m, and its slope; None is level, at 0.
     ankle : Pose
         In the world.
     creep, stage, h0
@@ -88,13 +80,14 @@ def foot_force(sole, law, loads, gates, pushes, tangent, surface, first, last, a
         h0x, h0z = h0[0, first:last], h0[1, first:last]
     if tangent is not None:
         tx, tz = tangent.x[first:last], tangent.z[first:last]
+    if surface is not None:
+        level, slope = surface[0, first:last], surface[1, first:last]
     for i in range(len(x)):
         height, vx, vz = motion(ankle, x[i], z[i])
-        if surface is None:
+        if surface is None:  # noqa: SIM108  only such a test is pruned
             depth = max(-height, 0.0)
         else:
-            level, slope = surface_at(surface, ankle.x + cos * x[i] - sin * z[i])
-            depth = max(level - height, 0.0)
+            depth = max(level[i] - height, 0.0)
         k = area[i] * depth
 
         # the direction of motion h = v / |v|: smoothed, or held by the sand's bristles
@@ -158,8 +151,8 @@ def foot_force(sole, law, loads, gates, pushes, tangent, surface, first, last, a
                 jzx -= area[i] * push_by_vn * nx * nz
                 jzz -= area[i] * push_by_vn * nz * nz - sinking * push_by_depth * nz
                 if surface is not None:
-                    jxx -= sinking * slope * push_by_depth * nx
-                    jzx -= sinking * slope * push_by_depth * nz
+                    jxx -= sinking * slope[i] * push_by_depth * nx
+                    jzx -= sinking * slope[i] * push_by_depth * nz
 
         # eq. 2, F = sum f with f = p |z| dA, and eq. 7, P = sum f.v
         fx += k * px
@@ -173,8 +166,8 @@ def foot_force(sole, law, loads, gates, pushes, tangent, surface, first, last, a
                 jzx += sinking * by_x * pz
                 sinking *= by_depth
             if surface is not None:
-                jxx += sinking * slope * px
-                jzx += sinking * slope * pz
+                jxx += sinking * slope[i] * px
+                jzx += sinking * slope[i] * pz
             jxz -= sinking * px
             jzz -= sinking * pz
             if h0 is None:
@@ -248,26 +241,11 @@ def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, counts):
             counts.plates += last - first
             force = foot_force(
                 sole, world.law, world.loads, world.gates, world.pushes, sole.tangent,
-                found_by(sole.ground, foot), first, last, ankle, creep, stage, _of_foot(h0, foot),
+                over(sole.ground, foot, sole, first, last, ankle), first, last, ankle, creep, stage,
+                _of_foot(h0, foot),
             )  # fmt: skip
         left, right = right, force
     return Contact(left, right)
-
-
-@inlined
-def highest(ground, foot):
-    """The highest sand that a foot may feel, m."""
-    if ground is None:
-        return 0.0
-    return ground.top[foot]
-
-
-@inlined
-def found_by(ground, foot):
-    """The surface that a foot found, or None where it is level."""
-    if ground is None:
-        return None
-    return Surface(ground.first, ground.cell, ground.found[foot])
 
 
 @inlined

@@ -14,8 +14,9 @@ from numba.extending import overload
 from numpy.typing import NDArray
 
 from footopt.compiled import INLINE, cached_njit, inlined
-from footopt.walk.contact import ankle_of, found_by, motion, surface_at
+from footopt.walk.contact import ankle_of, motion
 from footopt.walk.state import Sole
+from footopt.walk.surface import found_by, surface_at
 
 Array = NDArray[np.float64]
 
@@ -35,6 +36,7 @@ class Ground(NamedTuple):
     under: Array  # (2 feet, cells): the sole's height, inf where there is no sole
     ahead: Array  # (2 feet, cells): share of the sand under it that moves ahead, and behind
     behind: Array
+    over: Array  # (2 feet, 2, plates): where the contact notes the sand over each plate, and its slope
     top: Array  # (2 feet,): the highest sand that each foot may feel
     beside: Array  # (1,): area that has gone to the sides of the feet, m^2
     end: float  # share of the sand under a foot that is pressed down that goes to each of its ends
@@ -42,11 +44,12 @@ class Ground(NamedTuple):
 
 
 @inlined
-def level_ground(cell, first, cells, end, upright):
+def level_ground(cell, first, cells, plates, end, upright):
     """Sand at rest: undisturbed."""
     under, found = np.full((2, cells), np.inf), np.zeros((2, cells))
-    ahead, behind, top, beside = np.zeros((2, cells)), np.zeros((2, cells)), np.zeros(2), np.zeros(1)
-    return Ground(first, cell, np.zeros(cells), found, under, ahead, behind, top, beside, end, upright)
+    ahead, behind, over = np.zeros((2, cells)), np.zeros((2, cells)), np.zeros((2, 2, plates))
+    top, beside = np.zeros(2), np.zeros(1)
+    return Ground(first, cell, np.zeros(cells), found, under, ahead, behind, over, top, beside, end, upright)
 
 
 def on_ground(prints, sole):
@@ -77,7 +80,7 @@ def grounded(prints, sole, first, cells):
         arc += np.hypot(sole.x[j] - sole.x[j - 1], sole.z[j] - sole.z[j - 1])
     width, length = np.sum(sole.area) / arc, np.max(sole.x) - np.min(sole.x)  # but for half a plate at an end
     ends = 0.5 * width / length if width < length else 1.0 - 0.5 * length / width
-    return _with(sole, level_ground(prints.cell, first, cells, 0.5 * ends, width * prints.side))
+    return _with(sole, level_ground(prints.cell, first, cells, len(sole.x), 0.5 * ends, width * prints.side))
 
 
 @inlined
@@ -136,7 +139,9 @@ def _longer(ground):
     """The same ground with as many cells more, half of them at either side."""
     cells = len(ground.height)
     more = cells // 2
-    out = level_ground(ground.cell, ground.first - more, 2 * cells, ground.end, ground.upright)
+    out = level_ground(
+        ground.cell, ground.first - more, 2 * cells, ground.over.shape[2], ground.end, ground.upright
+    )
     out.beside[0] = ground.beside[0]
     for i in range(cells):
         out.height[more + i] = ground.height[i]
@@ -150,7 +155,7 @@ def _longer(ground):
 def _lay(ground, foot, sole, ankle):
     """Lay a sole over the cells: the height of its lowest plates, joined by lines, and where they move."""
     under, ahead, behind = ground.under[foot], ground.ahead[foot], ground.behind[foot]
-    first, last = _cells(ground, ankle.x, FAR * sole.reach)
+    first, last = _cells(ground, ankle.x, SLIDES * sole.reach)
     for i in range(first, last):
         under[i] = np.inf
     x0 = z0 = 0.0
@@ -193,7 +198,8 @@ def _push(ground, foot, first, last):
             ground.beside[0] += ((1.0 - ahead[i]) * pushed - behind[i]) * ground.cell
         else:
             behind[i] = 0.0
-            carried -= _put(ground, i, carried)
+            if carried > 0.0:
+                carried -= _put(ground, i, carried)
     i = last
     while carried > 0.0 and i < len(height):
         carried -= _put(ground, i, carried)
@@ -202,7 +208,8 @@ def _push(ground, foot, first, last):
     carried = 0.0
     for i in range(last - 1, first - 1, -1):
         carried += behind[i]
-        carried -= _put(ground, i, carried)
+        if carried > 0.0:
+            carried -= _put(ground, i, carried)
     i = first - 1
     while carried > 0.0 and i >= 0:
         carried -= _put(ground, i, carried)
@@ -222,7 +229,7 @@ def _put(ground, i, height):
 def _spread(ground, first, last):
     """Let sand slide to or from the sides where a heap is higher, or a print deeper, than they can hold."""
     for i in range(max(first, 0), min(last, len(ground.height))):
-        if _free(ground, i):
+        if abs(ground.height[i]) > ground.upright and _free(ground, i):
             held = min(max(ground.height[i], -ground.upright), ground.upright)
             ground.beside[0] += (ground.height[i] - held) * ground.cell
             ground.height[i] = held
@@ -239,11 +246,10 @@ def settle(ground, first, last, way, drop):
     """
     height, cells = ground.height, len(ground.height)
     steep = drop * (1.0 + 1e-12)
+    first, last = max(first, 1), min(last, cells - 1)
     for k in range(last - first):
         i = first + k if way > 0 else last - 1 - k
-        if not 0 <= i + way < cells or not 0 <= i < cells or height[i] - height[i + way] <= steep:
-            continue
-        if not (_free(ground, i) and _free(ground, i + way)):
+        if height[i] - height[i + way] <= steep or not (_free(ground, i) and _free(ground, i + way)):
             continue
         begin, end, count = i, i + way, 2  # the pool, and its mean height over a line that falls from `begin`
         mean = 0.5 * (height[i] + height[end] + drop)
@@ -268,13 +274,23 @@ def _find(ground, foot, x, reach, own):
     first, last = _cells(ground, x, reach)
     touches = False
     for i in range(first, last):
-        touches = touches or under[i] < found[i]
-    begin, end = _cells(ground, x, NEAR * reach)
+        if under[i] < found[i]:
+            touches = True
+        elif own:
+            found[i] = height[i]
+    begin, end = first, first  # of what it keeps
+    if touches and own:
+        begin, end = first, last
+    elif touches:
+        begin, end = _cells(ground, x, NEAR * reach)
     first, last = _cells(ground, x, FAR * reach)
+    for i in range(first, begin):
+        found[i] = height[i]
+    for i in range(end, last):
+        found[i] = height[i]
+    first, last = _cells(ground, x, SLIDES * reach)
     top = -np.inf
     for i in range(first, last):
-        if not touches or i < begin or i >= end or (own and under[i] >= found[i]):
-            found[i] = height[i]
         top = max(top, found[i])
     ground.top[foot] = top
 

@@ -43,14 +43,6 @@ class Tangent(NamedTuple):
     z: Array
 
 
-class Surface(NamedTuple):
-    """A height field; cell i has its middle at (first + i) * cell."""
-
-    first: int
-    cell: float  # m
-    height: Array  # (cells,), m
-
-
 class Sole(NamedTuple):
     """One design's plates, relative to the ankle (`foot.Plates`); of a batch, each with an axis more.
 

@@ -31,7 +31,7 @@ HEIGHTS = arrays(np.float64, 40, elements=st.floats(-0.1, 0.1))
 
 def ground_with(height, under):
     """A field with these heights, and a sole where `under` is finite."""
-    ground = level_ground(PRINTS.cell, 0, len(height), 0.1, 1.0)
+    ground = level_ground(PRINTS.cell, 0, len(height), 8, 0.1, 1.0)
     ground.height[:] = height
     ground.under[0] = np.maximum(under, height)
     return ground
@@ -207,7 +207,7 @@ def test_the_contact_with_a_surface_has_an_exact_jacobian(on):
     both, constants, d, c = compiled_contact(laws(scene.effects)), world(scene, fo.Accuracy()), 1e-6, 1e-2
     directed = laws(scene.effects).directed
     for foot in (fo.Foot.from_waypoints(k) for k in fo.Waypoints().random(8, seed=1)):
-        ground = level_ground(0.05, -20, 60, 0.1, 1.0)
+        ground = level_ground(0.05, -20, 60, 40, 0.1, 1.0)
         ground.found[:] = np.cumsum(rng.uniform(-0.02, 0.02, 60))
         ground.top[:] = ground.found.max()
         plates = sole(foot.plates(40, directed=directed))._replace(ground=ground)
