@@ -167,7 +167,7 @@ load, gate, push = _through(LOADS), _through(GATES), _through(PUSHES)
 
 
 def readable(
-    effects: Sequence[Effect], depth: Array, x: Array, vn: Array, leads: Array, edge: float
+    effects: Sequence[Effect], depth: Array, x: Array, vn: Array, leads: Array, edge: float | Array
 ) -> tuple[Array, Array, Array]:
     """What effects make of plates: load (m), share of the stress, and pressure (Pa), as arrays.
 
@@ -181,7 +181,7 @@ def readable(
         Each plate's speed along its outward normal.
     leads : array
         n.v or n.h, by which a gate opens.
-    edge : float
+    edge : float or array
         Over which it opens: the creep speed, or its like for n.h.
     """
     loads, gates, pushes = laws(effects)

@@ -254,7 +254,8 @@ def arc_points(z, slopes, spacing, steps):  # type: ignore[no-untyped-def]
             s = j / FINE - i
             rise, d0, d1 = z[d, i + 1] - z[d, i], slopes[d, i], slopes[d, i + 1]
             quadratic, cubic = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
-            speed = np.hypot(spacing, d0 + s * (2.0 * quadratic + 3.0 * s * cubic))
+            rate = d0 + s * (2.0 * quadratic + 3.0 * s * cubic)
+            speed = np.sqrt(spacing * spacing + rate * rate)
             if j > 0:
                 arc[j] = arc[j - 1] + 0.5 * (before + speed)
             before = speed

@@ -31,13 +31,13 @@ WORDS = 10  # letters of a table's first column in the narrowest terminal
 
 
 def console() -> Console:
-    """Standard output; where it is no terminal, it is wide enough for tables and long lines are not broken.
+    """Standard output; where it is no terminal, tables have COLUMNS letters, or 80, and lines are not broken.
 
     It has colours only on a terminal, and not with NO_COLOR or TERM=dumb. Brackets are no markup, because
     a user's names and folders may hold them.
     """
     out = Console(highlight=False, markup=False)
-    return out if out.is_terminal else Console(highlight=False, soft_wrap=True, markup=False, width=130)
+    return out if out.is_terminal else Console(highlight=False, soft_wrap=True, markup=False)
 
 
 def table(columns: Sequence[str], words: Collection[str] = (), title: str | None = None) -> RichTable:
@@ -107,7 +107,7 @@ def objective_table(
         base = others[0][1]
         parts = gain_shares(values, base)
         gained = shares and any(map(math.isfinite, parts.values()))
-        titles += ["change", *(["share of J_W's gain"] if gained else [])]
+        titles += ["change from flat", *(["share of J_W's gain"] if gained else [])]
     shown = table(titles, words=("objective", "unit"))
     for name in names:
         o, value = MEASURES[name], values[name]

@@ -25,8 +25,9 @@ from footopt.design.certificate import Certificate, certified
 from footopt.design.choice import excess
 from footopt.design.exhaustive import Enumeration, check_size
 from footopt.design.result import check_finalists
+from footopt.errors import SettingError
 from footopt.files import run as files
-from footopt.foot import Foot
+from footopt.foot import Foot, Waypoints
 from footopt.report import figures, page, terminal
 from footopt.report.figures.search import FRONT, history_label
 from footopt.report.numbers import objective_quantity
@@ -64,7 +65,7 @@ def run(study: Study) -> Answer:
     finer = study.finer_accuracy
     with study.compiling():
         flat = simulate(Foot.flat(problem.space), scene, finer)
-    result, confirmed, certificate = _search(study, problem, solver, stop)
+    result, confirmed, certificate = _search(study, problem, solver, stop, flat.objectives["efficiency"])
     k = result.k[confirmed.designs[0]]
     best = dataclasses.replace(Foot.from_waypoints(k, problem.space), name=f"best of {solver.name}")
     walk = simulate(best, scene, finer)
@@ -105,7 +106,7 @@ def run(study: Study) -> Answer:
             for i in page.walked_designs(result, confirmed)
         )
         shown = page.search_content(result, confirmed, walk, flat, others, record)
-        page.write(study.folder / "report.html", shown)
+        page.write(study.folder / "report.html", shown | study.origin)
     write_film(study, walk)
 
     several = problem.n_obj > 1
@@ -157,7 +158,7 @@ def _unit(solver: Solver) -> str:
 
 
 def _search(
-    study: Study, problem: FootProblem, solver: Solver, stop: Stop
+    study: Study, problem: FootProblem, solver: Solver, stop: Stop, base: float
 ) -> tuple[SearchResult, Confirmation, Certificate | None]:
     """Search where `engine` says, keep every walk in the run's store, and confirm what was found."""
     e, space = study.config.engine, problem.space
@@ -172,8 +173,9 @@ def _search(
         if known := store.describe():
             study.say(known)
         with study.progress(solver.generations(space), _unit(solver)) as step:
-            tell = report_generations(step, problem.names[0])
-            result = search(problem, solver, tell, store, executor, stop)
+            tell = report_generations(step, problem.names[0], base=base)
+            start = _start(study.options.start, space)
+            result = search(problem, solver, tell, store, executor, stop, start)
         finer, finalists = study.finer_accuracy, study.options.finalists
         if result.interrupted:
             study.say("Stopped: reporting what was found so far (Ctrl-C again: not even that)")
@@ -182,6 +184,17 @@ def _search(
             return result, confirm(result, finer, finalists), None
         most = math.inf if asked else result.designs
         return certified(result, finer, finalists, Evaluator(problem, store, executor), most)
+
+
+def _start(heights: list[int] | None, space: Waypoints) -> list[list[int]] | None:
+    """The soles that a search begins with, or None; a `SettingError` names study.start."""
+    if heights is None:
+        return None
+    try:
+        rows = [heights[i : i + space.n] for i in range(0, len(heights), space.n)]
+        return [space.check(row)[0].tolist() for row in rows]
+    except SettingError as error:
+        raise SettingError("study.start", heights, error.allowed, error.hint) from None
 
 
 def _certificate_entry(certificate: Certificate) -> dict[str, Any]:
@@ -229,7 +242,9 @@ def _save_figures(study: Study, result: SearchResult, best: int, flat: dict[str,
     """The figures of a search, with its best design and the flat sole's values."""
     problem = result.problem
     if not isinstance(result, Enumeration):
-        study.save("convergence", figures.convergence(result.history, history_label(problem.names)))
+        relative = problem.n_obj == 1 and problem.guide == "efficiency" and flat["efficiency"] < 0.0
+        base = flat["efficiency"] if relative else None
+        study.save("convergence", figures.convergence(result.history, history_label(problem.names), base))
     elif problem.n_obj == 1:
         leaders = enumerate(result.k[:LEADERS], start=1)
         soles = {f"no. {i}": Foot.from_waypoints(k, problem.space) for i, k in leaders}

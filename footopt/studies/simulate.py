@@ -60,7 +60,7 @@ def run(study: Study) -> Answer:
         }
     )
     if study.reports:
-        page.write(study.folder / "report.html", page.walk_content(walk, record))
+        page.write(study.folder / "report.html", page.walk_content(walk, record) | study.origin)
     write_film(study, walk)
 
     study.say(terminal.describe_foot(foot))

@@ -19,6 +19,7 @@ from footopt.effects import base as effects
 from footopt.walk.state import LANES, Contact, Force, Pose, no_force, pose_of
 from footopt.walk.surface import highest, over
 
+TURN = 0.25  # of the difference in speed along a turning plate, over which its direction is smoothed
 EDGE = 0.05  # n.h over which an effect's gate opens where bristles say how a plate moves
 
 
@@ -109,8 +110,9 @@ def foot_force(sole, law, loads, gates, pushes, tangent, surface, first, last, a
         mxz = law.C_diff * s
         mzx = -law.B_diff * s
         mzz = law.B01 + law.B_sum * c
-        px = -law.D10 * s - mxx * hx - mxz * hz
-        pz = law.A00 + law.A10 * c - mzx * hx - mzz * hz
+        turned_x, turned_z = mxx * hx + mxz * hz, mzx * hx + mzz * hz  # M h
+        px = -law.D10 * s - turned_x
+        pz = law.A00 + law.A10 * c - turned_z
 
         # effects: the strength over the depth in place of it, a share of the stress, a pressure
         if loads is not None:
@@ -170,14 +172,12 @@ def foot_force(sole, law, loads, gates, pushes, tangent, surface, first, last, a
                 jzx += sinking * slope[i] * pz
             jxz -= sinking * px
             jzz -= sinking * pz
-            if h0 is None:
-                txx, txz, tzz = 1.0 - hx * hx, -hx * hz, 1.0 - hz * hz
-            else:
-                txx, txz, tzz = 1.0 - slides * hx * hx, -slides * hx * hz, 1.0 - slides * hz * hz
-            jxx -= kq * (mxx * txx + mxz * txz)
-            jxz -= kq * (mxx * txz + mxz * tzz)
-            jzx -= kq * (mzx * txx + mzz * txz)
-            jzz -= kq * (mzx * txz + mzz * tzz)
+            if h0 is not None:
+                turned_x, turned_z = slides * turned_x, slides * turned_z
+            jxx -= kq * (mxx - turned_x * hx)  # M dh/dv = (M - (M h) h^T) / |v|
+            jxz -= kq * (mxz - turned_x * hz)
+            jzx -= kq * (mzx - turned_z * hx)
+            jzz -= kq * (mzz - turned_z * hz)
     return Force(fx, fz, power, jxx, jxz, jzx, jzz)
 
 
@@ -241,11 +241,24 @@ def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, counts):
             counts.plates += last - first
             force = foot_force(
                 sole, world.law, world.loads, world.gates, world.pushes, sole.tangent,
-                over(sole.ground, foot, sole, first, last, ankle), first, last, ankle, creep, stage,
-                _of_foot(h0, foot),
+                over(sole.ground, foot, sole, first, last, ankle), first, last, ankle,
+                _slip(creep, ankle.rate, sole.span, h0), stage, _of_foot(h0, foot),
             )  # fmt: skip
         left, right = right, force
     return Contact(left, right)
+
+
+@inlined
+def _slip(creep, rate, span, h0):
+    """Speed over which the direction of a foot's plates is smoothed, m/s.
+
+    Along a plate that turns, the velocity differs by rate * span; near the centre of the turn, the mean
+    direction over the plate is smooth where the direction in its middle jumps. Bristles need no smoothing.
+    """
+    if h0 is None:
+        turn = TURN * rate * span
+        return np.sqrt(creep * creep + turn * turn)
+    return creep
 
 
 @inlined
@@ -270,12 +283,20 @@ def static_height(world, sole, poses):
             high = max(high, -(pose.z + pose.sin * sole.x[i] + pose.cos * sole.z[i]))
     if high <= low or _lift(world, sole, poses, low) < world.mass * world.g:
         return np.nan
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if _lift(world, sole, poses, middle) >= world.mass * world.g:
-            low = middle
+    # the Illinois method: a tenth of the evaluations that bisection takes
+    weight = world.mass * world.g
+    below, above, side = _lift(world, sole, poses, low) - weight, -weight, 0
+    for _ in range(200):
+        middle = (low * above - high * below) / (above - below)
+        missing = _lift(world, sole, poses, middle) - weight
+        if abs(missing) <= 1e-13 * weight or not low < middle < high:
+            return middle
+        if missing > 0.0:
+            above *= 0.5 if side > 0 else 1.0  # the other end has stood twice: as if it were nearer
+            low, below, side = middle, missing, 1
         else:
-            high = middle
+            below *= 0.5 if side < 0 else 1.0
+            high, above, side = middle, missing, -1
     return low
 
 

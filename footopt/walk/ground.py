@@ -87,7 +87,7 @@ def grounded(prints, sole, first, cells):
 def _with(sole, ground):
     return Sole(
         sole.x, sole.z, sole.c2, sole.s2, sole.area, sole.block_x, sole.block_z, sole.block_r, sole.reach,
-        sole.tangent, ground,
+        sole.span, sole.tangent, ground,
     )  # fmt: skip
 
 

@@ -22,6 +22,9 @@ from footopt.walk.sources import source, users_own
 from footopt.walk.state import Integrals, Sole, State, World, sole_of, write
 from footopt.walk.steppers import STEPPERS, acceleration, advance, touch
 
+NEAR = 0.9  # of the largest |P| of a foot so far: from there a step may hold the peak of the whole walk
+PEAK = 0.1  # of its control is what such a step is held to: the peak follows the speed's error at one instant
+
 OK, SUNK, BACKWARD, DIVERGED = range(4)
 
 
@@ -88,7 +91,10 @@ def _compile(source: str, compiler: Any):
                 if control is not None:
                     error = step_error(state.vx, after.vx, ax0, ax1, h)
                     error += step_error(state.vz, after.vz, az0, az1, h)
-                    if level < finest and not (after.solved and error <= control):
+                    power = max(abs(after.contact.left.power), abs(after.contact.right.power))
+                    near = extremes.power > 0.0 and power >= NEAR * extremes.power
+                    allowed = PEAK * control if near else control
+                    if level < finest and not (after.solved and error <= allowed):
                         level += 1
                         count.shortened += 1
                         continue
@@ -113,7 +119,7 @@ def _compile(source: str, compiler: Any):
                     write(trace[row], sample_of(t, state))
                     record(bristle_trace, row, state.bristles)
                 if control is not None:  # noqa: SIM102  only such a test on its own is pruned
-                    if level > 0 and place % (2 * stride) == 0 and error < 0.1 * control:
+                    if level > 0 and place % (2 * stride) == 0 and error < 0.1 * allowed:
                         level -= 1  # a step twice as long has 8 times the error, if of order 2
             if status[d] == OK:
                 if state.x <= 0.0 and extremes.speed > -np.inf:

@@ -11,7 +11,7 @@ from footopt.effects import base as effects
 from footopt.foot import Plates
 from footopt.gait.gait import Pose
 from footopt.sand.law import by_angles, by_direction, smoothed
-from footopt.walk.contact import EDGE
+from footopt.walk.contact import EDGE, TURN
 from footopt.walk.scene import Scene
 
 Array = NDArray[np.float64]
@@ -27,6 +27,7 @@ class PlateStates:
     normal: Array  # outward, into the sand
     area: Array  # (N,), m^2
     depth: Array  # (M, 2 feet, N), m: below the sand's surface, 0 above
+    slip: Array  # (M, 2 feet), m/s: the speed over which directions are smoothed
 
     @property
     def total(self) -> Array:
@@ -89,17 +90,19 @@ def plate_states(
         axis=-1,
     )
     normal = np.stack([sin * tx + cos * tz, sin * tz - cos * tx], axis=-1)
-    h = smoothed(v, creep) if bristles is None else bristles
+    span = 0.0 if plates.span is None else plates.span[0]
+    slip = np.hypot(creep, TURN * span * rate)
+    h = smoothed(v, slip[..., None]) if bristles is None else bristles
     if angles:
         beta = np.arctan2(tz, tx) + pose.pitch[..., None]
-        stress = by_angles(beta, v, creep, scene.sand.stress_map)
+        stress = by_angles(beta, v, slip, scene.sand.stress_map)
     else:
         c2p, s2p = np.cos(2.0 * pose.pitch)[..., None], np.sin(2.0 * pose.pitch)[..., None]
         c, s = plates.c2[0] * c2p - plates.s2[0] * s2p, plates.s2[0] * c2p + plates.c2[0] * s2p
         stress = by_direction(c, s, h, scene.sand.stress_map)
-    edge = creep if bristles is None else EDGE
+    edge = slip if bristles is None else EDGE
     force = forces(stress, position, v, normal, plates.area[0], scene, edge, bristles, level)
-    return PlateStates(position, v, force, normal, plates.area[0], depth_of(position, level))
+    return PlateStates(position, v, force, normal, plates.area[0], depth_of(position, level), slip[..., 0])
 
 
 def depth_of(position: Array, level: Array | float = 0.0) -> Array:
@@ -114,7 +117,7 @@ def forces(
     normal: Array,
     area: Array,
     scene: Scene,
-    edge: float,
+    edge: float | Array,
     bristles: Array | None = None,
     level: Array | float = 0.0,
 ) -> Array:
@@ -130,8 +133,8 @@ def forces(
         Of the plates.
     scene : Scene
         Its sand and effects count.
-    edge : float
-        The creep speed, m/s; with bristles `contact.EDGE`.
+    edge : float or broadcast to S
+        The speed of smoothing, m/s; with bristles `contact.EDGE`.
     bristles : (*S, 2), optional
         Which way a plate faces, in place of its velocity.
     level : broadcast to S, m

@@ -21,7 +21,7 @@ from footopt.walk.steppers import STEPPERS
 
 Array = NDArray[np.float64]
 
-NEWTON = 3e-3  # last step of Newton's method over the plates' mean speed; the forces' error is the square
+NEWTON = 0.03  # last step of Newton's method over the plates' mean speed; the forces' error is the square
 REST = 4  # longer steps while the walker stands
 HALVINGS = 3  # of a step under control, at most
 ROWS = 5_000_000  # poses of a walk that are tabulated, 112 bytes each; ten minutes take 2.6 million
@@ -145,6 +145,7 @@ def soles(plates: Plates) -> Sole:
         block_z=centre_z,
         block_r=np.sqrt(square.max(axis=2)),
         reach=np.sqrt(np.max(plates.x**2 + plates.z**2, axis=1)),
+        span=np.zeros(len(x)) if plates.span is None else plates.span,
         tangent=tangent,
         ground=None,
     )

@@ -59,6 +59,7 @@ class Sole(NamedTuple):
     block_z: Array
     block_r: Array
     reach: Any  # the sole's largest distance from the ankle, m
+    span: Any  # length along the sole for which a plate stands, m; 0 for chords
     tangent: Tangent | None  # where an effect needs the plates' normals
     ground: Any  # the sand under it, `ground.Ground`; None where it is level
 
@@ -145,6 +146,7 @@ def sole_of(soles, design):
         soles.block_z[design],
         soles.block_r[design],
         soles.reach[design],
+        soles.span[design],
         _tangent_of(soles.tangent, design),
         soles.ground,
     )

@@ -60,6 +60,7 @@ SMALL = {
     "effects": {"study.feet": "2", "accuracy": "draft"},
     "validate": {"study.cases": "[growth,friction]"},
     "robust": {k: v for k, v in SEARCH.items() if k != "study.finalists"} | {"study.quick": "true"},
+    "codesign": SEARCH | {"study.quick": "true", "foot.n": "4", "foot.K": "4"},
     "sensitivity": {"study.samples": "2", "accuracy": "draft"},
     "trust": {"study.quick": "true", "study.budget": "20", "solver.pop_size": "10", "foot.n": "4",
               "foot.K": "3", "study.solvers": "[memetic,nsga2]", "accuracy": "draft"},

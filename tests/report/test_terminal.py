@@ -115,19 +115,20 @@ class TestALogFile:
     def test_work_of_less_than_two_seconds_leaves_nothing(self, clock):
         assert told(clock, 200, 0.9 * PATIENCE / 200) == []
 
-    def test_a_search_tells_its_best_value(self, clock):
+    @pytest.mark.parametrize(
+        ("base", "best"), [(None, r"efficiency J_W -\S+"), (-1e-4, r"J_W x \d\.\d\d of flat")]
+    )
+    def test_a_search_tells_its_best_value(self, base, best, clock):
         file = io.StringIO()
         with progress(Console(file=file, width=130), 4, "generation") as step:
 
             def slowly(generation):
                 clock.now += 1.0
-                report_generations(step, "efficiency")(generation)
+                report_generations(step, "efficiency", base=base)(generation)
 
             fo.search(fo.FootProblem(accuracy="draft"), "ga", slowly, pop_size=10, n_gen=4)
         last = file.getvalue().splitlines()[-1]
-        assert re.match(
-            r"generation 4/4  1/s  left 0.0 s  best efficiency J_W -\S+, \d+ evaluations/s$", last
-        )
+        assert re.match(rf"generation 4/4  1/s  left 0.0 s  best {best}, \d+ evaluations/s$", last)
 
 
 PIECE = """

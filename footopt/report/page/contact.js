@@ -170,7 +170,7 @@ function footForce(W, sole, poses, p, hipX, hipZ, hipVx, hipVz, creep, c, out, o
   const ax = hipX + poses[p], az = hipZ + poses[p + 1], avx = hipVx + poses[p + 2], avz = hipVz + poses[p + 3];
   const cos = poses[p + 4], sin = poses[p + 5], rate = poses[p + 6];
   const c2p = cos * cos - sin * sin, s2p = 2 * sin * cos;
-  const slip = creep, eps2 = slip * slip;
+  const turn = P.accuracy.turn * rate * sole.span, slip = Math.sqrt(creep * creep + turn * turn), eps2 = slip * slip;
   let fx = 0, fz = 0, power = 0, jxx = 0, jxz = 0, jzx = 0, jzz = 0;
   for (let i = 0; i < X.length; i++) {
     const rise = sin * X[i] + cos * Z[i], depth = -(az + rise);
@@ -181,7 +181,8 @@ function footForce(W, sole, poses, p, hipX, hipZ, hipVx, hipVz, creep, c, out, o
     // eq. 1: the stress per depth, p = a - M h, with cos and sin of twice the plate's angle in the world
     const C = C2[i] * c2p - S2[i] * s2p, S = S2[i] * c2p + C2[i] * s2p;
     const mxx = C01 + C_sum * C, mxz = C_diff * S, mzx = -B_diff * S, mzz = B01 + B_sum * C;
-    let px = -D10 * S - mxx * hx - mxz * hz, pz = A00 + A10 * C - mzx * hx - mzz * hz;
+    const turnedX = mxx * hx + mxz * hz, turnedZ = mzx * hx + mzz * hz; // M h
+    let px = -D10 * S - turnedX, pz = A00 + A10 * C - turnedZ;
     let sinking = c * area[i], byX = 0, byDepth = 1; // sinking = -dk/dv_z
     if (loads.length) {
       load[0] = depth;
@@ -232,11 +233,10 @@ function footForce(W, sole, poses, p, hipX, hipZ, hipVx, hipVz, creep, c, out, o
     sinking *= byDepth;
     jxz -= sinking * px;
     jzz -= sinking * pz;
-    const txx = 1 - hx * hx, txz = -hx * hz, tzz = 1 - hz * hz;
-    jxx -= kq * (mxx * txx + mxz * txz);
-    jxz -= kq * (mxx * txz + mxz * tzz);
-    jzx -= kq * (mzx * txx + mzz * txz);
-    jzz -= kq * (mzx * txz + mzz * tzz);
+    jxx -= kq * (mxx - turnedX * hx); // M dh/dv = (M - (M h) h^T) / |v|
+    jxz -= kq * (mxz - turnedX * hz);
+    jzx -= kq * (mzx - turnedZ * hx);
+    jzz -= kq * (mzz - turnedZ * hz);
   }
   out[o] = fx; out[o + 1] = fz; out[o + 2] = power;
   out[o + 3] = jxx; out[o + 4] = jxz; out[o + 5] = jzx; out[o + 6] = jzz;

@@ -14,6 +14,8 @@ from footopt.gait import start
 from footopt.report.page.file import packed
 from footopt.sand.law import PER_CM3
 from footopt.walk import Accuracy, Scene, newton, prepare
+from footopt.walk.contact import TURN
+from footopt.walk.loop import NEAR, PEAK
 from footopt.walk.objectives import FLOORS
 from footopt.walk.scene import EARTH
 from footopt.walk.simulate import MAX_REPEATS
@@ -81,6 +83,9 @@ def physics(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> dict[st
             "most": newton.MAX_NEWTON,
             "rescue": newton.MAX_RESCUE,
             "gated": newton.GATED,
+            "turn": TURN,
+            "near": NEAR,
+            "peak": PEAK,
             "repeats": MAX_REPEATS,
         },
         "arrows": ARROWS,

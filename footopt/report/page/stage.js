@@ -236,7 +236,8 @@ function strips({ X, Z, width, height }) {
 
 /** The lowest point of any sole in a walk, m. */
 function deepest(walk) {
+  if (walk.lowest !== undefined) return walk.lowest;
   let low = 0;
   for (let i = 0; i < walk.t.length; i += 4) for (const { carry } of pose(walk, walk.t[i])) for (const p of carry(walk.light)) low = Math.min(low, p[1]);
-  return low;
+  return (walk.lowest = low);
 }
