@@ -246,7 +246,7 @@ def settle(ground, first, last, way, drop):
     """
     height, cells = ground.height, len(ground.height)
     steep = drop * (1.0 + 1e-12)
-    first, last = max(first, 1), min(last, cells - 1)
+    first, last = max(first, 1 if way < 0 else 0), min(last, cells if way < 0 else cells - 1)
     for k in range(last - first):
         i = first + k if way > 0 else last - 1 - k
         if height[i] - height[i + way] <= steep or not (_free(ground, i) and _free(ground, i + way)):
