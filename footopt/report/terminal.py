@@ -150,9 +150,13 @@ def describe_scene(scene: Scene) -> str:
     if (g := scene.walker.g) != EARTH:
         words.append(f"gravity {g:g} m/s^2 (sand {g / EARTH:.3g} times as strong as on the Earth)")
     for effect in scene.effects:
-        values = ", ".join(f"{name} {value}" for name, value in parameters(effect).items())
+        values = ", ".join(f"{name} {_listed(value)}" for name, value in parameters(effect).items())
         words.append(name_of(effect).replace("_", " ") + (f" ({values})" if values else ""))
     return ", ".join(words)
+
+
+def _listed(value: object) -> str:
+    return " and ".join(map(str, value)) if isinstance(value, (tuple, list)) else str(value)
 
 
 def describe_setup(scene: Scene, foot: Foot | Waypoints) -> str:

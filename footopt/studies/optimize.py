@@ -40,6 +40,7 @@ from footopt.studies.record import Answer, answer, foot_entry, scene_entry, vali
 from footopt.studies.simulate import check_film, write_film, write_walk
 from footopt.studies.validation.model import describe, model_error
 from footopt.walk import gain_shares, simulate
+from footopt.walk.adapt import adapted
 from footopt.walk.resolution import error_of, resolution
 from footopt.walk.validity import diagnose
 
@@ -92,7 +93,7 @@ def run(study: Study) -> Answer:
             "ranks": ranks.entry(turns),
             "flat": base,
             "gain_shares": gain_shares(values, base),
-            **scene_entry(scene, finer, problem.record),
+            **scene_entry(scene, walk.accuracy, problem.record),
             **_search_entry(result, confirmed, options.finalists),
             "certificate": None if certificate is None else _certificate_entry(certificate),
             **validity_entry(diagnostics),
@@ -212,7 +213,7 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
         "constraints": problem.limits,
         "hypervolume": result.history[-1].hypervolume,
         "front_size": len(result.front),
-        "search_accuracy": dataclasses.asdict(problem.accuracy),
+        "search_accuracy": dataclasses.asdict(adapted(problem.accuracy, problem.scene, problem.space)),
         "confirmed": {
             "k": result.k[confirmed.designs[:finalists]].tolist(),
             "values": confirmed.values[:finalists],

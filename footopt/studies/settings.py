@@ -123,6 +123,10 @@ class StudyConfig:
         "Of the loss over the scenarios: worst, mean, or tail, the mean of the worst share.",
     )
     tail: float = setting(default(RobustProblem, "tail"), "The share of study.measure=tail.")
+    descriptors: list[str] = setting(
+        ["hollow", "maximum_sinkage"], "What a map of soles goes by, along and across: two measures."
+    )
+    cells: int = setting(10, "Of the map, along each.")
     speed: float | None = setting(None, "That a walk has to reach, m/s; null: as with the gait as given.")
     spread: SpreadConfig = field(default_factory=SpreadConfig)
     foot_spread: FootSpreadConfig = field(default_factory=FootSpreadConfig)

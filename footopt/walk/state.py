@@ -41,6 +41,7 @@ class Tangent(NamedTuple):
 
     x: Array
     z: Array
+    turn: Array  # by which the contour turns within a plate, rad
 
 
 class Sole(NamedTuple):
@@ -156,7 +157,7 @@ def sole_of(soles, design):
 def _tangent_of(tangent, design):
     if tangent is None:
         return None
-    return Tangent(tangent.x[design], tangent.z[design])
+    return Tangent(tangent.x[design], tangent.z[design], tangent.turn[design])
 
 
 @inlined

@@ -209,7 +209,7 @@ function tracesSection() {
 /** A study of many walks: its figures and its tables, as they are on paper and on the terminal. */
 function studySections() {
   const figures = data.figures.map(({ source, width, says }) =>
-    el("figure", { class: "printed" }, el("img", { src: source, width, alt: says }), el("figcaption", {}, says)));
+    el("figure", { class: "printed", tabindex: "0" }, el("img", { src: source, width, alt: says }), el("figcaption", {}, says)));
   const tables = data.tables.flatMap(({ title, head, words: wordy, rows, bad, links, caption }) => {
     const shown = (cell, r, c) => links[r][c] ? el("a", { href: encodeURIComponent(cell) }, cell) : bad[r][c] ? el("strong", { class: "bad" }, cell) : cell;
     const made = table(head.map((text, c) => (wordy[c] ? words(text) : text)),

@@ -198,7 +198,7 @@ function stepLoop(id = "step", tall = 300) {
     if (figure.hidden) return;
     const flat = flatWalk(), other = flat && flat !== walk && flat.t.at(-1) > begin + 0.3 * stride ? flat : null;
     const foot = (w) => pose(w, begin + 0.25 * stride)[RIGHT].leg[2][0];
-    state.mover = stage(holder, walk, { close: true, other, tall, x: [-0.26, 0.26], z: [deepest(walk) - 0.035, 0.13],
+    state.mover = stage(holder, walk, { close: true, other, tall, x: [-0.26, 0.26], z: [deepest(walk, begin - 0.06 * stride, begin + 0.72 * stride) - 0.035, 0.13],
       fixed: { x: foot(walk) + 0.03, shift: other ? foot(walk) - foot(other) : 0 }, label: "One step of the right foot in the sand, with the forces on its sole" });
     state.mover(state.t);
     run();
