@@ -10,7 +10,7 @@ from footopt.design.evaluator import Evaluator
 from footopt.design.executor import Renewing
 from footopt.design.problem import Evaluated, FootProblem
 from footopt.design.result import Confirmation, Generation, SearchResult, confirm
-from footopt.design.robust import RobustProblem
+from footopt.design.robust import RobustProblem, own_best
 from footopt.design.search import search
 from footopt.design.solvers import AUTO, EXHAUSTIVE, SINGLE, SOLVERS, WALKS, Solver
 from footopt.design.stop import Stop
@@ -40,6 +40,7 @@ __all__ = [
     "Store",
     "confirm",
     "make_executor",
+    "own_best",
     "processes",
     "search",
 ]

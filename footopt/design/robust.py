@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
+from contextlib import ExitStack, contextmanager
+from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from footopt.design.evaluator import Evaluator
+from footopt.design.exhaustive import BEATEN
 from footopt.design.problem import Array, FootProblem, Ints, Words
-from footopt.errors import SettingError, check
+from footopt.design.search import search
+from footopt.design.solvers import EXHAUSTIVE
+from footopt.design.store import Store
+from footopt.errors import FootoptError, SettingError, check
 from footopt.foot import Waypoints
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.objectives import MEASURES
 from footopt.walk.scenarios import Scenario, check_measure, measured
 from footopt.walk.simulate import evaluate
+
+FEW = 10_000  # soles of a space that are all walked for a scenario's best one: no more than a search walks
 
 
 class RobustProblem(FootProblem):
@@ -36,8 +47,10 @@ class RobustProblem(FootProblem):
         The share of the scenarios that "tail" averages over.
     references : (scenarios,), optional
         The value of `guide` that a good foot has in each scenario, by whose magnitude it is divided
-        there. Without, hard sand has more say in J_W than soft sand, where J_W is a tenth. A loss
-        relative to the reference (`regret`) is then the measure of the scenarios'.
+        there: the measure is then one of the loss relative to it (`regret`). By default each scenario's
+        own best, which is searched when it is first needed (`own_best`). Ones leave the values as they
+        are: the worst J_W of three sands is that on soft sand, where J_W is a tenth, and the foot that is
+        best by it a specialist.
 
     Raises
     ------
@@ -65,14 +78,12 @@ class RobustProblem(FootProblem):
         super().__init__(scenarios[0].scene, objective, space, accuracy, threads)
         self.scenarios = tuple(scenarios)
         self.measure, self.tail = measure, tail
-        self.references = None if references is None else np.array(references, float)
-        if self.references is not None and (
-            self.references.shape != (len(names),)
-            or not (np.isfinite(self.references) & (self.references != 0.0)).all()
-        ):
-            raise SettingError(
-                "references", self.references.tolist(), f"{len(names)} finite numbers other than 0"
-            )
+        self._given = None if references is None else _checked(references, len(names))
+
+    @cached_property
+    def references(self) -> Array:
+        """The value of `guide` that a good foot has in each scenario, (scenarios,)."""
+        return own_best(self) if self._given is None else self._given
 
     @property
     def conditions(self) -> dict[str, Any]:
@@ -94,9 +105,11 @@ class RobustProblem(FootProblem):
 
     def walk(self, k: Ints) -> tuple[Array, Words]:
         """Measures of the values over the scenarios, (designs, record), and why a walk failed where."""
-        values, reasons = self.walk_each(k)
-        if self.references is not None:
-            values[..., self.record.index(self.guide)] /= np.abs(self.references)[:, None]
+        return self._measured(*self.walk_each(k))
+
+    def _measured(self, values: Array, reasons: Words) -> tuple[Array, Words]:
+        """The same of what `walk_each` returns."""
+        values[..., self.record.index(self.guide)] /= np.abs(self.references)[:, None]
         sign = np.array([MEASURES[name].sign for name in self.record])
         weights = np.array([s.weight for s in self.scenarios])
         total = sign * measured(sign * values, weights, self.measure, self.tail)
@@ -107,6 +120,90 @@ class RobustProblem(FootProblem):
         ]
         total[[i is not None for i in first]] = np.nan
         return total, np.array(why, dtype=np.str_)
+
+    @contextmanager
+    def race(self, evaluator: Evaluator) -> Iterator[Callable[[Ints, float], tuple[Array, Words]]]:
+        """Walk scenario by scenario, no further with designs that cannot win; for "worst" of one objective.
+
+        What it gives is called with designs (designs, n) and the largest value, minimised, that still counts.
+        The worst of some scenarios is no better than that of all, so that who is beyond it in those walked so
+        far has lost: its reason is `BEATEN`, its values are NaN. All other values are those of `walk`, to the
+        last bit. Walks are kept as those of each scenario alone, where a search of it finds them, too.
+        """
+        alone = [
+            FootProblem(s.scene, self.names, s.space(self.space), self.accuracy, self.threads)
+            for s in self.scenarios
+        ]
+        guide, scale = self.record.index(self.guide), np.abs(self.references)
+        sign, store = MEASURES[self.guide].sign, evaluator.store
+        with ExitStack() as stack:
+            stores = [None if store is None else stack.enter_context(Store(store.path, p)) for p in alone]
+            walkers = [Evaluator(p, s, evaluator.executor) for p, s in zip(alone, stores, strict=True)]
+
+            def walk(k: Ints, limit: float) -> tuple[Array, Words]:
+                shape = len(alone), len(k)
+                values, reasons = (
+                    np.full((*shape, len(self.record)), np.nan),
+                    np.full(shape, "", dtype=object),
+                )
+                running, beaten = np.arange(len(k)), np.zeros(len(k), bool)
+                before = sum(w.reused for w in walkers)
+                for i, walker in enumerate(walkers):
+                    if not len(running):
+                        break
+                    values[i, running], reasons[i, running] = walker(k[running])
+                    now = sign * values[i, running, guide] / scale[i]
+                    beaten[running] = now > limit
+                    running = running[(reasons[i, running] == "") & ~beaten[running]]
+                evaluator.reused += sum(w.reused for w in walkers) - before
+                reasons[0, beaten] = BEATEN
+                total, why = self._measured(values, reasons)
+                return total, np.where(beaten, BEATEN, why)
+
+            yield walk
+
+
+def own_best(
+    problem: RobustProblem, store: str | Path | None = None, executor: Executor | None = None
+) -> Array:
+    """What `problem.guide` is of the best foot of each scenario alone, (scenarios,), as a search finds it.
+
+    It is the default search, or every sole of a space that has no more than that walks with.
+
+    Parameters
+    ----------
+    problem : RobustProblem
+        Its scenarios, space and accuracy are taken.
+    store : str or Path, optional
+        A file to keep every walk in.
+    executor : Executor, optional
+        Who walks.
+
+    Raises
+    ------
+    FootoptError
+        There is no feasible foot for a scenario.
+    """
+    solver = EXHAUSTIVE if problem.space.K**problem.space.n <= FEW else None
+    found = []
+    for s in problem.scenarios:
+        alone = FootProblem(s.scene, problem.guide, s.space(problem.space), problem.accuracy, problem.threads)
+        try:
+            result = search(alone, solver, store=store, executor=executor)
+        except FootoptError as error:
+            raise FootoptError(f"{s.name}: {error}") from None
+        if result.interrupted:
+            raise KeyboardInterrupt(f"while searching the best foot for {s.name} alone")
+        found.append(result.column(problem.guide)[result.best])
+    return _checked(found, len(found))
+
+
+def _checked(references: Sequence[float] | Array, count: int) -> Array:
+    """References as an array; raise unless values can be divided by them."""
+    array = np.array(references, float)
+    if array.shape != (count,) or not (np.isfinite(array) & (array != 0.0)).all():
+        raise SettingError("references", array.tolist(), f"{count} finite numbers other than 0")
+    return array
 
 
 def regret(values: Array, references: Array, name: str) -> Array:

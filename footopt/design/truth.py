@@ -2,40 +2,90 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
+from footopt.design.context import context, digest
 from footopt.design.exhaustive import batches, check_size
 from footopt.design.fronts import REFERENCE
 from footopt.design.problem import Array, Evaluated, FootProblem, Ints, Words
 from footopt.design.result import SearchResult
 from footopt.errors import FootoptError
+from footopt.walk.simulate import REASONS
 
 BATCH = 4096  # designs that are walked at a time
 CHECKPOINTS = 10  # of a run, at which the front that it has found is measured
 REACHED = 0.95  # of the exact hypervolume: counts as having found the front
+WITHIN = 1e-3  # of the best J_W, relative: counts as having found it; walks at `standard` err by as much
+ENDINGS = tuple(REASONS.values())  # of a walk; one more than its place is what a table has of them
 
 
-def walk_all(problem: FootProblem, step: Callable[[], None] = lambda: None) -> Evaluated:
+def walk_all(
+    problem: FootProblem, step: Callable[[], None] = lambda: None, folder: Path | None = None
+) -> Array:
     """Walk with every design of a space, also those outside their box, for which a solver may ask.
 
-    `step` is called after every `BATCH` designs. A space that is too large, or without a feasible design,
-    raises a `FootoptError`.
+    Parameters
+    ----------
+    problem : FootProblem
+        Of one scene.
+    step : callable
+        Called after every `BATCH` designs.
+    folder : Path, optional
+        Where the table is kept, of 8 bytes a number: it is read again, and what is missing is walked.
+
+    Returns
+    -------
+    (designs, record + 2)
+        By the designs' numbers: recorded values, the box violation in m, and 1 + the place of its reason in
+        `ENDINGS`.
+
+    Raises
+    ------
+    FootoptError
+        The space is too large, or has no feasible design.
     """
     check_size(problem)
-    parts = []
-    for k in batches(problem.space, BATCH):
-        parts.append(problem.evaluate(k))
+    space, columns = problem.space, len(problem.record) + 2
+    shape = (space.K**space.n, columns)
+    table = np.zeros(shape) if folder is None else _kept(problem, folder, shape)
+    for number, k in enumerate(batches(space, BATCH)):
+        rows = table[number * BATCH : number * BATCH + len(k)]
+        if not rows[:, -1].all():
+            found = problem.evaluate(k)
+            rows[:, :-2], rows[:, -2] = found.values, found.violation
+            rows[:, -1] = 1 + np.array([ENDINGS.index(reason) for reason in found.reasons])  # last: it counts
         step()
-    table = Evaluated._make(np.concatenate(columns) for columns in zip(*parts, strict=True))
-    if not (problem.constraints(*table) <= 0.0).all(axis=1).any():
+    if not any(_feasible(problem, table[i : i + BATCH]).any() for i in range(0, len(table), BATCH)):
         raise FootoptError(
-            f"None of all {len(table.reasons)} designs is feasible. "
-            "Try a larger foot.box_tolerance, or harder sand."
+            f"None of all {len(table)} designs is feasible. Try a larger foot.box_tolerance, or harder sand."
         )
     return table
+
+
+def _kept(problem: FootProblem, folder: Path, shape: tuple[int, int]) -> Array:
+    """The table in its file, of zeros where nothing is known yet."""
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{digest(context(problem))[:16]}.f8"
+    size = shape[0] * shape[1] * 8
+    if not path.exists() or path.stat().st_size != size:
+        with open(path, "wb") as file:  # with holes: it takes no room before it is written
+            os.truncate(file.fileno(), size)
+    return np.memmap(path, np.float64, "r+", shape=shape)
+
+
+def _evaluated(rows: Array) -> Evaluated:
+    """Rows of a table as what they were made of."""
+    return Evaluated(rows[:, :-2], np.array(ENDINGS)[rows[:, -1].astype(int) - 1], rows[:, -2])
+
+
+def _feasible(problem: FootProblem, rows: Array) -> NDArray[np.bool_]:
+    return np.asarray((problem.constraints(*_evaluated(rows)) <= 0.0).all(axis=1))
 
 
 class Tabulated(FootProblem):
@@ -45,7 +95,7 @@ class Tabulated(FootProblem):
     ----------
     problem : FootProblem
         Its scene, space and accuracy are taken.
-    table : Evaluated
+    table : (designs, record + 2)
         Of `walk_all`.
     objective : str or tuple of str
         As in `FootProblem`, of what is in the problem's record.
@@ -60,18 +110,24 @@ class Tabulated(FootProblem):
         F on the exact front, scaled by it to 0 ... 1.
     """
 
-    def __init__(self, problem: FootProblem, table: Evaluated, objective: str | tuple[str, ...]) -> None:
+    def __init__(self, problem: FootProblem, table: Array, objective: str | tuple[str, ...]) -> None:
         from moocore import hypervolume
 
         super().__init__(problem.scene, objective, problem.space, problem.accuracy, problem.threads)
         self.table = table
         self._powers = self.space.K ** np.arange(self.space.n)[::-1]
-        feasible = (self.constraints(*table) <= 0.0).all(axis=1)
-        self.feasible = int(feasible.sum())
-        j = np.where(feasible, table.values[:, self.record.index("efficiency")], np.inf)
-        self.optimum = float(j.min())
-        self.best_k = 1 + int(j.argmin()) // self._powers % self.space.K
-        front = _front(self.minimised(table.values)[feasible])
+        self.feasible, self.optimum, best = 0, np.inf, 0
+        front = np.empty((0, self.n_obj))
+        for begin in range(0, len(table), 16 * BATCH):  # seven waypoints are more than memory should hold
+            rows = table[begin : begin + 16 * BATCH]
+            good = _feasible(self, rows)
+            j = np.where(good, rows[:, self.record.index("efficiency")], np.inf)
+            self.feasible += int(good.sum())
+            if j.min() < self.optimum:
+                self.optimum, best = float(j.min()), begin + int(j.argmin())
+            if good.any():
+                front = _front(np.concatenate([front, self.minimised(rows[good, :-2])]))
+        self.best_k = 1 + best // self._powers % self.space.K
         self._low = front.min(axis=0)
         self._span = np.maximum(front.max(axis=0) - self._low, 1e-300)
         self.front = self.scaled(front)
@@ -79,15 +135,18 @@ class Tabulated(FootProblem):
 
     def walk(self, k: Ints) -> tuple[Array, Words]:
         """What is in the table of the designs."""
-        number = (k - 1) @ self._powers
-        return self.table.values[number], self.table.reasons[number]
+        found = _evaluated(np.asarray(self.table[(k - 1) @ self._powers]))
+        return found.values, found.reasons
 
     def scaled(self, f: Array) -> Array:
         """F (designs, objectives) in units of the exact front's extent."""
         return np.asarray((f - self._low) / self._span)
 
     def hypervolume(self, f: Array) -> float:
-        """Share of the exact front's hypervolume that a set F (designs, objectives) covers."""
+        """Share of the exact front's hypervolume that a set F (designs, objectives) covers.
+
+        Up to `REFERENCE` times the exact front's extent in every objective: the same point for all solvers.
+        """
         from moocore import hypervolume
 
         return float(hypervolume(_front(self.scaled(f)), ref=REFERENCE) / self._volume)
@@ -101,26 +160,32 @@ class Tabulated(FootProblem):
 
 @dataclass(frozen=True)
 class Attempt:
-    """One run of a solver against the truth.
+    """One run of a solver against the truth. Walks are different designs: who asks again pays nothing.
 
     Parameters
     ----------
     solver, seed
         Which run.
+    walks : int
+        That it took in all.
     regret : float
         By how much its best J_W falls short of the exact one, relative.
+    within_at : float
+        Walks when it first had a J_W within `WITHIN` of the exact one; NaN if it never had.
     found_at : float
-        Evaluations when it came upon the optimum, or, of several objectives, upon `REACHED` of the exact
+        Walks when it came upon the optimum, or, of several objectives, upon `REACHED` of the exact
         hypervolume; NaN if it did not.
     hypervolume, igd_plus : float
         Of everything it found, see `Tabulated`; NaN for one objective.
     checkpoints : tuple
-        (evaluations, share of the hypervolume) during the run; none for one objective.
+        (walks, share of the hypervolume) during the run; none for one objective.
     """
 
     solver: str
     seed: int
+    walks: int
     regret: float
+    within_at: float
     found_at: float
     hypervolume: float = float("nan")
     igd_plus: float = float("nan")
@@ -128,35 +193,108 @@ class Attempt:
 
     @property
     def hit(self) -> bool:
-        """Whether it found the design with the best J_W."""
-        return self.regret == 0.0
+        """Whether it came within `WITHIN` of the best J_W."""
+        return bool(np.isfinite(self.within_at))
 
 
 def judge(result: SearchResult, truth: Tabulated) -> Attempt:
     """A search of a `Tabulated` problem against what is there to be found."""
-    column = result.problem.record.index("efficiency")
-    regret = 1.0 - float(result.values[result.feasible, column].min()) / truth.optimum
-    name, seed, history = result.solver.name, result.solver.seed, result.history
+    name, seed = str(result.solver.name), result.solver.seed
+    single = judge_designs(name, seed, result.k, truth)
     if truth.n_obj == 1:
-        found = [g.evaluations for g in history if g.best == truth.optimum]
-        return Attempt(name, seed, regret, float(found[0]) if found else float("nan"))
-    f = truth.minimised(result.values)
-    chosen = np.unique(np.linspace(1, len(history), min(CHECKPOINTS, len(history))).round().astype(int))
+        return single
+    f, last = truth.minimised(result.values), len(result.history)
     checkpoints = []
-    for generation in chosen:
-        so_far = f[result.feasible & (result.generation <= generation)]
-        share = truth.hypervolume(so_far) if len(so_far) else 0.0
-        checkpoints.append((history[generation - 1].evaluations, share))
-    reached = [evaluations for evaluations, share in checkpoints if share >= REACHED]
+    for generation in np.unique(np.linspace(1, last, min(CHECKPOINTS, last)).round().astype(int)):
+        known = result.generation <= generation
+        so_far = f[result.feasible & known]
+        checkpoints.append((int(known.sum()), truth.hypervolume(so_far) if len(so_far) else 0.0))
+    reached = [walks for walks, share in checkpoints if share >= REACHED]
     return Attempt(
         solver=name,
         seed=seed,
-        regret=regret,
+        walks=single.walks,
+        regret=single.regret,
+        within_at=single.within_at,
         found_at=float(reached[0]) if reached else float("nan"),
         hypervolume=checkpoints[-1][1],
         igd_plus=truth.igd_plus(f[result.feasible]),
         checkpoints=tuple(checkpoints),
     )
+
+
+def judge_designs(solver: str, seed: int, k: Ints, truth: Tabulated) -> Attempt:
+    """Different designs (designs, n), in the order in which somebody asked for them, by their J_W."""
+    found = truth.evaluate(k)
+    good = (truth.constraints(*found) <= 0.0).all(axis=1)
+    best = np.minimum.accumulate(np.where(good, found.values[:, truth.record.index("efficiency")], np.inf))
+
+    def first(limit: float) -> float:
+        return 1.0 + float(np.argmax(best <= limit)) if best[-1] <= limit else float("nan")
+
+    within, exact = first(truth.optimum * (1.0 - WITHIN)), first(truth.optimum)
+    return Attempt(solver, seed, len(k), 1.0 - float(best[-1]) / truth.optimum, within, exact)
+
+
+def expected_walks(attempts: Sequence[Attempt]) -> float:
+    """Walks until a J_W within `WITHIN` of the best, if a run that does not find it is started again.
+
+    The expected running time of Hansen, Auger, Ros, Mersmann, Tusar & Brockhoff, "COCO" (2021): all walks
+    up to a success or the end, over the successes; infinite without one.
+    """
+    hits = sum(a.hit for a in attempts)
+    spent = sum(a.within_at if a.hit else a.walks for a in attempts)
+    return spent / hits if hits else float("inf")
+
+
+def random_search(truth: Tabulated, walks: int, seed: int) -> Ints:
+    """Different designs drawn at random: what every solver has to beat."""
+    rng = np.random.default_rng(seed)
+    count = truth.space.K**truth.space.n
+    numbers = rng.choice(count, min(walks, count), replace=False)
+    return np.asarray(1 + numbers[:, None] // truth._powers % truth.space.K)
+
+
+class _Spent(Exception):
+    """All walks are."""
+
+
+def scipy_de(truth: Tabulated, walks: int, seed: int) -> Ints:
+    """Differential evolution of SciPy over whole numbers, at its defaults, by the designs it asks for.
+
+    What is infeasible is worse than all feasible, by how far the sole leaves its box.
+    """
+    from scipy.optimize import differential_evolution
+
+    asked: dict[tuple[int, ...], float] = {}
+
+    def value(x: Array) -> float:
+        k = tuple(np.round(x).astype(int).tolist())
+        if k not in asked:
+            if len(asked) == walks:
+                raise _Spent
+            found = truth.evaluate([k])
+            over = np.maximum(truth.constraints(*found)[0], 0.0).sum()
+            asked[k] = float(over) if over > 0.0 else float(truth.minimised(found.values)[0, 0])
+        return asked[k]
+
+    bounds, n = [(1, truth.space.K)] * truth.space.n, 0
+    try:
+        while len(asked) > n or not asked:  # it is started again when it has converged
+            n = len(asked)
+            differential_evolution(
+                value, bounds, integrality=True, polish=False, maxiter=10**6, seed=seed + n
+            )
+    except _Spent:
+        pass
+    return np.array(list(asked))
+
+
+#: Searches for one objective that are no solvers of footopt's and need no further package.
+PEERS: dict[str, Callable[[Tabulated, int, int], Ints]] = {
+    "random": random_search,
+    "scipy_de": scipy_de,
+}
 
 
 def _front(f: Array) -> Array:

@@ -68,6 +68,8 @@ class Scale(NamedTuple):
     speed: float  # with which a foot is set down, m/s
     distance: float  # walked, m
     hollow: float = 0.01  # depth of the sole's grooves, m: of a typical one, where no foot is known
+    length: float = 0.26  # of the foot, m
+    step: float = 0.6  # from a foot's print to the other's, m
 
 
 #: Effects by the names that settings give them, in the order in which they act.
@@ -165,7 +167,7 @@ load, gate, push = _through(LOADS), _through(GATES), _through(PUSHES)
 
 
 def readable(
-    effects: Sequence[Effect], depth: Array, x: Array, vn: Array, leads: Array, edge: float
+    effects: Sequence[Effect], depth: Array, x: Array, vn: Array, leads: Array, edge: float | Array
 ) -> tuple[Array, Array, Array]:
     """What effects make of plates: load (m), share of the stress, and pressure (Pa), as arrays.
 
@@ -179,7 +181,7 @@ def readable(
         Each plate's speed along its outward normal.
     leads : array
         n.v or n.h, by which a gate opens.
-    edge : float
+    edge : float or array
         Over which it opens: the creep speed, or its like for n.h.
     """
     loads, gates, pushes = laws(effects)

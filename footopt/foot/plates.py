@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from footopt.compiled import cached_njit
+
 Array = NDArray[np.float64]
 
 
@@ -16,6 +18,8 @@ Array = NDArray[np.float64]
 #: place and the mean direction of its piece of the contour. The law is linear in depth and in
 #: (cos 2 beta, sin 2 beta), so that this leaves only their covariance within a plate as an error.
 RULES = {"chord": 1, "arc": 4}
+
+CORNER = 0.3  # rad: who draws a curve by chords turns less from one to the next
 
 
 class Plates(NamedTuple):
@@ -32,6 +36,10 @@ class Plates(NamedTuple):
     tx, tz : (designs, plates), optional
         The plate's direction along the contour, a unit vector; its outward normal is (t_z, -t_x). None
         where nothing asks for it.
+    turn : (designs, plates), rad, optional
+        How much the contour turns within a plate, given with ``tx`` and ``tz``; 0 for chords.
+    span : (designs,), m, optional
+        Length along the sole for which a plate stands; None for chords, which stand for themselves.
     """
 
     x: Array
@@ -41,6 +49,8 @@ class Plates(NamedTuple):
     area: Array
     tx: Array | None = None
     tz: Array | None = None
+    turn: Array | None = None
+    span: Array | None = None
 
     @classmethod
     def from_points(
@@ -66,7 +76,7 @@ class Plates(NamedTuple):
         rule : str
             A name in `RULES`.
         directed : bool
-            Whether ``tx`` and ``tz`` are wanted.
+            Whether ``tx``, ``tz`` and ``turn`` are wanted.
         top : (designs,), m, optional
             z_p of a flat top that closes each contour with vertical sides (see `cap`).
         fill : callable, optional
@@ -79,37 +89,20 @@ class Plates(NamedTuple):
         """
         points = points if fill is None else fill(points)
         sole = cls._along(points, ankle, width, RULES[rule], directed)
+        span = None if RULES[rule] == 1 else sole.area.mean(axis=1) / width
         if top is None:
-            return sole
+            return sole._replace(span=span)
         rest = cls._along(cap(points, top, sole.x.shape[1]), ankle, width, 1, directed)
         pairs = zip(sole, rest, strict=True)
-        return cls(*(np.concatenate([a, b], axis=1) for a, b in pairs if a is not None and b is not None))
+        both = (np.concatenate([a, b], axis=1) for a, b in pairs if a is not None and b is not None)
+        return cls(*both)._replace(span=span)
 
     @classmethod
     def _along(cls, points: Array, ankle: Array, width: Array, parts: int, directed: bool) -> Plates:
         """Plates of some chords each."""
-        chord = points[:, 1:] - points[:, :-1]
-        dx, dz = chord[..., 0], chord[..., 1]
-        square = np.maximum(dx * dx + dz * dz, 1e-60)  # a side of no length has no area, and no harm
-        length = np.sqrt(square)
-        middle = 0.5 * (points[:, 1:] + points[:, :-1]) - ankle[:, None, :]
-        total = _sum_parts(length, parts)
-
-        def mean(value: Array) -> Array:
-            return _sum_parts(value * length, parts) / total
-
-        plates = cls(
-            x=mean(middle[..., 0]),
-            z=mean(middle[..., 1]),
-            c2=mean((dx * dx - dz * dz) / square),
-            s2=mean(2.0 * dx * dz / square),
-            area=total * width[:, None],
-        )
-        if not directed:
-            return plates
-        along_x, along_z = mean(dx / length), mean(dz / length)
-        norm = np.maximum(np.sqrt(along_x * along_x + along_z * along_z), 1e-30)
-        return plates._replace(tx=along_x / norm, tz=along_z / norm)
+        x, z, c2, s2, length, tx, tz = cut(points, parts)
+        plates = cls(x - ankle[:, :1], z - ankle[:, 1:], c2, s2, length * width[:, None])
+        return plates._replace(tx=tx, tz=tz, turn=bent(points, parts)) if directed else plates
 
     def take(self, index: slice | NDArray[np.int64]) -> Plates:
         """The plates of some of the designs."""
@@ -117,12 +110,34 @@ class Plates(NamedTuple):
         return Plates(**{name: np.ascontiguousarray(column[index]) for name, column in given.items()})
 
 
-def _sum_parts(value: Array, parts: int) -> Array:
-    """Sums of `parts` neighbours, elementwise, so that no batch rounds differently."""
-    total = value[:, ::parts].copy()
-    for i in range(1, parts):
-        total += value[:, i::parts]
-    return total
+@cached_njit(nogil=True, error_model="numpy")
+def cut(points, parts):  # type: ignore[no-untyped-def]
+    """The means of `parts` neighbouring chords each along contours (designs, m, 2), m.
+
+    Returns (7, designs, plates): place x and z (m), cosine and sine of twice the angle, length (m), and the
+    direction, a unit vector.
+    """
+    designs, plates = points.shape[0], (points.shape[1] - 1) // parts
+    out = np.zeros((7, designs, plates))
+    for d in range(designs):
+        for i in range(plates):
+            x = z = c2 = s2 = total = 0.0
+            for j in range(i * parts, (i + 1) * parts):
+                dx, dz = points[d, j + 1, 0] - points[d, j, 0], points[d, j + 1, 1] - points[d, j, 1]
+                square = max(dx * dx + dz * dz, 1e-60)  # a side of no length has no area, and no harm
+                length = np.sqrt(square)
+                x += 0.5 * (points[d, j + 1, 0] + points[d, j, 0]) * length
+                z += 0.5 * (points[d, j + 1, 1] + points[d, j, 1]) * length
+                c2 += (dx * dx - dz * dz) / length
+                s2 += 2.0 * dx * dz / length
+                total += length
+            first, last = i * parts, (i + 1) * parts
+            dx, dz = points[d, last, 0] - points[d, first, 0], points[d, last, 1] - points[d, first, 1]
+            norm = max(np.sqrt(dx * dx + dz * dz), 1e-30)
+            out[0, d, i], out[1, d, i] = x / total, z / total
+            out[2, d, i], out[3, d, i], out[4, d, i] = c2 / total, s2 / total, total
+            out[5, d, i], out[6, d, i] = dx / norm, dz / norm
+    return out
 
 
 def cap(sole: Array, top: Array, plates: int) -> Array:
@@ -142,9 +157,48 @@ def cap(sole: Array, top: Array, plates: int) -> Array:
     return np.concatenate(pieces, axis=1)
 
 
-def along_arc(polyline: Array, plates: int) -> Array:
-    """Points at equal steps along the arc of a polyline (m, 2), m: (plates + 1, 2), m."""
-    steps = np.hypot(*np.diff(polyline, axis=0).T)
-    arc = np.concatenate([[0.0], np.cumsum(steps)])
-    at = arc[-1] * np.arange(plates + 1) / plates
+def bent(points: Array, parts: int) -> Array:
+    """By how much soles (designs, m, 2) turn within plates of `parts` chords each, (designs, plates), rad."""
+    if parts == 1:  # chords stand for themselves
+        return np.zeros((len(points), points.shape[1] - 1))
+    turns = np.abs(turns_of(points))
+    between = turns[:, ::parts]
+    between[between > CORNER] = 0.0  # a corner between two plates bends neither
+    inside = turns[:, :-1].reshape(len(points), -1, parts).sum(axis=2)
+    return np.asarray(inside + 0.5 * (between[:, 1:] - between[:, :-1]))
+
+
+def along_arc(polyline: Array, plates: int, parts: int = 1) -> Array:
+    """Points along the arc of a polyline (m, 2), m: (plates parts + 1, 2), m, at equal steps between corners.
+
+    At a corner (`corners`) one plate ends and the next begins: a plate around it would have the mean of two
+    directions. Between two corners plates are equally long.
+    """
+    arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(polyline, axis=0).T))])
+    ends = np.concatenate([[0.0], arc[corners(polyline, (plates - 1) // 2)], arc[-1:]])
+    share = np.diff(ends) / arc[-1] * (plates - len(ends) + 1)
+    count = 1 + share.astype(np.int64)  # one each, and the others by length
+    rest = np.argsort(-(share % 1.0), kind="stable")[: plates - count.sum()]
+    count[rest] += 1
+    pieces = zip(ends[:-1], ends[1:], parts * count, strict=True)
+    at = np.concatenate([*(a + (b - a) * np.arange(n) / n for a, b, n in pieces), arc[-1:]])
     return np.stack([np.interp(at, arc, polyline[:, 0]), np.interp(at, arc, polyline[:, 1])], axis=1)
+
+
+def corners(polyline: Array, most: int | None = None) -> NDArray[np.int64]:
+    """The points of a polyline (m, 2) where it turns by more than `CORNER`; of many the `most` sharpest."""
+    distinct = np.flatnonzero(np.append(True, (polyline[1:] != polyline[:-1]).any(axis=1)))
+    turns = np.zeros(len(polyline))
+    turns[distinct] = np.abs(turns_of(polyline[distinct][None])[0])
+    found = np.flatnonzero(turns > CORNER)
+    if most is not None and len(found) > most:
+        found = np.sort(found[np.argsort(-turns[found], kind="stable")[:most]])
+    return found
+
+
+def turns_of(points: Array) -> Array:
+    """By how much polylines (designs, m, 2) turn at their points, (designs, m), rad; 0 at the ends."""
+    dx, dz = np.moveaxis(points[:, 1:] - points[:, :-1], -1, 0)
+    across = dx[:, :-1] * dz[:, 1:] - dz[:, :-1] * dx[:, 1:]
+    ahead = dx[:, :-1] * dx[:, 1:] + dz[:, :-1] * dz[:, 1:]
+    return np.pad(np.arctan2(across, ahead), ((0, 0), (1, 1)))

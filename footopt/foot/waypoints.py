@@ -209,7 +209,7 @@ def _fine(n: int) -> Array:
 
 
 @lru_cache
-def _slope_matrix(n: int) -> Array:
+def slope_matrix(n: int) -> Array:
     """Slopes of the not-a-knot spline at its knots, from the values: dz/du = matrix @ z."""
     from scipy.interpolate import CubicSpline
 
@@ -218,7 +218,7 @@ def _slope_matrix(n: int) -> Array:
 
 
 def _slopes(z: Array) -> Array:
-    matrix = _slope_matrix(z.shape[1])
+    matrix = slope_matrix(z.shape[1])
     total = np.zeros_like(z)
     for j in range(z.shape[1]):  # a matrix product may round differently from batch to batch
         total += z[:, j : j + 1] * matrix[:, j]
@@ -254,7 +254,8 @@ def arc_points(z, slopes, spacing, steps):  # type: ignore[no-untyped-def]
             s = j / FINE - i
             rise, d0, d1 = z[d, i + 1] - z[d, i], slopes[d, i], slopes[d, i + 1]
             quadratic, cubic = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
-            speed = np.hypot(spacing, d0 + s * (2.0 * quadratic + 3.0 * s * cubic))
+            rate = d0 + s * (2.0 * quadratic + 3.0 * s * cubic)
+            speed = np.sqrt(spacing * spacing + rate * rate)
             if j > 0:
                 arc[j] = arc[j - 1] + 0.5 * (before + speed)
             before = speed

@@ -1,4 +1,4 @@
-"""A film of a walk, GIF or MP4: legs, soles, sand, the force on each foot, and the time."""
+"""A film of a walk, GIF or MP4: the walker, its feet close with the forces along them, and the time."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from footopt.report.figures.ground import draw_ground
 from footopt.report.figures.walker import (
     ARROW,
     bounds,
+    draw_arrows,
     draw_body,
     draw_resultants,
     label_arrows,
@@ -32,6 +33,8 @@ Array = NDArray[np.float64]
 
 FRAMES = 2000  # of a GIF, at most: they are in memory until it is written, about a megabyte each
 WIDEST = 3.0  # times its height: a longer walk is followed by the camera
+CLOSE, NEAR = 0.8, 0.28  # of the close-up: its width, m, and its height by its width
+LONGEST, SHORTEST = 0.08, 0.002  # arrow there, m; shorter ones are heads without a shaft
 
 
 def check_film(
@@ -145,22 +148,33 @@ def times(walk: Walk, fps: float, speed: float) -> Array:
 
 
 def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], None]]:
-    """A figure, and what moves the walker in it to the i-th of some times, s."""
+    """A figure, and what moves the walker in it to the i-th of some times, s.
+
+    Above is the walker with the whole force on each foot, below its feet, close, with the forces along them.
+    """
     placed = body(walk, t)
     last = np.minimum(np.searchsorted(walk.t, t), len(walk.t) - 1)  # forces are known at samples
-    at, force = forces_along(walk, last).resultant()
+    along = forces_along(walk, last)
+    at, force = along.resultant()
     left, right, low, high = bounds(placed)
     wide = min(right - left, WIDEST * (high - low))
     metres = ARROW * high / round_newtons(walk)  # of arrow per newton
-    figure = new_figure(PAGE, (PAGE - 0.6) * (high - low) / wide + 0.5)
-    axes = figure.subplots()
-    draw_ground(axes, walk.scene, left, right, low, 0.9 * high)
-    axes.set(xlabel="$x$ (m)", ylabel="$z$ (m)", xlim=(left, left + wide), ylim=(low, high), aspect="equal")
-    axes.plot(*walk.com.T, color="black", lw=0.6, ls=":")
-    label_arrows(axes, walk, high)
+    deep = min(float(placed.sole[..., 1].min()), 0.0) - 0.06
+    reach, top = 0.5 * CLOSE, deep + CLOSE * NEAR
+    near = LONGEST / max(float(np.linalg.norm(along.force, axis=-1).max()), 1e-9)
+    tall = (PAGE - 0.6) * (high - low) / wide
+    figure = new_figure(PAGE, tall + (PAGE - 0.6) * NEAR + 0.9)
+    whole, close = figure.subplots(2, 1, height_ratios=[tall, (PAGE - 0.6) * NEAR])
+    draw_ground(whole, walk.scene, left, right, low, 0.9 * high)
+    whole.set(ylabel="$z$ (m)", xlim=(left, left + wide), ylim=(low, high), aspect="equal")
+    whole.plot(*walk.com.T, color="black", lw=0.6, ls=":")
+    draw_ground(close, walk.scene, left - reach, right + reach, deep, top, named=False)
+    close.set(xlabel="$x$ (m)", ylabel="$z$ (m)", xlim=(-reach, reach), ylim=(deep, top), aspect="equal")
+    label_arrows(whole, walk, high)
     title = f"{walk.foot.name} on {walk.scene.sand.name} sand, {speed:g} × real time"
-    legend_above(figure, *axes.get_legend_handles_labels(), title=title)
-    clock = axes.set_title(" ", loc="right", fontsize=10)
+    handles, labels = whole.get_legend_handles_labels()
+    legend_above(figure, handles, labels, title)
+    clock = whole.set_title(" ", loc="right", fontsize=10)
     for _ in range(2):  # each pass of the layout moves things a little
         figure.draw_without_rendering()
     figure.set_layout_engine("none")  # a layout of each frame's own would tremble
@@ -169,10 +183,15 @@ def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], N
     def show(i: int) -> None:
         while shown:
             shown.pop().remove()
-        shown.extend(draw_body(axes, placed, i))
-        shown.append(draw_resultants(axes, at[i], force[i], metres))
-        middle = float(np.clip(placed.hip[i, 0], left + 0.5 * wide, right - 0.5 * wide))
-        axes.set_xlim(middle - 0.5 * wide, middle + 0.5 * wide)
+        seen = near * np.linalg.norm(along.force[i], axis=-1) > SHORTEST
+        parts = along.at[i][seen], along.force[i][seen]
+        shown.extend([*draw_body(whole, placed, i), *draw_body(close, placed, i)])
+        shown.append(draw_resultants(whole, at[i], force[i], metres))
+        shown.append(draw_arrows(close, *parts, near, pivot="tip", width=0.014, zorder=5))
+        hip = float(placed.hip[i, 0])
+        middle = float(np.clip(hip, left + 0.5 * wide, right - 0.5 * wide))
+        whole.set_xlim(middle - 0.5 * wide, middle + 0.5 * wide)
+        close.set_xlim(hip - reach, hip + reach)
         ended = f", failed: {walk.reason}" if walk.reason and t[i] >= walk.t[-1] else ""
         clock.set_text(f"{t[i]:.2f} s{ended}")
 

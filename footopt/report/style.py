@@ -10,20 +10,24 @@ from __future__ import annotations
 import io
 import textwrap
 import threading
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import wraps
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 import matplotlib
+import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import ScalarFormatter
+from numpy.typing import ArrayLike, NDArray
 
 from footopt.files.run import write_bytes
 from footopt.report.numbers import number
 
+Array = NDArray[np.float64]
 Axes = Any  # matplotlib.axes.Axes
 
 COLUMN, PAGE = 3.4, 7.0  # widths, inches
@@ -37,14 +41,26 @@ COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, "black")
 DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)))
 MARKERS = "osD^vP*"
 
-#: Sands in the order that gives them the paper's colours: soft blue, hard red, regular green.
+#: Sands in the paper's order.
 SANDS = ("soft", "hard", "regular")
 #: Name and colour of the left and the right leg.
 SIDES = (("left", BLUE), ("right", VERMILLION))
 #: What is designed (the best foot, the chosen one), and the flat sole that it is compared with.
-BEST, FLAT = GREEN, GREY
-ROLES: dict[str, dict[str, Any]] = {"best": {"color": BEST}, "flat": {"color": FLAT, "ls": "--"}}
+BEST, FLAT, CHOSEN, DESIGNS = GREEN, "#707070", "#882255", SKY
 SAND, SURFACE, STRONG_SAND = "#F3E9D2", ORANGE, "#7A5230"
+#: Lines that look the same in every figure, by what they are; a stronger sand is darker.
+ROLES: dict[str, dict[str, Any]] = {
+    "best": {"color": BEST},
+    "flat": {"color": FLAT, "ls": "--"},
+    "soft": {"color": ORANGE},
+    "hard": {"color": "#4A2C12", "ls": "--"},
+    "regular": {"color": "#A8601C", "ls": "-."},
+}
+#: Colours of roles that the page takes from here, as CSS variables.
+PALETTE = {
+    "left": BLUE, "right": VERMILLION, "best": BEST, "flat": FLAT, "chosen": CHOSEN, "designs": DESIGNS,
+    "surface": SURFACE,
+}  # fmt: skip
 
 STYLE: dict[str, Any] = {
     "font.size": 8,
@@ -71,6 +87,7 @@ STYLE: dict[str, Any] = {
     "figure.autolayout": False,  # whatever the user's matplotlibrc says
     "figure.constrained_layout.use": False,
     "pdf.fonttype": 42,  # text stays text, as journals ask
+    "svg.hashsalt": "footopt",
 }
 
 P = ParamSpec("P")
@@ -122,8 +139,8 @@ def _plain_ticks(figure: Figure) -> None:
 
 
 @styled
-def save(figure: Figure, folder: str | Path, name: str) -> tuple[Path, Path]:
-    """Write a figure as PNG (200 dpi) and PDF; the same figure gives the same bytes.
+def save(figure: Figure, folder: str | Path, name: str, svg: bool = False) -> tuple[Path, Path]:
+    """Write a figure as PNG (200 dpi) and PDF, and as SVG for a page; the same figure gives the same bytes.
 
     Parameters
     ----------
@@ -133,6 +150,8 @@ def save(figure: Figure, folder: str | Path, name: str) -> tuple[Path, Path]:
         Where; made if it is not there.
     name : str
         Of the files, without an ending.
+    svg : bool
+        Whether to write the SVG, too.
 
     Returns
     -------
@@ -150,12 +169,17 @@ def save(figure: Figure, folder: str | Path, name: str) -> tuple[Path, Path]:
     if (layout := figure.get_layout_engine()) is not None:
         layout.execute(figure)
         figure.set_layout_engine(None)  # with "none" it would be drawn once more before each file
-    printed = io.BytesIO()  # matplotlib's errors on a full disk are of many kinds
-    figure.savefig(printed, format="pdf", metadata={"CreationDate": None})
+    dates = {"pdf": "CreationDate"} | ({"svg": "Date"} if svg else {})
+    made = {}
+    for ending, date in dates.items():
+        file = io.BytesIO()  # matplotlib's errors on a full disk are of many kinds
+        figure.savefig(file, format=ending, metadata={date: None})
+        made[ending] = file.getvalue()
     with suppress(OSError):  # `write_bytes` says where it cannot write
         folder.mkdir(parents=True, exist_ok=True)
     write_bytes(picture, png(figure, DPI))
-    write_bytes(page, printed.getvalue())
+    for ending, content in made.items():
+        write_bytes(folder / f"{name}.{ending}", content)
     return picture, page
 
 
@@ -170,6 +194,11 @@ def png(figure: Figure, dpi: int) -> bytes:
 def line(i: int) -> dict[str, Any]:
     """Colour and dashes of the i-th line: 35 before a pair returns."""
     return {"color": COLOURS[i % len(COLOURS)], "ls": DASHES[i % len(DASHES)]}
+
+
+def look(name: str, i: int) -> dict[str, Any]:
+    """Colour and dashes of a line by its role, that of the first word of its name, or by its number."""
+    return ROLES.get(name.split(" (")[0], line(i))
 
 
 def marker(i: int) -> dict[str, Any]:
@@ -208,6 +237,48 @@ def legend_columns(labels: Sequence[str], width: float) -> int:
 def legend_entry(axes: Axes, label: str, **looks: Any) -> None:
     """An entry of the legend that is not drawn."""
     axes.plot([], [], label=label, **looks)[0].set_in_layout(False)
+
+
+def label_lines(axes: Axes, lines: Mapping[str, ArrayLike], looks: Mapping[str, Mapping[str, Any]]) -> None:
+    """Name lines where each is farthest from the others, in its colour.
+
+    Parameters
+    ----------
+    axes : Axes
+        That the lines are drawn on, with limits that stay.
+    lines : mapping of str to (m, 2)
+        Points of each, by its name.
+    looks : mapping of str to dict
+        Of each, with its "color".
+    """
+    axes.figure.draw_without_rendering()  # places in pixels hold only in a laid-out figure
+    box = axes.get_window_extent()
+    at = {name: _dense(axes.transData.transform(np.asarray(points, float))) for name, points in lines.items()}
+    taken: list[Array] = []
+    for name, points in at.items():
+        own = points[np.abs(points[:, 0] - box.x0 - box.width / 2) < 0.38 * box.width]
+        if not len(own):
+            continue
+        others = np.concatenate(
+            [*(p for other, p in at.items() if other != name), *taken, [[np.inf, np.inf]]]
+        )
+        away = np.linalg.norm(own[:, None] - others, axis=-1)
+        place = own[int(away.min(axis=1).argmax())]
+        below = others[np.linalg.norm(others - place, axis=1).argmin(), 1] > place[1]
+        taken.append(place + np.linspace([-60.0, 0.0], [60.0, 0.0], 13))
+        axes.annotate(
+            as_text(name), axes.transData.inverted().transform(place), (0, -3 if below else 3), ha="center",
+            va="top" if below else "bottom", textcoords="offset points", color=looks[name]["color"], zorder=8,
+            path_effects=[withStroke(linewidth=2.5, foreground="white")],
+        )  # fmt: skip
+
+
+def _dense(points: Array) -> Array:
+    """Two hundred points at equal steps along a line, without those that are not finite."""
+    points = points[np.isfinite(points).all(axis=1)]
+    along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    at = np.linspace(0.0, along[-1], 200)
+    return np.stack([np.interp(at, along, part) for part in points.T], axis=-1)
 
 
 def message(axes: Axes, text: str) -> None:

@@ -31,13 +31,13 @@ WORDS = 10  # letters of a table's first column in the narrowest terminal
 
 
 def console() -> Console:
-    """Standard output; where it is no terminal, it is wide enough for tables and long lines are not broken.
+    """Standard output; where it is no terminal, tables have COLUMNS letters, or 80, and lines are not broken.
 
     It has colours only on a terminal, and not with NO_COLOR or TERM=dumb. Brackets are no markup, because
     a user's names and folders may hold them.
     """
     out = Console(highlight=False, markup=False)
-    return out if out.is_terminal else Console(highlight=False, soft_wrap=True, markup=False, width=130)
+    return out if out.is_terminal else Console(highlight=False, soft_wrap=True, markup=False)
 
 
 def table(columns: Sequence[str], words: Collection[str] = (), title: str | None = None) -> RichTable:
@@ -107,7 +107,7 @@ def objective_table(
         base = others[0][1]
         parts = gain_shares(values, base)
         gained = shares and any(map(math.isfinite, parts.values()))
-        titles += ["change", *(["share of J_W's gain"] if gained else [])]
+        titles += ["change from flat", *(["share of J_W's gain"] if gained else [])]
     shown = table(titles, words=("objective", "unit"))
     for name in names:
         o, value = MEASURES[name], values[name]
@@ -150,9 +150,13 @@ def describe_scene(scene: Scene) -> str:
     if (g := scene.walker.g) != EARTH:
         words.append(f"gravity {g:g} m/s^2 (sand {g / EARTH:.3g} times as strong as on the Earth)")
     for effect in scene.effects:
-        values = ", ".join(f"{name} {value}" for name, value in parameters(effect).items())
+        values = ", ".join(f"{name} {_listed(value)}" for name, value in parameters(effect).items())
         words.append(name_of(effect).replace("_", " ") + (f" ({values})" if values else ""))
     return ", ".join(words)
+
+
+def _listed(value: object) -> str:
+    return " and ".join(map(str, value)) if isinstance(value, (tuple, list)) else str(value)
 
 
 def describe_setup(scene: Scene, foot: Foot | Waypoints) -> str:
@@ -176,7 +180,7 @@ def describe_setup(scene: Scene, foot: Foot | Waypoints) -> str:
 
 def describe_search(result: SearchResult) -> str:
     """What a search did, in one line."""
-    bad = result.infeasible
+    bad, beaten = result.infeasible, getattr(result, "beaten", 0)
     why = f" ({', '.join(f'{n} {reason}' for reason, n in result.failures.items())})" if bad else ""
     reused = f", {result.reused} of them known" if result.reused else ""
     front = f", {len(result.front)} on the front" if result.problem.n_obj > 1 else ""
@@ -184,7 +188,8 @@ def describe_search(result: SearchResult) -> str:
     stopped = " (interrupted)" if result.interrupted else why_stopped
     return (
         f"{result.solver.name}, seed {result.solver.seed}: {result.evaluations} evaluations of "
-        f"{result.designs} designs{reused} in {result.seconds:.1f} s, {bad} infeasible{why}{front}{stopped}"
+        f"{result.designs} designs{reused} in {result.seconds:.1f} s, {bad} infeasible{why}"
+        f"{f', {beaten} that could not win stopped before their last walk' if beaten else ''}{front}{stopped}"
     )
 
 

@@ -144,7 +144,9 @@ def alpha(beta: ArrayLike, gamma: ArrayLike, stress_map: StressMap = GENERIC) ->
     return PER_CM3 * ax, PER_CM3 * az
 
 
-def by_angles(beta: ArrayLike, velocity: Array, creep: float = 0.0, stress_map: StressMap = GENERIC) -> Array:
+def by_angles(
+    beta: ArrayLike, velocity: Array, creep: float | Array = 0.0, stress_map: StressMap = GENERIC
+) -> Array:
     """Stress per depth on moving plates by the law in its angles, (*S, 2), N/m^3 (for zeta = 1).
 
     What depends on gamma changes its sign with the direction of motion and the rest does not. Smoothing
@@ -216,6 +218,6 @@ def by_direction(c: Array, s: Array, h: Array, stress_map: StressMap = GENERIC) 
     return np.asarray(a - np.einsum("...ij,...j->...i", m, h))
 
 
-def smoothed(velocity: Array, creep: float) -> Array:
+def smoothed(velocity: Array, creep: float | Array) -> Array:
     """The direction h = v / sqrt(|v|^2 + creep^2) of velocities (*S, 2), m/s, with the creep speed, m/s."""
     return np.asarray(velocity / np.sqrt(np.sum(velocity**2, axis=-1, keepdims=True) + creep**2))

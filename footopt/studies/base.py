@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import shlex
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
@@ -126,6 +128,12 @@ class Study:
     # --- what the terminal shows ------------------------------------------------------------------
 
     @property
+    def origin(self) -> dict[str, str]:
+        """What the page's commands name: the run's folder, as seen from here, and what was given for it."""
+        words = [word for word in self.words if not word.startswith("study.start=")]
+        return {"folder": shlex.quote(os.path.relpath(self.folder)), "words": shlex.join(words)}
+
+    @property
     def seconds(self) -> float:
         """Since the study began."""
         return time.perf_counter() - self._began
@@ -152,10 +160,10 @@ class Study:
         files.write_csv(self.folder / name, header, rows)
 
     def save(self, name: str, figure: Any, caption: str = "") -> None:
-        """Save a figure as PNG and PDF if wanted; with a caption it is also on the page of `conclude`."""
+        """Save a figure as PNG and PDF if wanted; with a caption also as SVG, on the page of `conclude`."""
         if not self.draws:
             return
-        figures.save(figure, self.folder / "figures", name)
+        figures.save(figure, self.folder / "figures", name, svg=bool(caption))
         if caption:
             self._captions[name] = caption
 

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import math
+from contextlib import ExitStack
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +14,7 @@ from footopt.design import (
     EXHAUSTIVE,
     WAYS,
     Confirmation,
+    Evaluator,
     FootProblem,
     SearchResult,
     Solver,
@@ -19,14 +23,17 @@ from footopt.design import (
     make_executor,
     search,
 )
+from footopt.design.certificate import Certificate, certified
 from footopt.design.choice import excess
 from footopt.design.exhaustive import Enumeration, check_size
 from footopt.design.result import check_finalists
+from footopt.errors import SettingError
 from footopt.files import run as files
-from footopt.foot import Foot
+from footopt.foot import Foot, Waypoints
 from footopt.report import figures, page, terminal
 from footopt.report.figures.search import FRONT, history_label
 from footopt.report.numbers import objective_quantity
+from footopt.report.page.live import watched
 from footopt.report.progress import report_generations
 from footopt.studies import ranks
 from footopt.studies.auto_effects import choose_effects
@@ -36,6 +43,7 @@ from footopt.studies.record import Answer, answer, foot_entry, scene_entry, vali
 from footopt.studies.simulate import check_film, write_film, write_walk
 from footopt.studies.validation.model import describe, model_error
 from footopt.walk import gain_shares, simulate
+from footopt.walk.adapt import adapted
 from footopt.walk.resolution import error_of, resolution
 from footopt.walk.validity import diagnose
 
@@ -44,6 +52,12 @@ LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
 
 def run(study: Study) -> Answer:
     """Search, then walk with the best foot and leave everything about it; returns its objectives."""
+    with ExitStack() as watching:
+        return _run(study, watching)
+
+
+def _run(study: Study, watching: ExitStack) -> Answer:
+    """`run`, watched until its page is written."""
     config, options = study.config, study.options
     check_searchable(config.foot)
     check_film(study)
@@ -61,10 +75,13 @@ def run(study: Study) -> Answer:
     finer = study.finer_accuracy
     with study.compiling():
         flat = simulate(Foot.flat(problem.space), scene, finer)
-    result = _search(study, problem, solver, stop)
-    if result.interrupted:
-        study.say("Stopped: reporting what was found so far (Ctrl-C again: not even that)")
-    confirmed = confirm(result, finer, options.finalists)
+    server = None
+    if options.watch:
+        entry = {"settings": study.settings, **scene_entry(scene, problem.accuracy, problem.record)}
+        most = int(min(solver.designs, problem.space.K**problem.space.n))
+        store = Path(options.store or study.folder / "designs.sqlite")
+        server = watching.enter_context(watched(study.folder, store, problem, most, entry, study.say))
+    result, confirmed, certificate = _search(study, problem, solver, stop, flat.objectives["efficiency"])
     k = result.k[confirmed.designs[0]]
     best = dataclasses.replace(Foot.from_waypoints(k, problem.space), name=f"best of {solver.name}")
     walk = simulate(best, scene, finer)
@@ -91,8 +108,9 @@ def run(study: Study) -> Answer:
             "ranks": ranks.entry(turns),
             "flat": base,
             "gain_shares": gain_shares(values, base),
-            **scene_entry(scene, finer, problem.record),
+            **scene_entry(scene, walk.accuracy, problem.record),
             **_search_entry(result, confirmed, options.finalists),
+            "certificate": None if certificate is None else _certificate_entry(certificate),
             **validity_entry(diagnostics),
             **chosen.entry,
             "notes": notes,
@@ -104,7 +122,9 @@ def run(study: Study) -> Answer:
             for i in page.walked_designs(result, confirmed)
         )
         shown = page.search_content(result, confirmed, walk, flat, others, record)
-        page.write(study.folder / "report.html", shown)
+        page.write(study.folder / "report.html", shown | study.origin)
+    if server is not None:
+        server.end()
     write_film(study, walk)
 
     several = problem.n_obj > 1
@@ -114,6 +134,7 @@ def run(study: Study) -> Answer:
     study.say(
         terminal.describe_search(result),
         terminal.describe_confirmation(confirmed),
+        *([] if certificate is None else [str(certificate)]),
         f"{which}: {terminal.describe_foot(best)}",
         terminal.objective_table(
             feet, problem.record, errors, gain=True, shares=by_j, turned=ranks.turned_by(turns)
@@ -154,8 +175,10 @@ def _unit(solver: Solver) -> str:
     return "batch" if solver.name == EXHAUSTIVE else "generation"
 
 
-def _search(study: Study, problem: FootProblem, solver: Solver, stop: Stop) -> SearchResult:
-    """Search where `engine` says, with every evaluation kept in the run's store."""
+def _search(
+    study: Study, problem: FootProblem, solver: Solver, stop: Stop, base: float
+) -> tuple[SearchResult, Confirmation, Certificate | None]:
+    """Search where `engine` says, keep every walk in the run's store, and confirm what was found."""
     e, space = study.config.engine, problem.space
     with (
         make_executor(e.name, e.workers, e.address, e.timeout) as executor,
@@ -168,8 +191,33 @@ def _search(study: Study, problem: FootProblem, solver: Solver, stop: Stop) -> S
         if known := store.describe():
             study.say(known)
         with study.progress(solver.generations(space), _unit(solver)) as step:
-            tell = report_generations(step, problem.names[0])
-            return search(problem, solver, tell, store, executor, stop)
+            tell = report_generations(step, problem.names[0], base=base)
+            start = _start(study.options.start, space)
+            result = search(problem, solver, tell, store, executor, stop, start)
+        finer, finalists = study.finer_accuracy, study.options.finalists
+        if result.interrupted:
+            study.say("Stopped: reporting what was found so far (Ctrl-C again: not even that)")
+        asked, several = study.options.certify, problem.n_obj > 1
+        if result.interrupted or several or isinstance(result, Enumeration) or asked is False:
+            return result, confirm(result, finer, finalists), None
+        most = math.inf if asked else result.designs
+        return certified(result, finer, finalists, Evaluator(problem, store, executor), most)
+
+
+def _start(heights: list[int] | None, space: Waypoints) -> list[list[int]] | None:
+    """The soles that a search begins with, or None; a `SettingError` names study.start."""
+    if heights is None:
+        return None
+    try:
+        rows = [heights[i : i + space.n] for i in range(0, len(heights), space.n)]
+        return [space.check(row)[0].tolist() for row in rows]
+    except SettingError as error:
+        raise SettingError("study.start", heights, error.allowed, error.hint) from None
+
+
+def _certificate_entry(certificate: Certificate) -> dict[str, Any]:
+    """A certificate in result.json, with the sentence that the terminal and the page have."""
+    return {"says": str(certificate), **dataclasses.asdict(certificate)}
 
 
 def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int) -> dict[str, Any]:
@@ -182,7 +230,7 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
         "constraints": problem.limits,
         "hypervolume": result.history[-1].hypervolume,
         "front_size": len(result.front),
-        "search_accuracy": dataclasses.asdict(problem.accuracy),
+        "search_accuracy": dataclasses.asdict(adapted(problem.accuracy, problem.scene, problem.space)),
         "confirmed": {
             "k": result.k[confirmed.designs[:finalists]].tolist(),
             "values": confirmed.values[:finalists],
@@ -212,7 +260,9 @@ def _save_figures(study: Study, result: SearchResult, best: int, flat: dict[str,
     """The figures of a search, with its best design and the flat sole's values."""
     problem = result.problem
     if not isinstance(result, Enumeration):
-        study.save("convergence", figures.convergence(result.history, history_label(problem.names)))
+        relative = problem.n_obj == 1 and problem.guide == "efficiency" and flat["efficiency"] < 0.0
+        base = flat["efficiency"] if relative else None
+        study.save("convergence", figures.convergence(result.history, history_label(problem.names), base))
     elif problem.n_obj == 1:
         leaders = enumerate(result.k[:LEADERS], start=1)
         soles = {f"no. {i}": Foot.from_waypoints(k, problem.space) for i, k in leaders}

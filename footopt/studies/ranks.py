@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -40,6 +40,8 @@ class Rank:
         Of the single objective, against the best finalist under this law, relative; NaN for several.
     turned : tuple of str
         Objectives in which the best design and the flat sole change places.
+    change : dict of str to float
+        Of each objective from the flat sole to the best design, relative; NaN where one of them failed.
     """
 
     law: str
@@ -47,6 +49,7 @@ class Rank:
     tau: float
     lost: float
     turned: tuple[str, ...]
+    change: dict[str, float] = field(default_factory=dict)
 
 
 def other_laws(scene: Scene, spread: float) -> list[Scenario]:
@@ -91,9 +94,10 @@ def ranks(problem: FootProblem, finalists: Ints, flat: Ints, spread: float) -> l
                 best = (np.nanmax if maximise else np.nanmin)(column)
                 lost = float(regret(column[:1], np.array(best), problem.guide)[0])
         place = 1 + int((score < score[0]).sum()) if np.isfinite(score[0]) else len(score)
-        found.append(
-            Rank(law.name, place, tau(order[both], score[both]), lost, _turned(problem, own, values))
-        )
+        with np.errstate(divide="ignore", invalid="ignore"):
+            change = dict(zip(problem.record, (values[0] / values[-1] - 1.0).tolist(), strict=True))
+        turned = _turned(problem, own, values)
+        found.append(Rank(law.name, place, tau(order[both], score[both]), lost, turned, change))
     return found
 
 

@@ -25,7 +25,10 @@ SEARCH = (*SPACE, "foot.shape", "foot.k", "accuracy", "objective", "solver", "en
 
 #: What each study reads of the settings, a name or a group each. A plugin's study reads what it likes.
 READS: dict[str, tuple[str, ...]] = {
-    "optimize": (*SCENE, *SEARCH, "choose", "stop", "foot.block", "study.video"),
+    "optimize": (
+        *SCENE, *SEARCH, "choose", "stop", "foot.block",
+        *(f"study.{n}" for n in ("video", "start", "certify", "watch")),
+    ),
     "simulate": (*SCENE, "foot", "accuracy", "objective.names", "study.run", "study.video"),
     "accuracy": (*WORLD, *SPACE, "solver.seed", "study.feet", "study.quick"),
     "stability": (*SCENE, "foot", "accuracy", "study.cases", "study.methods"),
@@ -35,16 +38,18 @@ READS: dict[str, tuple[str, ...]] = {
         *WORLD, *SPACE, *FIVE, "foot.shape", "foot.k", "accuracy", "solver.pop_size", "solver.n_gen",
         "solver.seed",
         *(f"study.{n}" for n in ("seeds", "samples", "shape_sand", "mount", "peak_power", "speed_loss",
-                                 "leading_edge", "shadowing", "confirm", "quick")),
+                                 "leading_edge", "shadowing", "footprints", "confirm", "quick")),
     ),
     "trust": (
         *WORLD, *SPACE, "accuracy", "solver.pop_size", "solver.seed", "study.seeds", "study.solvers",
-        "study.budget", "study.quick",
+        "study.budget", "study.scenes", "study.quick",
     ),
     "robust": (
         *SCENE, *SEARCH,
         *(f"study.{n}" for n in ("scenarios", "draws", "measure", "tail", "spread", "quick")),
     ),
+    "codesign": (*WORLD, *SEARCH, "study.speed", "study.quick"),
+    "atlas": ("study.run", "study.reuse", "study.descriptors", "study.cells"),
     "sensitivity": (
         *SCENE, "foot", "accuracy", "solver.seed",
         *(f"study.{n}" for n in ("samples", "spread", "foot_spread", "quick")),
@@ -55,6 +60,7 @@ READS: dict[str, tuple[str, ...]] = {
     "validate": ("study.cases",),
     "calibrate": ("study.tests", "sand.name", "sand.coefficients", "sand.table"),
     "credibility": (),
+    "watch": ("study.run",),
 }  # fmt: skip
 
 #: Studies that walk with one foot, of any shape.
@@ -138,10 +144,13 @@ def _conditions(config: Config) -> Iterator[tuple[tuple[str, ...], str, str]]:
         yield ("effects.tolerance",), "effects that are named", "effects=auto"
     if config.solver.name == EXHAUSTIVE and study.name in SEARCHES:
         yield ("solver.n_gen", "solver.walks"), "solver=exhaustive", "the other solvers"
+        yield ("study.certify",), "solver=exhaustive, whose best is that of all soles,", "the other solvers"
         if not (config.effects.auto or study.scenarios == "drawn"):
             yield ("solver.seed",), "solver=exhaustive", "the other solvers"
     if len(config.objective.names) == 1:
         yield ("choose",), "a search for one objective", "objective=pareto, or a list of several"
+    else:
+        yield ("study.certify",), "a search for several objectives", "a search for one objective"
     if config.engine.name != "dask":
         yield ("engine.timeout",), f"engine={config.engine.name}", "engine=dask"
     if study.name == "robust":

@@ -81,8 +81,9 @@ def run(study: Study) -> None:
     accuracy, finer = study.accuracy, study.finer_accuracy
     check_finalists(options.finalists)
     judge = RobustProblem(
-        scenarios, config.objective.names, study.space, accuracy, study.threads, options.measure, options.tail
-    )
+        scenarios, config.objective.names, study.space, accuracy, study.threads, options.measure,
+        options.tail, references=np.ones(len(scenarios)),
+    )  # fmt: skip
     solver = solver.fitting(judge.n_obj)
     if solver.name != EXHAUSTIVE:  # a solver that does not fit is refused before anything is walked
         solver.build(judge.n_obj)

@@ -1,51 +1,72 @@
 """Can a search be trusted? Every solver against the exact answer, on a space small enough to know it.
 
-Every design of the space is walked once on each of the three sands; the solvers then search the
-table, many times each. `solver.pop_size` is theirs too; `study.budget` is what each may ask for.
+Every design of the space is walked once in every scene: on three sands, and in `study.scenes` scenes
+that were drawn at random. The solvers then search the tables, many times each; `study.budget` is how many
+different designs each may walk with. Tables are kept in the folder: a study that is stopped goes on.
 """
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from functools import partial
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
 from rich.table import Table as RichTable
 
 from footopt.design import SINGLE, SOLVERS, FootProblem, Solver, search
-from footopt.design.truth import BATCH, REACHED, Attempt, Tabulated, judge, walk_all
+from footopt.design.truth import (
+    BATCH,
+    PEERS,
+    REACHED,
+    WITHIN,
+    Attempt,
+    Tabulated,
+    expected_walks,
+    judge,
+    judge_designs,
+    walk_all,
+)
 from footopt.errors import SettingError, check
 from footopt.foot.waypoints import written
 from footopt.report import terminal
 from footopt.report.figures.trust import trust
-from footopt.sand import Sand
 from footopt.studies.accuracy import SANDS
 from footopt.studies.base import Study
+from footopt.walk.scenarios import Scenario, anything, sands
+
+RANDOM = "random scenes"
+QUICK_SCENES, QUICK_SEEDS = 1, 2
 
 
 class Score(NamedTuple):
-    """All attempts of a solver on one sand.
+    """All attempts of a solver on one sand, or in all random scenes.
 
     Parameters
     ----------
-    sand, solver : str
+    where, solver : str
         Whose they are.
     found : float
-        Share that came upon the design with the best J_W.
+        Share that came within `truth.WITHIN` of the best J_W.
     regret : float
         Median of J_W's, relative.
+    expected : float
+        Walks until within it, with restarts (`truth.expected_walks`): the geometric mean over the scenes,
+        infinite if in one of them no attempt found it.
     found_at : float
-        Median evaluations until the optimum, or of several objectives `truth.REACHED` of the exact
+        Median walks until the optimum, or of several objectives until `truth.REACHED` of the exact
         hypervolume; infinite if half of the attempts never came that far.
     hypervolume, igd_plus : float
         Medians, against the exact front; NaN for one objective.
     """
 
-    sand: str
+    where: str
     solver: str
     found: float
     regret: float
+    expected: float
     found_at: float
     hypervolume: float
     igd_plus: float
@@ -55,97 +76,138 @@ def run(study: Study) -> None:
     """Walk with the whole space, let every solver search it, and say what each was worth."""
     options, space = study.options, study.space
     check(1 <= options.seeds <= 1000, "study.seeds", options.seeds, "a whole number >= 1 and <= 1000")
-    size = study.config.solver.pop_size or 100
-    allowed = f"at least one generation, {size}, and <= 1e7"
-    check(size <= options.budget <= 10**7, "study.budget", options.budget, allowed)
-    names = list(SOLVERS) if options.solvers is None else options.solvers
-    if unknown := [name for name in names if name not in SOLVERS]:
-        raise SettingError("study.solvers", unknown, f"some of {', '.join(SOLVERS)}")
-    seeds, generations = 2 if options.quick else options.seeds, options.budget // size
-    solvers = [
-        Solver(name, size, generations, seed)
-        for seed in range(study.seed, study.seed + seeds)  # each round has all of them
-        for name in names
-    ]
+    check(0 <= options.scenes <= 1000, "study.scenes", options.scenes, "a whole number from 0 to 1000")
+    size = study.config.solver.pop_size
+    least = Solver("ga", size).size
+    allowed = f"at least one generation, {least}, and <= 1e7"
+    check(least <= options.budget <= 10**7, "study.budget", options.budget, allowed)
+    known = (*SOLVERS, *PEERS)
+    names = list(known) if options.solvers is None else options.solvers
+    if unknown := [name for name in names if name not in known]:
+        raise SettingError("study.solvers", unknown, f"some of {', '.join(known)}")
+    seeds = min(options.seeds, QUICK_SEEDS) if options.quick else options.seeds
+    count = min(options.scenes, QUICK_SCENES) if options.quick else options.scenes
+    drawn = [anything(study.seed + i, f"random {i + 1}") for i in range(count)]
+    runs = [(name, seed) for seed in range(study.seed, study.seed + seeds) for name in names]
     attempts: dict[str, list[Attempt]] = {}
     exact: dict[str, dict[str, Any]] = {}
     designs = space.K**space.n
-    with study.progress(len(SANDS) * (-(-designs // BATCH) + len(solvers)), "task") as step:
-        for sand in SANDS:
-            scene = replace(study.scene, sand=Sand.named(sand))
-            problem = FootProblem(scene, "pareto", space, study.accuracy, study.threads)
-            news = f"walking with all {space.K}^{space.n} soles on {sand} sand"
-            walked = walk_all(problem, partial(step, news))
-            single, several = (Tabulated(problem, walked, name) for name in ("efficiency", "pareto"))
-            exact[sand] = {
-                "efficiency": single.optimum,
-                "k": single.best_k.tolist(),
-                "front": len(several.front),
-                "feasible": single.feasible,
-            }
-            attempts[sand] = []
-            for solver in solvers:
-                truth = single if solver.name in SINGLE else several
-                attempts[sand].append(judge(search(truth, solver), truth))
-                step(news=f"{solver.name}, seed {solver.seed}, on {sand} sand")
-    scores = [score(sand, name, attempts[sand]) for sand in SANDS for name in names]
+    scenes = (*sands(study.scene, SANDS), *drawn)
+    with study.progress(len(scenes) * (-(-designs // BATCH) + len(runs)), "task") as step:
+        for scenario in scenes:
+            problem = FootProblem(scenario.scene, "pareto", space, study.accuracy, study.threads)
+            news = f"walking with all {space.K}^{space.n} soles, {scenario.name}"
+            walked = walk_all(problem, partial(step, news), study.folder / "exact")
+            truths = [Tabulated(problem, walked, name) for name in ("efficiency", "pareto")]
+            exact[scenario.name] = answer(scenario, *truths)
+            attempts[scenario.name] = []
+            for name, seed in runs:
+                attempts[scenario.name].append(attempt(name, seed, size, options.budget, *truths))
+                step(news=f"{name}, seed {seed}, {scenario.name}")
+    groups = {sand: [attempts[sand]] for sand in SANDS} | (
+        {RANDOM: [attempts[s.name] for s in drawn]} if drawn else {}
+    )
+    scores = [score(where, name, scenes) for where, scenes in groups.items() for name in names]
+    columns = ("solver", "seed", "walks", "regret", "within_at", "found_at", "hypervolume", "igd_plus")
     study.write_csv(
         "trust.csv",
-        ["sand", "solver", "seed", "regret", "found_at", "hypervolume", "igd_plus"],
-        (
-            [sand, a.solver, a.seed, a.regret, a.found_at, a.hypervolume, a.igd_plus]
-            for sand in SANDS
-            for a in attempts[sand]
-        ),
+        ["scene", *columns],
+        ([name, *(getattr(a, c) for c in columns)] for name, made in attempts.items() for a in made),
     )
-    evaluations = size * generations
     caption = "What each search came to, for every solver and sand, against the exact answer."
-    study.save("trust", trust(attempts, names, evaluations), caption)
+    pooled = {
+        where if where == RANDOM else f"{where} sand": [*chain(*made)] for where, made in groups.items()
+    }
+    study.save("trust", trust(pooled, names, options.budget), caption)
     study.conclude(
         "Solvers against the exact answer",
-        [table(scores, f"{seeds} searches each among {designs} soles", evaluations)],
+        [table(scores, f"{seeds} searches each among {designs} soles", options.budget)],
         {
             "seed": study.seed,
             "designs": designs,
             "accuracy": asdict(study.accuracy),
             "seeds": seeds,
-            "evaluations": evaluations,
+            "evaluations": options.budget,
             "exact": exact,
             "scores": [s._asdict() for s in scores],
         },
-        said=[
-            f"{sand} sand: {e['feasible']} of {designs} soles are feasible, {e['front']} on the "
-            f"exact front; best J_W {terminal.number(e['efficiency'])} with k = {written(e['k'])}"
-            for sand, e in exact.items()
-        ],
+        said=[describe(name, designs, found) for name, found in exact.items()],
     )
 
 
-def score(sand: str, solver: str, attempts: list[Attempt]) -> Score:
-    """What one solver's attempts on a sand come to."""
-    own = [a for a in attempts if a.solver == solver]
+def attempt(
+    name: str, seed: int, size: int | None, budget: int, single: Tabulated, several: Tabulated
+) -> Attempt:
+    """One search of a table."""
+    if name in PEERS:
+        return judge_designs(name, seed, PEERS[name](single, budget, seed), single)
+    truth = single if name in SINGLE else several
+    return judge(search(truth, Solver(name, size, seed=seed, walks=budget)), truth)
+
+
+def answer(scenario: Scenario, single: Tabulated, several: Tabulated) -> dict[str, Any]:
+    """What there is to be found, in result.json, and the scene if it was drawn."""
+    found = {
+        "efficiency": single.optimum,
+        "k": single.best_k.tolist(),
+        "front": len(several.front),
+        "feasible": single.feasible,
+    }
+    scene, legs = scenario.scene, scenario.scene.walker.l1 + scenario.scene.walker.l2
+    about = f"zeta {scene.sand.zeta:.3g}, {scene.walker.mass:.0f} kg, legs {legs:.2f} m, "
+    about += f"stride {scene.gait.period:.2f} s, pitch {scene.gait.pitch}"
+    about += "".join(f", {type(effect).__name__}" for effect in scene.effects)
+    return found | {"scene": about}
+
+
+def describe(name: str, designs: int, found: Mapping[str, Any]) -> str:
+    """The exact answer in a line."""
+    return (
+        f"{name} ({found['scene']}): {found['feasible']} of {designs} soles are feasible, {found['front']} "
+        f"on the exact front; best J_W {terminal.number(found['efficiency'])} with k = {written(found['k'])}"
+    )
+
+
+def score(where: str, solver: str, scenes: Sequence[Sequence[Attempt]]) -> Score:
+    """What one solver's attempts come to, in one scene or several."""
+    by_scene = [[a for a in made if a.solver == solver] for made in scenes]
+    own = [*chain(*by_scene)]
+    with np.errstate(divide="ignore"):
+        expected = np.exp(np.mean(np.log([expected_walks(made) for made in by_scene])))
     return Score(
-        sand=sand,
+        where=where,
         solver=solver,
         found=float(np.mean([a.hit for a in own])),
         regret=float(np.median([a.regret for a in own])),
+        expected=float(expected),
         found_at=float(np.median([a.found_at if np.isfinite(a.found_at) else np.inf for a in own])),
         hypervolume=float(np.median([a.hypervolume for a in own])),
         igd_plus=float(np.median([a.igd_plus for a in own])),
     )
 
 
-def table(scores: list[Score], what: str, evaluations: int) -> RichTable:
+def table(scores: list[Score], what: str, walks: int) -> RichTable:
     """Scores for the terminal, the sands apart."""
-    numbers = ("best J_W found", "median regret", "evaluations until found", "hypervolume", "IGD+")
-    words = ("sand", "solver")
-    shown = terminal.table((*words, *numbers), words, title=f"{what}, {evaluations} evaluations")
+    numbers = (
+        "J_W within 0.1 %",
+        "median regret",
+        "expected walks",
+        "walks until found",
+        "hypervolume",
+        "IGD+",
+    )
+    words = ("scene", "solver")
+    shown = terminal.table((*words, *numbers), words, title=f"{what}, {walks} walks")
     for i, s in enumerate(scores):
-        found_at = f"{s.found_at:.0f}" if np.isfinite(s.found_at) else f"> {evaluations}"
-        front = ("", "") if s.solver in SINGLE else (f"{s.hypervolume:.1%}", f"{s.igd_plus:.3f}")
-        last = i + 1 < len(scores) and scores[i + 1].sand != s.sand
-        shown.add_row(
-            s.sand, s.solver, f"{s.found:.0%}", f"{s.regret:.2%}", found_at, *front, end_section=last
+        expected, found_at = (
+            f"{value:.0f}" if np.isfinite(value) else "-" for value in (s.expected, s.found_at)
         )
-    shown.caption = f"found: the optimum; of several objectives {REACHED:.0%} of the exact hypervolume"
+        front = ("", "") if np.isnan(s.hypervolume) else (f"{s.hypervolume:.1%}", f"{s.igd_plus:.3f}")
+        last = i + 1 < len(scores) and scores[i + 1].where != s.where
+        cells = (f"{s.found:.0%}", f"{s.regret:.2%}", expected, found_at, *front)
+        shown.add_row(s.where, s.solver, *cells, end_section=last)
+    shown.caption = (
+        f"expected: walks until J_W is within {WITHIN:.1%}, with restarts; found: the optimum, or "
+        f"{REACHED:.0%} of the exact hypervolume; walks are different designs; -: not by all, or not by half"
+    )
     return shown

@@ -30,15 +30,16 @@ def energy_gap(walk: Walk) -> float:
 
 
 def power_from_sand(walk: Walk, samples: int = 64) -> float:
-    """Largest power that a foot gets from the sand, over the creep speed times its plates' forces."""
+    """Largest power that a foot gets from the sand, over its plates' forces times the speed of smoothing."""
     found = 0.0
     for foot in range(2):
         power = walk.power[:, foot]
         largest = np.argsort(power)[-samples:]
         largest = largest[power[largest] > 0.0]
         if len(largest):
-            sizes = np.linalg.norm(walk.plates(largest).force[:, foot], axis=-1).sum(axis=-1)
-            found = max(found, float(np.max(power[largest] / sizes)) / walk.accuracy.creep)
+            plates = walk.plates(largest)
+            sizes = np.linalg.norm(plates.force[:, foot], axis=-1).sum(axis=-1)
+            found = max(found, float(np.max(power[largest] / (sizes * plates.slip[:, foot]))))
     return found
 
 

@@ -17,7 +17,11 @@ import numpy as np
 from footopt.compiled import inlined, inlined_fast
 from footopt.effects import base as effects
 from footopt.walk.state import LANES, Contact, Force, Pose, no_force, pose_of
+from footopt.walk.surface import highest, over
 
+TURN = 0.25  # of the difference in speed along a turning plate, over which its direction is smoothed
+SEEN = 0.5  # of the same, over which a gate opens
+BENT = 0.75  # of the angle by which a plate is bent, over which a gate opens
 EDGE = 0.05  # n.h over which an effect's gate opens where bristles say how a plate moves
 
 
@@ -41,7 +45,7 @@ def motion(ankle, x, z):
 
 
 @inlined_fast
-def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, creep, stage, h0):
+def foot_force(sole, law, loads, gates, pushes, tangent, surface, first, last, ankle, creep, stage, h0):
     """F = sum of f: the force on one foot by the paper's eq. 2, its power, and its derivatives.
 
     What may be None is an argument of its own: numba leaves out branches on arguments only.
@@ -56,6 +60,8 @@ def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, cre
         The laws of the scene's effects (`World`).
     tangent : Tangent or None
         The sole's.
+    surface : (2, plates) or None
+        Height of the sand over each plate, m, and its slope; None is level, at 0.
     ankle : Pose
         In the world.
     creep, stage, h0
@@ -76,10 +82,17 @@ def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, cre
         turn = 1.0 / creep
         h0x, h0z = h0[0, first:last], h0[1, first:last]
     if tangent is not None:
-        tx, tz = tangent.x[first:last], tangent.z[first:last]
+        tx, tz, turns = tangent.x[first:last], tangent.z[first:last], tangent.turn[first:last]
+        along = ankle.rate * sole.span  # speeds along the normal that differ within a straight plate
+        turning2 = eps2 + (SEEN * SEEN - TURN * TURN) * along * along  # eps2 has the part of TURN
+    if surface is not None:
+        level, slope = surface[0, first:last], surface[1, first:last]
     for i in range(len(x)):
         height, vx, vz = motion(ankle, x[i], z[i])
-        depth = max(-height, 0.0)
+        if surface is None:  # noqa: SIM108  only such a test is pruned
+            depth = max(-height, 0.0)
+        else:
+            depth = max(level[i] - height, 0.0)
         k = area[i] * depth
 
         # the direction of motion h = v / |v|: smoothed, or held by the sand's bristles
@@ -101,8 +114,9 @@ def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, cre
         mxz = law.C_diff * s
         mzx = -law.B_diff * s
         mzz = law.B01 + law.B_sum * c
-        px = -law.D10 * s - mxx * hx - mxz * hz
-        pz = law.A00 + law.A10 * c - mzx * hx - mzz * hz
+        turned_x, turned_z = mxx * hx + mxz * hz, mzx * hx + mzz * hz  # M h
+        px = -law.D10 * s - turned_x
+        pz = law.A00 + law.A10 * c - turned_z
 
         # effects: the strength over the depth in place of it, a share of the stress, a pressure
         if loads is not None:
@@ -117,15 +131,21 @@ def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, cre
             vn = vx * nx + vz * nz
         if gates is not None:
             if h0 is None:
-                share, by_vn = effects.gate(gates, (1.0, 0.0), vn, creep)
+                # as wide as the speeds along the normal within a plate, which turns and is bent
+                bent = BENT * turns[i]
+                bent *= bent
+                wide2 = turning2 + bent * (vx * vx + vz * vz)
+                narrow = rsqrt(wide2)
+                share, by_vn = effects.gate(gates, (1.0, 0.0), vn, wide2 * narrow)
             else:
                 share, by_vn = effects.gate(gates, (1.0, 0.0), hx * nx + hz * nz, EDGE)
             if stage is not None:
                 if h0 is None:
-                    gx, gz = nx, nz
+                    wider = vn * bent * narrow * narrow  # the gate, with the speed
+                    gx, gz = nx - wider * vx, nz - wider * vz
                 else:
-                    along = slides * (hx * nx + hz * nz)
-                    gx, gz = q * (nx - along * hx), q * (nz - along * hz)
+                    sliding = slides * (hx * nx + hz * nz)
+                    gx, gz = q * (nx - sliding * hx), q * (nz - sliding * hz)
                 jxx += k * by_vn * px * gx
                 jxz += k * by_vn * px * gz
                 jzx += k * by_vn * pz * gx
@@ -142,6 +162,9 @@ def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, cre
                 jxz -= area[i] * push_by_vn * nx * nz - sinking * push_by_depth * nx
                 jzx -= area[i] * push_by_vn * nx * nz
                 jzz -= area[i] * push_by_vn * nz * nz - sinking * push_by_depth * nz
+                if surface is not None:
+                    jxx -= sinking * slope[i] * push_by_depth * nx
+                    jzx -= sinking * slope[i] * push_by_depth * nz
 
         # eq. 2, F = sum f with f = p |z| dA, and eq. 7, P = sum f.v
         fx += k * px
@@ -154,16 +177,17 @@ def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, cre
                 jxx += sinking * by_x * px
                 jzx += sinking * by_x * pz
                 sinking *= by_depth
+            if surface is not None:
+                jxx += sinking * slope[i] * px
+                jzx += sinking * slope[i] * pz
             jxz -= sinking * px
             jzz -= sinking * pz
-            if h0 is None:
-                txx, txz, tzz = 1.0 - hx * hx, -hx * hz, 1.0 - hz * hz
-            else:
-                txx, txz, tzz = 1.0 - slides * hx * hx, -slides * hx * hz, 1.0 - slides * hz * hz
-            jxx -= kq * (mxx * txx + mxz * txz)
-            jxz -= kq * (mxx * txz + mxz * tzz)
-            jzx -= kq * (mzx * txx + mzz * txz)
-            jzz -= kq * (mzx * txz + mzz * tzz)
+            if h0 is not None:
+                turned_x, turned_z = slides * turned_x, slides * turned_z
+            jxx -= kq * (mxx - turned_x * hx)  # M dh/dv = (M - (M h) h^T) / |v|
+            jxz -= kq * (mxz - turned_x * hz)
+            jzx -= kq * (mzx - turned_z * hx)
+            jzz -= kq * (mzz - turned_z * hz)
     return Force(fx, fz, power, jxx, jxz, jzx, jzz)
 
 
@@ -175,9 +199,9 @@ def ankle_of(poses, foot, x, z, vx, vz):
 
 
 @inlined
-def submerged(sole, ankle):
-    """First and one past the last plate of the blocks that reach below the surface."""
-    za, cos, sin = ankle.z, ankle.cos, ankle.sin
+def submerged(sole, ankle, top):
+    """First and one past the last plate of the blocks that reach below the highest sand, m."""
+    za, cos, sin = ankle.z - top, ankle.cos, ankle.sin
     if za > sole.reach:
         return 0, 0
     first, last = 0, len(sole.block_x)
@@ -221,16 +245,30 @@ def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, counts):
     left, right = no_force(), no_force()
     for foot in range(2):  # one copy of the loop over plates: what is written twice is compiled twice
         ankle = ankle_of(poses, foot, x, z, vx, vz)
-        first, last = submerged(sole, ankle)
+        first, last = submerged(sole, ankle, highest(sole.ground, foot))
         force = no_force()
         if first < last:
             counts.plates += last - first
             force = foot_force(
-                sole, world.law, world.loads, world.gates, world.pushes, sole.tangent, first, last, ankle,
-                creep, stage, _of_foot(h0, foot),
+                sole, world.law, world.loads, world.gates, world.pushes, sole.tangent,
+                over(sole.ground, foot, sole, first, last, ankle), first, last, ankle,
+                _slip(creep, ankle.rate, sole.span, h0), stage, _of_foot(h0, foot),
             )  # fmt: skip
         left, right = right, force
     return Contact(left, right)
+
+
+@inlined
+def _slip(creep, rate, span, h0):
+    """Speed over which the direction of a foot's plates is smoothed, m/s.
+
+    Along a plate that turns, the velocity differs by rate * span; near the centre of the turn, the mean
+    direction over the plate is smooth where the direction in its middle jumps. Bristles need no smoothing.
+    """
+    if h0 is None:
+        turn = TURN * rate * span
+        return np.sqrt(creep * creep + turn * turn)
+    return creep
 
 
 @inlined
@@ -255,12 +293,20 @@ def static_height(world, sole, poses):
             high = max(high, -(pose.z + pose.sin * sole.x[i] + pose.cos * sole.z[i]))
     if high <= low or _lift(world, sole, poses, low) < world.mass * world.g:
         return np.nan
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if _lift(world, sole, poses, middle) >= world.mass * world.g:
-            low = middle
+    # the Illinois method: a tenth of the evaluations that bisection takes
+    weight = world.mass * world.g
+    below, above, side = _lift(world, sole, poses, low) - weight, -weight, 0
+    for _ in range(200):
+        middle = (low * above - high * below) / (above - below)
+        missing = _lift(world, sole, poses, middle) - weight
+        if abs(missing) <= 1e-13 * weight or not low < middle < high:
+            return middle
+        if missing > 0.0:
+            above *= 0.5 if side > 0 else 1.0  # the other end has stood twice: as if it were nearer
+            low, below, side = middle, missing, 1
         else:
-            high = middle
+            below *= 0.5 if side < 0 else 1.0
+            high, above, side = middle, missing, -1
     return low
 
 
@@ -299,5 +345,5 @@ def _sinking_share(gates, rest, tangent, i, cos, sin):
         return 1.0
     vn = cos * tangent.x[i] - sin * tangent.z[i]
     if rest is None:
-        return effects.gate(gates, (1.0, 0.0), vn, 1e-9)[0]
+        return effects.gate(gates, (1.0, 0.0), vn, max(BENT * tangent.turn[i], 1e-9))[0]
     return effects.gate(gates, (1.0, 0.0), vn, EDGE)[0]

@@ -16,10 +16,14 @@ from footopt.compiled import cached_njit
 from footopt.effects import Laws
 from footopt.walk.bristles import bristles_at_start, record
 from footopt.walk.contact import contact, static_height
+from footopt.walk.ground import footprint, on_ground
 from footopt.walk.metrics import no_extremes, raw_of, sample_of, sinkage_of, step_error, updated
 from footopt.walk.sources import source, users_own
 from footopt.walk.state import Integrals, Sole, State, World, sole_of, write
 from footopt.walk.steppers import STEPPERS, acceleration, advance, touch
+
+NEAR = 0.9  # of the largest |P| of a foot so far: from there a step may hold the peak of the whole walk
+PEAK = 0.1  # of its control is what such a step is held to: the peak follows the speed's error at one instant
 
 OK, SUNK, BACKWARD, DIVERGED = range(4)
 
@@ -60,13 +64,14 @@ def _compile(source: str, compiler: Any):
         steps = len(times) - 1
         finest, traced = len(poses) - 1, len(trace) > 0
         for d in range(begin, end):
-            sole, count = sole_of(soles, d), counts[d]
+            sole, count = on_ground(world.prints, sole_of(soles, d)), counts[d]
             for column in range(raw.shape[1]):
                 raw[d, column] = np.nan
             status[d] = SUNK
             z = static_height(world, sole, pose0)
             if not np.isfinite(z):
                 continue
+            sole = footprint(world.prints, sole, pose0, 0.0, z, 0.0, 0.0)
             bristles = bristles_at_start(world.rest, len(sole.x))
             at = touch(world, sole, pose0, 0.0, z, 0.0, 0.0, bristles, 0.0, count)
             state = State(0.0, z, 0.0, 0.0, at, Integrals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), bristles, True)
@@ -86,7 +91,10 @@ def _compile(source: str, compiler: Any):
                 if control is not None:
                     error = step_error(state.vx, after.vx, ax0, ax1, h)
                     error += step_error(state.vz, after.vz, az0, az1, h)
-                    if level < finest and not (after.solved and error <= control):
+                    power = max(abs(after.contact.left.power), abs(after.contact.right.power))
+                    near = extremes.power > 0.0 and power >= NEAR * extremes.power
+                    allowed = PEAK * control if near else control
+                    if level < finest and not (after.solved and error <= allowed):
                         level += 1
                         count.shortened += 1
                         continue
@@ -105,11 +113,13 @@ def _compile(source: str, compiler: Any):
                 depth = sinkage_of(sole, poses[level][index, -1], after.z) if sink else 0.0
                 extremes = updated(extremes, state, after, ax0, ax1, t, h, strike, depth)
                 state = after
+                at_end = poses[level][index, -1]
+                sole = footprint(world.prints, sole, at_end, state.x, state.z, state.vx, state.vz)
                 if traced:
                     write(trace[row], sample_of(t, state))
                     record(bristle_trace, row, state.bristles)
                 if control is not None:  # noqa: SIM102  only such a test on its own is pruned
-                    if level > 0 and place % (2 * stride) == 0 and error < 0.1 * control:
+                    if level > 0 and place % (2 * stride) == 0 and error < 0.1 * allowed:
                         level -= 1  # a step twice as long has 8 times the error, if of order 2
             if status[d] == OK:
                 if state.x <= 0.0 and extremes.speed > -np.inf:

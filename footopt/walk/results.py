@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from footopt.effects.footprints import prints_of
 from footopt.effects.shadowing import filler
 from footopt.errors import check, needed
-from footopt.foot import Foot
+from footopt.foot import Foot, Plates
+from footopt.walk import prepare
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.metrics import RAW
 from footopt.walk.objectives import MEASURES, OBJECTIVES, Objective, by_name, lookup
 from footopt.walk.plates import PlateStates, plate_states
+from footopt.walk.prints import MovedSand, moved_sand
 from footopt.walk.scene import Scene
 
 Array = NDArray[np.float64]
@@ -49,6 +52,9 @@ class Table:
         solved or a state was not finite.
     scene : Scene
         What was walked through.
+    errors : (designs, objectives), optional
+        Estimates of the values' errors, in their units; NaN where a finer walk ends otherwise or is too long.
+        None unless `evaluate` was asked for them.
     """
 
     values: Array
@@ -62,6 +68,7 @@ class Table:
     shortened: NDArray[np.int64]
     repeats: NDArray[np.int64]
     scene: Scene
+    errors: Array | None = None
 
     def __repr__(self) -> str:
         title, walked = f"<Table of {len(self)} feet on {self.scene.sand.name} sand", int(self.feasible.sum())
@@ -96,6 +103,16 @@ class Table:
         frame = pandas.DataFrame(columns | {"feasible": self.feasible, "reason": self.reasons.astype(object)})
         frame.attrs["units"] = {name: MEASURES[name].unit for name in self.names}
         return frame.rename_axis("foot")
+
+
+def joined(tables: Sequence[Table], order: NDArray[np.int64]) -> Table:
+    """Tables of one scene and the same objectives as one, its rows in an order."""
+    if len(tables) == 1:
+        return tables[0]
+    first = vars(tables[0])
+    columns = (name for name, column in first.items() if isinstance(column, np.ndarray))
+    rows: dict[str, Any] = {n: np.concatenate([getattr(t, n) for t in tables])[order] for n in columns}
+    return replace(tables[0], **rows)
 
 
 class Variable(NamedTuple):
@@ -241,8 +258,24 @@ class Walk:
         """Every plate's place, motion and force at some samples, by the law in its readable form."""
         i = np.asarray(index)
         pose = self.scene.gait.pose(self.t[i], self.scene.walker.l1, self.scene.walker.l2)
-        fill = filler(self.scene.effects)
-        sole = self.foot.plates(self.accuracy.plates, self.accuracy.rule, directed=True, fill=fill)
         bristles = None if self.bristles is None else self.bristles[i].astype(np.float64)
-        creep = self.accuracy.creep
-        return plate_states(sole, pose, self.com[i], self.velocity[i], self.scene, creep, bristles=bristles)
+        level, creep = 0.0 if (sand := self.sand(i)) is None else sand.level, self.accuracy.creep
+        state = self._plates, pose, self.com[i], self.velocity[i], self.scene, creep
+        return plate_states(*state, bristles=bristles, level=level)
+
+    @property
+    def _plates(self) -> Plates:
+        fill = filler(self.scene.effects)
+        return self.foot.plates(self.accuracy.plates, self.accuracy.rule, directed=True, fill=fill)
+
+    def sand(self, index: ArrayLike) -> MovedSand | None:
+        """The sand at some samples, as the feet have left it; None without `effects.Footprints`."""
+        prints = prints_of(self.scene.effects)
+        if prints is None:
+            return None
+        t, gait, walker = np.concatenate([[0.0], self.t]), self.scene.gait, self.scene.walker
+        motions = np.zeros((len(t), 4))
+        motions[0, :2], motions[1:, :2], motions[1:, 2:] = self.start, self.com, self.velocity
+        poses, plates = gait.pose(t, walker.l1, walker.l2).table(), self._plates
+        found = moved_sand(prints, prepare.sole(plates), poses, motions, np.asarray(index))
+        return found._replace(level=found.level[..., : plates.x.shape[1]])

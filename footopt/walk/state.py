@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.compiled import inlined
+from footopt.effects.footprints import Prints
 from footopt.sand.law import Law
 
 Array = NDArray[np.float64]
@@ -32,6 +33,7 @@ class World(NamedTuple):
     loads: tuple[Any, ...] | None  # laws of the scene's effects: `footopt.effects.Laws`
     gates: tuple[Any, ...] | None
     pushes: tuple[Any, ...] | None
+    prints: Prints | None  # the sand's surface as the feet leave it; None if it stays level
 
 
 class Tangent(NamedTuple):
@@ -39,6 +41,7 @@ class Tangent(NamedTuple):
 
     x: Array
     z: Array
+    turn: Array  # by which the contour turns within a plate, rad
 
 
 class Sole(NamedTuple):
@@ -57,7 +60,9 @@ class Sole(NamedTuple):
     block_z: Array
     block_r: Array
     reach: Any  # the sole's largest distance from the ankle, m
+    span: Any  # length along the sole for which a plate stands, m; 0 for chords
     tangent: Tangent | None  # where an effect needs the plates' normals
+    ground: Any  # the sand under it, `ground.Ground`; None where it is level
 
 
 class Pose(NamedTuple):
@@ -142,7 +147,9 @@ def sole_of(soles, design):
         soles.block_z[design],
         soles.block_r[design],
         soles.reach[design],
+        soles.span[design],
         _tangent_of(soles.tangent, design),
+        soles.ground,
     )
 
 
@@ -150,7 +157,7 @@ def sole_of(soles, design):
 def _tangent_of(tangent, design):
     if tangent is None:
         return None
-    return Tangent(tangent.x[design], tangent.z[design])
+    return Tangent(tangent.x[design], tangent.z[design], tangent.turn[design])
 
 
 @inlined

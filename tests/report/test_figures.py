@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import same_color
 from matplotlib.quiver import Quiver, QuiverKey
+from shapely import LineString, Point
 
 import footopt as fo
 from footopt.errors import FileError, SettingError
@@ -198,14 +199,26 @@ def test_a_foot_without_a_hollow_or_without_waypoints_says_or_shows_none():
     assert "waypoint" not in lines(shape)
 
 
-def test_soles_in_one_frame_keep_their_contours_and_the_legend_is_beside_them():
-    feet = {name: fo.Foot.shape(name) for name in ("ellipse", "circle")}
+def test_soles_in_one_frame_keep_their_contours_and_have_their_names_beside_them():
+    feet = {name: fo.Foot.shape(name) for name in ("ellipse", "circle", "rectangle")}
     figure = figures.contours(feet)
     (axes,) = figure.axes
+    figure.draw_without_rendering()
+    named = {text.get_text(): text for text in axes.texts}
+    assert not figure.legends
     for name, line in lines(axes).items():
         np.testing.assert_allclose(line.get_xydata(), 1e3 * feet[name].contour)
+        assert LineString(line.get_xydata()).distance(Point(named[name].xy)) < 1.0  # mm
+        assert named[name].get_color() == line.get_color()
+    boxes = [text.get_window_extent() for text in named.values()]
+    assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[i + 1 :])
+
+
+def test_more_soles_than_can_be_named_have_a_legend_beside_them():
+    feet = {f"no. {i}": fo.Foot.shape("ellipse") for i in range(8)}
+    figure = figures.contours(feet)
     figure.draw_without_rendering()
-    legend, drawn = figure.legends[0].get_window_extent(), axes.get_window_extent()
+    legend, drawn = figure.legends[0].get_window_extent(), figure.axes[0].get_window_extent()
     assert legend.x0 >= drawn.x1
     assert legend.width < 0.5 * drawn.width
 
@@ -215,18 +228,24 @@ def test_soles_in_one_frame_keep_their_contours_and_the_legend_is_beside_them():
 
 def test_convergence_plots_best_and_median_against_evaluations():
     axes = figures.convergence(HISTORY, "work (J)").axes[0]
-    drawn = lines(axes)
+    best, _, median = axes.get_lines()
     assert axes.get_ylabel() == "work (J)"
-    np.testing.assert_array_equal(drawn["best"].get_ydata(), [np.nan, -2.0, -2.5, -4.0])
-    np.testing.assert_array_equal(drawn["median"].get_xdata(), [10, 20, 30, 40])
-    assert drawn["best"].get_linestyle() != drawn["median"].get_linestyle()
-    assert "best −4" in texts(axes)
+    np.testing.assert_array_equal(best.get_ydata(), [np.nan, -2.0, -2.5, -4.0])
+    np.testing.assert_array_equal(median.get_xdata(), [10, 20, 30, 40])
+    assert best.get_linestyle() != median.get_linestyle()
+    assert {"best −4", "best", "median of the generation"} <= set(texts(axes))
+
+
+def test_convergence_of_j_w_is_a_multiple_of_the_flat_foots_with_the_value_behind():
+    axes = figures.convergence(HISTORY, "efficiency $J_W$", -2.0).axes[0]
+    np.testing.assert_array_equal(axes.get_lines()[0].get_ydata(), [np.nan, 1.0, 1.25, 2.0])
+    assert "best × 2.00 of flat, −4" in texts(axes)
 
 
 def test_of_several_objectives_the_hypervolume_is_drawn():
     rows = [SimpleNamespace(evaluations=i, best=np.nan, median=np.nan, hypervolume=i / 4) for i in range(4)]
-    drawn = lines(figures.convergence(rows, "hypervolume").axes[0])
-    np.testing.assert_array_equal(drawn["best"].get_ydata(), [0.0, 0.25, 0.5, 0.75])
+    best = figures.convergence(rows, "hypervolume").axes[0].get_lines()[0]
+    np.testing.assert_array_equal(best.get_ydata(), [0.0, 0.25, 0.5, 0.75])
 
 
 @pytest.mark.parametrize("history", [[], HISTORY[:1]])
@@ -370,7 +389,7 @@ def test_arrows_carry_the_force_on_the_foot(hard):
 
 def test_a_step_shows_the_ground_of_its_scene(foot):
     scene = fo.Scene(effects=(fo.Slope(-5),))
-    assert "g, 5° downhill" in texts(figures.step(fo.simulate(foot, scene, "draft"), 1))
+    assert "g = 9.81 m/s², 5° downhill" in texts(figures.step(fo.simulate(foot, scene, "draft"), 1))
 
 
 def test_feet_have_the_colours_of_their_sides(hard):

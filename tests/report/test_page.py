@@ -6,12 +6,12 @@ import io
 import json
 import random
 import re
-import shutil
 import time
 from collections import Counter
 
 import numpy as np
 import pytest
+from browsers import Page, arrived, browser_needed
 from rich.text import Text
 from running import tries
 from shapely import Polygon
@@ -26,33 +26,12 @@ from footopt.report.numbers import number, title
 from footopt.report.page import walks
 from footopt.report.page.file import packed
 from footopt.report.runs import Run
+from footopt.report.scenery import scenery
 from footopt.studies.record import foot_entry, scene_entry
 from footopt.walk import FIVE, OBJECTIVES
 from footopt.walk.objectives import lookup
 
-CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-needs = pytest.mark.skipif(
-    not (CHROMIUM and DRIVER), reason="no chromium: apt-get install chromium chromium-driver"
-)
-
-
-def browser_needed(test):
-    """A browser takes ten seconds, wherever it is."""
-    return pytest.mark.slow(needs(test))
-
-
-FLAGS = (
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--window-size=1280,900",
-)
-LIMIT = 8e6  # bytes of a page
+LIMIT = 5e6  # bytes of a page
 MARKUP = (
     "<script>", "</script>", "alert(1)", "window.ran=1", "<svg/onload=window.ran=1>", "<!--", "-->", "]]>",
     "<img/src=x/onerror=window.ran=1>", "<a/href=javascript:window.ran=1>", "${window.ran=1}", "</title>",
@@ -74,6 +53,13 @@ def searched(objective, solver, space=None):
         "accuracy": {"name": "standard"},
         "search_accuracy": {"name": "draft"},
         "scene": {"effects": {}},
+        "ranks": {
+            "laws": [
+                {"law": "shadowing", "change": dict.fromkeys(FIVE, -0.1)},
+                {"law": "leading edge", "change": dict.fromkeys(FIVE, 0.2)},
+            ]
+        },
+        "warnings": ["it is deep"],
         "wall_time_s": 1.0,
         "versions": {"footopt": fo.__version__},
     }
@@ -106,9 +92,7 @@ def ten_thousand(front, tmp_path_factory):
         front=np.arange(3000),
     )
     many.values[:] *= np.random.default_rng(1).normal(1.0, 0.05, many.values.shape)
-    chosen = page.walked_designs(many, confirmed)
-    assert walks.WALKS - 1 <= len(set(chosen)) <= walks.WALKS  # without the best one
-    content = page.search_content(many, confirmed, best, flat, [(i, best) for i in chosen], entry)
+    content = page.search_content(many, confirmed, best, flat, [], entry)
     return page.write(tmp_path_factory.mktemp("many") / "report.html", content)
 
 
@@ -137,8 +121,8 @@ def pages(front, single, tmp_path_factory):
     contents["no jobs"] = page.jobs_content(folder, [dead], [])
     (folder / "figures").mkdir()
     walk = fo.simulate(fo.Foot.flat(), accuracy="draft")
-    figures.save(figures.contour(walk.foot), folder / "figures", "contour")
-    figures.save(figures.forces({"flat": walk}), folder / "figures", "wide")
+    figures.save(figures.contour(walk.foot), folder / "figures", "contour", svg=True)
+    figures.save(figures.forces({"flat": walk}), folder / "figures", "wide", svg=True)
     (folder / "table 1.csv").write_text("")
     page.write_study(folder, "A study", ["What <it> found"], SAYS, [study_table()], STUDY, ["Not <so> good."])
     (folder / "report.html").rename(folder / "study.html")
@@ -170,96 +154,6 @@ def study_table():
 KINDS = ["front", "single", "exact", "walk", "sunk", "jobs", "no jobs", "study"]
 
 
-@pytest.fixture(scope="module")
-def downloads(tmp_path_factory):
-    return tmp_path_factory.mktemp("downloads")
-
-
-@pytest.fixture(scope="module")
-def browser(downloads, tmp_path_factory):
-    webdriver = pytest.importorskip("selenium.webdriver")
-    options = webdriver.ChromeOptions()
-    options.binary_location = CHROMIUM
-    for flag in (*FLAGS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    options.add_experimental_option("prefs", {"download.default_directory": str(downloads)})
-    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
-    yield driver
-    driver.quit()
-
-
-class Page:
-    """A page in the browser, in the words of the tests."""
-
-    def __init__(self, driver, path):
-        self.driver = driver
-        driver.get(path.as_uri())
-
-    def __getitem__(self, selector):
-        for _ in range(40):  # what opens on demand is filled a moment later
-            if found := self.all(selector):
-                return found[0]
-            time.sleep(0.05)
-        raise LookupError(f"nothing is {selector}")
-
-    def all(self, selector):
-        return self.driver.find_elements("css selector", selector)
-
-    def js(self, code):
-        return self.driver.execute_script(f"return {code}")
-
-    def text(self, selector):
-        return self[selector].text
-
-    def counts(self):
-        """How many designs are within the limits, and of how many."""
-        return tuple(map(int, re.findall(r"\d+", self.text("#count"))))
-
-    def limits(self, name):
-        """The limits of a value, as its two fields show them."""
-        fields = [self[f'input[aria-label^="{end} {name}"]'] for end in ("smallest", "largest")]
-        ends = [f.get_property("value") for f in fields]
-        return tuple(float(e) if e else s * np.inf for e, s in zip(ends, (-1, 1), strict=True))
-
-    def drag(self, selector, start, end):
-        """Drag inside an element, from and to fractions of its width and height."""
-        actions = self._pointer(selector, start).click_and_hold()
-        self._to(actions, selector, end).release().perform()
-
-    def click(self, selector, place):
-        self._pointer(selector, place).click().perform()
-
-    def _pointer(self, selector, place):
-        from selenium.webdriver.common.action_chains import ActionChains
-
-        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", self[selector])
-        return self._to(ActionChains(self.driver, duration=30), selector, place)
-
-    def _to(self, actions, selector, place):
-        element = self[selector]
-        x, y = (
-            round((part - 0.5) * element.size[side])
-            for part, side in zip(place, ("width", "height"), strict=True)
-        )
-        return actions.move_to_element_with_offset(element, x, y)
-
-    def errors(self):
-        return [entry for entry in self.driver.get_log("browser") if entry["level"] == "SEVERE"]
-
-
-def arrived(folder, ending):
-    """The text of the only file with an ending, once the browser has written it."""
-    for _ in range(100):
-        found = [p for p in folder.glob(f"*.{ending}") if p.stat().st_size]
-        if found and not list(folder.glob("*.crdownload")):
-            text = found[0].read_text(encoding="utf-8")
-            found[0].unlink()
-            return text
-        time.sleep(0.05)
-    raise AssertionError(f"no .{ending} file arrived")
-
-
 @browser_needed
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_page_loads_alone_names_all_that_one_operates_and_fits_any_window(kind, pages, browser):
@@ -285,7 +179,7 @@ class TestExplorer:
         assert shown.counts() == (len(result.front), len(result.front))
         before = shown.js("document.querySelector('#scatter canvas').toDataURL()")
         left = 70 / shown["#parallel"].size["width"]  # the first axis: distance
-        shown.drag("#parallel svg", (left, 0.05), (left, 0.5))
+        shown.drag("#parallel svg", (left, 0.15), (left, 0.5))
         low, high = shown.limits("distance")
         values = result.column("distance")[result.front]
         assert np.isinf(high)
@@ -320,7 +214,9 @@ class TestExplorer:
         other = int(result.front[-1])
         place = shown.js(
             "(() => { const x = columnOf('distance'), y = columnOf('mean_height');"
-            "const all = data.front.map((i) => [x.of(i), y.of(i)]), i = " + str(other) + ";"
+            "const all = [...data.front.map((i) => [x.of(i), y.of(i)]), [x.flat, y.flat]], i = "
+            + str(other)
+            + ";"
             "const part = (v, vs) => { const [a, b] = range(vs); return (v - a) / (b - a); };"
             "return [part(x.of(i), all.map((p) => p[0])), part(y.of(i), all.map((p) => p[1]))]; })()"
         )
@@ -334,10 +230,10 @@ class TestExplorer:
         near = result.values[chosen, :2] - result.values[other, :2]
         assert np.all(np.abs(near) < 0.05 * np.ptp(result.values[result.front][:, :2], axis=0))
         assert f"k = [{','.join(map(str, result.k[chosen]))}]" in shown.text("#design-words")
-        rows = [row.find_elements("css selector", "td") for row in shown.all("#design tbody tr")]
+        rows = [row.find_elements("css selector", "td") for row in shown.all("#glance tbody tr")]
         numbers = [float(cells[1].text.replace("−", "-")) for cells in rows]
         np.testing.assert_allclose(numbers, result.values[chosen], rtol=1e-3)
-        assert shown["#walk-choice option:checked"].text == f"design {chosen}"
+        assert shown.text("#walk-title") == f"The walk: design {chosen}"
         assert shown.js("document.querySelector('#walk figure path').getAttribute('d')") != walk
 
     def test_numbers_are_written_as_on_the_terminal(self, pages, browser):
@@ -363,9 +259,17 @@ class TestExplorer:
         shown["#clear"].send_keys(Keys.ENTER)
         assert shown.counts() == (result.feasible.sum(),) * 2
 
-    def test_a_design_without_a_walk_says_how_to_walk_it(self, front, pages, browser):
-        result = front[0]
-        shown = Page(browser, pages["front"])
+    def test_a_design_without_a_walk_says_how_to_walk_it(self, front, browser, tmp_path):
+        result, confirmed, best, flat, _, entry = front
+        rest = dataclasses.replace(
+            result.problem.scene, effects=(fo.Rest(),)
+        )  # which the page cannot walk with
+        problem = fo.FootProblem(rest, objective="pareto", accuracy="draft")
+        there = dataclasses.replace(result, problem=problem)
+        others = page.walked_designs(there, confirmed)
+        assert set(others) < set(result.shown.tolist())
+        content = page.search_content(there, confirmed, best, flat, [(i, best) for i in others], entry)
+        shown = Page(browser, page.write(tmp_path / "report.html", content))
         shown['#which option[value="all"]'].click()
         shown["#explore > details:last-of-type summary"].click()
         assert shown["#explore table button"]
@@ -373,20 +277,225 @@ class TestExplorer:
         beside = next(i for i in listed if i not in result.front)
         listed[beside].click()
         assert f"foot.k=[{','.join(map(str, result.k[beside]))}]" in shown.text("#unwalked")
+        assert not shown["#walk svg"].is_displayed()  # which would be that of another design
+        assert shown.text("#walk-title") == f"The walk: design {beside}"
 
 
 @browser_needed
 def test_the_answer_comes_first_then_walk_and_search(front, pages, browser):
     _, _, best, flat, _, _ = front
     shown = Page(browser, pages["front"])
-    change = best.objectives["work"] / flat.objectives["work"] - 1.0
-    assert shown.text("h1") == walks.verdict(best, flat)
     browser.set_window_size(1280, 800)
-    table = shown["#design tbody"].rect
-    assert table["y"] + table["height"] < 720
-    assert f"{100 * change:+.1f}".replace("-", "−") in shown.text("#design tbody")
-    tops = [shown[f"#{name}"].rect["y"] for name in ("design", "parallel", "walk", "search")]
+    assert shown.text("h1") == walks.verdict(best, flat)
+    for part in ("#design figure svg", "#bars", "#step svg", "#warnings"):
+        box = shown[part].rect
+        assert box["y"] + box["height"] < 720, part
+    tops = [shown[f"#{name}"].rect["y"] for name in ("design", "walk", "parallel", "search")]
     assert tops == sorted(tops)
+
+
+@browser_needed
+class TestAxes:
+    def shown(self, page):
+        return [axis.get_attribute("data-axis") for axis in page.all("#parallel line[data-axis]")]
+
+    def test_waypoints_and_hollow_are_axes_that_filter(self, front, pages, browser):
+        result = front[0]
+        shown = Page(browser, pages["front"])
+        shown["#axes summary"].click()
+        for name in ("hollow", "k3"):
+            shown[f'#axes input[data-axis="{name}"]'].click()
+        assert self.shown(shown)[-2:] == ["hollow", "k3"]
+        middle = float(np.median(result.k[result.front, 2]))
+        shown["#limits summary"].click()
+        shown['input[aria-label="largest k3"]'].send_keys(f"{middle}\t")
+        assert shown.counts()[0] == (result.k[result.front, 2] <= middle).sum()
+        depth = [1e3 * fo.Foot.from_waypoints(result.k[i]).hollow for i in result.front[:5]]
+        told = shown.js("data.front.slice(0, 5).map(columnOf('hollow').of)")
+        np.testing.assert_allclose(told, depth, atol=0.02)
+
+    def test_are_moved_from_the_keyboard_and_by_their_names(self, pages, browser):
+        shown = Page(browser, pages["front"])
+        first, second, *rest = self.shown(shown)
+        shown["#axes summary"].click()
+        shown[f'#axes button[aria-label="{first.replace("_", " ")} to the right"]'].send_keys("\n")
+        assert self.shown(shown) == [second, first, *rest]
+        width = shown["#parallel"].size["width"]
+        apart = (width - 140) / len([first, *rest])
+        shown.drag("#parallel svg", ((70 + apart) / width, 0.03), (20 / width, 0.03))
+        assert self.shown(shown) == [first, second, *rest]
+
+    def test_have_ticks_and_the_flat_foot(self, front, pages, browser):
+        flat = front[3].objectives
+        shown = Page(browser, pages["front"])
+        assert len(shown.all("#parallel text.halo")) > 3 * len(self.shown(shown))
+        assert "flat" in {text.text for text in shown.all("#parallel text")}
+        assert shown.js("columnOf('work').flat") == pytest.approx(flat["work"])
+        assert shown.js("columnOf('efficiency').flat") == 1.0
+
+    def test_designs_are_coloured_by_any_value(self, pages, browser):
+        shown = Page(browser, pages["front"])
+        pixels = "document.querySelector('#scatter canvas').toDataURL()"
+        before = shown.js(pixels)
+        shown['#shade option[value="generation"]'].click()
+        assert shown.js(pixels) != before
+        assert shown[".scale .gradient"].is_displayed()
+
+    def test_a_finger_sets_limits_on_both_figures(self, pages, browser):
+        shown = Page(browser, pages["front"])
+        left = 70 / shown["#parallel"].size["width"]
+        shown.touch("#parallel svg", (left, 0.15), (left, 0.5))
+        low, high = shown.limits("distance")
+        assert np.isfinite(low)
+        assert np.isinf(high)
+        shown["#clear"].click()
+        shown.touch("#scatter svg", (0.3, 0.3), (0.7, 0.8))
+        assert shown.counts()[0] < shown.counts()[1]
+
+    def test_the_pointer_reads_values_off_every_plot(self, pages, browser):
+        shown = Page(browser, pages["single"])
+        place = shown.js(
+            "(() => { const b = document.querySelector('#scatter circle').getBoundingClientRect(),"
+            "a = document.querySelector('#scatter svg').getBoundingClientRect();"
+            "return [(b.x + b.width / 2 - a.x) / a.width, (b.y + b.height / 2 - a.y) / a.height]; })()"
+        )
+        assert re.match(r"design \d+.*\ndistance [\d.]+ m\n", shown.hover("#scatter svg", place))
+        assert re.match(r"[\d.]+ s: left [\d.]+, right [\d.]+; flat: left",
+                        shown.hover("#walk .plots figure:nth-child(3) svg", (0.6, 0.5)))  # fmt: skip
+        assert re.match(r"\d+ evaluations: [\d.]+, median", shown.hover("#search svg", (0.9, 0.5)))
+
+
+@browser_needed
+class TestStage:
+    def test_the_step_loops_until_it_is_paused(self, pages, browser):
+        shown = Page(browser, pages["front"])
+        paths = "document.querySelectorAll('#design figure:last-of-type path')"
+        legs = f"Array.from({paths}, (p) => p.getAttribute('d')).join()"
+        before = shown.js(legs)
+        for _ in range(100):
+            if shown.js(legs) != before:
+                break
+            time.sleep(0.05)
+        assert shown.js(legs) != before
+        shown["#design .loop"].click()
+        stands = shown.js(legs)
+        time.sleep(0.2)
+        assert shown.js(legs) == stands
+
+    def test_the_compared_walk_is_a_ghost_in_step(self, pages, browser):
+        shown = Page(browser, pages["front"])
+        assert len(shown.all("#walk .ghost")) == 4
+        shown["#keep"].click()
+        assert shown["#walk-compare option:checked"].text == shown.text("#walk-title").removeprefix(
+            "The walk: "
+        )
+        assert not shown.all("#walk .ghost")  # a walk is not its own ghost
+        browser.execute_script("choose(data.front.find((i) => i !== data.best))")
+        assert len(shown.all("#walk .ghost")) == 4
+
+    def test_soles_are_coloured_by_stress_and_by_power(self, front, pages, browser):
+        best = front[2]
+        shown = Page(browser, pages["front"])
+        for name in ("stress", "power"):
+            shown[f'#paint option[value="{name}"]'].click()
+            colours = {p.get_attribute("stroke") for p in shown.all("#walk .paint")}
+            assert len(colours) > 4
+        t = best.t[best.force[:, 1, 1].argmax()]
+        parts = shown.js(f"PAINTS.stress.of(open(0), instant(open(0), {t}), 1)")
+        force = np.linalg.norm([f["f"] for f in shown.js(f"instant(open(0), {t}).feet[1].forces")], axis=1)
+        area = best.foot.width * np.linalg.norm(np.diff(best.foot.contour, axis=0), axis=1).sum()
+        assert (1e3 * np.array(parts) * area / len(parts)).sum() == pytest.approx(force.sum(), rel=0.02)
+        assert max(shown.js(f"PAINTS.power.of(open(0), instant(open(0), {t}), 1, {t})")) > 0
+
+    def test_layers_patches_and_gravity_are_shown_close_and_far(self, front, tmp_path, browser):
+        walk = front[3]
+        effects = (fo.Slope(8), fo.Patches((0.4,), (0.9,), (2.5,)), fo.Layers((0.03,), (0.3,)))
+        content = page.walk_content(walk, {"accuracy": {"name": "draft"}, "scene": {"effects": {}}})
+        content["ground"] = scenery(dataclasses.replace(walk.scene, effects=effects))
+        shown = Page(browser, page.write(tmp_path / "page.html", content))
+        for figure in shown.all("#design figure:last-of-type, #walk .wide figure"):
+            assert figure.find_elements("css selector", ".gravity")
+            assert "g = 9.81 m/s², 8° uphill" in figure.text
+            assert {"layer × 0.3", "patch × 2.5"} <= set(figure.text.split("\n"))
+
+    def test_a_print_that_is_no_result_says_that_it_is_drawn(self, pages, browser):
+        shown = Page(browser, pages["front"])
+        assert shown.all('#walk [data-print="drawn"]')
+        assert "the print is drawn, not computed" in shown.text("#walk")
+
+
+@browser_needed
+class TestLooks:
+    @pytest.mark.parametrize(
+        ("kind", "scheme"), [("front", "light"), ("jobs", "dark"), ("study", "dark"), ("walk", "dark")]
+    )
+    def test_axe_finds_nothing(self, kind, scheme, pages, browser):
+        browser.set_window_size(1280, 900)
+        shown = Page(browser, pages[kind])
+        shown.emulate(prefers_color_scheme=scheme)
+        assert shown.judged() == []
+        shown.emulate(prefers_color_scheme="light")
+
+    def test_follows_a_dark_theme_and_forced_colours(self, pages, browser):
+        shown = Page(browser, pages["front"])
+        paper = "getComputedStyle(document.body).backgroundColor"
+        line = "getComputedStyle(document.querySelector('#walk path[stroke]')).stroke"
+        assert shown.js(paper) == "rgb(255, 255, 255)"
+        shown.emulate(prefers_color_scheme="dark")
+        assert shown.js(paper) == "rgb(21, 24, 27)"
+        shown.emulate(forced_colors="active")
+        assert shown.js("matchMedia('(forced-colors: active)').matches")
+        assert shown.js("ink('--left')") == "LinkText"
+        assert not shown.errors()
+        shown.emulate(prefers_color_scheme="light")
+        assert shown.js(line)
+
+    def test_motion_stands_still_for_those_who_want_none(self, pages, browser):
+        shown = Page(browser, pages["front"])
+        shown.emulate(prefers_reduced_motion="reduce")
+        browser.refresh()
+        assert shown.text("#design .loop") == "Play"
+        shown.emulate(prefers_reduced_motion="no-preference")
+
+    @pytest.mark.parametrize("kind", ["front", "study"])
+    def test_is_printed_on_few_sheets(self, kind, pages, browser):
+        import base64
+
+        Page(browser, pages[kind])
+        sheets = base64.b64decode(browser.execute_cdp_cmd("Page.printToPDF", {})["data"])
+        assert 1 <= len(re.findall(rb"/Type\s*/Page\b", sheets)) <= 8
+
+
+@browser_needed
+class TestBars:
+    def test_each_objective_is_a_bar_as_long_as_its_change(self, front, pages, browser):
+        _, _, best, flat, _, _ = front
+        shown = Page(browser, pages["front"])
+        marks = {bar.get_attribute("data-name"): bar for bar in shown.all("#bars .bar-of-change")}
+        assert set(marks) == set(FIVE)
+        change = {name: best.objectives[name] / flat.objectives[name] - 1.0 for name in FIVE}
+        long = {name: float(bar.get_attribute("width")) for name, bar in marks.items()}
+        scale = max(long.values()) / max(
+            map(abs, change.values())
+        )  # pixels; a bar is never less than one long
+        assert long == pytest.approx({name: max(scale * abs(c), 1.0) for name, c in change.items()}, rel=1e-3)
+        for name, bar in marks.items():
+            assert f"{100 * change[name]:+.1f} %".replace("-", "−") in shown.text("#bars")
+            better = change[name] * (1 if lookup((name,))[0].maximise else -1) > 0
+            assert (bar.get_attribute("stroke-dasharray") is None) == better
+
+    def test_has_the_error_of_the_numbers_and_what_other_laws_say(self, front, pages, browser):
+        shown = Page(browser, pages["front"])
+        assert len(shown.all("#bars .error")) == 5
+        said = [title.get_attribute("textContent") for title in shown.all("#bars circle title")]
+        assert said[:2] == ["shadowing: −10.0 %", "leading edge: +20.0 %"]
+
+    def test_j_w_is_told_as_a_multiple_with_the_values_behind(self, front, pages, browser):
+        _, _, best, flat, _, _ = front
+        raw = [walk.objectives["efficiency"] for walk in (best, flat)]
+        shown = Page(browser, pages["front"])
+        assert shown.text("#gain strong") == f"J_W x {raw[0] / raw[1]:.2f} of flat"
+        assert number(raw[0]).replace("-", "−", 1) in shown.text("#gain")
 
 
 @browser_needed
@@ -429,7 +538,7 @@ class TestWalk:
         marks = shown.all("#walk .plots figure:first-child .strike")
         assert len(marks) == len(strikes)
         style = [marks[0].value_of_css_property(name) for name in ("stroke", "stroke-opacity", "opacity")]
-        assert style == ["rgb(117, 117, 117)", "1", "1"]
+        assert style == ["rgb(95, 95, 95)", "1", "1"]
 
     def test_a_click_in_a_plot_goes_to_that_instant(self, pages, browser):
         shown = Page(browser, pages["walk"])
@@ -468,7 +577,7 @@ class TestSearch:
         buttons[0].click()
         i = walks.successive_bests(result)[0]
         assert ",".join(map(str, result.k[i])) in shown.text("#design-words")
-        assert shown["#walk-choice option:checked"].text == f"design {i}"
+        assert shown.text("#walk-title") == f"The walk: design {i}"
 
 
 @browser_needed
@@ -509,8 +618,9 @@ class TestAStudysPage:
         shown = Page(browser, pages["study"])
         images = shown.all("img")
         assert [image.get_attribute("alt") for image in images] == list(SAYS.values())
-        natural = [shown.js(f"document.images[{i}].naturalWidth") for i in range(2)]
-        assert natural[1] > natural[0] > 300
+        assert all(image.get_attribute("src").startswith("data:image/svg+xml") for image in images)
+        wide = [image.size["width"] for image in images]  # letters of one size: a column, and a page
+        assert wide[1] > 1.9 * wide[0] > 600
         cells = [cell.text for cell in shown.all("#tables th, #tables td")]
         assert cells == ["name", "a number", "[bold]", "1.25 %", "k = [1, 2, 3]", "-",
                          "table 1.csv", "2"]  # fmt: skip

@@ -263,7 +263,7 @@ def test_the_picture_of_a_walk_has_an_arrow_for_each_loaded_foot(walked):
 def test_the_ground_shows_the_strength_of_layers_and_patches():
     scene = fo.Scene(effects=(fo.Layers((0.03,), (0.3,)), fo.Patches((0.4,), (0.9,), (2.5,)), fo.Slope(5)))
     texts = {text.get_text() for text in fo.plot(scene).texts}
-    assert {"× 0.3", "× 2.5", "g, 5° uphill"} <= texts
+    assert {"layer × 0.3", "patch × 2.5", "g = 9.81 m/s², 5° uphill"} <= texts
 
 
 @pytest.mark.parametrize(("angle", "side"), [(10, -1), (-10, 1)])

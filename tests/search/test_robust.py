@@ -11,10 +11,10 @@ from searching import QUICK as COARSE
 from searching import SMALL
 
 import footopt as fo
-from footopt.design import Solver, Store, confirm, search
+from footopt.design import Solver, Store, confirm, exhaustive, search
 from footopt.design.context import context, differences, digest
-from footopt.design.robust import regret
-from footopt.errors import SettingError
+from footopt.design.robust import own_best, regret
+from footopt.errors import FootoptError, SettingError
 from footopt.walk.scenarios import COLUMNS, WAYS, laws, measured, sands, vary
 
 SANDS = sands(fo.Scene())
@@ -22,6 +22,8 @@ NOTHING = fo.Spread(**dict.fromkeys(vars(fo.Spread()), 0.0))
 
 
 def problem(scenarios=SANDS, objective="efficiency", **options):
+    """A robust problem; of the values as they are, unless it is given references."""
+    options.setdefault("references", np.ones(len(scenarios)))
     return fo.RobustProblem(scenarios, objective, SMALL, COARSE, **options)
 
 
@@ -185,16 +187,70 @@ class TestRobustProblem:
         np.testing.assert_array_equal(confirmed.values, finer.walk(first.k[confirmed.designs])[0])
         assert p.accuracy == COARSE
 
-    def test_the_robust_foot_loses_no_more_than_any_specialist(self):
+    def test_the_robust_optimum_is_the_sole_of_least_worst_regret_of_all(self):
         space = fo.Waypoints(n=4, K=4)
-        alone = [fo.FootProblem(s.scene, "efficiency", space, COARSE) for s in SANDS]
-        specialists = [search(p, "exhaustive") for p in alone]
-        best = np.array([found.column("efficiency")[found.best] for found in specialists])
-        together = fo.RobustProblem(SANDS, space=space, accuracy=COARSE, references=best)
+        every = np.indices((4,) * 4).reshape(4, -1).T + 1
+        every = every[space.box_violation(every) <= space.box_tolerance * space.H]
+        j = np.stack([fo.evaluate(every, s.scene, COARSE, ("efficiency",), space).values for s in SANDS])
+        worst = regret(j[..., 0], j.min(axis=1), "efficiency").max(axis=0)
+        together = fo.RobustProblem(SANDS, space=space, accuracy=COARSE)  # against each scenario's own best
         robust = search(together, "exhaustive")
-        k = np.array([found.k[found.best] for found in specialists])
-        loss = 1 + together.walk(k)[0][:, 5]
-        assert 0 < 1 + robust.column("efficiency")[robust.best] <= loss.min()
+        np.testing.assert_array_equal(together.references, j.min(axis=1)[:, 0])
+        np.testing.assert_array_equal(robust.k[0], every[worst.argmin()])
+        assert 1 + robust.column("efficiency")[0] == pytest.approx(worst.min())
+        specialists = every[j[..., 0].argmin(axis=1)]
+        assert 0 < worst.min() < (1 + together.walk(specialists)[0][:, 5]).min()
+
+    @pytest.mark.parametrize("kept", [1, 20])
+    def test_who_cannot_win_is_stopped_and_the_result_is_the_same(self, kept, monkeypatch, tmp_path):
+        """A walk through every scenario with every sole has the same best ones, to the last bit."""
+        monkeypatch.setattr(exhaustive, "KEPT", kept)
+        space = fo.Waypoints(n=4, K=4)
+        p = fo.RobustProblem(SANDS, space=space, accuracy=COARSE)
+        raced = search(p, "exhaustive", pop_size=30, store=tmp_path / "s.sqlite")
+        every = np.indices((4,) * 4).reshape(4, -1).T + 1
+        every = every[space.box_violation(every) <= space.box_tolerance * space.H]
+        values, _ = p.walk(every)
+        order = np.argsort(values[:, 5], kind="stable")[:kept]
+        np.testing.assert_array_equal(raced.k, every[order])
+        np.testing.assert_array_equal(raced.values, values[order])
+        assert raced.beaten > 0
+        assert raced.designs == 256
+        assert raced.counts["box"] == raced.infeasible == 256 - len(every)
+        again = search(p, "exhaustive", pop_size=30, store=tmp_path / "s.sqlite")
+        np.testing.assert_array_equal(again.values, raced.values)
+        assert len(every) < again.reused < 3 * len(every)
+        alone = fo.FootProblem(SANDS[0].scene, space=space, accuracy=COARSE)
+        with Store(tmp_path / "s.sqlite", alone) as store:
+            assert len(store) == len(every)
+
+    def test_only_the_worst_of_one_objective_can_be_told_before_the_last_walk(self):
+        space = fo.Waypoints(n=4, K=3)
+        p = fo.RobustProblem(SANDS, space=space, accuracy=COARSE, measure="mean")
+        assert search(p, "exhaustive").beaten == 0
+
+    def test_values_as_they_are_choose_the_specialist_of_the_softest_sand(self):
+        """Which is why references are each scenario's own best by default."""
+        space = fo.Waypoints(n=4, K=4)
+        absolute = fo.RobustProblem(SANDS, space=space, accuracy=COARSE, references=np.ones(3))
+        soft = fo.FootProblem(SANDS[0].scene, space=space, accuracy=COARSE)
+        chosen = search(absolute, "exhaustive").k[0]
+        np.testing.assert_array_equal(chosen, search(soft, "exhaustive").k[0])
+        relative = fo.RobustProblem(SANDS, space=space, accuracy=COARSE)
+        loss = 1 + relative.walk(np.array([chosen, search(relative, "exhaustive").k[0]]))[0][:, 5]
+        assert loss[1] < 0.8 * loss[0]
+
+    def test_own_bests_are_kept_in_a_store_and_sent_with_the_problem(self, tmp_path):
+        space = fo.Waypoints(n=4, K=3)
+        p = fo.RobustProblem(SANDS[:2], space=space, accuracy=COARSE)
+        kept = own_best(p, tmp_path / "s.sqlite")
+        with Store(tmp_path / "s.sqlite", fo.FootProblem(SANDS[1].scene, space=space, accuracy=COARSE)) as s:
+            assert len(s) > 30
+        np.testing.assert_array_equal(kept, p.references)
+        again = fo.RobustProblem(SANDS[:2], space=space, accuracy=COARSE, references=kept)
+        assert digest(context(p)) == digest(context(again))
+        with pytest.raises(FootoptError, match=r"quicksand: No feasible design"):
+            own_best(problem([fo.Scenario("quicksand", fo.Scene(sand=fo.Sand(1e-3)))]))
 
     def test_several_objectives_make_a_front_of_measures(self):
         found = search(problem(objective=["distance", "work"], measure="tail"), "nsga2", pop_size=10, n_gen=3)

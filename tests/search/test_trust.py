@@ -14,7 +14,7 @@ from footopt.design import Solver, exhaustive, search
 from footopt.design.exhaustive import batches
 from footopt.design.pymoo_problem import PymooProblem
 from footopt.design.solvers.memetic import ExchangeRun, ShiftRun, shifts
-from footopt.design.truth import Tabulated, judge, walk_all
+from footopt.design.truth import PEERS, Attempt, Tabulated, expected_walks, judge, judge_designs, walk_all
 from footopt.errors import FootoptError, SettingError
 
 SPACE = fo.Waypoints(n=4, K=4)
@@ -172,8 +172,8 @@ class TestTruth:
 
     def test_the_exact_front_has_all_of_its_hypervolume_and_a_part_less(self, truths):
         truth = truths[1]
-        good = (truth.constraints(*truth.table) <= 0).all(axis=1)
-        f = truth.minimised(truth.table.values)[good]
+        found = truth.evaluate(EVERYTHING)
+        f = truth.minimised(found.values)[(truth.constraints(*found) <= 0).all(axis=1)]
         assert truth.hypervolume(f) == pytest.approx(1)
         assert truth.igd_plus(f) == pytest.approx(0)
         assert 0 < truth.hypervolume(f[:20]) < 1
@@ -184,7 +184,7 @@ class TestTruth:
     def test_a_run_that_sees_everything_has_no_regret_and_the_whole_front(self, truths):
         single = judge(search(truths[0], "memetic", pop_size=40, n_gen=100, seed=1), truths[0])
         assert single.hit
-        assert 40 <= single.found_at <= 256
+        assert 1 <= single.within_at <= single.found_at <= single.walks <= 256
         assert single.checkpoints == ()
         several = judge(search(truths[1], "nsga2", pop_size=40, n_gen=30, seed=1), truths[1])
         shares = [share for _, share in several.checkpoints]
@@ -197,6 +197,28 @@ class TestTruth:
         assert not poor.hit
         assert poor.regret > 0
         assert np.isnan(poor.found_at)
+
+    def test_designs_that_are_asked_for_again_are_no_walks(self, truths):
+        result = search(truths[1], "nsga2", pop_size=40, n_gen=30, seed=1)
+        attempt = judge(result, truths[1])
+        assert attempt.walks == len(result.k) < result.evaluations
+        assert attempt.checkpoints[-1][0] == attempt.walks
+
+    def test_the_expected_walks_are_those_of_runs_that_start_again(self, truths):
+        """Two runs of 100 walks each, one with a hit after 40: it takes 140 walks a hit."""
+        hit = Attempt("a", 1, walks=100, regret=0.0, within_at=40.0, found_at=np.nan)
+        miss = Attempt("a", 2, walks=100, regret=0.1, within_at=np.nan, found_at=np.nan)
+        assert expected_walks([hit, miss]) == 140
+        assert expected_walks([hit]) == 40
+        assert expected_walks([miss]) == np.inf
+
+    @pytest.mark.parametrize("name", PEERS)
+    def test_peers_ask_for_different_designs_within_their_budget(self, truths, name):
+        k = PEERS[name](truths[0], 60, 1)
+        assert len(np.unique(k, axis=0)) == len(k) == 60
+        assert ((k >= 1) & (k <= 4)).all()
+        np.testing.assert_array_equal(k, PEERS[name](truths[0], 60, 1))
+        assert judge_designs(name, 1, EVERYTHING, truths[0]).regret == 0.0
 
 
 def test_every_sole_is_kept_and_read_again(tmp_path):

@@ -12,6 +12,7 @@ import footopt as fo
 from footopt.design import search
 from footopt.errors import SettingError
 from footopt.studies import run
+from footopt.walk.scenarios import anything
 
 SPACE = fo.Waypoints(n=4, K=3)
 TRUST = ("study=trust", "foot.n=4", "foot.K=3")
@@ -35,22 +36,49 @@ def test_the_exhaustive_solver_as_the_command_line_composes_it(tmp_path, capsys,
 class TestStudy:
     def test_leaves_a_table_a_figure_and_the_exact_answer(self, tmp_path, capsys, monkeypatch):
         unrender(monkeypatch)
-        words = ("study.quick=true", "accuracy=draft", "study.budget=300", "study.solvers=[memetic,nsga2]")
+        words = (
+            "study.quick=true",
+            "accuracy=draft",
+            "study.budget=300",
+            "study.solvers=[memetic,nsga2,random]",
+        )
         run(composed(*TRUST, *words), tmp_path, {})
         result = json.loads((tmp_path / "result.json").read_text())
         assert result["designs"] == 81
-        assert {s["sand"] for s in result["scores"]} == {"soft", "regular", "hard"}
+        assert {s["where"] for s in result["scores"]} == {"soft", "regular", "hard", "random scenes"}
         memetic = [s for s in result["scores"] if s["solver"] == "memetic"]
         assert all(s["found"] == 1.0 and s["regret"] == 0.0 for s in memetic)
-        scene = fo.Scene(sand=fo.Sand.named("hard"))
-        exact = fo.evaluate([result["exact"]["hard"]["k"]], scene, "draft", ("efficiency",), SPACE)
-        assert exact.values[0, 0] == result["exact"]["hard"]["efficiency"]
+        drawn = anything(1).scene
+        for name, scene in {"hard": fo.Scene(sand=fo.Sand.named("hard")), "random 1": drawn}.items():
+            exact = fo.evaluate([result["exact"][name]["k"]], scene, "draft", ("efficiency",), SPACE)
+            assert exact.values[0, 0] == result["exact"][name]["efficiency"]
         with open(tmp_path / "trust.csv", newline="") as file:
             rows = list(csv.DictReader(file))
-        assert len(rows) == 2 * 3 * 2
+        assert len(rows) == 3 * 4 * 2
+        assert all(int(r["walks"]) <= 81 for r in rows)
         assert {r["hypervolume"] == "" for r in rows if r["solver"] == "memetic"} == {True}
         check_page(tmp_path)
         assert "hypervolume" in capsys.readouterr().out
+
+    def test_a_study_that_was_stopped_reads_what_it_had_walked(self, tmp_path, monkeypatch):
+        unrender(monkeypatch)
+        words = ("study.quick=true", "accuracy=draft", "study.budget=100", "study.scenes=0", "report=none",
+                 "study.solvers=[random]")  # fmt: skip
+        run(composed(*TRUST, *words), tmp_path, {})
+        whole, walked = json.loads((tmp_path / "result.json").read_text()), []
+        tables = sorted((tmp_path / "exact").iterdir())
+        assert [path.stat().st_size for path in tables] == [81 * 8 * 8] * 3
+        kept = tables[0].read_bytes()
+        tables[0].write_bytes(kept[: 64 * 40] + bytes(64 * 41))  # as a kill may leave it
+        plain = fo.FootProblem.walk
+        monkeypatch.setattr(
+            fo.FootProblem, "walk", lambda self, k: (walked.append(len(k)), plain(self, k))[1]
+        )
+        run(composed(*TRUST, *words), tmp_path, {}, resumed=True)
+        again = json.loads((tmp_path / "result.json").read_text())
+        assert (again["exact"], again["scores"]) == (whole["exact"], whole["scores"])
+        assert walked == [81]
+        assert tables[0].read_bytes() == kept
 
     @pytest.mark.parametrize(
         ("override", "message"),

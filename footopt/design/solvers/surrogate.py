@@ -65,9 +65,7 @@ class Surrogate(Moves):
         X, F = self.known.get("X").astype(np.int64), self.known.get("F").astype(float)
         F = np.where(good[:, None], F, F[good].max(axis=0))  # what fails is as bad as the worst
         with threadpool_limits(1), warnings.catch_warnings():  # sums in another order would lead elsewhere
-            warnings.simplefilter(
-                "ignore", ConvergenceWarning
-            )  # a length at its bound
+            warnings.simplefilter("ignore", ConvergenceWarning)  # a length at its bound
             models = self._models(X, F)
             candidates = self._candidates(models)
             if not len(candidates):

@@ -20,8 +20,9 @@ from footopt.report.style import (
     PALE,
     Axes,
     as_text,
+    label_lines,
     legend_width,
-    line,
+    look,
     new_figure,
     styled,
     wrapped,
@@ -31,6 +32,7 @@ Array = NDArray[np.float64]
 Point = tuple[float, float]
 
 ANKLE: dict[str, Any] = {"marker": "+", "ls": "", "color": "black", "ms": 6, "mew": 1}
+NAMED = 6  # soles in one frame that have their names beside them; more have a legend
 ROWS = 10  # of a legend beside soles
 HOLLOW = 0.05  # mm; a smaller one is called none
 
@@ -46,14 +48,18 @@ def contour(foot: Foot) -> Figure:
 @styled
 def contours(feet: Mapping[str, Foot]) -> Figure:
     """Several soles in one frame, by label."""
-    labels, columns = wrapped(map(as_text, feet)), -(-len(feet) // ROWS)
-    beside = columns * legend_width(labels)
+    labels, columns, named = wrapped(map(as_text, feet)), -(-len(feet) // ROWS), len(feet) <= NAMED
+    beside = 0.0 if named else columns * legend_width(labels)
     figure = new_figure(PAGE, _height(np.concatenate([f.contour for f in feet.values()]), PAGE - beside))
     axes = figure.subplots()
-    for i, (label, foot) in enumerate(zip(labels, feet.values(), strict=True)):
-        axes.plot(*(MM * foot.contour).T, **line(i), label=label)
+    looks = {label: look(label, i) for i, label in enumerate(feet)}
+    for text, label in zip(labels, feet, strict=True):
+        axes.plot(*(MM * feet[label].contour).T, **looks[label], label=text)
     _label_axes(axes)
-    figure.legend(loc="outside right center", ncols=columns)
+    if named:
+        label_lines(axes, {label: MM * foot.contour for label, foot in feet.items()}, looks)
+    else:
+        figure.legend(loc="outside right center", ncols=columns)
     return figure
 
 

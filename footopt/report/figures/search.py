@@ -16,12 +16,13 @@ from footopt.errors import check
 from footopt.report.style import (
     BEST,
     COLUMN,
+    DESIGNS,
     FLAT,
     PAGE,
-    SKY,
     Axes,
     as_text,
     formula,
+    label_lines,
     legend_above,
     legend_entry,
     marker,
@@ -48,7 +49,7 @@ def history_label(names: Sequence[str]) -> str:
 
 
 @styled
-def convergence(history: Sequence[Any], label: str) -> Figure:
+def convergence(history: Sequence[Any], label: str, base: float | None = None) -> Figure:
     """The best value, or the hypervolume, and the population's median against the number of evaluations.
 
     Parameters
@@ -57,32 +58,39 @@ def convergence(history: Sequence[Any], label: str) -> Figure:
         Of a search.
     label : str
         Of the value, with its unit if it has one.
+    base : float, optional
+        Of the flat foot: values are then multiples of it.
     """
     figure = new_figure(COLUMN, 2.4)
-    draw_convergence(figure.subplots(), history, label)
+    draw_convergence(figure.subplots(), history, label, base)
     return figure
 
 
-def draw_convergence(axes: Axes, history: Sequence[Any], label: str) -> None:
+def draw_convergence(axes: Axes, history: Sequence[Any], label: str, base: float | None = None) -> None:
     """Best and median on one axes; see `convergence`."""
     evaluations, best, median, volume = (
         np.array([getattr(row, name) for row in history], float)
         for name in ("evaluations", "best", "median", "hypervolume")
     )
     best = best if np.isfinite(best).any() else volume
-    axes.set(xlabel="evaluations", ylabel=label)
+    axes.set(xlabel="evaluations", ylabel=label if base is None else f"{label}, × the flat foot's")
     if not np.isfinite(best).any():
         message(axes, "no feasible design was found")
         axes.tick_params(bottom=False, labelbottom=False)
         return
-    if np.isfinite(median).any():
-        axes.plot(evaluations, median, color=FLAT, ls="--", label="median")
+    last, scale = np.flatnonzero(np.isfinite(best))[-1], base or 1.0
+    lines = {"best": np.stack([evaluations, best / scale], axis=1)}
     # a best value holds until a better one is found
-    axes.plot(evaluations, best, color=BEST, drawstyle="steps-post", label="best")
-    last = np.flatnonzero(np.isfinite(best))[-1]
-    axes.plot(evaluations[last], best[last], "o", color=BEST)
-    axes.legend(loc="best", title=f"best {formula(best[last])}")
+    axes.plot(*lines["best"].T, color=BEST, drawstyle="steps-post", zorder=3)
+    axes.plot(*lines["best"][last], "o", color=BEST, zorder=3)
+    if np.isfinite(median).any():
+        lines["median of the generation"] = np.stack([evaluations, median / scale], axis=1)
+        axes.plot(*lines["median of the generation"].T, color=FLAT, ls="--")
     axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
+    if len(history) > 1:
+        label_lines(axes, lines, {"best": {"color": BEST}, "median of the generation": {"color": "0.35"}})
+    times = "" if base is None else f"× {best[last] / scale:.2f} of flat, "
+    axes.set_title(f"best {times}{formula(best[last])}", loc="right")
 
 
 @styled
@@ -117,7 +125,7 @@ def scatter_matrix(
             axes.set_axis_off()
             continue
         for i, table in enumerate(tables.values()):
-            axes.plot(*table[:, [column, row + 1]].T, **marker(i) | {"ms": 2.5, "alpha": 0.6})
+            axes.plot(*table[:, [column, row + 1]].T, **_points(i, len(tables)) | {"ms": 2.5, "alpha": 0.6})
         for name, values in found.items():
             axes.plot(*values[[column, row + 1]], **MARKS[name] | {"clip_on": False, "mew": 0.6})
         axes.xaxis.set_major_locator(MaxNLocator(3))
@@ -128,7 +136,8 @@ def scatter_matrix(
         if column == 0:
             axes.set_ylabel(labels[row + 1])
     figure.align_labels()
-    handles = [Line2D([], [], **marker(i), label=as_text(label)) for i, label in enumerate(tables)]
+    looks = [_points(i, len(tables)) for i in range(len(tables))]
+    handles = [Line2D([], [], **own, label=as_text(label)) for own, label in zip(looks, tables, strict=True)]
     handles += [Line2D([], [], **MARKS[name] | {"ls": "", "mew": 0.6}, label=name) for name in found]
     if n > 2:
         figure.legend(handles=handles, loc="upper right")
@@ -195,16 +204,17 @@ def draw_parallel(
     every = -(-len(table) // LINES)
     curves = [np.stack([x, row], axis=1) for row in place(table[::every])]
     alpha = max(0.03, min(0.8, 20.0 / len(curves)))
-    axes.add_collection(LineCollection(curves, colors=SKY, linewidths=0.6, alpha=alpha), autolim=False)
+    axes.add_collection(LineCollection(curves, colors=DESIGNS, linewidths=0.6, alpha=alpha), autolim=False)
     for i, o in enumerate(objectives):
         axes.plot([i, i], [0, 1], color="black", lw=0.8, zorder=3)
         axes.text(i, 1.07, formula(sign[i] * high[i]), ha="center", va="bottom")
         axes.text(i, -0.07, formula(sign[i] * low[i]), ha="center", va="top")
         axes.text(i, -0.2, _two_lines(o), ha="center", va="top")
-    legend_entry(axes, what, color=SKY, lw=0.6)
+    legend_entry(axes, what, color=DESIGNS, lw=0.6)
     for name, row in found.items():
         y = place(row)
-        axes.plot(x, y, **MARKS[name] | {"lw": 2, "mew": 0.6, "clip_on": False}, label=name)
+        more = {"lw": 2, "mew": 0.6, "clip_on": False, "ls": "--" if name == "flat sole" else "-"}
+        axes.plot(x, y, **MARKS[name] | more, label=name)
         if name == "chosen":
             box = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": BEST, "lw": 0.5}
             for i in range(n):
@@ -213,6 +223,11 @@ def draw_parallel(
     axes.text(-0.29, 0.5, "better", rotation=90, ha="right", va="center")
     left_out = [f"{failed} failed, not drawn"] * (failed > 0) + [f"1 of {every} is drawn"] * (every > 1)
     return f"{len(table)} {what}" + (f" ({'; '.join(left_out)})" if left_out else "")
+
+
+def _points(i: int, groups: int) -> dict[str, Any]:
+    """Of the i-th group of designs; a single one has the designs' own colour."""
+    return marker(i) | ({"color": DESIGNS} if groups == 1 else {})
 
 
 def _table(values: ArrayLike, names: Sequence[str]) -> Array:

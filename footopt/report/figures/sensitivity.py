@@ -15,7 +15,7 @@ from footopt.report.style import PAGE, new_figure, styled
 
 @styled
 def sensitivity(found: Mapping[str, Any], names: Sequence[str], label: Callable[[str], str]) -> Figure:
-    """Total Sobol indices, and the change that one standard deviation of each parameter makes, %.
+    """Total Sobol indices with their intervals, and the change by one standard deviation, %.
 
     Parameters
     ----------
@@ -26,15 +26,20 @@ def sensitivity(found: Mapping[str, Any], names: Sequence[str], label: Callable[
     label : callable
         From a parameter's name to its label with the standard deviation.
     """
-    columns = [name.replace("_", "\n") for name in names]
+    columns = ["$J_W$" if name == "efficiency" else name.replace("_", "\n") for name in names]
     heights = [len(block.parameters) for block in found.values()]
     largest = max(float(np.nanmax(np.abs(100.0 * block.change), initial=1e-9)) for block in found.values())
     figure = new_figure(PAGE, 1.0 + ROW * sum(heights))
-    panels = figure.subplots(len(found), 2, height_ratios=heights, squeeze=False)
+    panels = figure.subplots(len(found), 2, height_ratios=heights, width_ratios=(9, 5), squeeze=False)
     for (left, right), (title, block) in zip(panels, found.items(), strict=True):
         rows = [label(name) for name in block.parameters]
-        totals = [[f"{value:.2f}" for value in row] for row in block.total]
-        draw_heat_map(left, block.total, rows, columns, totals, Normalize(0.0, 1.0), "Blues")
+        # what lies within its own interval of zero is not known to be anything
+        known = np.where(block.total_error < block.total, block.total, np.nan)
+        totals = [
+            [f"{v:.2f}±{e:.2f}" if e < v else f"< {max(v + e, 0.01):.2f}" for v, e in zip(*pair, strict=True)]
+            for pair in zip(block.total, block.total_error, strict=True)
+        ]
+        draw_heat_map(left, known, rows, columns, totals, Normalize(0.0, 1.0), "Blues")
         left.set_ylabel(title)
         change = 100.0 * block.change
         texts = [[_signed(value) for value in row] for row in change]
@@ -42,7 +47,7 @@ def sensitivity(found: Mapping[str, Any], names: Sequence[str], label: Callable[
         right.tick_params(labelleft=False)
     for axes in panels[1:].flat:
         axes.tick_params(labeltop=False)
-    panels[-1, 0].set_xlabel("total Sobol index")
+    panels[-1, 0].set_xlabel("total Sobol index; white: within its interval of zero")
     panels[-1, 1].set_xlabel("change by one standard deviation (%)")
     figure.align_ylabels(panels[:, 0])
     return figure

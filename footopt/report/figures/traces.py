@@ -16,13 +16,12 @@ from footopt.report.style import (
     BLUE,
     GREY,
     PAGE,
-    ROLES,
     SIDES,
     VERMILLION,
     Axes,
     as_text,
     legend_above,
-    line,
+    look,
     message,
     new_figure,
     styled,
@@ -77,7 +76,7 @@ def _panels(walks: Mapping[str, Walk], rows: Sequence[Sequence[Panel]], sharey: 
     grid = figure.subplots(len(rows), len(rows[0]), sharex=True, sharey=sharey)
     for axes, (name, index, label) in zip(grid.flat, chain(*rows), strict=True):
         for i, (who, walk) in enumerate(walks.items()):
-            looks = ROLES.get(who, line(i)) | {"label": walk_label(who, walk)}
+            looks = look(who, i) | {"label": walk_label(who, walk)}
             _draw(axes, walk, name, index, looks)
         strikes = _finish(axes, walks.values())
         axes.set(ylabel=label)

@@ -1,44 +1,57 @@
 // Many designs: parallel coordinates and a scatter that filter each other, and a table of the same.
 
-const values = unpack(data.designs.values), WIDTH = data.columns.length, COUNT = values.length / WIDTH;
+const WIDTH = data.columns.length, values = oneMore(unpack(data.designs.values), WIDTH), COUNT = values.length / WIDTH - 1;
+const DRAWN = COUNT; // the design after the last is the one that is drawn on the page
 const generation = data.designs.generation && unpack(data.designs.generation);
-const feasible = data.designs.feasible.data ? unpack(data.designs.feasible) : data.designs.feasible;
-const reason = (i) => data.designs.reasons[data.designs.reason ? reasonCodes[i] : i];
+const feasible = [...(data.designs.feasible.data ? unpack(data.designs.feasible) : data.designs.feasible)];
+const reason = (i) => i === DRAWN ? sketch.reason : data.designs.reasons[data.designs.reason ? reasonCodes[i] : i];
 const reasonCodes = data.designs.reason && unpack(data.designs.reason);
 const front = new Set(data.front ?? []);
 const MOST = 1000; // parallel ones of a colour at most
 
-/** What designs can be filtered and drawn by: the recorded values, and when a search came to them. */
-const COLUMNS = data.columns.map((column, c) => ({ ...column, of: (i) => values[i * WIDTH + c] }));
-if (generation) COLUMNS.push({ name: "generation", title: "generation", unit: "", maximise: false, of: (i) => generation[i] });
+/** What designs can be filtered and drawn by: the recorded values, when a search came to them, and what they are made of. */
+const COLUMNS = data.columns.map((column, c) => {
+  const flat = entry.flat?.[column.name];
+  // J_W is told as a multiple of the flat foot's: both are negative
+  const [show, more] = column.name === "efficiency" && flat < 0 ? [(v) => v / flat, { title: "J_W", unit: "x of flat", maximise: true }] : [(v) => v, {}];
+  return { ...column, ...more, show, flat: flat === undefined ? NaN : show(flat), of: (i) => show(values[i * WIDTH + c]) };
+});
+const plain = (name, unit, of) => ({ name, title: name, unit, maximise: true, variable: true, flat: NaN, show: (v) => v, of });
+if (generation) COLUMNS.push({ ...plain("generation", "", (i) => generation[i]), maximise: false });
+const depths = new Map();
+if (COUNT) COLUMNS.push(plain("hollow", "mm", (i) => {
+  if (!depths.has(i)) depths.set(i, MM * hollow(sole(i)));
+  return depths.get(i);
+}));
+if (kOf) for (let p = 0; p < space.n; p++) COLUMNS.push(plain(`k${p + 1}`, "", (i) => kOf[i * space.n + p]));
 const columnOf = (name) => COLUMNS.find((c) => c.name === name);
 const guide = columnOf(data.guide ?? "efficiency") ?? COLUMNS[0];
 
 /** A design's number is its row in designs.csv, from 0. */
 const numbers = data.designs.rows && unpack(data.designs.rows);
 const BEST = { efficiency: "best in J_W", weights: "best by weights", limits: "best within limits" }[data.choice] ?? data.choice ?? "best";
-const label = (i) => data.designs.labels ? data.designs.labels[i] : `design ${numbers[i]}${i === data.best ? `, the ${BEST}` : ""}`;
+const label = (i) => i === DRAWN ? "drawn here" : data.designs.labels ? data.designs.labels[i] : `design ${numbers[i]}${i === data.best ? `, the ${BEST}` : ""}`;
 
 /** A limit as short as it is shown. */
 const tidy = (v) => (Number.isFinite(v) ? +v.toPrecision(5) : v);
 
-/** The explorer; `choose(i)` is called when a design is picked, `beside` is shown beside the scatter. */
-function explorer(choose, beside) {
-  const all = Array.from({ length: COUNT }, (_, i) => i).filter((i) => feasible[i]);
-  const state = { limits: new Map(), chosen: data.best, shown: [], passing: [] };
-  const parallel = COLUMNS.filter((c) => c.name !== "generation");
-  const wide = el("div", { class: "plot brush", id: "parallel", style: `min-width:${110 * parallel.length}px` }); // names beside each other
+/** The explorer; `choose(i)` takes the design that is picked, `glimpse(i)` that under the pointer; `beside` is beside the scatter. */
+function explorer(choose, beside, glimpse) {
+  let order = COLUMNS.filter((c) => !c.variable);
+  const every = Array.from({ length: COUNT }, (_, i) => i);
+  const state = { until: Infinity, limits: new Map(), chosen: data.best, shown: [], passing: [], near: -1 };
+  const wide = el("div", { class: "plot brush", id: "parallel" });
   const flat = el("div", { class: "plot brush", id: "scatter" });
   const count = el("p", { id: "count", role: "status" });
-  const choice = (id, name) => {
-    const select = el("select", { id, change: () => redraw() },
-      ...COLUMNS.map((c) => el("option", { value: c.name }, named(c))));
+  const choice = (id, name, first = []) => {
+    const select = el("select", { id, change: () => redraw() }, ...first, ...COLUMNS.map((c) => el("option", { value: c.name }, named(c))));
     select.value = name;
     return select;
   };
   const several = data.objectives?.length > 1 ? data.objectives : ["work", "peak_power"];
   const across = choice("scatter-x", columnOf(several[0]) ? several[0] : COLUMNS[0].name);
   const up = choice("scatter-y", columnOf(several[1]) ? several[1] : COLUMNS.at(-1).name);
+  const shade = choice("shade", "", [el("option", { value: "" }, "nothing")]), scale = el("span", { class: "scale" });
   const walked = new Set((data.walks ?? []).map((walk) => walk.design));
   const SETS = {
     all: { title: "all feasible ones", has: () => true },
@@ -46,35 +59,59 @@ function explorer(choose, beside) {
     walked: { title: "those whose walk is on this page", has: (i) => walked.has(i) },
   };
   const which = el("select", { id: "which", change: () => filter() }, ...Object.entries(SETS)
-    .filter(([name]) => (name !== "front" || front.size) && (name !== "walked" || walked.size))
+    .filter(([name]) => (name !== "front" || front.size || data.live) && (name !== "walked" || walked.size))
     .map(([value, { title }]) => el("option", { value }, title)));
-  if (front.size) which.value = "front";
+  if (front.size || (data.live && data.objectives.length > 1)) which.value = "front";
   const clear = el("button", { type: "button", id: "clear", click: () => { state.limits.clear(); filter(); } }, "Clear limits");
   const fields = new Map(COLUMNS.map((c) => [c.name, [0, 1].map((end) => el("input", {
     type: "number", step: "any", "aria-label": `${end ? "largest" : "smallest"} ${named(c)}`,
     change: () => setLimit(c.name, ...fields.get(c.name).map((field, e) => field.value === "" ? [-Infinity, Infinity][e] : +field.value)),
   }))]));
   const rows = folded(`The designs within the limits as a table (the first 50, by ${named(guide)})`, () => {
-    const best = state.passing.slice().sort((a, b) => (guide.of(a) - guide.of(b)) * (guide.maximise ? -1 : 1));
-    return table(["", ...COLUMNS.map(named), ...(kOf ? ["k"] : [])], best.slice(0, 50).map((i) => [
+    const best = leaders(50);
+    const told = COLUMNS.filter((c) => !/^k\d+$/.test(c.name));
+    return table(["", ...told.map(named), ...(kOf ? ["k"] : [])], best.map((i) => [
       el("button", { type: "button", click: () => pick(i) }, data.designs.labels ? label(i) : String(numbers[i])),
-      ...COLUMNS.map((c) => number(c.of(i))), ...(kOf ? [heights(i).join(" ")] : [])]));
+      ...told.map((c) => number(c.of(i))), ...(kOf ? [heights(i).join(" ")] : [])]));
   });
+  const axesList = el("div", { class: "bar", id: "axes-list" });
+  const axesBox = el("details", { id: "axes" }, el("summary", {}, "Axes: which, and in which order"), axesList);
+  /** Put a column at a place among the axes; -1 takes it away. */
+  function place(c, to) {
+    order = order.filter((other) => other !== c);
+    if (to >= 0) order.splice(Math.min(to, order.length), 0, c);
+    listAxes();
+    drawParallel();
+  }
+  function listAxes() {
+    const button = (c, text, words, to) => el("button", { type: "button", "aria-label": `${c.title} ${words}`, "data-axis": c.name, click: () => {
+      place(c, to);
+      axesList.querySelector(`[aria-label="${c.title} ${words}"]`)?.focus();
+    } }, text);
+    axesList.replaceChildren(...[...order, ...COLUMNS.filter((c) => !order.includes(c))].map((c) => {
+      const at = order.indexOf(c);
+      return el("span", { class: "axis-choice" }, el("label", {}, el("input", { type: "checkbox", checked: at >= 0, "data-axis": c.name, change: () => place(c, at >= 0 ? -1 : order.length) }), c.title),
+        ...(at >= 0 ? [button(c, "←", "to the left", Math.max(at - 1, 0)), button(c, "→", "to the right", at + 1)] : []));
+    }));
+  }
+  listAxes();
   const section = el("section", { id: "explore" },
-    data.jobs ? el("h2", {}, "Their best designs") : null,
+    el("h2", {}, data.jobs ? "Their best designs" : "The designs"),
     el("div", { class: "grid wide" }, beside,
       el("figure", {},
         el("div", { class: "bar" }, el("label", {}, "across", across), el("label", {}, "up", up)), flat)),
     el("p", { class: "note" }, "Drag along an axis, or across the scatter, to set limits: both then show what is within them. ",
-      "Click a line or a point to choose that design. Better is up on every axis of the parallel coordinates.",
+      "Click a line or a point to choose that design; drag a name to move its axis. Better is up on every axis of an objective.",
       numbers ? " A design's number is its row in designs.csv, from 0." : "",
       COUNT > MOST ? ` Of more than ${MOST} lines an even selection is drawn.` : ""),
-    el("div", { class: "bar" }, data.jobs ? null : el("label", {}, "designs", which), clear, count),
-    el("figure", { class: "scroll" }, wide),
+    el("div", { class: "bar" }, data.jobs ? null : el("label", {}, "designs", which), el("label", {}, "colour by", shade), scale, clear, count),
+    el("figure", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Parallel axes" }, wide),
+    axesBox,
     el("details", { id: "limits" }, el("summary", {}, "The limits as numbers"),
       table(["", "from", "to"], COLUMNS.map((c) => [named(c), ...fields.get(c.name)]))),
     rows);
 
+  const leaders = (count) => state.passing.slice().sort((a, b) => (guide.of(a) - guide.of(b)) * (guide.maximise ? -1 : 1)).slice(0, count);
   const within = (i) => {
     for (const [name, [low, high]] of state.limits) {
       const v = columnOf(name).of(i);
@@ -86,9 +123,11 @@ function explorer(choose, beside) {
     if (low === -Infinity && high === Infinity) state.limits.delete(name);
     else state.limits.set(name, [Math.min(low, high), Math.max(low, high)]);
     filter();
+    const best = leaders(1)[0]; // what was brushed is shown by its best
+    if (best !== undefined && !state.passing.includes(state.chosen)) pick(best);
   }
   function filter() {
-    state.shown = all.filter(SETS[which.value].has);
+    state.shown = every.filter((i) => feasible[i] && !(generation?.[i] > state.until) && SETS[which.value].has(i));
     state.passing = state.shown.filter(within);
     count.textContent = `${state.passing.length} of ${state.shown.length} designs within the limits`;
     for (const [name, pair] of fields) pair.forEach((field, end) => {
@@ -103,7 +142,13 @@ function explorer(choose, beside) {
     redraw();
     choose(i);
   }
-  const colour = (i) => data.jobs ? COLOURS[i % COLOURS.length] : BLUE;
+  /** Designs' colours: of their jobs, or by the value that was chosen. */
+  function colours() {
+    const by = columnOf(shade.value), [low, high] = by ? range(state.shown.map(by.of), 0) : [0, 1], usual = ink("--designs");
+    scale.replaceChildren(...(by ? [`${number(low)} `, el("span", { class: "gradient", style: `background:linear-gradient(90deg,${[0, 0.25, 0.5, 0.75, 1].map(ramp)})` }), ` ${number(high)}`] : []));
+    if (by) return (i) => ramp((by.of(i) - low) / (high - low));
+    return data.jobs ? (i) => ink(COLOURS[i % COLOURS.length]) : () => usual;
+  }
 
   /** A canvas under a drawing, for what is too much for elements. */
   function canvas(holder, a) {
@@ -113,14 +158,11 @@ function explorer(choose, beside) {
     pen.scale(devicePixelRatio, devicePixelRatio);
     return pen;
   }
-  /** Where the pointer is in a drawing, pixels. */
-  const where = (a, event) => {
-    const box = a.svg.getBoundingClientRect();
-    return [((event.clientX - box.left) * a.width) / box.width, ((event.clientY - box.top) * a.height) / box.height];
-  };
   /** Tell a click from a drag. */
   function gestures(a, { drag, click }) {
     let from = null, box = null;
+    // a finger on an axis brushes, elsewhere it moves the page
+    a.svg.addEventListener("touchstart", (event) => event.target.classList.contains("grip") && event.preventDefault(), { passive: false });
     a.svg.addEventListener("pointerdown", (event) => {
       from = where(a, event);
       a.svg.setPointerCapture(event.pointerId);
@@ -128,6 +170,7 @@ function explorer(choose, beside) {
     a.svg.addEventListener("pointermove", (event) => {
       if (!from) return;
       box?.remove();
+      tip.hidden = true;
       box = drag(from, where(a, event), false);
       if (box) a.svg.append(box);
     });
@@ -149,70 +192,92 @@ function explorer(choose, beside) {
   }
 
   function drawParallel() {
-    const width = Math.max(wide.clientWidth, 200), height = 300, top = 46, bottom = height - 26;
+    wide.style.minWidth = `${96 * order.length}px`; // names beside each other
+    const width = Math.max(wide.clientWidth, 200), height = 330, top = 56, bottom = height - 12, colour = colours();
     const drawing = svg("svg", { viewBox: `0 0 ${width} ${height}`, height, role: "img",
       "aria-label": `Parallel coordinates of ${state.shown.length} designs; the limits beside the scatter and the table below do the same` });
     const a = { svg: drawing, width, height };
     wide.replaceChildren(drawing);
     const pen = canvas(wide, a);
-    const X = (c) => 70 + (c * (width - 140)) / Math.max(parallel.length - 1, 1);
-    const ends = parallel.map((c) => {
-      const [low, high] = range(state.shown.map(c.of), 0);
+    const X = (c) => 70 + (c * (width - 140)) / Math.max(order.length - 1, 1);
+    const ends = order.map((c) => {
+      const [low, high] = range([...state.shown.map(c.of), data.jobs ? NaN : c.flat], 0);
       return c.maximise ? [low, high] : [high, low]; // worst, best
     });
     const Y = (c, v) => { const [worst, best] = ends[c]; return best === worst ? (top + bottom) / 2 : bottom + ((v - worst) / (best - worst)) * (top - bottom); };
     const fromY = (c, y) => { const [worst, best] = ends[c]; return worst + ((y - bottom) / (top - bottom)) * (best - worst); };
-    const line = (i, style, thick) => {
+    const line = (of, style, thick, dash = []) => {
       pen.beginPath();
-      parallel.forEach((c, j) => pen.lineTo(X(j), Y(j, c.of(i))));
+      order.forEach((c, j) => pen.lineTo(X(j), Y(j, of(c))));
       pen.strokeStyle = style;
       pen.lineWidth = thick;
+      pen.setLineDash(dash);
       pen.stroke();
+      pen.setLineDash([]);
     };
     const lines = (all, style, thick) => { // more would be a solid block, or too faint to be seen
       const some = all.filter((_, n) => n % Math.ceil(all.length / MOST) === 0);
-      pen.globalAlpha = Math.max(0.03, Math.min(0.8, 25 / some.length));
-      for (const i of some) line(i, style(i), thick);
+      pen.globalAlpha = Math.max(0.03, Math.min(0.8, (shade.value ? 60 : 25) / some.length));
+      for (const i of some) line((c) => c.of(i), style(i), thick);
     };
-    const passing = new Set(state.passing);
-    lines(state.shown.filter((i) => !passing.has(i)), () => "#aaa", 0.7);
+    const passing = new Set(state.passing), rest = ink("--line");
+    lines(state.shown.filter((i) => !passing.has(i)), () => rest, 0.7);
     lines(state.passing, colour, data.jobs ? 1.8 : 0.9);
     pen.globalAlpha = 1;
-    if (feasible[state.chosen]) line(state.chosen, data.jobs ? colour(state.chosen) : GREEN, data.jobs ? 4 : 2.5);
-    parallel.forEach((c, j) => {
-      const [worst, best] = ends[j];
-      const [name, unit] = [c.title, c.unit];
+    const known = order.filter((c) => Number.isFinite(c.flat));
+    if (!data.jobs && known.length > 1 && known.length === order.length) {
+      line((c) => c.flat, ink("--flat"), 2, [6, 4]);
+      drawing.append(svg("text", { class: "halo", x: X(0) - 10, y: Y(0, order[0].flat) + 4, "text-anchor": "end", style: "fill:var(--grey)" }, "flat"));
+    }
+    const strong = (i, style, thick) => feasible[i] && !(generation?.[i] > state.until) && line((c) => c.of(i), ink(style), thick);
+    if (!data.jobs && state.chosen !== data.best) strong(data.best, "--best", 2.5);
+    strong(state.chosen, data.jobs ? COLOURS[state.chosen % COLOURS.length] : state.chosen === data.best ? "--best" : "--chosen", data.jobs ? 4 : 3);
+    if (state.near >= 0) strong(state.near, "--ink", 1.5);
+    order.forEach((c, j) => {
+      const [low, high] = ends[j].slice().sort((u, v) => u - v), marks = ticks(low, high, 5);
+      const name = c.title.split(" ").reduce((rows, word) => ((rows.at(-1) + word).length > 13 ? [...rows, word] : [...rows.slice(0, -1), `${rows.at(-1)} ${word}`.trim()]), [""]).filter(Boolean);
       drawing.append(
         svg("line", { class: "axis", x1: X(j), x2: X(j), y1: top, y2: bottom, "data-axis": c.name }),
-        svg("text", { x: X(j), y: 14, "text-anchor": "middle", style: "font-weight:600" }, name + (unit ? ` (${unit})` : "")),
-        svg("text", { x: X(j), y: top - 8, "text-anchor": "middle" }, number(best)),
-        svg("text", { x: X(j), y: bottom + 16, "text-anchor": "middle" }, number(worst)));
+        ...(high > low ? marks.values : [low]).flatMap((v) => [svg("line", { class: "axis", x1: X(j) - 4, x2: X(j), y1: Y(j, v), y2: Y(j, v) }),
+          svg("text", { class: "halo", x: X(j) - 7, y: Y(j, v) + 4, "text-anchor": "end" }, high > low ? tickText(v, marks) : number(v))]),
+        svg("text", { class: "axis-name", y: 12, "text-anchor": "middle", style: "font-weight:600" },
+          ...[...name.slice(0, 2), c.unit ? `(${c.unit})` : ""].map((text, row) => svg("tspan", { x: X(j), y: 12 + 14 * row }, text)), svg("title", {}, named(c))),
+        svg("rect", { class: "grip", "data-grip": c.name, x: X(j) - 20, y: 0, width: 40, height }));
       const limit = state.limits.get(c.name);
       if (limit) {
         const [y0, y1] = limit.map((v) => Math.min(Math.max(Y(j, v), top), bottom));
         drawing.append(rectangle(X(j) - 9, y0, X(j) + 9, y1));
       }
     });
-    const near = (x) => parallel.findIndex((_, j) => Math.abs(X(j) - x) < 20);
+    const near = (x) => order.findIndex((_, j) => Math.abs(X(j) - x) < 20);
+    const slot = (x) => order.filter((_, j) => X(j) < x).length;
+    const under = ([x, y], most) => {
+      let k = 0;
+      while (k < order.length - 2 && X(k + 1) < x) k++;
+      const part = order.length > 1 ? Math.min(Math.max((x - X(k)) / (X(k + 1) - X(k)), 0), 1) : 0, next = Math.min(k + 1, order.length - 1);
+      return nearest((i) => Math.abs(Y(k, order[k].of(i)) * (1 - part) + Y(next, order[next].of(i)) * part - y), most);
+    };
     gestures(a, {
-      drag: ([x0, y0], [, y1], done) => {
+      drag: ([x0, y0], [x1, y1], done) => {
         const j = near(x0);
         if (j < 0) return null;
+        if (y0 < top - 14) { // by its name
+          if (done && Math.abs(x1 - x0) > 20) place(order[j], slot(x1) - (x1 > x0 ? 1 : 0));
+          return rectangle(x1 - 9, 0, x1 + 9, top);
+        }
         // beyond the end of an axis there is no limit
-        const end = (y) => (y < top ? (parallel[j].maximise ? Infinity : -Infinity) : y > bottom ? (parallel[j].maximise ? -Infinity : Infinity) : fromY(j, y));
-        if (done) setLimit(parallel[j].name, tidy(end(y0)), tidy(end(y1)));
+        const up = order[j].maximise ? 1 : -1, end = (y) => (y < top ? up * Infinity : y > bottom ? -up * Infinity : fromY(j, y));
+        if (done) setLimit(order[j].name, tidy(end(y0)), tidy(end(y1)));
         return rectangle(X(j) - 9, y0, X(j) + 9, y1);
       },
       click: ([x, y]) => {
         const j = near(x);
-        if (j >= 0 && state.limits.has(parallel[j].name)) { setLimit(parallel[j].name, -Infinity, Infinity); return; }
-        let k = 0;
-        while (k < parallel.length - 2 && X(k + 1) < x) k++;
-        const part = parallel.length > 1 ? Math.min(Math.max((x - X(k)) / (X(k + 1) - X(k)), 0), 1) : 0;
-        const next = Math.min(k + 1, parallel.length - 1);
-        nearest((i) => Math.abs(Y(k, parallel[k].of(i)) * (1 - part) + Y(next, parallel[next].of(i)) * part - y), 12);
+        if (j >= 0 && state.limits.has(order[j].name)) { setLimit(order[j].name, -Infinity, Infinity); return; }
+        const i = under([x, y], 12);
+        if (i >= 0) pick(i);
       },
     });
+    hover(a, (x, y) => told(y > top ? under([x, y], 6) : -1));
   }
 
   /** Each job's name beside its point, moved to the middle from that of a neighbour where they would cover each other. */
@@ -227,22 +292,29 @@ function explorer(choose, beside) {
     }
   }
 
-  /** Pick the design that a measure of distance in pixels calls the nearest, if it is near. */
+  /** The design within the limits that a measure of distance in pixels calls the nearest, or -1 if none is near. */
   function nearest(distance, most) {
     let found = -1, least = most;
     for (const i of state.passing) {
       const far = distance(i);
       if (far < least) { least = far; found = i; }
     }
-    if (found >= 0) pick(found);
+    return found;
   }
+  /** What a design under the pointer says. */
+  const told = (i) => {
+    if (i !== state.near) glimpse((state.near = i) < 0 ? state.chosen : i);
+    return i < 0 ? null : [label(i), ...COLUMNS.filter((c) => !c.variable || order.includes(c)).map((c) => `${c.title} ${quantity(c.of(i), c.unit)}`)].join("\n");
+  };
 
   function drawScatter() {
     const cx = columnOf(across.value), cy = columnOf(up.value);
-    const a = axes(flat, { x: range(state.shown.map(cx.of)), y: range(state.shown.map(cy.of)),
+    const own = (c) => range([...state.shown.map(c.of), data.jobs ? NaN : c.flat]);
+    const a = axes(flat, { x: own(cx), y: own(cy),
       xlabel: named(cx), ylabel: named(cy), height: 400, left: 72,
       label: `Scatter of ${state.shown.length} designs: ${named(cy)} over ${named(cx)}` });
-    const pen = canvas(flat, a);
+    const pen = canvas(flat, a), colour = colours();
+    a.svg.append(svg("rect", { class: "grip", x: a.inside.left, y: a.inside.top, width: a.inside.right - a.inside.left, height: a.inside.bottom - a.inside.top }));
     const dot = (i, style, radius) => {
       pen.beginPath();
       pen.arc(a.X(cx.of(i)), a.Y(cy.of(i)), radius, 0, 7);
@@ -251,15 +323,18 @@ function explorer(choose, beside) {
     };
     const passing = new Set(state.passing);
     pen.globalAlpha = 0.35;
-    for (const i of state.shown) if (!passing.has(i)) dot(i, "#b5b5b5", 1.8);
+    for (const i of state.shown) if (!passing.has(i)) dot(i, ink("--line"), 1.8);
     pen.globalAlpha = data.jobs ? 1 : state.passing.length > 2000 ? 0.35 : 0.65;
     for (const i of state.passing) dot(i, colour(i), data.jobs ? 5 : 2.5);
     const mark = (i, text, attributes) => Number.isFinite(cx.of(i)) && Number.isFinite(cy.of(i)) && a.svg.append(
       svg("circle", { cx: a.X(cx.of(i)), cy: a.Y(cy.of(i)), r: 6, fill: "none", "stroke-width": 2.5, ...attributes }),
       svg("text", { class: "halo", x: a.X(cx.of(i)) + 10, y: a.Y(cy.of(i)) - 8 }, text));
     if (data.jobs) nameJobs(a, (i) => [a.X(cx.of(i)), a.Y(cy.of(i))]);
-    else if (state.chosen !== data.best) mark(data.best, BEST, { stroke: "#1a1a1a", "stroke-width": 1.5 });
-    if (feasible[state.chosen]) mark(state.chosen, data.jobs ? "" : state.chosen === data.best ? `${BEST}, chosen` : "chosen", { stroke: data.jobs ? "#1a1a1a" : GREEN });
+    else if (feasible[data.best]) mark(data.best, BEST, { stroke: "var(--best)" });
+    if (feasible[state.chosen] && (data.jobs || state.chosen !== data.best)) mark(state.chosen, data.jobs ? "" : "chosen", { stroke: data.jobs ? "var(--ink)" : "var(--chosen)" });
+    if (!data.jobs && Number.isFinite(cx.flat) && Number.isFinite(cy.flat)) a.svg.append(
+      svg("rect", { x: a.X(cx.flat) - 5, y: a.Y(cy.flat) - 5, width: 10, height: 10, fill: "var(--flat)", stroke: "var(--ink)" }),
+      svg("text", { class: "halo", x: a.X(cx.flat) + 10, y: a.Y(cy.flat) + 4 }, "flat"));
     const limits = [cx, cy].map((c) => state.limits.get(c.name));
     if (limits.some(Boolean)) {
       const clip = (v, low, high) => Math.min(Math.max(v, low), high), b = a.inside;
@@ -268,6 +343,8 @@ function explorer(choose, beside) {
       a.svg.append(rectangle(x0, y0, x1, y1));
       a.svg.lastChild.style.fillOpacity = 0.1; // the points are seen through it
     }
+    const under = ([x, y], most) => nearest((i) => Math.hypot(a.X(cx.of(i)) - x, a.Y(cy.of(i)) - y), most);
+    hover(a, (x, y) => told(under([x, y], 8)));
     gestures(a, {
       drag: ([x0, y0], [x1, y1], done) => {
         if (done) {
@@ -276,9 +353,14 @@ function explorer(choose, beside) {
         }
         return rectangle(x0, y0, x1, y1);
       },
-      click: ([x, y]) => nearest((i) => Math.hypot(a.X(cx.of(i)) - x, a.Y(cy.of(i)) - y), 12),
+      click: (at) => { const i = under(at, 12); if (i >= 0) pick(i); },
     });
   }
   section.addEventListener("keydown", (event) => event.key === "Escape" && clear.click());
-  return { section, filter, redraw, mark: (i) => { state.chosen = i; redraw(); } };
+  /** Show what was there at the end of a generation. */
+  function until(last) {
+    state.until = last;
+    filter();
+  }
+  return { section, filter, until, redraw, mark: (i) => { state.chosen = i; redraw(); } };
 }

@@ -19,9 +19,13 @@ from numpy.typing import ArrayLike
 
 from footopt.files.run import plain, write_text
 from footopt.report.numbers import title
+from footopt.report.style import PALETTE
 
 STYLES = ("page.css",)
-SCRIPTS = ("tools.js", "walk.js", "explore.js", "main.js")  # in this order: each uses those before it
+SCRIPTS = (  # in this order: each uses those before it
+    "tools.js", "soles.js", "contact.js", "simulate.js", "stage.js", "walk.js", "explore.js",
+    "draw.js", "live.js", "main.js",
+)  # fmt: skip
 
 
 def write(path: Path, content: dict[str, Any]) -> Path:
@@ -44,6 +48,12 @@ def write(path: Path, content: dict[str, Any]) -> Path:
     FileError
         The file cannot be written.
     """
+    write_text(path, text(content))
+    return path
+
+
+def text(content: dict[str, Any]) -> str:
+    """A page's own text; see `write`."""
     parts = resources("footopt.report.page")
 
     def read(name: str) -> str:
@@ -52,27 +62,33 @@ def write(path: Path, content: dict[str, Any]) -> Path:
     data = json.dumps(plain(content), separators=(",", ":"), allow_nan=False)
     filled = {
         "TITLE": html.escape(content["title"]),
-        "STYLE": "\n".join(map(read, STYLES)),
+        "STYLE": "\n".join([_roles(), *map(read, STYLES)]),
         # "</script>" in a name would end the element
         "DATA": data.replace("<", "\\u003c"),
         "SCRIPT": "\n".join(map(read, SCRIPTS)),
     }
-    text = read("template.html")
+    page = read("template.html")
     for name, value in filled.items():
-        text = text.replace(f"<!--{name}-->", value)
-    write_text(path, text)
-    return path
+        page = page.replace(f"<!--{name}-->", value)
+    return page
 
 
-def packed(values: ArrayLike, exact: bool = False) -> dict[str, Any]:
+def _roles() -> str:
+    """The figures' colours of roles, which the page's style and scripts use."""
+    return f":root {{ {' '.join(f'--{role}: {colour};' for role, colour in PALETTE.items())} }}"
+
+
+def packed(values: ArrayLike, exact: bool = False, double: bool = False) -> dict[str, Any]:
     """An array as the page reads it.
 
     Whole numbers stay exact up to 2^24; other values are rounded to 1/65535 of their range, or, with
-    `exact`, to 32-bit floats (which keep a NaN).
+    `exact`, to 32-bit floats (which keep a NaN). With `double`, nothing is rounded.
     """
     array = np.asarray(values)
     large = array.size and np.issubdtype(array.dtype, np.integer) and np.ptp(array) > 65535
-    if exact or large:
+    if double:
+        whole, low, step = array.astype("<f8"), 0.0, -1.0
+    elif exact or large:
         whole, low, step = array.astype("<f4"), 0.0, 0.0
     else:
         low, high = (float(array.min()), float(array.max())) if array.size else (0.0, 0.0)

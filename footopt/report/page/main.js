@@ -1,6 +1,5 @@
 // Puts the page together: what was found, the designs, the chosen sole, its walk, and how it was made.
 
-const entry = data.entry ?? {};
 const flatEntry = entry.flat;
 
 /** The first lines: what this run is and what it found. */
@@ -8,78 +7,158 @@ function headline() {
   const warnings = [...(entry.warnings ?? []).map((text) => `Outside what the theory is tested for: ${text}.`), ...(data.warnings ?? [])]
     .map((text) => el("p", { class: "warning" }, text));
   const badge = el("details", { id: "warnings" }, el("summary", {}, `${warnings.length} warning${warnings.length > 1 ? "s" : ""}`), ...warnings);
-  return [...(data.headline ?? []).map((text) => el("p", {}, text)), ...(warnings.length ? [badge] : [])];
+  const [first, ...more] = data.headline ?? [], short = data.walks ? [] : more;
+  return [...(first ? [el("p", {}, first)] : []), ...short.map((text) => el("p", {}, text)), ...(warnings.length ? [badge] : [])];
 }
 
-/** The chosen design: its sole, its numbers, its files. */
+/** What became of an objective: J_W as a multiple, others in %. */
+function change(value, base, column) {
+  const ratio = value / base;
+  if (!Number.isFinite(ratio)) return "–";
+  if (column.name === "efficiency") return ratio >= 1 ? `x ${ratio.toFixed(2)} of flat` : `${(100 * (1 - ratio)).toPrecision(2)} % worse than flat`;
+  return `${ratio >= 1 ? "+" : "−"}${Math.abs(100 * (ratio - 1)).toFixed(1)} %`;
+}
+
+/** A design's value of each column, the finest there is. */
+const valueOf = (i, c) => (i === data.best && data.bestValues ? data.bestValues[c] : values[i * WIDTH + c]);
+
+/** Bars of change against the flat foot, with the error of the numbers and the range under other laws. */
+function bars(i, width) {
+  const laws = i === data.best ? entry.ranks?.laws ?? [] : [], colour = i === data.best ? "var(--best)" : "var(--chosen)";
+  const rows = data.columns.flatMap((column, c) => {
+    const value = valueOf(i, c), base = flatEntry[column.name], share = value / base - 1;
+    if (column.name === "efficiency" || !Number.isFinite(share)) return [];
+    const error = i === data.best && entry.error_estimate ? Math.abs(entry.error_estimate[column.name] / base) : NaN;
+    const under = laws.map((law) => ({ law: law.law, share: law.change?.[column.name] })).filter(({ share: s }) => Number.isFinite(s ?? NaN));
+    return [{ column, value, base, share, error, under, better: (share > 0) === column.maximise }];
+  });
+  const [low, high] = range(rows.flatMap((row) => [0, row.share, ...row.under.map((u) => u.share)]).map((v) => Math.min(v, 2)), 0);
+  const left = 70, right = 66, tall = 56, X = (v) => Math.min(Math.max(left + ((v - low) / (high - low || 1)) * (width - left - right), 0), width);
+  const made = svg("svg", { id: "bars", viewBox: `0 0 ${width} ${rows.length * tall + 4}`, height: rows.length * tall + 4, role: "img",
+    "aria-label": `Change against the flat foot: ${rows.map((row) => `${row.column.title} ${change(row.value, row.base, row.column)}`).join(", ")}` });
+  rows.forEach(({ column, value, base, share, error, under, better }, r) => {
+    const y = r * tall + 22, middle = y + 9, end = X(share), out = share < 0 ? -1 : 1;
+    const ends = range([share, ...under.map((u) => u.share)], 0).map(X), past = out < 0 ? Math.min(...ends, end) : Math.max(...ends, end);
+    made.append(
+      svg("text", { x: 0, y: r * tall + 14 }, svg("tspan", { style: "font-weight:600" }, column.title),
+        svg("tspan", { style: "fill:var(--grey)" }, `  ${quantity(value, column.unit)}${Number.isFinite(error) ? ` ± ${+(100 * Math.abs(error * base / value)).toPrecision(2)} %` : ""}, flat ${number(base)}`)),
+      svg("rect", { class: "bar-of-change", "data-name": column.name, x: Math.min(X(0), end), y, width: Math.max(Math.abs(end - X(0)), 1), height: 18,
+        fill: better ? colour : "var(--paper)", stroke: colour, "stroke-width": 1.5, ...(better ? {} : { "stroke-dasharray": "4 3" }) }),
+      ...(under.length ? [svg("line", { class: "laws", x1: ends[0], x2: ends[1], y1: middle, y2: middle, stroke: "var(--ink)", "stroke-width": 1 }),
+        ...under.map((u) => svg("circle", { cx: X(u.share), cy: middle, r: 2.8, fill: "var(--paper)", stroke: "var(--ink)" }, svg("title", {}, `${u.law}: ${change(1 + u.share, 1, {})}`)))] : []),
+      ...(Number.isFinite(error) ? [svg("path", { class: "error", d: `M${X(share - error)} ${y - 3}v24M${X(share + error)} ${y - 3}v24M${X(share - error)} ${middle}H${X(share + error)}`, stroke: "var(--ink)", "stroke-width": 1.5 })] : []),
+      svg("text", { x: past + 8 * out, y: middle + 4, "text-anchor": out < 0 ? "end" : "start", style: "font-weight:600" }, change(value, base, column)));
+  });
+  made.append(svg("line", { x1: X(0), x2: X(0), y1: 18, y2: rows.length * tall, stroke: "var(--ink)", "stroke-width": 1.2 }));
+  return made;
+}
+
+/** J_W against the flat foot's, with the raw values behind. */
+function gain(i) {
+  const c = data.columns.findIndex((column) => column.name === "efficiency"), base = flatEntry?.efficiency;
+  if (c < 0 || !Number.isFinite(valueOf(i, c) / base)) return "";
+  return el("p", { id: "gain" }, el("strong", {}, `J_W ${change(valueOf(i, c), base, data.columns[c])}`),
+    el("span", { class: "note" }, ` (${number(valueOf(i, c))} against ${number(base)})`));
+}
+
+/** The answer: the chosen sole beside the flat one, what it changes, its step, its files. */
 function designSection() {
-  const drawing = el("div", { class: "plot" }), numbers = el("div", { class: "scroll" }), words = el("p", { id: "design-words" });
-  const title = el("h2", { id: "design-title" });
+  const drawing = el("div", { class: "plot" }), numbers = el("div", {}), words = el("p", { id: "design-words", class: "note" });
+  const title = el("h2", { id: "design-title" }), step = data.walks && gait?.strikes.length ? stepLoop() : null;
   let chosen = data.best;
+  const tools = drawTools(drawing, () => chosen, (i) => show(i), (i) => choose(i));
   const buttons = Object.entries(FORMATS).map(([ending, { text, type }]) => el("button", {
     type: "button", id: `download-${ending}`,
     click: () => download(`sole-${label(chosen).replace(/[^\w.-]+/g, "-")}.${ending}`, text({ points: sole(chosen), top: own("top", chosen), width: own("width", chosen) }), type),
   }, ending.toUpperCase()));
-  const section = el("section", { id: "design" }, title, words,
-    el("div", COUNT > 1 ? {} : { class: "grid wide" }, el("figure", {}, drawing),
-      el("div", {}, numbers, el("div", { class: "bar" }, "Download it as", ...buttons))));
-  function redraw() {
-    const points = sole(chosen), k = heights(chosen), best = chosen === data.best;
-    const others = data.walks?.find((walk) => walk.design === null);
-    title.textContent = COUNT > 1 ? `The chosen sole: ${label(chosen)}` : `The sole: ${label(chosen)}`;
-    words.textContent = [
-      k ? `k = [${k.join(",")}]` : "",
-      `hollow ${(MM * hollow(points)).toFixed(1)} mm`,
-      generation ? `generation ${generation[chosen]}` : "",
-      feasible[chosen] ? "" : `infeasible: ${reason(chosen)}`,
-    ].filter(Boolean).join("; ");
-    drawing.replaceChildren(soleDrawing(points, { width: Math.max(drawing.clientWidth, 200), k, top: own("top", chosen),
-      ghost: others ? pairs(unpack(others.sole)) : null }));
-    const exact = best && data.bestValues, value = (c) => (exact ? data.bestValues[c] : values[chosen * WIDTH + c]);
-    const errors = best && entry.error_estimate;
-    numbers.replaceChildren(table(
-      ["", "this sole", ...(errors ? ["error"] : []), ...(flatEntry ? ["flat sole", "change"] : [])],
+  const back = el("button", { type: "button", id: "back", click: () => choose(data.best) }, `Back to the ${BEST}`);
+  const exact = folded("These numbers as a table", () => numberTable());
+  const section = el("section", { id: "design" }, title,
+    el("div", { class: "grid wide" },
+      el("div", {}, el("figure", {}, drawing), words, step?.figure ?? null),
+      el("div", {}, numbers, ...(flatEntry ? [exact] : []), el("div", { class: "bar" }, "Download it as", ...buttons, back), tools.section)));
+  function numberTable() {
+    const errors = chosen === data.best && entry.error_estimate;
+    return table(["", "this sole", ...(errors ? ["error"] : []), ...(flatEntry ? ["flat sole", "change"] : [])],
       data.columns.map((column, c) => {
-        const base = flatEntry?.[column.name];
-        const share = errors ? Math.abs(errors[column.name] / value(c)) : NaN;
-        return [`${column.title}${column.unit ? `, ${column.unit}` : ""} (${column.maximise ? "max" : "min"})`,
-          number(value(c)),
+        const value = valueOf(chosen, c), base = flatEntry?.[column.name], share = errors ? Math.abs(errors[column.name] / value) : NaN;
+        return [`${column.title}${column.unit ? `, ${column.unit}` : ""} (${column.maximise ? "max" : "min"})`, number(value),
           ...(errors ? [Number.isFinite(share) ? `${+(100 * share).toPrecision(2)} %` : "–"] : []),
-          ...(flatEntry ? [number(base), change(value(c), base, column)] : [])];
-      })),
-      el("p", { class: "note" }, data.jobs ? "" : exact
-        ? `Walked at accuracy ${entry.accuracy.name}; the errors are estimates by refinement.${others ? " Dashed: the flat sole." : ""}`
-        : `Walked at accuracy ${(entry.search_accuracy ?? entry.accuracy).name}.${others ? " Dashed: the flat sole." : ""}`));
+          ...(flatEntry ? [number(base), change(value, base, column)] : [])];
+      }));
   }
-  return { section, redraw, show: (i) => { chosen = i; redraw(); say(`Chosen: ${label(i)}`); } };
+  function redraw() {
+    const points = sole(chosen), k = heights(chosen), best = chosen === data.best, flat = data.walks && flatWalk();
+    title.textContent = COUNT > 1 ? `The ${best ? "" : "chosen "}sole: ${label(chosen)}` : `The sole: ${label(chosen)}`;
+    back.hidden = best || data.jobs !== undefined;
+    words.textContent = [k ? `k = [${k.join(",")}]` : "", `hollow ${(MM * hollow(points)).toFixed(1)} mm`, generation && chosen !== DRAWN ? `generation ${generation[chosen]}` : "",
+      feasible[chosen] ? "" : `infeasible: ${reason(chosen)}`, chosen === DRAWN && feasible[chosen] ? sketch.reason : "", flat ? "dashed: the flat foot" : ""].filter(Boolean).join("; ");
+    drawing.replaceChildren(soleDrawing(points, { width: Math.max(drawing.clientWidth, 200), k, top: own("top", chosen), colour: best || data.jobs ? "var(--best)" : "var(--chosen)",
+      ghost: flat?.points }));
+    const finer = best && data.bestValues, accuracy = data.jobs ? "" : `Walked at accuracy ${(finer ? entry.accuracy : entry.search_accuracy ?? entry.accuracy)?.name}. `;
+    numbers.replaceChildren(...(flatEntry && feasible[chosen]
+      ? [gain(chosen), bars(chosen, Math.max(numbers.clientWidth, 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Ticks at the end: ± the error of the numbers.",
+        best && entry.ranks?.laws?.some((law) => law.change) ? " Circles: under other laws of the sand." : "", ` ${accuracy}`)]
+      : [el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Values" }, numberTable()), el("p", { class: "note" }, accuracy)]));
+    exact.refresh();
+    tools.redraw();
+    step?.redraw();
+  }
+  function show(i) {
+    chosen = i;
+    if (sketch) compareWith(i);
+    step?.show(i);
+    redraw();
+    say(`Chosen: ${label(i)}`);
+  }
+  return { section, redraw, show };
 }
-function change(value, base, column) {
-  const ratio = value / base;
-  if (!Number.isFinite(ratio)) return "–";
-  if (column.name === "efficiency") return ratio >= 1 ? `x ${ratio.toFixed(3)}` : `${(100 * (1 - ratio)).toPrecision(2)} % worse`;
-  return `${ratio >= 1 ? "+" : "−"}${Math.abs(100 * (ratio - 1)).toFixed(1)} %`;
+
+/** The chosen design in little, beside the scatter. */
+function glance() {
+  const section = el("section", { id: "glance", "aria-label": "The chosen design" });
+  const step = data.walks && gait?.strikes.length ? stepLoop("glimpse", 200) : null;
+  let chosen = data.best;
+  const show = (i = chosen, keep = true) => {
+    if (keep) chosen = i;
+    section.replaceChildren(el("h3", {}, label(i)), el("figure", {}, soleDrawing(sole(i), { width: Math.max(section.clientWidth, 200), height: 90, plain: true,
+      top: own("top", i), colour: i === data.best ? "var(--best)" : "var(--chosen)", ghost: data.walks && flatWalk()?.points })),
+    el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Values of the chosen design" },
+      table(["", "value", ...(flatEntry ? ["change"] : [])], data.columns.map((column, c) => [named(column), number(valueOf(i, c)), ...(flatEntry ? [change(valueOf(i, c), flatEntry[column.name], column)] : [])]))),
+    step?.figure ?? "", el("p", {}, el("a", { href: "#design" }, "the whole answer"), ", ", el("a", { href: "#walk" }, "its walk")));
+    step?.show(i);
+  };
+  return { section, show };
 }
 
 /** How a search got there: convergence, and each design that was the best for a while. */
 function searchSection(choose) {
   const holder = el("div", { class: "plot" }), several = data.objectives.length > 1;
-  const draw = () => {
-    const rows = data.history, bests = rows.map((r) => r.best ?? NaN), medians = rows.map((r) => r.median ?? NaN);
+  const draw = (now = Infinity) => {
+    const shown = several ? (v) => v ?? NaN : (v) => guide.show(v ?? NaN);
+    const rows = data.history, bests = rows.map((r) => shown(r.best)), medians = rows.map((r) => shown(r.median));
     const a = axes(holder, { x: [0, rows.at(-1).evaluations], y: range([...bests, ...medians]), xlabel: "evaluations",
-      ylabel: several ? "hypervolume (1: box of the first generation)" : `${named(guide)}: best so far`, height: 260, left: 84,
+      ylabel: several ? (data.live ? "designs on the front so far" : "hypervolume (1: box of the first generation)") : `${named(guide)}: best so far`, height: 260, left: 84,
       label: "Convergence of the search; the table below has the numbers" });
     const X = (i) => a.X(rows[i].evaluations);
     a.svg.append(
-      svg("path", { d: path(medians.map((v, i) => [X(i), a.Y(v)])), fill: "none", stroke: GREY, "stroke-width": 1.5, "stroke-dasharray": "6 4" }),
-      svg("path", { d: path(bests.flatMap((v, i) => (i ? [[X(i), a.Y(bests[i - 1])], [X(i), a.Y(v)]] : [[X(i), a.Y(v)]]))), fill: "none", stroke: GREEN, "stroke-width": 2.2 }));
+      svg("path", { d: path(medians.map((v, i) => [X(i), a.Y(v)])), fill: "none", stroke: "var(--flat)", "stroke-width": 1.5, "stroke-dasharray": "6 4" }),
+      svg("path", { d: path(bests.flatMap((v, i) => (i ? [[X(i), a.Y(bests[i - 1])], [X(i), a.Y(v)]] : [[X(i), a.Y(v)]]))), fill: "none", stroke: "var(--best)", "stroke-width": 2.2 }));
+    if (medians.some(Number.isFinite)) a.svg.append(svg("text", { class: "halo", x: X(rows.length - 1), y: a.Y(medians.findLast(Number.isFinite)) - 6, "text-anchor": "end", style: "fill:var(--grey)" }, "median of the generation"));
+    if (bests.some(Number.isFinite)) a.svg.append(svg("text", { class: "halo", x: X(rows.length - 1), y: a.Y(bests.findLast(Number.isFinite)) + 14, "text-anchor": "end" }, several ? (data.live ? "" : "hypervolume") : "best so far"));
+    if (now < rows.length) a.svg.append(svg("line", { class: "cursor", x1: X(now), x2: X(now), y1: a.inside.top, y2: a.inside.bottom }));
+    hover(a, (x) => {
+      const r = rows.findLast((row) => a.X(row.evaluations) <= x + 3);
+      return r ? `${r.evaluations} evaluations: ${number(shown(r.best))}${Number.isFinite(r.median ?? NaN) ? `, median ${number(shown(r.median))}` : ""}` : null;
+    });
   };
   const buttons = data.lineage.map((i) => el("button", { type: "button", "aria-pressed": String(i === data.best), "data-design": i, click: () => choose(i) },
     soleDrawing(sole(i), { width: 136, height: 32, plain: true }),
     el("div", {}, `generation ${generation[i]}`), el("div", {}, quantity(guide.of(i), guide.unit))));
   const section = el("section", { id: "search" }, el("h2", {}, "The search"),
-    el("figure", {}, holder, several ? null : el("figcaption", {}, "Dashed: the median of each generation.")),
+    el("figure", {}, holder),
     folded("The search as a table", () => table(["evaluations", ...(several ? ["hypervolume", "front"] : [`best ${named(guide)}`, "median"])],
-      data.history.map((r) => [r.evaluations, number(r.best), several ? r.front : number(r.median)].map(String)))),
+      data.history.map((r) => [r.evaluations, number(several ? r.best : guide.show(r.best)), several ? r.front : number(guide.show(r.median))].map(String)))),
     ...(buttons.length ? [el("h3", {}, "Lineage: each sole that was the best at the end of a generation"),
       el("div", { class: "lineage" }, ...buttons)] : []));
   const mark = (i) => buttons.forEach((b) => b.setAttribute("aria-pressed", String(+b.dataset.design === i)));
@@ -117,6 +196,10 @@ function tracesSection() {
     const a = axes(holder, { x: range(jobs.flatMap((job) => [0, job.t.at(-1) ?? 0]), 0), y: range(jobs.flatMap((job) => Array.from(job[name]))),
       xlabel: "time (s)", ylabel: titles[name], height: 230, label: `${titles[name]} over time, of every job` });
     for (const job of jobs) a.svg.append(svg("path", { d: path(Array.from(job.t, (t, i) => [a.X(t), a.Y(job[name][i])])), fill: "none", "stroke-width": 1.5, ...job.line }));
+    hover(a, (x) => {
+      const t = a.fromX(x);
+      return t >= 0 ? [`${t.toFixed(2)} s`, ...jobs.filter((job) => t <= job.t.at(-1)).map((job) => `${job.label}: ${number(at(job, name, 1, t)[0])}`)].join("\n") : null;
+    });
   });
   const section = el("section", { id: "traces" }, el("h2", {}, "Their walks"),
     el("p", { class: "note" }, ...jobs.flatMap((job) => [key(job.line), ` ${[job.label, job.settings].filter(Boolean).join(": ")}  `])),
@@ -127,7 +210,7 @@ function tracesSection() {
 /** A study of many walks: its figures and its tables, as they are on paper and on the terminal. */
 function studySections() {
   const figures = data.figures.map(({ source, width, says }) =>
-    el("figure", { class: "printed" }, el("img", { src: source, width, alt: says }), el("figcaption", {}, says)));
+    el("figure", { class: "printed", tabindex: "0" }, el("img", { src: source, width, alt: says }), el("figcaption", {}, says)));
   const tables = data.tables.flatMap(({ title, head, words: wordy, rows, bad, links, caption }) => {
     const shown = (cell, r, c) => links[r][c] ? el("a", { href: encodeURIComponent(cell) }, cell) : bad[r][c] ? el("strong", { class: "bad" }, cell) : cell;
     const made = table(head.map((text, c) => (wordy[c] ? words(text) : text)),
@@ -145,6 +228,7 @@ function footer() {
   const facts = [
     ["seed", entry.seed ?? undefined], ["wall time", entry.wall_time_s === undefined ? undefined : `${entry.wall_time_s.toFixed(1)} s`],
     ["accuracy", entry.accuracy?.name],
+    ...(data.walks ? data.headline.slice(1).map((text, i) => [i ? "then" : "search", text]) : []),
     ["evaluations", entry.evaluations], ["designs", entry.designs], ["infeasible", entry.infeasible],
     ["versions", entry.versions && Object.entries(entry.versions).map(([name, v]) => `${name} ${v}`).join(", ")],
   ].filter(([, value]) => value !== undefined);
@@ -156,32 +240,27 @@ function footer() {
       block("Accuracy", entry.accuracy)].filter(Boolean)];
 }
 
+const chosen = []; // what shows the chosen design
+const choose = (i) => chosen.forEach((show) => show(i));
+
 function build() {
   const main = document.getElementById("main");
   document.getElementById("header").append(...headline());
-  const walks = data.walks && walkSection(), design = designSection();
-  let explore = null, found = null;
-  const choose = (i) => {
-    design.show(i);
-    explore?.mark(i);
-    found?.mark(i);
-    const place = data.walks ? data.walks.findIndex((walk) => walk.design === i) : -1;
-    if (walks && place >= 0) walks.show(place);
-    unwalked.textContent = walks && place < 0 ? `No walk of ${label(i)} is on this page (${data.walks.length - 2} of the designs beside the best are); footopt study=simulate foot.k=[${heights(i)}] walks with it, with this run's own sand and other settings beside.` : "";
-  };
-  const unwalked = design.section.appendChild(el("p", { class: "note", id: "unwalked" }));
+  const design = designSection(), walks = data.walks && walkSection(), small = COUNT > 1 && !data.jobs ? glance() : null;
+  const explore = COUNT > 1 ? explorer(choose, small?.section ?? design.section, (i) => small?.show(i, false)) : null;
+  const found = data.history?.length ? searchSection(choose) : null, traces = data.traces?.length ? tracesSection() : null;
   if (data.figures) main.append(...studySections());
   if (data.jobs) main.append(jobsSection(choose));
-  if (COUNT > 1) main.append((explore = explorer(choose, design.section)).section);
-  if (COUNT === 1) main.append(design.section);
-  if (walks) main.append(walks.section);
-  if (data.history?.length) main.append((found = searchSection(choose)).section);
-  const traces = data.traces?.length ? tracesSection() : null;
-  if (traces) { main.append(traces.section); drawn(traces.draw); }
+  main.append(...[COUNT && (small || COUNT === 1) ? design.section : null, walks?.section, explore?.section, found?.section, traces?.section].filter(Boolean));
   if (data.entry) document.getElementById("footer").append(...footer());
-  if (found) drawn(found.draw);
+  chosen.push(...(COUNT ? [design.show] : []), ...[walks?.show, small?.show, explore?.mark, found?.mark].filter(Boolean));
+  if (traces) drawn(traces.draw);
+  if (found) drawn(() => found.draw());
   if (explore) { explore.filter(); drawings.push(explore.redraw); }
-  if (COUNT) drawn(design.redraw);
-  if (walks) { walks.show(0); drawings.push(walks.redraw); }
+  if (COUNT) { choose(data.best); drawings.push(design.redraw); }
+  if (walks) drawings.push(walks.redraw);
+  if (small) drawings.push(() => small.show());
+  if (generation && explore && found) rewinding(explore, found);
+  if (data.live) follow(explore, found);
 }
 build();

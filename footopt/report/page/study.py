@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import re
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,9 @@ from rich.text import Text
 
 from footopt.report.page.file import packed, write
 
-SCALE = 0.75  # of a figure's pixels: a wide one then fills the page
+SCALE = 2.1  # pixels of the page for a point of a figure: a wide one then fills the page
+
+NOTHING = {"values": packed(np.empty((0, 0)), exact=True), "feasible": [], "reasons": []}  # of designs
 
 #: What the foot of a page says of a study, of all that is in its result.json.
 FOOTER = (
@@ -38,7 +41,7 @@ def write_study(
     Parameters
     ----------
     folder : Path
-        Of the run; its folder "figures" holds the figures as PNG.
+        Of the run; its folder "figures" holds the figures as SVG.
     title : str
         Of the page.
     headline : sequence of str
@@ -68,22 +71,23 @@ def write_study(
         "headline": list(headline),
         "warnings": list(warnings),
         "figures": [
-            {"says": says, **_inline(folder / "figures" / f"{name}.png")} for name, says in figures.items()
+            {"says": says, **_inline(folder / "figures" / f"{name}.svg")} for name, says in figures.items()
         ],
         "tables": [_plain_table(table, files) for table in tables],
         "columns": [],
-        "designs": {"values": packed(np.empty((0, 0)), exact=True), "feasible": [], "reasons": []},
+        "designs": NOTHING,
         "entry": {name: entry[name] for name in FOOTER if name in entry},
     }
     return write(folder / "report.html", content)
 
 
 def _inline(path: Path) -> dict[str, Any]:
-    """A PNG as the address of itself, and the width that gives the letters of all figures one size."""
+    """An SVG as the address of itself, and the width that gives the letters of all figures one size."""
     picture = path.read_bytes()
-    width = int.from_bytes(picture[16:20], "big")
+    points = re.search(rb'<svg [^>]*width="([0-9.]+)pt"', picture)
     data = base64.b64encode(picture).decode("ascii")
-    return {"source": f"data:image/png;base64,{data}", "width": round(width * SCALE)}
+    width = round(float(points[1]) * SCALE) if points else None
+    return {"source": f"data:image/svg+xml;base64,{data}", "width": width}
 
 
 def _plain_table(table: RichTable, files: Collection[str]) -> dict[str, Any]:

@@ -1,163 +1,4 @@
-// The walk: legs, soles and forces at one instant, and its traces over time with the same instant.
-
-const LEFT = 0, RIGHT = 1, SIDES = ["left", "right"];
-const LINES = [{ stroke: BLUE }, { stroke: VERMILLION, "stroke-dasharray": "7 3" }];
-
-const gait = data.gait && { ...data.gait, angles: unpack(data.gait.angles) };
-
-/** Thigh, shank and pitch of a leg at a time, rad. */
-function legAngles(t, foot) {
-  const rows = gait.angles.length / 6, at = Math.min(Math.max(t / gait.end, 0), 1) * (rows - 1);
-  const i = Math.min(Math.floor(at), rows - 2), part = at - i;
-  return [0, 1, 2].map((joint) => {
-    const j = 6 * i + 3 * foot + joint;
-    return gait.angles[j] * (1 - part) + gait.angles[j + 6] * part;
-  });
-}
-
-/** A walk of the data with its arrays unpacked. */
-const opened = new Map();
-function open(place) {
-  if (!opened.has(place)) {
-    const raw = data.walks[place];
-    const walk = { ...raw, place, points: raw.sole ? pairs(unpack(raw.sole)) : sole(raw.design) };
-    for (const name of ["t", "com", "velocity", "force", "power", "work", "at", "arrows"])
-      walk[name] = raw[name] ? unpack(raw[name]) : [];
-    // fewer points are enough for a moving picture
-    const every = Math.max(1, Math.floor(walk.points.length / 80));
-    walk.light = walk.points.filter((_, i) => i % every === 0 || i === walk.points.length - 1);
-    walk.shape = outline(walk.light, walk.top);
-    opened.set(place, walk);
-  }
-  return opened.get(place);
-}
-
-/** Values of a trace with so many columns at a time, in a straight line between samples. */
-function at(walk, name, width, t) {
-  const times = walk.t;
-  let low = 0, high = times.length - 1;
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (times[middle] <= t) low = middle; else high = middle;
-  }
-  const part = Math.min(Math.max((t - times[low]) / (times[high] - times[low] || 1), 0), 1);
-  const values = walk[name];
-  return Array.from({ length: width }, (_, i) => values[low * width + i] * (1 - part) + values[high * width + i] * part);
-}
-
-/** Where everything is at a time, m and N. */
-function instant(walk, t) {
-  const [x, z] = at(walk, "com", 2, t);
-  const parts = walk.at.length / 2, arrows = at(walk, "arrows", 4 * parts, t);
-  const feet = SIDES.map((_, foot) => {
-    const [thigh, shank, pitch] = legAngles(t, foot);
-    const knee = [x + gait.l1 * Math.sin(thigh), z - gait.l1 * Math.cos(thigh)];
-    const ankle = [knee[0] + gait.l2 * Math.sin(shank), knee[1] - gait.l2 * Math.cos(shank)];
-    const c = Math.cos(pitch), s = Math.sin(pitch);
-    const turn = ([u, v]) => [ankle[0] + c * u - s * v, ankle[1] + s * u + c * v];
-    const carry = (points) => points.map(([u, v]) => turn([u - walk.ankle[0], v - walk.ankle[1]]));
-    const forces = Array.from({ length: parts }, (_, i) => {
-      const j = 2 * (foot * parts + i);
-      return { at: turn([walk.at[2 * i], walk.at[2 * i + 1]]), f: [arrows[j], arrows[j + 1]] };
-    });
-    return { leg: [[x, z], knee, ankle], shape: carry(walk.shape), sole: carry(walk.light), forces };
-  });
-  return { com: [x, z], feet };
-}
-
-const size = ([x, z]) => Math.hypot(x, z);
-
-/** The force of a whole foot and where it acts: the mean of its parts' places by their forces. */
-function resultant(forces) {
-  const total = [0, 0], place = [0, 0];
-  let weight = 0;
-  for (const { at: [x, z], f } of forces) {
-    total[0] += f[0]; total[1] += f[1];
-    place[0] += size(f) * x; place[1] += size(f) * z; weight += size(f);
-  }
-  return { f: total, at: weight ? [place[0] / weight, place[1] / weight] : forces[0]?.at };
-}
-
-function arrow([x0, y0], [x1, y1]) {
-  const long = Math.hypot(x1 - x0, y1 - y0);
-  if (long < 3) return "";
-  const head = Math.min(7, 0.6 * long), ux = (x1 - x0) / long, uy = (y1 - y0) / long;
-  const side = (turn) => [x1 - head * (ux - turn * 0.5 * uy), y1 - head * (uy + turn * 0.5 * ux)];
-  return path([[x0, y0], [x1, y1]]) + path([side(1), [x1, y1], side(-1)]);
-}
-
-/** A picture of the walker; returns what moves it to an instant. `close` follows the soles. */
-function stage(holder, walk, { close, x, z, label }) {
-  const width = Math.max(holder.clientWidth, 200);
-  const height = Math.min(330, (width / (x[1] - x[0])) * (z[1] - z[0]) + 60);
-  const scale = Math.min(width / (x[1] - x[0]), height / (z[1] - z[0])), Z = (v) => height - (v - z[0]) * scale;
-  let middle = 0.5 * (x[0] + x[1]);
-  const X = (v) => width / 2 + (v - middle) * scale;
-  const drawing = svg("svg", { viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": label });
-  const add = (name, attributes) => drawing.appendChild(svg(name, attributes));
-  add("rect", { x: 0, y: Z(0), width, height: height - Z(0), fill: "var(--sand)" });
-  const marks = add("g", {});
-  add("line", { x1: 0, x2: width, y1: Z(0), y2: Z(0), stroke: "var(--orange)", "stroke-width": 1.5 });
-  const body = [LEFT, RIGHT].map((foot) => ({
-    shape: add("path", { fill: foot ? "#f6dfce" : "#d5e6f2", "fill-opacity": 0.85 }),
-    leg: add("path", { fill: "none", stroke: LINES[foot].stroke, "stroke-width": close ? 5 : 4, "stroke-opacity": 0.75, "stroke-linejoin": "round" }),
-    joints: add("path", { fill: "none", stroke: "#1a1a1a", "stroke-width": 6, "stroke-linecap": "round" }),
-    sole: add("path", { fill: "none", stroke: LINES[foot].stroke, "stroke-width": 2.5 }),
-    arrows: add("path", { fill: "none", stroke: "#1a1a1a", "stroke-width": 1.3 }),
-    name: add("text", { class: "halo", "text-anchor": "middle" }),
-  }));
-  const hip = add("circle", { r: close ? 0 : 8, fill: "#1a1a1a" });
-  const largest = close
-    ? walk.arrows.reduce((most, _, i, a) => (i % 2 ? most : Math.max(most, Math.hypot(a[i], a[i + 1]))), 1)
-    : walk.force.reduce((most, v) => Math.max(most, Math.abs(v)), 1);
-  const reach = ((close ? 0.3 : 0.35) * (z[1] - z[0]) * scale) / largest; // pixels per newton
-  const round = 10 ** Math.floor(Math.log10((0.7 * largest)));
-  const unit = [5, 2, 1].find((m) => m * round <= 0.7 * largest) * round;
-  add("path", { d: arrow([14, height - 12], [14 + unit * reach, height - 12]), fill: "none", stroke: "#1a1a1a", "stroke-width": 1.3 });
-  add("text", { x: 20 + unit * reach, y: height - 8 }).textContent = `${unit} N`;
-  holder.replaceChildren(drawing);
-  return (t) => {
-    const now = instant(walk, t);
-    if (close) middle = now.com[0];
-    const to = ([u, v]) => [X(u), Z(v)], line = (points) => path(points.map(to));
-    marks.replaceChildren(...ground({ X, Z, width, height }), ...ticks(middle - width / 2 / scale, middle + width / 2 / scale, width / 110).values.flatMap((v) => [
-      svg("line", { x1: X(v), x2: X(v), y1: Z(0), y2: Z(0) + 6, stroke: "var(--orange)" }),
-      ...(X(v) > 24 && X(v) < width - 24 ? [svg("text", { x: X(v), y: Z(0) + 19, "text-anchor": "middle" }, `${+v.toFixed(2)} m`.replace("-", "−"))] : [])]));
-    now.feet.forEach((foot, side) => {
-      const part = body[side], ankle = to(foot.leg[2]);
-      part.shape.setAttribute("d", line(foot.shape) + "Z");
-      part.sole.setAttribute("d", line(foot.sole));
-      part.leg.setAttribute("d", line(foot.leg));
-      part.joints.setAttribute("d", foot.leg.slice(1).map((p) => { const [u, v] = to(p); return `M${u} ${v}h.01`; }).join(""));
-      const shown = close ? foot.forces : [resultant(foot.forces)];
-      part.arrows.setAttribute("d", shown.filter(({ at: place }) => place).map(({ at: place, f }) => {
-        const end = to(place), tip = [end[0] + reach * f[0], end[1] - reach * f[1]];
-        return close ? arrow([2 * end[0] - tip[0], 2 * end[1] - tip[1]], end) : arrow(end, tip);
-      }).join(""));
-      part.name.setAttribute("x", ankle[0]);
-      part.name.setAttribute("y", ankle[1] - (close ? 34 : 14));
-      part.name.textContent = close ? SIDES[side] : "";
-    });
-    hip.setAttribute("cx", X(now.com[0]));
-    hip.setAttribute("cy", Z(now.com[1]));
-  };
-}
-
-/** What the scene's effects do to the ground: layers, patches with their strength, and which way gravity pulls. */
-function ground({ X, Z, width, height }) {
-  const { patches, layers, slope } = data.entry.scene.effects, tilt = ((slope?.angle ?? 0) * Math.PI) / 180;
-  const label = (x, y, text, anchor = "start") => svg("text", { class: "halo", x, y, "text-anchor": anchor }, text);
-  return [
-    ...(patches?.begins ?? []).flatMap((begin, i) => [
-      svg("rect", { x: X(begin), y: Z(0), width: X(patches.ends[i]) - X(begin), height: height - Z(0), fill: "#d9b26a", "fill-opacity": 0.5 }),
-      label(X(begin) + 4, height - 24, `× ${patches.factors[i]}`)]),
-    ...(layers?.depths ?? []).map((depth) =>
-      svg("line", { x1: 0, x2: width, y1: Z(-depth), y2: Z(-depth), stroke: "var(--orange)", "stroke-dasharray": "4 4" })),
-    ...(slope ? [
-      svg("path", { d: arrow([width - 40, 24], [width - 40 - 44 * Math.sin(tilt), 24 + 44 * Math.cos(tilt)]), fill: "none", stroke: "#1a1a1a", "stroke-width": 1.5 }),
-      label(width - 8, 16, `gravity, ${number(Math.abs(slope.angle))}° ${slope.angle > 0 ? "uphill" : "downhill"}`, "end")] : []),
-  ];
-}
+// The walk: its stage, and its traces over time with the same instant.
 
 const PLOTS = [
   { title: "height of the COM (m)", name: "com", width: 2, lines: [1] },
@@ -170,25 +11,39 @@ const PLOTS = [
 
 const column = (walk, name, width, i) => Array.from(walk.t, (_, row) => walk[name][row * width + i]);
 
+/** A line's name beside its extreme, which is where lines are apart. */
+function nameLine(a, times, values, text, colour) {
+  const peak = values.reduce((best, v, i) => (Math.abs(v) > Math.abs(values[best]) ? i : best), 0);
+  const x = Math.min(Math.max(a.X(times[peak]), a.inside.left + 20), a.inside.right - 20);
+  a.svg.append(svg("text", { class: "halo", x, y: Math.min(Math.max(a.Y(values[peak]) + (values[peak] < 0 ? 13 : -5), 26), a.inside.bottom - 2), "text-anchor": "middle", style: `fill:${colour}` }, text));
+}
+
 /** One trace of a walk, a pale one to compare it with; returns what moves the cursor. */
 function tracePlot(holder, { title, name, width, lines }, walk, other, seek) {
-  const series = lines.map((i) => column(walk, name, width, i));
+  const series = lines.map((i) => column(walk, name, width, i)), two = lines.length > 1;
   const pale = other ? lines.map((i) => column(other, name, width, i)) : [];
   const a = axes(holder, {
-    x: [0, gait.end], y: range([...series.flat(), ...pale.flat()]), xlabel: "time (s)", ylabel: title, height: 190,
+    x: [0, gait.end], y: range([...series.flat(), ...pale.flat()], 0.08), xlabel: "time (s)", ylabel: title, height: 190,
     label: `${title} over time; the table below has the numbers`,
   });
   for (const strike of gait.strikes) a.svg.append(svg("line", {
     class: "strike", x1: a.X(strike), x2: a.X(strike), y1: a.inside.top, y2: a.inside.bottom }));
   pale.forEach((values, i) => a.svg.append(svg("path", { d: path(values.map((v, j) => [a.X(other.t[j]), a.Y(v)])),
-    fill: "none", stroke: "#b5b5b5", "stroke-width": 1.2, "stroke-dasharray": lines.length > 1 && i ? "7 3" : null })));
+    fill: "none", stroke: "var(--flat)", "stroke-width": 1.2, "stroke-dasharray": two && i ? "7 3" : null })));
   series.forEach((values, i) => a.svg.append(svg("path", { d: path(values.map((v, j) => [a.X(walk.t[j]), a.Y(v)])),
-    fill: "none", "stroke-width": 1.8, ...(lines.length > 1 ? LINES[i] : { stroke: "#1a1a1a" }) })));
+    fill: "none", "stroke-width": 1.8, ...(two ? LINES[i] : { stroke: "var(--ink)" }) })));
+  if (two) series.forEach((values, i) => nameLine(a, walk.t, values, SIDES[i], `var(--${SIDES[i]}-text)`));
+  else if (pale.length) nameLine(a, other.t, pale[0], other.label, "var(--grey)");
   const cursor = a.svg.appendChild(svg("line", { class: "cursor", y1: a.inside.top, y2: a.inside.bottom }));
-  const dots = series.map((_, i) => a.svg.appendChild(svg("circle", { r: 3.5, fill: lines.length > 1 ? LINES[i].stroke : "#1a1a1a" })));
-  const to = (event) => seek(a.fromX(((event.clientX - a.svg.getBoundingClientRect().left) * a.width) / a.svg.getBoundingClientRect().width));
+  const dots = series.map((_, i) => a.svg.appendChild(svg("circle", { r: 3.5, fill: two ? LINES[i].stroke : "var(--ink)" })));
+  const to = (event) => seek(a.fromX(where(a, event)[0]));
   a.svg.addEventListener("pointerdown", (event) => { a.svg.setPointerCapture(event.pointerId); to(event); });
   a.svg.addEventListener("pointermove", (event) => event.buttons && to(event));
+  hover(a, (x) => {
+    if (!(x >= a.inside.left && x <= a.inside.right)) return null;
+    const t = a.fromX(x), told = (shown) => { const v = at(shown, name, width, t); return lines.map((l, i) => `${two ? `${SIDES[i]} ` : ""}${number(v[l])}`).join(", "); };
+    return `${t.toFixed(2)} s: ${told(walk)}${other ? `; ${other.label}: ${told(other)}` : ""}`;
+  });
   return (t) => {
     cursor.setAttribute("x1", a.X(t));
     cursor.setAttribute("x2", a.X(t));
@@ -197,16 +52,33 @@ function tracePlot(holder, { title, name, width, lines }, walk, other, seek) {
   };
 }
 
-/** The section of the walk; `show(place)` puts another walk of the data on it. */
+/** The walk of a design: of the data, or made here; or null. */
+function walkOf(i) {
+  const place = data.walks.findIndex((walk) => walk.design === i);
+  return place < 0 ? simulated(i) : Object.assign(open(place), { label: label(i) });
+}
+/** That of the flat sole, which is no design. */
+function flatWalk() {
+  const place = data.walks?.findIndex((walk) => walk.design === null) ?? -1;
+  return sketch?.flat ?? (place < 0 ? null : open(place));
+}
+
+/** The section of the walk; `show(i)` puts the walk of a design on it. */
 function walkSection() {
-  const state = { walk: null, other: null, t: 0, playing: false, movers: [] };
-  const choices = (extra) => [...extra, ...data.walks.map((walk, i) => el("option", { value: i }, walk.label))];
-  const pick = el("select", { id: "walk-choice", change: () => show(+pick.value, true) }, ...choices([]));
-  const flat = data.walks.findIndex((walk) => walk.design === null);
-  const compare = el("select", { id: "walk-compare", change: () => { state.other = compare.value; redraw(); } },
-    ...choices([el("option", { value: "" }, "none")]));
-  if (flat >= 0) compare.value = String(flat);
-  state.other = compare.value;
+  const state = { chosen: data.best, walk: null, other: null, t: 0, playing: false, movers: [] };
+  const others = new Map([["", null], ...(flatWalk() ? [["flat", flatWalk]] : []), ...(COUNT > 1 ? [["best", () => walkOf(data.best)]] : [])]);
+  const compare = el("select", { id: "walk-compare", change: () => redraw() },
+    ...[...others.keys()].map((name) => el("option", { value: name }, name || "none")));
+  compare.value = others.has("flat") ? "flat" : "";
+  const keep = COUNT > 1 ? el("button", { id: "keep", type: "button", click: () => {
+    const kept = state.walk;
+    others.set("kept", () => kept);
+    compare.querySelector("[value=kept]")?.remove();
+    compare.append(el("option", { value: "kept" }, kept.label));
+    compare.value = "kept";
+    redraw();
+  } }, "Compare others with this one") : null;
+  const paint = el("select", { id: "paint", change: () => redraw() }, ...Object.entries(PAINTS).map(([name, scheme]) => el("option", { value: name }, scheme?.title ?? "left and right")));
   const play = el("button", { id: "play", type: "button", click: () => (state.playing ? stop() : start()) }, "Play");
   const speed = el("select", { id: "speed" },
     ...[["1", "real time"], ["0.5", "1/2"], ["0.25", "1/4"], ["0.1", "1/10"]].map(([value, text]) => el("option", { value }, text)));
@@ -216,42 +88,41 @@ function walkSection() {
   const clock = el("output", { for: "time", style: "min-width:9.5em" });
   const whole = el("div", { class: "plot" }), near = el("div", { class: "plot" });
   const plots = PLOTS.map(() => el("div", { class: "plot seek" }));
-  const numbers = el("div", { class: "scroll" });
-  const message = el("p", {});
+  const numbers = el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Numbers at this instant" });
+  const title = el("h2", { id: "walk-title" }), message = el("p", { id: "unwalked", class: "note" });
   const samples = folded("The walk as a table", () => sampleTable(state.walk));
   const picture = el("div", {},
-    el("div", { class: "bar" }, play,
-      el("label", {}, "speed", speed), scrubber, clock),
+    el("div", { class: "bar" }, play, el("label", {}, "speed", speed), scrubber, clock),
     el("div", { class: "grid wide" },
       el("figure", {}, whole, el("figcaption", {}, "The walker and the force of the sand on each foot, from where it acts.")),
       el("figure", {}, near, el("figcaption", {}, "Close-up; arrows: forces on parts of the sole, ending there."))),
     numbers,
     el("p", { class: "note", id: "walk-key" }, key(LINES[LEFT]), " left foot, ", key(LINES[RIGHT]), " right foot, ",
-      key({ stroke: "#b5b5b5" }), " the walk it is compared with; dotted lines: heel strikes. ",
+      key({ stroke: "var(--flat)" }), " compared with; dotted: heel strikes. ",
       "Click or drag in a plot to go to an instant. Power and work are negative where the sand takes energy."),
     el("div", { class: "grid plots", style: "--columns:3" }, ...plots.map((plot) => el("figure", {}, plot))),
     samples);
-  const section = el("section", { id: "walk" }, el("h2", {}, "The walk"),
-    el("div", { class: "bar" }, el("label", {}, "sole", pick), el("label", {}, "compare with", compare)), message, picture);
+  const section = el("section", { id: "walk" }, title,
+    el("div", { class: "bar" }, el("label", {}, "compare with", compare), keep, el("label", {}, "colour the sole by", paint)), message, picture);
 
   function redraw() {
-    if (!state.walk) return;
-    const { walk } = state, failed = walk.t.length < 2;
-    message.textContent = walk.reason ? `This walk failed: ${walk.reason}${failed ? ", at once" : `, at ${number(walk.t.at(-1))} s`}.` : "";
+    const { walk } = state, failed = !walk || walk.t.length < 2;
+    title.textContent = `The walk${COUNT > 1 ? `: ${label(state.chosen)}` : ""}`;
+    message.textContent = !walk
+      ? `No walk of ${label(state.chosen)} is on this page; footopt study=simulate foot.k=[${heights(state.chosen)}] walks with it, with this run's own sand and other settings beside.`
+      : walk.reason ? `This walk failed: ${walk.reason}${failed ? ", at once" : `, at ${number(walk.t.at(-1))} s`}.` : "";
     picture.hidden = failed;
-    if (failed) return;
-    const com = Array.from({ length: walk.com.length / 2 }, (_, i) => [walk.com[2 * i], walk.com[2 * i + 1]]);
-    let deepest = 0;
-    for (let i = 0; i < walk.t.length; i += 4) for (const foot of instant(walk, walk.t[i]).feet)
-      for (const p of foot.sole) deepest = Math.min(deepest, p[1]);
-    const low = deepest - 0.05, x = range(com.map((p) => p[0]), 0);
-    const other = state.other === "" || +state.other === walk.place ? null : open(+state.other);
+    if (keep) keep.hidden = failed;
+    if (failed) { stop(); return; }
+    const com = pairs(walk.com), low = deepest(walk) - 0.05, x = range(com.map((p) => p[0]), 0);
+    const found = others.get(compare.value)?.(), other = found && found !== walk && found.t.length > 1 ? found : null;
+    const shared = { other, paint: paint.value };
     state.movers = [
-      stage(whole, walk, { x: [x[0] - 0.55, x[1] + 0.55], z: [Math.min(low, -0.16), Math.max(...com.map((p) => p[1])) + 0.12],
+      stage(whole, walk, { ...shared, x: [x[0] - 0.55, x[1] + 0.55], z: [Math.min(low, -0.16), Math.max(...com.map((p) => p[1])) + 0.12],
         label: "Stick figure of the walker at one instant" }),
-      stage(near, walk, { close: true, x: [-0.36, 0.36], z: [low - 0.08, 0.27],
+      stage(near, walk, { ...shared, close: true, x: [-0.36, 0.36], z: [low - 0.05, 0.24],
         label: "Close-up of both soles in the sand with the forces on them" }),
-      ...plots.map((plot, i) => tracePlot(plot, PLOTS[i], walk, other?.t.length > 1 ? other : null, (t) => { stop(); move(t); })),
+      ...plots.map((plot, i) => tracePlot(plot, PLOTS[i], walk, other, (t) => { stop(); move(t); })),
     ];
     scrubber.max = walk.t.at(-1);
     move(state.t);
@@ -287,16 +158,52 @@ function walkSection() {
     state.playing = false;
     play.textContent = "Play";
   }
-  function show(place, loud = false) {
+  function show(i) {
     stop();
-    pick.value = String(place);
-    state.walk = open(place);
+    state.chosen = i;
+    state.walk = walkOf(i);
     redraw();
-    if (loud) say(`Walk of ${state.walk.label}`);
   }
   // a figure worth looking at before anyone presses Play: the first single stance
   state.t = gait.strikes.length ? gait.strikes[0] + 0.25 : 0;
   return { section, show, redraw };
+}
+
+/** The first step of the right foot, close, over and over; `show(i)` takes that of another design. */
+function stepLoop(id = "step", tall = 300) {
+  const holder = el("div", { class: "plot", id }), still = matchMedia("(prefers-reduced-motion: reduce)").matches;
+  const button = el("button", { type: "button", class: "loop", click: () => { state.playing = !state.playing; run(); } });
+  const figure = el("figure", {}, holder, el("figcaption", {}, button, " A step at a quarter of its speed, with the forces on parts of the sole", flatWalk() ? "; dashed: the flat foot in step." : "."));
+  const begin = gait.strikes[0], stride = 2 * ((gait.strikes[1] ?? NaN) - begin);
+  const state = { walk: null, mover: null, t: begin + 0.1 * stride, playing: !still && Number.isFinite(stride), seen: true };
+  new IntersectionObserver(([{ isIntersecting }]) => { state.seen = isIntersecting; run(); }).observe(holder);
+  let before = 0, busy = false;
+  const tick = (now) => {
+    busy = state.playing && state.seen && state.mover;
+    if (!busy) return;
+    state.t += Math.min((now - before) / 1000, 0.1) / 4;
+    if (state.t > begin + 0.72 * stride) state.t = begin - 0.06 * stride;
+    before = now;
+    state.mover(state.t);
+    requestAnimationFrame(tick);
+  };
+  function run() {
+    button.textContent = state.playing ? "Pause" : "Play";
+    if (!busy) { before = performance.now(); busy = true; requestAnimationFrame(tick); }
+  }
+  function redraw() {
+    const { walk } = state;
+    figure.hidden = !walk || !(walk.t.at(-1) > begin + 0.3 * stride);
+    state.mover = null;
+    if (figure.hidden) return;
+    const flat = flatWalk(), other = flat && flat !== walk && flat.t.at(-1) > begin + 0.3 * stride ? flat : null;
+    const foot = (w) => pose(w, begin + 0.25 * stride)[RIGHT].leg[2][0];
+    state.mover = stage(holder, walk, { close: true, other, tall, x: [-0.26, 0.26], z: [deepest(walk, begin - 0.06 * stride, begin + 0.72 * stride) - 0.035, 0.13],
+      fixed: { x: foot(walk) + 0.03, shift: other ? foot(walk) - foot(other) : 0 }, label: "One step of the right foot in the sand, with the forces on its sole" });
+    state.mover(state.t);
+    run();
+  }
+  return { figure, redraw, show: (i) => { state.walk = walkOf(i); redraw(); } };
 }
 
 const key = ({ stroke, "stroke-dasharray": dash }) =>

@@ -7,22 +7,28 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from footopt.design import Confirmation, SearchResult
 from footopt.design.exhaustive import Enumeration
-from footopt.foot import Waypoints
+from footopt.foot import Foot, Waypoints
 from footopt.report.body import forces_along, groups
 from footopt.report.numbers import percent, title
 from footopt.report.page.file import column, packed
+from footopt.report.page.physics import ARROWS, physics, refusal
+from footopt.report.scenery import scenery
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
-from footopt.walk import FIVE, MEASURES, Scene, Walk
+from footopt.walk import FIVE, MEASURES, Accuracy, Scene, Walk
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 DESIGNS = 20_000  # besides the front that are on the page
 LEADERS = 20  # best designs of an enumerated space whose walks are on the page
 WALKS = 200  # designs of a front whose walks are on the page
-FRAMES = 90  # samples of each of their walks
-FINE_FRAMES = 500  # of the walk that the page is about
-ARROWS = 10  # force arrows along a sole
+BEND = 0.004  # of a trace's range: as far as straight lines between its samples may be from it
+FRAMES = 60  # samples of the forces along the sole of each of their walks
+FINE_FRAMES = 250  # of the walk that the page is about
 ON_THE_PAGE = ("front", "front_values", "confirmed")  # as designs, not as entries of result.json
 HOLLOW = 0.5e-3  # m; a smaller one is called none
 POSE_STEP = 0.01  # s, between the poses of the gait
@@ -44,10 +50,10 @@ def walk_content(walk: Walk, entry: dict[str, Any]) -> dict[str, Any]:
     else:
         shape = {"soles": [packed(foot.contour, exact=True)]}
     return {
-        **_common(entry, walk.scene, tuple(values)),
+        **common(entry, walk.scene, tuple(values), walk.accuracy, foot),
         "title": f"{foot.name} on {walk.scene.sand.name} sand",
         "headline": [f"{describe_scene(walk.scene)}; {describe_foot(foot)}"],
-        "space": _splines(foot.space) if "k" in shape and foot.space else None,
+        "space": splines(foot.space) if "k" in shape and foot.space else None,
         "top": foot.top,
         "width": foot.width,
         "designs": {
@@ -63,12 +69,15 @@ def walk_content(walk: Walk, entry: dict[str, Any]) -> dict[str, Any]:
 
 
 def walked_designs(result: SearchResult, confirmed: Confirmation) -> list[int]:
-    """The designs beside the best one whose walks `search_content` shows.
+    """The designs beside the best one whose walks `search_content` holds: none where the page itself walks.
 
-    Those of the front, evenly spread over its ranks where it is larger than `WALKS`; or those that were
+    Else those of the front, evenly spread over its ranks where it is larger than `WALKS`; or those that were
     the best so far; or the best of an enumerated space.
     """
-    if result.problem.n_obj > 1:
+    problem = result.problem
+    if not refusal(problem.scene, problem.accuracy, problem.space):
+        return []
+    if problem.n_obj > 1:
         chosen = _spread(result.shown.tolist(), WALKS)
     else:
         chosen = successive_bests(result) or list(range(min(LEADERS, len(result.k))))
@@ -110,12 +119,13 @@ def search_content(
     reasons = [*dict.fromkeys(map(str, result.reasons))]
     codes = np.array([reasons.index(str(r)) for r in result.reasons])
     return {
-        **_common(entry, problem.scene, record),
+        **common(entry, problem.scene, record, problem.accuracy, problem.space),
         "title": verdict(best, flat),
         "headline": [
             f"Soles for {', '.join(problem.names)} on {describe_scene(problem.scene)}",
             describe_search(result),
             describe_confirmation(confirmed),
+            *([entry["certificate"]["says"]] if entry.get("certificate") else []),
             *([f"{len(rows)} of the designs are on this page"] if len(rows) < result.designs else []),
         ],
         "guide": problem.names[0],
@@ -130,7 +140,7 @@ def search_content(
             "reasons": reasons,
             "reason": packed(codes[rows]),
         },
-        "space": _splines(problem.space),
+        "space": splines(problem.space),
         "top": problem.space.top,
         "width": problem.space.width,
         "best": place[chosen],
@@ -138,10 +148,7 @@ def search_content(
         "front": [place[i] for i in front],
         "walks": [
             {"design": place[chosen], "label": "best", **_traces(best, FINE_FRAMES)},
-            {
-                "design": None, "label": "flat", **_traces(flat, FINE_FRAMES),
-                "sole": packed(flat.foot.contour),
-            },
+            traces_of_flat(flat),
             *({"design": place[i], "label": f"design {i}", **_traces(walk, FRAMES)} for i, walk in walks),
         ],
         "lineage": [place[i] for i in lineage],
@@ -188,13 +195,17 @@ def successive_bests(result: SearchResult) -> list[int]:
     return [int(i) for i in better[last]]
 
 
-def _common(entry: dict[str, Any], scene: Scene, names: Sequence[str]) -> dict[str, Any]:
+def common(
+    entry: dict[str, Any], scene: Scene, names: Sequence[str], accuracy: Accuracy, foot: Foot | Waypoints
+) -> dict[str, Any]:
     """What every page of walks holds: the columns of values, the scene's gait, the run's own facts."""
     t = np.linspace(0.0, scene.duration, int(np.ceil(scene.duration / POSE_STEP)) + 1)
     thigh, shank, pitch = (angle for angle, _ in scene.gait.angles(t))
     return {
         "columns": [column(name, MEASURES[name].unit, MEASURES[name].maximise) for name in names],
         "entry": {name: value for name, value in entry.items() if name not in ON_THE_PAGE},
+        "ground": scenery(scene),
+        "physics": physics(scene, accuracy, foot),
         "gait": {
             "end": scene.duration,
             "angles": packed(np.stack([thigh, shank, pitch], axis=-1)),
@@ -211,7 +222,7 @@ def _spread(ranked: list[int], most: int) -> list[int]:
     return [ranked[i] for i in picks]
 
 
-def _splines(space: Waypoints) -> dict[str, Any]:
+def splines(space: Waypoints) -> dict[str, Any]:
     """Every sole of a space at once: a spline is linear in its heights.
 
     contour(k) = base + sum_i (k_i - 1) columns_i, in z; x is the same for all.
@@ -232,25 +243,49 @@ def _splines(space: Waypoints) -> dict[str, Any]:
     }
 
 
+def traces_of_flat(flat: Walk) -> dict[str, Any]:
+    """The walk of the flat sole, which is no design of a page."""
+    return {"design": None, "label": "flat", **_traces(flat, FINE_FRAMES), "sole": packed(flat.foot.contour)}
+
+
 def _traces(walk: Walk, frames: int) -> dict[str, Any]:
     """A walk at some of its samples, its peaks among them, and the forces along its sole."""
     foot = walk.foot
     shared = {"ankle": foot.ankle, "top": foot.top, "reason": walk.reason}
     if len(walk.t) == 0:
         return {**shared, "t": packed(walk.t)}
-    peaks = [np.abs(walk.power).argmax(axis=0), np.abs(walk.force).reshape(len(walk.t), -1).argmax(axis=0)]
-    even = np.searchsorted(walk.t, np.linspace(walk.t[0], walk.t[-1], frames))
-    index = np.unique(np.concatenate([even, *peaks]))
+    traces = ("com", "velocity", "force", "power", "work")
+    columns = np.concatenate([getattr(walk, name).reshape(len(walk.t), -1) for name in traces], axis=1)
+    index = _bends(walk.t, columns)
+    even = np.unique(np.searchsorted(walk.t, np.linspace(walk.t[0], walk.t[-1], frames)))
     sole = foot.plates(walk.accuracy.plates, walk.accuracy.rule)
     begin, size = groups(sole.x.shape[1], ARROWS)
     # relative to the ankle, as plates are; the page turns and carries them
     at = [np.add.reduceat(part[0], begin) / size for part in (sole.x, sole.z)]
-    force = forces_along(walk, index, ARROWS).force
-    traces = ("com", "velocity", "force", "power", "work")
     return {
         **shared,
         "t": packed(walk.t[index], exact=True),
         **{name: packed(getattr(walk, name)[index]) for name in traces},
         "at": packed(np.stack(at, axis=-1)),
-        "arrows": packed(force),
+        "area": packed(np.add.reduceat(sole.area[0], begin), exact=True),
+        "when": packed(walk.t[even], exact=True),
+        "arrows": packed(forces_along(walk, even, ARROWS).force),
     }
+
+
+def _bends(t: Array, columns: Array) -> Ints:
+    """Samples between which straight lines are nowhere farther than `BEND` from traces, (T, n)."""
+    span = np.ptp(columns, axis=0)
+    scaled = columns / np.where(span > 0.0, span, 1.0)
+    keep, open_ = {0, len(t) - 1}, [(0, len(t) - 1)]
+    while open_:
+        a, b = open_.pop()
+        if b - a < 2:
+            continue
+        part = ((t[a : b + 1] - t[a]) / (t[b] - t[a]))[:, None]
+        away = np.abs(scaled[a : b + 1] - (1.0 - part) * scaled[a] - part * scaled[b]).max(axis=1)
+        worst = a + int(away.argmax())
+        if away.max() > BEND:
+            keep.add(worst)
+            open_ += [(a, worst), (worst, b)]
+    return np.array(sorted(keep))

@@ -1,0 +1,214 @@
+"""`certified`: the best design of a search, with every sole in its neighbourhood walked and none better."""
+
+from __future__ import annotations
+
+import math
+from copy import copy
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+
+from footopt.design.evaluator import Evaluator
+from footopt.design.problem import Array, FootProblem, Ints, Words
+from footopt.design.result import Confirmation, SearchResult, confirm
+from footopt.foot import Waypoints
+from footopt.walk.accuracy import Accuracy
+
+MOST = 20_000  # soles of a neighbourhood: of a larger space only nearer ones are asked for
+SAFETY = 2.0  # times the largest change of a finalist between accuracies: who is nearer is walked finely
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """That no sole near a design is better.
+
+    Parameters
+    ----------
+    k : tuple of int
+        Heights of the design.
+    distance : int
+        Waypoints in which a neighbour may differ from it, by any height. Shifts of a run of neighbouring
+        waypoints by one level are neighbours, too.
+    soles, inside : int
+        How many neighbours there are, and how many of them stay in their box: the others are no feet.
+    walks : int
+        Of these, how many the search had not walked with.
+    finely : int
+        How many are so near in value that they were walked at the finer accuracy, too.
+    accuracy : str
+        Name of that one, at which neighbours are compared with the design.
+    margin : float
+        How near, relative: `SAFETY` times what the objective of a finalist changes between the accuracies.
+    steps : int
+        How often a better neighbour took the place of what the search had found.
+    holds : bool
+        Whether no neighbour is better; otherwise they were not all walked with.
+    """
+
+    k: tuple[int, ...]
+    distance: int
+    soles: int
+    inside: int
+    walks: int
+    finely: int
+    accuracy: str
+    margin: float
+    steps: int
+    holds: bool
+
+    def __str__(self) -> str:
+        shifted = "a shift of a run of its waypoints by one level"
+        if self.distance:
+            waypoints = "one waypoint" if self.distance == 1 else f"up to {self.distance} waypoints"
+            near = f"no sole that differs in {waypoints}, or by {shifted}, is better"
+        else:
+            near = f"{shifted} makes no better sole"
+        known = f"{self.soles:,} soles, {self.inside:,} in their box, {self.walks:,} walked for this"
+        if self.finely:
+            known += f", {self.finely:,} of them within {100 * self.margin:.2g} % also at {self.accuracy}"
+        found = f"; {self.steps} better ones replaced what the search had found" if self.steps else ""
+        if self.holds:
+            return f"Certificate: {near} ({known}{found})"
+        return (
+            f"No certificate: the best design has {self.inside:,} neighbours in their box, more than the "
+            f"search has walked with{found}. study.certify=true walks with them all"
+        )
+
+
+def neighbours(k: Ints, space: Waypoints) -> tuple[Ints, int]:
+    """Soles near one, (soles, n), without itself, and in how many waypoints they may differ from it.
+
+    In two, unless these are more than `MOST`: then in one, or none. Runs of waypoints shifted by one level
+    are always among them: a spline answers to neighbours that move together.
+    """
+    from footopt.design.solvers.memetic import shifts
+
+    n, levels = space.n, space.K - 1
+    sizes = {2: n * levels + n * (n - 1) // 2 * levels**2, 1: n * levels, 0: 0}
+    distance = next(d for d, size in sizes.items() if size <= MOST)
+    found = [k + shifts(n)]
+    for at in combinations(range(n), distance) if distance else ():
+        changed = np.repeat(k[None], space.K**distance, axis=0)
+        changed[:, at] = 1 + np.indices((space.K,) * distance).reshape(distance, -1).T
+        found.append(changed)
+    near = np.unique(np.concatenate(found), axis=0)
+    inside = ((near >= 1) & (near <= space.K)).all(axis=1) & (near != k).any(axis=1)
+    return near[inside], distance
+
+
+def certified(
+    result: SearchResult, accuracy: Accuracy, finalists: int, evaluator: Evaluator, most: float = math.inf
+) -> tuple[SearchResult, Confirmation, Certificate]:
+    """Confirm a search of one objective, and walk with every neighbour of the design that comes out of it.
+
+    Neighbours are walked at the accuracy of the search. Those that could be better at the finer one, by what
+    finalists change from one to the other, are walked at that, too. One that is better takes the design's
+    place, and its neighbours are walked, until none is.
+
+    Parameters
+    ----------
+    result : SearchResult
+        Of one objective.
+    accuracy, finalists
+        As in `footopt.design.confirm`.
+    evaluator : Evaluator
+        Who walks, and keeps the walks.
+    most : float
+        Walks for it, at most; if it would take more, it does not hold.
+
+    Returns
+    -------
+    result : SearchResult
+        With the better designs that were found on the way.
+    confirmed : Confirmation
+        Of that.
+    certificate : Certificate
+        Of its best design.
+    """
+    problem, space = result.problem, result.problem.space
+    searched, fresh, count, steps = {k.tobytes() for k in result.k}, set[bytes](), finalists, 0
+    while True:
+        confirmed = confirm(result, accuracy, count)
+        own, margin = result.k[confirmed.designs[0]], SAFETY * _change(result, confirmed)
+        near, distance = neighbours(own, space)
+        inside = near[space.box_violation(near) <= space.box_tolerance * space.H]
+        new = {k.tobytes() for k in inside} - searched
+        affordable = len(fresh | new) <= most
+        close = inside[:0]
+        if affordable:
+            fresh |= new
+            close = _close(problem, inside, result.values[confirmed.designs[:1]], margin, evaluator)
+        if len(close):
+            f = _judged(problem, close, *_at(problem, accuracy).walk(close))
+        if not len(close) or f.min() >= problem.minimised(confirmed.values[:1])[0, 0]:
+            break
+        steps += 1
+        best = close[[f.argmin()]]
+        values, reasons = evaluator(best)
+        result = _joined(result, best, values, reasons)
+        ranks = problem.ranked(result.values[result.feasible])
+        count = max(finalists, int((ranks <= problem.ranked(values)[0]).sum()))  # it has to be among them
+    certificate = Certificate(
+        k=tuple(own.tolist()),
+        distance=distance,
+        soles=len(near),
+        inside=len(inside),
+        walks=len(fresh),
+        finely=len(close),
+        accuracy=accuracy.name,
+        margin=margin,
+        steps=steps,
+        holds=affordable,
+    )
+    return result, confirmed, certificate
+
+
+def _close(problem: FootProblem, k: Ints, own: Array, margin: float, evaluator: Evaluator) -> Ints:
+    """Designs (designs, n) that are not worse than one's values (1, record) by more than a margin."""
+    if not len(k):
+        return k
+    least = problem.minimised(own)[0, 0]
+    kept: Ints = k[_judged(problem, k, *evaluator(k)) <= least + margin * abs(least)]
+    return kept
+
+
+def _at(problem: FootProblem, accuracy: Accuracy) -> FootProblem:
+    """A problem at another accuracy."""
+    finer = copy(problem)
+    finer.accuracy = accuracy
+    return finer
+
+
+def _judged(problem: FootProblem, k: Ints, values: Array, reasons: Words) -> Array:
+    """The objective of walked designs, minimised, (designs,); infinite where a constraint is broken."""
+    kept = (problem.constraints(values, reasons, problem.space.box_violation(k)) <= 0.0).all(axis=1)
+    return np.where(kept, problem.minimised(values)[:, 0], np.inf)
+
+
+def _change(result: SearchResult, confirmed: Confirmation) -> float:
+    """The largest relative change of a good finalist's objective between the two accuracies."""
+    column = result.problem.record.index(result.problem.guide)
+    before = result.values[confirmed.designs[confirmed.good], column]
+    change = np.abs(confirmed.values[confirmed.good, column] / before - 1.0)
+    return float(change.max(initial=0.0, where=np.isfinite(change)))
+
+
+def _joined(result: SearchResult, k: Ints, values: Array, reasons: Words) -> SearchResult:
+    """A search with one design more (1, n), as if its last generation had found it."""
+    if (result.k == k).all(axis=1).any():
+        return result
+    problem, last = result.problem, len(result.k)
+    better = problem.ranked(values)[0] < problem.ranked(result.values[[result.best]])[0]
+    best = last if better else result.best
+    return replace(
+        result,
+        k=np.concatenate([result.k, k]),
+        values=np.concatenate([result.values, values]),
+        feasible=np.append(result.feasible, True),
+        reasons=np.append(result.reasons, reasons),
+        violation=np.append(result.violation, problem.space.box_violation(k)),
+        generation=np.append(result.generation, result.generation.max()),
+        best=best,
+        front=np.array([best]),
+    )

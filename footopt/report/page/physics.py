@@ -1,0 +1,135 @@
+"""What the page needs to walk by itself: the run's constants; and where it cannot, why not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from footopt.effects import Effect, Inertia, Layers, LeadingEdge, Patches, Slope, name_of
+from footopt.effects.inertia import SKIN
+from footopt.foot import Foot, Waypoints
+from footopt.foot.plates import CORNER, RULES
+from footopt.foot.waypoints import FINE, slope_matrix
+from footopt.gait import start
+from footopt.report.page.file import packed
+from footopt.sand.law import PER_CM3
+from footopt.walk import Accuracy, Scene, newton, prepare
+from footopt.walk.adapt import adapted
+from footopt.walk.contact import BENT, SEEN, TURN
+from footopt.walk.loop import NEAR, PEAK
+from footopt.walk.objectives import FLOORS
+from footopt.walk.scene import EARTH
+from footopt.walk.simulate import MAX_REPEATS
+from footopt.walk.steppers import STEPPERS
+
+EFFECTS = (Inertia, Layers, LeadingEdge, Patches, Slope)  # that are in contact.js, too
+STEPPER = "sdirk2"
+ARROWS = 10  # force arrows along a sole
+ROWS = 200_000  # poses, at most, of a walk that a browser is to tabulate: 22 MB
+
+
+def physics(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> dict[str, Any]:
+    """The constants of a run's walks, as the page's own walk reads them, in SI units.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of the run.
+    accuracy : Accuracy
+        At which the page walks: that of the values on it.
+    foot : Foot or Waypoints
+        The one foot of the page, or the space of its designs.
+
+    Returns
+    -------
+    dict
+        With "refusal" alone if the page cannot walk: in words, why not.
+    """
+    accuracy = adapted(accuracy, scene, foot)
+    if why := refusal(scene, accuracy, foot):
+        return {"refusal": why}
+    gait, walker, (tilt, g) = scene.gait, scene.walker, scene.gravity
+    foot_pitch = gait.foot if gait.pitch == "measured" else None
+    space = foot if isinstance(foot, Waypoints) else foot.space
+    parts = RULES[accuracy.rule]
+    return {
+        "sand": {
+            "zeta": scene.sand.zeta,
+            "gravity": walker.g / EARTH,
+            "unit": PER_CM3,
+            "law": scene.sand.stress_map.law._asdict(),
+        },
+        "walker": {"mass": walker.mass, "l1": walker.l1, "l2": walker.l2, "weight": walker.g},
+        "gravity": {"g": g, "tilt": tilt},
+        "gait": {
+            "thigh": gait.thigh._asdict(),
+            "knee": gait.knee._asdict(),
+            "pitch": None if foot_pitch is None else foot_pitch._asdict(),
+            "start": gait.start,
+            "period": gait.period,
+            "standing": start.STANDING,
+        },
+        "end": scene.duration,
+        "strike": gait.heel_strike,
+        "accuracy": {
+            "name": accuracy.name,
+            "dt": accuracy.dt,
+            "plates": accuracy.plates,
+            "parts": parts,
+            "creep": accuracy.creep,
+            "control": accuracy.control,
+            "gamma": STEPPERS[STEPPER].parameters.gamma,
+            "rest": prepare.REST,
+            "halvings": prepare.HALVINGS,
+            "newton": prepare.NEWTON,
+            "most": newton.MAX_NEWTON,
+            "rescue": newton.MAX_RESCUE,
+            "gated": newton.GATED,
+            "turn": TURN,
+            "seen": SEEN,
+            "bent": BENT,
+            "corner": CORNER,
+            "near": NEAR,
+            "peak": PEAK,
+            "repeats": MAX_REPEATS,
+        },
+        "arrows": ARROWS,
+        "effects": _laws(scene.effects),
+        "floors": FLOORS,
+        "foot": {"ankle": foot.ankle, "width": foot.width},
+        "space": space
+        and {
+            "n": space.n,
+            "K": space.K,
+            "H": space.H,
+            "L": space.L,
+            "fine": FINE,
+            "slopes": slope_matrix(space.n),
+            "tolerance": space.box_tolerance * space.H,
+        },
+        # of a sole without waypoints
+        "points": packed(foot.points(accuracy.plates, parts), double=True)
+        if isinstance(foot, Foot) and not space
+        else None,
+    }
+
+
+def refusal(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> str:
+    """Why the page cannot walk by itself; "" where it can."""
+    if others := [name_of(e) for e in scene.effects if type(e) not in EFFECTS]:
+        return f"effects={', '.join(others)} of this run is not in the page's own walk"
+    if accuracy.stepper != STEPPER:
+        return f"accuracy.stepper={accuracy.stepper} of this run is not in the page's own walk"
+    if foot.closed:
+        return "foot.closed=true of this run is not in the page's own walk"
+    if prepare.pose_rows(scene, accuracy) > ROWS:
+        return "the walk of this run is too long, or its steps are too short, to be made while one waits"
+    return ""
+
+
+def _laws(effects: Sequence[Effect]) -> dict[str, Any]:
+    """The numbers of what changes the stress, by the effects' names, in the order in which they act."""
+    laws = {name_of(e): e.law._asdict() for e in effects if e.law is not None}
+    if "inertia" in laws:
+        laws["inertia"]["skin"] = SKIN
+    return laws

@@ -1,0 +1,242 @@
+// The walk, as footopt/walk/newton.py, steppers/sdirk2.py, loop.py, metrics.py and objectives.py compute it.
+
+// --- one step: footopt/walk/newton.py, footopt/walk/steppers/sdirk2.py -----------------------------------------
+
+const spare = new Float64Array(7);
+const implicit = { vx: 0, vz: 0, force: new Float64Array(14) };
+
+/** Velocity V of an implicit stage, V = v0 + c a(r0 + c V, V), by Newton's method from a guess; whether it was found. */
+function solveStage(W, sole, poses, p, x0, z0, vx0, vz0, c, vx, vz) {
+  const { newton, most, rescue: mostRescue, gated, creep: least } = P.accuracy, F = implicit.force, inv = c / W.mass;
+  const { tilt, g } = P.gravity;
+  let guessX = vx, guessZ = vz, creep = least, best = Infinity, tries = 0, rescue = false, ratio = 0.25;
+  let solvedAt = Infinity, viscous = Infinity, dvx = 0, dvz = 0;
+  for (let i = 0; i < mostRescue; i++) {
+    contact(W, sole, poses, p, x0 + c * vx, z0 + c * vz, vx, vz, creep, c, F);
+    const rx = vx - (tilt === null ? vx0 : vx0 + c * tilt) - inv * (F[0] + F[7]), rz = vz - vz0 - inv * (F[1] + F[8]) + c * g;
+    const residual = rx * rx + rz * rz;
+    tries++;
+    if (residual > best && tries <= most) { // go back half of the way
+      dvx *= 0.5;
+      dvz *= 0.5;
+      vx -= dvx;
+      vz -= dvz;
+      if (Math.abs(dvx) + Math.abs(dvz) < 1e-13 * (1 + Math.abs(vx) + Math.abs(vz))) best = Infinity;
+      continue;
+    }
+    if (tries > most || !(residual < 1e18)) { // from a creep speed so large that the law is viscous, then smaller ones
+      if (!rescue) {
+        rescue = true;
+        creep = viscous = 10 * (1 + Math.abs(guessX) + Math.abs(guessZ));
+      } else {
+        ratio = Math.sqrt(ratio);
+        if (ratio > 0.97 || creep === viscous) break;
+        creep = Math.max(ratio * solvedAt, least);
+      }
+      vx = guessX;
+      vz = guessZ;
+      best = Infinity;
+      tries = 0;
+      continue;
+    }
+    best = residual;
+    const jxx = 1 - inv * (F[3] + F[10]), jxz = -inv * (F[4] + F[11]), jzx = -inv * (F[5] + F[12]), jzz = 1 - inv * (F[6] + F[13]);
+    const det = 1 / (jxx * jzz - jxz * jzx);
+    dvx = (jxz * rz - jzz * rx) * det;
+    dvz = (jzx * rx - jxx * rz) * det;
+    vx += dvx;
+    vz += dvz;
+    const size = Math.abs(dvx) + Math.abs(dvz), rounding = 1e-13 * (1 + Math.abs(vx) + Math.abs(vz));
+    const force = Math.abs(F[0]) + Math.abs(F[1]) + (Math.abs(F[7]) + Math.abs(F[8]));
+    const speed = rescue || force === 0 ? creep : creep + (Math.abs(F[2]) + Math.abs(F[9])) / force;
+    const enough = gates.length ? Math.min(newton * speed, gated * creep) : newton * speed;
+    if (size <= rounding || (force > 0 && size <= enough + rounding)) {
+      if (creep === least) {
+        implicit.vx = vx;
+        implicit.vz = vz;
+        for (const o of [0, 7]) { // carried along the last step, to first order
+          F[o] += F[o + 3] * dvx + F[o + 4] * dvz;
+          F[o + 1] += F[o + 5] * dvx + F[o + 6] * dvz;
+        }
+        return true;
+      }
+      guessX = vx;
+      guessZ = vz;
+      solvedAt = creep;
+      creep = Math.max(ratio * creep, least);
+      best = Infinity;
+      tries = 0;
+    }
+  }
+  return false;
+}
+
+const accelX = (W, F) => (F[0] + F[7]) / W.mass + (P.gravity.tilt ?? 0);
+const accelZ = (W, F) => (F[1] + F[8]) / W.mass - P.gravity.g;
+
+/** What adds up along the walk, with one stage more: work of both feet, height, joints' work (positive, net), impulse. */
+function add(sums, weight, z, vx, vz, F) {
+  const left = F[0] * vx + F[1] * vz - F[2], right = F[7] * vx + F[8] * vz - F[9];
+  sums[0] += weight * F[LEFT_POWER];
+  sums[1] += weight * F[RIGHT_POWER];
+  sums[2] += weight * z;
+  sums[3] += weight * Math.max(left, 0) + weight * Math.max(right, 0);
+}
+
+/** The state at t + h out of that at t, into `after`; whether the step could be made. */
+function sdirk2(W, sole, poses, p, now, after, h) {
+  const { gamma } = P.accuracy, c = gamma * h, r = (1 - gamma) * h, { x, z, vx, vz } = now;
+  const ax = accelX(W, now.force), az = accelZ(W, now.force);
+  after.sums.set(now.sums);
+  if (!solveStage(W, sole, poses, p, x, z, vx, vz, c, vx + c * ax, vz + c * az)) return false;
+  const ux = implicit.vx, uz = implicit.vz, bx = accelX(W, implicit.force), bz = accelZ(W, implicit.force);
+  add(after.sums, r, z + c * uz, ux, uz, implicit.force);
+  const x1 = x + r * ux, z1 = z + r * uz;
+  // the guess follows the change of acceleration so far, to the end of the step
+  const solved = solveStage(W, sole, poses, p + 14, x1, z1, vx + r * bx, vz + r * bz, c, ux + r * (bx + (bx - ax)), uz + r * (bz + (bz - az)));
+  after.vx = implicit.vx;
+  after.vz = implicit.vz;
+  after.x = x1 + c * implicit.vx;
+  after.z = z1 + c * implicit.vz;
+  after.force.set(implicit.force);
+  add(after.sums, c, after.z, implicit.vx, implicit.vz, implicit.force);
+  return solved;
+}
+
+// --- the walk: footopt/walk/loop.py, metrics.py, objectives.py --------------------------------------------------
+
+/** The velocity at the share s of a step (cubic Hermite), and its extreme inside a step. */
+function hermite(v0, v1, a0, a1, h, s) {
+  const rise = v1 - v0;
+  return v0 + s * (h * a0 + s * (3 * rise - h * (2 * a0 + a1) + s * (h * (a0 + a1) - 2 * rise)));
+}
+function hermiteExtreme(v0, v1, a0, a1, h) {
+  const rise = v1 - v0, p = h * a0, q = 3 * rise - h * (2 * a0 + a1), r = h * (a0 + a1) - 2 * rise;
+  const root = Math.sqrt(Math.max(q * q - 3 * p * r, 0)), s = a0 < 0 ? -p / (q + root) : -p / (q - root);
+  return hermite(v0, v1, a0, a1, h, Number.isFinite(s) ? clip(s, 0, 1) : 0);
+}
+/** Height of the parabola through three samples, the middle one the highest. */
+function vertex(a, b, c, before, after) {
+  const rise = (b - a) / before, fall = (c - b) / after, slope = (rise * after + fall * before) / (before + after);
+  return b - (0.25 * slope * slope * (before + after)) / (fall - rise);
+}
+
+/** Depth of the lowest plate of both feet, m. */
+function sinkage(sole, poses, p, z) {
+  let depth = 0;
+  for (const o of [p + 14, p + 21]) for (let i = 0; i < sole.x.length; i++)
+    depth = Math.max(depth, -(z + poses[o + 1] + poses[o + 5] * sole.x[i] + poses[o + 4] * sole.z[i]));
+  return depth;
+}
+
+/** Parts of a sole, `ARROWS` at most, whose forces are traced: of which each plate is. */
+function groups(count) {
+  const parts = Math.min(P.arrows, count), of = new Uint8Array(count);
+  for (let j = 0; j < parts; j++) of.fill(j, Math.floor((count * j) / parts));
+  return { parts, of };
+}
+
+const TRACE = 13;
+/** Walk with plates: why it failed, its raw results, and rows of `TRACE` numbers and the forces along both soles. */
+function walkPlates(sole, zeta, mass, dt = P.accuracy.dt, repeat = 0) {
+  const W = world(zeta, mass), { times, finest, tables, poses, pose0 } = motion(dt), { control } = P.accuracy;
+  let [now, after] = [0, 1].map(() => ({ x: 0, z: 0, vx: 0, vz: 0, force: new Float64Array(14), sums: new Float64Array(4) }));
+  const { parts, of } = groups(sole.x.length), wide = TRACE + 4 * parts, rows = new Float64Array(wide * ((times.length - 1) << finest));
+  const height = staticHeight(W, sole, pose0), strike = P.strike ?? Infinity;
+  const end = (reason, raw = null) => ({ reason, raw, rows, made, wide });
+  let made = 0;
+  if (!Number.isFinite(height)) return end("sunk");
+  now.z = height;
+  contact(W, sole, pose0, 0, 0, height, 0, 0, P.accuracy.creep, 0, now.force);
+  let speed = -Infinity, fall = 0, power = 0, force = 0, deepest = 0, n = 0, place = 0, level = 0;
+  let l0 = 0, l1 = 0, l2 = 0, r0 = 0, r1 = 0, r2 = 0, t0 = 0, t1 = 0, t2 = 0; // |P| of both feet at the last three steps
+  while (n < times.length - 1) {
+    const stride = 1 << (finest - level), h = (times[n + 1] - times[n]) / (1 << level);
+    const index = (n << level) + place / stride, p = poses(level, index);
+    const solved = sdirk2(W, sole, tables[level], p, now, after, h), F = after.force;
+    const a0 = accelX(W, now.force), a1 = accelX(W, F);
+    const left = Math.abs(F[LEFT_POWER]), right = Math.abs(F[RIGHT_POWER]);
+    const error = Math.abs(after.vx - now.vx - 0.5 * h * (a0 + a1)) +
+      Math.abs(after.vz - now.vz - 0.5 * h * (accelZ(W, now.force) + accelZ(W, F)));
+    const near = power > 0 && Math.max(left, right) >= P.accuracy.near * power, allowed = near ? P.accuracy.peak * control : control;
+    if (control !== null && level < finest && !(solved && error <= allowed)) {
+      level++;
+      continue;
+    }
+    if (!solved || !(Math.abs(after.vx) + Math.abs(after.vz) < 1e4)) {
+      return repeat < P.accuracy.repeats ? walkPlates(sole, zeta, mass, P.accuracy.dt / 4 ** (repeat + 1), repeat + 1) : end("diverged");
+    }
+    if (after.z <= 0) return end("sunk");
+    place += stride;
+    const last = place === 1 << finest, t = last ? times[n + 1] : times[n] + (place / (1 << finest)) * (times[n + 1] - times[n]);
+    if (last) {
+      n++;
+      place = 0;
+    }
+    l0 = l1; l1 = l2; l2 = left;
+    r0 = r1; r1 = r2; r2 = right;
+    t0 = t1; t1 = t2; t2 = t;
+    if (t > strike - 1e-9) { // objectives that begin with the first heel strike
+      if (speed === -Infinity) speed = hermite(now.vx, after.vx, a0, a1, h, clip(1 - (t - strike) / h, 0, 1));
+      else if (a0 * a1 < 0) {
+        const extreme = hermiteExtreme(now.vx, after.vx, a0, a1, h);
+        speed = Math.max(speed, extreme);
+        fall = Math.max(fall, speed - extreme);
+      }
+      speed = Math.max(speed, after.vx);
+      fall = Math.max(fall, speed - after.vx);
+      const late = t - h > strike - 1e-9;
+      power = Math.max(power, l2);
+      if (late && l1 > l0 && l1 >= l2) power = Math.max(power, vertex(l0, l1, l2, t1 - t0, t2 - t1));
+      power = Math.max(power, r2);
+      if (late && r1 > r0 && r1 >= r2) power = Math.max(power, vertex(r0, r1, r2, t1 - t0, t2 - t1));
+    }
+    force = Math.max(force, F[1] + F[8]);
+    deepest = Math.max(deepest, sinkage(sole, tables[level], p, after.z));
+    [now, after] = [after, now];
+    rows.set([t, now.x, now.z, now.vx, now.vz, F[0], F[1], F[7], F[8], F[2], F[9], now.sums[0], now.sums[1]], wide * made);
+    for (const foot of [0, 1]) {
+      const from = wide * made + TRACE + 2 * parts * foot;
+      footForce(W, sole, tables[level], p + 14 + 7 * foot, now.x, now.z, now.vx, now.vz, P.accuracy.creep, 0, spare, 0, (i, fx, fz) => {
+        rows[from + 2 * of[i]] += fx;
+        rows[from + 2 * of[i] + 1] += fz;
+      });
+    }
+    made++;
+    if (control !== null && level > 0 && place % (2 * stride) === 0 && error < 0.1 * allowed) level--;
+  }
+  if (now.x <= 0 && speed > -Infinity) return end("backward");
+  const none = speed === -Infinity ? NaN : 0, [workLeft, workRight, heights, joint] = now.sums;
+  return end("", {
+    distance: now.x, mean_height: heights / P.end, work: Math.abs(workLeft + workRight), peak_power: power + none,
+    speed_loss: fall + none, positive_joint_work: joint, peak_vertical_force: force, maximum_sinkage: deepest,
+  });
+}
+
+/** Everything that a walk is judged by, by name, in natural signs; what is measured in Python is missing. */
+function objectives(raw, mass) {
+  if (!raw) return {};
+  const floored = Object.entries(P.floors).map(([name, floor]) => Math.max(raw[name], floor));
+  return {
+    ...raw,
+    efficiency: -(raw.distance * raw.mean_height) / floored.reduce((a, b) => a * b),
+    cost_of_transport: raw.distance > 0 ? raw.work / (mass * P.walker.weight * raw.distance) : NaN,
+  };
+}
+
+/** A walk with a sole, points [x, z, x, z, ...] along its arc, as `open` gives those of the data, and its objectives. */
+function simulate(points, { zeta, mass }) {
+  const sole = plates(points, P.accuracy.parts), { reason, raw, rows, made, wide } = walkPlates(sole, zeta, mass);
+  const columns = (from, width) => {
+    const found = new Float64Array(width * made);
+    for (let i = 0; i < made; i++) for (let j = 0; j < width; j++) found[width * i + j] = rows[wide * i + from + j];
+    return found;
+  };
+  const { parts, of } = groups(sole.x.length), at = new Float64Array(2 * parts), size = new Float64Array(parts), area = new Float64Array(parts);
+  of.forEach((j, i) => { at[2 * j] += sole.x[i]; at[2 * j + 1] += sole.z[i]; size[j]++; area[j] += sole.area[i]; });
+  return {
+    reason, objectives: objectives(raw, mass), lowest: raw ? -raw.maximum_sinkage : undefined, ankle: P.foot.ankle, at: at.map((v, i) => v / size[i >> 1]), area, when: [],
+    t: columns(0, 1), com: columns(1, 2), velocity: columns(3, 2), force: columns(5, 4), power: columns(9, 2), work: columns(11, 2),
+    arrows: columns(TRACE, 4 * parts),
+  };
+}

@@ -1,0 +1,154 @@
+"""A real browser: where it is, how it is started, and a page in it in the words of the tests."""
+
+import re
+import shutil
+import time
+from importlib.resources import files as resources
+
+import numpy as np
+import pytest
+
+CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+needs = pytest.mark.skipif(
+    not (CHROMIUM and DRIVER), reason="no chromium: apt-get install chromium chromium-driver"
+)
+
+
+def browser_needed(test):
+    """A browser takes ten seconds, wherever it is."""
+    return pytest.mark.slow(needs(test))
+
+
+FLAGS = (
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--window-size=1280,900",
+)
+
+
+def start(downloads, profile):
+    """A browser without a window that leaves downloads in a folder."""
+    webdriver = pytest.importorskip("selenium.webdriver")
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    for flag in (*FLAGS, f"--user-data-dir={profile}"):
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    options.add_experimental_option("prefs", {"download.default_directory": str(downloads)})
+    return webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+
+
+class Page:
+    """A page in the browser, in the words of the tests."""
+
+    def __init__(self, driver, path):
+        self.driver = driver
+        driver.get(path.as_uri())
+
+    def __getitem__(self, selector):
+        for _ in range(40):  # what opens on demand is filled a moment later
+            if found := self.all(selector):
+                return found[0]
+            time.sleep(0.05)
+        raise LookupError(f"nothing is {selector}")
+
+    def all(self, selector):
+        return self.driver.find_elements("css selector", selector)
+
+    def js(self, code):
+        return self.driver.execute_script(f"return {code}")
+
+    def text(self, selector):
+        return self[selector].text
+
+    def counts(self):
+        """How many designs are within the limits, and of how many."""
+        return tuple(map(int, re.findall(r"\d+", self.text("#count"))))
+
+    def limits(self, name):
+        """The limits of a value, as its two fields show them."""
+        fields = [self[f'input[aria-label^="{end} {name}"]'] for end in ("smallest", "largest")]
+        ends = [f.get_property("value") for f in fields]
+        return tuple(float(e) if e else s * np.inf for e, s in zip(ends, (-1, 1), strict=True))
+
+    def drag(self, selector, start, end):
+        """Drag inside an element, from and to fractions of its width and height."""
+        actions = self._pointer(selector, start).click_and_hold()
+        self._to(actions, selector, end).release().perform()
+
+    def click(self, selector, place):
+        self._pointer(selector, place).click().perform()
+
+    def _pointer(self, selector, place):
+        from selenium.webdriver.common.action_chains import ActionChains
+
+        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", self[selector])
+        return self._to(ActionChains(self.driver, duration=30), selector, place)
+
+    def _to(self, actions, selector, place):
+        element = self[selector]
+        x, y = (
+            round((part - 0.5) * element.size[side])
+            for part, side in zip(place, ("width", "height"), strict=True)
+        )
+        return actions.move_to_element_with_offset(element, x, y)
+
+    def touch(self, selector, start, end):
+        """Drag a finger inside an element, from and to fractions of its width and height."""
+        from selenium.webdriver.common.actions.action_builder import ActionBuilder
+        from selenium.webdriver.common.actions.interaction import POINTER_TOUCH
+        from selenium.webdriver.common.actions.pointer_input import PointerInput
+
+        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", self[selector])
+        builder = ActionBuilder(self.driver, mouse=PointerInput(POINTER_TOUCH, "finger"), duration=60)
+        middle = [(a + b) / 2 for a, b in zip(start, end, strict=True)]
+        for place in (start, middle, end):
+            side = self[selector].size
+            x, y = ((part - 0.5) * side[name] for part, name in zip(place, ("width", "height"), strict=True))
+            builder.pointer_action.move_to(self[selector], round(x), round(y))
+            if place is start:
+                builder.pointer_action.pointer_down()
+        builder.pointer_action.pointer_up()
+        builder.perform()
+
+    def hover(self, selector, place):
+        """What is said of a place in an element under the pointer."""
+        self._pointer(selector, place).perform()
+        return self["#tip"].text
+
+    def emulate(self, **features):
+        """Media features of the browser, such as prefers_color_scheme="dark"."""
+        pairs = [{"name": name.replace("_", "-"), "value": value} for name, value in features.items()]
+        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": pairs})
+
+    def judged(self):
+        """What axe-core finds, with everything open."""
+        axe = (resources("axe_core_python") / "axe.min.js").read_text(encoding="utf-8")
+        self.driver.execute_script("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
+        self.driver.execute_script(axe)
+        self.driver.set_script_timeout(200)
+        found = self.driver.execute_async_script(
+            "const done = arguments[0]; axe.run({ resultTypes: ['violations'] }).then(done)"
+        )
+        return [(v["id"], [node["html"] for node in v["nodes"]]) for v in found["violations"]]
+
+    def errors(self):
+        return [entry for entry in self.driver.get_log("browser") if entry["level"] == "SEVERE"]
+
+
+def arrived(folder, ending):
+    """The text of the only file with an ending, once the browser has written it."""
+    for _ in range(100):
+        found = [p for p in folder.glob(f"*.{ending}") if p.stat().st_size]
+        if found and not list(folder.glob("*.crdownload")):
+            text = found[0].read_text(encoding="utf-8")
+            found[0].unlink()
+            return text
+        time.sleep(0.05)
+    raise AssertionError(f"no .{ending} file arrived")

@@ -1,0 +1,151 @@
+"""The page's own walk, in JavaScript, agrees with the compiled one, or the page says why it cannot."""
+
+import json
+import shutil
+import subprocess
+from dataclasses import replace
+from importlib.resources import files
+
+import numpy as np
+import pytest
+from browsers import Page, browser_needed
+
+import footopt as fo
+from footopt.files.run import plain
+from footopt.report import page
+from footopt.report.page.physics import physics
+from footopt.report.page.study import NOTHING
+from footopt.walk import OBJECTIVES
+
+NAMES = tuple(OBJECTIVES)
+SANDS = ("soft", "regular", "hard", "poppy_loose", "poppy_close", "glass_beads", "medium_sand",
+         "mars_simulant")  # fmt: skip
+#: Walks with each of these heights, and gives why they failed and what they are judged by.
+WALK = """
+const walked = FEET.map((k) => {
+  const steps = P.accuracy.plates * P.accuracy.parts, points = k ? arcPoints(k, steps) : unpack(P.points);
+  const walk = simulate(points, { zeta: P.sand.zeta, mass: P.walker.mass });
+  return [walk.reason, NAMES.map((name) => walk.objectives[name] ?? null)];
+});
+"""
+NODE = shutil.which("node")
+
+
+def in_node(scene, accuracy, space, feet):
+    """What the page's scripts make of soles, outside of a browser."""
+    scripts = "".join(
+        files("footopt.report.page").joinpath(name).read_text() for name in ("contact.js", "simulate.js")
+    )
+    content = json.dumps(plain({"physics": physics(scene, accuracy, space)}))
+    code = f"const data = {content}, FEET = {plain(feet)}, NAMES = {list(NAMES)};\n{scripts}{WALK}"
+    done = subprocess.run(
+        [NODE], input=f"{code}console.log(JSON.stringify(walked))", capture_output=True, text=True, check=True
+    )
+    return json.loads(done.stdout)
+
+
+def in_browser(browser, folder, scene, accuracy, space, feet):
+    """The same in a browser, on a page of the scene."""
+    content = {
+        "title": "A walk",
+        "columns": [],
+        "physics": physics(scene, accuracy, space),
+        "designs": NOTHING,
+    }
+    Page(browser, page.write(folder / "report.html", content))
+    return browser.execute_script(f"const [FEET, NAMES] = arguments;{WALK}return walked", plain(feet), NAMES)
+
+
+def differences(walked, scene, accuracy, space, feet):
+    """The largest relative difference of any objective of each walk from the compiled walk's."""
+    known = fo.evaluate(feet, scene, accuracy, NAMES, space)
+    assert [reason for reason, _ in walked] == known.reasons.tolist()
+    values = np.array([values for _, values in walked], float)
+    assert np.array_equal(np.isnan(values), np.isnan(known.values))
+    return np.nan_to_num(abs(values / known.values - 1.0)).max(axis=1)
+
+
+def by_rounding(scene, accuracy, space, feet):
+    """The same of compiled walks on legs that are longer by their last digits: what rounding does to them."""
+    known, worst = fo.evaluate(feet, scene, accuracy, NAMES, space).values, np.zeros(len(feet))
+    for change in (-5e-15, -1e-15, 1e-15, 2e-15, 4e-15):
+        longer = replace(scene, walker=replace(scene.walker, l1=scene.walker.l1 * (1.0 + change)))
+        values = fo.evaluate(feet, longer, accuracy, NAMES, space).values
+        worst = np.maximum(worst, np.nan_to_num(abs(values / known - 1.0)).max(axis=1))
+    return worst
+
+
+def drawn(rng):
+    """A scene, an accuracy and a space as users could have them."""
+    inside = np.array([rng.random() < 0.5 for _ in range(5)])
+    some = [
+        fo.Slope(rng.uniform(-10, 10)),
+        fo.Layers((0.02, 0.05), tuple(rng.uniform(0.3, 3, 2))),
+        fo.Patches((0.2, 1.0), (0.7, 1.4), tuple(rng.uniform(0.3, 3, 2)), rng.uniform(0.02, 0.2)),
+        fo.Inertia(rho=rng.uniform(500, 2500)),
+        fo.LeadingEdge(),
+    ]
+    gait = replace(
+        fo.Gait.human(rng.uniform(0.9, 1.8), int(rng.integers(1, 7)), ("shank", "measured")[rng.integers(2)]),
+        start=(0.5, 0.0, rng.uniform(0.1, 1.0))[rng.integers(3)],
+    )
+    walker = fo.Walker(
+        rng.uniform(20, 120), rng.uniform(0.3, 0.6), rng.uniform(0.3, 0.6), rng.uniform(1.6, 9.81)
+    )
+    sand = fo.Sand(zeta=10 ** rng.uniform(-0.5, 1))
+    effects = tuple(effect for effect, chosen in zip(some, inside, strict=True) if chosen)
+    accuracy = fo.Accuracy(
+        dt=rng.uniform(3e-3, 1e-2),
+        plates=int(rng.integers(24, 80)),
+        creep=10 ** rng.uniform(-5, -3),
+        rule=("arc", "chord")[rng.integers(2)],
+        control=(None, 10 ** rng.uniform(-4, -2.5))[rng.integers(2)],
+    )
+    n = int(rng.integers(4, 16))
+    space = fo.Waypoints(n, int(rng.integers(2, 30)), rng.uniform(0.08, 0.18), rng.uniform(0.01, 0.05),
+                         ankle=(rng.uniform(-0.05, 0.05), rng.uniform(0, 0.05)))  # fmt: skip
+    return fo.Scene(sand, gait, walker, effects=effects), accuracy, space
+
+
+@pytest.mark.skipif(NODE is None, reason="no node")
+def test_a_few_soles_walk_as_in_python():
+    scene, accuracy, space = fo.Scene(), fo.Accuracy.named("draft"), fo.Waypoints()
+    feet = space.random(4, seed=17)
+    assert differences(in_node(scene, accuracy, space, feet), scene, accuracy, space, feet).max() < 1e-9
+
+
+@browser_needed
+@pytest.mark.parametrize("sand", SANDS)
+def test_200_soles_walk_as_in_python_in_a_browser(sand, browser, tmp_path):
+    scene, accuracy, space = fo.Scene(fo.Sand.named(sand)), fo.Accuracy.named("standard"), fo.Waypoints()
+    feet = space.random(200, seed=17)
+    walked = in_browser(browser, tmp_path, scene, accuracy, space, feet)
+    assert differences(walked, scene, accuracy, space, feet).max() < 1e-9
+
+
+@browser_needed
+@pytest.mark.parametrize("seed", range(20, 30))
+def test_so_do_soles_in_any_scene_as_far_as_rounding_lets_them(seed, browser, tmp_path):
+    # a few walks hang on their last digits: a plate turns round, or a step is halved, or not
+    scene, accuracy, space = drawn(np.random.default_rng(seed))
+    feet = space.random(5, seed=seed)
+    off = differences(
+        in_browser(browser, tmp_path, scene, accuracy, space, feet), scene, accuracy, space, feet
+    )
+    assert (off < np.maximum(1e-9, 10.0 * by_rounding(scene, accuracy, space, feet))).all()
+
+
+@pytest.mark.parametrize(
+    ("scene", "accuracy", "foot", "said"),
+    [
+        (fo.Scene(effects=(fo.Rest(),)), "draft", fo.Waypoints(), "effects=rest"),
+        (fo.Scene(effects=(fo.Shadowing(),)), "draft", fo.Waypoints(), "effects=shadowing"),
+        (fo.Scene(), fo.Accuracy("heun", 1e-3), fo.Waypoints(), "stepper=heun"),
+        (fo.Scene(), "draft", fo.Waypoints(closed=True), "foot.closed=true"),
+        (fo.Scene(t_f=1e4), "draft", fo.Foot.flat(), "too long"),
+    ],
+)
+def test_where_the_page_cannot_walk_it_says_why(scene, accuracy, foot, said):
+    accuracy = fo.Accuracy.named(accuracy) if isinstance(accuracy, str) else accuracy
+    (why,) = physics(scene, accuracy, foot).values()
+    assert said in why

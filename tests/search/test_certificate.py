@@ -1,0 +1,103 @@
+"""The certificate of a search: every sole near its best design is walked, and none is better."""
+
+import json
+from itertools import product
+
+import numpy as np
+import pytest
+from running import composed, unrender
+from searching import QUICK, SMALL, assert_same, problem
+
+import footopt as fo
+from footopt.design import Evaluator, Store, search
+from footopt.design.certificate import MOST, certified, neighbours
+from footopt.design.solvers.memetic import shifts
+from footopt.studies import run
+
+FINER = fo.Accuracy(dt=5e-3, plates=40)
+EVERY = np.array(list(product(range(1, 5), repeat=5)))
+
+
+def near(k, space):
+    """By definition: at most two waypoints differ, or a run of them is shifted by one level."""
+    two = (EVERY != k).sum(axis=1) <= 2
+    shifted = (EVERY[:, None] == k + shifts(space.n)).all(axis=2).any(axis=1)
+    return EVERY[(two | shifted) & (EVERY != k).any(axis=1)]
+
+
+@pytest.fixture(scope="module")
+def poor():
+    """What four random soles come to."""
+    return search(problem(), "ga", pop_size=4, n_gen=1, seed=1)
+
+
+@pytest.fixture(scope="module")
+def found(poor):
+    return certified(poor, FINER, 5, Evaluator(poor.problem))
+
+
+def test_neighbours_are_those_of_the_definition():
+    for k in SMALL.random(20, seed=1):
+        found, distance = neighbours(k, SMALL)
+        assert distance == 2
+        assert sorted(map(tuple, found)) == sorted(map(tuple, near(k, SMALL)))
+
+
+@pytest.mark.parametrize(("n", "K", "distance"), [(11, 10, 2), (11, 100, 1), (40, 1000, 0)])
+def test_a_large_neighbourhood_is_cut_down_to_what_can_be_walked(n, K, distance):
+    space = fo.Waypoints(n=n, K=K)
+    found, within = neighbours(np.full(n, 2), space)
+    assert within == distance
+    assert len(found) <= MOST + n * (n + 1)
+    assert {tuple(k) for k in np.full(n, 2) + shifts(n)} <= {tuple(k) for k in found}
+
+
+def test_the_certified_design_is_the_best_of_its_neighbourhood_by_both_accuracies(poor, found):
+    result, confirmed, certificate = found
+    assert certificate.holds
+    assert certificate.steps > 0
+    assert certificate.finely > 0
+    k = result.k[confirmed.designs[0]]
+    assert certificate.k == tuple(k)
+    around = near(k, SMALL)
+    inside = around[SMALL.box_violation(around) <= SMALL.box_tolerance * SMALL.H]
+    assert (certificate.soles, certificate.inside) == (len(around), len(inside))
+    for accuracy in (QUICK, FINER):
+        values = fo.evaluate([k, *inside], poor.problem.scene, accuracy, ("efficiency",), SMALL).efficiency
+        assert values[0] <= values[1:].min() + (1e-12 if accuracy is FINER else certificate.margin)
+    assert len(result.k) == len(poor.k) + certificate.steps
+    assert result.feasible[confirmed.designs].all()
+
+
+def test_walks_are_counted_kept_and_read_again(poor, found, tmp_path):
+    with Store(tmp_path / "s.sqlite", poor.problem) as store:
+        result, _, certificate = certified(poor, FINER, 5, Evaluator(poor.problem, store))
+        assert len(store) >= certificate.walks > 0
+        again = certified(poor, FINER, 5, Evaluator(poor.problem, store))
+    assert certificate == again[2] == found[2]
+    assert_same(result, again[0])
+
+
+def test_more_walks_than_are_granted_are_not_walked(poor):
+    result, confirmed, certificate = certified(poor, FINER, 5, Evaluator(poor.problem), most=10)
+    assert not certificate.holds
+    assert certificate.walks == 0
+    assert result is poor
+    assert confirmed.designs[0] in range(4)
+    assert "No certificate" in str(certificate)
+
+
+def test_a_run_certifies_the_design_that_it_leaves(tmp_path, capsys, monkeypatch):
+    unrender(monkeypatch)
+    words = ("foot.n=5", "foot.K=4", "accuracy=draft", "study.confirm=null", "report=light")
+    budget = ("solver.pop_size=4", "solver.n_gen=1")
+    run(composed(*words, *budget, "study.certify=true"), tmp_path / "asked", {})
+    said = capsys.readouterr().out
+    run(composed(*words, *budget, "study.certify=false"), tmp_path / "off", {})
+    asked, off = (json.loads((tmp_path / name / "result.json").read_text()) for name in ("asked", "off"))
+    assert asked["certificate"]["holds"]
+    assert asked["certificate"]["k"] == asked["design"]["k"]
+    assert "Certificate: no sole that differs in up to 2 waypoints" in said
+    assert asked["certificate"]["says"] in (tmp_path / "asked" / "report.html").read_text()
+    assert asked["objectives"]["efficiency"] < off["objectives"]["efficiency"]
+    assert off["certificate"] is None
