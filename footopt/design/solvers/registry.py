@@ -30,8 +30,8 @@ OPERATORS: dict[str, tuple[str, ...]] = {
 }
 
 
-#: The best for one objective, and for several (docs/solvers.md).
-AUTO, BEST = "auto", ("memetic", "archive")
+#: The best for one objective, for two or three, and for more (docs/solvers.md).
+AUTO, BEST = "auto", ("memetic", "archive", "nsga2")
 
 #: Solvers whose generations grow with the designs so far: without pop_size, from FIRST to MOST.
 GROWING: list[str] = []
@@ -87,7 +87,7 @@ class Solver:
 
     def fitting(self, n_obj: int) -> Solver:
         """This one, or instead of `AUTO` the best for that many objectives."""
-        return self if self.name != AUTO else replace(self, name=BEST[n_obj > 1])
+        return self if self.name != AUTO else replace(self, name=BEST[(n_obj > 1) + (n_obj > 3)])
 
     @property
     def most(self) -> float:
