@@ -252,7 +252,7 @@ class TestSettings:
 
 
 def only_composed(arguments):
-    """Whether a command is not run: it needs Slurm, or a search that runs (`test_live`), or is not all there."""
+    """Whether a command is not run: it needs Slurm or a search that runs, or is not all there."""
     clusters = ("study=watch", "hydra/launcher=submitit_slurm", "hydra/launcher=cluster", "engine=dask")
     return arguments[-1:] == ("...",) or any(word in clusters for word in arguments)
 
