@@ -14,7 +14,18 @@ SAME = {
     **dict.fromkeys(("loose", "fluffy"), "soft"),
     **dict.fromkeys(("medium", "normal"), "regular"),
     **dict.fromkeys(("walk", "walking", "default"), "human"),
+    **dict.fromkeys(("accurate", "precise"), "reference"),
+    **dict.fromkeys(("coarse", "fast", "quick"), "draft"),
+    **dict.fromkeys(("cluster", "mpi"), "dask"),
+    **dict.fromkeys(("climb", "hill", "slope"), "incline"),
+    **dict.fromkeys(("drawing", "dxf", "svg"), "outline"),
+    **dict.fromkeys(("thread", "threads", "serial"), "local"),
     "flat": "rectangle",
+    "genetic": "ga",
+    "lunar": "moon",
+    "martian": "mars",
+    "oval": "ellipse",
+    "run": "brisk",
 }
 LONGEST = 480  # characters of a message; a longer one loses its middle
 

@@ -3,6 +3,7 @@
 import re
 import shutil
 import time
+from importlib.resources import files as resources
 
 import numpy as np
 import pytest
@@ -97,6 +98,45 @@ class Page:
             for part, side in zip(place, ("width", "height"), strict=True)
         )
         return actions.move_to_element_with_offset(element, x, y)
+
+    def touch(self, selector, start, end):
+        """Drag a finger inside an element, from and to fractions of its width and height."""
+        from selenium.webdriver.common.actions.action_builder import ActionBuilder
+        from selenium.webdriver.common.actions.interaction import POINTER_TOUCH
+        from selenium.webdriver.common.actions.pointer_input import PointerInput
+
+        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", self[selector])
+        builder = ActionBuilder(self.driver, mouse=PointerInput(POINTER_TOUCH, "finger"), duration=60)
+        middle = [(a + b) / 2 for a, b in zip(start, end, strict=True)]
+        for place in (start, middle, end):
+            side = self[selector].size
+            x, y = ((part - 0.5) * side[name] for part, name in zip(place, ("width", "height"), strict=True))
+            builder.pointer_action.move_to(self[selector], round(x), round(y))
+            if place is start:
+                builder.pointer_action.pointer_down()
+        builder.pointer_action.pointer_up()
+        builder.perform()
+
+    def hover(self, selector, place):
+        """What is said of a place in an element under the pointer."""
+        self._pointer(selector, place).perform()
+        return self["#tip"].text
+
+    def emulate(self, **features):
+        """Media features of the browser, such as prefers_color_scheme="dark"."""
+        pairs = [{"name": name.replace("_", "-"), "value": value} for name, value in features.items()]
+        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": pairs})
+
+    def judged(self):
+        """What axe-core finds, with everything open."""
+        axe = (resources("axe_core_python") / "axe.min.js").read_text(encoding="utf-8")
+        self.driver.execute_script("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
+        self.driver.execute_script(axe)
+        self.driver.set_script_timeout(200)
+        found = self.driver.execute_async_script(
+            "const done = arguments[0]; axe.run({ resultTypes: ['violations'] }).then(done)"
+        )
+        return [(v["id"], [node["html"] for node in v["nodes"]]) for v in found["violations"]]
 
     def errors(self):
         return [entry for entry in self.driver.get_log("browser") if entry["level"] == "SEVERE"]

@@ -58,6 +58,7 @@ def footopt(*arguments, cwd, drawn=False):
         patch.chdir(cwd)
         patch.setattr(sys, "argv", ["footopt", *arguments])
         patch.setenv("HYDRA_FULL_ERROR", "0")
+        patch.setenv("COLUMNS", "80")
         if not drawn:
             unrender(patch)
         try:
@@ -73,6 +74,7 @@ def footopt(*arguments, cwd, drawn=False):
             root.handlers[:] = handlers
             root.setLevel(level)
             cli.Summary.failed, cli.Summary.folder = 0, ""
+    assert "…" not in out.getvalue(), "a table is cut at 80 columns"
     return subprocess.CompletedProcess(arguments, code, out.getvalue(), err.getvalue())
 
 

@@ -20,7 +20,7 @@ def check_page(folder):
     text, data = path.read_text(encoding="utf-8"), data_of(folder)
     result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
     assert len(data["figures"]) == len(list((folder / "figures").glob("*.png")))
-    assert all(figure["source"].startswith("data:image/png;base64,") for figure in data["figures"])
+    assert all(figure["source"].startswith("data:image/svg+xml;base64,") for figure in data["figures"])
     assert len({figure["says"] for figure in data["figures"]}) == len(data["figures"])
     assert data["headline"]
     for table in data["tables"]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import string
+import textwrap
 from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
@@ -46,5 +47,8 @@ def help_text(words: Sequence[str]) -> str:
     template = string.Template(settings.hydra.help.template)
     with open_dict(settings):
         del settings["hydra"]
-    choices = "".join(f"{group}: {', '.join(names)}\n" for group, names in groups().items())
+    choices = "".join(
+        textwrap.fill(f"{group}: {', '.join(names)}", 80, subsequent_indent="  ") + "\n"
+        for group, names in groups().items()
+    )
     return template.substitute(APP_CONFIG_GROUPS=choices, CONFIG=OmegaConf.to_yaml(settings))

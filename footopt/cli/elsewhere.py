@@ -11,7 +11,7 @@ from hydra.core.global_hydra import GlobalHydra
 from hydra.types import RunMode
 from omegaconf import OmegaConf, open_dict
 
-from footopt.cli.paths import within
+from footopt.cli.paths import typed, within
 from footopt.files import identity
 from footopt.studies.reads import CHOICE
 
@@ -47,7 +47,7 @@ def in_the_world_of_its_run(settings: Mapping[str, Any], here: Any) -> dict[str,
     default = plain.load_configuration(here.job.config_name, ["study=simulate"], RunMode.RUN)
     with open_dict(default):
         del default["hydra"]
-    given = (word.lstrip("+").partition("=")[0] for word in here.overrides.task)
+    given = (word.lstrip("+").partition("=")[0] for word in typed(here))
     named = {name if name in WORLD else CHOICE.get(name, name) for name in given}  # planet: walker.g
     changed = {*identity.differing(settings, OmegaConf.to_container(default, resolve=True)), *named}
     given_foot = {name: settings["foot"][name] for name in ("k", "block")}

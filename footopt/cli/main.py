@@ -18,7 +18,7 @@ from omegaconf.errors import OmegaConfBaseException
 from footopt.cli.compose import CONF, help_text
 from footopt.cli.job import STOPPED, resolved, tidy, walk
 from footopt.cli.messages import explain
-from footopt.cli.paths import set_by_files
+from footopt.cli.paths import set_by_files, typed
 from footopt.cli.resume import resume
 from footopt.cli.sweep import Summary
 from footopt.cli.words import check_dashes, readable
@@ -65,7 +65,7 @@ def main() -> None:
 def _job(settings: DictConfig) -> Any:
     """One job: a single run, or one of a multirun; its objectives go to Hydra's sweepers and callbacks."""
     here = HydraConfig.get()
-    folder, words = Path(here.runtime.output_dir), list(here.overrides.task)
+    folder, words = Path(here.runtime.output_dir), typed(here)
     try:
         told = walk(resolved(settings, here), folder, words, files=set_by_files(here))
         if here.mode != RunMode.MULTIRUN and settings.study.name == "simulate":
@@ -80,7 +80,7 @@ def _job(settings: DictConfig) -> Any:
             if _wants_traceback:
                 raise
             tidy(folder)
-            sys.exit(f"footopt: error: {explain(error)}")
+            sys.exit(f"footopt: error: {explain(error, words)}")
         # the other jobs go on; `Summary` reports this one at the end
         log.error("job %s failed: %s", here.job.num, explain(error))
         if not isinstance(error, Occupied):  # the folder is another's then

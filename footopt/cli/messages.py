@@ -23,6 +23,9 @@ from footopt.studies.settings import known
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 NO_RIGHT = (errno.EACCES, errno.EROFS, errno.EPERM)
 NO_MEMORY = ("start new thread", "failed to map segment")  # in what Python and its libraries say
+NO_FOLDER = (errno.ENOENT, errno.ENOTDIR)
+FOLDERS = ("hydra.run.dir=", "hydra.sweep.dir=")
+QUOTES = "'\""
 MORE = "`footopt --help` lists all settings."
 
 #: What OmegaConf's errors begin with or hold, and what is allowed instead.
@@ -54,7 +57,8 @@ def explain(error: BaseException, words: Sequence[str] = ()) -> str:
         if error.errno in NO_ROOM:
             return f"a file cannot be written ({error.strerror}). Make room on the disk and run it again."
         said = f"{error.strerror or error}: {error.filename or ''}".rstrip(": ")
-        if error.errno not in NO_RIGHT:
+        own = any(word.startswith(FOLDERS) for word in words) and error.errno in NO_FOLDER
+        if error.errno not in NO_RIGHT and not own:
             return said
         if any(word.startswith("resume=") for word in words):
             return f"{said}. Resume a copy that is yours."
@@ -92,10 +96,13 @@ def refusal(error: BaseException, words: Sequence[str]) -> FootoptError | None:
     if isinstance(error, (AssertionError, AttributeError)) and any(n.startswith("effects.") for n in given):
         return _not_chosen(given)
     if isinstance(cause, (ConfigAttributeError, ConfigKeyError)) and key:
-        return _unknown(key, given.get(key, ""))
+        return _unknown(key, given)
     if isinstance(cause, (ValidationError, ConfigTypeError)) and key:
         return _wrong_kind(key, given.get(key), said, listed=path != key)
     if isinstance(error, OmegaConfBaseException):
+        if nothing := re.match(r"Interpolation key '(.*)' not found", said):
+            place = next((word for word in words if f"${{{nothing[1]}}}" in word), key)
+            return FootoptError(f"{place}: there is no setting {nothing[1]} to refer to. {MORE}")
         return FootoptError(f"{key}: {said}" if key else said)
     if isinstance(error, HydraException):
         lines = [line.strip() for line in str(error).partition("\nConfig search path:")[0].splitlines()]
@@ -163,10 +170,14 @@ def _not_chosen(given: Mapping[str, str]) -> FootoptError:
     return SettingError(setting, value, f"given with the effect {effect}", hint)
 
 
-def _unknown(key: str, value: str) -> FootoptError:
-    """There is no such setting."""
+def _unknown(key: str, given: Mapping[str, str]) -> FootoptError:
+    """There is no such setting; where a part of its name is wrong, its whole name says best what is meant."""
     group, _, last = key.rpartition(".")
     names = known()
+    whole = next((name for name in given if name.startswith(f"{key}.")), "")
+    if whole and (close := meant(whole, names)):
+        return FootoptError(f"{whole}: there is no such setting. Did you mean {close}={given[whole]}?")
+    value = given.get(key, "")
     own = {name.removeprefix(f"{group}."): name for name in names if name.startswith(f"{group}.")}
     same = [name for name in names if name.rpartition(".")[2] == last]
     same = [name for name in same if name.count(".") == min(name.count(".") for name in same)]
@@ -188,9 +199,11 @@ def _wrong_kind(key: str, value: str | None, said: str, listed: bool) -> Footopt
     if inside := [name for name in known() if name.startswith(f"{key}.")]:
         return FootoptError(f"{key}: holds several settings. Try {inside[0]}=...; all: {', '.join(inside)}.")
     kind = next((kind for words, kind in KINDS.items() if words in said), "")
+    if "is not Optional" in said:
+        return SettingError(key, value, "given a value", "Leave it out for its default.")
     if not kind or value is None:
         return FootoptError(f"{key}: {said}")
     if listed:
         kind = f"a list of {kind.removeprefix('a ')}s"
-    hint = f"Try '{key}=[{value}]'" if kind == "a list in brackets" else ""
+    hint = f"Try '{key}=[{value.strip(QUOTES)}]'" if kind == "a list in brackets" else ""
     return SettingError(key, value, kind, hint)

@@ -11,6 +11,7 @@ from typing import Any
 import yaml
 from hydra.core.global_hydra import GlobalHydra
 from hydra.types import RunMode
+from omegaconf import OmegaConf
 
 from footopt.cli.compose import CONF
 from footopt.files.identity import flat
@@ -18,6 +19,12 @@ from footopt.files.identity import flat
 #: Settings that name files or folders to read.
 PATHS = ("foot.path", "gait.path", "sand.table", "study.store", "study.run", "study.runs",
          "study.tests", "plugins")  # fmt: skip
+
+
+def typed(here: Any, kind: str = "task") -> list[str]:
+    """The words of the command line as they were given; one may refer to another setting: ${foot.H}."""
+    words: Any = OmegaConf.to_container(here.overrides[kind], resolve=False)
+    return list(words)
 
 
 def absolute(settings: Mapping[str, Any]) -> dict[str, Any]:
@@ -35,7 +42,7 @@ def beside_their_files(settings: Mapping[str, Any], here: Any) -> dict[str, Any]
     here : HydraConfig
         Of what, and how.
     """
-    given = {word.lstrip("+").partition("=")[0] for word in here.overrides.task}
+    given = {word.lstrip("+").partition("=")[0] for word in typed(here)}
     named = {name for name, value in _relative(settings) if name not in given}
     if not named:
         return dict(settings)
@@ -65,7 +72,7 @@ def _files_of(here: Any) -> Iterator[tuple[Path, dict[str, Any]]]:
     if all(root.resolve() == own for root in roots):
         return
     loader = GlobalHydra.instance().config_loader()
-    words = [*here.overrides.hydra, *here.overrides.task]
+    words = [*typed(here, "hydra"), *typed(here)]
     for part in loader.compute_defaults_list(here.job.config_name, words, RunMode.RUN).defaults:
         found = [root / f"{part.config_path}.yaml" for root in roots]
         path = next(filter(Path.is_file, found), None)

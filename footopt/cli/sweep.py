@@ -23,7 +23,7 @@ from omegaconf import DictConfig, OmegaConf, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
 from footopt.cli.job import resolved
-from footopt.cli.paths import absolute
+from footopt.cli.paths import absolute, typed
 from footopt.errors import ERROR_FILE, FootoptError
 from footopt.files import identity
 from footopt.files.lock import Occupied, locked
@@ -119,9 +119,7 @@ def _jobs(config: DictConfig) -> Iterator[tuple[str, dict[str, Any] | FootoptErr
     own = [f"{name}={value}" for name, value in (config.hydra.sweeper.params or {}).items()]
     before = HydraConfig.instance().cfg
     try:
-        words = OverridesParser.create(config_loader=loader).parse_overrides(
-            [*own, *config.hydra.overrides.task]
-        )
+        words = OverridesParser.create(config_loader=loader).parse_overrides([*own, *typed(config.hydra)])
         for number, job in enumerate(BasicSweeper.split_arguments(words, None)[0]):
             settings = composer(config, list(job))
             with open_dict(settings):

@@ -140,6 +140,14 @@ class Store:
             known = {row[0]: row for row in rows}
             return [self._read(*known[key]) if key in known else None for key in keys]
 
+    def everything(self) -> tuple[list[list[int]], list[Evaluation]]:
+        """All designs that are known, in the order of their heights, and what is known of them."""
+        marks = ", ".join("?" * len(self._read_from))
+        query = f"SELECT DISTINCT k FROM design WHERE context IN ({marks}) ORDER BY k"
+        with self._explained() as connection:
+            k = [json.loads(key) for (key,) in connection.execute(query, self._read_from).fetchall()]
+        return k, [known for known in self.get(k) if known is not None]
+
     def add(self, k: Sequence[Sequence[int]], evaluations: Sequence[Evaluation]) -> None:
         """Keep designs, all or none; one that is known stays as it is, unless it had broken the program.
 

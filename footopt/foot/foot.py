@@ -178,12 +178,12 @@ class Foot:
         sole, name = soles.read(path, **options), Path(path).stem
         return cls(sole.points, width, ankle, name, closed=closed, top=top, notes=sole.notes)
 
-    def points(self, steps: int) -> Array:
-        """Points at equal steps along the sole's arc, (steps + 1, 2), m."""
+    def points(self, steps: int, parts: int = 1) -> Array:
+        """Points at equal steps along the sole's arc, (steps parts + 1, 2), m; a step ends at each corner."""
         if self.space is not None and self.k is not None:
-            points: Array = self.space.points(self.k, steps)[0]
+            points: Array = self.space.points(self.k, steps * parts)[0]
             return points
-        return along_arc(self.contour, steps)
+        return along_arc(self.contour, steps, parts)
 
     def plates(
         self,
@@ -281,18 +281,18 @@ def as_plates(
     """
     if isinstance(feet, Plates):
         return feet
-    steps = plates * RULES[rule]
+    parts = RULES[rule]
     bodies: Sequence[Foot | Waypoints]
     if isinstance(feet, Sequence) and any(isinstance(foot, Foot) for foot in feet):
         bodies = whole = [foot for foot in feet if isinstance(foot, Foot)]
         check(len(whole) == len(feet), "feet", "Foot and other things", "all Foot, or all waypoint heights")
         closed = {foot.closed for foot in whole}
         check(len(closed) == 1, "foot.closed", "both in one batch", "the same for all feet of a batch")
-        points = np.stack([foot.points(steps) for foot in whole])
+        points = np.stack([foot.points(plates, parts) for foot in whole])
     else:
         heights = np.atleast_2d(np.asarray(feet))
         space = space or Waypoints(n=heights.shape[-1])
-        points = space.points(heights, steps)
+        points = space.points(heights, plates * parts)
         bodies = [space] * len(points)
     ankle, width, top = (np.array([getattr(b, n) for b in bodies], float) for n in ("ankle", "width", "top"))
     return Plates.from_points(points, ankle, width, rule, directed, top if bodies[0].closed else None, fill)

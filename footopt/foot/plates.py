@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 #: (cos 2 beta, sin 2 beta), so that this leaves only their covariance within a plate as an error.
 RULES = {"chord": 1, "arc": 4}
 
+CORNER = 0.3  # rad: who draws a curve by chords turns less from one to the next
+
 
 class Plates(NamedTuple):
     """The plates of a batch of feet: arrays of shape (designs, plates).
@@ -34,6 +36,8 @@ class Plates(NamedTuple):
     tx, tz : (designs, plates), optional
         The plate's direction along the contour, a unit vector; its outward normal is (t_z, -t_x). None
         where nothing asks for it.
+    turn : (designs, plates), rad, optional
+        How much the contour turns within a plate, given with ``tx`` and ``tz``; 0 for chords.
     span : (designs,), m, optional
         Length along the sole for which a plate stands; None for chords, which stand for themselves.
     """
@@ -45,6 +49,7 @@ class Plates(NamedTuple):
     area: Array
     tx: Array | None = None
     tz: Array | None = None
+    turn: Array | None = None
     span: Array | None = None
 
     @classmethod
@@ -71,7 +76,7 @@ class Plates(NamedTuple):
         rule : str
             A name in `RULES`.
         directed : bool
-            Whether ``tx`` and ``tz`` are wanted.
+            Whether ``tx``, ``tz`` and ``turn`` are wanted.
         top : (designs,), m, optional
             z_p of a flat top that closes each contour with vertical sides (see `cap`).
         fill : callable, optional
@@ -97,7 +102,7 @@ class Plates(NamedTuple):
         """Plates of some chords each."""
         x, z, c2, s2, length, tx, tz = cut(points, parts)
         plates = cls(x - ankle[:, :1], z - ankle[:, 1:], c2, s2, length * width[:, None])
-        return plates._replace(tx=tx, tz=tz) if directed else plates
+        return plates._replace(tx=tx, tz=tz, turn=bent(points, parts)) if directed else plates
 
     def take(self, index: slice | NDArray[np.int64]) -> Plates:
         """The plates of some of the designs."""
@@ -152,9 +157,48 @@ def cap(sole: Array, top: Array, plates: int) -> Array:
     return np.concatenate(pieces, axis=1)
 
 
-def along_arc(polyline: Array, plates: int) -> Array:
-    """Points at equal steps along the arc of a polyline (m, 2), m: (plates + 1, 2), m."""
-    steps = np.hypot(*np.diff(polyline, axis=0).T)
-    arc = np.concatenate([[0.0], np.cumsum(steps)])
-    at = arc[-1] * np.arange(plates + 1) / plates
+def bent(points: Array, parts: int) -> Array:
+    """By how much soles (designs, m, 2) turn within plates of `parts` chords each, (designs, plates), rad."""
+    if parts == 1:  # chords stand for themselves
+        return np.zeros((len(points), points.shape[1] - 1))
+    turns = np.abs(turns_of(points))
+    between = turns[:, ::parts]
+    between[between > CORNER] = 0.0  # a corner between two plates bends neither
+    inside = turns[:, :-1].reshape(len(points), -1, parts).sum(axis=2)
+    return np.asarray(inside + 0.5 * (between[:, 1:] - between[:, :-1]))
+
+
+def along_arc(polyline: Array, plates: int, parts: int = 1) -> Array:
+    """Points along the arc of a polyline (m, 2), m: (plates parts + 1, 2), m, at equal steps between corners.
+
+    At a corner (`corners`) one plate ends and the next begins: a plate around it would have the mean of two
+    directions. Between two corners plates are equally long.
+    """
+    arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(polyline, axis=0).T))])
+    ends = np.concatenate([[0.0], arc[corners(polyline, (plates - 1) // 2)], arc[-1:]])
+    share = np.diff(ends) / arc[-1] * (plates - len(ends) + 1)
+    count = 1 + share.astype(np.int64)  # one each, and the others by length
+    rest = np.argsort(-(share % 1.0), kind="stable")[: plates - count.sum()]
+    count[rest] += 1
+    pieces = zip(ends[:-1], ends[1:], parts * count, strict=True)
+    at = np.concatenate([*(a + (b - a) * np.arange(n) / n for a, b, n in pieces), arc[-1:]])
     return np.stack([np.interp(at, arc, polyline[:, 0]), np.interp(at, arc, polyline[:, 1])], axis=1)
+
+
+def corners(polyline: Array, most: int | None = None) -> NDArray[np.int64]:
+    """The points of a polyline (m, 2) where it turns by more than `CORNER`; of many the `most` sharpest."""
+    distinct = np.flatnonzero(np.append(True, (polyline[1:] != polyline[:-1]).any(axis=1)))
+    turns = np.zeros(len(polyline))
+    turns[distinct] = np.abs(turns_of(polyline[distinct][None])[0])
+    found = np.flatnonzero(turns > CORNER)
+    if most is not None and len(found) > most:
+        found = np.sort(found[np.argsort(-turns[found], kind="stable")[:most]])
+    return found
+
+
+def turns_of(points: Array) -> Array:
+    """By how much polylines (designs, m, 2) turn at their points, (designs, m), rad; 0 at the ends."""
+    dx, dz = np.moveaxis(points[:, 1:] - points[:, :-1], -1, 0)
+    across = dx[:, :-1] * dz[:, 1:] - dz[:, :-1] * dx[:, 1:]
+    ahead = dx[:, :-1] * dx[:, 1:] + dz[:, :-1] * dz[:, 1:]
+    return np.pad(np.arctan2(across, ahead), ((0, 0), (1, 1)))

@@ -63,6 +63,11 @@ class Run:
         return {name: math.nan if value is None else value for name, value in found.items()}
 
     @property
+    def walk_failed(self) -> bool:
+        """Whether it is one walk, which failed."""
+        return bool(self.result and self.result.get("study") == "simulate" and not self.result["feasible"])
+
+    @property
     def hollow(self) -> float:
         """Of its foot, mm; NaN if it left none."""
         return float(self.result["design"]["hollow_mm"]) if self.result else math.nan
@@ -123,6 +128,7 @@ def read_run(folder: Path, name: str, key: str, place: str = "") -> Run:
         run = Run(*own, result=result, note=note)
         # read, to be sound
         _ = run.contour, run.traces, sum(run.objectives.values()), run.hollow, [*run.k], result["versions"]
+        _ = run.walk_failed
         _ = result["settings"]["foot"]["top"], result["settings"]["foot"]["width"]
     except Exception as error:  # whatever can be wrong with files that have been damaged
         return Run(*own, note=f"damaged: {one_line(f'{type(error).__name__}: {error}')}", failed=True)

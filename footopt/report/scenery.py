@@ -76,6 +76,6 @@ def scenery(scene: Scene) -> dict[str, Any]:
 
 
 def _shade(factor: float) -> str:
-    weight = float(np.clip(0.35 * np.log10(factor), -0.7, 0.45)) if factor > 0.0 else -0.7
+    weight = float(np.clip(0.7 * np.log10(factor), -0.8, 0.6)) if factor > 0.0 else -0.8
     goal = np.array(to_rgb("white" if weight < 0 else STRONG_SAND))
     return to_hex((1.0 - abs(weight)) * np.array(to_rgb(SAND)) + abs(weight) * goal)

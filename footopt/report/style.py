@@ -46,7 +46,7 @@ SANDS = ("soft", "hard", "regular")
 #: Name and colour of the left and the right leg.
 SIDES = (("left", BLUE), ("right", VERMILLION))
 #: What is designed (the best foot, the chosen one), and the flat sole that it is compared with.
-BEST, FLAT, CHOSEN, DESIGNS = GREEN, "#8C8C8C", PURPLE, SKY
+BEST, FLAT, CHOSEN, DESIGNS = GREEN, "#707070", "#882255", SKY
 SAND, SURFACE, STRONG_SAND = "#F3E9D2", ORANGE, "#7A5230"
 #: Lines that look the same in every figure, by what they are; a stronger sand is darker.
 ROLES: dict[str, dict[str, Any]] = {

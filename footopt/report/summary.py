@@ -20,7 +20,7 @@ from footopt.report.style import save
 from footopt.report.terminal import console, table
 
 SHOWN = 60  # runs of the table on the terminal
-ROOM, COLUMN = 26, 10  # letters of its first and last column, and of each between
+ROOM, COLUMN, SPREAD = 26, 10, 12  # letters of its first and last column, and of each between
 
 
 def of_multirun(folder: Path) -> int:
@@ -31,12 +31,12 @@ def of_multirun(folder: Path) -> int:
     Returns
     -------
     int
-        How many jobs failed.
+        How many jobs failed, or walked with a foot that failed.
     """
     names = [str(job.relative_to(folder)) for job in identity.jobs(folder)]
     runs = [read_run(folder / name, f"job {name}", name) for name in names]
     _compare(folder, runs, f"{len(runs)} jobs in {folder}")
-    return sum(run.failed for run in runs)
+    return sum(run.failed or run.walk_failed for run in runs)
 
 
 def of_runs(folder: Path, folders: Sequence[Path]) -> None:
@@ -82,15 +82,18 @@ def _say_seeds(
     if not groups:
         return
     settings, values = list(groups[0][0]), list(groups[0][2])
-    shown = [*names, *(["hypervolume_share"] if "hypervolume_share" in values else [])]
+    shown = [*(["hypervolume_share"] if "hypervolume_share" in values else []), *names]
+    shown = shown[: max((out.width - ROOM) // SPREAD, 1)]
     made = table(("settings", "seeds", *(n.replace("_", " ") for n in shown)), words=("settings",),
                  title="Median over seeds, and from the first to the third quartile")  # fmt: skip
     for own, count, spreads in groups:
         cells = [
-            f"{number(s.median)}\n{number(s.low)} .. {number(s.high)}" for s in (spreads[n] for n in shown)
+            f"{number(s.median)}\n{number(s.low)} ..\n{number(s.high)}" for s in (spreads[n] for n in shown)
         ]
         made.add_row(" ".join(filter(None, own.values())) or "all", str(count), *cells)
     out.print(made)
+    if left := [name.replace("_", " ") for name in names if name not in shown]:
+        out.print(f"In {folder / 'seeds.csv'}, too: {', '.join(left)}", soft_wrap=True)
     header = [f"{name}_{part}" for name in values for part in ("median", "q1", "q3")]
     rows = [
         [*own.values(), count, *(v for s in spreads.values() for v in (s.median, s.low, s.high))]

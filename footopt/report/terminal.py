@@ -31,13 +31,13 @@ WORDS = 10  # letters of a table's first column in the narrowest terminal
 
 
 def console() -> Console:
-    """Standard output; where it is no terminal, it is wide enough for tables and long lines are not broken.
+    """Standard output; where it is no terminal, tables have COLUMNS letters, or 80, and lines are not broken.
 
     It has colours only on a terminal, and not with NO_COLOR or TERM=dumb. Brackets are no markup, because
     a user's names and folders may hold them.
     """
     out = Console(highlight=False, markup=False)
-    return out if out.is_terminal else Console(highlight=False, soft_wrap=True, markup=False, width=130)
+    return out if out.is_terminal else Console(highlight=False, soft_wrap=True, markup=False)
 
 
 def table(columns: Sequence[str], words: Collection[str] = (), title: str | None = None) -> RichTable:
@@ -150,9 +150,13 @@ def describe_scene(scene: Scene) -> str:
     if (g := scene.walker.g) != EARTH:
         words.append(f"gravity {g:g} m/s^2 (sand {g / EARTH:.3g} times as strong as on the Earth)")
     for effect in scene.effects:
-        values = ", ".join(f"{name} {value}" for name, value in parameters(effect).items())
+        values = ", ".join(f"{name} {_listed(value)}" for name, value in parameters(effect).items())
         words.append(name_of(effect).replace("_", " ") + (f" ({values})" if values else ""))
     return ", ".join(words)
+
+
+def _listed(value: object) -> str:
+    return " and ".join(map(str, value)) if isinstance(value, (tuple, list)) else str(value)
 
 
 def describe_setup(scene: Scene, foot: Foot | Waypoints) -> str:

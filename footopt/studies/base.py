@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import shlex
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
@@ -124,6 +126,12 @@ class Study:
         return store
 
     # --- what the terminal shows ------------------------------------------------------------------
+
+    @property
+    def origin(self) -> dict[str, str]:
+        """What the page's commands name: the run's folder, as seen from here, and what was given for it."""
+        words = [word for word in self.words if not word.startswith("study.start=")]
+        return {"folder": shlex.quote(os.path.relpath(self.folder)), "words": shlex.join(words)}
 
     @property
     def seconds(self) -> float:

@@ -256,4 +256,4 @@ def make_accuracy(config: AccuracyConfig) -> Accuracy:
         accuracy = PRESETS.get(config.name, Accuracy())
     parts = {name: value for name, value in vars(config).items() if name not in ("name", "tolerance")}
     by_hand = {name: value for name, value in parts.items() if value is not None}
-    return replace(accuracy, **by_hand, name="custom") if by_hand else accuracy
+    return replace(accuracy, **by_hand, name="custom", adapt=False) if by_hand else accuracy

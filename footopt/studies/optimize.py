@@ -25,8 +25,9 @@ from footopt.design.certificate import Certificate, certified
 from footopt.design.choice import excess
 from footopt.design.exhaustive import Enumeration, check_size
 from footopt.design.result import check_finalists
+from footopt.errors import SettingError
 from footopt.files import run as files
-from footopt.foot import Foot
+from footopt.foot import Foot, Waypoints
 from footopt.report import figures, page, terminal
 from footopt.report.figures.search import FRONT, history_label
 from footopt.report.numbers import objective_quantity
@@ -39,6 +40,7 @@ from footopt.studies.record import Answer, answer, foot_entry, scene_entry, vali
 from footopt.studies.simulate import check_film, write_film, write_walk
 from footopt.studies.validation.model import describe, model_error
 from footopt.walk import gain_shares, simulate
+from footopt.walk.adapt import adapted
 from footopt.walk.resolution import error_of, resolution
 from footopt.walk.validity import diagnose
 
@@ -91,7 +93,7 @@ def run(study: Study) -> Answer:
             "ranks": ranks.entry(turns),
             "flat": base,
             "gain_shares": gain_shares(values, base),
-            **scene_entry(scene, finer, problem.record),
+            **scene_entry(scene, walk.accuracy, problem.record),
             **_search_entry(result, confirmed, options.finalists),
             "certificate": None if certificate is None else _certificate_entry(certificate),
             **validity_entry(diagnostics),
@@ -105,7 +107,7 @@ def run(study: Study) -> Answer:
             for i in page.walked_designs(result, confirmed)
         )
         shown = page.search_content(result, confirmed, walk, flat, others, record)
-        page.write(study.folder / "report.html", shown)
+        page.write(study.folder / "report.html", shown | study.origin)
     write_film(study, walk)
 
     several = problem.n_obj > 1
@@ -173,7 +175,8 @@ def _search(
             study.say(known)
         with study.progress(solver.generations(space), _unit(solver)) as step:
             tell = report_generations(step, problem.names[0], base=base)
-            result = search(problem, solver, tell, store, executor, stop)
+            start = _start(study.options.start, space)
+            result = search(problem, solver, tell, store, executor, stop, start)
         finer, finalists = study.finer_accuracy, study.options.finalists
         if result.interrupted:
             study.say("Stopped: reporting what was found so far (Ctrl-C again: not even that)")
@@ -182,6 +185,17 @@ def _search(
             return result, confirm(result, finer, finalists), None
         most = math.inf if asked else result.designs
         return certified(result, finer, finalists, Evaluator(problem, store, executor), most)
+
+
+def _start(heights: list[int] | None, space: Waypoints) -> list[list[int]] | None:
+    """The soles that a search begins with, or None; a `SettingError` names study.start."""
+    if heights is None:
+        return None
+    try:
+        rows = [heights[i : i + space.n] for i in range(0, len(heights), space.n)]
+        return [space.check(row)[0].tolist() for row in rows]
+    except SettingError as error:
+        raise SettingError("study.start", heights, error.allowed, error.hint) from None
 
 
 def _certificate_entry(certificate: Certificate) -> dict[str, Any]:
@@ -199,7 +213,7 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
         "constraints": problem.limits,
         "hypervolume": result.history[-1].hypervolume,
         "front_size": len(result.front),
-        "search_accuracy": dataclasses.asdict(problem.accuracy),
+        "search_accuracy": dataclasses.asdict(adapted(problem.accuracy, problem.scene, problem.space)),
         "confirmed": {
             "k": result.k[confirmed.designs[:finalists]].tolist(),
             "values": confirmed.values[:finalists],

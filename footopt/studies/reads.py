@@ -25,7 +25,10 @@ SEARCH = (*SPACE, "foot.shape", "foot.k", "accuracy", "objective", "solver", "en
 
 #: What each study reads of the settings, a name or a group each. A plugin's study reads what it likes.
 READS: dict[str, tuple[str, ...]] = {
-    "optimize": (*SCENE, *SEARCH, "choose", "stop", "foot.block", "study.video", "study.certify"),
+    "optimize": (
+        *SCENE, *SEARCH, "choose", "stop", "foot.block",
+        *(f"study.{n}" for n in ("video", "start", "certify")),
+    ),
     "simulate": (*SCENE, "foot", "accuracy", "objective.names", "study.run", "study.video"),
     "accuracy": (*WORLD, *SPACE, "solver.seed", "study.feet", "study.quick"),
     "stability": (*SCENE, "foot", "accuracy", "study.cases", "study.methods"),
@@ -45,6 +48,8 @@ READS: dict[str, tuple[str, ...]] = {
         *SCENE, *SEARCH,
         *(f"study.{n}" for n in ("scenarios", "draws", "measure", "tail", "spread", "quick")),
     ),
+    "codesign": (*WORLD, *SEARCH, "study.speed", "study.quick"),
+    "atlas": ("study.run", "study.reuse", "study.descriptors", "study.cells"),
     "sensitivity": (
         *SCENE, "foot", "accuracy", "solver.seed",
         *(f"study.{n}" for n in ("samples", "spread", "foot_spread", "quick")),

@@ -9,6 +9,8 @@ from __future__ import annotations
 import inspect
 import math
 import re
+import textwrap
+from collections import Counter
 from collections.abc import Callable, Container
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cache, reduce
@@ -130,12 +132,21 @@ def _allowed(name: str, default: Any) -> str:
 
 def text(groups: tuple[str, ...]) -> str:
     """The reference of some groups for a terminal."""
-    lines = []
-    for s in settings(groups):
-        lines += [f"{s.name} = {_shown(s.default)}" + (f"  ({s.kind})" if s.kind else ""), f"    {s.meaning}"]
-        lines += [f"    Allowed: {s.allowed}."] if s.allowed else []
-        lines += [f"    Read by study={', '.join(s.studies)}."] if s.studies else []
-    return "\n".join(lines)
+    lines: list[str] = []
+    for group in groups:
+        found = list(settings((group,)))
+        usual, many = Counter(s.studies for s in found).most_common(1)[0]
+        usual = usual if many > len(found) / 2 else ()
+        if usual:
+            said = "" if all(s.studies == usual for s in found) else ", where nothing else is said"
+            lines += [f"Read by study={', '.join(usual)}{said}."]
+        for s in found:
+            kind = f"  ({s.kind})" if s.kind else ""
+            lines += [f"{s.name} = {_shown(s.default)}{kind}", f"    {s.meaning}"]
+            lines += [f"    Allowed: {s.allowed}."] if s.allowed else []
+            if s.studies != usual:
+                lines += [f"    Read by {'study=' + ', '.join(s.studies) if s.studies else 'every study'}."]
+    return "\n".join(textwrap.fill(line, 80, subsequent_indent="    ") for line in lines)
 
 
 def page() -> str:

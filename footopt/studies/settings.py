@@ -24,7 +24,7 @@ from footopt.walk import MEASURES, PRESETS, Accuracy, Spread, Walker
 REPORTS = ("none", "light", "full")
 
 #: Studies that search: they walk where engine says, keep what they evaluate, and go on where they stopped.
-SEARCHES = ("optimize", "robust")
+SEARCHES = ("optimize", "robust", "codesign")
 
 
 def parameters(kind: type, null: tuple[str, ...] = ()) -> Any:
@@ -87,6 +87,9 @@ class StudyConfig:
     confirm: str | None = setting(
         "fine", "Accuracy at which finalists are walked again; null: the search's, under no other law."
     )
+    start: list[int] | None = setting(
+        None, "Heights of the sole that a search begins with, or of several in a row."
+    )
     finalists: int = setting(20, "How many of the best are walked again, and by other laws; a front whole.")
     certify: bool | None = setting(
         None, "Whether all soles near the best are walked; null: if they are fewer than the search walked."
@@ -119,6 +122,11 @@ class StudyConfig:
         "Of the loss over the scenarios: worst, mean, or tail, the mean of the worst share.",
     )
     tail: float = setting(default(RobustProblem, "tail"), "The share of study.measure=tail.")
+    descriptors: list[str] = setting(
+        ["hollow", "maximum_sinkage"], "What a map of soles goes by, along and across: two measures."
+    )
+    cells: int = setting(10, "Of the map, along each.")
+    speed: float | None = setting(None, "That a walk has to reach, m/s; null: as with the gait as given.")
     spread: SpreadConfig = field(default_factory=SpreadConfig)
     foot_spread: FootSpreadConfig = field(default_factory=FootSpreadConfig)
     run: str | None = setting(None, "Folder of the run whose foot is meant.")

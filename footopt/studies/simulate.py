@@ -52,7 +52,7 @@ def run(study: Study) -> Answer:
             "objectives": values,
             "error_estimate": errors,
             "model_error": (model := model_error(walk, chosen.left_out)),
-            **scene_entry(scene, accuracy, names),
+            **scene_entry(scene, walk.accuracy, names),
             **validity_entry(diagnostics),
             "notes": notes,
             "gait_file": read,
@@ -60,7 +60,7 @@ def run(study: Study) -> Answer:
         }
     )
     if study.reports:
-        page.write(study.folder / "report.html", page.walk_content(walk, record))
+        page.write(study.folder / "report.html", page.walk_content(walk, record) | study.origin)
     write_film(study, walk)
 
     study.say(terminal.describe_foot(foot))

@@ -20,14 +20,16 @@ from footopt.studies.settings import Config
 from footopt.studies.stability_cases import CASES, Case
 from footopt.studies.stability_judges import LIMITS, UNJUDGED, Measure, Setup, Trial
 from footopt.walk import STEPPERS, Walk, simulate
+from footopt.walk.adapt import adapted
 
 #: Steppers that evaluate no Jacobian and solve nothing take this share of the time step, which
 #: gives Euler the effort of SDIRK2 (two stages of 1-2 evaluations, with derivatives), Heun twice
 #: and RK4 four times as much.
 EXPLICIT_SHARE = 0.2
 
-#: A walk is compared with SDIRK2 at the settings' time step over this; its own error is below 1 %.
-CONVERGED = 25.0
+#: A walk is compared with SDIRK2 at the settings' time step over this, with at least so many plates and at
+#: most this creep speed (m/s): its own error is below 1 %.
+CONVERGED, PLATES, CREEP = 25.0, 512, 1e-5
 
 CONTROL = 1e-3  # m/s, of the method under step control
 
@@ -98,10 +100,13 @@ def judge(
         Called after every method.
     """
     setup = case.build(base)
+    setup = replace(setup, accuracy=adapted(setup.accuracy, setup.scene, setup.foot))
 
     @cache
     def converged() -> Walk:
-        fine = replace(setup.accuracy, stepper="sdirk2", control=None, dt=base.accuracy.dt / CONVERGED)
+        own = setup.accuracy
+        plates, creep, dt = max(own.plates, PLATES), min(own.creep, CREEP), base.accuracy.dt / CONVERGED
+        fine = replace(own, stepper="sdirk2", control=None, dt=dt, plates=plates, creep=creep, adapt=False)
         return simulate(setup.foot, setup.scene, fine)
 
     found: list[Verdict] = []

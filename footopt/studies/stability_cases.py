@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from footopt.effects import Effect, Rest, Slope
+from footopt.effects import Effect, Inertia, Layers, LeadingEdge, Patches, Rest, Shadowing, Slope
 from footopt.foot import Foot
 from footopt.gait import Fourier, Gait
 from footopt.studies.stability_judges import (
@@ -55,7 +55,20 @@ def walking(
         if zeta is not None:
             scene = replace(scene, sand=replace(scene.sand, zeta=zeta, name=f"zeta {zeta:g}"))
         finely = replace(base.accuracy, dt=steps * base.accuracy.dt, name="custom", **accuracy)
+        if accuracy:
+            finely = replace(finely, adapt=False)
         return replace(base, scene=scene, accuracy=finely)
+
+    return change
+
+
+def with_effects(zeta: float, *effects: Effect, period: float | None = None) -> Callable[[Setup], Setup]:
+    """The settings' walk on a sand with effects, at another period of the stride."""
+
+    def change(base: Setup) -> Setup:
+        setup = walking(zeta)(base)
+        gait = setup.scene.gait if period is None else replace(setup.scene.gait, period=period)
+        return replace(setup, scene=replace(setup.scene, effects=effects, gait=gait))
 
     return change
 
@@ -103,8 +116,23 @@ def stamping(base: Setup) -> Setup:
     return replace(base, scene=replace(base.scene, gait=march, t_f=None))
 
 
+def comb(base: Setup) -> Setup:
+    """A sole of 200 waypoints that jump between the top and the bottom of the box."""
+    return replace(spiky(base), foot=replace(Foot.from_waypoints([1, 10] * 100), name="comb"))
+
+
+#: Sand as it is hard to walk on, and all effects together.
+PAN, CLIFF = Layers((0.03,), (1e6,)), Patches((0.5,), (9.0,), (1e3,), blur=1e-4)
+STRIPES = Patches(
+    tuple(0.1 + 0.02 * i for i in range(100)),
+    tuple(0.101 + 0.02 * i for i in range(100)),
+    (10.0,) * 100,
+    1e-3,
+)
+ALL = (Layers((0.02, 0.05), (0.6, 1.5)), Patches(), LeadingEdge(), Inertia(), Slope(3.0), Shadowing())
+
 STANDS = "10 s: at rest, the weight carried without chatter, no drift, no work, energy adds up"
-WALKS = "right within 10 % of the converged walk, energy adds up, none from the sand"
+WALKS = "right within 10 % of a walk in finer steps, with finer plates and creep speed; energy adds up"
 RESTS = "a minute on a slope: nothing moves, wherever the time step and delta (or the creep speed) put him"
 LASTS = "the last minute as fast as the second, energy adds up"
 FAILS = "infeasible, because he sank"
@@ -129,6 +157,15 @@ CASES = tuple(
         ("a step ten times larger", WALKS, walking(steps=10.0), judge_walk),
         ("a foot set down at 3 m/s", WALKS, stamping, judge_set_down),
         ("spiky soles", WALKS, spiky, judge_walk),
+        ("a comb of 200 waypoints", WALKS, comb, judge_walk),
+        ("leading edge on hard sand", WALKS, with_effects(5.0, LeadingEdge()), judge_walk),
+        ("leading edge, zeta 200", WALKS, with_effects(200.0, LeadingEdge()), judge_walk),
+        ("inertia in a brisk walk", WALKS, with_effects(1.0, Inertia(), period=0.9), judge_walk),
+        ("rest in a walk", WALKS, with_effects(5.0, Rest()), judge_walk),
+        ("a hard pan under soft sand", WALKS, with_effects(0.2, PAN), judge_walk),
+        ("a cliff from zeta 1 to 1000", WALKS, with_effects(1.0, CLIFF), judge_walk),
+        ("100 hard patches of 1 mm", WALKS, with_effects(1.0, STRIPES), judge_walk),
+        ("all effects", WALKS, with_effects(1.0, *ALL), judge_walk),
         ("5 plates", WALKS, walking(plates=5), judge_walk),
         ("50 plates", WALKS, walking(plates=50), judge_walk),
         ("500 plates", WALKS, walking(plates=500), judge_walk),

@@ -14,6 +14,7 @@ from footopt.errors import SettingError, check
 from footopt.foot.plates import RULES
 from footopt.walk.steppers import STEPPERS
 
+LEAST_DT = 1e-9  # s
 LEAST = 1e-12  # m/s, of a creep speed and of a step's control
 MOST_PLATES = 20_000  # 13 um each; beyond 1000 no objective changes by 1e-5
 
@@ -40,6 +41,9 @@ class Accuracy:
     control : float, m/s, optional
         The largest estimated error of the hip's velocity in one step: a step beyond it is halved, three
         times at most, and dt is the longest. None: all steps are as long.
+    adapt : bool
+        Whether these numbers are for the paper's walk and others are to follow from a scene
+        (`footopt.walk.adapt`): so it is of the presets.
 
     Raises
     ------
@@ -54,13 +58,14 @@ class Accuracy:
     name: str = "custom"
     rule: str = "arc"
     control: float | None = None
+    adapt: bool = False
 
     def __post_init__(self) -> None:
         if self.rule not in RULES:
             raise SettingError("accuracy.rule", self.rule, f"one of {', '.join(RULES)}")
         if self.stepper not in STEPPERS:
             raise SettingError("accuracy.stepper", self.stepper, f"one of {', '.join(STEPPERS)}")
-        check(1e-9 <= self.dt <= 1.0, "accuracy.dt", self.dt, "a time step from 1e-9 to 1, in s")
+        check(LEAST_DT <= self.dt <= 1.0, "accuracy.dt", self.dt, "a time step from 1e-9 to 1, in s")
         check(
             isinstance(self.plates, int) and 2 <= self.plates <= MOST_PLATES,
             "accuracy.plates",
@@ -115,7 +120,25 @@ class Accuracy:
             )
         row = min(rows, key=work)
         setting = {name: row[name] for name in ("stepper", "dt", "plates", "creep", "rule", "control")}
-        return cls(**setting, name=f"within {tolerance:g}")
+        return cls(**setting, name=f"within {tolerance:g}", adapt=True)
+
+    def refined(self, times: int = 1) -> Accuracy:
+        """Half the time step (under control an eighth of it), twice the plates, half the creep speed.
+
+        Parameters
+        ----------
+        times : int
+            How often.
+        """
+        half = 0.5**times
+        return replace(
+            self,
+            dt=max(half * self.dt, LEAST_DT),
+            control=None if self.control is None else max(half**3 * self.control, LEAST),
+            plates=min(2**times * self.plates, MOST_PLATES),
+            creep=max(half * self.creep, LEAST),
+            name="refined",
+        )
 
     def steps(self, t_f: float) -> int:
         """Number of equal steps from 0 to t_f."""
@@ -163,5 +186,5 @@ TOLERANCES = {"draft": 0.02, "standard": 0.005, "fine": 0.0005}
 #: Accuracies by name; "reference" is converged for every purpose but a study of convergence.
 PRESETS: dict[str, Accuracy] = {
     **{name: replace(Accuracy.within(value), name=name) for name, value in TOLERANCES.items()},
-    "reference": Accuracy("sdirk2", 2e-4, 400, 1e-5, "reference"),
+    "reference": Accuracy("sdirk2", 2e-4, 400, 1e-5, "reference", adapt=True),
 }

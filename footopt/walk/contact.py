@@ -19,6 +19,8 @@ from footopt.effects import base as effects
 from footopt.walk.state import LANES, Contact, Force, Pose, no_force, pose_of
 
 TURN = 0.25  # of the difference in speed along a turning plate, over which its direction is smoothed
+SEEN = 0.5  # of the same, over which a gate opens
+BENT = 0.75  # of the angle by which a plate is bent, over which a gate opens
 EDGE = 0.05  # n.h over which an effect's gate opens where bristles say how a plate moves
 
 
@@ -77,7 +79,9 @@ def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, cre
         turn = 1.0 / creep
         h0x, h0z = h0[0, first:last], h0[1, first:last]
     if tangent is not None:
-        tx, tz = tangent.x[first:last], tangent.z[first:last]
+        tx, tz, turns = tangent.x[first:last], tangent.z[first:last], tangent.turn[first:last]
+        along = ankle.rate * sole.span  # speeds along the normal that differ within a straight plate
+        turning2 = eps2 + (SEEN * SEEN - TURN * TURN) * along * along  # eps2 has the part of TURN
     for i in range(len(x)):
         height, vx, vz = motion(ankle, x[i], z[i])
         depth = max(-height, 0.0)
@@ -119,15 +123,21 @@ def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, cre
             vn = vx * nx + vz * nz
         if gates is not None:
             if h0 is None:
-                share, by_vn = effects.gate(gates, (1.0, 0.0), vn, creep)
+                # as wide as the speeds along the normal within a plate, which turns and is bent
+                bent = BENT * turns[i]
+                bent *= bent
+                wide2 = turning2 + bent * (vx * vx + vz * vz)
+                narrow = rsqrt(wide2)
+                share, by_vn = effects.gate(gates, (1.0, 0.0), vn, wide2 * narrow)
             else:
                 share, by_vn = effects.gate(gates, (1.0, 0.0), hx * nx + hz * nz, EDGE)
             if stage is not None:
                 if h0 is None:
-                    gx, gz = nx, nz
+                    wider = vn * bent * narrow * narrow  # the gate, with the speed
+                    gx, gz = nx - wider * vx, nz - wider * vz
                 else:
-                    along = slides * (hx * nx + hz * nz)
-                    gx, gz = q * (nx - along * hx), q * (nz - along * hz)
+                    sliding = slides * (hx * nx + hz * nz)
+                    gx, gz = q * (nx - sliding * hx), q * (nz - sliding * hz)
                 jxx += k * by_vn * px * gx
                 jxz += k * by_vn * px * gz
                 jzx += k * by_vn * pz * gx
@@ -320,5 +330,5 @@ def _sinking_share(gates, rest, tangent, i, cos, sin):
         return 1.0
     vn = cos * tangent.x[i] - sin * tangent.z[i]
     if rest is None:
-        return effects.gate(gates, (1.0, 0.0), vn, 1e-9)[0]
+        return effects.gate(gates, (1.0, 0.0), vn, max(BENT * tangent.turn[i], 1e-9))[0]
     return effects.gate(gates, (1.0, 0.0), vn, EDGE)[0]

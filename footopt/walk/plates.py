@@ -11,7 +11,7 @@ from footopt.effects import base as effects
 from footopt.foot import Plates
 from footopt.gait.gait import Pose
 from footopt.sand.law import by_angles, by_direction, smoothed
-from footopt.walk.contact import EDGE, TURN
+from footopt.walk.contact import BENT, EDGE, SEEN, TURN
 from footopt.walk.scene import Scene
 
 Array = NDArray[np.float64]
@@ -96,7 +96,11 @@ def plate_states(
         c2p, s2p = np.cos(2.0 * pose.pitch)[..., None], np.sin(2.0 * pose.pitch)[..., None]
         c, s = plates.c2[0] * c2p - plates.s2[0] * s2p, plates.s2[0] * c2p + plates.c2[0] * s2p
         stress = by_direction(c, s, h, scene.sand.stress_map)
-    edge = slip if bristles is None else EDGE
+    edge: float | Array = EDGE
+    if bristles is None:
+        bent = 0.0 if plates.turn is None else plates.turn[0]
+        speed = np.linalg.norm(v, axis=-1)
+        edge = np.sqrt(creep**2 + (SEEN * span * rate) ** 2 + (BENT * bent * speed) ** 2)
     force = forces(stress, position, v, normal, plates.area[0], scene, edge, bristles)
     return PlateStates(position, v, force, normal, plates.area[0], slip[..., 0])
 
@@ -124,7 +128,7 @@ def forces(
     scene : Scene
         Its sand and effects count.
     edge : float or broadcast to S
-        The speed of smoothing, m/s; with bristles `contact.EDGE`.
+        The speed over which a gate opens, m/s; with bristles `contact.EDGE`.
     bristles : (*S, 2), optional
         Which way a plate faces, in place of its velocity.
     """

@@ -21,6 +21,7 @@ from footopt.walk.steppers import STEPPERS
 Array = NDArray[np.float64]
 
 NEWTON = 0.03  # last step of Newton's method over the plates' mean speed; the forces' error is the square
+STICKING = 1e-3  # the same where bristles hold plates: the law is bent where they begin to slide
 REST = 4  # longer steps while the walker stands
 HALVINGS = 3  # of a step under control, at most
 ROWS = 5_000_000  # poses of a walk that are tabulated, 112 bytes each; ten minutes take 2.6 million
@@ -34,7 +35,7 @@ def world(scene: Scene, accuracy: Accuracy) -> World:
     """What the compiled loops need to know of a scene."""
     law = Law(*(float(scene.zeta * PER_CM3 * c) for c in scene.sand.stress_map.law))
     tilt, g = scene.gravity
-    laws = effects.laws(scene.effects)
+    laws, rest = effects.laws(scene.effects), rest_length(scene.effects)
     # floats throughout: a whole number would be another type, and compile the loop again
     return World(
         law=law,
@@ -42,8 +43,8 @@ def world(scene: Scene, accuracy: Accuracy) -> World:
         g=float(g),
         tilt=None if tilt is None else float(tilt),
         creep=float(accuracy.creep),
-        rest=rest_length(scene.effects),
-        tolerance=NEWTON,
+        rest=rest,
+        tolerance=NEWTON if rest is None else STICKING,
         loads=laws.loads,
         gates=laws.gates,
         pushes=laws.pushes,
@@ -76,9 +77,14 @@ def pose_rows(scene: Scene, accuracy: Accuracy) -> float:
     return scene.duration / accuracy.dt * levels * len(STEPPERS[accuracy.stepper].nodes)
 
 
+def too_many_poses(scene: Scene, accuracy: Accuracy) -> bool:
+    """Whether a walk is too long for its poses."""
+    return pose_rows(scene, accuracy) > ROWS
+
+
 def too_long(scene: Scene, accuracy: Accuracy) -> bool:
     """Whether a walk is too long to be traced: for its poses, or for what its bristles remember."""
-    return pose_rows(scene, accuracy) > ROWS or bristle_bytes(scene, accuracy) > MOST_BYTES
+    return too_many_poses(scene, accuracy) or bristle_bytes(scene, accuracy) > MOST_BYTES
 
 
 def bristle_bytes(scene: Scene, accuracy: Accuracy) -> float:
@@ -130,8 +136,8 @@ def soles(plates: Plates) -> Sole:
     by_block_x, by_block_z = (column.reshape(len(column), -1, LANES) for column in (x, z))
     centre_x, centre_z = (0.5 * (q.min(axis=2) + q.max(axis=2)) for q in (by_block_x, by_block_z))
     tangent = None
-    if plates.tx is not None and plates.tz is not None:
-        tangent = Tangent(_padded(plates.tx, extra), _padded(plates.tz, extra))
+    if plates.tx is not None and plates.tz is not None and plates.turn is not None:
+        tangent = Tangent(*(_padded(column, extra) for column in (plates.tx, plates.tz, plates.turn)))
     square = (by_block_x - centre_x[..., None]) ** 2 + (by_block_z - centre_z[..., None]) ** 2
     return Sole(
         x=x,

@@ -6,22 +6,20 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from footopt.foot import Foot
 from footopt.walk import prepare
-from footopt.walk.accuracy import LEAST, MOST_PLATES, TOLERANCES, Accuracy
+from footopt.walk.accuracy import TOLERANCES, Accuracy
 from footopt.walk.objectives import FIVE, FLOORS, OBJECTIVES
 from footopt.walk.results import Walk
 from footopt.walk.scene import Scene
-from footopt.walk.simulate import resolve, simulate
+from footopt.walk.simulate import estimated, resolve, simulate
 from footopt.walk.validity import Diagnostic
 
 #: A warning is due where the estimate is this many times what the accuracy promises.
 BEYOND = 10.0
 PROMISE = 0.005  # relative, of an accuracy without a name: that of `standard`
-
-#: Times the difference to a refined walk: the creep speed's error, which is of first order, is often the
-#: largest. 4/3, for second order alone, was less than half of the true errors of random soles.
-LEFT = 2.0
 
 #: What an error may come from, by what to change.
 CAUSES = {
@@ -37,11 +35,11 @@ def finer(accuracy: Accuracy) -> dict[str, Accuracy]:
     Half the time step (under control: an eighth of the error that a step may have), twice the plates, or
     half the creep speed.
     """
-    control = None if accuracy.control is None else max(accuracy.control / 8, LEAST)
+    fine = accuracy.refined()
     return {
-        "accuracy.dt": replace(accuracy, dt=accuracy.dt / 2, control=control, name="refined"),
-        "accuracy.plates": replace(accuracy, plates=min(2 * accuracy.plates, MOST_PLATES), name="refined"),
-        "accuracy.creep": replace(accuracy, creep=max(accuracy.creep / 2, LEAST), name="refined"),
+        "accuracy.dt": replace(accuracy, dt=fine.dt, control=fine.control, name="refined"),
+        "accuracy.plates": replace(accuracy, plates=fine.plates, name="refined"),
+        "accuracy.creep": replace(accuracy, creep=fine.creep, name="refined"),
     }
 
 
@@ -53,9 +51,8 @@ def estimate_error(
 ) -> dict[str, float]:
     """Error estimate of a walk's objectives by refinement, absolute, in their own units.
 
-    Twice (`LEFT`) the difference to the walk with half the time step (under control: an eighth of the
-    error that a step may have), twice the plates and half the creep speed. NaN where the walk or its
-    refinement fails, and for a walk that is too long to be refined (`ROWS`).
+    From the walks that are refined once and twice (`Accuracy.refined`), by `simulate.estimated`. NaN where
+    the walk fails or a refined one ends otherwise, and for a walk that is too long to be refined (`ROWS`).
 
     Parameters
     ----------
@@ -77,13 +74,10 @@ def error_of(walk: Walk, names: Sequence[str] | None = None) -> dict[str, float]
     names : sequence of str, optional
         Of measures; by default all compiled objectives.
     """
-    names, one = names or tuple(OBJECTIVES), finer(walk.accuracy)
-    plates, creep = one["accuracy.plates"].plates, one["accuracy.creep"].creep
-    refined = replace(one["accuracy.dt"], plates=plates, creep=creep)
-    if prepare.too_long(walk.scene, refined):
-        return dict.fromkeys(names, math.nan)
-    coarse, fine = walk.judged(names), simulate(walk.foot, walk.scene, refined).judged(names)
-    return {name: LEFT * abs(coarse[name] - fine[name]) for name in coarse}
+    names = tuple(names or OBJECTIVES)
+    values = np.array([list(walk.judged(names).values())])
+    found = estimated(values, [walk.foot], walk.scene, walk.accuracy, names, threads=1)
+    return dict(zip(names, found[0].tolist(), strict=True))
 
 
 def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
@@ -104,10 +98,12 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
         for name in FIVE
         if math.isfinite(values[name]) and math.isfinite(errors.get(name, math.nan))
     }
-    if not walk.feasible or not shares:
-        return []
-    worst = max(shares, key=lambda name: shares[name])
     limit = BEYOND * TOLERANCES.get(walk.accuracy.name, PROMISE)
+    if not walk.feasible:
+        return []
+    if not shares:
+        return _outcome(walk, 100.0 * limit)
+    worst = max(shares, key=lambda name: shares[name])
     if shares[worst] <= limit:
         return []
     changes = {
@@ -115,6 +111,21 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
         for cause, one in finer(walk.accuracy).items()
         if not prepare.too_long(walk.scene, one)
     }
+    if not changes:
+        return []
     why = CAUSES[max(changes, key=lambda cause: changes[cause])]
     name = f"estimated error of {worst.replace('_', ' ')}"
     return [Diagnostic(name, 100.0 * shares[worst], "%", 100.0 * limit, why)]
+
+
+def _outcome(walk: Walk, limit: float) -> list[Diagnostic]:
+    """Whether a finer walk fails where this one did not."""
+    finer = walk.accuracy.refined(2)
+    if prepare.too_many_poses(walk.scene, finer):
+        return []
+    ends = {one.reason for one in (simulate(walk.foot, walk.scene, walk.accuracy.refined(n)) for n in (1, 2))}
+    said = ", ".join(sorted(ends - {""}))
+    if not said:
+        return []
+    why = f"a finer walk fails ({said}); try accuracy=fine"
+    return [Diagnostic("estimated error of the outcome", 100.0, "%", limit, why)]

@@ -84,7 +84,7 @@ class Spread:
     stride : float
         Of the swing of thigh and knee about their means, relative: longer or shorter steps.
     angles : float, deg
-        Of thigh and knee at every phase of the stride: a random mean and random first `DEFORMATION`
+        Of thigh and knee at every phase of the stride: a random mean and random first two
         harmonics, all with the same variance.
     ankle_x : float, m
         Of the ankle's place in the foot frame, ahead.

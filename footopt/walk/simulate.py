@@ -18,10 +18,11 @@ from footopt.foot import Foot, Plates, Waypoints, as_plates
 from footopt.foot.plates import RULES
 from footopt.walk import prepare
 from footopt.walk.accuracy import Accuracy
+from footopt.walk.adapt import accuracies, adapted
 from footopt.walk.loop import BACKWARD, DIVERGED, OK, SUNK, walk_range
 from footopt.walk.metrics import RAW, TRACE, Sample
 from footopt.walk.objectives import FIVE, Objective, by_name, lookup
-from footopt.walk.results import Table, Walk
+from footopt.walk.results import Table, Walk, joined
 from footopt.walk.scene import Scene
 from footopt.walk.state import COUNTS
 from footopt.walk.steppers import STEPPERS
@@ -30,6 +31,8 @@ Array = NDArray[np.float64]
 
 #: Why a walk failed, by the loop's status.
 REASONS = {OK: "", SUNK: "sunk", BACKWARD: "backward", DIVERGED: "diverged"}
+
+SAFE = 2.0  # times the differences to two refined walks, see `estimated`
 
 MAX_REPEATS = 3  # of a walk that diverged, each with a quarter of the time step before
 CHUNK = 4096  # designs whose plates are in memory at once
@@ -60,7 +63,8 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
         The walk is too long to be traced at this accuracy.
     """
     check_kind(foot, Foot, "foot", "Try fo.Foot.from_waypoints(heights)")
-    scene, accuracy = _scene(scene), resolve(accuracy)
+    scene = _scene(scene)
+    accuracy = adapted(resolve(accuracy), scene, foot)
     check(
         prepare.bristle_bytes(scene, accuracy) <= prepare.MOST_BYTES,
         "accuracy.plates",
@@ -103,6 +107,7 @@ def evaluate(
     objectives: Sequence[str] = FIVE,
     space: Waypoints | None = None,
     threads: int | None = None,
+    errors: bool = False,
 ) -> Table:
     """Walk through a scene with many feet, keeping objectives only: the fast path.
 
@@ -120,6 +125,9 @@ def evaluate(
         Of the heights; the paper's by default.
     threads : int, optional
         How many to use; by default as many as the process may run on.
+    errors : bool
+        Whether to estimate the values' errors, `Table.errors`, by two finer walks with each foot: about
+        ten times the time.
 
     Returns
     -------
@@ -135,8 +143,57 @@ def evaluate(
     if isinstance(feet, Foot):
         feet = [feet]
     scene.need_heel_strike()
-    chosen = lookup(objectives)
-    sink = "maximum_sinkage" in objectives
+    lookup(objectives)
+    check(not (errors and isinstance(feet, Plates)), "errors", True, "false where feet are plates")
+    if not isinstance(feet, (Sequence, Plates)):
+        feet = np.atleast_2d(np.asarray(feet))
+    parts, order = [], []
+    for finely, index in accuracies(feet, scene, accuracy, space).items():
+        some = feet if isinstance(feet, Plates) else [feet[i] for i in index]
+        part = _evaluated(some, scene, finely, objectives, space, threads)
+        if errors:
+            part = replace(
+                part, errors=estimated(part.values, some, scene, finely, objectives, space, threads)
+            )
+        parts.append(part)
+        order += index
+    return joined(parts, np.argsort(order))
+
+
+def estimated(
+    values: Array,
+    feet: Any,
+    scene: Scene,
+    accuracy: Accuracy,
+    names: Sequence[str],
+    space: Waypoints | None = None,
+    threads: int | None = None,
+) -> Array:
+    """Error estimates of values (designs, names), from walks that are refined once and twice.
+
+    A walk is off by its distance to the limit: that to the walk refined twice, and from there on at most what
+    the last refinement changed, if each refinement at least halves the error. `SAFE` times that also covers
+    walks that refinement by chance changes little. NaN where a refined walk ends otherwise, or is too long.
+    """
+    finer = [accuracy.refined(times) for times in (1, 2)]
+    traced = any(measure.of == "walk" for measure in lookup(names))
+    too_long = prepare.too_long if traced else prepare.too_many_poses
+    if any(too_long(scene, one) for one in finer):
+        return np.full_like(values, np.nan)
+    once, twice = (_evaluated(feet, scene, one, names, space, threads).values for one in finer)
+    return SAFE * (np.abs(values - twice) + np.abs(once - twice))
+
+
+def _evaluated(
+    feet: Any,
+    scene: Scene,
+    accuracy: Accuracy,
+    objectives: Sequence[str],
+    space: Waypoints | None,
+    threads: int | None,
+) -> Table:
+    """`evaluate` at an accuracy that holds for all feet."""
+    chosen, sink = lookup(objectives), "maximum_sinkage" in objectives
     chunks = _chunks(feet, scene, accuracy, space)
     parts = [_walk(plates, scene, accuracy, sink, threads)[:3] for plates in chunks]
     raw, status, counts = (np.concatenate(column) for column in zip(*parts, strict=True))
@@ -214,10 +271,6 @@ def _chunks(feet: Any, scene: Scene, accuracy: Accuracy, space: Waypoints | None
         yield from (feet.take(slice(i, i + CHUNK)) for i in range(0, len(feet.x), CHUNK))
         return
     size = max(1, min(CHUNK, POINTS // (accuracy.plates * RULES[accuracy.rule])))
-    if not isinstance(feet, Sequence):
-        feet = np.atleast_2d(np.asarray(feet))
-    if len(feet) == 0:
-        raise SettingError("feet", "[]", "at least one foot")
     yield from (
         as_plates(feet[i : i + size], accuracy.plates, accuracy.rule, space, directed, fill)
         for i in range(0, len(feet), size)

@@ -39,6 +39,7 @@ class Tangent(NamedTuple):
 
     x: Array
     z: Array
+    turn: Array  # by which the contour turns within a plate, rad
 
 
 class Sole(NamedTuple):
@@ -152,7 +153,7 @@ def sole_of(soles, design):
 def _tangent_of(tangent, design):
     if tangent is None:
         return None
-    return Tangent(tangent.x[design], tangent.z[design])
+    return Tangent(tangent.x[design], tangent.z[design], tangent.turn[design])
 
 
 @inlined

@@ -286,9 +286,10 @@ def test_a_traceback_on_request(tmp_path):
 
 def test_help_explains_the_groups(tmp_path):
     text = footopt("--help", cwd=tmp_path).stdout
+    assert max(map(len, text.splitlines())) <= 80
     for group, choices in groups().items():
         assert f"  {group} " in text
-        assert f"{group}: {', '.join(choices)}\n" in text
+        assert f"\n{group}: {', '.join(choices)}\n" in text.replace(",\n  ", ", ")
 
 
 def test_shell_completion_knows_groups_and_options(tmp_path):

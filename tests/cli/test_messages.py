@@ -1,5 +1,6 @@
 """What a user is told: which setting, which value, what is allowed, what to try; files may have any name."""
 
+import json
 import os
 import subprocess
 import sys
@@ -81,6 +82,12 @@ MISTAKES = {
     "foot.path=a,b.dxf": "'foot.path=\"a,b.dxf\"' for a text",
     "study=simulate foot.k=[1,2,3]": "These are 3: give 11 of 1 to 10, or change foot.n.",
     "study.confirm=fien": "Did you mean fine?",
+    "sand.coefficzients.B11=0.2": "Did you mean sand.coefficients.B11=0.2?",
+    "effects.auto=null": "effects.auto = 'null': must be given a value. Leave it out for its default.",
+    "foot.L=${foot.hight}": "foot.L=${foot.hight}: there is no setting foot.hight to refer to.",
+    "plugins='a.py'": "Try 'plugins=[a.py]'",
+    "solver=genetic": "Did you mean ga?",
+    "accuracy=fast": "Did you mean draft?",
 }
 
 
@@ -93,6 +100,13 @@ def test_a_mistake_is_told_with_what_to_try(arguments, tmp_path):
     assert MISTAKES[arguments] in said
     assert "hydra" not in said.lower()
     assert not list(tmp_path.rglob("result.json"))
+
+
+def test_a_setting_may_refer_to_another(tmp_path):
+    words = ["study=simulate", "accuracy=draft", "report=none", "foot.L=0.12", "walker.l2=${foot.L}"]
+    done = footopt(*words, "walker.l1=${walker.l2}", "hydra.run.dir=run", cwd=tmp_path)
+    assert "there is no setting" not in done.stderr
+    assert json.loads((tmp_path / "run/result.json").read_text())["settings"]["walker"]["l1"] == 0.12
 
 
 @pytest.mark.parametrize(

@@ -196,7 +196,7 @@ class TestSummary:
         assert rows["on_0.1_0.001"]["note"] == "sunk"
         assert not rows["on_0.1_5.0"]["note"]
         assert (sweep / "report.html").is_file()
-        assert "2 of the jobs failed" in done.stderr
+        assert "3 of the jobs failed" in done.stderr  # two that are refused, and a walk that sinks
 
     def test_one_seed_each_is_no_spread(self, failing):
         assert "Median over seeds" not in failing[0].stdout

@@ -89,8 +89,8 @@ def assert_right_gait(kind, found, true, owed):
     off, longer = 1.0, 0.02
     if "one stride" in notes:  # nothing averages a wrong value out
         off = 2.5
-    if "one stride, from the first row to the last" in notes and owed == LESS:
-        off, longer = 8.0, 0.08  # it ends too soon, or is shorter: who can tell?
+    if "one stride, " in notes and owed == LESS:  # it ends too soon, or is shorter: who can tell?
+        off, longer = (12.0, 0.12) if "though they differ" in notes else (8.0, 0.08)
     if "the pelvis is taken to be level" in notes:
         off = 5.1  # it is tilted by 5 deg
     assert found.period == pytest.approx(true.period, rel=longer)

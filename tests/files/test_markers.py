@@ -123,6 +123,47 @@ class TestALeg:
             walked(t, places)
         assert misfit(walked(t, places, names={"knee": "R4711"})[0]) < 0.3
 
+    def test_whose_markers_are_empty_is_said_to_have_no_data(self):
+        t, places = record(HUMAN, rate=60.0)
+        places = {name: place if "HJC" in name else np.zeros_like(place) for name, place in places.items()}
+        with pytest.raises(
+            Unusable, match=r"right knee and ankle\. .* has R_HJC, L_HJC, and without data R_KJC"
+        ):
+            walked(t, places)
+
+    @pytest.mark.parametrize("dialect", ["plug_in_gait", "helen_hayes", "opensim"])
+    @pytest.mark.parametrize("axes", [(-1, 1, 1), (1, -1, 1), (1, 1, -1), None], ids=str)
+    def test_is_right_in_mirrored_axes_and_with_sides_exchanged(self, dialect, axes):
+        """The hip of a pelvis is on the side of the knees; and which side is which is said."""
+        t, places = record(HUMAN, dialect, rate=60.0)
+        if axes is None:
+            places = {{"L": "R", "R": "L"}.get(n[0], n[0]) + n[1:]: place for n, place in places.items()}
+        gait, notes = walked(t, {name: place * (axes or 1) for name, place in places.items()})
+        assert misfit(gait) < 0.3
+        assert "left and right are exchanged, or the axes are mirrored" in notes
+        assert "exchanged" not in walked(t, record(HUMAN, dialect, rate=60.0)[1])[1]
+
+    def test_that_is_stiff_goes_the_way_that_its_toes_point(self):
+        """On a treadmill, with a marker behind the knee's axis, so that it seems to bend backwards."""
+        stiff = replace(HUMAN, knee=Fourier(1.0, (-1.0,), (0.0,)))
+        t, places = record(stiff, speed=0.0, rate=60.0)
+        for side in "RL":
+            places[f"{side}_KJC"][:, 0] -= 0.01
+        gait, notes = walked(t, places)
+        assert "forward about +x" in notes
+        assert gait.foot is not None
+
+    def test_has_the_joint_centres_that_vicon_has_computed(self):
+        t, places = record(HUMAN, "plug_in_gait", rate=60.0)
+        _, centres = record(HUMAN, rate=60.0)
+        names = {"HJC": "FEP", "KJC": "FEO", "AJC": "TIO"}
+        both = {
+            **{name: place + ([0.02, 0.0, 0.0] if "KNE" in name else 0.0) for name, place in places.items()},
+            **{n[0] + names[n[2:]]: place for n, place in centres.items() if n[2:] in names},
+        }
+        assert misfit(walked(t, both)[0]) < 0.3
+        assert misfit(walked(t, {name: p for name, p in both.items() if not name.endswith("FEP")})[0]) > 1.0
+
     def test_of_two_subjects_is_the_first_whole_one_s(self):
         t, places = record(HUMAN)
         _, other = record(SQUATS, strides=len(t) / 100 / SQUATS.period)
@@ -384,6 +425,27 @@ class TestShortTrials:
         assert found.period == pytest.approx(period, rel=0.05)
         assert misfit(found) < 6.0
         assert "1 stride of" in notes or "its ends differ by" in notes
+
+    @pytest.mark.parametrize("rows", [25, 50, 100])
+    @pytest.mark.parametrize("last", [True, False])
+    def test_a_table_of_one_stride_may_end_before_its_first_row_comes_again(self, rows, last):
+        """From 0 to 99 % of a stride, or to 100 %: it takes as long."""
+        t = HUMAN.period * np.arange(rows + last) / rows
+        rows = np.degrees([j.at(t / HUMAN.period)[0] for j in (HUMAN.thigh, HUMAN.knee)])
+        gait = fo.Gait.from_angles(t, *rows)
+        assert gait.period == pytest.approx(HUMAN.period)
+        assert misfit(gait) < 0.3
+
+    def test_ends_that_differ_by_up_to_15_percent_are_said(self):
+        """As those of most children in a published table of 39 strides."""
+        t = np.linspace(0.0, 1.2, 60)
+        thigh, knee = np.degrees([j.at(t / 1.2)[0] for j in (HUMAN.thigh, HUMAN.knee)])
+        drift = t / 1.2 * np.ptp(thigh)
+        assert (
+            "though they differ by 1" in cut(recording(np.array([t, thigh + 0.12 * drift, knee]))).notes[-1]
+        )
+        with pytest.raises(Unusable, match=r"its ends differ by 2\d %"):
+            cut(recording(np.array([t, thigh + 0.25 * drift, knee])))
 
     @pytest.mark.parametrize("begin", [0.0, 0.3, 0.55, 0.8])
     def test_half_a_stride_of_both_legs_is_one_by_symmetry(self, begin):

@@ -358,13 +358,15 @@ class TestTheLine:
             read(svg(polygon(OUTLINE)), **given)
 
     def test_is_one_of_several_by_its_layer(self, svg):
-        """A drawing without names offers none."""
+        """A drawing without names, or with one only, offers none."""
         screw = '<circle cx="20" cy="45" r="4"/>'
         with pytest.raises(FileError, match=r"holds 2: .* 250 x 50 mm.*; .* 8 x 8 mm on 'screw'.*there: a, "):
             read(svg(f'<g id="a">{polygon(OUTLINE)}</g><g id="screw">{screw}</g>'))
         same(read(svg(f'<g id="a">{polygon(OUTLINE)}</g><g id="screw">{screw}</g>'), layer="a"), LOWER, 1e-9)
         with pytest.raises(FileError, match=r"holds 2: .* mm\. Delete what is not the sole"):
             read(svg(polygon(OUTLINE) + screw))
+        with pytest.raises(FileError, match=r"holds 2: .* on 'a'\. Delete what is not the sole"):
+            read(svg(f'<g id="a">{polygon(OUTLINE)}<path d="M20 45h4v4h-4z"/></g>'))
 
     @pytest.mark.parametrize(
         ("ends", "units", "mended", "message"),

@@ -207,7 +207,7 @@ class TestShapes:
         points = fo.Foot.shape(name).points(100)
         assert points.shape == (101, 2)
         length = chords(points)
-        inside = length > 0.999 * length.max()  # all but one that cuts a corner
+        inside = length > 0.95 * length.max()  # plates end at corners
         assert (~inside).sum() <= 1
         assert 100 * length[inside].mean() == pytest.approx(0.26, rel=1e-3)
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from footopt.files.gaits.angles import Recording, climbing, recording
 from footopt.files.gaits.markers import Markers
 from footopt.files.gaits.names import NEEDED
-from footopt.files.gaits.sides import Leg, both_legs
+from footopt.files.gaits.sides import Leg, both_legs, mirrored
 from footopt.files.reading import Unusable
 
 Array = NDArray[np.float64]
@@ -23,6 +23,7 @@ SEGMENT = (0.1, 0.9)  # length of a thigh, shank or foot, m; anything else is a 
 STRETCH = 0.2  # of a segment's usual length that it may be longer or shorter: its markers are fixed to it
 WHOLE = 0.9  # of the time of a leg; a foot that is seen for less of it is left out
 BACKWARDS = 0.3  # m that the hip may go backwards, on a treadmill
+STIFF = 0.03  # m that the knee is ahead of hip and ankle, in the mean; where it is less, the toes say more
 STILL = 1e-3  # m rms; who stands does not swing
 TURN = 30.0  # deg that a straight walk's heading may change by
 PACE = 0.3  # m/s below which a way has no heading
@@ -58,10 +59,10 @@ def leg_angles(markers: Markers, names: Mapping[str, str], side: str | None, max
         except Unusable as why:
             leg, notes = {part: leg[part] for part in NEEDED}, (*notes, f"no pitch of the foot: {why}")
     t, places, filled = _filled(markers.t, leg, max_gap)
-    hip, knee, ankle = (places[part] for part in NEEDED)
+    hip, ankle = places["hip"], places["ankle"]
     up = _up(hip - ankle)
     _check_straight(markers.t, leg["hip"], None if other is None else other["hip"], up)
-    forward = _forward(hip, knee, ankle, up)
+    forward = _forward(places, up)
     if (travelled := (hip[-1] - hip[0]) @ forward) < -BACKWARDS:
         raise Unusable(
             f"the hip goes {-travelled:.2f} m backwards while the knee bends forwards. "
@@ -78,6 +79,8 @@ def leg_angles(markers: Markers, names: Mapping[str, str], side: str | None, max
         f"up is {_axis(up)}, forward about {_axis(forward)}",
         *climbing(hip @ up),
     )
+    if other is not None:
+        notes += mirrored(leg, other, "the right leg" in notes, forward, up)
     if {"heel", "toe"} <= places.keys():
         pitch, _ = _segment(places["heel"], places["toe"], forward, up)
         # markers sit at different heights: the foot is level while the ankle is lowest and slowest
@@ -200,15 +203,18 @@ def _up(leg: Array) -> Array:
     return up
 
 
-def _forward(hip: Array, knee: Array, ankle: Array, up: Array) -> Array:
-    """The level direction in which the ankle swings and the knee bends, (3,)."""
+def _forward(places: Leg, up: Array) -> Array:
+    """The level direction in which the ankle swings and the knee bends; if that is stiff, the toes point."""
+    hip, knee, ankle = (places[part] for part in NEEDED)
     swing = ankle - hip
     swing = swing - np.outer(swing @ up, up)
     _, _, axes = np.linalg.svd(swing - swing.mean(axis=0), full_matrices=False)
     forward: Array = axes[0] - (axes[0] @ up) * up
     forward = forward / np.linalg.norm(forward)
-    bend = ((knee - hip) - 0.5 * (ankle - hip)) @ forward
-    return forward if np.mean(bend) > 0 else -forward
+    ahead = float(np.mean((knee - 0.5 * (hip + ankle)) @ forward))
+    if abs(ahead) < STIFF and {"heel", "toe"} <= places.keys():
+        ahead = float(np.mean((places["toe"] - places["heel"]) @ forward))
+    return forward if ahead > 0 else -forward
 
 
 def _axis(direction: Array) -> str:

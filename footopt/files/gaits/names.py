@@ -24,6 +24,8 @@ USUAL = {
     "toe": ("toe", "toes", "toetip", "bigtoe", "mt2", "met2", "2mt", "toemed", "fm2", "sm", "d2m", "mt1",
             "1mt", "d1m", "mt5", "5mt", "d5m", "mtp", "toelat", "fm1", "fm5", "hlx", "hallux", "mt23", "met"),
 }  # fmt: skip
+#: Of hip, knee and ankle, what Vicon's models have computed: ends of femur and tibia.
+CENTRES = ("fep", "feo", "tio")
 #: CMU's waist markers (FWT, BWT) are at the iliac spines.
 ASIS, PSIS = ("asi", "asis", "ias", "fwt"), ("psi", "psis", "ips", "bwt")
 SACRUM = ("sacr", "sacral", "vsacral", "vsacrum", "sacrum", "sac", "mpsis", "midpsis", "psism", "s1", "s2")
@@ -50,9 +52,12 @@ def find_leg(places: Mapping[str, Array], names: Mapping[str, str], side: str) -
     order = sorted(places, key=lambda name: not name.endswith("_study"))
     plain = {_plain(name): places[name] for name in reversed(order) if is_seen(places[name])}
     found = {part: _find(plain, usual, side) for part, usual in USUAL.items()}
-    pelvis = _hip_of_pelvis(plain, side)
+    pelvis = _hip_of_pelvis(plain, side, found["knee"])
     if found["hip"] is None or (pelvis is not None and _share(pelvis) > 2.0 * _share(found["hip"])):
         found["hip"] = pelvis
+    centres = [_find(plain, (name,), side) for name in CENTRES]
+    if all(centre is not None for centre in centres):
+        found |= dict(zip(NEEDED, centres, strict=True))
     found |= {part: places.get(name) for part, name in names.items() if name and part in USUAL}
     return {part: place for part, place in found.items() if place is not None}
 
@@ -92,8 +97,10 @@ def _find(plain: Mapping[str, Array], usual: tuple[str, ...], side: str) -> Arra
     return next((plain[name] for name in before + after if name in plain), None)
 
 
-def _hip_of_pelvis(plain: Mapping[str, Array], side: str) -> Array | None:
+def _hip_of_pelvis(plain: Mapping[str, Array], side: str, knee: Array | None) -> Array | None:
     """The hip's centre from four (or three) markers of the pelvis: Harrington et al., J. Biomech. 40 (2007).
+
+    Down is where the knee is: a laboratory's axes may be mirrored, and its left and right exchanged.
 
     In mm, from the middle of the front markers: 0.24 depth + 9.9 back, 0.30 width + 10.9 down,
     0.33 width + 7.3 to the side.
@@ -114,6 +121,8 @@ def _hip_of_pelvis(plain: Mapping[str, Array], side: str) -> Array | None:
     depth = np.linalg.norm(ahead, axis=1, keepdims=True)
     ahead = ahead / depth
     down = np.cross(ahead, right)
+    if knee is not None and np.nanmedian(np.sum((knee - middle) * down, axis=1)) < 0.0:
+        down = -down
     outwards = right if side == "right" else -right
     hip: Array = (
         middle

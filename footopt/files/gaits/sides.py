@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.files.gaits.markers import Markers
+from footopt.files.gaits.markers import Markers, is_seen
 from footopt.files.gaits.names import NEEDED, SIDES, by_subject, find_leg, looked_for
 from footopt.files.reading import Unusable
 
@@ -40,16 +40,30 @@ def both_legs(
     leg = legs[side]
     if missing := [part for part in NEEDED if part not in leg]:
         twice = f" Two markers are called {', '.join(markers.unclear)}." if markers.unclear else ""
+        seen = {name: is_seen(place) for name, place in markers.places.items()}
+        empty = ", ".join(name for name in seen if not seen[name])
         raise Unusable(
             f"no marker for the {side} {' and '.join(missing)}.{twice} "
             + " ".join(f"For the {part}, looked for {looked_for(part, names, side)}." for part in missing)
-            + f" The file has {', '.join(markers.places)}. Name it with gait.names.{missing[0]}=..."
+            + f" The file has {', '.join(filter(seen.get, seen)) or 'none'}"
+            + (f", and without data {empty}" if empty else "")
+            + f". Name it with gait.names.{missing[0]}=..."
         )
     notes = (*markers.notes, f"the {side} leg")
     other = legs["left" if side == "right" else "right"]
     if names or not other.keys() >= set(NEEDED):
         return leg, None, notes
     return leg, other, notes + _put_back(leg, other)
+
+
+def mirrored(leg: Leg, other: Leg, is_right: bool, forward: Array, up: Array) -> tuple[str, ...]:
+    """A note if the leg that is called the right one is on the left of the way forward."""
+    across = np.nanmedian(leg["hip"] - other["hip"], axis=0) @ np.cross(forward, up)
+    if not (across < 0.0 if is_right else across > 0.0):
+        return ()
+    return (
+        "left and right are exchanged, or the axes are mirrored; the leg's angles are right all the same",
+    )
 
 
 def _put_back(leg: Leg, other: Leg) -> tuple[str, ...]:

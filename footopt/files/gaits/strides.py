@@ -8,14 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.files.gaits.angles import PERIODS, Recording
-from footopt.files.gaits.windows import TIMES, closing, mirrored, open_by
+from footopt.files.gaits.windows import TIMES, closing, mirrored, one_row_short, open_by
 from footopt.files.reading import Unusable
 
 Array = NDArray[np.float64]
 
 ODD = 0.2  # a stride that is so much longer or shorter than the median is left out
 POINTS = 100  # steps of a stride's phase
-OPEN = 0.1  # of the motion that the ends of a single stride may differ by
+OPEN = 0.1  # of the motion that the ends of a single stride may differ by ...
+MOST_OPEN = (
+    0.15  # ... or, with a note, where no part of it closes better: children's strides differ by so much
+)
 LATE = 0.1  # of a single stride; a heel strike that is farther inside is where it ought to begin
 L1, L2 = 0.47, 0.45  # leg, m; only the ankle's forward extreme is taken from it
 PROMINENT = 0.3  # of the ankle's whole way that it goes back between two heel strikes
@@ -102,11 +105,9 @@ def _single(recording: Recording) -> Strides:
     """A recording that is one stride, or holds one; it begins where the heel strikes."""
     t, angles, notes = recording.t, recording.angles, recording.notes
     _check_moving(recording)
-    apart = open_by(recording)
+    whole, apart = _closed(recording)
     if apart <= OPEN:
-        phase, curves, more = _from_strike((t - t[0]) / (t[-1] - t[0]), angles, LATE)
-        notes += ("one stride, from the first row to the last", *more)
-        return Strides(phase, curves, t[-1:] - t[0], notes)
+        return whole
     for halves in (False, True):
         window = closing(recording, halves)
         if window is None:
@@ -123,10 +124,26 @@ def _single(recording: Recording) -> Strides:
         notes += (f"{what}, from {begin:.3f} to {end:.3f} s: {off}",)
         phase, curves, _ = _from_strike(phase, curves, 0.0)
         return Strides(phase, curves, np.array([period]), notes)
+    if apart <= MOST_OPEN:
+        return whole
     raise Unusable(
         f"not one whole stride: in {t[-1] - t[0]:.3g} s no stride closes, and its ends differ by "
         f"{100 * apart:.0f} % of the motion. Give one heel strike to the next, or several strides."
     )
+
+
+def _closed(recording: Recording) -> tuple[Strides, float]:
+    """A whole recording as one stride, and the part of the motion that its ends differ by."""
+    t, angles, _, _ = recording
+    apart, what = open_by(recording), "one stride, from the first row to the last"
+    if (again := one_row_short(recording)) < apart:
+        t = np.append(t, 2.0 * t[-1] - t[-2])
+        angles = {joint: np.append(values, values[0]) for joint, values in angles.items()}
+        apart, what = again, "one stride, after whose last row the first one comes again"
+    if apart > OPEN:
+        what += f", though they differ by {100 * apart:.0f} % of the motion"
+    phase, curves, more = _from_strike((t - t[0]) / (t[-1] - t[0]), angles, LATE)
+    return Strides(phase, curves, t[-1:] - t[0], (*recording.notes, what, *more)), apart
 
 
 def _from_strike(

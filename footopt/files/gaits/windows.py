@@ -11,6 +11,7 @@ Array = NDArray[np.float64]
 
 TIMES, SMOOTH = 300, 4.0  # times at which a closed part is looked for; width of their speeds' filter
 CLOSED = 0.06  # of the motion that the ends of such a part may differ by
+EVEN = 0.1  # of a step that others may be longer
 MOST = 0.8  # of the thigh's range that such a part must hold
 
 
@@ -46,6 +47,24 @@ def open_by(recording: Recording) -> float:
     """The part of the motion that the ends of a recording differ by."""
     state = _state(np.linspace(recording.t[0], recording.t[-1], TIMES), recording)
     return float(_apart(state[:, :1], state[:, -1:], np.ptp(state, axis=1))[0, 0])
+
+
+def one_row_short(recording: Recording) -> float:
+    """The part of the motion by which the first row is not the one that would come after the last.
+
+    As in tables of a stride from 0 to 99 %. The step between is that of a parabola through the speeds of
+    two steps before and two after; infinity where rows are few or not evenly spaced.
+    """
+    steps = np.diff(recording.t)
+    if len(steps) < 8 or np.ptp(steps) > EVEN * np.mean(steps):
+        return np.inf
+    off = []
+    for joint in ("thigh", "knee"):
+        values = recording.angles[joint]
+        turns = np.diff(values)
+        step = (4.0 * (turns[0] + turns[-1]) - (turns[1] + turns[-2])) / 6.0
+        off.append(abs(values[0] - values[-1] - step) / np.ptp(values))
+    return float(max(off))
 
 
 def _state(t: Array, recording: Recording) -> Array:

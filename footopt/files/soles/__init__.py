@@ -27,6 +27,7 @@ LENGTHS = (5e-3, 1.5)  # of a sole, m; anything else is a mistake in the units
 STEEPEST = 2.0  # a sole's height over its length; the paper's steepest shape has 1/2
 SPIKE = 20.0  # deg; a sharper angle inside a sole is a wrong point
 HOLE = 0.5  # of an outline's length; a larger line inside it may be the sole itself
+LISTED = 4  # of a drawing's lines, in a message
 WORLD = 1e9  # m; no drawing has a point farther from its origin
 
 
@@ -143,10 +144,10 @@ def the_line(lines: Sequence[Line], name: str, layer: str | None = None) -> tupl
     if len(found) > 1:
         choose = (
             f"Choose one with foot.layer (there: {', '.join(filter(None, layers))}), d"
-            if any(layers)
+            if len(layers) > 1
             else "D"
         )
-        told = "; ".join(_described(line) for line in found[:6]) + ("; ..." if len(found) > 6 else "")
+        told = "; ".join([*map(_described, found[:LISTED]), *(["..."] if len(found) > LISTED else [])])
         raise Unusable(
             "must hold one line that is the sole, or one closed outline; it holds "
             f"{len(found)}: {told}. {choose}elete what is "

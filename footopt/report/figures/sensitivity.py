@@ -26,17 +26,17 @@ def sensitivity(found: Mapping[str, Any], names: Sequence[str], label: Callable[
     label : callable
         From a parameter's name to its label with the standard deviation.
     """
-    columns = [name.replace("_", "\n") for name in names]
+    columns = ["$J_W$" if name == "efficiency" else name.replace("_", "\n") for name in names]
     heights = [len(block.parameters) for block in found.values()]
     largest = max(float(np.nanmax(np.abs(100.0 * block.change), initial=1e-9)) for block in found.values())
     figure = new_figure(PAGE, 1.0 + ROW * sum(heights))
-    panels = figure.subplots(len(found), 2, height_ratios=heights, width_ratios=(4, 3), squeeze=False)
+    panels = figure.subplots(len(found), 2, height_ratios=heights, width_ratios=(9, 5), squeeze=False)
     for (left, right), (title, block) in zip(panels, found.items(), strict=True):
         rows = [label(name) for name in block.parameters]
         # what lies within its own interval of zero is not known to be anything
         known = np.where(block.total_error < block.total, block.total, np.nan)
         totals = [
-            [f"{v:.2f}±{e:.2f}" if e < v else f"< {v + e:.2f}" for v, e in zip(*pair, strict=True)]
+            [f"{v:.2f}±{e:.2f}" if e < v else f"< {max(v + e, 0.01):.2f}" for v, e in zip(*pair, strict=True)]
             for pair in zip(block.total, block.total_error, strict=True)
         ]
         draw_heat_map(left, known, rows, columns, totals, Normalize(0.0, 1.0), "Blues")

@@ -97,10 +97,10 @@ function arcPoints(k, steps) {
   return out;
 }
 
-/** Plates of some chords each: place, cos and sin of twice the angle, area, direction; `span` that one stands for. */
+/** Plates of some chords each: place, cos and sin of twice the angle, area, direction, turn; `span` that one stands for. */
 function plates(points, parts) {
   const count = (points.length / 2 - 1) / parts, [ankleX, ankleZ] = P.foot.ankle;
-  const [x, z, c2, s2, area, tx, tz] = Array.from({ length: 7 }, () => new Float64Array(count));
+  const [x, z, c2, s2, area, tx, tz, turn] = Array.from({ length: 8 }, () => new Float64Array(count));
   let whole = 0;
   for (let i = 0; i < count; i++) {
     let total = 0;
@@ -122,7 +122,17 @@ function plates(points, parts) {
     area[i] = total * P.foot.width;
     whole += total;
   }
-  return { x, z, c2, s2, area, tx, tz, span: parts > 1 ? whole / count : 0 };
+  for (let m = 1; parts > 1 && m < count * parts; m++) { // by how much the sole turns within a plate
+    const j = 2 * m, ax = points[j] - points[j - 2], az = points[j + 1] - points[j - 1];
+    const bx = points[j + 2] - points[j], bz = points[j + 3] - points[j + 1];
+    const angle = Math.abs(Math.atan2(ax * bz - az * bx, ax * bx + az * bz)), i = Math.trunc(m / parts);
+    if (m % parts) turn[i] += angle;
+    else if (angle <= P.accuracy.corner) { // one between two plates bends neither
+      turn[i - 1] += 0.5 * angle;
+      turn[i] += 0.5 * angle;
+    }
+  }
+  return { x, z, c2, s2, area, tx, tz, turn, span: parts > 1 ? whole / count : 0 };
 }
 
 // --- the contact: footopt/walk/contact.py, footopt/effects -----------------------------------------------------
@@ -170,7 +180,7 @@ function footForce(W, sole, poses, p, hipX, hipZ, hipVx, hipVz, creep, c, out, o
   const ax = hipX + poses[p], az = hipZ + poses[p + 1], avx = hipVx + poses[p + 2], avz = hipVz + poses[p + 3];
   const cos = poses[p + 4], sin = poses[p + 5], rate = poses[p + 6];
   const c2p = cos * cos - sin * sin, s2p = 2 * sin * cos;
-  const turn = P.accuracy.turn * rate * sole.span, slip = Math.sqrt(creep * creep + turn * turn), eps2 = slip * slip;
+  const along = rate * sole.span, { turn, seen, bent } = P.accuracy, eps2 = creep * creep + (turn * along) ** 2;
   let fx = 0, fz = 0, power = 0, jxx = 0, jxz = 0, jzx = 0, jzz = 0;
   for (let i = 0; i < X.length; i++) {
     const rise = sin * X[i] + cos * Z[i], depth = -(az + rise);
@@ -199,12 +209,13 @@ function footForce(W, sole, poses, p, hipX, hipZ, hipVx, hipVz, creep, c, out, o
       if (gates.length) {
         gate[0] = 1;
         gate[1] = 0;
-        for (const hook of gates) hook(vn, slip);
-        const by = k * gate[1];
-        jxx += by * px * nx;
-        jxz += by * px * nz;
-        jzx += by * pz * nx;
-        jzz += by * pz * nz;
+        const bend = (bent * sole.turn[i]) ** 2, wide2 = creep * creep + (seen * along) ** 2 + bend * (vx * vx + vz * vz);
+        for (const hook of gates) hook(vn, Math.sqrt(wide2));
+        const by = k * gate[1], wider = (vn * bend) / wide2, gx = nx - wider * vx, gz = nz - wider * vz;
+        jxx += by * px * gx;
+        jxz += by * px * gz;
+        jzx += by * pz * gx;
+        jzz += by * pz * gz;
         kq *= gate[0];
         px *= gate[0];
         pz *= gate[0];
@@ -263,7 +274,7 @@ function staticHeight(W, sole, pose0) {
       load.set([depth, 1, 0]);
       gate.set([1, 0]);
       for (const hook of loads) hook(depth, pose0[p] + cos * x[i] - sin * z[i]);
-      for (const hook of gates) hook(cos * tx[i] - sin * tz[i], 1e-9);
+      for (const hook of gates) hook(cos * tx[i] - sin * tz[i], Math.max(P.accuracy.bent * sole.turn[i], 1e-9));
       total += area[i] * load[0] * (W.A00 + W.B01 + (W.A10 + W.B_sum) * c) * gate[0];
     });
     return total;

@@ -1,9 +1,10 @@
 // Many designs: parallel coordinates and a scatter that filter each other, and a table of the same.
 
-const values = unpack(data.designs.values), WIDTH = data.columns.length, COUNT = values.length / WIDTH;
+const WIDTH = data.columns.length, values = oneMore(unpack(data.designs.values), WIDTH), COUNT = values.length / WIDTH - 1;
+const DRAWN = COUNT; // the design after the last is the one that is drawn on the page
 const generation = data.designs.generation && unpack(data.designs.generation);
-const feasible = data.designs.feasible.data ? unpack(data.designs.feasible) : data.designs.feasible;
-const reason = (i) => data.designs.reasons[data.designs.reason ? reasonCodes[i] : i];
+const feasible = [...(data.designs.feasible.data ? unpack(data.designs.feasible) : data.designs.feasible)];
+const reason = (i) => i === DRAWN ? sketch.reason : data.designs.reasons[data.designs.reason ? reasonCodes[i] : i];
 const reasonCodes = data.designs.reason && unpack(data.designs.reason);
 const front = new Set(data.front ?? []);
 const MOST = 1000; // parallel ones of a colour at most
@@ -29,13 +30,13 @@ const guide = columnOf(data.guide ?? "efficiency") ?? COLUMNS[0];
 /** A design's number is its row in designs.csv, from 0. */
 const numbers = data.designs.rows && unpack(data.designs.rows);
 const BEST = { efficiency: "best in J_W", weights: "best by weights", limits: "best within limits" }[data.choice] ?? data.choice ?? "best";
-const label = (i) => data.designs.labels ? data.designs.labels[i] : `design ${numbers[i]}${i === data.best ? `, the ${BEST}` : ""}`;
+const label = (i) => i === DRAWN ? "drawn here" : data.designs.labels ? data.designs.labels[i] : `design ${numbers[i]}${i === data.best ? `, the ${BEST}` : ""}`;
 
 /** A limit as short as it is shown. */
 const tidy = (v) => (Number.isFinite(v) ? +v.toPrecision(5) : v);
 
-/** The explorer; `choose(i)` is called when a design is picked, `beside` is shown beside the scatter. */
-function explorer(choose, beside) {
+/** The explorer; `choose(i)` takes the design that is picked, `glimpse(i)` that under the pointer; `beside` is beside the scatter. */
+function explorer(choose, beside, glimpse) {
   let order = COLUMNS.filter((c) => !c.variable);
   const all = Array.from({ length: COUNT }, (_, i) => i).filter((i) => feasible[i]);
   const state = { limits: new Map(), chosen: data.best, shown: [], passing: [], near: -1 };
@@ -67,9 +68,9 @@ function explorer(choose, beside) {
     change: () => setLimit(c.name, ...fields.get(c.name).map((field, e) => field.value === "" ? [-Infinity, Infinity][e] : +field.value)),
   }))]));
   const rows = folded(`The designs within the limits as a table (the first 50, by ${named(guide)})`, () => {
-    const best = state.passing.slice().sort((a, b) => (guide.of(a) - guide.of(b)) * (guide.maximise ? -1 : 1));
+    const best = leaders(50);
     const told = COLUMNS.filter((c) => !/^k\d+$/.test(c.name));
-    return table(["", ...told.map(named), ...(kOf ? ["k"] : [])], best.slice(0, 50).map((i) => [
+    return table(["", ...told.map(named), ...(kOf ? ["k"] : [])], best.map((i) => [
       el("button", { type: "button", click: () => pick(i) }, data.designs.labels ? label(i) : String(numbers[i])),
       ...told.map((c) => number(c.of(i))), ...(kOf ? [heights(i).join(" ")] : [])]));
   });
@@ -110,6 +111,7 @@ function explorer(choose, beside) {
       table(["", "from", "to"], COLUMNS.map((c) => [named(c), ...fields.get(c.name)]))),
     rows);
 
+  const leaders = (count) => state.passing.slice().sort((a, b) => (guide.of(a) - guide.of(b)) * (guide.maximise ? -1 : 1)).slice(0, count);
   const within = (i) => {
     for (const [name, [low, high]] of state.limits) {
       const v = columnOf(name).of(i);
@@ -121,6 +123,8 @@ function explorer(choose, beside) {
     if (low === -Infinity && high === Infinity) state.limits.delete(name);
     else state.limits.set(name, [Math.min(low, high), Math.max(low, high)]);
     filter();
+    const best = leaders(1)[0]; // what was brushed is shown by its best
+    if (best !== undefined && !state.passing.includes(state.chosen)) pick(best);
   }
   function filter() {
     state.shown = all.filter(SETS[which.value].has);
@@ -157,6 +161,8 @@ function explorer(choose, beside) {
   /** Tell a click from a drag. */
   function gestures(a, { drag, click }) {
     let from = null, box = null;
+    // a finger on an axis brushes, elsewhere it moves the page
+    a.svg.addEventListener("touchstart", (event) => event.target.classList.contains("grip") && event.preventDefault(), { passive: false });
     a.svg.addEventListener("pointerdown", (event) => {
       from = where(a, event);
       a.svg.setPointerCapture(event.pointerId);
@@ -296,7 +302,10 @@ function explorer(choose, beside) {
     return found;
   }
   /** What a design under the pointer says. */
-  const told = (i) => (i < 0 ? null : [label(i), ...COLUMNS.filter((c) => !c.variable || order.includes(c)).map((c) => `${c.title} ${quantity(c.of(i), c.unit)}`)].join("\n"));
+  const told = (i) => {
+    if (i !== state.near) glimpse((state.near = i) < 0 ? state.chosen : i);
+    return i < 0 ? null : [label(i), ...COLUMNS.filter((c) => !c.variable || order.includes(c)).map((c) => `${c.title} ${quantity(c.of(i), c.unit)}`)].join("\n");
+  };
 
   function drawScatter() {
     const cx = columnOf(across.value), cy = columnOf(up.value);

@@ -23,7 +23,8 @@ from footopt.report.style import PALETTE
 
 STYLES = ("page.css",)
 SCRIPTS = (  # in this order: each uses those before it
-    "tools.js", "soles.js", "contact.js", "simulate.js", "stage.js", "walk.js", "explore.js", "main.js",
+    "tools.js", "soles.js", "contact.js", "simulate.js", "stage.js", "walk.js", "explore.js",
+    "draw.js", "main.js",
 )  # fmt: skip
 
 

@@ -66,6 +66,7 @@ function designSection() {
   const drawing = el("div", { class: "plot" }), numbers = el("div", {}), words = el("p", { id: "design-words", class: "note" });
   const title = el("h2", { id: "design-title" }), step = data.walks && gait?.strikes.length ? stepLoop() : null;
   let chosen = data.best;
+  const tools = drawTools(drawing, () => chosen, (i) => show(i), (i) => choose(i));
   const buttons = Object.entries(FORMATS).map(([ending, { text, type }]) => el("button", {
     type: "button", id: `download-${ending}`,
     click: () => download(`sole-${label(chosen).replace(/[^\w.-]+/g, "-")}.${ending}`, text({ points: sole(chosen), top: own("top", chosen), width: own("width", chosen) }), type),
@@ -75,7 +76,7 @@ function designSection() {
   const section = el("section", { id: "design" }, title,
     el("div", { class: "grid wide" },
       el("div", {}, el("figure", {}, drawing), words, step?.figure ?? null),
-      el("div", {}, numbers, ...(flatEntry ? [exact] : []), el("div", { class: "bar" }, "Download it as", ...buttons, back))));
+      el("div", {}, numbers, ...(flatEntry ? [exact] : []), el("div", { class: "bar" }, "Download it as", ...buttons, back), tools.section)));
   function numberTable() {
     const errors = chosen === data.best && entry.error_estimate;
     return table(["", "this sole", ...(errors ? ["error"] : []), ...(flatEntry ? ["flat sole", "change"] : [])],
@@ -90,8 +91,8 @@ function designSection() {
     const points = sole(chosen), k = heights(chosen), best = chosen === data.best, flat = data.walks && flatWalk();
     title.textContent = COUNT > 1 ? `The ${best ? "" : "chosen "}sole: ${label(chosen)}` : `The sole: ${label(chosen)}`;
     back.hidden = best || data.jobs !== undefined;
-    words.textContent = [k ? `k = [${k.join(",")}]` : "", `hollow ${(MM * hollow(points)).toFixed(1)} mm`, generation ? `generation ${generation[chosen]}` : "",
-      feasible[chosen] ? "" : `infeasible: ${reason(chosen)}`, flat ? "dashed: the flat foot" : ""].filter(Boolean).join("; ");
+    words.textContent = [k ? `k = [${k.join(",")}]` : "", `hollow ${(MM * hollow(points)).toFixed(1)} mm`, generation && chosen !== DRAWN ? `generation ${generation[chosen]}` : "",
+      feasible[chosen] ? "" : `infeasible: ${reason(chosen)}`, chosen === DRAWN && feasible[chosen] ? sketch.reason : "", flat ? "dashed: the flat foot" : ""].filter(Boolean).join("; ");
     drawing.replaceChildren(soleDrawing(points, { width: Math.max(drawing.clientWidth, 200), k, top: own("top", chosen), colour: best || data.jobs ? "var(--best)" : "var(--chosen)",
       ghost: flat?.points }));
     const finer = best && data.bestValues, accuracy = data.jobs ? "" : `Walked at accuracy ${(finer ? entry.accuracy : entry.search_accuracy ?? entry.accuracy)?.name}. `;
@@ -100,22 +101,32 @@ function designSection() {
         best && entry.ranks?.laws?.some((law) => law.change) ? " Circles: under other laws of the sand." : "", ` ${accuracy}`)]
       : [el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Values" }, numberTable()), el("p", { class: "note" }, accuracy)]));
     exact.refresh();
+    tools.redraw();
     step?.redraw();
   }
-  return { section, redraw, show: (i) => { chosen = i; step?.show(i); redraw(); say(`Chosen: ${label(i)}`); } };
+  function show(i) {
+    chosen = i;
+    if (sketch) compareWith(i);
+    step?.show(i);
+    redraw();
+    say(`Chosen: ${label(i)}`);
+  }
+  return { section, redraw, show };
 }
 
 /** The chosen design in little, beside the scatter. */
 function glance() {
   const section = el("section", { id: "glance", "aria-label": "The chosen design" });
+  const step = data.walks && gait?.strikes.length ? stepLoop("glimpse", 200) : null;
   let chosen = data.best;
-  const show = (i = chosen) => {
-    chosen = i;
+  const show = (i = chosen, keep = true) => {
+    if (keep) chosen = i;
     section.replaceChildren(el("h3", {}, label(i)), el("figure", {}, soleDrawing(sole(i), { width: Math.max(section.clientWidth, 200), height: 90, plain: true,
       top: own("top", i), colour: i === data.best ? "var(--best)" : "var(--chosen)", ghost: data.walks && flatWalk()?.points })),
     el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Values of the chosen design" },
       table(["", "value", ...(flatEntry ? ["change"] : [])], data.columns.map((column, c) => [named(column), number(valueOf(i, c)), ...(flatEntry ? [change(valueOf(i, c), flatEntry[column.name], column)] : [])]))),
-    el("p", {}, el("a", { href: "#design" }, "the whole answer"), ", ", el("a", { href: "#walk" }, "its walk")));
+    step?.figure ?? "", el("p", {}, el("a", { href: "#design" }, "the whole answer"), ", ", el("a", { href: "#walk" }, "its walk")));
+    step?.show(i);
   };
   return { section, show };
 }
@@ -198,7 +209,7 @@ function tracesSection() {
 /** A study of many walks: its figures and its tables, as they are on paper and on the terminal. */
 function studySections() {
   const figures = data.figures.map(({ source, width, says }) =>
-    el("figure", { class: "printed" }, el("img", { src: source, width, alt: says }), el("figcaption", {}, says)));
+    el("figure", { class: "printed", tabindex: "0" }, el("img", { src: source, width, alt: says }), el("figcaption", {}, says)));
   const tables = data.tables.flatMap(({ title, head, words: wordy, rows, bad, links, caption }) => {
     const shown = (cell, r, c) => links[r][c] ? el("a", { href: encodeURIComponent(cell) }, cell) : bad[r][c] ? el("strong", { class: "bad" }, cell) : cell;
     const made = table(head.map((text, c) => (wordy[c] ? words(text) : text)),
@@ -235,7 +246,7 @@ function build() {
   const main = document.getElementById("main");
   document.getElementById("header").append(...headline());
   const design = designSection(), walks = data.walks && walkSection(), small = COUNT > 1 && !data.jobs ? glance() : null;
-  const explore = COUNT > 1 ? explorer(choose, small?.section ?? design.section) : null;
+  const explore = COUNT > 1 ? explorer(choose, small?.section ?? design.section, (i) => small?.show(i, false)) : null;
   const found = data.history?.length ? searchSection(choose) : null, traces = data.traces?.length ? tracesSection() : null;
   if (data.figures) main.append(...studySections());
   if (data.jobs) main.append(jobsSection(choose));

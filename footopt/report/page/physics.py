@@ -8,13 +8,14 @@ from typing import Any
 from footopt.effects import Effect, Inertia, Layers, LeadingEdge, Patches, Slope, name_of
 from footopt.effects.inertia import SKIN
 from footopt.foot import Foot, Waypoints
-from footopt.foot.plates import RULES
+from footopt.foot.plates import CORNER, RULES
 from footopt.foot.waypoints import FINE, slope_matrix
 from footopt.gait import start
 from footopt.report.page.file import packed
 from footopt.sand.law import PER_CM3
 from footopt.walk import Accuracy, Scene, newton, prepare
-from footopt.walk.contact import TURN
+from footopt.walk.adapt import adapted
+from footopt.walk.contact import BENT, SEEN, TURN
 from footopt.walk.loop import NEAR, PEAK
 from footopt.walk.objectives import FLOORS
 from footopt.walk.scene import EARTH
@@ -44,12 +45,13 @@ def physics(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> dict[st
     dict
         With "refusal" alone if the page cannot walk: in words, why not.
     """
+    accuracy = adapted(accuracy, scene, foot)
     if why := refusal(scene, accuracy, foot):
         return {"refusal": why}
     gait, walker, (tilt, g) = scene.gait, scene.walker, scene.gravity
     foot_pitch = gait.foot if gait.pitch == "measured" else None
     space = foot if isinstance(foot, Waypoints) else foot.space
-    steps = accuracy.plates * RULES[accuracy.rule]
+    parts = RULES[accuracy.rule]
     return {
         "sand": {
             "zeta": scene.sand.zeta,
@@ -73,7 +75,7 @@ def physics(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> dict[st
             "name": accuracy.name,
             "dt": accuracy.dt,
             "plates": accuracy.plates,
-            "parts": RULES[accuracy.rule],
+            "parts": parts,
             "creep": accuracy.creep,
             "control": accuracy.control,
             "gamma": STEPPERS[STEPPER].parameters.gamma,
@@ -84,6 +86,9 @@ def physics(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> dict[st
             "rescue": newton.MAX_RESCUE,
             "gated": newton.GATED,
             "turn": TURN,
+            "seen": SEEN,
+            "bent": BENT,
+            "corner": CORNER,
             "near": NEAR,
             "peak": PEAK,
             "repeats": MAX_REPEATS,
@@ -103,7 +108,9 @@ def physics(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> dict[st
             "tolerance": space.box_tolerance * space.H,
         },
         # of a sole without waypoints
-        "points": packed(foot.points(steps), double=True) if isinstance(foot, Foot) and not space else None,
+        "points": packed(foot.points(accuracy.plates, parts), double=True)
+        if isinstance(foot, Foot) and not space
+        else None,
     }
 
 

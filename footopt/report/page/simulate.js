@@ -232,10 +232,10 @@ function simulate(points, { zeta, mass }) {
     for (let i = 0; i < made; i++) for (let j = 0; j < width; j++) found[width * i + j] = rows[wide * i + from + j];
     return found;
   };
-  const { parts, of } = groups(sole.x.length), at = new Float64Array(2 * parts), size = new Float64Array(parts);
-  of.forEach((j, i) => { at[2 * j] += sole.x[i]; at[2 * j + 1] += sole.z[i]; size[j]++; });
+  const { parts, of } = groups(sole.x.length), at = new Float64Array(2 * parts), size = new Float64Array(parts), area = new Float64Array(parts);
+  of.forEach((j, i) => { at[2 * j] += sole.x[i]; at[2 * j + 1] += sole.z[i]; size[j]++; area[j] += sole.area[i]; });
   return {
-    reason, objectives: objectives(raw, mass), ankle: P.foot.ankle, at: at.map((v, i) => v / size[i >> 1]),
+    reason, objectives: objectives(raw, mass), lowest: raw ? -raw.maximum_sinkage : undefined, ankle: P.foot.ankle, at: at.map((v, i) => v / size[i >> 1]), area, when: [],
     t: columns(0, 1), com: columns(1, 2), velocity: columns(3, 2), force: columns(5, 4), power: columns(9, 2), work: columns(11, 2),
     arrows: columns(TRACE, 4 * parts),
   };

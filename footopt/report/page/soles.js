@@ -2,7 +2,7 @@
 
 const space = data.space && Object.fromEntries(Object.entries(data.space).map(
   ([key, value]) => [key, value.data === undefined ? value : unpack(value)]));
-const kOf = data.designs.k && unpack(data.designs.k);
+const kOf = data.designs.k && oneMore(unpack(data.designs.k), space.n);
 
 /** The waypoints' heights of a design. */
 const heights = (i) => kOf ? Array.from(kOf.subarray(i * space.n, (i + 1) * space.n)) : null;
@@ -134,7 +134,7 @@ function soleDrawing(points, { width, k = null, height = null, ghost = null, pla
   const X = (x) => edge + (x - x0) * scale, Z = (z) => 4 + (z1 - z) * scale;
   const to = (list) => path(list.map(([x, z]) => [X(x), Z(z)]));
   const made = svg("svg", { viewBox: `0 0 ${width} ${high}`, height: high, width: plain ? width : null,
-    "aria-hidden": plain ? "true" : null, role: plain ? null : "img",
+    "aria-hidden": plain ? "true" : null, role: plain ? null : k ? "group" : "img",
     "aria-label": plain ? null : `The sole from heel to toe, hollow ${number(MM * hollow(points))} mm` });
   if (!plain) {
     if (space) made.append(svg("rect", { x: X(-space.L), y: Z(0), width: 2 * space.L * scale,
@@ -153,6 +153,9 @@ function soleDrawing(points, { width, k = null, height = null, ghost = null, pla
   if (ghost) made.append(svg("path", { d: to(ghost), fill: "none", stroke: "var(--flat)", "stroke-width": 1.5, "stroke-dasharray": "5 4" }));
   made.append(svg("path", { d: to(points), fill: "none", stroke: colour, "stroke-width": plain ? 1.5 : 3 }));
   if (k && !plain) k.forEach((height, p) => made.append(svg("circle", { cx: X(space.waypoints[p]),
-    cy: Z(-height * space.step), r: 4, class: "waypoint", stroke: colour, "stroke-width": 1.5, "data-waypoint": p })));
+    cy: Z(-height * space.step), r: 4, class: "waypoint", stroke: colour, "stroke-width": 1.5 }),
+    P.sand ? svg("circle", { cx: X(space.waypoints[p]), cy: Z(-height * space.step), r: 11, class: "grip", "data-waypoint": p, role: "slider", tabindex: "0",
+      "aria-label": `level of waypoint ${p + 1}, downwards`, "aria-valuemin": 1, "aria-valuemax": P.space.K, "aria-valuenow": height, "aria-orientation": "vertical" }) : ""));
+  made.height_of = (y) => z1 - (y - 4) / scale;
   return made;
 }

@@ -234,9 +234,13 @@ function strips({ X, Z, width, height }) {
   });
 }
 
-/** The lowest point of any sole in a walk, m. */
-function deepest(walk) {
+/** The lowest point of any sole in a walk, or between two of its times, m. */
+function deepest(walk, from = 0, to = Infinity) {
+  const all = to === Infinity;
+  if (all && walk.lowest !== undefined) return walk.lowest;
   let low = 0;
-  for (let i = 0; i < walk.t.length; i += 4) for (const { carry } of pose(walk, walk.t[i])) for (const p of carry(walk.light)) low = Math.min(low, p[1]);
+  for (let i = 0; i < walk.t.length; i += 4) if (walk.t[i] >= from && walk.t[i] <= to)
+    for (const { carry } of pose(walk, walk.t[i])) for (const p of carry(walk.light)) low = Math.min(low, p[1]);
+  if (all) walk.lowest = low;
   return low;
 }

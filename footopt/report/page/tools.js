@@ -20,6 +20,13 @@ function unpack({ low, step, data: text }) {
   return Float64Array.from(new Uint16Array(bytes.buffer), (v) => low + step * v);
 }
 
+/** Numbers with room for a row more, of NaN. */
+function oneMore(numbers, width) {
+  const more = new Float64Array(numbers.length + width).fill(NaN);
+  more.set(numbers);
+  return more;
+}
+
 /** An element, of HTML or of SVG, with attributes (a function is a listener) and children. */
 function make(space, name, attributes, children) {
   const made = space ? document.createElementNS(space, name) : document.createElement(name);

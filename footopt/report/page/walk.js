@@ -52,15 +52,15 @@ function tracePlot(holder, { title, name, width, lines }, walk, other, seek) {
   };
 }
 
-/** The walk of a design, or null: of the data. */
+/** The walk of a design: of the data, or made here; or null. */
 function walkOf(i) {
   const place = data.walks.findIndex((walk) => walk.design === i);
-  return place < 0 ? null : Object.assign(open(place), { label: label(i) });
+  return place < 0 ? simulated(i) : Object.assign(open(place), { label: label(i) });
 }
 /** That of the flat sole, which is no design. */
 function flatWalk() {
   const place = data.walks?.findIndex((walk) => walk.design === null) ?? -1;
-  return place < 0 ? null : open(place);
+  return sketch?.flat ?? (place < 0 ? null : open(place));
 }
 
 /** The section of the walk; `show(i)` puts the walk of a design on it. */
@@ -170,9 +170,9 @@ function walkSection() {
 }
 
 /** The first step of the right foot, close, over and over; `show(i)` takes that of another design. */
-function stepLoop() {
-  const holder = el("div", { class: "plot", id: "step" }), still = matchMedia("(prefers-reduced-motion: reduce)").matches;
-  const button = el("button", { type: "button", id: "loop", click: () => { state.playing = !state.playing; run(); } });
+function stepLoop(id = "step", tall = 300) {
+  const holder = el("div", { class: "plot", id }), still = matchMedia("(prefers-reduced-motion: reduce)").matches;
+  const button = el("button", { type: "button", class: "loop", click: () => { state.playing = !state.playing; run(); } });
   const figure = el("figure", {}, holder, el("figcaption", {}, button, " A step at a quarter of its speed, with the forces on parts of the sole", flatWalk() ? "; dashed: the flat foot in step." : "."));
   const begin = gait.strikes[0], stride = 2 * ((gait.strikes[1] ?? NaN) - begin);
   const state = { walk: null, mover: null, t: begin + 0.1 * stride, playing: !still && Number.isFinite(stride), seen: true };
@@ -198,7 +198,7 @@ function stepLoop() {
     if (figure.hidden) return;
     const flat = flatWalk(), other = flat && flat !== walk && flat.t.at(-1) > begin + 0.3 * stride ? flat : null;
     const foot = (w) => pose(w, begin + 0.25 * stride)[RIGHT].leg[2][0];
-    state.mover = stage(holder, walk, { close: true, other, tall: 300, x: [-0.26, 0.26], z: [deepest(walk) - 0.035, 0.13],
+    state.mover = stage(holder, walk, { close: true, other, tall, x: [-0.26, 0.26], z: [deepest(walk, begin - 0.06 * stride, begin + 0.72 * stride) - 0.035, 0.13],
       fixed: { x: foot(walk) + 0.03, shift: other ? foot(walk) - foot(other) : 0 }, label: "One step of the right foot in the sand, with the forces on its sole" });
     state.mover(state.t);
     run();

@@ -15,7 +15,7 @@ from footopt.foot import Waypoints
 from footopt.report.body import forces_along, groups
 from footopt.report.numbers import percent, title
 from footopt.report.page.file import column, packed
-from footopt.report.page.physics import ARROWS, physics
+from footopt.report.page.physics import ARROWS, physics, refusal
 from footopt.report.scenery import scenery
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
 from footopt.walk import FIVE, MEASURES, Scene, Walk
@@ -70,12 +70,15 @@ def walk_content(walk: Walk, entry: dict[str, Any]) -> dict[str, Any]:
 
 
 def walked_designs(result: SearchResult, confirmed: Confirmation) -> list[int]:
-    """The designs beside the best one whose walks `search_content` shows.
+    """The designs beside the best one whose walks `search_content` holds: none where the page itself walks.
 
-    Those of the front, evenly spread over its ranks where it is larger than `WALKS`; or those that were
+    Else those of the front, evenly spread over its ranks where it is larger than `WALKS`; or those that were
     the best so far; or the best of an enumerated space.
     """
-    if result.problem.n_obj > 1:
+    problem = result.problem
+    if not refusal(problem.scene, problem.accuracy, problem.space):
+        return []
+    if problem.n_obj > 1:
         chosen = _spread(result.shown.tolist(), WALKS)
     else:
         chosen = successive_bests(result) or list(range(min(LEADERS, len(result.k))))

@@ -1,0 +1,130 @@
+// A sole of one's own: waypoints to drag, sliders for sand and mass, the walk that follows, undo, and what to do with it.
+
+/** The sole that is sketch, the design after the last: its sand and mass, why it failed, and what it was before. */
+const sketch = P.sand ? { zeta: P.sand.zeta, mass: P.walker.mass, reason: "", flat: null, past: [] } : null;
+if (sketch && !kOf) data.designs.soles.push(data.designs.soles[0]);
+
+const walked = new Map();
+/** The walk of a design, made here; null where the page says why it cannot. */
+function simulated(i) {
+  if (!sketch) return null;
+  if (!walked.has(i)) {
+    const k = heights(i), points = k ? arcPoints(k, P.accuracy.plates * P.accuracy.parts) : unpack(P.points);
+    const made = simulate(points, i === DRAWN ? sketch : { zeta: P.sand.zeta, mass: P.walker.mass });
+    if (walked.size > 20) walked.clear();
+    walked.set(i, prepared({ ...made, points: sole(i), top: own("top", i), design: i }));
+  }
+  return Object.assign(walked.get(i), { label: label(i) });
+}
+
+const flatOfRun = { ...entry.flat };
+/** Compare with the flat sole of the run, or with one in the sand and with the mass of what is sketch. */
+function compareWith(design) {
+  const same = design !== DRAWN || (sketch.zeta === P.sand.zeta && sketch.mass === P.walker.mass);
+  sketch.flat = null;
+  if (!same && flatWalk()) {
+    const flat = Array(P.space.n).fill(P.space.K), made = simulate(arcPoints(flat, P.accuracy.plates * P.accuracy.parts), sketch);
+    sketch.flat = prepared({ ...made, points: flatWalk().points, top: own("top", DRAWN), label: "flat" });
+  }
+  if (entry.flat) Object.assign(entry.flat, sketch.flat?.objectives ?? flatOfRun);
+}
+
+/** Walk with what is sketch, and put its values into the design after the last. */
+function rewalk() {
+  walked.delete(DRAWN);
+  depths.delete(DRAWN);
+  const walk = simulated(DRAWN), heightsOf = walk.points.map((p) => p[1]);
+  const out = P.space ? Math.max(...heightsOf, -P.space.H - Math.min(...heightsOf)) : 0;
+  sketch.reason = walk.reason || (P.space && out > (P.space.tolerance ?? Infinity) ? `it leaves its box by ${(MM * out).toFixed(1)} mm, which a search forbids` : "");
+  data.columns.forEach((column, c) => { values[DRAWN * WIDTH + c] = walk.objectives[column.name] ?? NaN; });
+  feasible[DRAWN] = walk.reason ? 0 : 1;
+}
+
+/** The tools beside the drawing of the chosen sole; `now()` is the chosen design, `show(i)` shows one, `settle(i)` everywhere. */
+function drawTools(holder, now, show, settle) {
+  const why = P.refusal ?? (sketch ? "" : null);
+  if (why === null || data.jobs) return { section: el("div", {}), redraw: () => {} };
+  if (why) return { section: el("p", { class: "note", id: "no-drawing" }, `No other sole can be drawn and walked here: ${why}.`), redraw: () => {} };
+  let frame = 0, rest = 0;
+  const snapshot = () => ({ design: now(), k: heights(now()), zeta: sketch.zeta, mass: sketch.mass });
+  const put = ({ k, zeta, mass }) => {
+    if (k) kOf.set(k, DRAWN * space.n);
+    Object.assign(sketch, { zeta, mass });
+  };
+  /** Change what is drawn: the sole and its step follow in the next frame, all else when the hand rests. */
+  function edit(change, remember = true) {
+    if (remember) sketch.past.push(snapshot());
+    put({ ...snapshot(), ...change });
+    frame ||= requestAnimationFrame(() => {
+      frame = 0;
+      rewalk();
+      show(DRAWN);
+    });
+    clearTimeout(rest);
+    rest = setTimeout(() => settle(DRAWN), 150);
+  }
+  function undo() {
+    const before = sketch.past.pop();
+    if (!before) return;
+    put(before);
+    rewalk();
+    settle(before.design);
+  }
+  const level = (p, k) => {
+    const moved = heights(now());
+    if (moved[p] === (k = clip(Math.round(k), 1, P.space.K))) return null;
+    moved[p] = k;
+    return moved;
+  };
+  let held = -1, fresh = true;
+  holder.addEventListener("pointerdown", (event) => {
+    held = +(event.target.closest("[data-waypoint]")?.dataset.waypoint ?? -1);
+    fresh = true;
+    if (held >= 0) holder.setPointerCapture(event.pointerId);
+  });
+  holder.addEventListener("pointermove", (event) => {
+    if (held < 0) return;
+    const drawing = holder.firstChild, box = drawing.getBoundingClientRect();
+    const k = level(held, -drawing.height_of(((event.clientY - box.top) * drawing.viewBox.baseVal.height) / box.height) / space.step);
+    if (k) edit({ k }, fresh);
+    if (k) fresh = false;
+  });
+  for (const end of ["pointerup", "pointercancel"]) holder.addEventListener(end, () => { held = -1; });
+  holder.addEventListener("keydown", (event) => {
+    const p = +(event.target.dataset.waypoint ?? -1), by = { ArrowUp: -1, ArrowDown: 1 }[event.key];
+    if (p < 0 || !by) return;
+    event.preventDefault();
+    const k = level(p, heights(now())[p] + by);
+    if (k) edit({ k });
+  });
+  let focused = -1; // the waypoint with the focus, which it keeps when it is drawn again
+  document.addEventListener("focusin", (event) => { focused = +(event.target.dataset?.waypoint ?? -1); });
+  document.addEventListener("keydown", (event) => {
+    if ((event.ctrlKey || event.metaKey) && event.key === "z" && sketch.past.length) { event.preventDefault(); undo(); }
+  });
+  /** A slider over a factor of 10 to either side, in equal steps of the logarithm. */
+  const slider = (name, text, own) => {
+    const shown = el("output", { for: name }), input = el("input", { id: name, type: "range", min: -1, max: 1, step: 0.01, "aria-label": text,
+      pointerdown: () => sketch.past.push(snapshot()), keydown: () => sketch.past.push(snapshot()),
+      input: () => edit({ [name]: +input.value ? +(own * 10 ** input.value).toPrecision(3) : own }, false) });
+    const redraw = () => { input.value = Math.log10(sketch[name] / own); shown.textContent = number(sketch[name]); input.setAttribute("aria-valuetext", shown.textContent); };
+    return { row: el("label", {}, text, input, shown), redraw };
+  };
+  const sliders = [slider("zeta", "sand: zeta", P.sand.zeta), slider("mass", "mass, kg", P.walker.mass)];
+  const back = el("button", { type: "button", id: "undo", click: undo }, "Undo"), commands = el("pre", { id: "commands", tabindex: "0" });
+  const section = el("div", { id: "draw" },
+    el("p", { class: "note" }, kOf ? "Drag a waypoint of the sole, or choose one and press the up and down keys: the page walks with it." : "This sole has no waypoints to drag; sand and mass can be changed."),
+    el("div", { class: "bar" }, ...sliders.map(({ row }) => row), back),
+    folded("Commands that walk with this sole, or search from it", () => commands));
+  function redraw() {
+    sliders.forEach((s) => s.redraw());
+    back.disabled = !sketch.past.length;
+    if (focused >= 0) holder.querySelector(`[data-waypoint="${focused}"]`)?.focus({ preventScroll: true });
+    const k = heights(now()), own = now() === DRAWN;
+    const sand = own && sketch.zeta !== P.sand.zeta ? ` sand.zeta=${sketch.zeta}` : "", mass = own && sketch.mass !== P.walker.mass ? ` walker.mass=${sketch.mass}` : "";
+    const world = `${k ? ` 'foot.k=[${k}]'` : ""}${sand}${mass}`;
+    commands.textContent = [`footopt study=simulate run=${data.folder ?? "FOLDER"}${world}`,
+      ...(data.objectives && k ? [`footopt ${data.words ? `${data.words} ` : ""}'study.start=[${k}]'${sand}${mass}`] : [])].join("\n");
+  }
+  return { section, redraw };
+}

@@ -1,0 +1,122 @@
+"""Presets are for the paper's walk; another scene, walker or sole gets the numbers that it needs."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import footopt as fo
+from footopt.foot.plates import CORNER, along_arc, corners
+from footopt.walk.accuracy import PRESETS
+from footopt.walk.adapt import EACH, MOST, adapted
+
+STANDARD = PRESETS["standard"]
+PAPER = fo.Waypoints()
+
+
+def comb(teeth, closed=False):
+    """A sole of straight sides: two for each tooth."""
+    x, z = np.linspace(-0.13, 0.13, 2 * teeth + 1), np.zeros(2 * teeth + 1)
+    z[1::2] = -0.02
+    return fo.Foot(np.stack([x, z], axis=1), name="comb", closed=closed)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("sand", ["soft", "regular", "hard"])
+def test_the_papers_walk_has_the_presets_own_numbers(name, sand):
+    scene = fo.Scene(sand=fo.Sand.named(sand))
+    for sole in (PAPER, fo.Foot.flat(), fo.Foot.shape("ellipse"), fo.Foot.shape("reversed_l")):
+        assert adapted(PRESETS[name], scene, sole) == replace(PRESETS[name], adapt=False)
+
+
+def test_numbers_by_hand_are_taken_as_they_are(ramp_foot):
+    light = fo.Scene(sand=fo.Sand(500.0), walker=fo.Walker(mass=2.0, l1=0.1, l2=0.1))
+    by_hand = fo.Accuracy(plates=24, dt=0.01)
+    assert adapted(by_hand, light, PAPER) == by_hand
+    walk = fo.simulate(ramp_foot, light)
+    assert walk.accuracy != STANDARD
+    assert adapted(walk.accuracy, fo.Scene(), PAPER) == walk.accuracy  # so that a walk can be repeated
+
+
+def test_plates_follow_hardness_and_mass():
+    """At least as many for harder sand, and for a lighter walker; a layer counts where feet get to it."""
+    zetas, masses = (5.0, 20.0, 100.0, 500.0), (60.0, 10.0, 2.0, 0.5)
+    by_zeta = [adapted(STANDARD, fo.Scene(sand=fo.Sand(zeta)), PAPER).plates for zeta in zetas]
+    by_mass = [adapted(STANDARD, fo.Scene(walker=fo.Walker(mass=mass)), PAPER).plates for mass in masses]
+    for plates in (by_zeta, by_mass):
+        assert plates[0] == STANDARD.plates
+        assert plates == sorted(set(plates))
+    pan, deep = (fo.Scene(effects=(fo.Layers((depth,), (1e6,)),)) for depth in (0.002, 1.0))
+    assert adapted(STANDARD, pan, PAPER).plates > 4 * STANDARD.plates
+    assert adapted(STANDARD, deep, PAPER).plates == STANDARD.plates
+    hard = fo.Scene(sand=fo.Sand(1.0), effects=(fo.Patches((0.5,), (0.6,), (500.0,)),))
+    assert adapted(STANDARD, hard, PAPER).plates > STANDARD.plates
+    absurd = fo.Scene(sand=fo.Sand(1e4), walker=fo.Walker(mass=1e-6))
+    assert 16 * STANDARD.plates < adapted(STANDARD, absurd, PAPER).plates <= MOST * STANDARD.plates
+
+
+@pytest.mark.parametrize("n", [5, 21, 50, 200])
+def test_plates_follow_waypoints(n):
+    assert adapted(STANDARD, fo.Scene(), fo.Waypoints(n=n)).plates >= EACH * (n - 1)
+    foot = fo.Foot.from_waypoints([1, 10] * (n // 2) + [1] * (n % 2))
+    assert adapted(STANDARD, fo.Scene(), foot) == adapted(STANDARD, fo.Scene(), fo.Waypoints(n=n))
+    drawn = fo.Foot(foot.contour)  # the same sole out of a file
+    assert adapted(STANDARD, fo.Scene(), drawn).plates >= min(EACH * (n - 1), 4 * n)
+
+
+def test_a_smaller_walker_takes_shorter_steps_at_smaller_speeds():
+    human, small = fo.Scene(), fo.Scene(gait=fo.Gait.human(period=0.6), walker=fo.Walker(60.0, 0.1, 0.13))
+    found = adapted(STANDARD, small, PAPER)
+    assert found.dt == pytest.approx(STANDARD.dt / 2)
+    assert found.control == pytest.approx(STANDARD.control / 2)  # legs a quarter as long, in half the time
+    assert found.creep == pytest.approx(STANDARD.creep / 2)
+    slow = replace(human, gait=fo.Gait.human(period=3.0))
+    assert adapted(STANDARD, slow, PAPER).dt == STANDARD.dt
+
+
+@pytest.mark.parametrize("effect", [fo.LeadingEdge(), fo.Inertia(), fo.Layers(), fo.Patches()])
+def test_steps_are_shorter_where_blows_are(effect):
+    found = adapted(STANDARD, fo.Scene(effects=(effect,)), PAPER)
+    assert (found.dt, found.control) == (STANDARD.dt / 2, STANDARD.control / 4)
+    hard = adapted(STANDARD, fo.Scene(sand=fo.Sand(100.0)), PAPER)
+    assert (hard.dt, hard.control) == (STANDARD.dt / 2, STANDARD.control / 4)
+    for other in (fo.Slope(), fo.Rest(), fo.Shadowing()):
+        assert adapted(STANDARD, fo.Scene(effects=(other,)), PAPER) == replace(STANDARD, adapt=False)
+
+
+def test_feet_with_other_numbers_of_plates_walk_in_one_batch_as_alone(ramp_foot, flat_foot, regular):
+    feet = [comb(20), ramp_foot, flat_foot, comb(3)]
+    together = fo.evaluate(feet, regular, objectives=("distance", "work", "hollow"))
+    alone = [fo.evaluate(foot, regular, objectives=("distance", "work", "hollow")) for foot in feet]
+    np.testing.assert_array_equal(together.values, [one.values[0] for one in alone])
+    np.testing.assert_array_equal(together.plates, [one.plates[0] for one in alone])
+
+
+class TestCorners:
+    def test_no_plate_lies_around_a_corner(self):
+        """Each has one direction: the means of cos and sin of twice the angle are those of one angle."""
+        plates = comb(10).plates(100)
+        np.testing.assert_allclose(np.hypot(plates.c2, plates.s2), 1.0, atol=1e-12)
+        assert plates.area.sum() == pytest.approx(0.1 * np.hypot(*np.diff(comb(10).contour, axis=0).T).sum())
+
+    @pytest.mark.parametrize("name", ["ellipse", "circle", "rectangle"])
+    def test_a_curve_has_none_and_equal_steps(self, name):
+        contour = fo.Foot.shape(name).contour
+        assert len(corners(contour)) == 0
+        steps = np.hypot(*np.diff(along_arc(contour, 56, 4), axis=0).T)
+        assert steps == pytest.approx(np.full(224, steps.mean()), rel=1e-3)
+
+    @pytest.mark.parametrize("plates", [1, 2, 3, 5, 7, 19, 20, 64])
+    def test_there_are_as_many_points_as_asked_for(self, plates):
+        contour = np.repeat(comb(5).contour, 2, axis=0)  # each point twice
+        points = along_arc(contour, plates, 4)
+        assert points.shape == (4 * plates + 1, 2)
+        np.testing.assert_allclose(points[[0, -1]], contour[[0, -1]], atol=1e-15)
+        if plates >= 20:
+            found = {tuple(np.round(p, 9)) for p in points[::4]}
+            assert {tuple(np.round(p, 9)) for p in contour[corners(contour)]} <= found
+
+    def test_what_turns_less_is_a_curve(self):
+        bent = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, np.tan(0.9 * CORNER)]])
+        assert len(corners(bent)) == 0
+        assert len(corners(bent * [1.0, 2.0])) == 1
