@@ -40,7 +40,7 @@ def work_precision(measured: Sequence[Any], presets: Sequence[Accuracy], default
     ms = np.array([m.ms for m in measured])
     errors = 100.0 * np.array([[*np.max(m.errors, axis=0), m.error] for m in measured])
     at = {m.accuracy: i for i, m in enumerate(measured)}
-    nameless = {preset.name: replace(preset, name=Accuracy().name) for preset in presets}
+    nameless = {preset.name: replace(preset, name=Accuracy().name, adapt=False) for preset in presets}
     marked = {name: at[accuracy] for name, accuracy in nameless.items() if accuracy in at}
     titles = [*(name.replace("_", " ") for name in FIVE), WORST]
     for axes, title, error in zip(grid.flat, titles, errors.T, strict=True):
