@@ -38,7 +38,7 @@ READS: dict[str, tuple[str, ...]] = {
         *WORLD, *SPACE, *FIVE, "foot.shape", "foot.k", "accuracy", "solver.pop_size", "solver.n_gen",
         "solver.seed",
         *(f"study.{n}" for n in ("seeds", "samples", "shape_sand", "mount", "peak_power", "speed_loss",
-                                 "leading_edge", "shadowing", "confirm", "quick")),
+                                 "leading_edge", "shadowing", "footprints", "confirm", "quick")),
     ),
     "trust": (
         *WORLD, *SPACE, "accuracy", "solver.pop_size", "solver.seed", "study.seeds", "study.solvers",
