@@ -16,7 +16,19 @@ import footopt.walk
 
 #: Names that are None where a scene has no effect that needs them.
 ABSENT = {"loads", "gates", "pushes", "tangent", "tilt", "h0", "bristles", "rest"}
-SOURCES = ("state", "contact", "bristles", "newton", "metrics", "sources", "loop", "steppers")
+ABSENT |= {"prints", "ground", "surface"}
+SOURCES = (
+    "state",
+    "contact",
+    "bristles",
+    "newton",
+    "metrics",
+    "sources",
+    "surface",
+    "ground",
+    "loop",
+    "steppers",
+)
 
 
 class Delete(ast.NodeTransformer):

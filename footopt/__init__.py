@@ -61,7 +61,7 @@ _NAMES = {
     "footopt.cli.run": "run",
     "footopt.design": "FootProblem RobustProblem SearchResult search",
     "footopt.design.pymoo_problem": "PymooProblem",
-    "footopt.effects": "Inertia Layers LeadingEdge Patches Rest Shadowing Slope",
+    "footopt.effects": "Footprints Inertia Layers LeadingEdge Patches Rest Shadowing Slope",
     "footopt.errors": "FootoptError",
     "footopt.foot": "Foot Waypoints",
     "footopt.gait": "Gait",

@@ -69,7 +69,7 @@ class Evaluator:
     ) -> None:
         if store is not None and store.problem is not problem:
             raise ValueError("the store was opened for another problem than the one that is searched")
-        self.problem, self.store, self.reused = problem, store, 0
+        self.problem, self.store, self.executor, self.reused = problem, store, executor, 0
         self._batch: Batch = self._here if executor is None else Chunks(problem, executor)
         self._works = False  # whether a design has been walked without breaking the program
 

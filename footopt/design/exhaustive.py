@@ -9,7 +9,9 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -22,6 +24,7 @@ from footopt.errors import SettingError
 from footopt.foot import Waypoints
 
 LIMIT = 20_000_000  # designs; two hours on two cores
+BEATEN = "beaten"  # the reason of a design whose walks were stopped because it could not be among the best
 KEPT = 1000  # of the best designs by a single objective; of several, the whole front is kept
 
 
@@ -48,13 +51,18 @@ class Enumeration(SearchResult):
 
     @property
     def infeasible(self) -> int:
-        """How many failed or leave their box."""
-        return self.designs - self.counts.get("", 0)
+        """How many failed or leave their box, as far as is known."""
+        return self.designs - self.counts.get("", 0) - self.beaten
+
+    @property
+    def beaten(self) -> int:
+        """How many could not be among the best, and were not walked to the end (`RobustProblem.race`)."""
+        return self.counts.get(BEATEN, 0)
 
     @property
     def failures(self) -> dict[str, int]:
         """How many designs are infeasible, by reason."""
-        return {reason: count for reason, count in self.counts.items() if reason}
+        return {reason: count for reason, count in self.counts.items() if reason not in ("", BEATEN)}
 
 
 def batches(space: Waypoints, size: int) -> Iterator[Ints]:
@@ -111,33 +119,41 @@ def enumerate_space(
     counts: Counter[str] = Counter()
     history: list[Generation] = []
     interrupted, stopped = False, ""
+    single = problem.n_obj == 1
+    # a RobustProblem is of a later file; it can tell a design that has lost before its last walk
+    races = single and getattr(problem, "measure", "") == "worst"
+    racing: Any = nullcontext(lambda k, limit: evaluator(k))
+    if races:
+        racing = problem.race(evaluator)  # type: ignore[attr-defined]
     try:
-        for number, k in enumerate(batches(space, solver.pop_size), start=1):
-            violation, median = space.box_violation(k), nan
-            inside = violation <= space.box_tolerance * space.H
-            reasons = np.full(len(k), "box", dtype=object)
-            if inside.any():
-                values, why = evaluator(k[inside])
-                reasons[inside] = verdicts = problem.verdicts(values, why, violation[inside])
-                walked = Designs(k[inside], values, why, violation[inside], np.full(inside.sum(), number))
-                feasible = walked.take(verdicts == "")
-                best = best_of(best.joined(feasible), problem)
-                if problem.n_obj == 1 and len(feasible.k):
-                    median = float(np.median(feasible.values[:, column]))
-            counts.update(reasons)
-            history.append(
-                Generation(
-                    generation=number,
-                    evaluations=counts.total() - counts["box"],
-                    best=float(best.values[0, column]) if problem.n_obj == 1 and len(best.k) else nan,
-                    median=median,
-                    front=min(len(best.k), 1) if problem.n_obj == 1 else len(best.k),
-                    seconds=time.perf_counter() - started,
+        with racing as walk:
+            for number, k in enumerate(batches(space, solver.pop_size), start=1):
+                violation, median = space.box_violation(k), nan
+                inside = violation <= space.box_tolerance * space.H
+                reasons = np.full(len(k), "box", dtype=object)
+                if inside.any():
+                    full = single and len(best.k) == KEPT
+                    values, why = walk(k[inside], problem.minimised(best.values)[-1, 0] if full else np.inf)
+                    reasons[inside] = verdicts = problem.verdicts(values, why, violation[inside])
+                    walked = Designs(k[inside], values, why, violation[inside], np.full(inside.sum(), number))
+                    feasible = walked.take(verdicts == "")
+                    best = best_of(best.joined(feasible), problem)
+                    if problem.n_obj == 1 and len(feasible.k):
+                        median = float(np.median(feasible.values[:, column]))
+                counts.update(reasons)
+                history.append(
+                    Generation(
+                        generation=number,
+                        evaluations=counts.total() - counts["box"],
+                        best=float(best.values[0, column]) if problem.n_obj == 1 and len(best.k) else nan,
+                        median=median,
+                        front=min(len(best.k), 1) if problem.n_obj == 1 else len(best.k),
+                        seconds=time.perf_counter() - started,
+                    )
                 )
-            )
-            if progress is not None and progress(history[-1]) is True:
-                stopped = "by its progress"
-                break
+                if progress is not None and progress(history[-1]) is True:
+                    stopped = "by its progress"
+                    break
     except KeyboardInterrupt:
         interrupted = True
     if not len(best.k):

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
+from contextlib import ExitStack, contextmanager
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from footopt.design.evaluator import Evaluator
+from footopt.design.exhaustive import BEATEN
 from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.search import search
 from footopt.design.solvers import EXHAUSTIVE
+from footopt.design.store import Store
 from footopt.errors import FootoptError, SettingError, check
 from footopt.foot import Waypoints
 from footopt.walk.accuracy import Accuracy
@@ -101,7 +105,10 @@ class RobustProblem(FootProblem):
 
     def walk(self, k: Ints) -> tuple[Array, Words]:
         """Measures of the values over the scenarios, (designs, record), and why a walk failed where."""
-        values, reasons = self.walk_each(k)
+        return self._measured(*self.walk_each(k))
+
+    def _measured(self, values: Array, reasons: Words) -> tuple[Array, Words]:
+        """The same of what `walk_each` returns."""
         values[..., self.record.index(self.guide)] /= np.abs(self.references)[:, None]
         sign = np.array([MEASURES[name].sign for name in self.record])
         weights = np.array([s.weight for s in self.scenarios])
@@ -113,6 +120,47 @@ class RobustProblem(FootProblem):
         ]
         total[[i is not None for i in first]] = np.nan
         return total, np.array(why, dtype=np.str_)
+
+    @contextmanager
+    def race(self, evaluator: Evaluator) -> Iterator[Callable[[Ints, float], tuple[Array, Words]]]:
+        """Walk scenario by scenario, no further with designs that cannot win; for "worst" of one objective.
+
+        What it gives is called with designs (designs, n) and the largest value, minimised, that still counts.
+        The worst of some scenarios is no better than that of all, so that who is beyond it in those walked so
+        far has lost: its reason is `BEATEN`, its values are NaN. All other values are those of `walk`, to the
+        last bit. Walks are kept as those of each scenario alone, where a search of it finds them, too.
+        """
+        alone = [
+            FootProblem(s.scene, self.names, s.space(self.space), self.accuracy, self.threads)
+            for s in self.scenarios
+        ]
+        guide, scale = self.record.index(self.guide), np.abs(self.references)
+        sign, store = MEASURES[self.guide].sign, evaluator.store
+        with ExitStack() as stack:
+            stores = [None if store is None else stack.enter_context(Store(store.path, p)) for p in alone]
+            walkers = [Evaluator(p, s, evaluator.executor) for p, s in zip(alone, stores, strict=True)]
+
+            def walk(k: Ints, limit: float) -> tuple[Array, Words]:
+                shape = len(alone), len(k)
+                values, reasons = (
+                    np.full((*shape, len(self.record)), np.nan),
+                    np.full(shape, "", dtype=object),
+                )
+                running, beaten = np.arange(len(k)), np.zeros(len(k), bool)
+                before = sum(w.reused for w in walkers)
+                for i, walker in enumerate(walkers):
+                    if not len(running):
+                        break
+                    values[i, running], reasons[i, running] = walker(k[running])
+                    now = sign * values[i, running, guide] / scale[i]
+                    beaten[running] = now > limit
+                    running = running[(reasons[i, running] == "") & ~beaten[running]]
+                evaluator.reused += sum(w.reused for w in walkers) - before
+                reasons[0, beaten] = BEATEN
+                total, why = self._measured(values, reasons)
+                return total, np.where(beaten, BEATEN, why)
+
+            yield walk
 
 
 def own_best(

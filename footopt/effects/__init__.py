@@ -4,6 +4,7 @@ import pkgutil
 from importlib import import_module
 
 from footopt.effects.base import EFFECTS, HOOKS, Effect, Laws, Scale, laws, name_of, readable, register
+from footopt.effects.footprints import Footprints
 from footopt.effects.inertia import Inertia
 
 # isort: off  They act in this order: layers make the strength at a depth, which patches multiply.
@@ -20,6 +21,7 @@ __all__ = [
     "EFFECTS",
     "HOOKS",
     "Effect",
+    "Footprints",
     "Inertia",
     "Laws",
     "Layers",

@@ -10,7 +10,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import NamedTuple, Protocol
 
-from rich.console import Console
+from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
+from rich.measure import Measurement
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn
 from rich.table import Column
 from rich.text import Text
@@ -122,7 +123,7 @@ def _bar(out: Console, total: int, unit: str, pace: Pace) -> Iterator[Step]:
         TextColumn(unit + " {task.completed:.0f}/{task.total:.0f}", table_column=Column(no_wrap=True)),
         BarColumn(bar_width=12),
         _Words(pace),
-        TextColumn("{task.fields[news]}", table_column=Column(ratio=1, no_wrap=True, overflow="ellipsis")),
+        _News(table_column=Column(ratio=1, no_wrap=True)),
     )
     bar = Progress(*columns, console=out, expand=True)
     task = bar.add_task(unit, total=total, news="")
@@ -140,6 +141,27 @@ def _bar(out: Console, total: int, unit: str, pace: Pace) -> Iterator[Step]:
         patience.cancel()
         patience.join()  # it may be about to start the bar
         bar.stop()
+
+
+class _News(ProgressColumn):
+    """What a unit says, as many of its parts as fit: a number that is cut would be another one."""
+
+    def render(self, task: Task) -> RenderableType:
+        return _Parts(task.fields["news"].split(", "))
+
+
+class _Parts:
+    """Parts of a line; those that do not fit are left out."""
+
+    def __init__(self, parts: list[str]) -> None:
+        self.parts = parts
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        lines = [", ".join(self.parts[:n]) for n in range(len(self.parts) + 1)]
+        yield Text(max((line for line in lines if len(line) <= options.max_width), key=len), no_wrap=True)
+
+    def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
+        return Measurement(0, len(", ".join(self.parts)))
 
 
 class _Words(ProgressColumn):

@@ -180,7 +180,7 @@ def describe_setup(scene: Scene, foot: Foot | Waypoints) -> str:
 
 def describe_search(result: SearchResult) -> str:
     """What a search did, in one line."""
-    bad = result.infeasible
+    bad, beaten = result.infeasible, getattr(result, "beaten", 0)
     why = f" ({', '.join(f'{n} {reason}' for reason, n in result.failures.items())})" if bad else ""
     reused = f", {result.reused} of them known" if result.reused else ""
     front = f", {len(result.front)} on the front" if result.problem.n_obj > 1 else ""
@@ -188,7 +188,8 @@ def describe_search(result: SearchResult) -> str:
     stopped = " (interrupted)" if result.interrupted else why_stopped
     return (
         f"{result.solver.name}, seed {result.solver.seed}: {result.evaluations} evaluations of "
-        f"{result.designs} designs{reused} in {result.seconds:.1f} s, {bad} infeasible{why}{front}{stopped}"
+        f"{result.designs} designs{reused} in {result.seconds:.1f} s, {bad} infeasible{why}"
+        f"{f', {beaten} that could not win stopped before their last walk' if beaten else ''}{front}{stopped}"
     )
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from contextlib import ExitStack
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,6 +33,7 @@ from footopt.foot import Foot, Waypoints
 from footopt.report import figures, page, terminal
 from footopt.report.figures.search import FRONT, history_label
 from footopt.report.numbers import objective_quantity
+from footopt.report.page.live import watched
 from footopt.report.progress import report_generations
 from footopt.studies import ranks
 from footopt.studies.auto_effects import choose_effects
@@ -49,6 +52,12 @@ LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
 
 def run(study: Study) -> Answer:
     """Search, then walk with the best foot and leave everything about it; returns its objectives."""
+    with ExitStack() as watching:
+        return _run(study, watching)
+
+
+def _run(study: Study, watching: ExitStack) -> Answer:
+    """`run`, watched until its page is written."""
     config, options = study.config, study.options
     check_searchable(config.foot)
     check_film(study)
@@ -66,6 +75,12 @@ def run(study: Study) -> Answer:
     finer = study.finer_accuracy
     with study.compiling():
         flat = simulate(Foot.flat(problem.space), scene, finer)
+    server = None
+    if options.watch:
+        entry = {"settings": study.settings, **scene_entry(scene, problem.accuracy, problem.record)}
+        most = solver.generations(problem.space) * solver.pop_size
+        store = Path(options.store or study.folder / "designs.sqlite")
+        server = watching.enter_context(watched(study.folder, store, problem, most, entry, study.say))
     result, confirmed, certificate = _search(study, problem, solver, stop, flat.objectives["efficiency"])
     k = result.k[confirmed.designs[0]]
     best = dataclasses.replace(Foot.from_waypoints(k, problem.space), name=f"best of {solver.name}")
@@ -108,6 +123,8 @@ def run(study: Study) -> Answer:
         )
         shown = page.search_content(result, confirmed, walk, flat, others, record)
         page.write(study.folder / "report.html", shown | study.origin)
+    if server is not None:
+        server.end()
     write_film(study, walk)
 
     several = problem.n_obj > 1

@@ -27,7 +27,7 @@ SEARCH = (*SPACE, "foot.shape", "foot.k", "accuracy", "objective", "solver", "en
 READS: dict[str, tuple[str, ...]] = {
     "optimize": (
         *SCENE, *SEARCH, "choose", "stop", "foot.block",
-        *(f"study.{n}" for n in ("video", "start", "certify")),
+        *(f"study.{n}" for n in ("video", "start", "certify", "watch")),
     ),
     "simulate": (*SCENE, "foot", "accuracy", "objective.names", "study.run", "study.video"),
     "accuracy": (*WORLD, *SPACE, "solver.seed", "study.feet", "study.quick"),
@@ -38,7 +38,7 @@ READS: dict[str, tuple[str, ...]] = {
         *WORLD, *SPACE, *FIVE, "foot.shape", "foot.k", "accuracy", "solver.pop_size", "solver.n_gen",
         "solver.seed",
         *(f"study.{n}" for n in ("seeds", "samples", "shape_sand", "mount", "peak_power", "speed_loss",
-                                 "leading_edge", "shadowing", "confirm", "quick")),
+                                 "leading_edge", "shadowing", "footprints", "confirm", "quick")),
     ),
     "trust": (
         *WORLD, *SPACE, "accuracy", "solver.pop_size", "solver.seed", "study.seeds", "study.solvers",
@@ -60,6 +60,7 @@ READS: dict[str, tuple[str, ...]] = {
     "validate": ("study.cases",),
     "calibrate": ("study.tests", "sand.name", "sand.coefficients", "sand.table"),
     "credibility": (),
+    "watch": ("study.run",),
 }  # fmt: skip
 
 #: Studies that walk with one foot, of any shape.

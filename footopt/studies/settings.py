@@ -87,6 +87,7 @@ class StudyConfig:
     confirm: str | None = setting(
         "fine", "Accuracy at which finalists are walked again; null: the search's, under no other law."
     )
+    watch: bool = setting(False, "Whether a browser on this machine shows the search while it runs.")
     start: list[int] | None = setting(
         None, "Heights of the sole that a search begins with, or of several in a row."
     )
@@ -112,6 +113,7 @@ class StudyConfig:
     )
     leading_edge: bool = setting(False, "Whether faces that trail feel no sand.")
     shadowing: bool = setting(False, "Whether a groove of a sole counts with a part of its depth.")
+    footprints: bool = setting(False, "Whether feet meet sand that others have moved.")
     solvers: list[str] | None = setting(None, "Names of the solvers that are compared; null: all.")
     budget: int = setting(3000, "Walks of each search: different designs.")
     scenes: int = setting(10, "How many scenes are drawn at random.")

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footopt.effects import EFFECTS, Inertia, LeadingEdge, Shadowing, Slope
+from footopt.effects import EFFECTS, Footprints, Inertia, LeadingEdge, Shadowing, Slope
 from footopt.foot import Foot
-from footopt.walk.scene import SOLE, STRIDE, Scene
+from footopt.walk.scene import SOLE, Scene
 
 # what the numbers of sand assume: quartz sand as on a beach
 DENSITY = 1600.0  # kg/m^3
@@ -31,7 +31,7 @@ def bearing_factor(friction: float) -> float:
 
 
 #: Effects whose parameters the literature has. The others say what the ground is like.
-LITERATURE: tuple[type, ...] = (LeadingEdge, Inertia, Shadowing)
+LITERATURE: tuple[type, ...] = (LeadingEdge, Inertia, Shadowing, Footprints)
 
 SCENE = "the scene itself"  # the source of an effect that names none
 EFFECT, RANGE, LACKS = "effect", "tested range", "not in footopt"
@@ -115,7 +115,7 @@ def calls(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> list[C
     area = length * width
     depth = scale.depth * SOLE / area
     ankle = float(np.median([foot.ankle[1] - foot.contour[:, 1].min() for foot in feet]))
-    scale = scale._replace(depth=depth, hollow=hollow)
+    scale = scale._replace(depth=depth, hollow=hollow, length=length)
     g, weight, speed = scene.walker.g, scene.walker.weight, scale.speed
 
     found = []
@@ -130,7 +130,6 @@ def calls(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> list[C
         number, source = getattr(effect, "number", "its own estimate"), getattr(effect, "source", SCENE)
         found.append(Call(title, EFFECT, number, value, tolerance, source, given is not None))
 
-    step = 0.5 * STRIDE * (scene.walker.l1 + scene.walker.l2)
     cone = DENSITY * area * math.sqrt(area / math.pi) * math.tan(CONE) / 3.0
     sides = (length + width) * depth**2 * DENSITY * g * FRICTION**2
     angle = next((abs(e.angle) for e in scene.effects if isinstance(e, Slope)), 0.0)
@@ -151,6 +150,4 @@ def calls(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> list[C
         Call("sides of the foot", LACKS, "friction on them / weight", sides / weight, tolerance,
              "pressure at rest 0.5, friction 0.5, assumed"),
         Call("grains", LACKS, "grain / depth", GRAIN / depth, 0.1, "grains of 0.3 mm, ten for a continuum"),
-        Call("footprints", LACKS, "length of the foot / step", length / step, 1.0,
-             "above 1 a foot steps into the last print"),
     ]  # fmt: skip

@@ -106,7 +106,7 @@ def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, bristles, count
         enough = _smooth_step(world.tolerance * speed, creep, world.gates)
         if size <= rounding or (force > 0.0 and size <= enough + rounding):
             if creep == turning_speed:
-                _bend(sole, poses, z0 + c * vz, vx, vz, 1.0 / creep, bristles)
+                _bend(sole, poses, x0 + c * vx, z0 + c * vz, vx, vz, 1.0 / creep, bristles)
                 return Stage(
                     vx, vz, Contact(_extrapolated(left, dvx, dvz), _extrapolated(right, dvx, dvz)), True
                 )
@@ -132,10 +132,10 @@ def _least_speed(rest, creep):
 
 
 @inlined
-def _bend(sole, poses, z, vx, vz, turn, bristles):
+def _bend(sole, poses, x, z, vx, vz, turn, bristles):
     """Bend the bristles, where there are any."""
     if bristles is not None:
-        bend(sole, poses, z, vx, vz, turn, bristles)
+        bend(sole, poses, x, z, vx, vz, turn, bristles)
 
 
 @inlined

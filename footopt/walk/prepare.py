@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.effects import base as effects
+from footopt.effects.footprints import prints_of
 from footopt.effects.rest import rest_length
 from footopt.errors import SettingError
 from footopt.foot import Plates
@@ -48,6 +49,7 @@ def world(scene: Scene, accuracy: Accuracy) -> World:
         loads=laws.loads,
         gates=laws.gates,
         pushes=laws.pushes,
+        prints=prints_of(scene.effects),
     )
 
 
@@ -151,6 +153,7 @@ def soles(plates: Plates) -> Sole:
         reach=np.sqrt(np.max(plates.x**2 + plates.z**2, axis=1)),
         span=np.zeros(len(x)) if plates.span is None else plates.span,
         tangent=tangent,
+        ground=None,
     )
 
 

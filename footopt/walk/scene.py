@@ -143,13 +143,15 @@ class Scene:
         strike = self.gait.heel_strike if math.isfinite(self.gait.start) else 0.0
         pose = self.gait.pose(np.array([strike]), self.walker.l1, self.walker.l2)
         stress = zeta * float(down)
+        step = 0.5 * STRIDE * (self.walker.l1 + self.walker.l2)
         strides = max(self.duration - self.gait.start, 0.0) / self.gait.period
         return Scale(
             stress=stress,
             pull=zeta * float(up),
             depth=self.walker.weight / (stress * SOLE),
             speed=float(np.abs(pose.vz).max()),
-            distance=STRIDE * (self.walker.l1 + self.walker.l2) * strides,
+            distance=2.0 * step * strides,
+            step=step,
         )
 
     def need_heel_strike(self) -> None:

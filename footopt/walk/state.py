@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.compiled import inlined
+from footopt.effects.footprints import Prints
 from footopt.sand.law import Law
 
 Array = NDArray[np.float64]
@@ -32,6 +33,7 @@ class World(NamedTuple):
     loads: tuple[Any, ...] | None  # laws of the scene's effects: `footopt.effects.Laws`
     gates: tuple[Any, ...] | None
     pushes: tuple[Any, ...] | None
+    prints: Prints | None  # the sand's surface as the feet leave it; None if it stays level
 
 
 class Tangent(NamedTuple):
@@ -60,6 +62,7 @@ class Sole(NamedTuple):
     reach: Any  # the sole's largest distance from the ankle, m
     span: Any  # length along the sole for which a plate stands, m; 0 for chords
     tangent: Tangent | None  # where an effect needs the plates' normals
+    ground: Any  # the sand under it, `ground.Ground`; None where it is level
 
 
 class Pose(NamedTuple):
@@ -146,6 +149,7 @@ def sole_of(soles, design):
         soles.reach[design],
         soles.span[design],
         _tangent_of(soles.tangent, design),
+        soles.ground,
     )
 
 

@@ -76,7 +76,7 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
         return []
     index = samples(walk)
     states = walk.plates(index)
-    depth = np.maximum(-states.position[..., 1], 0.0)
+    depth = states.depth
     lasts = np.diff(walk.t[index], prepend=0.0)[:, None, None]  # s, of the time that a sample stands for
     size = lasts * np.linalg.norm(states.force, axis=-1)
     speed = np.linalg.norm(states.velocity, axis=-1)

@@ -13,7 +13,7 @@ from terminals import on_a_terminal
 import footopt as fo
 from footopt.report import progress as module
 from footopt.report import summary, terminal
-from footopt.report.progress import LINES, PATIENCE, Pace, progress, report_generations
+from footopt.report.progress import LINES, PATIENCE, Pace, _Parts, progress, report_generations
 from footopt.studies.base import Study
 from footopt.studies.settings import Config
 
@@ -151,6 +151,15 @@ class TestATerminal:
         assert all(len(line) <= 60 for line in lines)
         assert re.search(r"walk 28/28 ━+ \S+/s +left 0\.0 s", lines[-1])
         assert len({line.split()[1] for line in lines}) > 3  # it moved
+
+    @pytest.mark.parametrize("width", range(5, 60, 3))
+    def test_leaves_out_what_does_not_fit_instead_of_cutting_a_number(self, width):
+        said = ["best J_W x 1.78 of flat", "front 1234", "98765 evaluations/s"]
+        out = Console(file=io.StringIO(), width=width)
+        out.print(_Parts(said))
+        (line, *more) = out.file.getvalue().rstrip("\n").split("\n")
+        assert not more
+        assert line.strip() in ["", *(", ".join(said[:n]) for n in (1, 2, 3))]
 
     def test_shows_nothing_for_short_work(self):
         text, code = on_a_terminal([sys.executable, "-c", PIECE.format(units=5, seconds=0.1)])

@@ -47,8 +47,8 @@ def step(loop, *on):
     @njit(error_model="numpy")
     def both(sole, world, ankle, at):
         force = foot_force(
-            sole, world.law, world.loads, world.gates, world.pushes, sole.tangent, 0, len(sole.x), ankle,
-            world.creep, 1e-3, None,
+            sole, world.law, world.loads, world.gates, world.pushes, sole.tangent, None, 0, len(sole.x),
+            ankle, world.creep, 1e-3, None,
         )  # fmt: skip
         return force, acceleration(world, at)
 

@@ -38,8 +38,8 @@ const tidy = (v) => (Number.isFinite(v) ? +v.toPrecision(5) : v);
 /** The explorer; `choose(i)` takes the design that is picked, `glimpse(i)` that under the pointer; `beside` is beside the scatter. */
 function explorer(choose, beside, glimpse) {
   let order = COLUMNS.filter((c) => !c.variable);
-  const all = Array.from({ length: COUNT }, (_, i) => i).filter((i) => feasible[i]);
-  const state = { limits: new Map(), chosen: data.best, shown: [], passing: [], near: -1 };
+  const every = Array.from({ length: COUNT }, (_, i) => i);
+  const state = { until: Infinity, limits: new Map(), chosen: data.best, shown: [], passing: [], near: -1 };
   const wide = el("div", { class: "plot brush", id: "parallel" });
   const flat = el("div", { class: "plot brush", id: "scatter" });
   const count = el("p", { id: "count", role: "status" });
@@ -59,9 +59,9 @@ function explorer(choose, beside, glimpse) {
     walked: { title: "those whose walk is on this page", has: (i) => walked.has(i) },
   };
   const which = el("select", { id: "which", change: () => filter() }, ...Object.entries(SETS)
-    .filter(([name]) => (name !== "front" || front.size) && (name !== "walked" || walked.size))
+    .filter(([name]) => (name !== "front" || front.size || data.live) && (name !== "walked" || walked.size))
     .map(([value, { title }]) => el("option", { value }, title)));
-  if (front.size) which.value = "front";
+  if (front.size || (data.live && data.objectives.length > 1)) which.value = "front";
   const clear = el("button", { type: "button", id: "clear", click: () => { state.limits.clear(); filter(); } }, "Clear limits");
   const fields = new Map(COLUMNS.map((c) => [c.name, [0, 1].map((end) => el("input", {
     type: "number", step: "any", "aria-label": `${end ? "largest" : "smallest"} ${named(c)}`,
@@ -127,7 +127,7 @@ function explorer(choose, beside, glimpse) {
     if (best !== undefined && !state.passing.includes(state.chosen)) pick(best);
   }
   function filter() {
-    state.shown = all.filter(SETS[which.value].has);
+    state.shown = every.filter((i) => feasible[i] && !(generation?.[i] > state.until) && SETS[which.value].has(i));
     state.passing = state.shown.filter(within);
     count.textContent = `${state.passing.length} of ${state.shown.length} designs within the limits`;
     for (const [name, pair] of fields) pair.forEach((field, end) => {
@@ -229,7 +229,7 @@ function explorer(choose, beside, glimpse) {
       line((c) => c.flat, ink("--flat"), 2, [6, 4]);
       drawing.append(svg("text", { class: "halo", x: X(0) - 10, y: Y(0, order[0].flat) + 4, "text-anchor": "end", style: "fill:var(--grey)" }, "flat"));
     }
-    const strong = (i, style, thick) => feasible[i] && line((c) => c.of(i), ink(style), thick);
+    const strong = (i, style, thick) => feasible[i] && !(generation?.[i] > state.until) && line((c) => c.of(i), ink(style), thick);
     if (!data.jobs && state.chosen !== data.best) strong(data.best, "--best", 2.5);
     strong(state.chosen, data.jobs ? COLOURS[state.chosen % COLOURS.length] : state.chosen === data.best ? "--best" : "--chosen", data.jobs ? 4 : 3);
     if (state.near >= 0) strong(state.near, "--ink", 1.5);
@@ -357,5 +357,10 @@ function explorer(choose, beside, glimpse) {
     });
   }
   section.addEventListener("keydown", (event) => event.key === "Escape" && clear.click());
-  return { section, filter, redraw, mark: (i) => { state.chosen = i; redraw(); } };
+  /** Show what was there at the end of a generation. */
+  function until(last) {
+    state.until = last;
+    filter();
+  }
+  return { section, filter, until, redraw, mark: (i) => { state.chosen = i; redraw(); } };
 }

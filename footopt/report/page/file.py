@@ -24,7 +24,7 @@ from footopt.report.style import PALETTE
 STYLES = ("page.css",)
 SCRIPTS = (  # in this order: each uses those before it
     "tools.js", "soles.js", "contact.js", "simulate.js", "stage.js", "walk.js", "explore.js",
-    "draw.js", "main.js",
+    "draw.js", "live.js", "main.js",
 )  # fmt: skip
 
 
@@ -48,6 +48,12 @@ def write(path: Path, content: dict[str, Any]) -> Path:
     FileError
         The file cannot be written.
     """
+    write_text(path, text(content))
+    return path
+
+
+def text(content: dict[str, Any]) -> str:
+    """A page's own text; see `write`."""
     parts = resources("footopt.report.page")
 
     def read(name: str) -> str:
@@ -61,11 +67,10 @@ def write(path: Path, content: dict[str, Any]) -> Path:
         "DATA": data.replace("<", "\\u003c"),
         "SCRIPT": "\n".join(map(read, SCRIPTS)),
     }
-    text = read("template.html")
+    page = read("template.html")
     for name, value in filled.items():
-        text = text.replace(f"<!--{name}-->", value)
-    write_text(path, text)
-    return path
+        page = page.replace(f"<!--{name}-->", value)
+    return page
 
 
 def _roles() -> str:

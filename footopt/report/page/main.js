@@ -134,18 +134,19 @@ function glance() {
 /** How a search got there: convergence, and each design that was the best for a while. */
 function searchSection(choose) {
   const holder = el("div", { class: "plot" }), several = data.objectives.length > 1;
-  const draw = () => {
+  const draw = (now = Infinity) => {
     const shown = several ? (v) => v ?? NaN : (v) => guide.show(v ?? NaN);
     const rows = data.history, bests = rows.map((r) => shown(r.best)), medians = rows.map((r) => shown(r.median));
     const a = axes(holder, { x: [0, rows.at(-1).evaluations], y: range([...bests, ...medians]), xlabel: "evaluations",
-      ylabel: several ? "hypervolume (1: box of the first generation)" : `${named(guide)}: best so far`, height: 260, left: 84,
+      ylabel: several ? (data.live ? "designs on the front so far" : "hypervolume (1: box of the first generation)") : `${named(guide)}: best so far`, height: 260, left: 84,
       label: "Convergence of the search; the table below has the numbers" });
     const X = (i) => a.X(rows[i].evaluations);
     a.svg.append(
       svg("path", { d: path(medians.map((v, i) => [X(i), a.Y(v)])), fill: "none", stroke: "var(--flat)", "stroke-width": 1.5, "stroke-dasharray": "6 4" }),
       svg("path", { d: path(bests.flatMap((v, i) => (i ? [[X(i), a.Y(bests[i - 1])], [X(i), a.Y(v)]] : [[X(i), a.Y(v)]]))), fill: "none", stroke: "var(--best)", "stroke-width": 2.2 }));
     if (medians.some(Number.isFinite)) a.svg.append(svg("text", { class: "halo", x: X(rows.length - 1), y: a.Y(medians.findLast(Number.isFinite)) - 6, "text-anchor": "end", style: "fill:var(--grey)" }, "median of the generation"));
-    a.svg.append(svg("text", { class: "halo", x: X(rows.length - 1), y: a.Y(bests.findLast(Number.isFinite)) + 14, "text-anchor": "end" }, several ? "hypervolume" : "best so far"));
+    if (bests.some(Number.isFinite)) a.svg.append(svg("text", { class: "halo", x: X(rows.length - 1), y: a.Y(bests.findLast(Number.isFinite)) + 14, "text-anchor": "end" }, several ? (data.live ? "" : "hypervolume") : "best so far"));
+    if (now < rows.length) a.svg.append(svg("line", { class: "cursor", x1: X(now), x2: X(now), y1: a.inside.top, y2: a.inside.bottom }));
     hover(a, (x) => {
       const r = rows.findLast((row) => a.X(row.evaluations) <= x + 3);
       return r ? `${r.evaluations} evaluations: ${number(shown(r.best))}${Number.isFinite(r.median ?? NaN) ? `, median ${number(shown(r.median))}` : ""}` : null;
@@ -254,10 +255,12 @@ function build() {
   if (data.entry) document.getElementById("footer").append(...footer());
   chosen.push(...(COUNT ? [design.show] : []), ...[walks?.show, small?.show, explore?.mark, found?.mark].filter(Boolean));
   if (traces) drawn(traces.draw);
-  if (found) drawn(found.draw);
+  if (found) drawn(() => found.draw());
   if (explore) { explore.filter(); drawings.push(explore.redraw); }
   if (COUNT) { choose(data.best); drawings.push(design.redraw); }
   if (walks) drawings.push(walks.redraw);
   if (small) drawings.push(() => small.show());
+  if (generation && explore && found) rewinding(explore, found);
+  if (data.live) follow(explore, found);
 }
 build();

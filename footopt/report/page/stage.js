@@ -167,7 +167,6 @@ function stage(holder, walk, { close, x, z, label, other = null, fixed = null, p
   const unit = [5, 2, 1].find((m) => m * round <= 0.7 * largest) * round;
   add("path", { d: arrow([8, 12], [8 + unit * reach, 12]), fill: "none", stroke: "var(--ink)", "stroke-width": 1.3 });
   add("text", { class: "halo", x: 14 + unit * reach, y: 16 }, `${unit} N`);
-  if (close && !walk.surface) add("text", { class: "halo", x: width - 8, y: height - 24, "text-anchor": "end", "font-style": "italic" }, "the print is drawn, not computed");
   let ends = [0, 1];
   if (scheme) {
     const all = Array.from({ length: 60 }, (_, i) => (i * walk.t.at(-1)) / 59).flatMap((t) => [LEFT, RIGHT].flatMap((foot) => scheme.of(walk, instant(walk, t), foot, t)));
@@ -180,6 +179,7 @@ function stage(holder, walk, { close, x, z, label, other = null, fixed = null, p
     add("path", { class: "gravity", d: arrow([width - 60, 24], [width - 60 + 44 * pull.x, 24 - 44 * pull.z]), fill: "none", stroke: "var(--ink)", "stroke-width": 1.8 });
     add("text", { class: "halo", x: width - 8, y: 16, "text-anchor": "end" }, pull.label);
   }
+  if (close && !walk.surface) add("text", { class: "halo", x: width - 8, y: pull ? height - 24 : 16, "text-anchor": "end", "font-style": "italic" }, "the print is drawn, not computed");
   holder.replaceChildren(drawing);
   const low = walk.surface ? null : printed(walk);
   const to = ([u, v]) => [X(u), Z(v)], line = (points) => path(points.map(to));

@@ -15,7 +15,8 @@ function ramp(share) {
 
 /** A flat array of numbers from base64: floats of 32 or 64 bits, or whole numbers of 16 bits and their scale. */
 function unpack({ low, step, data: text }) {
-  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  const letters = atob(text), bytes = new Uint8Array(letters.length);
+  for (let i = 0; i < letters.length; i++) bytes[i] = letters.charCodeAt(i);
   if (step <= 0) return step < 0 ? new Float64Array(bytes.buffer) : new Float32Array(bytes.buffer);
   return Float64Array.from(new Uint16Array(bytes.buffer), (v) => low + step * v);
 }

@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 from footopt.design import Confirmation, SearchResult
 from footopt.design.exhaustive import Enumeration
-from footopt.foot import Waypoints
+from footopt.foot import Foot, Waypoints
 from footopt.report.body import forces_along, groups
 from footopt.report.numbers import percent, title
 from footopt.report.page.file import column, packed
 from footopt.report.page.physics import ARROWS, physics, refusal
 from footopt.report.scenery import scenery
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
-from footopt.walk import FIVE, MEASURES, Scene, Walk
+from footopt.walk import FIVE, MEASURES, Accuracy, Scene, Walk
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -50,11 +50,10 @@ def walk_content(walk: Walk, entry: dict[str, Any]) -> dict[str, Any]:
     else:
         shape = {"soles": [packed(foot.contour, exact=True)]}
     return {
-        **_common(entry, walk.scene, tuple(values)),
-        "physics": physics(walk.scene, walk.accuracy, foot),
+        **common(entry, walk.scene, tuple(values), walk.accuracy, foot),
         "title": f"{foot.name} on {walk.scene.sand.name} sand",
         "headline": [f"{describe_scene(walk.scene)}; {describe_foot(foot)}"],
-        "space": _splines(foot.space) if "k" in shape and foot.space else None,
+        "space": splines(foot.space) if "k" in shape and foot.space else None,
         "top": foot.top,
         "width": foot.width,
         "designs": {
@@ -120,8 +119,7 @@ def search_content(
     reasons = [*dict.fromkeys(map(str, result.reasons))]
     codes = np.array([reasons.index(str(r)) for r in result.reasons])
     return {
-        **_common(entry, problem.scene, record),
-        "physics": physics(problem.scene, problem.accuracy, problem.space),
+        **common(entry, problem.scene, record, problem.accuracy, problem.space),
         "title": verdict(best, flat),
         "headline": [
             f"Soles for {', '.join(problem.names)} on {describe_scene(problem.scene)}",
@@ -142,7 +140,7 @@ def search_content(
             "reasons": reasons,
             "reason": packed(codes[rows]),
         },
-        "space": _splines(problem.space),
+        "space": splines(problem.space),
         "top": problem.space.top,
         "width": problem.space.width,
         "best": place[chosen],
@@ -150,10 +148,7 @@ def search_content(
         "front": [place[i] for i in front],
         "walks": [
             {"design": place[chosen], "label": "best", **_traces(best, FINE_FRAMES)},
-            {
-                "design": None, "label": "flat", **_traces(flat, FINE_FRAMES),
-                "sole": packed(flat.foot.contour),
-            },
+            traces_of_flat(flat),
             *({"design": place[i], "label": f"design {i}", **_traces(walk, FRAMES)} for i, walk in walks),
         ],
         "lineage": [place[i] for i in lineage],
@@ -200,7 +195,9 @@ def successive_bests(result: SearchResult) -> list[int]:
     return [int(i) for i in better[last]]
 
 
-def _common(entry: dict[str, Any], scene: Scene, names: Sequence[str]) -> dict[str, Any]:
+def common(
+    entry: dict[str, Any], scene: Scene, names: Sequence[str], accuracy: Accuracy, foot: Foot | Waypoints
+) -> dict[str, Any]:
     """What every page of walks holds: the columns of values, the scene's gait, the run's own facts."""
     t = np.linspace(0.0, scene.duration, int(np.ceil(scene.duration / POSE_STEP)) + 1)
     thigh, shank, pitch = (angle for angle, _ in scene.gait.angles(t))
@@ -208,6 +205,7 @@ def _common(entry: dict[str, Any], scene: Scene, names: Sequence[str]) -> dict[s
         "columns": [column(name, MEASURES[name].unit, MEASURES[name].maximise) for name in names],
         "entry": {name: value for name, value in entry.items() if name not in ON_THE_PAGE},
         "ground": scenery(scene),
+        "physics": physics(scene, accuracy, foot),
         "gait": {
             "end": scene.duration,
             "angles": packed(np.stack([thigh, shank, pitch], axis=-1)),
@@ -224,7 +222,7 @@ def _spread(ranked: list[int], most: int) -> list[int]:
     return [ranked[i] for i in picks]
 
 
-def _splines(space: Waypoints) -> dict[str, Any]:
+def splines(space: Waypoints) -> dict[str, Any]:
     """Every sole of a space at once: a spline is linear in its heights.
 
     contour(k) = base + sum_i (k_i - 1) columns_i, in z; x is the same for all.
@@ -243,6 +241,11 @@ def _splines(space: Waypoints) -> dict[str, Any]:
         "L": space.L,
         "H": space.H,
     }
+
+
+def traces_of_flat(flat: Walk) -> dict[str, Any]:
+    """The walk of the flat sole, which is no design of a page."""
+    return {"design": None, "label": "flat", **_traces(flat, FINE_FRAMES), "sole": packed(flat.foot.contour)}
 
 
 def _traces(walk: Walk, frames: int) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from footopt.design import Solver, search
-from footopt.effects import LeadingEdge, Shadowing
+from footopt.effects import Footprints, LeadingEdge, Shadowing
 from footopt.errors import SettingError, check
 from footopt.foot import Foot
 from footopt.sand import Sand
@@ -73,7 +73,12 @@ class Setup:
             raise SettingError("study.shape_sand", sand, f"one of {', '.join(SANDS)}")
         scene = dataclasses.replace(self._scene, sand=Sand.named(sand))
         study = self.config.study
-        kinds = [kind for kind, on in ((LeadingEdge, study.leading_edge), (Shadowing, study.shadowing)) if on]
+        laws = (
+            (LeadingEdge, study.leading_edge),
+            (Shadowing, study.shadowing),
+            (Footprints, study.footprints),
+        )
+        kinds = [kind for kind, on in laws if on]
         return dataclasses.replace(scene, effects=(*scene.effects, *(kind() for kind in kinds)))
 
     def shapes(self) -> dict[str, Walk]:

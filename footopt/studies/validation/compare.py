@@ -131,7 +131,8 @@ class Experiment:
 
     def compare(self, law: tuple[str, ...]) -> list[Comparison]:
         """Repeat it under a law."""
-        content, effects = self.content, [EFFECTS[name]() for name in law]
+        content, given_effects = self.content, self.content.get("effects", {})
+        effects = [EFFECTS[name](**given_effects.get(name, {})) for name in law]
         setup, given = content.get("setup", {}), content.get("inputs", {})
         nominal = {name: part["value"] for name, part in given.items()}
 

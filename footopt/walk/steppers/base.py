@@ -109,7 +109,7 @@ def arrive(world, sole, poses, x, z, vx, vz, integrals, bristles, h, counts):
     """The state at the end of an explicit step."""
     at = touch(world, sole, poses, x, z, vx, vz, bristles, h, counts)
     if bristles is not None:
-        bend(sole, poses, z, vx, vz, h / world.rest, stage_of(bristles))
+        bend(sole, poses, x, z, vx, vz, h / world.rest, stage_of(bristles))
     return State(x, z, vx, vz, at, integrals, next_step(bristles), True)
 
 

@@ -1,0 +1,115 @@
+"""Footprints: the second foot and the second step meet sand that the first one moved."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from footopt.effects.base import EFFECTS, Effect, Scale
+from footopt.effects.slope import Slope
+from footopt.errors import check
+
+
+class Prints(NamedTuple):
+    """What the loop over steps needs to know (`footopt.walk.ground`)."""
+
+    cell: float  # m
+    rise: float  # by which the surface rises at most from one cell to the next, m
+    fall: float  # by which it falls at most, m
+    side: float  # slope of what slides off to the sides
+    own: bool
+
+
+@dataclass(frozen=True)
+class Footprints:
+    """The sand's surface is a height field along x, and a plate feels its depth below that surface.
+
+    A foot pushes the surface down to its sole. What is displaced by moving along, the share v_x^2/|v|^2,
+    goes to the next free sand that way; what is pressed down goes to the nearest edge of the foot's
+    rectangle, at an end or beside it. Slopes beyond the angle of repose slide, and so do heaps and prints
+    whose sides cannot hold them. Area, with what has gone beside, is conserved to rounding.
+
+    A foot feels the sand that it found. What it moves itself it does not feel before it has been out of the
+    sand, or is more than three times its own reach away: the law's coefficients are measured on plates that
+    pile up sand as they move, and its sum over plates on legs and wheels that do.
+
+    Source: height fields with displaced columns and a limited slope, Sumner, O'Brien & Hodgins, Computer
+    Graphics Forum 18 (1999); under wheels, Krenn & Hirzinger, SCM, 11th European conference of the ISTVS
+    (2009). Range: both feet walk in one line, sand in a print is as loose as it was, and sand does not flow
+    back over a foot that it has closed over. So prints shallower than a foot is high. `Layers` lie below the
+    moved surface.
+
+    Parameters
+    ----------
+    repose : float, deg
+        Angle of repose: dry sand lies at about 30.
+    cell : float, m
+        Width of the field's cells, a numerical length: the error falls with it.
+    own : bool
+        Whether a foot feels at once what it moves itself, too. It counts a plate's own heap twice.
+
+    Raises
+    ------
+    SettingError
+        A number is out of its range.
+    """
+
+    repose: float = 30.0
+    cell: float = 0.005
+    own: bool = False
+    law = None
+    nothing = False
+    number = "sand of the last print's rim in the next print / print"
+    source = "Sumner et al. (1999); Krenn & Hirzinger (2009)"
+
+    def __post_init__(self) -> None:
+        check(
+            1 <= self.repose <= 60, "effects.footprints.repose", self.repose, "an angle from 1 to 60, in deg"
+        )
+        check(
+            1e-3 <= self.cell <= 0.02,
+            "effects.footprints.cell",
+            self.cell,
+            "a length from 0.001 to 0.02, in m",
+            "Halve it to see what it changes.",
+        )
+
+    def estimate(self, scale: Scale) -> float:
+        """Area of the last print's rim that reaches into the next print, over that of a print.
+
+        A print has the area z l; half of it lies ahead as a heap at the angle of repose against its wall.
+        Where the step is shorter than the foot the prints themselves overlap.
+        """
+        steepness = math.tan(math.radians(self.repose))
+        reach, gap = math.sqrt(scale.depth * scale.length / steepness), scale.step - scale.length
+        rim = 0.5 * max(reach - max(gap, 0.0), 0.0) ** 2 * steepness / (scale.depth * scale.length)
+        return min(1.0, rim + max(-gap, 0.0) / scale.length)
+
+
+def prints_of(effects: Sequence[Effect]) -> Prints | None:
+    """A scene's footprints for the loop; None without them. On a slope, sand slides sooner downhill.
+
+    Raises
+    ------
+    SettingError
+        The slope is not below the angle of repose.
+    """
+    for effect in effects:
+        if isinstance(effect, Footprints):
+            slope = next((e.angle for e in effects if isinstance(e, Slope)), 0.0)
+            check(
+                abs(slope) < effect.repose,
+                "effects.footprints.repose",
+                effect.repose,
+                f"more than the slope's {abs(slope):g} deg",
+                "A plane as steep as that slides as a whole. Try a smaller effects.slope.angle.",
+            )
+            rise, fall = (math.tan(math.radians(effect.repose + turn)) for turn in (-slope, slope))
+            side = math.tan(math.radians(effect.repose))
+            return Prints(float(effect.cell), effect.cell * rise, effect.cell * fall, side, bool(effect.own))
+    return None
+
+
+EFFECTS["footprints"] = Footprints
