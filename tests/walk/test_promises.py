@@ -14,7 +14,7 @@ SCENES = int(os.environ.get("FOOTOPT_SCENES", "12"))  # 300 are the table of doc
 
 @pytest.mark.slow
 def test_random_scenes_keep_the_promise_and_estimates_hold_the_error():
-    """Those of the table, less what a smaller sample can differ by; 0.5 % itself is not kept in every scene."""
+    """The table's figures, less what a smaller sample can differ by; 0.5 % is not kept in every scene."""
     found = []
     for number in range(SCENES):
         drawn = draw(number)
