@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from footopt.errors import FileError, FootoptError, SettingError, check
 from footopt.files.run import write_whole
 from footopt.report.body import body, forces_along
-from footopt.report.figures.ground import draw_ground
+from footopt.report.figures.ground import draw_ground, draw_surface
 from footopt.report.figures.walker import (
     ARROW,
     bounds,
@@ -156,6 +156,7 @@ def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], N
     last = np.minimum(np.searchsorted(walk.t, t), len(walk.t) - 1)  # forces are known at samples
     along = forces_along(walk, last)
     at, force = along.resultant()
+    sand = walk.sand(last)
     left, right, low, high = bounds(placed)
     wide = min(right - left, WIDEST * (high - low))
     metres = ARROW * high / round_newtons(walk)  # of arrow per newton
@@ -185,7 +186,8 @@ def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], N
             shown.pop().remove()
         seen = near * np.linalg.norm(along.force[i], axis=-1) > SHORTEST
         parts = along.at[i][seen], along.force[i][seen]
-        shown.extend([*draw_body(whole, placed, i), *draw_body(close, placed, i)])
+        for axes in (whole, close):
+            shown.extend([*draw_surface(axes, sand, i), *draw_body(axes, placed, i)])
         shown.append(draw_resultants(whole, at[i], force[i], metres))
         shown.append(draw_arrows(close, *parts, near, pivot="tip", width=0.014, zorder=5))
         hip = float(placed.hip[i, 0])

@@ -65,7 +65,7 @@ class Run:
     @property
     def walk_failed(self) -> bool:
         """Whether it is one walk, which failed."""
-        return bool(self.result and self.result.get("study") == "simulate" and not self.result["feasible"])
+        return bool(self.result and self.result.get("study") == "simulate" and self.result.get("reason"))
 
     @property
     def hollow(self) -> float:

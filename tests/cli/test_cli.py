@@ -15,6 +15,7 @@ from study_pages import check_page
 
 import footopt as fo
 from footopt.cli.compose import groups
+from footopt.errors import SettingError
 from footopt.studies.export import foot_of
 from footopt.walk import STEPPERS
 
@@ -278,8 +279,11 @@ def test_the_version_is_ours(tmp_path):
     assert (done.returncode, done.stdout) == (0, f"footopt {fo.__version__}\n")
 
 
-def test_a_traceback_on_request(tmp_path):
-    assert "Traceback" in program("sand.zeta=0", cwd=tmp_path, HYDRA_FULL_ERROR="1").stderr
+def test_a_traceback_on_request(tmp_path, monkeypatch):
+    """HYDRA_FULL_ERROR=1 lets the error go on to Python, which prints where it was."""
+    monkeypatch.setattr("footopt.cli.main._wants_traceback", True)
+    with pytest.raises(SettingError, match=r"sand\.zeta = 0"):
+        footopt("sand.zeta=0", cwd=tmp_path)
 
 
 def test_help_explains_the_groups(tmp_path):
@@ -290,6 +294,8 @@ def test_help_explains_the_groups(tmp_path):
         assert f"\n{group}: {', '.join(choices)}\n" in text.replace(",\n  ", ", ")
 
 
-def test_shell_completion_knows_groups_and_options(tmp_path):
-    done = program("-sc", "query=bash", cwd=tmp_path, COMP_LINE="footopt sand=", COMP_POINT="13")
+def test_shell_completion_knows_groups_and_options(tmp_path, monkeypatch):
+    monkeypatch.setenv("COMP_LINE", "footopt sand=")
+    monkeypatch.setenv("COMP_POINT", "13")
+    done = footopt("-sc", "query=bash", cwd=tmp_path)
     assert {"sand=soft", "sand=regular", "sand=hard"} <= set(done.stdout.split())

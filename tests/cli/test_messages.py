@@ -199,7 +199,7 @@ UNREAD = {
     "study=export run=R foot.width=.2": "foot.width = 0.2: must be left out: study=export does not read it",
     "study=simulate run=R foot.width=.2": "study=simulate run=... does not read it",
     "study=simulate run=R foot=ellipse": "foot.shape = 'ellipse': must be left out: study=simulate run=...",
-    "study=simulate solver.n_gen=3": "It is read by study=optimize, paper, robust.",
+    "study=simulate solver.n_gen=3": "It is read by study=optimize, paper, robust",
     "solver=exhaustive foot.n=5 solver.seed=2": "solver=exhaustive does not read it",
     "gait.names.knee=K": "gait.names.knee = 'K': must be left out",
     "effects.tolerance=.1": "It is read by effects=auto.",

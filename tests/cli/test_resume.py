@@ -304,7 +304,7 @@ class TestResume:
 
     def test_an_extension_that_was_killed_leaves_the_run_as_it_was(self, run, tmp_path, monkeypatch):
         before = outcome(run), identity.read(run)
-        monkeypatch.setattr("footopt.studies.optimize.confirm", lambda *of: 1 / 0)
+        monkeypatch.setattr("footopt.studies.optimize.certified", lambda *of: 1 / 0)
         assert footopt("resume=run", "solver.n_gen=4", cwd=tmp_path).returncode == 1
         assert (outcome(run), identity.read(run)) == before
         monkeypatch.undo()

@@ -392,6 +392,15 @@ def test_a_step_shows_the_ground_of_its_scene(foot):
     assert "g = 9.81 m/s², 5° downhill" in texts(figures.step(fo.simulate(foot, scene, "draft"), 1))
 
 
+def test_a_step_shows_the_sand_that_an_effect_moves(foot):
+    walk = fo.simulate(foot, fo.Scene(effects=(fo.Footprints(),)), "draft")
+    axes = figures.step(walk, 1).axes[0]
+    orange = [line for line in axes.get_lines() if same_color(line.get_color(), style.SURFACE)]
+    (surface,) = [line for line in orange if len(line.get_xdata()) > 2]
+    assert surface.get_ydata().min() < -0.005
+    assert surface.get_ydata().max() > 0.0
+
+
 def test_feet_have_the_colours_of_their_sides(hard):
     axes = figures.step(hard, 1).axes[0]
     assert any(same_color(line.get_color(), dict(style.SIDES)["right"]) for line in axes.get_lines())

@@ -162,13 +162,15 @@ def test_a_page_loads_alone_names_all_that_one_operates_and_fits_any_window(kind
     assert not shown.errors()
     assert shown.js("performance.getEntriesByType('resource').length") == 0
     assert shown.text("h1")
-    for width in (420, 800, 1280):
+    for width in (390, 800, 1280):
         browser.set_window_size(width, 900)
         assert shown.js("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
     browser.execute_script("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
     for element in shown.all("button, select, input, a"):
         assert element.accessible_name or not element.is_displayed(), element.get_attribute("outerHTML")
-    assert all(e.get_attribute("aria-label") for e in shown.all("svg[role=img]"))
+    assert shown.js(
+        "[...document.querySelectorAll('svg[role=img]')].every((e) => e.getAttribute('aria-label'))"
+    )
 
 
 @browser_needed
@@ -417,6 +419,19 @@ class TestStage:
             assert figure.find_elements("css selector", ".gravity")
             assert "g = 9.81 m/s², 8° uphill" in figure.text
             assert {"layer × 0.3", "patch × 2.5"} <= set(figure.text.split("\n"))
+
+    def test_sand_that_an_effect_moves_is_drawn_as_computed(self, tmp_path, browser):
+        walk = fo.simulate(fo.Foot.flat(), fo.Scene(effects=(fo.Footprints(),)), "draft")
+        content = page.walk_content(walk, {"accuracy": {"name": "draft"}, "scene": {"effects": {}}})
+        shown = Page(browser, page.write(tmp_path / "page.html", content))
+        assert not shown.all('[data-print="drawn"]')
+        assert "not computed" not in shown.text("#walk")
+        i = len(walk.t) // 2
+        sand = walk.sand([i])
+        x, z = np.array(shown.js(f"open(0).surface({walk.t[i]})")).T
+        np.testing.assert_allclose(x, sand.x, atol=1e-9)
+        np.testing.assert_allclose(z, sand.height[0], atol=0.1 * np.ptp(sand.height))  # between its frames
+        assert z.min() < -0.005 < 0.002 < z.max()  # a print and its rim
 
     def test_a_print_that_is_no_result_says_that_it_is_drawn(self, pages, browser):
         shown = Page(browser, pages["front"])

@@ -2,17 +2,33 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
 from matplotlib.patches import Rectangle
 
 from footopt.report.scenery import pull, strips
 from footopt.report.style import SAND, SURFACE, Axes
 from footopt.walk import Scene
+from footopt.walk.prints import MovedSand
 
 
 def draw_sand(axes: Axes, left: float, right: float, low: float) -> None:
     """Sand below z = 0, m."""
     axes.add_patch(Rectangle((left, low), right - left, -low, color=SAND, lw=0, zorder=0))
     axes.axhline(0.0, color=SURFACE, lw=0.8, zorder=1)
+
+
+def draw_surface(axes: Axes, sand: MovedSand | None, i: int) -> list[Any]:
+    """Prints and rims of sand that feet have moved, at its i-th sample; returns what they are drawn with."""
+    if sand is None:
+        return []
+    x, z = sand.x, sand.height[i]
+    return [
+        axes.fill_between(x, np.minimum(z, 0.0), 0.0, fc="white", lw=0, zorder=1.1),
+        axes.fill_between(x, 0.0, np.maximum(z, 0.0), fc=SAND, lw=0, zorder=1.1),
+        *axes.plot(x, z, color=SURFACE, lw=0.8, zorder=1.2),
+    ]
 
 
 def draw_ground(

@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 from footopt.errors import check
 from footopt.gait.gait import RIGHT
 from footopt.report.body import Body, body, forces_along
-from footopt.report.figures.ground import draw_ground
+from footopt.report.figures.ground import draw_ground, draw_surface
 from footopt.report.figures.traces import walk_label
 from footopt.report.figures.walker import draw_arrows, draw_leg, round_down
 from footopt.report.style import PAGE, Axes, message, new_figure, styled
 from footopt.walk import Walk
 from footopt.walk.phases import stance
+from footopt.walk.prints import MovedSand
 
 Array = NDArray[np.float64]
 
@@ -89,6 +90,7 @@ class _Step(NamedTuple):
     force: Array  # (M, arrows, 2)
     since: Array  # (M,)
     title: str
+    sand: MovedSand | None
 
     def points(self, metres: float) -> Array:
         """The ends of soles and arrows, (m, 2), with arrows of so many metres per newton."""
@@ -99,6 +101,7 @@ class _Step(NamedTuple):
         """Ground, leg and forces of one snapshot, from left to right, low to high; returns the arrows."""
         left, right, low, high = view
         draw_ground(axes, self.walk.scene, left, right, low, high)
+        draw_surface(axes, self.sand, j)
         draw_leg(axes, self.placed, j, RIGHT)
         size = np.linalg.norm(self.force, axis=-1)
         seen = size[j] > VISIBLE * size.max()
@@ -123,7 +126,7 @@ def _snapshots(label: str, walk: Walk, frames: int) -> _Step | None:
     since = f"heel strike ({began}; dragged through the sand until then)"
     since = since if contact.dragged else f"touch-down ({began})"
     title = f"{walk_label(label, walk)}, time since {since}; arrows: force on 1/{at.shape[1]} of the sole"
-    return _Step(walk, body(walk, walk.t[index]), at, force, walk.t[index] - begin, title)
+    return _Step(walk, body(walk, walk.t[index]), at, force, walk.t[index] - begin, title, walk.sand(index))
 
 
 def _no_step(walk: Walk) -> Figure:

@@ -107,7 +107,7 @@ function designSection() {
   function show(i) {
     chosen = i;
     if (sketch) compareWith(i);
-    step?.show(i);
+    step?.take(i);
     redraw();
     say(`Chosen: ${label(i)}`);
   }

@@ -22,6 +22,10 @@ function open(place) {
     const raw = data.walks[place], walk = { ...raw, points: raw.sole ? pairs(unpack(raw.sole)) : sole(raw.design) };
     for (const name of ["t", "com", "velocity", "force", "power", "work", "at", "when", "area", "arrows"])
       walk[name] = raw[name] ? unpack(raw[name]) : [];
+    if (raw.sand) {
+      walk.sand = unpack(raw.sand.height);
+      walk.surface = (t) => at(walk, "sand", raw.sand.height.shape[1], t, walk.when).map((z, i) => [raw.sand.first + i * raw.sand.cell, z]);
+    }
     opened.set(place, prepared(walk));
   }
   return opened.get(place);
@@ -145,7 +149,7 @@ function stage(holder, walk, { close, x, z, label, other = null, fixed = null, p
   const add = (name, attributes, ...children) => drawing.appendChild(svg(name, attributes, ...children));
   add("rect", { x: 0, y: Z(0), width, height: height - Z(0), fill: "var(--sand)" });
   const ground = add("g", {});
-  const print = add("path", { fill: "var(--paper)", stroke: "none" });
+  const print = add("path", { fill: "var(--paper)", stroke: "none" }), rims = add("path", { class: "rims", fill: "var(--sand)", stroke: "none" });
   const surface = add("path", { fill: "none", stroke: "var(--surface)", "stroke-width": 1.5, "data-print": walk.surface ? "computed" : "drawn" });
   const ghost = other && [LEFT, RIGHT].map(() => add("path", { class: "ghost" }));
   const parts = walk.at.length / 2, scheme = PAINTS[paint];
@@ -189,6 +193,7 @@ function stage(holder, walk, { close, x, z, label, other = null, fixed = null, p
     const inView = ([u]) => Math.abs(u - middle) < half + 0.01;
     const top = (low ? low(t) : walk.surface(t)).filter(inView);
     print.setAttribute("d", `${line([[middle - half, 0], ...top, [middle + half, 0]].map(([u, v]) => [u, Math.min(v, 0)]))}Z`);
+    rims.setAttribute("d", low ? "" : `${line([[middle - half, 0], ...top, [middle + half, 0]].map(([u, v]) => [u, Math.max(v, 0)]))}Z`);
     surface.setAttribute("d", line(top));
     ground.replaceChildren(...strips({ X, Z, width, height }), ...ticks(middle - half, middle + half, width / 110).values.flatMap((v) => [
       svg("line", { x1: X(v), x2: X(v), y1: height - 6, y2: height, stroke: "var(--grey)" }),

@@ -203,7 +203,8 @@ function stepLoop(id = "step", tall = 300) {
     state.mover(state.t);
     run();
   }
-  return { figure, redraw, show: (i) => { state.walk = walkOf(i); redraw(); } };
+  const take = (i) => { state.walk = walkOf(i); };
+  return { figure, redraw, take, show: (i) => { take(i); redraw(); } };
 }
 
 const key = ({ stroke, "stroke-dasharray": dash }) =>

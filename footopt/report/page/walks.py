@@ -270,7 +270,15 @@ def _traces(walk: Walk, frames: int) -> dict[str, Any]:
         "area": packed(np.add.reduceat(sole.area[0], begin), exact=True),
         "when": packed(walk.t[even], exact=True),
         "arrows": packed(forces_along(walk, even, ARROWS).force),
+        "sand": _sand(walk, even) if frames == FINE_FRAMES else None,
     }
+
+
+def _sand(walk: Walk, index: Ints) -> dict[str, Any] | None:
+    """The sand's surface at samples of a walk, where its scene has footprints."""
+    if (sand := walk.sand(index)) is None:
+        return None
+    return {"first": sand.x[0], "cell": sand.x[1] - sand.x[0], "height": packed(sand.height)}
 
 
 def _bends(t: Array, columns: Array) -> Ints:
