@@ -4,6 +4,9 @@ python benchmarks/against_checkout.py FOLDER  # another checkout of footopt, suc
 
 Each checkout walks in processes of its own. The same source compiled twice may differ by 5 to 9 % in time,
 by how its machine code happens to lie; --processes many of each give the median.
+
+--errors adds both errors on the three sands (worst objective, 95 % of the feet, each against its own
+converged walks); --here DT CONTROL PLATES walks there with a setting in place of this checkout's `standard`.
 """
 
 from __future__ import annotations
@@ -25,10 +28,12 @@ import numpy as np
 import footopt as fo
 
 feet = fo.Waypoints().random(int(sys.argv[1]), seed=7, inside=True)
+dt, control, plates = map(float, sys.argv[2].split()) if sys.argv[2] else (0, 0, 0)
+own = fo.Accuracy("sdirk2", dt, int(plates), control=control) if dt else "standard"
 sands = [fo.Scene(sand=fo.Sand.named(name)) for name in ("soft", "regular", "hard")]
 full = fo.Scene(sand=fo.Sand.named("regular"), effects=(fo.LeadingEdge(), fo.Inertia()))
 steppers = [fo.Accuracy(name, 1e-3, 64) for name in ("explicit_euler", "heun")]
-cases = [(scene, "standard") for scene in sands] + [(full, "standard")] + [(sands[1], a) for a in steppers]
+cases = [(scene, own) for scene in sands] + [(full, "standard")] + [(sands[1], a) for a in steppers]
 
 def walk(scene, accuracy):
     started = time.thread_time()
@@ -38,6 +43,12 @@ def walk(scene, accuracy):
 for scene, accuracy in cases:  # compiled, poses made
     fo.evaluate(feet[:1], scene, accuracy, threads=1)
 print("ready", flush=True)
+if sys.argv[3]:
+    limit = fo.Accuracy("sdirk2", 2e-4, 400, 1e-5)
+    for scene in sands:
+        truth = fo.evaluate(feet, scene, limit).values
+        error = abs(fo.evaluate(feet, scene, own).values / truth - 1).max(axis=1)
+        print(100 * np.percentile(error, 95), flush=True)
 for _ in sys.stdin:
     print(*(number for case in cases for number in walk(*case)), flush=True)
 """
@@ -47,13 +58,14 @@ NAMES = ("soft", "regular", "hard", "two effects", "explicit Euler", "Heun")
 class Walker:
     """A process that walks with one checkout's code."""
 
-    def __init__(self, folder: Path, feet: int) -> None:
+    def __init__(self, folder: Path, feet: int, setting: str = "", errors: bool = False) -> None:
         environment = os.environ | {"PYTHONPATH": str(folder)}
-        run = [sys.executable, "-c", WALKER, str(feet)]
+        run = [sys.executable, "-c", WALKER, str(feet), setting, "errors" if errors else ""]
         self.process = subprocess.Popen(
             run, env=environment, cwd=folder, text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE
         )
         assert self._line() == "ready"
+        self.errors = [float(self._line()) for _ in range(3 if errors else 0)]  # %
 
     def _line(self) -> str:
         assert self.process.stdout is not None
@@ -72,15 +84,17 @@ class Walker:
         self.process.communicate()
 
 
-def compare(other: Path, feet: int = 60, repeats: int = 15) -> tuple[np.ndarray, list[bool]]:
-    """Median ms per design, (here and there, cases), and which cases' results are the same."""
-    walkers = [Walker(HERE, feet), Walker(other, feet)]
+def compare(
+    other: Path, feet: int = 60, repeats: int = 15, setting: str = "", errors: bool = False
+) -> tuple[np.ndarray, list[bool], list[list[float]]]:
+    """Median ms per design, (here and there, cases), which cases' results are the same, and both errors."""
+    walkers = [Walker(HERE, feet, setting, errors), Walker(other, feet, "", errors)]
     found = [[walker.walk() for walker in walkers] for _ in range(repeats)]
     for walker in walkers:
         walker.close()
     ms = np.median([[times for times, _ in pair] for pair in found], axis=0)
     (_, here), (_, there) = found[0]
-    return ms, [a == b for a, b in zip(here, there, strict=True)]
+    return ms, [a == b for a, b in zip(here, there, strict=True)], [w.errors for w in walkers]
 
 
 def main() -> None:
@@ -90,16 +104,25 @@ def main() -> None:
     )
     parser.add_argument("folder", type=Path, help="the other checkout")
     parser.add_argument("--processes", type=int, default=3, help="pairs of processes")
+    parser.add_argument("--errors", action="store_true", help="measure both errors, too")
+    parser.add_argument("--here", nargs=3, default=[], metavar=("DT", "CONTROL", "PLATES"), help="see above")
     parser.add_argument("--quick", action="store_true", help="everything once and small: does it all run?")
     given = parser.parse_args()
     sizes = (2, 1) if given.quick else (60, 15)
-    pairs = [compare(given.folder.resolve(), *sizes) for _ in range(1 if given.quick else given.processes)]
-    ratios = np.median([ms[0] / ms[1] for ms, _ in pairs], axis=0)
-    here, there = np.median([ms for ms, _ in pairs], axis=0)
+    folder, setting = given.folder.resolve(), " ".join(given.here)
+    pairs = [
+        compare(folder, *sizes, setting, given.errors and pair == 0)
+        for pair in range(1 if given.quick else given.processes)
+    ]
+    ratios = np.median([ms[0] / ms[1] for ms, _, _ in pairs], axis=0)
+    here, there = np.median([ms for ms, _, _ in pairs], axis=0)
     print("| walk | here, ms | there, ms | ratio | same results |\n| --- | --- | --- | --- | --- |")
     for i, name in enumerate(NAMES):
-        same = "yes" if all(equal[i] for _, equal in pairs) else "no"
+        same = "yes" if all(equal[i] for _, equal, _ in pairs) else "no"
         print(f"| {name} | {here[i]:.3f} | {there[i]:.3f} | {ratios[i]:.3f} | {same} |")
+    for where, errors in zip(("here", "there"), pairs[0][2], strict=True):
+        if errors:
+            print(f"error {where}, %: " + ", ".join(f"{e:.3f}" for e in errors))
 
 
 if __name__ == "__main__":

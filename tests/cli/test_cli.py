@@ -270,7 +270,9 @@ class TestAccuracy:
         assert all(float(r["ms"]) > 0 for r in rows)
         assert result["orders"]["sdirk2"] > 1.5
         assert 0.5 < result["orders"]["explicit_euler"] < 1.5
-        assert (folder / "figures" / "accuracy.png").is_file()
+        assert [row["preset"] for row in result["presets"]] == ["draft", "standard", "fine"]
+        assert all(0.0 <= row["wrong_finalists"] <= 1.0 for row in result["presets"])
+        assert all((folder / "figures" / f"{name}.png").is_file() for name in ("accuracy", "decision"))
         check_page(folder)
 
 

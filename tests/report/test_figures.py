@@ -1,11 +1,13 @@
 """Figures say what they show, with units, and a walk that failed does not break them."""
 
 import threading
+from contextlib import nullcontext
 from types import SimpleNamespace
 
 import matplotlib
 import numpy as np
 import pytest
+from fontTools import subset
 from matplotlib.colors import same_color
 from matplotlib.quiver import Quiver, QuiverKey
 from shapely import LineString, Point
@@ -551,3 +553,16 @@ def test_of_two_objectives_a_line_shows_what_half_of_the_seeds_attain():
     np.testing.assert_array_equal(line.get_xydata(), found.median_attainment("ga"))
     assert (line.get_drawstyle(), line.get_color()) == ("steps-pre", points.get_color())
     assert {"ga: 2 seeds, hypervolume 60 %", "de: hypervolume 90 %"} <= set(texts(axes.figure))
+
+
+def test_a_pdf_embeds_no_glyph_that_only_a_layout_table_asks_for(tmp_path, monkeypatch):
+    """matplotlib places letters itself, and asks for each outline that it draws."""
+    before = subset.Options()
+    made = []
+    for without in (style._without_layout_tables, nullcontext):
+        monkeypatch.setattr(style, "_without_layout_tables", without)
+        figure = style.new_figure(3.0, 2.0)
+        figure.subplots().set(title="fine office $J_W$ (%)", xlabel="ankle")
+        made.append(style.save(figure, tmp_path / without.__name__, "drawn")[1].read_bytes())
+    assert len(made[0]) < len(made[1])
+    assert subset.Options().drop_tables == before.drop_tables

@@ -166,6 +166,8 @@ def test_a_page_loads_alone_names_all_that_one_operates_and_fits_any_window(kind
         browser.set_window_size(width, 900)
         assert shown.js("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
     browser.execute_script("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
+    # what depends on the width has been drawn again
+    browser.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
     for element in shown.all("button, select, input, a"):
         assert element.accessible_name or not element.is_displayed(), element.get_attribute("outerHTML")
     assert shown.js(

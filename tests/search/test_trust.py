@@ -16,6 +16,7 @@ from footopt.design.pymoo_problem import PymooProblem
 from footopt.design.solvers.memetic import ExchangeRun, ShiftRun, shifts
 from footopt.design.truth import PEERS, Attempt, Tabulated, expected_walks, judge, judge_designs, walk_all
 from footopt.errors import FootoptError, SettingError
+from footopt.walk.scenarios import sands
 
 SPACE = fo.Waypoints(n=4, K=4)
 EVERYTHING = np.stack(np.meshgrid(*[range(1, 5)] * 4, indexing="ij"), axis=-1).reshape(-1, 4)
@@ -229,3 +230,18 @@ def test_every_sole_is_kept_and_read_again(tmp_path):
     assert (first.reused, again.reused) == (0, first.evaluations)
     np.testing.assert_array_equal(again.k, first.k)
     np.testing.assert_array_equal(again.values, first.values)
+
+
+@pytest.mark.parametrize("kind", [fo.FootProblem, fo.RobustProblem])
+def test_an_enumeration_that_was_stopped_goes_on_to_the_same_end(kind, tmp_path):
+    """Also where it races, whose limit is that of the designs before."""
+    scene = fo.Scene() if kind is fo.FootProblem else sands(fo.Scene())
+    problem = kind(scene, space=fo.Waypoints(n=4, K=3), accuracy=QUICK)
+    whole = fo.search(problem, "exhaustive", pop_size=20)
+    path = tmp_path / "feet.sqlite"
+    part = fo.search(problem, "exhaustive", progress=stop_after(2), pop_size=20, store=path)
+    assert part.interrupted
+    again = fo.search(problem, "exhaustive", pop_size=20, store=path)
+    assert again.reused >= part.evaluations
+    assert again.counts == whole.counts
+    searching.assert_same(again, whole)

@@ -1,8 +1,8 @@
-"""The figure of study=accuracy: what a smaller error costs, one panel per objective."""
+"""The figures of study=accuracy: what a smaller error costs, an objective a panel, and what it decides."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from footopt.report.style import GREY, GRID, PAGE, legend_above, marker, new_figure, styled
+from footopt.report.style import BLUE, GREY, GRID, ORANGE, PAGE, SKY, legend_above, marker, new_figure, styled
 from footopt.walk import FIVE, STEPPERS
 from footopt.walk.accuracy import Accuracy
 
@@ -40,7 +40,7 @@ def work_precision(measured: Sequence[Any], presets: Sequence[Accuracy], default
     ms = np.array([m.ms for m in measured])
     errors = 100.0 * np.array([[*np.max(m.errors, axis=0), m.error] for m in measured])
     at = {m.accuracy: i for i, m in enumerate(measured)}
-    nameless = {preset.name: replace(preset, name=Accuracy().name) for preset in presets}
+    nameless = {preset.name: replace(preset, name=Accuracy().name, adapt=False) for preset in presets}
     marked = {name: at[accuracy] for name, accuracy in nameless.items() if accuracy in at}
     titles = [*(name.replace("_", " ") for name in FIVE), WORST]
     for axes, title, error in zip(grid.flat, titles, errors.T, strict=True):
@@ -79,6 +79,69 @@ def work_precision(measured: Sequence[Any], presets: Sequence[Accuracy], default
         "error not exceeded by 95 % of the feet, largest over soft, regular and hard sand", color=GREY
     )
     return figure
+
+
+@styled
+def decision(presets: Sequence[Mapping[str, Any]]) -> Figure:
+    """Time to a search's answer, feet ranked wrongly, and what the answer lacks, by preset.
+
+    Parameters
+    ----------
+    presets : sequence of mapping
+        Of `footopt.studies.decision.rows`.
+    """
+    figure = new_figure(PAGE, 0.9 + 0.42 * len(presets))
+    times, pairs, losses = figure.subplots(1, 3, sharey=True)
+    places = np.arange(len(presets))
+    column = {name: np.array([row[name] for row in presets]) for name in presets[0] if name != "losses"}
+    parts = (
+        ("search_s", "search", BLUE),
+        ("confirm_s", "confirm", SKY),
+        ("compile_s", "compile, once", "0.85"),
+    )
+    left = np.zeros(len(presets))
+    for name, label, colour in parts:
+        width = np.nan_to_num(column[name])
+        if width.any():
+            times.barh(places, width, left=left, color=colour, height=0.55, label=label)
+        left += width
+    each = column["search_s"] + column["confirm_s"]
+    for place, (end, seconds, once) in enumerate(zip(left, each, column["compile_s"], strict=True)):
+        _beside(times, end, place, f"{seconds:.2g} s" + (f"\n+ {once:.2g}" if once > 0.0 else ""))
+    kinds = (
+        ("wrong_finalists", "two finalists", BLUE, -0.15),
+        ("wrong_random", "two random feet", ORANGE, 0.15),
+    )
+    for name, label, colour, shift in kinds:
+        share = 100.0 * column[name]
+        pairs.barh(places + shift, share, color=colour, height=0.27, label=label)
+        for place, value in zip(places + shift, share, strict=True):
+            _beside(pairs, value, place, f"{value:.2g} %")
+    for place, row in enumerate(presets):
+        lacks = 100.0 * np.array(row["losses"])
+        losses.plot(lacks, np.full(len(lacks), place), "o", color=GREY, ms=3, mew=0, alpha=0.7)
+        losses.plot(lacks.mean(), place, "D", color=BLUE, ms=5, mew=0)
+        _beside(losses, lacks.max(), place, f"{lacks.mean():.2g} %")
+    losses.plot([], [], "D", color=BLUE, ms=5, mew=0, ls="", label="mean")
+    losses.plot([], [], "o", color=GREY, ms=3, mew=0, ls="", label="a search")
+    times.set(yticks=places, yticklabels=column["preset"], title="time to the answer (s)")
+    times.invert_yaxis()
+    pairs.set(title="pairs ranked wrongly (%)")
+    losses.set(title="J_W lost in the answer (%)".replace("J_W", "$J_W$"))
+    for axes in (times, pairs, losses):
+        axes.set_xlim(min(0.0, axes.get_xlim()[0]), 1.28 * axes.get_xlim()[1])
+        axes.grid(axis="x", color=GRID, lw=0.6)
+        axes.set_axisbelow(True)
+        axes.tick_params(axis="y", length=0)
+        axes.legend(
+            loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3, handlelength=1.0, columnspacing=1.0
+        )
+    return figure
+
+
+def _beside(axes: Any, x: float, y: float, words: str) -> None:
+    """Words to the right of a bar's end."""
+    axes.annotate(words, (x, y), xytext=(3, 0), textcoords="offset points", va="center", fontsize=7)
 
 
 def _name(axes: Any, name: str, place: tuple[float, float]) -> None:

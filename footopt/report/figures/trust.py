@@ -26,7 +26,7 @@ def trust(attempts: Mapping[str, Sequence[Any]], solvers: Sequence[str], walks: 
     """
     several = {a.solver for rows in attempts.values() for a in rows if a.checkpoints}
     rows = [
-        ("runs within 0.1 %\nof the best J_W (%)", [name for name in solvers if name not in several]),
+        ("runs within 0.1 %\nof the best $J_W$ (%)", [name for name in solvers if name not in several]),
         ("share of the exact\nhypervolume (%)", [name for name in solvers if name in several]),
     ]
     rows = [(title, names) for title, names in rows if names]
