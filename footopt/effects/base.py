@@ -6,7 +6,7 @@ compiled loop. A law changes the force on a plate at one or more of three places
 
 - load, of depth (m) and x (m). The state is the strength of the sand integrated over the depth, m (the
   plain law's is the depth itself), and its derivatives by depth and by x.
-- gate, of vn = n.v, the speed along the outward normal (m/s), and the creep speed (m/s); where the
+- gate, of vn = n.v, the speed along the outward normal (m/s), and the speed over which it opens; where the
   scene has bristles (`rest`), of n.h and a width instead. The state is the share of the stress that the
   plate feels, and its derivative by vn.
 - push, of vn and depth. The state is a pressure against the outward normal, Pa, and its derivatives by
@@ -161,7 +161,7 @@ def _through(hooks: dict[type, Hook]) -> Hook:
     return take
 
 
-#: load(laws, (depth, 1.0, 0.0), depth, x), gate(laws, (1.0, 0.0), vn, creep) and
+#: load(laws, (depth, 1.0, 0.0), depth, x), gate(laws, (1.0, 0.0), vn, width) and
 #: push(laws, (0.0, 0.0, 0.0), vn, depth): a plate's, with all effects of a scene.
 load, gate, push = _through(LOADS), _through(GATES), _through(PUSHES)
 

@@ -18,8 +18,8 @@ class LeadingEdgeLaw(NamedTuple):
 class LeadingEdge:
     """Only faces that lead, n.v > 0, feel sand: what trails leaves a gap behind and is not pulled.
 
-    Smoothed over the creep speed, so that implicit steps converge: all of the stress at n.v >= eps,
-    none at n.v <= -eps.
+    Smoothed over the speeds along the normal that a plate holds (`footopt.walk.contact`), at least the creep
+    speed, so that implicit steps converge: all of the stress at n.v >= w, none at n.v <= -w.
 
     Source: the leading-edge hypothesis of RFT in Agarwal, Goldman & Kamrin, PNAS 120 (2023), and of
     granular RFT codes before it; without it (the paper) a foot that is lifted out of the sand is pulled
@@ -35,11 +35,11 @@ class LeadingEdge:
         return abs(scale.pull) / scale.stress
 
 
-def leading_gate(law, state, vn, creep):
-    """A cubic step from 0 at n.v = -eps to 1 at n.v = eps."""
+def leading_gate(law, state, vn, width):
+    """A cubic step from 0 at n.v = -w to 1 at n.v = w."""
     share, by_vn = state
-    s = np.minimum(np.maximum(vn / creep, -1.0), 1.0)
-    step, slope = 0.5 + s * (0.75 - 0.25 * s * s), 0.75 * (1.0 - s * s) / creep
+    s = np.minimum(np.maximum(vn / width, -1.0), 1.0)
+    step, slope = 0.5 + s * (0.75 - 0.25 * s * s), 0.75 * (1.0 - s * s) / width
     return share * step, by_vn * step + share * slope
 
 

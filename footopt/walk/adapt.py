@@ -5,6 +5,7 @@ Five things make a walk harder than those, and each is a rule here:
 - A smaller walker takes shorter strides at lower speeds. The time step is in proportion to the stride's
   period, the control and the creep speed to the legs' length over it, and never larger than the preset's.
 - A sole with more waypoints or corners needs more plates, at `standard` `EACH` a waypoint.
+- No plate is to be longer than the narrowest patch of sand.
 - The harder the sand under a light walker, the shorter the part of the sole that carries him. At least
   `TOUCHING` plates are to touch the sand when he stands, whatever the pitch of his foot.
 - Effects that change the force on a plate make blows short, as hard sand does. Where there are such, or more
@@ -22,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.effects import Footprints, LeadingEdge, laws
+from footopt.effects import Footprints, LeadingEdge, Patches, laws
 from footopt.effects import base as effects
 from footopt.effects.shadowing import filler
 from footopt.errors import SettingError, check_kind
@@ -105,7 +106,7 @@ def accuracies(
 def _plates(preset: int, scene: Scene, sole: Foot | Waypoints) -> int:
     """How many plates a sole needs, a whole number of blocks if more than the preset's."""
     leading = any(isinstance(effect, LeadingEdge) for effect in scene.effects)
-    needed = max(_bends(sole), TOUCHING / _touching(scene, sole)) / STATED
+    needed = max(_bends(sole), TOUCHING / _touching(scene, sole), _narrow(scene, sole)) / STATED
     times = min(max(LEADING if leading else 1.0, needed), MOST)
     if times <= 1.0:
         return preset
@@ -120,6 +121,16 @@ def _bends(sole: Foot | Waypoints) -> float:
     turns = np.abs(turns_of(sole.contour[None])[0])
     turns[sharp] = 0.0
     return EACH * (len(sharp) + 1) + float(turns.sum()) / BEND
+
+
+def _narrow(scene: Scene, sole: Foot | Waypoints) -> float:
+    """Plates that are no longer than the narrowest patch, or gap between two."""
+    patches = next((effect for effect in scene.effects if isinstance(effect, Patches)), None)
+    if patches is None:
+        return 0.0
+    edges = np.unique([*patches.begins, *patches.ends])
+    length = 2.0 * sole.L if isinstance(sole, Waypoints) else float(np.ptp(sole.contour[:, 0]))
+    return length / max(float(np.diff(edges).min()), patches.blur / 2)
 
 
 def _touching(scene: Scene, sole: Foot | Waypoints) -> float:

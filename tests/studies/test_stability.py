@@ -15,10 +15,17 @@ from footopt.studies import stability
 from footopt.studies.stability import judge
 from footopt.studies.stability_cases import CASES
 from footopt.studies.stability_judges import Measure, Setup
+from footopt.walk.resolution import resolution
 
 BY_NAME = {case.name: case for case in CASES}
 CREEPS = "at rest by the plain law"
 LONG = [name for name in BY_NAME if name.startswith(("ten minutes", "at rest on"))]
+WITH_EFFECTS = [
+    *("leading edge on hard sand", "leading edge, zeta 200", "inertia in a brisk walk", "rest in a walk"),
+    *("a cliff from zeta 1 to 1000", "100 hard patches of 1 mm", "all effects"),
+]
+PAN = "a hard pan under soft sand"  # a blow of microseconds
+WRONG = (CREEPS, PAN)
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +43,11 @@ def test_names_with_commas_need_no_quotes():
 class TestStudy:
     @pytest.mark.parametrize(
         "name",
-        [pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in BY_NAME if n != CREEPS],
+        [
+            pytest.param(n, marks=pytest.mark.slow) if n in (*LONG, *WITH_EFFECTS) else n
+            for n in BY_NAME
+            if n not in WRONG
+        ],
     )
     def test_the_default_stepper_is_stable_in_every_case(self, name, base, monkeypatch):
         monkeypatch.setattr(stability, "CONVERGED", 5.0)  # of a time step that is small already
@@ -50,6 +61,16 @@ class TestStudy:
         assert measures["rest"].ratio > 100.0
         assert measures["place"].ratio > 1.0
         assert measures["load"].ratio < 1.0
+
+    @pytest.mark.slow
+    def test_what_no_stepper_resolves_is_said_and_a_run_warns_of_it(self, base, monkeypatch):
+        monkeypatch.setattr(stability, "CONVERGED", 5.0)
+        (verdict,) = judge(BY_NAME[PAN], base, ["sdirk2_control"])
+        assert not verdict.stable
+        assert verdict.decides.name in ("peak", "error")
+        errors = fo.estimate_error(verdict.walk.foot, verdict.walk.scene, verdict.walk.accuracy)
+        (warning,) = resolution(verdict.walk, errors)
+        assert warning.outside
 
     def test_step_control_is_what_keeps_the_peak_of_a_step_ten_times_too_large(self, base):
         free, held = judge(BY_NAME["a step ten times larger"], base, ["sdirk2", "sdirk2_control"])

@@ -51,6 +51,8 @@ def test_plates_follow_hardness_and_mass():
     assert adapted(STANDARD, deep, PAPER).plates == STANDARD.plates
     hard = fo.Scene(sand=fo.Sand(1.0), effects=(fo.Patches((0.5,), (0.6,), (500.0,)),))
     assert adapted(STANDARD, hard, PAPER).plates > STANDARD.plates
+    narrow = fo.Patches((0.5, 0.6), (0.501, 0.9), (3.0, 3.0), blur=1e-4)
+    assert adapted(STANDARD, fo.Scene(effects=(narrow,)), PAPER).plates >= 260
     absurd = fo.Scene(sand=fo.Sand(1e4), walker=fo.Walker(mass=1e-6))
     assert 16 * STANDARD.plates < adapted(STANDARD, absurd, PAPER).plates <= MOST * STANDARD.plates
 

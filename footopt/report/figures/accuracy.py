@@ -124,7 +124,7 @@ def decision(presets: Sequence[Mapping[str, Any]]) -> Figure:
         _beside(losses, lacks.max(), place, f"{lacks.mean():.2g} %")
     losses.plot([], [], "D", color=BLUE, ms=5, mew=0, ls="", label="mean")
     losses.plot([], [], "o", color=GREY, ms=3, mew=0, ls="", label="a search")
-    times.set(yticks=places, yticklabels=column["preset"], title="time to the answer (s)")
+    times.set(yticks=places, yticklabels=column["preset"], title="processor time to the answer (s)")
     times.invert_yaxis()
     pairs.set(title="pairs ranked wrongly (%)")
     losses.set(title="J_W lost in the answer (%)".replace("J_W", "$J_W$"))
