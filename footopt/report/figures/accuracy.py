@@ -120,8 +120,8 @@ def decision(presets: Sequence[Mapping[str, Any]]) -> Figure:
     for place, row in enumerate(presets):
         lacks = 100.0 * np.array(row["losses"])
         losses.plot(lacks, np.full(len(lacks), place), "o", color=GREY, ms=3, mew=0, alpha=0.7)
-        losses.plot(lacks.mean(), place, "D", color=BLUE, ms=5, mew=0)
-        _beside(losses, lacks.max(), place, f"{lacks.mean():.2g} %")
+        losses.plot(lacks.mean(), place, "D", color=BLUE, ms=5, mew=0, clip_on=False)
+        _beside(losses, lacks.max(), place, f" {lacks.mean():.2g} %")
     losses.plot([], [], "D", color=BLUE, ms=5, mew=0, ls="", label="mean")
     losses.plot([], [], "o", color=GREY, ms=3, mew=0, ls="", label="a search")
     times.set(yticks=places, yticklabels=column["preset"], title="processor time to the answer (s)")
@@ -129,7 +129,7 @@ def decision(presets: Sequence[Mapping[str, Any]]) -> Figure:
     pairs.set(title="pairs ranked wrongly (%)")
     losses.set(title="J_W lost in the answer (%)".replace("J_W", "$J_W$"))
     for axes in (times, pairs, losses):
-        axes.set_xlim(min(0.0, axes.get_xlim()[0]), 1.28 * axes.get_xlim()[1])
+        axes.set_xlim(0.0, 1.28 * max(axes.get_xlim()[1], 0.1))
         axes.grid(axis="x", color=GRID, lw=0.6)
         axes.set_axisbelow(True)
         axes.tick_params(axis="y", length=0)
