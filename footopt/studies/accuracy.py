@@ -59,7 +59,7 @@ CAPTION = (
 
 
 DECISION = (
-    "Time until a whole search has its answer, how often two of its finalists, or two random feet, are "
+    "Processor time until a search has its answer, how often two of its finalists, or two random feet, are "
     "ranked wrongly by J_W, and what the answer lacks of the best J_W: at three presets, on three sands."
 )
 

@@ -117,7 +117,7 @@ def run(study: Study) -> None:
     first = found[SANDS[0]].problem
     study.conclude(
         "Foot and gait together",
-        [table(found)],
+        [table(found), gaits(found)],
         {
             "codesign": {name: entry(f) for name, f in found.items()},
             "ranges": {name: dataclasses.asdict(gene) for name, gene in GENES.items()},
@@ -182,17 +182,23 @@ def table(found: dict[str, Found]) -> RichTable:
         f"{guide.replace('_', ' ')} of foot and gait together against the best foot with the gait as it is"
     )
     columns = ("sand", "foot alone", "together", "gain", "by the foot", "by the gait", "speed (m/s)")
-    shown = terminal.table((*columns, *(_title(name) for name in GENES)), words=("sand",), title=title)
+    shown = terminal.table(columns, words=("sand",), title=title)
     for name, f in found.items():
         alone, both = f.guide[0], f.guide[3]
         parts = (f"{share:.0%}" if math.isfinite(share) else "-" for share in f.shares)
-        genes = (f"{value:.3g}" for value in f.genes.values())
         numbers = (terminal.number(alone), terminal.number(both), f"{f.gain:+.1%}")
-        shown.add_row(name, *numbers, *parts, f"{f.speed:.3f}", *genes)
+        shown.add_row(name, *numbers, *parts, f"{f.speed:.3f}")
+    shown.caption = "by the foot, by the gait: shares of the gain in ln of the objective"
+    return shown
+
+
+def gaits(found: dict[str, Found]) -> RichTable:
+    """The gait that was found on each sand, and the one that was given."""
+    shown = terminal.table(("sand", *map(_title, GENES)), words=("sand",), title="The gaits that were found")
+    for name, f in found.items():
+        shown.add_row(name, *(f"{value:.3g}" for value in f.genes.values()))
     own = values_of(f.problem.scene.gait, f.k[0, -len(GENES) :].tolist(), f.problem.space.K)
-    shown.caption = "by the foot, by the gait: shares of the gain; the gait as it is given has " + ", ".join(
-        f"{name.replace('_', ' ')} {value:.3g}" for name, value in own.items()
-    )
+    shown.add_row("as given", *(f"{value:.3g}" for value in own.values()))
     return shown
 
 

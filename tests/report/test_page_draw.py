@@ -1,6 +1,7 @@
 """A sole drawn on the page: the walk follows the pointer, the keys and the sliders, and what comes of it."""
 
 import json
+import re
 import shlex
 import time
 
@@ -148,8 +149,25 @@ class TestDrawing:
             work = shown.js(f"simulated({i}).objectives.work")
             assert work == pytest.approx(result.column("work")[i], rel=1e-9)
         shown.js("choose(data.best)")
-        shown.drag("#parallel svg", (70 / shown["#parallel svg"].size["width"], 0.3), (70 / 1000, 0.9))
-        assert shown.js("document.querySelector('#glimpse svg') !== null")
+        at, width = shown.js("data.best"), shown["#parallel svg"].size["width"]
+        high = shown.js(
+            f"columnOf('distance').of({at}) < range([...front].map(columnOf('distance').of))[1] * 0.999"
+        )
+        shown.drag("#parallel svg", (70 / width, 0.2), (70 / width, 0.3) if high else (70 / width, 0.95))
+        low, most = shown.limits("distance")
+        chosen = int(re.search(r"design (\d+)", shown.text("#design-title"))[1])
+        assert low <= result.column("distance")[chosen] <= most
+
+        def glance():
+            return shown.text("#glance h3")
+
+        shown["#clear"].click()
+        before, step = glance(), shown["#glimpse svg"].get_attribute("innerHTML")
+        places = ((x, y) for x in (0.2, 0.35, 0.5) for y in np.linspace(0.25, 0.9, 40))
+        while glance() == before:
+            shown._pointer("#parallel svg", next(places)).perform()
+        assert shown["#glimpse svg"].get_attribute("innerHTML") != step
+        assert f"design {chosen}" in shown.text("#design-title")  # which is chosen by a click only
 
     def test_is_refused_with_the_effect_that_the_page_does_not_have(self, browser, tmp_path):
         scene = fo.Scene(effects=(fo.Rest(),))

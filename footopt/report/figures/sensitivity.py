@@ -30,7 +30,7 @@ def sensitivity(found: Mapping[str, Any], names: Sequence[str], label: Callable[
     heights = [len(block.parameters) for block in found.values()]
     largest = max(float(np.nanmax(np.abs(100.0 * block.change), initial=1e-9)) for block in found.values())
     figure = new_figure(PAGE, 1.0 + ROW * sum(heights))
-    panels = figure.subplots(len(found), 2, height_ratios=heights, width_ratios=(9, 5), squeeze=False)
+    panels = figure.subplots(len(found), 2, height_ratios=heights, width_ratios=(3, 2), squeeze=False)
     for (left, right), (title, block) in zip(panels, found.items(), strict=True):
         rows = [label(name) for name in block.parameters]
         # what lies within its own interval of zero is not known to be anything
@@ -48,7 +48,7 @@ def sensitivity(found: Mapping[str, Any], names: Sequence[str], label: Callable[
     for axes in panels[1:].flat:
         axes.tick_params(labeltop=False)
     panels[-1, 0].set_xlabel("total Sobol index; white: within its interval of zero")
-    panels[-1, 1].set_xlabel("change by one standard deviation (%)")
+    panels[-1, 1].set_xlabel("change by one s.d. (%)")
     figure.align_ylabels(panels[:, 0])
     return figure
 
