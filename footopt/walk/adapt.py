@@ -10,6 +10,7 @@ Five things make a walk harder than those, and each is a rule here:
   `TOUCHING` plates are to touch the sand when he stands, whatever the pitch of his foot.
 - Effects that change the force on a plate make blows short, as hard sand does. Where there are such, or more
   plates than the preset's, steps are half as long and held to a quarter of the control.
+- Footprints are made at the end of a step: their error is of order 1 in it. With them steps are an eighth.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.effects import LeadingEdge, Patches, laws
+from footopt.effects import Footprints, LeadingEdge, Patches, laws
 from footopt.effects import base as effects
 from footopt.effects.shadowing import filler
 from footopt.errors import SettingError, check_kind
@@ -41,6 +42,7 @@ BEND = 0.2  # rad by which a sole turns within a plate: five a waypoint of a rou
 TOUCHING = 8  # plates in the sand under who stands
 LEADING = 2.0  # times more plates where only faces that lead feel sand
 SHORTER, CLOSER = 0.5, 0.25  # times the step, and its control, where blows are short
+PRINTED = 0.125  # times the step where feet leave prints
 MOST = 32  # times the preset's plates
 
 PROBES = 3  # random soles that stand for a space
@@ -72,6 +74,8 @@ def adapted(accuracy: Accuracy, scene: Scene, sole: Foot | Waypoints) -> Accurac
     plates, control = _plates(accuracy.plates, scene, sole), accuracy.control
     blows = plates > accuracy.plates or any(laws(scene.effects))
     step, held = (SHORTER, CLOSER) if blows else (1.0, 1.0)
+    if any(isinstance(effect, Footprints) for effect in scene.effects):
+        step = PRINTED
     return replace(
         accuracy,
         dt=step * shorter * accuracy.dt,

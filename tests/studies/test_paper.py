@@ -129,6 +129,8 @@ class TestSweep:
 def test_settings_name_effects_beside_those_of_the_scene():
     both = config(study__leading_edge=True, study__shadowing=True)
     assert set(Setup(both).scene("soft").effects) == {fo.LeadingEdge(), fo.Shadowing()}
+    prints = config(study__footprints=True)
+    assert Setup(prints).scene("soft").effects == (fo.Footprints(),)
     assert Setup(config()).scene("hard").effects == ()
 
 

@@ -91,8 +91,8 @@ def test_the_study_from_the_command_line(tmp_path):
     check_page(tmp_path / "out")
     assert "leading edge changes" in done.stdout
     sets = [set(j["effects"]) for j in result["interactions"]]
-    assert sets[-1] == {"leading_edge", "inertia", "shadowing"}
-    assert [len(s) for s in sets] == [2, 2, 2, 3]
+    assert sets[-1] == {"leading_edge", "inertia", "shadowing", "footprints"}
+    assert [len(s) for s in sets] == [2, 2, 2, 2, 2, 2, 4]
     assert {c["kind"] for c in result["calls"]} == {"effect", "tested range", "not in footopt"}
 
 
@@ -113,6 +113,7 @@ def test_auto_simulates_what_matters_and_records_why(tmp_path):
         "leading_edge": True,
         "inertia": False,
         "shadowing": False,
+        "footprints": False,
     }
     assert "effects=auto: inertia changes" in done.stdout
     assert "What the scene calls for" in done.stdout
