@@ -16,6 +16,7 @@ from omegaconf.errors import OmegaConfBaseException
 from footopt.cli.job import walk
 from footopt.cli.messages import explain
 from footopt.cli.words import readable
+from footopt.design import AUTO, EXHAUSTIVE, SOLVERS, Solver
 from footopt.errors import ERROR_FILE, FileError, FootoptError, SettingError, check
 from footopt.files import identity
 from footopt.files.lock import Occupied, locked
@@ -27,6 +28,9 @@ TRUST = "--trust"
 MULTIRUN = "multirun.yaml"
 #: Settings by which a folder could have a program run, or a file written elsewhere, that nobody asked for.
 TRUSTED = ("plugins", "engine.address", "study.video")
+
+#: Settings that may make a search longer.
+BUDGETS = ("solver.walks", "solver.n_gen")
 
 log = logging.getLogger("footopt")
 
@@ -139,13 +143,14 @@ def _reaches_out(name: str, value: Any) -> bool:
 
 def _check_no_less(found: Mapping[str, Any], settings: Mapping[str, Any]) -> None:
     """Raise a `SettingError` for a run that would not replace all that it has found and left before."""
-    solver = settings["solver"]
-    before, size, generations = found.get("evaluations", 0), solver["pop_size"], solver["n_gen"]
+    solver = _solver(settings["solver"])
+    setting = "walks" if solver.walks or not solver.n_gen else "n_gen"
+    before, most = found.get("designs" if setting == "walks" else "evaluations", 0), solver.designs
     check(
-        solver["name"] == "exhaustive" or size * generations >= before,
-        "solver.n_gen",
-        generations,
-        f"at least {math.ceil(before / max(size, 1))}: the run has {before} evaluations",
+        solver.name == "exhaustive" or most >= before,
+        f"solver.{setting}",
+        getattr(solver, setting),
+        f"enough for the {before} designs that the run has: this is at most {most:,.0f}",
         "A shorter search is a run of its own: leave out resume.",
     )
     if found:
@@ -163,7 +168,7 @@ def _resume_jobs(
     """Go on with every job of a multirun that has no result, or a shorter one than is asked for."""
     from footopt.report import summary
 
-    longer = dict(changes).get("solver.n_gen", 0)
+    budget = {name.partition(".")[2]: value for name, value in changes if name in BUDGETS}
     busy = 0
     with locked(folder, shared=True):
         for job in identity.jobs(folder):
@@ -173,7 +178,7 @@ def _resume_jobs(
                 continue
             try:
                 found = result_of(job)
-                if finished(found) and _generations(found) >= longer:
+                if finished(found) and _asked(found) >= _asked(found, budget):
                     continue
                 print(f"job {name}: {' '.join(identity.read(job).words)}", flush=True)
                 _resume_run(job, found, changes, words, trusted)
@@ -195,6 +200,12 @@ def _stands(job: Path) -> bool:
         return False
 
 
-def _generations(found: Mapping[str, Any] | None) -> float:
-    """How many generations the search of a finished job has; any number for what is no search."""
-    return found["solver"]["n_gen"] if found and "solver" in found else math.inf
+def _asked(found: Mapping[str, Any] | None, budget: Mapping[str, Any] | None = None) -> float:
+    """How many designs a job's search asks for, with another budget; any number for what is no search."""
+    return _solver({**found["solver"], **(budget or {})}).designs if found and "solver" in found else math.inf
+
+
+def _solver(saved: Mapping[str, Any]) -> Solver:
+    """A saved solver; one of a plugin, which is not loaded yet, is taken for one that does not grow."""
+    known = saved["name"] in (AUTO, EXHAUSTIVE, *SOLVERS)
+    return Solver(**{**saved, "name": saved["name"] if known else "ga"})

@@ -12,15 +12,17 @@ from footopt.design.problem import Evaluated, FootProblem
 from footopt.design.result import Confirmation, Generation, SearchResult, confirm
 from footopt.design.robust import RobustProblem, own_best
 from footopt.design.search import search
-from footopt.design.solvers import EXHAUSTIVE, SINGLE, SOLVERS, Solver
+from footopt.design.solvers import AUTO, EXHAUSTIVE, SINGLE, SOLVERS, WALKS, Solver
 from footopt.design.stop import Stop
 from footopt.design.store import Evaluation, Store
 
 __all__ = [
+    "AUTO",
     "ENGINES",
     "EXHAUSTIVE",
     "SINGLE",
     "SOLVERS",
+    "WALKS",
     "WAYS",
     "Choice",
     "Confirmation",

@@ -62,7 +62,7 @@ class Archive:
     def __init__(self, problem: FootProblem, walk: Callable[[Ints], tuple[Array, Words]]) -> None:
         self.problem, self._walk = problem, walk
         self.history: list[Generation] = []
-        self._table, self._count = no_designs(problem), 0  # the table has room for more
+        self._table, self.count = no_designs(problem), 0  # the table has room for more
         self._good = np.empty(0, np.bool_)  # which are feasible
         self._place: dict[bytes, int] = {}  # of a design in `designs`, by its heights
         self._kind = np.min_scalar_type(problem.space.K)  # of heights in such a key
@@ -77,11 +77,24 @@ class Archive:
     @property
     def designs(self) -> Designs:
         """All so far, in order."""
-        return self._table.take(slice(self._count))
+        return self._table.take(slice(self.count))
+
+    def _keys(self, k: Ints) -> list[bytes]:
+        return [heights.tobytes() for heights in k.astype(self._kind)]
+
+    def first(self, k: Ints, most: float) -> int:
+        """How many of designs, from the first, there can be with at most so many different ones in all."""
+        new: set[bytes] = set()
+        for place, key in enumerate(self._keys(k)):
+            if key not in self._place and key not in new:
+                if self.count + len(new) >= most:
+                    return place
+                new.add(key)
+        return len(k)
 
     def evaluate(self, k: Ints) -> tuple[Array, Array]:
         """F and G of a generation, (designs, ...); designs seen before are not walked again."""
-        keys = [heights.tobytes() for heights in k.astype(self._kind)]
+        keys = self._keys(k)
         new = k[list({key: i for i, key in enumerate(keys) if key not in self._place}.values())]
         if len(new):
             values, reasons = self._walk(new)
@@ -94,15 +107,15 @@ class Archive:
 
     def _add(self, new: Designs) -> None:
         """Add rows to the table, which grows by half when it is full: most generations copy nothing."""
-        start, self._count = self._count, self._count + len(new.k)
-        if self._count > len(self._table.k):
-            size = max(self._count, len(self._table.k) * 3 // 2)
+        start, self.count = self.count, self.count + len(new.k)
+        if self.count > len(self._table.k):
+            size = max(self.count, len(self._table.k) * 3 // 2)
             grown = [np.empty((size, *column.shape[1:]), column.dtype) for column in new]
             for column, old in zip(grown, self._table, strict=True):
                 column[:start] = old[:start]
             self._table = Designs._make(grown)
         for column, added in zip(self._table, new, strict=True):
-            column[start : self._count] = added
+            column[start : self.count] = added
         self._good = np.append(self._good, (self._constraints(new) <= 0.0).all(axis=1))
         self._place |= {h.tobytes(): start + i for i, h in enumerate(new.k.astype(self._kind))}
 
@@ -122,7 +135,7 @@ class Archive:
                 hypervolume=math.nan if one else self._volume(front),
             )
         )
-        self._closed = (len(self.history), self._count, front)
+        self._closed = (len(self.history), self.count, front)
 
     def _guide(self, places: Ints) -> Array:
         """What ranks designs, minimised, of some of them."""

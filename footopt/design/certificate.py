@@ -82,7 +82,7 @@ def neighbours(k: Ints, space: Waypoints) -> tuple[Ints, int]:
     In two, unless these are more than `MOST`: then in one, or none. Runs of waypoints shifted by one level
     are always among them: a spline answers to neighbours that move together.
     """
-    from footopt.design.solvers.memetic import shifts
+    from footopt.design.solvers.moves import shifts
 
     n, levels = space.n, space.K - 1
     sizes = {2: n * levels + n * (n - 1) // 2 * levels**2, 1: n * levels, 0: 0}

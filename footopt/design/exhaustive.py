@@ -127,7 +127,7 @@ def enumerate_space(
         racing = problem.race(evaluator)  # type: ignore[attr-defined]
     try:
         with racing as walk:
-            for number, k in enumerate(batches(space, solver.pop_size), start=1):
+            for number, k in enumerate(batches(space, solver.size), start=1):
                 violation, median = space.box_violation(k), nan
                 inside = violation <= space.box_tolerance * space.H
                 reasons = np.full(len(k), "box", dtype=object)

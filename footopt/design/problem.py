@@ -124,6 +124,8 @@ class FootProblem:
     def evaluate(self, k: Any) -> Evaluated:
         """Walk with designs, (designs, n) heights; `SettingError` names a height that cannot be."""
         k = self.space.check(k)
+        if not len(k):
+            return Evaluated(np.empty((0, len(self.record))), np.empty(0, np.str_), np.empty(0))
         return Evaluated(*self.walk(k), self.space.box_violation(k))
 
     def walk(self, k: Ints) -> tuple[Array, Words]:

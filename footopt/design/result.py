@@ -129,6 +129,35 @@ class SearchResult:
         """How many of them failed or leave their box."""
         return len(self.k) - int(self.feasible.sum())
 
+    @property
+    def X(self) -> Ints:
+        """Heights of the front (front, n), or of the one best (n,), as in a pymoo result."""
+        return np.asarray(self._of_pymoo(self.k))
+
+    @property
+    def F(self) -> Array:
+        """Objectives of `X`, all minimised: (front, objectives), or (1,) of one best."""
+        return np.asarray(self._of_pymoo(self.problem.minimised(self.values)))
+
+    @property
+    def G(self) -> Array:
+        """Constraints of `X`, met where at most 0: (front, constraints), or (constraints,) of one best."""
+        failed = np.where(np.isin(self.reasons, ("", "box", *self.problem.limits)), "", self.reasons)
+        return np.asarray(self._of_pymoo(self.problem.constraints(self.values, failed, self.violation)))
+
+    @property
+    def opt(self) -> Any:
+        """`X`, `F` and `G` as a pymoo Population."""
+        from pymoo.core.population import Population
+
+        X, F, G = (np.atleast_2d(column) for column in (self.X, self.F, self.G))
+        return Population.new(X=X, F=F, G=G)
+
+    def _of_pymoo(self, rows: Any) -> Any:
+        """Rows of the front; the one best is none."""
+        chosen = rows[self.front]
+        return chosen[0] if self.problem.n_obj == 1 else chosen
+
     @cached_property
     def shown(self) -> Ints:
         """Indices of the front; of one beyond `SHOWN`, of designs that keep 99.9 % of its hypervolume."""

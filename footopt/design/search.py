@@ -8,8 +8,9 @@ import time
 from collections.abc import Callable
 from concurrent.futures import Executor
 from contextlib import nullcontext
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
+from types import NoneType
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -19,21 +20,22 @@ from footopt.design.evaluator import Evaluator
 from footopt.design.exhaustive import enumerate_space
 from footopt.design.problem import FootProblem, Ints
 from footopt.design.result import Generation, SearchResult
-from footopt.design.solvers import EXHAUSTIVE, Solver
+from footopt.design.solvers import AUTO, EXHAUSTIVE, Solver
 from footopt.design.stop import Stop
 from footopt.design.store import Store
 from footopt.errors import check, check_kind
 
-BUDGET = ("pop_size", "n_gen", "seed", "operators")  # of a solver that is named
+BUDGET = ("walks", "pop_size", "n_gen", "seed", "operators")  # of a solver that is named
+ENOUGH = "by the solver, which asked for nothing more"
 
 
 def search(
     problem: FootProblem,
-    solver: Solver | str | None = None,
+    solver: Solver | str | Any = None,
     progress: Callable[[Generation], object] | bool | None = None,
     store: Store | str | Path | None = None,
     executor: Executor | None = None,
-    stop: Stop | None = None,
+    stop: Stop | Any = None,
     start: ArrayLike | None = None,
     **budget: Any,
 ) -> SearchResult:
@@ -43,8 +45,9 @@ def search(
     ----------
     problem : FootProblem
         What is searched.
-    solver : Solver or str, optional
-        A name will do. By default the memetic GA for one objective and NSGA-II for several.
+    solver : Solver, str or pymoo.core.algorithm.Algorithm, optional
+        A name will do, and so will an algorithm of pymoo, of which a copy searches. By default the best one
+        for the number of objectives (`Solver.fitting`).
     progress : callable or bool, optional
         Called with each `Generation`; the search ends if it returns True. True itself shows a line on
         standard error.
@@ -55,12 +58,13 @@ def search(
     executor : concurrent.futures.Executor, optional
         Who walks: threads, processes, a dask client's executor, MPI. By default this process does. The
         result is the same, to the last bit.
-    stop : Stop, optional
-        Ends it before its last generation: after a time, so many walks, or so long without progress.
+    stop : Stop or pymoo.core.termination.Termination, optional
+        Ends it before its last generation: after a time, so many walks, or so long without progress. One
+        of pymoo's, or its short form ("n_gen", 50), takes the place of walks and n_gen.
     start : (designs, n), optional
         Heights of designs to begin with, in place of as many of the random first generation.
     **budget : int
-        pop_size, n_gen, seed and operators of the solver.
+        walks, pop_size, n_gen, seed and operators of the solver.
 
     Returns
     -------
@@ -84,11 +88,15 @@ def search(
     check_kind(problem, FootProblem, "problem", "Try fo.FootProblem(scene)")
     for name, value in budget.items():
         check(name in BUDGET, name, value, f"one of {', '.join(BUDGET)}, as a keyword")
-    if not isinstance(solver, Solver):
-        default = "memetic" if problem.n_obj == 1 else "nsga2"
-        solver = Solver(name=solver or default, **budget)
+    if not isinstance(solver, (Solver, str, NoneType)):
+        from footopt.design.pymoo_problem import as_solver
+
+        solver = as_solver(solver, budget)
+    elif not isinstance(solver, Solver):
+        solver = Solver(name=solver or AUTO, **budget)
     elif budget:
-        solver = Solver(**(asdict(solver) | budget))
+        solver = replace(solver, **budget)
+    solver = solver.fitting(problem.n_obj)
     opened = Store(store, problem) if isinstance(store, (str, Path)) else nullcontext(store)
     with opened as kept:
         evaluator = Evaluator(problem, kept, executor)
@@ -98,7 +106,7 @@ def search(
                 check(not given, name, name, "left out with solver=exhaustive: it walks with every design")
             return enumerate_space(problem, solver, tell, evaluator)
         first = None if start is None else problem.space.check(start)
-        return ask_and_tell(problem, solver, tell, evaluator, stop or Stop(), first)
+        return ask_and_tell(problem, solver, tell, evaluator, Stop() if stop is None else stop, first)
 
 
 def _line(generations: int) -> Callable[[Generation], None]:
@@ -118,21 +126,31 @@ def ask_and_tell(
     solver: Solver,
     progress: Callable[[Generation], object] | None,
     evaluator: Evaluator,
-    stop: Stop,
+    stop: Stop | Any,
     start: Ints | None = None,
 ) -> SearchResult:
     """Ask the solver for a generation, walk what is new of it, tell the solver, and so on."""
     from footopt.design.pymoo_problem import Algorithm
 
-    algorithm, archive = Algorithm(problem, solver, start), Archive(problem, evaluator)
+    termination, stop = (None, stop) if isinstance(stop, Stop) else (stop, Stop())
+    algorithm = Algorithm(problem, solver, start, termination)
+    archive = Archive(problem, evaluator)
+    most = math.inf if termination is not None and not solver.walks else solver.most
     started, interrupted, stopped = time.perf_counter(), False, ""
     try:
-        while (k := algorithm.ask()) is not None:
-            algorithm.tell(*archive.evaluate(k))
+        while archive.count < most:
+            if (k := algorithm.ask()) is None:
+                ended = algorithm.terminated or len(archive.history) == solver.n_gen
+                stopped = "" if ended else ENOUGH
+                break
+            first = archive.first(k, most)  # the last generation is cut where the walks end
+            found = archive.evaluate(k[:first])
+            if first == len(k):
+                algorithm.tell(*found)
             archive.close_generation(time.perf_counter() - started)
             if progress is not None and progress(archive.history[-1]) is True:
                 stopped = "by its progress"
-            stopped = stopped or stop.reason(archive.history, len(archive.designs.k))
+            stopped = stopped or stop.reason(archive.history, archive.count)
             if stopped:
                 break
     except KeyboardInterrupt:

@@ -65,7 +65,7 @@ def _run(study: Study, watching: ExitStack) -> Answer:
     chosen = choose_effects(study)
     scene = chosen.scene
     problem = make_problem(config, scene)
-    choice = problem.choice
+    choice, solver = problem.choice, solver.fitting(problem.n_obj)
     if solver.name == EXHAUSTIVE:  # what does not fit is refused before the search
         check_size(problem)
     else:
@@ -78,7 +78,7 @@ def _run(study: Study, watching: ExitStack) -> Answer:
     server = None
     if options.watch:
         entry = {"settings": study.settings, **scene_entry(scene, problem.accuracy, problem.record)}
-        most = solver.generations(problem.space) * solver.pop_size
+        most = int(min(solver.designs, problem.space.K**problem.space.n))
         store = Path(options.store or study.folder / "designs.sqlite")
         server = watching.enter_context(watched(study.folder, store, problem, most, entry, study.say))
     result, confirmed, certificate = _search(study, problem, solver, stop, flat.objectives["efficiency"])

@@ -143,7 +143,7 @@ def _conditions(config: Config) -> Iterator[tuple[tuple[str, ...], str, str]]:
     if not config.effects.auto and study.name != "effects":
         yield ("effects.tolerance",), "effects that are named", "effects=auto"
     if config.solver.name == EXHAUSTIVE and study.name in SEARCHES:
-        yield ("solver.n_gen",), "solver=exhaustive", "the other solvers"
+        yield ("solver.n_gen", "solver.walks"), "solver=exhaustive", "the other solvers"
         yield ("study.certify",), "solver=exhaustive, whose best is that of all soles,", "the other solvers"
         if not (config.effects.auto or study.scenarios == "drawn"):
             yield ("solver.seed",), "solver=exhaustive", "the other solvers"

@@ -77,13 +77,14 @@ def run(study: Study) -> None:
     scene, scenarios = make_scenarios(config)
     solver = Solver(**vars(config.solver))
     if options.quick:
-        solver = dataclasses.replace(solver, n_gen=min(solver.n_gen, QUICK_GENERATIONS))
+        solver = dataclasses.replace(solver, n_gen=min(solver.n_gen or QUICK_GENERATIONS, QUICK_GENERATIONS))
     accuracy, finer = study.accuracy, study.finer_accuracy
     check_finalists(options.finalists)
     judge = RobustProblem(
         scenarios, config.objective.names, study.space, accuracy, study.threads, options.measure,
         options.tail, references=np.ones(len(scenarios)),
     )  # fmt: skip
+    solver = solver.fitting(judge.n_obj)
     if solver.name != EXHAUSTIVE:  # a solver that does not fit is refused before anything is walked
         solver.build(judge.n_obj)
 
@@ -305,7 +306,7 @@ def _remarks(scenarios: list[str], compared: Comparison, fresh: Array | None) ->
     if beaten := [name for i, name in enumerate(scenarios) if compared.regrets[places[name], i] > 0.0]:
         said.append(
             f"{', '.join(beaten)}: another specialist is better than this scenario's own, whose search did "
-            "not find the best foot. Regrets are against the better one; a larger solver.n_gen may help."
+            "not find the best foot. Regrets are against the better one; a larger solver.walks may help."
         )
     if fresh is not None:
         gain = -100.0 * fresh[np.isfinite(fresh)]

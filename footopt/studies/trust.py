@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from rich.table import Table as RichTable
 
-from footopt.design import EXHAUSTIVE, SINGLE, SOLVERS, FootProblem, Solver, search
+from footopt.design import SINGLE, SOLVERS, FootProblem, Solver, search
 from footopt.design.truth import (
     BATCH,
     PEERS,
@@ -77,9 +77,10 @@ def run(study: Study) -> None:
     options, space = study.options, study.space
     check(1 <= options.seeds <= 1000, "study.seeds", options.seeds, "a whole number >= 1 and <= 1000")
     check(0 <= options.scenes <= 1000, "study.scenes", options.scenes, "a whole number from 0 to 1000")
-    size = study.config.solver.pop_size if study.config.solver.name != EXHAUSTIVE else 100
-    allowed = f"at least one generation, {size}, and <= 1e7"
-    check(size <= options.budget <= 10**7, "study.budget", options.budget, allowed)
+    size = study.config.solver.pop_size
+    least = Solver("ga", size).size
+    allowed = f"at least one generation, {least}, and <= 1e7"
+    check(least <= options.budget <= 10**7, "study.budget", options.budget, allowed)
     known = (*SOLVERS, *PEERS)
     names = list(known) if options.solvers is None else options.solvers
     if unknown := [name for name in names if name not in known]:
@@ -134,12 +135,14 @@ def run(study: Study) -> None:
     )
 
 
-def attempt(name: str, seed: int, size: int, budget: int, single: Tabulated, several: Tabulated) -> Attempt:
+def attempt(
+    name: str, seed: int, size: int | None, budget: int, single: Tabulated, several: Tabulated
+) -> Attempt:
     """One search of a table."""
     if name in PEERS:
         return judge_designs(name, seed, PEERS[name](single, budget, seed), single)
     truth = single if name in SINGLE else several
-    return judge(search(truth, Solver(name, size, budget // size, seed)), truth)
+    return judge(search(truth, Solver(name, size, seed=seed, walks=budget)), truth)
 
 
 def answer(scenario: Scenario, single: Tabulated, several: Tabulated) -> dict[str, Any]:

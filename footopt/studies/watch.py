@@ -38,10 +38,10 @@ def run(study: Study) -> None:
         )
         raise FileError(f"{found.folder}: no run is at work here. {hint}")
     problem = make_problem(found.config, found.scene)
-    solver = Solver(**vars(found.config.solver))
+    solver = Solver(**vars(found.config.solver)).fitting(problem.n_obj)
     store = Path(found.config.study.store or found.folder / "designs.sqlite")
     entry = {"settings": found.settings, **scene_entry(problem.scene, problem.accuracy, problem.record)}
-    most = solver.generations(problem.space) * solver.pop_size
+    most = int(min(solver.designs, problem.space.K**problem.space.n))
     with _stop() as stop, watched(found.folder, store, problem, most, entry, study.say) as server:
         while at_work(found.folder) and not stop.wait(POLL):
             pass

@@ -30,7 +30,7 @@ def test_it_has_every_setting_with_a_meaning_and_none_that_is_gone():
     [
         ("walker.mass", "a number > 0, from 1e-09 to 1e+09, in kg"),
         ("foot.n", "a whole number from 4 to 200"),
-        ("solver.pop_size", "a whole number >= 4 and <= 100,000"),
+        ("solver.pop_size", "null, or a whole number >= 4 and <= 100,000"),
         ("gait.pitch", "shank or measured"),
         ("effects.slope.angle", "an angle from -25 to 25, in deg"),
     ],

@@ -11,7 +11,7 @@ from searching import QUICK, SMALL, assert_same, problem
 import footopt as fo
 from footopt.design import Evaluator, Store, search
 from footopt.design.certificate import MOST, certified, neighbours
-from footopt.design.solvers.memetic import shifts
+from footopt.design.solvers.moves import shifts
 from footopt.studies import run
 
 FINER = fo.Accuracy(dt=5e-3, plates=40)

@@ -20,14 +20,15 @@ from footopt.report.terminal import describe_confirmation
 
 #: Digests of the soles that a search asks for: pop_size=12, n_gen=4, seed=1, n=7, K=10.
 ASKED = {
-    "memetic": "1267b54697c11e82",
+    "memetic": "09aacf7827e128eb",
+    "archive": "6de745aeed236dcb",
     "ga": "9f0a9f9d95a7ee00",
     "de": "9ff6d1e5507a7637",
-    "nsga2": "2c1edca22b45461d",
-    "nsga3": "3a923748c2b26a99",
-    "agemoea2": "0341e0f793e0ec84",
-    "smsemoa": "b2ad006d48da409a",
-    "rvea": "1c8437234fb462ba",
+    "nsga2": "af326eebb830c9e5",
+    "nsga3": "552e0e7667dd32a7",
+    "agemoea2": "5b061c7cd719247c",
+    "smsemoa": "885e3478f632c2c3",
+    "rvea": "fb0436cabc37f3f6",
 }
 #: AGE-MOEA-II is compiled for seconds when a process first uses it.
 BRISK = [pytest.param(name, marks=pytest.mark.slow) if name == "agemoea2" else name for name in ASKED]
@@ -159,10 +160,11 @@ class TestSearch:
     def test_the_default_solver_fits(self):
         assert search(problem(), pop_size=8, n_gen=1).solver.name == "memetic"
         assert search(problem("pareto"), pop_size=8, n_gen=1).solver.name == "nsga2"
+        assert search(problem(["distance", "work"]), pop_size=8, n_gen=1).solver.name == "archive"
 
     @pytest.mark.parametrize(
         ("setting", "value"),
-        [("name", "sa"), ("pop_size", 3), ("n_gen", 0), ("seed", -1)],
+        [("name", "sa"), ("pop_size", 3), ("n_gen", 0), ("seed", -1), ("walks", 0)],
     )
     def test_bad_budgets_are_named(self, setting, value):
         with pytest.raises(SettingError, match=rf"solver\.{setting} = {value!r}"):
@@ -241,7 +243,8 @@ def test_what_is_of_another_kind_is_said_where_it_is_given(call, message):
 
 def test_an_unknown_budget_is_named():
     with pytest.raises(
-        SettingError, match=r"generations = 3: must be one of pop_size, n_gen, seed, operators, as a key"
+        SettingError,
+        match=r"generations = 3: must be one of walks, pop_size, n_gen, seed, operators, as",
     ):
         search(problem(), generations=3)
 

@@ -78,7 +78,7 @@ class TestReplay:
         search(problem(), "ga", store=path, pop_size=12, n_gen=3)
         before = len(walked)
         free = dataclasses.replace(SMALL, box_tolerance=math.inf)
-        again = search(problem("pareto", space=free), "nsga2", store=path, pop_size=12, n_gen=1)
+        again = search(problem("pareto", space=free), "nsga2", store=path, pop_size=12, n_gen=1, operators={})
         assert (len(walked), again.reused) == (before, 12)  # the same seed starts from the same designs
         assert set(again.reasons) == {""}
 
@@ -180,7 +180,7 @@ class TestStore:
             return fo.FootProblem(scene, ["work", "thickness"], space, QUICK, limits=limits)
 
         Store(path, limited(9.0)).close()  # the limits that were asked for last count
-        found = search(limited(0.1), "nsga2", store=path, pop_size=40, n_gen=2, seed=1)
+        found = search(limited(0.1), "nsga2", store=path, pop_size=40, n_gen=2, operators={})
         with contextlib.closing(sqlite3.connect(path)) as connection:
             read = pandas.read_sql("SELECT * FROM designs_1", connection)
         frame, k = found.to_frame().drop(columns=["generation", "on_front"]), [f"k{i}" for i in range(1, 6)]

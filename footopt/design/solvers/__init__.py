@@ -1,6 +1,6 @@
 """Solvers by name: one builder each of a pymoo algorithm over whole numbers."""
 
 from footopt.design.solvers import algorithms as algorithms
-from footopt.design.solvers.registry import EXHAUSTIVE, SINGLE, SOLVERS, Solver, register
+from footopt.design.solvers.registry import AUTO, EXHAUSTIVE, SINGLE, SOLVERS, WALKS, Solver, register
 
-__all__ = ["EXHAUSTIVE", "SINGLE", "SOLVERS", "Solver", "register"]
+__all__ = ["AUTO", "EXHAUSTIVE", "SINGLE", "SOLVERS", "WALKS", "Solver", "register"]

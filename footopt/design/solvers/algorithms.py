@@ -2,36 +2,63 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from importlib import import_module
 from typing import Any
 
-from footopt.design.solvers.registry import Solver, register
+from footopt.design.solvers.registry import GROWING, Solver, register
+from footopt.errors import needed
 
 single = partial(register, single=True)
 
 
 def genetic(solver: Solver, path: str, **parameters: Any) -> Any:
-    """The algorithm at a path below `pymoo.algorithms`, with operators over whole numbers."""
-    from footopt.design.solvers.operators import operators
+    """The algorithm at a path below `pymoo.algorithms`, with moves of runs, or the operators given."""
+    from pymoo.core.repair import NoRepair
+
+    from footopt.design.solvers.operators import by_runs, operators
 
     module, name = path.split(":")
     algorithm = getattr(import_module(f"pymoo.algorithms.{module}"), name)
-    return algorithm(pop_size=solver.pop_size, **operators(**(solver.operators or {})), **parameters)
+    moves = by_runs() if solver.operators is None else operators(**solver.operators)
+    built = algorithm(pop_size=solver.size, **moves, **parameters)
+    built.initialization.repair = NoRepair()  # what a user begins with is asked for, wherever it lies
+    return built
 
 
 @single
 def memetic(solver: Solver, n_obj: int) -> Any:
-    """Genetic algorithm with moves that suit a spline, and a local search where it stalls."""
+    """Genetic algorithm with moves that suit a spline, few parents, descents and restarts."""
     from footopt.design.solvers.memetic import Memetic
 
     return Memetic(solver.pop_size)
 
 
+@register
+def archive(solver: Solver, n_obj: int) -> Any:
+    """The moves of `memetic`; every design that no other dominates is a parent."""
+    from footopt.design.solvers.memetic import Archive
+
+    return Archive(solver.pop_size)
+
+
+@register
+def surrogate(solver: Solver, n_obj: int) -> Any:
+    """Gaussian processes of the objectives, for walks that are dear; of one objective or several."""
+    from footopt.design.solvers.surrogate import Surrogate
+
+    needed("sklearn", "solver=surrogate", "surrogate")
+    return Surrogate(solver.size)
+
+
+GROWING += ["memetic", "archive"]
+
+
 @single
 def ga(solver: Solver, n_obj: int) -> Any:
     """Genetic algorithm with elitist survival: the paper's solver."""
-    return genetic(solver, "soo.nonconvex.ga:GA")
+    return genetic(replace(solver, operators=solver.operators or {}), "soo.nonconvex.ga:GA")
 
 
 @single
@@ -42,7 +69,7 @@ def de(solver: Solver, n_obj: int) -> Any:
     from pymoo.operators.sampling.rnd import IntegerRandomSampling
 
     return DE(
-        pop_size=solver.pop_size,
+        pop_size=solver.size,
         variant="DE/rand/1/bin",
         **{"CR": 0.5, "F": 0.5, **(solver.operators or {})},
         sampling=IntegerRandomSampling(),
@@ -63,7 +90,7 @@ def nsga3(solver: Solver, n_obj: int) -> Any:
 
     from footopt.design.solvers.operators import less_violation, reference_directions
 
-    directions = reference_directions(n_obj, solver.pop_size)
+    directions = reference_directions(n_obj, solver.size)
     selection = TournamentSelection(func_comp=less_violation)
     return genetic(solver, "moo.nsga3:NSGA3", ref_dirs=directions, selection=selection)
 
@@ -85,4 +112,4 @@ def rvea(solver: Solver, n_obj: int) -> Any:
     """RVEA: reference vectors with an angle-penalised distance (Cheng et al. 2016)."""
     from footopt.design.solvers.operators import reference_directions
 
-    return genetic(solver, "moo.rvea:RVEA", ref_dirs=reference_directions(n_obj, solver.pop_size))
+    return genetic(solver, "moo.rvea:RVEA", ref_dirs=reference_directions(n_obj, solver.size))

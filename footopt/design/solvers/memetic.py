@@ -1,123 +1,257 @@
-"""A genetic algorithm whose moves suit a spline: the default for one objective.
-
-A spline through waypoints answers to neighbours that move together: where one waypoint alone would
-make a bump that costs more than the new level brings, a run of them shifts the sole without one. Random
-soles that are improved by single steps of one waypoint end in as many local optima; by shifts of
-runs, on soft sand, all in the same one.
-"""
+"""The default solvers: the fewest walks by moves that suit a spline, descents, and restarts."""
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pymoo.algorithms.soo.nonconvex.ga import GA
-from pymoo.core.crossover import Crossover
-from pymoo.core.mutation import Mutation
+from pymoo.core.algorithm import Algorithm
+from pymoo.core.initialization import Initialization
 from pymoo.core.population import Population
-from pymoo.operators.sampling.rnd import IntegerRandomSampling
+from pymoo.util.display.multi import MultiObjectiveOutput
+from pymoo.util.display.single import SingleObjectiveOutput
 
-from footopt.design.solvers.operators import SameHeights
+from footopt.design.solvers.moves import IDLE, RandomInside, allowed, exchanged, shifted, shifts
+from footopt.design.solvers.registry import grown
 
+Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-PATIENCE = 10  # generations without a better design before the best one's neighbours are asked for
+PARENTS = 30  # at first; of one objective twice as many after each restart
+MOST_PARENTS = 240
+PATIENCE = 8  # generations without a better design before the best one's neighbours are asked for
+NORMAL = 0.5  # share of the children that are drawn from the parents' normal distribution
+CROSSED = 0.4  # share of the others that have two parents
+TWICE = 0.2  # share of the rest that are shifted twice
+SCREENED = 8  # children for each design that is asked for
+LEARNT, TRAINED = 40, 300  # designs before there is a model, and that it knows at most
+SMOOTHING = 0.01  # of the model
+FEW = 100  # parents of several objectives at most
 
 
-@lru_cache(maxsize=4)
-def shifts(n: int) -> NDArray[np.int8]:
-    """Every run of neighbours among n waypoints, one level down and one level up: (n (n + 1), n)."""
-    first, last = np.triu_indices(n)
-    at = np.arange(n)
-    run = ((first[:, None] <= at) & (at <= last[:, None])).astype(np.int8)
-    return np.stack([run, -run], axis=1).reshape(-1, n)
+class Moves(Algorithm):  # type: ignore[misc]  # pymoo has no types
+    """What the solvers by moves have in common: no design twice, none outside its box, growing batches.
 
-
-class ExchangeRun(Crossover):  # type: ignore[misc]  # pymoo has no types
-    """Two parents exchange one run of neighbouring waypoints, of any length: a stretch of the sole."""
-
-    def __init__(self) -> None:
-        super().__init__(n_parents=2, n_offsprings=2, prob=0.9)
-
-    def _do(self, problem: Any, X: Ints, random_state: Any = None, **kwargs: Any) -> Ints:
-        runs = shifts(problem.n_var)[::2]
-        exchanged = runs[random_state.integers(len(runs), size=X.shape[1])] > 0
-        return np.where(exchanged, X[::-1], X)
-
-
-class ShiftRun(Mutation):  # type: ignore[misc]  # pymoo has no types
-    """Move one run of neighbouring waypoints, of any length, by one level."""
-
-    def _do(self, problem: Any, X: Ints, random_state: Any = None, **kwargs: Any) -> Ints:
-        moves = shifts(problem.n_var)
-        moved = X + moves[random_state.integers(len(moves), size=len(X))]
-        out: Ints = np.clip(moved, problem.xl.astype(np.int64), problem.xu.astype(np.int64))
-        return out
-
-
-class NeverTwice(SameHeights):
-    """Drop designs that were ever asked for, which those of the population were, or come twice."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.asked: set[bytes] = set()
-
-    def do(self, pop: Any, *others: Any, **kwargs: Any) -> Any:
-        """What is new of `pop`: never asked for, and not in the last of the others (what was just found)."""
-        found = set(self._rows(others[-1])) if others and len(others[-1]) else set()
-        new = []
-        for key in self._rows(pop) if len(pop) else ():
-            new.append(key not in found and key not in self.asked)
-            found.add(key)
-        return pop[new] if len(pop) else pop
-
-
-class Memetic(GA):  # type: ignore[misc]  # pymoo has no types
-    """`ExchangeRun`, `ShiftRun`, no design twice, and where it stalls the best one's neighbourhood.
-
-    When the best design has stood for `PATIENCE`
-    generations, all its shifts that were not asked for yet take up to half of the next ones, so that
-    what a run that stalls returns is a local optimum. To ask for them at once would be quicker on
-    average, but converge too early now and then.
+    Parameters
+    ----------
+    pop_size : int, optional
+        Designs a generation; by default a tenth of all designs so far, from `FIRST` to `MOST`.
     """
 
-    def __init__(self, pop_size: int) -> None:
-        self._never_twice = NeverTwice()
-        self._best, self._age = b"", 0
-        super().__init__(
-            pop_size=pop_size,
-            sampling=IntegerRandomSampling(),
-            crossover=ExchangeRun(),
-            mutation=ShiftRun(),
-            eliminate_duplicates=self._never_twice,
-        )
+    def __init__(self, pop_size: int | None = None, sampling: Any = None, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        self.pop_size = pop_size
+        self.initialization = Initialization(RandomInside() if sampling is None else sampling)
+        self.asked: set[bytes] = set()
+        self.known = self.front = Population.new()
+
+    def _setup(self, problem: Any, **kwargs: Any) -> None:
+        if self.display.output is None:
+            self.display.output = MultiObjectiveOutput() if problem.n_obj > 1 else SingleObjectiveOutput()
+
+    def _size(self) -> int:
+        """Designs of the next generation."""
+        return self.pop_size or grown(len(self.asked))
 
     def _initialize_infill(self) -> Any:
-        return self._remember(super()._initialize_infill())
+        drawn = self.initialization.do(self.problem, self._size(), random_state=self.random_state)
+        first = {x.tobytes(): x for x in np.round(drawn.get("X").astype(float)).astype(np.int64)}
+        self.asked.update(first)  # outside its box, too, if a user begins with it
+        return Population.new(X=np.array(list(first.values())))
 
     def _infill(self) -> Any:
-        polish = self._neighbours()[: self.pop_size // 2]
-        self.n_offsprings = self.pop_size - len(polish)
-        self._remember(polish)
-        offspring = super()._infill()  # None when nothing new is found
-        if offspring is None:
-            return polish if len(polish) else None
-        return self._remember(Population.merge(polish, offspring))
+        size = self._size()
+        found = self._propose(size)
+        idle = 0
+        while (wanted := size - len(found)) and idle < IDLE:
+            children = self._screened(self._fresh(self._children(SCREENED * wanted)), wanted)
+            found = np.concatenate([found, self._new(children, wanted)])
+            idle = 0 if len(children) else idle + 1
+        if not len(found):
+            found = self._drawn(size)
+        if not len(found):  # of a small space no more is found
+            self.termination.force_termination = True
+            return None
+        return Population.new(X=found)
 
-    def _neighbours(self) -> Any:
-        """The best design's shifts that were not asked for yet, if it has stood long enough."""
-        best = self.pop[:1]
-        key = best.get("X").tobytes()
-        self._age = self._age + 1 if key == self._best else 0
-        self._best = key
-        if self._age < PATIENCE:
-            return Population.new()
-        k = best.get("X") + shifts(self.problem.n_var)
-        k = k[((k >= self.problem.xl) & (k <= self.problem.xu)).all(axis=1)]
-        return self._never_twice.do(Population.new("X", self.random_state.permutation(k)))
+    def _drawn(self, count: int) -> Ints:
+        """New designs drawn at random."""
+        return self._new(
+            RandomInside().do(self.problem, 4 * count, random_state=self.random_state).get("X"), count
+        )
 
-    def _remember(self, asked: Any) -> Any:
-        self._never_twice.asked.update(self._never_twice._rows(asked) if len(asked) else ())
-        return asked
+    def _fresh(self, X: Ints) -> Ints:
+        """What is allowed of some designs, was never asked for, and does not come twice."""
+        kept = {x.tobytes(): x for x in X[allowed(self.problem, X)]}
+        fresh = [x for key, x in kept.items() if key not in self.asked]
+        return np.array(fresh, np.int64).reshape(-1, X.shape[1])
+
+    def _new(self, X: Ints, count: int) -> Ints:
+        """The first `count` fresh ones of some designs, which are asked for from now on."""
+        fresh = self._fresh(X)[:count]
+        self.asked.update(x.tobytes() for x in fresh)
+        return fresh
+
+    def _children(self, count: int) -> Ints:
+        """Children of the parents that a solver draws: exchanged, shifted, or both; or like all of them."""
+        draw = self.random_state
+        X = self._parents(count)
+        crossed = draw.random(count) < CROSSED
+        X = np.where(crossed[:, None], exchanged(X, self._parents(count), draw), X)
+        coin = draw.random(count)
+        often = np.where(crossed, coin < 0.5, 1 + (coin < TWICE))
+        X = np.where((often > 0)[:, None], shifted(X, draw), X)
+        X = np.where((often > 1)[:, None], shifted(X, draw), X)
+        normal = draw.random(count) < NORMAL
+        return np.where(normal[:, None], like(self.pop.get("X").astype(float), count, draw), X)
+
+    def _screened(self, X: Ints, count: int) -> Ints:
+        """Of as many groups of children, the one in each that a model of the walks so far likes best."""
+        if len(self.known) < LEARNT or len(X) <= count:
+            return X
+        promise = self._promise(X)
+        groups = np.array_split(self.random_state.permutation(len(X)), count)
+        return X[[group[promise[group].argmax()] for group in groups]]
+
+    def _promise(self, X: Ints) -> Array:
+        """How far designs (designs, n) should lie ahead of the best so far, in ranks, (designs,).
+
+        The model interpolates the ranks of known designs linearly in the distance (scipy's RBFInterpolator),
+        of heights and of differences of neighbours. It knows the newest designs and the best.
+        """
+        from scipy.interpolate import RBFInterpolator
+
+        known, F = self.known.get("X").astype(float), self.known.get("F").astype(float)
+        F[self.known.get("CV")[:, 0] > 0.0] = np.inf
+        if len(F) > TRAINED:
+            best = ranks(F).min(axis=1)[: -TRAINED // 2].argsort(kind="stable")[: TRAINED // 2]
+            chosen = np.concatenate([np.sort(best), np.arange(len(F) - TRAINED // 2, len(F))])
+            known, F = known[chosen], F[chosen]
+        rank = ranks(F) / len(F)
+        model = RBFInterpolator(steps(known), rank, kernel="linear", smoothing=SMOOTHING)
+        expected = np.round(model(steps(X)), 6)  # sums in another order must not lead elsewhere
+        promise = np.full(len(X), np.inf)
+        for ahead in rank[nondominated(rank)]:
+            np.minimum(promise, (ahead - expected).max(axis=1), out=promise)
+        return promise
+
+    def _parents(self, count: int) -> Ints:
+        raise NotImplementedError
+
+    def advance(self, infills: Any = None, **kwargs: Any) -> Any:
+        """Note what has been walked, and go on."""
+        if infills is not None:
+            self.known = Population.merge(self.known, infills)
+        return super().advance(infills=infills, **kwargs)
+
+    def _propose(self, size: int) -> Ints:
+        """Designs that are asked for ahead of children."""
+        return np.empty((0, self.problem.n_var), np.int64)
+
+
+class Memetic(Moves):
+    """One objective: few parents, their children, the best one's neighbourhood where it stalls, restarts."""
+
+    def __init__(self, pop_size: int | None = None, **kwargs: Any) -> None:
+        super().__init__(pop_size, **kwargs)
+        self.parents, self.age = PARENTS, 0
+        self.champion: Any = None
+
+    def _initialize_advance(self, infills: Any = None, **kwargs: Any) -> None:
+        self.pop = infills[order(infills)[: self.parents]]
+
+    def _advance(self, infills: Any = None, **kwargs: Any) -> None:
+        pool = Population.merge(self.pop, infills)
+        best = order(pool)[: self.parents]
+        self.age = 0 if best[0] >= len(self.pop) else self.age + 1
+        self.pop = pool[best]
+
+    def _set_optimum(self) -> None:
+        pool = self.pop[:1] if self.champion is None else Population.merge(self.champion, self.pop[:1])
+        self.opt = self.champion = pool[order(pool)[:1]]
+
+    def _parents(self, count: int) -> Ints:
+        """The better, the more often: the square of a uniform number picks the place."""
+        place = (len(self.pop) * self.random_state.random(count) ** 2).astype(np.int64)
+        return np.asarray(self.pop.get("X")[place].astype(np.int64))
+
+    def _propose(self, size: int) -> Ints:
+        """Where it stalls, the best one's neighbourhood, in half of a generation; then a restart."""
+        if self.age < PATIENCE:
+            return super()._propose(size)
+        near = self.pop[0].X.astype(np.int64) + shifts(self.problem.n_var)
+        found = self._new(self.random_state.permutation(near), max(size // 2, 1))
+        if len(found) or self.age < 3 * PATIENCE:
+            return found
+        self.age, self.parents = 0, min(2 * self.parents, MOST_PARENTS)
+        drawn = self._drawn(size)
+        self.pop = self.pop[:0] if len(drawn) == size else self.pop
+        return drawn
+
+
+class Archive(Moves):
+    """Several objectives: every design that no other dominates is kept, and a parent.
+
+    Of more than `FEW`, those are parents that NSGA-II would let survive (Deb et al. 2002).
+    """
+
+    def _initialize_advance(self, infills: Any = None, **kwargs: Any) -> None:
+        self._advance(infills)
+
+    def _advance(self, infills: Any = None, **kwargs: Any) -> None:
+        from pymoo.operators.survival.rank_and_crowding import RankAndCrowding
+
+        kept = self.front = front(Population.merge(self.front, infills))
+        if len(kept) > FEW:
+            kept = RankAndCrowding().do(self.problem, kept, n_survive=FEW, random_state=self.random_state)
+        self.pop = kept
+
+    def _set_optimum(self) -> None:
+        self.opt = self.front
+
+    def _parents(self, count: int) -> Ints:
+        chosen = self.random_state.integers(len(self.pop), size=count)
+        return np.asarray(self.pop.get("X")[chosen].astype(np.int64))
+
+
+def like(X: Array, count: int, draw: Any) -> Ints:
+    """Whole numbers from the normal distribution of designs (designs, n): (count, n).
+
+    An estimation of distribution (Larranaga & Lozano 2002); the variances do not vanish.
+    """
+    n = X.shape[1]
+    deviations = X - X.mean(axis=0)
+    covariance = deviations.T @ deviations / max(len(X) - 1, 1) + 0.05 * np.eye(n)
+    drawn = X.mean(axis=0) + draw.normal(size=(count, n)) @ np.linalg.cholesky(covariance).T
+    return np.asarray(np.round(drawn).astype(np.int64))
+
+
+def steps(X: Any) -> Array:
+    """Heights and differences of neighbours, (designs, 2 n - 1): few change where a run is shifted."""
+    return np.concatenate([X, np.diff(X, axis=1)], axis=1).astype(float)
+
+
+def ranks(F: Array) -> Ints:
+    """Place of each design by each objective, (designs, objectives)."""
+    return F.argsort(axis=0, kind="stable").argsort(axis=0, kind="stable")
+
+
+def nondominated(F: Array) -> NDArray[np.bool_]:
+    """Which designs no other dominates, (designs,)."""
+    from moocore import is_nondominated
+
+    return np.asarray(is_nondominated(np.ascontiguousarray(F, float), keep_weakly=True))
+
+
+def order(pop: Any) -> Ints:
+    """Places of a population for one objective, best first: the feasible, then the least violation."""
+    f, violation = pop.get("F")[:, 0], pop.get("CV")[:, 0]
+    return np.lexsort((f, np.maximum(violation, 0.0)))
+
+
+def front(pop: Any) -> Any:
+    """What of a population is not dominated; without a feasible design those of least violation."""
+    violation = pop.get("CV")[:, 0]
+    pop = pop[violation <= max(violation.min(), 0.0)]
+    return pop[nondominated(pop.get("F"))]

@@ -68,6 +68,19 @@ def operators(
     }
 
 
+def by_runs() -> dict[str, Any]:
+    """The same of moves that suit a spline: no design twice, and none outside its box."""
+    from footopt.design.solvers.moves import ExchangeRun, OnlyNew, RandomInside, ShiftRun
+
+    return {
+        "sampling": RandomInside(),
+        "crossover": ExchangeRun(),
+        "mutation": ShiftRun(),
+        "repair": OnlyNew(),
+        "eliminate_duplicates": SameHeights(),
+    }
+
+
 @lru_cache(maxsize=8)
 def reference_directions(n_obj: int, count: int) -> Array:
     """`count` directions spread evenly over the simplex, (count, n_obj), by Riesz energy."""

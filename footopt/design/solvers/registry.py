@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Any
 
 from footopt.errors import SettingError, check
@@ -15,8 +17,9 @@ EXHAUSTIVE = "exhaustive"
 #: Builders of pymoo algorithms by name: from a `Solver` and the number of objectives.
 SOLVERS: dict[str, Callable[[Solver, int], Any]] = {}
 
-#: Solvers of one objective; the others want two or more.
+#: Solvers of one objective; the others want two or more, but for those of any number.
 SINGLE: list[str] = []
+ANY = ("surrogate",)
 
 
 #: What operators can be told, by solver; a solver of one's own may add its own words.
@@ -27,6 +30,19 @@ OPERATORS: dict[str, tuple[str, ...]] = {
 }
 
 
+#: The best for one objective, for two or three, and for more (docs/solvers.md).
+AUTO, BEST = "auto", ("memetic", "archive", "nsga2")
+
+#: Solvers whose generations grow with the designs so far: without pop_size, from FIRST to MOST.
+GROWING: list[str] = []
+FIRST, MOST = 20, 100
+SHARE = 0.1  # of all designs so far that a generation has
+
+WALKS = 10_000  # of a solver without n_gen
+SIZE = 100  # of generations that do not grow
+SIZES = {"surrogate": 50}  # of those whose models are fitted to each
+
+
 @dataclass(frozen=True)
 class Solver:
     """A solver and its budget.
@@ -34,63 +50,111 @@ class Solver:
     Parameters
     ----------
     name : str
-        In `SOLVERS`, or `EXHAUSTIVE`.
-    pop_size : int
-        Designs a generation.
-    n_gen : int
-        Generations.
+        In `SOLVERS`, `EXHAUSTIVE`, or `AUTO`: the best one for the number of objectives, see `fitting`.
+    pop_size : int, optional
+        Designs a generation; by default it grows from 20 to 100, a tenth of all designs so far, and is 100
+        for solvers whose population has a fixed size.
+    n_gen : int, optional
+        Generations at most.
     seed : int
         Of everything random; the same seed gives the same result.
     operators : dict of str to float, optional
         Of crossover and mutation: crossover_prob, crossover_eta, mutation_prob, mutation_eta; CR and F of de.
-        The memetic solver has moves of its own.
+        With them, {} too, a solver of several objectives has simulated binary crossover and polynomial
+        mutation in place of moves that suit a spline.
+    walks : int, optional
+        Different designs at most; 10,000 by default, if n_gen is None, too.
     """
 
-    name: str = "memetic"
-    pop_size: int = 100
-    n_gen: int = 100
+    name: str = AUTO
+    pop_size: int | None = None
+    n_gen: int | None = None
     seed: int = 1
     operators: Any = None
+    walks: int | None = None
 
     def __post_init__(self) -> None:
-        names = (*SOLVERS, EXHAUSTIVE)
-        check(self.name in names, "solver.name", self.name, f"one of {', '.join(names)}")
-        size, count = self.pop_size, self.n_gen
-        check(4 <= size <= 100_000, "solver.pop_size", size, "a whole number >= 4 and <= 100,000")
-        check(1 <= count <= 10**6, "solver.n_gen", count, "a whole number >= 1 and <= 1e6")
+        self._check_name()
+        for name, low, high in (("walks", 1, 10**9), ("pop_size", 4, 10**5), ("n_gen", 1, 10**6)):
+            value = getattr(self, name)
+            allowed = f"null, or a whole number >= {low} and <= {high:,}"
+            check(value is None or low <= value <= high, f"solver.{name}", value, allowed)
         check(0 <= self.seed < 2**32, "solver.seed", self.seed, "a whole number from 0 to 2^32 - 1")
 
+    def _check_name(self) -> None:
+        names = (AUTO, *SOLVERS, EXHAUSTIVE)
+        check(self.name in names, "solver.name", self.name, f"one of {', '.join(names)}")
+
+    def fitting(self, n_obj: int) -> Solver:
+        """This one, or instead of `AUTO` the best for that many objectives."""
+        return self if self.name != AUTO else replace(self, name=BEST[(n_obj > 1) + (n_obj > 3)])
+
+    @property
+    def most(self) -> float:
+        """Different designs at most; infinity where generations alone end it."""
+        return self.walks or (math.inf if self.n_gen else WALKS)
+
+    @property
+    def grows(self) -> bool:
+        """Whether its generations grow."""
+        return self.pop_size is None and self.name in (AUTO, *GROWING)
+
+    @property
+    def size(self) -> int:
+        """Designs of a generation that does not grow."""
+        return self.pop_size or SIZES.get(self.name, SIZE)
+
+    def sizes(self) -> Iterator[int]:
+        """Designs of each generation, without end."""
+        asked = 0
+        while True:
+            yield (size := grown(asked) if self.grows else self.size)
+            asked += size
+
     def generations(self, space: Waypoints) -> int:
-        """How many generations there will be; for the exhaustive solver, batches of the space."""
-        return self.n_gen if self.name != EXHAUSTIVE else -(-(space.K**space.n) // self.pop_size)
+        """How many generations there will be at most; for the exhaustive solver, batches of the space."""
+        if self.name == EXHAUSTIVE:
+            return int(-(-(space.K**space.n) // self.size))
+        asked = 0
+        for generation, size in enumerate(self.sizes(), start=1):
+            asked += size
+            if asked >= self.most or generation == self.n_gen:
+                break
+        return int(generation)
+
+    @property
+    def designs(self) -> float:
+        """Designs that it asks for at most; one that comes up again counts again."""
+        return min(self.most, sum(islice(self.sizes(), self.n_gen)) if self.n_gen else math.inf)
 
     def build(self, n_obj: int) -> Any:
         """A fresh pymoo algorithm; `SettingError` if it is not for that many objectives."""
-        single = self.name in SINGLE
+        name = self.fitting(n_obj).name
+        single = name in SINGLE
         if single and n_obj > 1:
             many = ", ".join(name for name in SOLVERS if name not in SINGLE)
             raise SettingError(
                 "solver",
-                self.name,
+                name,
                 f"a solver of several objectives ({many}) for {n_obj} objectives",
                 "Or minimise the scalar J_W: objective=efficiency.",
             )
-        if not single and n_obj < 2:
+        if not single and n_obj < 2 and name not in ANY:
             raise SettingError(
                 "solver",
-                self.name,
-                f"a solver of one objective ({', '.join(SINGLE)}) for one objective",
+                name,
+                f"a solver of one objective ({', '.join((*SINGLE, *ANY))}) for one objective",
                 "Or ask for several: objective=pareto.",
             )
-        known, given = OPERATORS.get(self.name, ()), self.operators or {}
+        known, given = OPERATORS.get(name, ()), self.operators or {}
         check(isinstance(given, dict), "solver.operators", given, "numbers by name: {crossover_eta: 10}")
-        for name, value in given.items():
-            allowed = f"one of {', '.join(known)}" if known else f"left out with solver={self.name}"
-            check(name in known, "solver.operators", name, allowed)
-            most = 1 if name == "CR" or name.endswith("_prob") else 100
+        for word, value in given.items():
+            allowed = f"one of {', '.join(known)}" if known else f"left out with solver={name}"
+            check(word in known, "solver.operators", word, allowed)
+            most = 1 if word == "CR" or word.endswith("_prob") else 100
             good = isinstance(value, (int, float)) and 0 <= value <= most
-            check(good, f"solver.operators.{name}", value, f"a number from 0 to {most}")
-        return SOLVERS[self.name](self, n_obj)
+            check(good, f"solver.operators.{word}", value, f"a number from 0 to {most}")
+        return SOLVERS[name](self, n_obj)
 
 
 def register(build: Callable[[Solver, int], Any], single: bool = False) -> Callable[[Solver, int], Any]:
@@ -108,3 +172,8 @@ def register(build: Callable[[Solver, int], Any], single: bool = False) -> Calla
     if single and build.__name__ not in SINGLE:
         SINGLE.append(build.__name__)
     return build
+
+
+def grown(asked: int) -> int:
+    """Designs of a generation after so many."""
+    return min(max(int(SHARE * asked), FIRST), MOST)

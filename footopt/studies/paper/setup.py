@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from footopt.design import Solver, search
+from footopt.design import WALKS, Solver, search
 from footopt.effects import Footprints, LeadingEdge, Shadowing
 from footopt.errors import SettingError, check
 from footopt.foot import Foot
@@ -39,10 +39,12 @@ def affordable(config: Config) -> Config:
     s = config.study
     check(1 <= s.seeds <= 1000, "study.seeds", s.seeds, "a whole number >= 1 and <= 1000")
     check(0 <= s.samples <= 10_000, "study.samples", s.samples, "a whole number from 0 (no sweep) to 10,000")
+    solver = Solver(SOLVER, config.solver.pop_size, config.solver.n_gen, config.solver.seed)
+    pop_size, n_gen = QUICK_SEARCH if s.quick else (solver.size, solver.n_gen or WALKS // solver.size)
+    config = changed(config, {"solver.pop_size": pop_size, "solver.n_gen": n_gen})
     if not s.quick:
         return config
-    pop_size, n_gen = QUICK_SEARCH
-    few = {"solver.pop_size": pop_size, "solver.n_gen": n_gen, "study.seeds": 1}
+    few = {"study.seeds": 1}
     return changed(config, few | {"study.samples": min(s.samples, QUICK_SAMPLES)})
 
 

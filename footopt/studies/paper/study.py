@@ -6,7 +6,6 @@ import dataclasses
 from collections.abc import Callable
 from functools import partial
 
-from footopt.design import Solver
 from footopt.errors import check
 from footopt.files import run as files
 from footopt.report import terminal
@@ -34,7 +33,6 @@ def run(study: Study) -> None:
         )
     setup, solver = Setup(config), config.solver
     setup.scene("hard").need_heel_strike()
-    Solver(SOLVER, solver.pop_size, solver.n_gen, solver.seed)  # refused before anything is walked
     study.say(
         f"Searching feet for {', '.join(SANDS)} sand: {SOLVER}, {config.study.seeds} seeds of "
         f"{solver.pop_size} x {solver.n_gen}"

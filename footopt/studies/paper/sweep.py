@@ -114,7 +114,7 @@ class Plan:
             for factor in chosen
             for level in factor.levels[0 if factor.setting == "solver.seed" else 1 :]
         ]
-        pop_size, n_gen = min(POP_SIZE, solver.pop_size), min(N_GEN, solver.n_gen)
+        pop_size, n_gen = min(POP_SIZE, solver.pop_size or POP_SIZE), min(N_GEN, solver.n_gen or N_GEN)
         few = {"solver.pop_size": pop_size, "solver.n_gen": n_gen, "engine.threads": 1}
         return cls(
             config=changed(config, few),

@@ -1,0 +1,104 @@
+"""Moves that suit a spline: runs of neighbouring waypoints that are shifted and exchanged.
+
+A spline through waypoints answers to neighbours that move together: where one waypoint alone would
+make a bump that costs more than the new level brings, a run of them shifts the sole without one. Random
+soles that are improved by single steps of one waypoint end in as many local optima; by shifts of
+runs, on soft sand, all in the same one.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pymoo.core.crossover import Crossover
+from pymoo.core.mutation import Mutation
+from pymoo.core.repair import Repair
+from pymoo.core.sampling import Sampling
+
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+DRAWS = 200  # batches of random designs at most, of which as many as are wanted should be inside their box
+IDLE = 8  # batches that may bring nothing new before a space counts as used up
+
+
+@lru_cache(maxsize=4)
+def shifts(n: int) -> NDArray[np.int8]:
+    """Every run of neighbours among n waypoints, one level down and one level up: (n (n + 1), n)."""
+    first, last = np.triu_indices(n)
+    at = np.arange(n)
+    run = ((first[:, None] <= at) & (at <= last[:, None])).astype(np.int8)
+    return np.stack([run, -run], axis=1).reshape(-1, n)
+
+
+def allowed(problem: Any, X: Ints) -> Bools:
+    """Which designs (designs, n) are within a problem's bounds, and inside their box if it has one."""
+    kept: Bools = ((X >= problem.xl) & (X <= problem.xu)).all(axis=1)
+    if kept.any() and hasattr(problem, "inside"):
+        kept[kept] = problem.inside(X[kept])
+    return kept
+
+
+def exchanged(X: Ints, others: Ints, random_state: Any) -> Ints:
+    """Designs with one run of neighbouring waypoints, of any length, of others: a stretch of the sole."""
+    runs = shifts(X.shape[1])[::2]
+    return np.where(runs[random_state.integers(len(runs), size=len(X))] > 0, others, X)
+
+
+def shifted(X: Ints, random_state: Any) -> Ints:
+    """Designs with one run of neighbouring waypoints, of any length, moved by one level."""
+    moves = shifts(X.shape[1])
+    moved: Ints = X + moves[random_state.integers(len(moves), size=len(X))]
+    return moved
+
+
+class RandomInside(Sampling):  # type: ignore[misc]  # pymoo has no types
+    """Random whole numbers, different and inside their box: as many as there are, at most."""
+
+    def _do(self, problem: Any, n_samples: int, random_state: Any = None, **kwargs: Any) -> Ints:
+        kept, idle = np.empty((0, problem.n_var), np.int64), 0
+        low, high = problem.xl.astype(np.int64), problem.xu.astype(np.int64)
+        for _ in range(DRAWS):
+            drawn = random_state.integers(low, high + 1, (4 * n_samples, problem.n_var))
+            before, kept = len(kept), np.concatenate([kept, drawn[allowed(problem, drawn)]])
+            kept = kept[np.sort(np.unique(kept, axis=0, return_index=True)[1])]
+            idle = idle + 1 if before and len(kept) == before else 0
+            if len(kept) >= n_samples or idle == IDLE:
+                break
+        return kept[:n_samples] if len(kept) else drawn[:n_samples]
+
+
+class ExchangeRun(Crossover):  # type: ignore[misc]  # pymoo has no types
+    """Two parents exchange one run of neighbouring waypoints."""
+
+    def __init__(self) -> None:
+        super().__init__(n_parents=2, n_offsprings=2, prob=0.9)
+
+    def _do(self, problem: Any, X: Ints, random_state: Any = None, **kwargs: Any) -> Ints:
+        runs = shifts(problem.n_var)[::2]
+        exchange = runs[random_state.integers(len(runs), size=X.shape[1])] > 0
+        return np.where(exchange, X[::-1], X)
+
+
+class ShiftRun(Mutation):  # type: ignore[misc]  # pymoo has no types
+    """Move one run of neighbouring waypoints by one level."""
+
+    def _do(self, problem: Any, X: Ints, random_state: Any = None, **kwargs: Any) -> Ints:
+        return np.clip(shifted(X, random_state), problem.xl.astype(np.int64), problem.xu.astype(np.int64))
+
+
+class OnlyNew(Repair):  # type: ignore[misc]  # pymoo has no types
+    """Drop what leaves its box, and what the problem says that it has seen, instead of repairing it."""
+
+    def do(self, problem: Any, pop: Any, **kwargs: Any) -> Any:
+        """What is left of a population."""
+        if not len(pop):
+            return pop
+        X = pop.get("X")
+        kept = allowed(problem, X)
+        if hasattr(problem, "seen"):
+            kept &= ~problem.seen(X)
+        return pop[kept]

@@ -1,0 +1,173 @@
+"""A search's budget is in walks: it has just as many, of different soles, none outside its box by moves."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from pymoo.core.problem import Problem
+from searching import assert_same, problem
+
+import footopt as fo
+from footopt.design import EXHAUSTIVE, SOLVERS, Solver, search
+from footopt.design.fronts import hypervolume_shares
+from footopt.design.solvers.memetic import Memetic
+from footopt.design.solvers.moves import shifts
+
+SEVEN = fo.Waypoints(n=7)
+#: A script that prints all that a search asks for, with walks that cost nothing.
+ASKED = """
+import numpy as np
+from pymoo.core.problem import Problem
+from pymoo.optimize import minimize
+from footopt.design.solvers.memetic import Archive, Memetic
+
+class Ridge(Problem):
+    def _evaluate(self, x, out, *args, **kwargs):
+        wave = 4 * ((x * 7) % 5)
+        out["F"] = np.stack([((x - 5 - j) ** 2 + wave).sum(axis=1) for j in range(self.n_obj)], 1)
+
+for kind, n_obj in ((Memetic, 1), (Archive, 2)):
+    r = minimize(Ridge(n_var=9, n_obj=n_obj, xl=1, xu=9), kind(), ("n_gen", 35), seed=1)
+    print(r.algorithm.known.get("X").tolist())
+"""
+GROWING = [("memetic", "efficiency"), ("archive", ["distance", "work"])]
+BY_MOVES = [*GROWING, ("nsga2", ["distance", "work"])]
+
+
+class Ridge(Problem):
+    """Whole numbers with many local optima, a number of constraints, and walks that cost nothing."""
+
+    def __init__(self, n_var=8, top=9):
+        super().__init__(n_var=n_var, n_obj=1, n_ieq_constr=1, xl=1, xu=top, vtype=int)
+        self.asked = []
+
+    def _evaluate(self, x, out, *args, **kwargs):
+        self.asked += x.astype(int).tolist()
+        wave = (x * 7) % 5 + np.abs(np.diff(x, axis=1, append=1)) % 3
+        out["F"] = ((x - 5) ** 2 + 4 * wave).sum(axis=1)
+        out["G"] = -np.ones(len(x))
+
+
+@pytest.mark.parametrize("walks", [30, 57, 140])
+@pytest.mark.parametrize(("name", "objective"), [*BY_MOVES, ("ga", "efficiency"), ("de", "efficiency")])
+def test_a_search_has_as_many_walks_as_it_is_given(name, objective, walks):
+    r = search(problem(objective, space=SEVEN), name, walks=walks, seed=1)
+    assert r.designs == walks
+    assert len(np.unique(r.k, axis=0)) == walks
+    assert r.stopped == ""
+
+
+@pytest.mark.parametrize(("name", "objective"), BY_MOVES)
+def test_moves_ask_for_no_sole_twice_and_for_none_outside_its_box(name, objective):
+    r = search(problem(objective, space=SEVEN), name, walks=150, seed=2)
+    assert r.evaluations == r.designs
+    assert "box" not in r.reasons
+
+
+@pytest.mark.parametrize(("name", "objective"), GROWING)
+def test_more_walks_go_on_where_fewer_ended(name, objective, tmp_path):
+    """The first generations are small at any budget, so that nothing walked is walked in vain."""
+    p, store = problem(objective, space=SEVEN), tmp_path / "feet.sqlite"
+    few = search(p, name, walks=90, seed=1, store=store)
+    many = search(p, name, walks=200, seed=1, store=store)
+    assert many.k[:90].tolist() == few.k.tolist()
+    assert many.reused == 90
+    assert_same(many, search(p, name, walks=200, seed=1))
+
+
+def test_generations_grow_from_twenty_to_a_hundred():
+    solver = Solver("memetic")
+    r = search(problem(space=SEVEN), Solver("memetic", walks=260))
+    sizes = np.diff([0, *(g.evaluations for g in r.history)]).tolist()
+    expected = [size for size, _ in zip(solver.sizes(), sizes, strict=False)]
+    assert sizes[:-1] == expected[:-1] == sorted(expected[:-1])
+    assert sizes[0] == 20
+    assert max(size for size, _ in zip(solver.sizes(), range(200), strict=False)) == 100
+    assert len(sizes) == r.solver.generations(SEVEN)
+
+
+@pytest.mark.parametrize(
+    ("solver", "designs", "generations"),
+    [
+        (Solver("ga"), 10_000, 100),
+        (Solver("ga", walks=250), 250, 3),
+        (Solver("ga", pop_size=20, n_gen=7), 140, 7),
+        (Solver("ga", n_gen=7), 700, 7),
+        (Solver("memetic", pop_size=20, n_gen=7), 140, 7),
+        (Solver("memetic", n_gen=3), 60, 3),
+        (Solver("memetic", pop_size=50, walks=120), 120, 3),
+        (Solver("memetic", n_gen=7, walks=50), 50, 3),
+        (Solver(EXHAUSTIVE, pop_size=4096), 10_000, 2442),
+    ],
+)
+def test_generations_follow_from_walks_and_walks_from_generations(solver, designs, generations):
+    assert (solver.designs, solver.generations(SEVEN)) == (designs, generations)
+
+
+def test_the_best_solver_for_the_number_of_objectives_is_the_default():
+    assert [Solver().fitting(n).name for n in (1, 2, 3, 5)] == ["memetic", "archive", "archive", "nsga2"]
+    assert Solver("rvea").fitting(5).name == "rvea"
+
+
+def test_what_is_asked_for_does_not_depend_on_the_number_of_threads_of_sums(tmp_path):
+    """Of the model's, which are those of a BLAS; it knows 300 designs at most."""
+    said = [
+        subprocess.run(
+            [sys.executable, "-c", ASKED],
+            env=os.environ | {"OPENBLAS_NUM_THREADS": threads, "PYTHONPATH": os.pathsep.join(sys.path)},
+            capture_output=True, text=True, check=True, timeout=120,
+        ).stdout
+        for threads in ("1", "2")
+    ]  # fmt: skip
+    assert said[0] == said[1]
+    assert len(said[0]) > 1000
+
+
+def test_it_begins_anew_where_it_stalls_and_ends_where_nothing_is_new():
+    """Up to 3^4 soles of a space that it would have left a part of."""
+    algorithm, p = Memetic().setup(Ridge(4, 3), termination=("n_gen", 1000), seed=1), Ridge(4, 3)
+    algorithm.problem = p
+    algorithm.run()
+    assert len(p.asked) == len({tuple(x) for x in p.asked}) == 81
+    r = search(problem(space=fo.Waypoints(n=4, K=3)), walks=1000)
+    inside = search(problem(space=fo.Waypoints(n=4, K=3)), EXHAUSTIVE)
+    assert r.designs == inside.evaluations
+    assert r.stopped == "by the solver, which asked for nothing more"
+
+
+def test_a_search_that_stalls_goes_on_elsewhere():
+    algorithm = Memetic().setup(Ridge(), termination=("n_gen", 100), seed=1)
+    parents = set()
+    while algorithm.has_next():
+        algorithm.next()
+        parents.add(algorithm.parents)
+    assert len(parents) > 1  # begun anew, with more of them
+    best = algorithm.opt[0]
+    near = best.X + shifts(8)
+    near = near[((near >= 1) & (near <= 9)).all(axis=1)]
+    assert best.F[0] <= Ridge().evaluate(near)[0].min()  # and a descent before that
+
+
+def test_operators_that_are_given_take_the_place_of_moves():
+    p = problem(["distance", "work"], space=SEVEN)
+    moves, textbook = (search(p, "nsga2", walks=60, seed=1, operators=given) for given in (None, {}))
+    assert "box" not in moves.reasons
+    assert "box" in textbook.reasons
+    assert set(SOLVERS) >= {"memetic", "archive", "surrogate", "ga", "nsga2"}
+
+
+@pytest.mark.parametrize("objective", ["efficiency", ["distance", "work"]])
+def test_a_surrogate_needs_few_walks_and_goes_on_bit_by_bit(objective, tmp_path):
+    """With a seventh of the 731 soles inside their box."""
+    p, store = problem(objective), tmp_path / "feet.sqlite"
+    search(p, "surrogate", pop_size=20, walks=40, seed=1, store=store)
+    r = search(p, "surrogate", pop_size=20, walks=100, seed=1, store=store)
+    assert r.reused == 40
+    assert_same(r, search(p, "surrogate", pop_size=20, walks=100, seed=1))
+    exact = search(p, EXHAUSTIVE)
+    if p.n_obj == 1:
+        assert r.F[0] <= 0.95 * exact.F[0] < 0.0
+    else:
+        assert hypervolume_shares([r.F, exact.F])[0] > 0.95

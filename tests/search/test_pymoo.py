@@ -1,0 +1,269 @@
+"""At home in pymoo: its algorithms take a problem, its tools a result, and a search takes its algorithms."""
+
+import pickle
+import warnings
+from importlib import import_module
+from multiprocessing.pool import ThreadPool
+
+import numpy as np
+import pytest
+from pymoo.algorithms.moo.moead import MOEAD
+from pymoo.algorithms.moo.nsga2 import NSGA2
+from pymoo.algorithms.soo.nonconvex.ga import GA
+from pymoo.core.mixed import MixedVariableGA
+from pymoo.core.population import Population
+from pymoo.core.problem import Problem
+from pymoo.decomposition.asf import ASF
+from pymoo.optimize import minimize
+from pymoo.parallelization.starmap import StarmapParallelization
+from pymoo.termination import get_termination
+from pymoo.util.ref_dirs import get_reference_directions
+from searching import SMALL, assert_same, problem
+
+import footopt as fo
+from footopt.design import search
+from footopt.design.solvers.memetic import Archive, Memetic
+from footopt.errors import SettingError
+
+WAYS = get_reference_directions("das-dennis", 2, n_partitions=11)
+#: Every algorithm of one objective, and of several, of pymoo 0.6.2 that takes constraints, at its defaults.
+SINGLE = {
+    "ga": "GA", "de": "DE", "pso": "PSO", "es": "ES", "cmaes": "CMAES", "nelder": "NelderMead",
+    "pattern": "PatternSearch", "brkga": "BRKGA", "g3pcx": "G3PCX", "isres": "ISRES", "sres": "SRES",
+    "direct": "DIRECT", "nrbo": "NRBO", "random_search": "RandomSearch",
+}  # fmt: skip
+SEVERAL = {
+    "nsga2": ("NSGA2", {}), "nsga3": ("NSGA3", {"ref_dirs": WAYS}), "unsga3": ("UNSGA3", {"ref_dirs": WAYS}),
+    "rnsga2": ("RNSGA2", {"ref_points": np.zeros((1, 2))}), "sms": ("SMSEMOA", {}), "spea2": ("SPEA2", {}),
+    "rvea": ("RVEA", {"ref_dirs": WAYS}), "ctaea": ("CTAEA", {"ref_dirs": WAYS}), "cmopso": ("CMOPSO", {}),
+    "mopso_cd": ("MOPSO_CD", {}),
+}  # fmt: skip
+COMPILED = {"age": ("AGEMOEA", {}), "age2": ("AGEMOEA2", {})}  # for many seconds, by pymoo
+
+
+def check_found(p, x, f):
+    """What an algorithm found has the values of the whole numbers that it stands for."""
+    k = np.clip(np.round(np.atleast_2d(x).astype(float)), 1, p.space.K)
+    np.testing.assert_array_equal(p.minimised(p.evaluate(k).values), np.atleast_2d(f))
+
+
+@pytest.mark.parametrize("module", SINGLE)
+def test_an_algorithm_of_one_objective_works_at_its_defaults(module):
+    algorithm, p = (
+        getattr(import_module(f"pymoo.algorithms.soo.nonconvex.{module}"), SINGLE[module]),
+        problem(),
+    )
+    found = minimize(fo.PymooProblem(p), algorithm(), ("n_eval", 30), seed=1)
+    check_found(p, found.X, found.F)
+    ours = search(p, algorithm(), walks=30, seed=1)
+    assert ours.solver.name == SINGLE[module]
+    assert 0 < ours.designs <= 30
+    check_found(p, ours.X, ours.F)
+
+
+@pytest.mark.parametrize(
+    "module", [*SEVERAL, *(pytest.param(name, marks=pytest.mark.slow) for name in COMPILED)]
+)
+def test_an_algorithm_of_several_objectives_works_at_its_defaults(module):
+    (name, options), p = (SEVERAL | COMPILED)[module], problem(["distance", "work"])
+    algorithm = getattr(import_module(f"pymoo.algorithms.moo.{module}"), name)
+    found = minimize(fo.PymooProblem(p), algorithm(**options), ("n_gen", 2), seed=1)
+    check_found(p, found.X, found.F)
+    ours = search(p, algorithm(**options), n_gen=2, seed=1)
+    check_found(p, ours.X, ours.F)
+
+
+def test_moead_says_once_why_it_cannot_and_what_can_be_done():
+    p = problem(["distance", "work"])
+    with pytest.raises(SettingError, match=r"solver = 'MOEAD': must be .*constraints.*Try solver=nsga3"):
+        search(p, MOEAD(WAYS))
+    with pytest.raises(AssertionError, match="does not support any constraints"):  # pymoo's own
+        minimize(fo.PymooProblem(p), MOEAD(WAYS), ("n_gen", 2), seed=1)
+
+
+def test_a_genetic_algorithm_of_mixed_variables_finds_integers():
+    p = problem()
+    found = minimize(fo.PymooProblem(p), MixedVariableGA(pop_size=10), ("n_gen", 3), seed=1)
+    assert list(found.X) == ["k1", "k2", "k3", "k4", "k5"]
+    check_found(p, list(found.X.values()), found.F)
+    check_found(p, (ours := search(p, MixedVariableGA(pop_size=10), n_gen=3)).X, ours.F)
+
+
+def test_an_elementwise_runner_walks_one_design_at_a_time():
+    p, k = problem("pareto"), SMALL.random(6, seed=1)
+    with ThreadPool(2) as pool:
+        runner = StarmapParallelization(pool.starmap)
+        each = fo.PymooProblem(p, elementwise_runner=runner).evaluate(k, return_as_dictionary=True)
+    whole = fo.PymooProblem(p).evaluate(k, return_as_dictionary=True)
+    for name in ("F", "G", "values", "violation"):
+        np.testing.assert_array_equal(each[name], whole[name])
+
+
+@pytest.mark.parametrize("objective", ["efficiency", "pareto"])
+def test_no_rows_have_no_values(objective):
+    p = problem(objective)
+    f, g = fo.PymooProblem(p).evaluate(np.empty((0, 5)))
+    assert (f.shape, g.shape) == ((0, p.n_obj), (0, 2))
+
+
+@pytest.mark.parametrize("objective", ["efficiency", ["distance", "work"]])
+def test_an_enumerated_space_knows_its_front_and_others_do_not(objective):
+    space = fo.Waypoints(n=4, K=3)
+    p = problem(objective, space=space)
+    exact = search(p, "exhaustive")
+    known = fo.PymooProblem(p, exact)
+    every = np.stack(np.meshgrid(*[range(1, 4)] * 4), axis=-1).reshape(-1, 4)
+    found = p.evaluate(every)
+    f = p.minimised(found.values)[(p.constraints(*found) <= 0.0).all(axis=1)]
+    np.testing.assert_array_equal(known.ideal_point(), f.min(axis=0))
+    assert {tuple(row) for row in known.pareto_front()} <= {tuple(row) for row in f}
+    assert len(known.pareto_front()) == len(np.atleast_2d(exact.X)) == len(known.pareto_set())
+    np.testing.assert_array_equal(known.nadir_point(), np.atleast_2d(exact.F).max(axis=0))
+    assert fo.PymooProblem(p).pareto_front() is None
+
+
+def test_a_search_takes_an_algorithm_a_termination_and_designs_to_start_with():
+    p, start = problem(), [[1, 2, 3, 2, 1], [4, 4, 4, 4, 4]]
+    algorithm = GA(pop_size=10)
+    r = search(p, algorithm, stop=get_termination("n_gen", 3), start=start, seed=2)
+    assert r.k[:2].tolist() == start
+    assert (len(r.history), r.stopped, r.solver.name, r.solver.pop_size) == (3, "", "GA", 10)
+    assert algorithm.pop is None  # a copy of it has searched
+    assert_same(r, search(p, algorithm, stop=("n_gen", 3), start=start, seed=2))
+    assert len(search(p, "memetic", stop=get_termination("n_gen", 2)).history) == 2
+    with pytest.raises(SettingError, match=r"start = 11: must be at most 10 designs"):
+        search(p, algorithm, start=SMALL.random(11, seed=1))
+    with pytest.raises(SettingError, match=r"solver = 'GA': must be an algorithm that has its pop_size"):
+        search(p, algorithm, pop_size=20)
+    with pytest.raises(SettingError, match=r"solver = 3: must be .* Try solver='memetic'"):
+        search(p, 3)
+
+
+def test_one_s_own_algorithm_goes_on_from_a_store(tmp_path):
+    p, whole = (
+        problem(["distance", "work"]),
+        search(problem(["distance", "work"]), NSGA2(pop_size=12), n_gen=5),
+    )
+    part = search(p, NSGA2(pop_size=12), n_gen=2, store=tmp_path / "feet.sqlite")
+    again = search(p, NSGA2(pop_size=12), n_gen=5, store=tmp_path / "feet.sqlite")
+    assert again.reused == part.designs
+    assert_same(again, whole)
+
+
+def test_a_result_has_what_pymoo_s_tools_take():
+    p = problem(["distance", "work"])
+    r = search(p, "archive", walks=80)
+    check_found(p, r.X, r.F)
+    assert (r.G <= 0.0).all()
+    assert (r.F == [-1, 1] * r.values[r.front][:, [p.record.index(n) for n in p.names]]).all()
+    for name, column in (("X", r.X), ("F", r.F), ("G", r.G)):
+        np.testing.assert_array_equal(r.opt.get(name), column)
+    assert r.opt.get("FEAS").all()
+    assert 0 <= ASF().do(r.F, np.array([0.5, 0.5])).argmin() < len(r.X)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # pymoo's import of SciPy's
+        from pymoo.mcdm.pseudo_weights import PseudoWeights
+    assert 0 <= PseudoWeights(np.array([0.5, 0.5])).do(r.F) < len(r.X)
+    one = search(problem(), walks=40)
+    assert (one.X.shape, one.F.shape, one.G.shape, len(one.opt)) == ((5,), (1,), (2,), 1)
+
+
+def test_everything_can_be_pickled():
+    p = problem()
+    r = search(p, walks=40)
+    copied = pickle.loads(pickle.dumps(r))
+    assert repr(copied) == repr(r)
+    assert copied.values.tobytes() == r.values.tobytes()
+    k = SMALL.random(3, seed=1)
+    again = pickle.loads(pickle.dumps(fo.PymooProblem(p, r)))
+    np.testing.assert_array_equal(again.evaluate(k)[0], fo.PymooProblem(p).evaluate(k)[0])
+    for kind in (Memetic, Archive):
+        algorithm = kind().setup(fo.PymooProblem(p), termination=("n_gen", 4), seed=1)
+        algorithm.next()
+        other = pickle.loads(pickle.dumps(algorithm))
+        for each in (algorithm, other):
+            each.run()
+        np.testing.assert_array_equal(algorithm.opt.get("X"), other.opt.get("X"))
+
+
+class Sphere(Problem):
+    """Whole numbers about 5, with walks that cost nothing, and without a box."""
+
+    def __init__(self, n_obj=1):
+        super().__init__(n_var=6, n_obj=n_obj, n_ieq_constr=1, xl=1, xu=10, vtype=int)
+
+    def _evaluate(self, x, out, *args, **kwargs):
+        out["F"] = np.stack([((x - 4 - 2 * j) ** 2).sum(axis=1) for j in range(self.n_obj)], axis=1)
+        out["G"] = x[:, 0] - 8.5
+
+
+OURS = pytest.mark.parametrize(("kind", "n_obj"), [(Memetic, 1), (Archive, 2)])
+
+
+@OURS
+class TestAsInPymoo:
+    """pymoo's own tests of algorithms (tests/algorithms), of ours."""
+
+    def test_same_seed_same_results(self, kind, n_obj):
+        one, two, other = (minimize(Sphere(n_obj), kind(), ("n_gen", 8), seed=s) for s in (3, 3, 4))
+        np.testing.assert_array_equal(one.pop.get("X"), two.pop.get("X"))
+        assert one.pop.get("X").tolist() != other.pop.get("X").tolist()
+
+    def test_minimize_a_loop_and_ask_and_tell_agree(self, kind, n_obj):
+        p, ends = Sphere(n_obj), ("n_gen", 8)
+        whole = minimize(p, kind(), ends, seed=1)
+        loop = kind().setup(p, termination=ends, seed=1)
+        while loop.has_next():
+            loop.next()
+        told = kind().setup(p, termination=ends, seed=1)
+        while told.has_next():
+            infills = told.ask()
+            told.evaluator.eval(p, infills)
+            told.tell(infills=infills)
+        for other in (loop.result(), told.result()):
+            np.testing.assert_array_equal(other.X, whole.X)
+            np.testing.assert_array_equal(other.F, whole.F)
+
+    def test_minimize_changes_nothing_of_the_algorithm(self, kind, n_obj):
+        algorithm = kind(pop_size=12)
+        before = pickle.dumps(algorithm)
+        minimize(Sphere(n_obj), algorithm, ("n_gen", 3), seed=1)
+        assert pickle.dumps(algorithm) == before
+
+    def test_it_goes_on_after_its_end(self, kind, n_obj):
+        whole = minimize(Sphere(n_obj), kind(), ("n_gen", 8), seed=1)
+        part = kind().setup(Sphere(n_obj), termination=("n_gen", 4), seed=1)
+        part.run()
+        part.termination = get_termination("n_gen", 8)
+        np.testing.assert_array_equal(part.run().F, whole.F)
+
+    def test_it_keeps_its_history_calls_back_and_prints(self, kind, n_obj, capsys):
+        seen = []
+        r = minimize(Sphere(n_obj), kind(), ("n_gen", 4), seed=1, save_history=True, verbose=True,
+                     callback=lambda algorithm: seen.append(algorithm.n_gen))  # fmt: skip
+        assert [h.n_gen for h in r.history] == [1, 2, 3, 4]
+        assert len(seen) == 4
+        assert capsys.readouterr().out.count("\n") >= 6
+
+    def test_its_optimum_is_feasible_and_whole(self, kind, n_obj):
+        r = minimize(Sphere(n_obj), kind(), ("n_gen", 20), seed=1)
+        assert (r.CV <= 0).all()
+        if n_obj == 1:
+            assert (r.X.tolist(), r.F.tolist()) == ([4] * 6, [0.0])
+        else:
+            assert {4, 6} <= set(np.unique(r.X))
+
+    def test_it_begins_with_a_population_that_is_given(self, kind, n_obj):
+        given = np.full((3, 6), 7)
+        for sampling in (given, Population.new(X=given)):
+            r = minimize(Sphere(n_obj), kind(sampling=sampling), ("n_gen", 1), seed=1)
+            assert r.pop.get("X").tolist() == [[7] * 6]
+        assert r.algorithm.evaluator.n_eval == 1  # none is asked for twice
+
+    def test_nothing_feasible_is_none(self, kind, n_obj):
+        class Never(Sphere):
+            def _evaluate(self, x, out, *args, **kwargs):
+                super()._evaluate(x, out)
+                out["G"] = out["G"] * 0 + 1.0
+
+        assert minimize(Never(n_obj), kind(), ("n_gen", 3), seed=1).X is None
