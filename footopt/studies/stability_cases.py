@@ -121,6 +121,12 @@ def comb(base: Setup) -> Setup:
     return replace(spiky(base), foot=replace(Foot.from_waypoints([1, 10] * 100), name="comb"))
 
 
+def searched(base: Setup) -> Setup:
+    """What a search for too small error estimates has found on zeta 20: the error is 0.56 of it."""
+    foot = Foot.from_waypoints([2, 9, 7, 4, 6, 5, 6, 3, 5, 5, 6])
+    return replace(walking(20.0)(base), foot=replace(foot, name="searched"))
+
+
 #: Sand as it is hard to walk on, and all effects together.
 PAN, CLIFF = Layers((0.03,), (1e6,)), Patches((0.5,), (9.0,), (1e3,), blur=1e-4)
 STRIPES = Patches(
@@ -158,6 +164,7 @@ CASES = tuple(
         ("a foot set down at 3 m/s", WALKS, stamping, judge_set_down),
         ("spiky soles", WALKS, spiky, judge_walk),
         ("a comb of 200 waypoints", WALKS, comb, judge_walk),
+        ("estimate's worst of a search", WALKS, searched, judge_walk),
         ("leading edge on hard sand", WALKS, with_effects(5.0, LeadingEdge()), judge_walk),
         ("leading edge, zeta 200", WALKS, with_effects(200.0, LeadingEdge()), judge_walk),
         ("inertia in a brisk walk", WALKS, with_effects(1.0, Inertia(), period=0.9), judge_walk),

@@ -36,7 +36,7 @@ CASES = {
     "leading edge on hard sand": (soles(), walk_on(5.0, fo.LeadingEdge())),
     "100 layers and 100 patches": (soles(), walk_on(1.0, SHEETS, STRIPES)),
 }
-RIGHT = ("a level slab on zeta 200",)
+RIGHT = ("a level slab on zeta 200", "leading edge on hard sand")
 
 
 @pytest.mark.slow
