@@ -109,7 +109,7 @@ BAD = {
     "resume=run hydra.run.dir=elsewhere": "must be a setting that does not make another run",
     "resume=run --experimental-rerun=x.pickle": "must be a setting that does not make another run",
     "resume=run solver.n_gen=abc": "solver.n_gen = 'abc': must be a whole number",
-    "resume=run solver.n_gen=2": "solver.n_gen = 2: must be enough for the 30 designs that the run has: this is at most 20",
+    "resume=run solver.n_gen=2": "solver.n_gen = 2: must be enough for the 30 designs that the run has",
     "resume=run report=none": "report = 'none': must be light, as before",
     "resume=filmed study.video=b.gif": "study.video = 'b.gif': must be a.gif, as before",
     "hydra.run.dir=run sand=soft": "run: holds a run that is finished",
