@@ -111,7 +111,7 @@ class Accuracy:
         table = [row for row in measured_settings() if row["control"] is not None]
         rows = [row for row in table if row["error"] <= MARGIN * tolerance]
         if not rows:
-            best = min(row["error"] for row in table) / MARGIN
+            best = math.ceil(1e6 * min(row["error"] for row in table) / MARGIN) / 1e6
             raise SettingError(
                 "accuracy.tolerance",
                 tolerance,

@@ -34,8 +34,9 @@ class TestPatches:
 class TestPatchesOnTheWay:
     def test_a_walk_inside_one_patch_is_a_walk_on_its_sand(self, regular, ramp_foot):
         wide = Patches((-10.0, 30.0), (20.0, 40.0), (0.6, 1.5))
-        inside = fo.simulate(ramp_foot, replace(regular, effects=(wide,)))
-        there = fo.simulate(ramp_foot, replace(regular, sand=fo.Sand(0.6)))
+        steps = fo.Accuracy("sdirk2", 1e-3, 64)  # the same with patches and without
+        inside = fo.simulate(ramp_foot, replace(regular, effects=(wide,)), steps)
+        there = fo.simulate(ramp_foot, replace(regular, sand=fo.Sand(0.6)), steps)
         assert inside.start[1] == pytest.approx(there.start[1], abs=1e-12)
         np.testing.assert_allclose(inside.com, there.com, rtol=0, atol=1e-8)
 

@@ -20,14 +20,14 @@ from footopt.report.terminal import describe_confirmation
 
 #: Digests of the soles that a search asks for: pop_size=12, n_gen=4, seed=1, n=7, K=10.
 ASKED = {
-    "memetic": "09aacf7827e128eb",
-    "archive": "6de745aeed236dcb",
-    "ga": "9f0a9f9d95a7ee00",
-    "de": "9ff6d1e5507a7637",
-    "nsga2": "af326eebb830c9e5",
-    "nsga3": "552e0e7667dd32a7",
-    "agemoea2": "5b061c7cd719247c",
-    "smsemoa": "885e3478f632c2c3",
+    "memetic": "4407ef3462e1d04e",
+    "archive": "087478ed82020d5f",
+    "ga": "f127ed6562dcae1f",
+    "de": "2520dda38b20b5e2",
+    "nsga2": "d93368f6e17a660d",
+    "nsga3": "e28451d7784662c9",
+    "agemoea2": "7a6e26d1bb06d110",
+    "smsemoa": "d51a5e838eaf3f27",
     "rvea": "fb0436cabc37f3f6",
 }
 #: AGE-MOEA-II is compiled for seconds when a process first uses it.

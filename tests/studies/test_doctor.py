@@ -116,7 +116,7 @@ def test_a_walk_that_is_wrong_fails_with_what_to_do(tmp_path, monkeypatch):
     with pytest.raises(FootoptError) as error:
         examine(tmp_path)
     assert "3 of " in str(error.value)
-    assert "hard sand, standard: differs by up to 0.99 % (distance); 0.5 % are allowed" in str(error.value)
+    assert "hard sand, standard: differs by up to 0.98 % (distance); 0.5 % are allowed" in str(error.value)
     assert "Results cannot be trusted" in str(error.value)
     page = data_of(tmp_path)
     assert page["title"].startswith("3 of ")

@@ -27,7 +27,7 @@ def made(tmp_path_factory):
         patch.chdir(cwd)
         runs = fo.run(WORDS), fo.run(TEST, folder="out/walk")
     done = footopt("-m", *TEST[:2], "sand.zeta=0.001,5", "hydra.sweep.dir=out/sweep", cwd=cwd)
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 1  # one of the walks sinks
     return cwd, *runs
 
 

@@ -191,7 +191,7 @@ def test_without_a_sweep_claims_are_judged_at_the_settings(small, tmp_path):
         ({"study__shape_sand": "mud"}, "study.shape_sand = 'mud': must be one of soft, regular, hard"),
         ({"foot__shape": "circle"}, "foot.shape = 'circle': must be waypoints"),
         ({"scene__t_f": 1.0}, "scene.t_f = 1.0: must be later than the first heel strike"),
-        ({"solver__pop_size": 2}, "solver.pop_size = 2: must be a whole number >= 4"),
+        ({"solver__pop_size": 2}, "solver.pop_size = 2: must be null, or a whole number >= 4"),
         ({"study__confirm": "best"}, "accuracy = 'best': must be one of"),
     ],
 )
