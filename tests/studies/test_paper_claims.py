@@ -160,7 +160,7 @@ class TestClaims:
             force = walk.force * ((walk.t >= touched) == late)[:, None, None]
             force[..., 1] = walk.force[..., 1]
             pushes = replace(walk, force=force)
-            assert margin("push_off_carries", optima={"hard": pushes}) == (0.5 if late else -0.5)
+            assert margin("push_off_carries", optima={"hard": pushes}) == pytest.approx(0.5 if late else -0.5)
 
     def test_a_walk_that_failed_leaves_its_claims_undecided(self, evidence, failed):
         broken = replace(evidence, optima={**evidence.optima, "soft": failed})
