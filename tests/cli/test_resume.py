@@ -388,7 +388,7 @@ class TestInterrupted:
         assert outcome(tmp_path / "run") == outcome(undisturbed("nsga2"))
 
     def test_a_second_ctrl_c_in_the_report_loses_no_design(self, undisturbed, tmp_path):
-        run = started(*BRIEF, "hydra.run.dir=run", cwd=tmp_path, drawn=True)
+        run = started(*BRIEF, "solver=memetic", "hydra.run.dir=run", cwd=tmp_path, drawn=True)
         wait_for_designs(run, tmp_path / "run", 10 * 16)
         run.send_signal(signal.SIGINT)
         time.sleep(0.5)

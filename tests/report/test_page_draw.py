@@ -150,10 +150,9 @@ class TestDrawing:
             assert work == pytest.approx(result.column("work")[i], rel=1e-9)
         shown.js("choose(data.best)")
         at, width = shown.js("data.best"), shown["#parallel svg"].size["width"]
-        high = shown.js(
-            f"columnOf('distance').of({at}) < range([...front].map(columnOf('distance').of))[1] * 0.999"
-        )
-        shown.drag("#parallel svg", (70 / width, 0.2), (70 / width, 0.3) if high else (70 / width, 0.95))
+        far, near = shown.js("[Math.max, Math.min].map((f) => f(...[...front].map(columnOf('distance').of)))")
+        upper = shown.js(f"columnOf('distance').of({at})") > 0.5 * (near + far)  # the other half is brushed
+        shown.drag("#parallel svg", (70 / width, 0.6 if upper else 0.05), (70 / width, 0.98 if upper else 0.45))
         low, most = shown.limits("distance")
         chosen = int(re.search(r"design (\d+)", shown.text("#design-title"))[1])
         assert low <= result.column("distance")[chosen] <= most
