@@ -152,7 +152,8 @@ class TestDrawing:
         at, width = shown.js("data.best"), shown["#parallel svg"].size["width"]
         far, near = shown.js("[Math.max, Math.min].map((f) => f(...[...front].map(columnOf('distance').of)))")
         upper = shown.js(f"columnOf('distance').of({at})") > 0.5 * (near + far)  # the other half is brushed
-        shown.drag("#parallel svg", (70 / width, 0.6 if upper else 0.05), (70 / width, 0.98 if upper else 0.45))
+        begin, end = (0.6, 0.98) if upper else (0.05, 0.45)
+        shown.drag("#parallel svg", (70 / width, begin), (70 / width, end))
         low, most = shown.limits("distance")
         chosen = int(re.search(r"design (\d+)", shown.text("#design-title"))[1])
         assert low <= result.column("distance")[chosen] <= most
