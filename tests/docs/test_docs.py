@@ -476,9 +476,10 @@ import numpy as np
 import footopt as fo
 from footopt.design import search
 
-def small_search(problem, *arguments, **options):
-    options |= {"pop_size": 8, "n_gen": 2}
-    return search(problem, *arguments, **options)
+def small_search(problem, solver=None, *arguments, **options):
+    if solver is None or isinstance(solver, str):  # an algorithm of pymoo has its own
+        options |= {"pop_size": 8, "n_gen": 2}
+    return search(problem, solver, *arguments, **options)
 
 def small_film(walk, path, **options):
     return film(walk, path, **options | {"fps": 2})
