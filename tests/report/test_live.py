@@ -4,6 +4,9 @@ import http.client
 import json
 import re
 import signal
+import socket
+import struct
+import threading
 import time
 import webbrowser
 from urllib.parse import urlsplit
@@ -68,10 +71,25 @@ class TestServer:
     @pytest.mark.parametrize(
         "path",
         ["/", "/x/", "{0}designs.sqlite", "{0}footopt.yaml", "{0}../run/designs.sqlite", "{0}news",
-         "{0}news?from=x", "{0}%2e%2e/secret", "{0}/etc/passwd", "{0}report.html", "*"],
+         "{0}news?from=x", "{0}%2e%2e/secret", "{0}/etc/passwd", "{0}report.html", "*", "x://[/",
+         f"{{0}}news?from={5000 * '9'}"],
     )  # fmt: skip
-    def test_serves_nothing_else(self, server, path):
+    def test_serves_nothing_else_and_says_so(self, server, path, capfd):
         assert asked(server.address, path.format(urlsplit(server.address).path))[0] == 404
+        assert capfd.readouterr().err == ""
+
+    def test_a_browser_that_goes_away_leaves_the_terminal_alone(self, searched, capfd):
+        sought, _, folder = searched
+        large = Watched(30_000_000 * "x", Growth(folder / "designs.sqlite", sought), folder / "report.html")
+        parts = urlsplit(large.address)
+        for request in (f"GET {parts.path} HTTP/1.1\r\nHost: {parts.netloc}\r\n\r\n", "GET /"):
+            with socket.create_connection((parts.hostname, parts.port)) as gone:
+                gone.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))  # at once
+                gone.sendall(request.encode())
+                time.sleep(0.1)
+        assert asked(large.address)[0] == 200
+        large.close()
+        assert capfd.readouterr().err == ""
 
     def test_serves_nothing_to_another_site_that_took_this_machines_address(self, server):
         assert asked(server.address, host="example.org")[0] == 404
@@ -84,12 +102,19 @@ class TestServer:
         made = Watched("the page", Growth(folder / "designs.sqlite", sought), folder / "ended.html")
         (folder / "ended.html").write_text("the report")
         assert asked(made.address)[1] == "the page"
-        made._ended = True
+        threading.Timer(0.2, asked, (made.address,)).start()
+        made.end()  # waits for the browser
         assert asked(made.address)[1] == "the report"
-        made.end()  # at once: the browser has it
         made.close()
         with pytest.raises(OSError):  # noqa: PT011  by whatever it is that the system refuses it
             asked(made.address)
+
+    def test_after_a_run_without_a_page_there_is_no_other_to_go_to(self, searched, server):
+        token = urlsplit(server.address).path
+        assert asked(server.address)[0] == 200
+        server.end()  # waits for nothing
+        assert asked(server.address) == (200, "the page")
+        assert json.loads(asked(server.address, f"{token}news?from=0")[1])["ended"] is False
 
 
 class TestGrowth:

@@ -109,5 +109,5 @@ function follow(explore, found) {
     const rate = (count - first) / (performance.now() - began), left = rate > 0 ? (most - count) / rate / 1000 : NaN;
     status.textContent = `${count} of at most ${most} designs walked${Number.isFinite(left) ? `; at most ${left < 90 ? `${Math.ceil(left)} s` : `${Math.ceil(left / 60)} min`} left` : ""}.`;
   }
-  ask().catch(() => { status.textContent = `The search no longer answers: it was stopped. ${count} designs were walked.`; });
+  ask().catch(() => { status.textContent = `The search no longer answers: it has ended or was stopped. ${count} designs were walked.`; });
 }

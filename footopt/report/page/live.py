@@ -13,7 +13,6 @@ from contextlib import closing, contextmanager, suppress
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
-from urllib.parse import parse_qs, urlsplit
 
 import numpy as np
 
@@ -125,13 +124,19 @@ class Watched:
         token, answer = secrets.token_urlsafe(16), self._answer
 
         class Handler(BaseHTTPRequestHandler):
+            timeout = PATIENCE
+
+            def handle(self) -> None:
+                with suppress(ConnectionError, TimeoutError):  # a browser that looks no longer
+                    super().handle()
+
             def do_GET(self) -> None:
-                address = urlsplit(self.path)
+                path, _, query = self.path.partition("?")
                 # another name for this machine may be another site's, which would then read the page
                 host = self.headers.get("Host", "") in (f"{LOOPBACK}:{port}", f"localhost:{port}")
-                begin, given, what = (*address.path.split("/", 2), "", "")[:3]
+                begin, given, what = (*path.split("/", 2), "", "")[:3]
                 known = host and not begin and secrets.compare_digest(given.encode(), token.encode())
-                kind, content = (known and answer(what, parse_qs(address.query))) or ("text/plain", None)
+                kind, content = (known and answer(what, query)) or ("text/plain", None)
                 self.send_response(404 if content is None else 200)
                 for name, value in {
                     "Content-Type": f"{kind}; charset=utf-8", "Cache-Control": "no-store",
@@ -150,24 +155,23 @@ class Watched:
         self.address = f"http://{LOOPBACK}:{port}/{token}/"
         threading.Thread(target=self._server.serve_forever, args=(0.1,), daemon=True).start()
 
-    def _answer(self, what: str, query: dict[str, list[str]]) -> tuple[str, str] | None:
+    def _answer(self, what: str, query: str) -> tuple[str, str] | None:
         """The type and the text of what was asked for; None for anything but the two."""
         self._asked = time.monotonic()
         if what == "":
-            ended = self._ended and self._report.is_file()
-            if ended:
+            if self._ended:
                 self._fetched.set()
-            return "text/html", self._report.read_text(encoding="utf-8") if ended else self._page
-        first = query.get("from", [""])[0]
-        if what != "news" or not first.isdecimal():
+            return "text/html", self._report.read_text(encoding="utf-8") if self._ended else self._page
+        first = query.removeprefix("from=")
+        if what != "news" or not first.isdecimal() or len(first) > len(str(DESIGNS)):
             return None
         news = {"designs": self._growth.since(int(first)), "ended": self._ended}
         return "application/json", json.dumps(plain(news), allow_nan=False)
 
     def end(self) -> None:
-        """The search has ended: let a browser that looks fetch its page, which needs no server any more."""
-        self._ended = True
-        if time.monotonic() - self._asked < PATIENCE:
+        """The search has ended: let a browser that looks fetch its page, if it has one."""
+        self._ended = self._report.is_file()
+        if self._ended and time.monotonic() - self._asked < PATIENCE:
             self._fetched.wait(PATIENCE)
 
     def close(self) -> None:
