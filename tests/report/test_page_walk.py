@@ -1,10 +1,6 @@
 """The page's own walk, in JavaScript, agrees with the compiled one, or the page says why it cannot."""
 
-import json
-import shutil
-import subprocess
 from dataclasses import replace
-from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -28,24 +24,10 @@ const walked = FEET.map((k) => {
   return [walk.reason, NAMES.map((name) => walk.objectives[name] ?? null)];
 });
 """
-NODE = shutil.which("node")
-
-
-def in_node(scene, accuracy, space, feet):
-    """What the page's scripts make of soles, outside of a browser."""
-    scripts = "".join(
-        files("footopt.report.page").joinpath(name).read_text() for name in ("contact.js", "simulate.js")
-    )
-    content = json.dumps(plain({"physics": physics(scene, accuracy, space)}))
-    code = f"const data = {content}, FEET = {plain(feet)}, NAMES = {list(NAMES)};\n{scripts}{WALK}"
-    done = subprocess.run(
-        [NODE], input=f"{code}console.log(JSON.stringify(walked))", capture_output=True, text=True, check=True
-    )
-    return json.loads(done.stdout)
 
 
 def in_browser(browser, folder, scene, accuracy, space, feet):
-    """The same in a browser, on a page of the scene."""
+    """What the page's scripts make of soles, on a page of the scene."""
     content = {
         "title": "A walk",
         "columns": [],
@@ -105,13 +87,6 @@ def drawn(rng):
     space = fo.Waypoints(n, int(rng.integers(2, 30)), rng.uniform(0.08, 0.18), rng.uniform(0.01, 0.05),
                          ankle=(rng.uniform(-0.05, 0.05), rng.uniform(0, 0.05)))  # fmt: skip
     return fo.Scene(sand, gait, walker, effects=effects), accuracy, space
-
-
-@pytest.mark.skipif(NODE is None, reason="no node")
-def test_a_few_soles_walk_as_in_python():
-    scene, accuracy, space = fo.Scene(), fo.Accuracy.named("draft"), fo.Waypoints()
-    feet = space.random(4, seed=17)
-    assert differences(in_node(scene, accuracy, space, feet), scene, accuracy, space, feet).max() < 1e-9
 
 
 @browser_needed
