@@ -266,12 +266,14 @@ def label_lines(axes: Axes, lines: Mapping[str, ArrayLike], looks: Mapping[str, 
     """
     axes.figure.draw_without_rendering()  # places in pixels hold only in a laid-out figure
     box = axes.get_window_extent()
+    least = box.y0 + axes.figure.dpi * 14 / 72  # a name below a lower point would be on the axis
     at = {name: _dense(axes.transData.transform(np.asarray(points, float))) for name, points in lines.items()}
     taken: list[Array] = []
     for name, points in at.items():
         own = points[np.abs(points[:, 0] - box.x0 - box.width / 2) < 0.38 * box.width]
         if not len(own):
             continue
+        own = above if len(above := own[own[:, 1] > least]) else own
         others = np.concatenate(
             [*(p for other, p in at.items() if other != name), *taken, [[np.inf, np.inf]]]
         )

@@ -136,10 +136,10 @@ def describe_loss(name: str, value: float, flat: float) -> list[str]:
 
 
 def describe_foot(foot: Foot) -> str:
-    """A sole in one line: its heights, its hollow, its box violation."""
+    """A sole in one line: its heights, its hollow, and by how much it leaves its box, if it does."""
     parts = [f"k = {written(foot.k)}"] if foot.k is not None else [foot.name]
     parts.append(f"hollow {1e3 * foot.hollow:.1f} mm")
-    if foot.box_violation is not None:
+    if foot.box_violation is not None and foot.box_violation >= 5e-6:
         parts.append(f"outside its box by {1e3 * foot.box_violation:.2f} mm")
     return ", ".join(parts)
 

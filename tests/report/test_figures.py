@@ -238,6 +238,24 @@ def test_convergence_plots_best_and_median_against_evaluations():
     assert {"best −4", "best", "median of the generation"} <= set(texts(axes))
 
 
+def test_lines_are_named_above_the_axis():
+    # the median of a search that begins anew, and a best value that comes down
+    for best, median in (
+        ([1.7, 1.8, 1.8, 1.8, 1.8], [1.5, 1.7, 0.8, 1.7, 1.6]),
+        ([35, 35, 16, 16, 16], [44] * 5),
+    ):
+        rows = [
+            SimpleNamespace(evaluations=100 * i, best=b, median=m, hypervolume=np.nan)
+            for i, (b, m) in enumerate(zip(best, median, strict=True))
+        ]
+        figure = figures.convergence(rows, "value")
+        figure.draw_without_rendering()
+        axes = figure.axes[0]
+        names = [text.get_window_extent() for text in axes.texts]
+        assert len(names) == 2
+        assert min(name.y0 for name in names) > axes.get_window_extent().y0
+
+
 def test_convergence_of_j_w_is_a_multiple_of_the_flat_foots_with_the_value_behind():
     axes = figures.convergence(HISTORY, "efficiency $J_W$", -2.0).axes[0]
     np.testing.assert_array_equal(axes.get_lines()[0].get_ydata(), [np.nan, 1.0, 1.25, 2.0])

@@ -439,6 +439,13 @@ class TestStage:
         assert near.mean() > 0.98  # between frames a heap slides at once; a frame later it is 0.97
         assert z[0].min() < -0.005 < 0.002 < z[0].max()  # a print and its rim
 
+    def test_a_drawn_print_has_no_teeth(self, pages, browser):
+        shown = Page(browser, pages["walk"])
+        z = np.array(shown.js("printed(open(0))(open(0).t.at(-1))"))[:, 1]
+        turns = np.diff(np.sign(np.diff(z[z < 0])))
+        assert z.min() < -0.01
+        assert (turns != 0).sum() < 20  # one in a print or two, of four steps
+
     def test_a_print_that_is_no_result_says_that_it_is_drawn(self, pages, browser):
         shown = Page(browser, pages["front"])
         assert shown.all('#walk [data-print="drawn"]')

@@ -36,11 +36,12 @@ function bars(i, width) {
   const left = 70, right = 66, tall = 56, X = (v) => Math.min(Math.max(left + ((v - low) / (high - low || 1)) * (width - left - right), 0), width);
   const made = svg("svg", { id: "bars", viewBox: `0 0 ${width} ${rows.length * tall + 4}`, height: rows.length * tall + 4, role: "img",
     "aria-label": `Change against the flat foot: ${rows.map((row) => `${row.column.title} ${change(row.value, row.base, row.column)}`).join(", ")}` });
+  made.append(svg("line", { x1: X(0), x2: X(0), y1: 18, y2: rows.length * tall, stroke: "var(--ink)", "stroke-width": 1.2 }));
   rows.forEach(({ column, value, base, share, error, under, better }, r) => {
     const y = r * tall + 22, middle = y + 9, end = X(share), out = share < 0 ? -1 : 1;
     const ends = range([share, ...under.map((u) => u.share)], 0).map(X), past = out < 0 ? Math.min(...ends, end) : Math.max(...ends, end);
     made.append(
-      svg("text", { x: 0, y: r * tall + 14 }, svg("tspan", { style: "font-weight:600" }, column.title),
+      svg("text", { class: "halo", x: 0, y: r * tall + 14 }, svg("tspan", { style: "font-weight:600" }, column.title),
         svg("tspan", { style: "fill:var(--grey)" }, `  ${quantity(value, column.unit)}${Number.isFinite(error) ? ` ± ${+(100 * Math.abs(error * base / value)).toPrecision(2)} %` : ""}, flat ${number(base)}`)),
       svg("rect", { class: "bar-of-change", "data-name": column.name, x: Math.min(X(0), end), y, width: Math.max(Math.abs(end - X(0)), 1), height: 18,
         fill: better ? colour : "var(--paper)", stroke: colour, "stroke-width": 1.5, ...(better ? {} : { "stroke-dasharray": "4 3" }) }),
@@ -49,7 +50,6 @@ function bars(i, width) {
       ...(Number.isFinite(error) ? [svg("path", { class: "error", d: `M${X(share - error)} ${y - 3}v24M${X(share + error)} ${y - 3}v24M${X(share - error)} ${middle}H${X(share + error)}`, stroke: "var(--ink)", "stroke-width": 1.5 })] : []),
       svg("text", { x: past + 8 * out, y: middle + 4, "text-anchor": out < 0 ? "end" : "start", style: "font-weight:600" }, change(value, base, column)));
   });
-  made.append(svg("line", { x1: X(0), x2: X(0), y1: 18, y2: rows.length * tall, stroke: "var(--ink)", "stroke-width": 1.2 }));
   return made;
 }
 
@@ -144,8 +144,9 @@ function searchSection(choose) {
     a.svg.append(
       svg("path", { d: path(medians.map((v, i) => [X(i), a.Y(v)])), fill: "none", stroke: "var(--flat)", "stroke-width": 1.5, "stroke-dasharray": "6 4" }),
       svg("path", { d: path(bests.flatMap((v, i) => (i ? [[X(i), a.Y(bests[i - 1])], [X(i), a.Y(v)]] : [[X(i), a.Y(v)]]))), fill: "none", stroke: "var(--best)", "stroke-width": 2.2 }));
-    if (medians.some(Number.isFinite)) a.svg.append(svg("text", { class: "halo", x: X(rows.length - 1), y: a.Y(medians.findLast(Number.isFinite)) - 6, "text-anchor": "end", style: "fill:var(--grey)" }, "median of the generation"));
-    if (bests.some(Number.isFinite)) a.svg.append(svg("text", { class: "halo", x: X(rows.length - 1), y: a.Y(bests.findLast(Number.isFinite)) + 14, "text-anchor": "end" }, several ? (data.live ? "" : "hypervolume") : "best so far"));
+    const ends = [medians, bests].map((all) => all.findLast(Number.isFinite)), over = ends[1] >= ends[0] ? 1 : 0;
+    [["median of the generation", "fill:var(--grey)"], [several ? (data.live ? "" : "hypervolume") : "best so far", ""]].forEach(([text, style], i) =>
+      ends[i] !== undefined && a.svg.append(svg("text", { class: "halo", x: X(rows.length - 1), y: a.Y(ends[i]) + (i === over ? -6 : 14), "text-anchor": "end", style }, text)));
     if (now < rows.length) a.svg.append(svg("line", { class: "cursor", x1: X(now), x2: X(now), y1: a.inside.top, y2: a.inside.bottom }));
     hover(a, (x) => {
       const r = rows.findLast((row) => a.X(row.evaluations) <= x + 3);

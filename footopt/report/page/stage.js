@@ -109,17 +109,20 @@ const PAINTS = {
 function printed(walk) {
   const STEP = 0.004, [x0, x1] = range(walk.com.filter((_, i) => i % 2 === 0), 0), from = x0 - 1;
   const depth = new Float64Array(Math.ceil((x1 - x0 + 2) / STEP));
-  let done = -1;
+  let done = -1, before = [];
+  const dig = ([xa, za], [xb, zb]) => {
+    const first = Math.ceil((Math.min(xa, xb) - from) / STEP), last = (Math.max(xa, xb) - from) / STEP;
+    for (let j = first; j <= last; j++) depth[j] = Math.min(depth[j], za + ((zb - za) * (from + j * STEP - xa)) / (xb - xa || 1));
+  };
   return (t) => {
-    if (t < done) { depth.fill(0); done = -1; }
-    for (let s = Math.max(done, 0); s <= t; s += 0.01) for (const { carry } of pose(walk, s)) {
+    if (t < done) { depth.fill(0); done = -1; before = []; }
+    for (let s = Math.max(done, 0); s <= t; s += 0.01) before = pose(walk, s).map(({ carry }, foot) => {
       const points = carry(walk.light);
-      if (points.every((p) => p[1] >= 0)) continue;
-      points.slice(1).forEach(([xb, zb], i) => {
-        const [xa, za] = points[i], first = Math.ceil((Math.min(xa, xb) - from) / STEP), last = (Math.max(xa, xb) - from) / STEP;
-        for (let j = first; j <= last; j++) depth[j] = Math.min(depth[j], za + ((zb - za) * (from + j * STEP - xa)) / (xb - xa || 1));
-      });
-    }
+      if (points.some((p) => p[1] < 0)) points.slice(1).forEach((p, i) => dig(points[i], p));
+      // heel and toe go on between two instants
+      if (before[foot]) for (const end of [0, -1]) dig(before[foot].at(end), points.at(end));
+      return points;
+    });
     done = t;
     return Array.from(depth, (z, j) => [from + j * STEP, z]);
   };
