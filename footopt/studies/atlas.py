@@ -17,7 +17,7 @@ from footopt.report.figures.atlas import atlas as figure
 from footopt.studies.base import Study
 from footopt.studies.build import make_problem
 from footopt.studies.load import load
-from footopt.studies.record import scene_entry
+from footopt.studies.record import accuracy_entry, scene_entry
 from footopt.walk import MEASURES
 from footopt.walk.objectives import Objective
 
@@ -74,6 +74,7 @@ def run(study: Study) -> None:
                 "counts": found.counts,
             },
             **scene_entry(problem.scene, problem.accuracy, problem.record),
+            "accuracy": accuracy_entry(problem.accuracy, problem.scene, problem.space),
             "designs": found.walks,
         },
         said=[
