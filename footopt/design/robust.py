@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ import numpy as np
 
 from footopt.design.evaluator import Evaluator
 from footopt.design.exhaustive import BEATEN
-from footopt.design.problem import Array, FootProblem, Ints, Words
+from footopt.design.problem import Array, FootProblem, Ints, Race, Words
 from footopt.design.search import search
 from footopt.design.solvers import EXHAUSTIVE
 from footopt.design.store import Store
@@ -121,15 +121,18 @@ class RobustProblem(FootProblem):
         total[[i is not None for i in first]] = np.nan
         return total, np.array(why, dtype=np.str_)
 
-    @contextmanager
-    def race(self, evaluator: Evaluator) -> Iterator[Callable[[Ints, float], tuple[Array, Words]]]:
-        """Walk scenario by scenario, no further with designs that cannot win; for "worst" of one objective.
+    def race(self, evaluator: Evaluator) -> AbstractContextManager[Race]:
+        """For "worst" of one objective: walk scenario by scenario, no further with designs that cannot win.
 
-        What it gives is called with designs (designs, n) and the largest value, minimised, that still counts.
         The worst of some scenarios is no better than that of all, so that who is beyond it in those walked so
         far has lost: its reason is `BEATEN`, its values are NaN. All other values are those of `walk`, to the
         last bit. Walks are kept as those of each scenario alone, where a search of it finds them, too.
         """
+        raced = self.n_obj == 1 and self.measure == "worst"
+        return self._raced(evaluator) if raced else super().race(evaluator)
+
+    @contextmanager
+    def _raced(self, evaluator: Evaluator) -> Iterator[Race]:
         alone = [
             FootProblem(s.scene, self.names, s.space(self.space), self.accuracy, self.threads)
             for s in self.scenarios
