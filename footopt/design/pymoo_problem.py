@@ -24,7 +24,7 @@ from footopt.foot import Waypoints
 REPEATS = 10  # times as many generations as its walks need, where a solver asks for designs again
 
 
-class PymooProblem(Problem):  # type: ignore[misc]  # pymoo has no types
+class PymooProblem(Problem):
     """A `FootProblem` as pymoo's algorithms want it, for `pymoo.optimize.minimize`.
 
     One call walks a whole population. Designs are rounded to whole numbers within their bounds, so that
@@ -118,7 +118,7 @@ def as_solver(algorithm: Any, budget: dict[str, Any]) -> Solver:
     return OfPymoo(name=type(algorithm).__name__, algorithm=algorithm, **size, **budget)
 
 
-class Size(Problem):  # type: ignore[misc]  # pymoo has no types
+class Size(Problem):
     """What an algorithm knows of a `FootProblem` that it asks for designs of: no walks, the box, a memory."""
 
     def __init__(self, problem: FootProblem) -> None:
@@ -146,7 +146,7 @@ class Size(Problem):  # type: ignore[misc]  # pymoo has no types
         return self
 
 
-class Begun(Sampling):  # type: ignore[misc]  # pymoo has no types
+class Begun(Sampling):
     """A sampling whose first designs are given; the others are drawn as before."""
 
     def __init__(self, other: Sampling, start: Ints) -> None:
