@@ -301,8 +301,7 @@ def best_of(problem: Remembering) -> float:
     """The best J_W of all walks inside the box so far."""
     k = np.array([np.frombuffer(key, np.int8) for key in problem.known], np.int64)
     j = np.array([v[problem.record.index("efficiency")] for v, _ in problem.known.values()])
-    inside = problem.space.box_violation(k) <= problem.space.box_tolerance * problem.space.H
-    return float(np.nanmin(np.where(inside, j, np.nan)))
+    return float(np.nanmin(np.where(problem.space.inside(k), j, np.nan)))
 
 
 def improvements(bests: list[float]) -> str:

@@ -124,6 +124,17 @@ class FootProblem:
         """What is walked through: a store keeps it with the designs."""
         return {"scene": self.scene}
 
+    def prepare(self, store: Any = None, executor: Any = None, progress: bool = False) -> None:
+        """Find out what has to be known before the first walk, which is nothing here; `search` calls it.
+
+        Parameters
+        ----------
+        store, executor
+            As in `search`.
+        progress : bool
+            Whether to show on standard error how far it is.
+        """
+
     def evaluate(self, k: Any) -> Evaluated:
         """Walk with designs, (designs, n) heights; `SettingError` names a height that cannot be."""
         k = self.space.check(k)

@@ -52,7 +52,7 @@ class PymooProblem(Problem):
 
     def inside(self, k: Ints) -> NDArray[np.bool_]:
         """Which designs (designs, n) are inside their box: moves by runs ask for no others."""
-        return inside(self.problem.space, k)
+        return self.problem.space.inside(k)
 
     def _evaluate(self, x: Any, out: dict[str, Any], *args: Any, **kwargs: Any) -> None:
         found = self.problem.evaluate(whole([x] if self.elementwise else x, self))
@@ -81,11 +81,6 @@ def whole(X: Any, problem: Any) -> Ints:
         X = [[row[name] for name in problem.vars] for row in X]
     rows = np.asarray(X, float).reshape(-1, problem.n_var)
     return np.clip(np.round(rows), problem.xl, problem.xu).astype(np.int64)
-
-
-def inside(space: Waypoints, k: Ints) -> NDArray[np.bool_]:
-    """Which designs (designs, n) are inside their box."""
-    return np.asarray(space.box_violation(k) <= space.box_tolerance * space.H)
 
 
 @dataclass(frozen=True)
@@ -131,7 +126,7 @@ class Size(Problem):
 
     def inside(self, k: Ints) -> NDArray[np.bool_]:
         """Which designs are inside their box."""
-        return inside(self._space, k)
+        return self._space.inside(k)
 
     def seen(self, k: Ints) -> NDArray[np.bool_]:
         """Which designs have been asked for."""
