@@ -139,7 +139,19 @@ def _on(study: Study, scenario: Scenario, solver: Solver, executor: Executor | N
     lasting = scene.duration - scene.gait.start
     asked = {} if study.options.speed is None else {"distance": study.options.speed * lasting}
     alone = FootProblem(scene, objective, space, study.accuracy, study.threads, asked)
-    result = _search(study, alone, solver, f"{name}, foot", executor, step)
+    try:
+        result = _search(study, alone, solver, f"{name}, foot", executor, step)
+    except FootoptError as error:
+        if not asked:
+            raise
+        distances = alone.evaluate(space.random(64, seed=1)).values[:, alone.record.index("distance")]
+        raise SettingError(
+            "study.speed",
+            study.options.speed,
+            f"a speed that feet reach with the gait as it is given: 64 random ones on {name} sand at most "
+            f"{np.nanmax(distances, initial=0.0) / lasting:.2g} m/s",
+            str(error),
+        ) from None
     own = result.k[confirm(result, finer, study.options.finalists).designs[0]]
     if study.options.speed is None:
         walked = float(alone.evaluate(own).values[0, alone.record.index("distance")])
