@@ -15,20 +15,10 @@ import footopt.effects.slope
 import footopt.walk
 
 #: Names that are None where a scene has no effect that needs them.
-ABSENT = {"loads", "gates", "pushes", "tangent", "tilt", "h0", "bristles", "rest"}
-ABSENT |= {"prints", "ground", "surface"}
-SOURCES = (
-    "state",
-    "contact",
-    "bristles",
-    "newton",
-    "metrics",
-    "sources",
-    "surface",
-    "ground",
-    "loop",
-    "steppers",
-)
+ABSENT = {"loads", "gates", "pushes", "tangent", "tilt", "h0", "bristles", "rest",
+          "prints", "ground", "surface"}  # fmt: skip
+SOURCES = ("state", "contact", "bristles", "newton", "metrics", "sources", "surface", "ground", "loop",
+           "steppers")  # fmt: skip
 
 
 class Delete(ast.NodeTransformer):

@@ -33,7 +33,7 @@ MOTION = (-0.05, 0.3, -0.2, np.cos(0.2), np.sin(0.2), 0.5, 1e-4, 1.5e-3)
 
 
 @njit(error_model="numpy", nogil=True)
-def _repeat(out, sole, world, motion, jacobian, repeats, change):  # type: ignore[no-untyped-def]
+def _repeat(out, sole, world, motion, jacobian, repeats, change):
     out[:] = 0.0
     za, vx, vz, cos, sin, rate, creep = motion
     for r in range(repeats):

@@ -132,7 +132,7 @@ def certified(
         confirmed = confirm(result, accuracy, count)
         own, margin = result.k[confirmed.designs[0]], SAFETY * _change(result, confirmed)
         near, distance = neighbours(own, space)
-        inside = near[space.box_violation(near) <= space.box_tolerance * space.H]
+        inside = near[space.inside(near)]
         new = {k.tobytes() for k in inside} - searched
         affordable = len(fresh | new) <= most
         close = inside[:0]

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from footopt.design.choice import Choice
 from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.errors import check
 from footopt.foot import Foot, Waypoints
 from footopt.gait.genes import GENES, values_of, varied
-from footopt.walk.accuracy import Accuracy
 from footopt.walk.scene import Scene
 from footopt.walk.simulate import at_once, evaluate
 
@@ -34,14 +32,12 @@ class FootAndGait(Waypoints):
     @classmethod
     def of(cls, space: Waypoints) -> FootAndGait:
         """Of the soles of a space."""
-        return cls(**{field.name: getattr(space, field.name) for field in fields(Waypoints)}
-                   | {"n": space.n + len(GENES)})  # fmt: skip
+        return cls(**_settings(space) | {"n": space.n + len(GENES)})
 
     @property
     def feet(self) -> Waypoints:
         """The space of soles alone."""
-        values = {field.name: getattr(self, field.name) for field in fields(Waypoints)}
-        return Waypoints(**values | {"n": self.n - len(GENES)})
+        return Waypoints(**_settings(self) | {"n": self.n - len(GENES)})
 
     @property
     def own(self) -> tuple[int, ...]:
@@ -66,6 +62,10 @@ class FootAndGait(Waypoints):
         return self.feet.points(self.check(k)[:, : -len(GENES)], steps)
 
 
+def _settings(space: Waypoints) -> dict[str, Any]:
+    return {field.name: getattr(space, field.name) for field in fields(Waypoints)}
+
+
 class CoDesign(FootProblem):
     """Find a foot and a gait together: heights of waypoints, and levels of `footopt.gait.genes.GENES`.
 
@@ -76,25 +76,18 @@ class CoDesign(FootProblem):
     ----------
     scene : Scene
         With the gait that is varied.
-    objective, accuracy, threads, limits, choose
-        As in `FootProblem`.
     space : Waypoints
         Of the soles; the problem's own space is `FootAndGait` of it.
+    **asked
+        objective, accuracy, threads, limits and choose of `FootProblem`.
     """
 
-    def __init__(
-        self,
-        scene: Scene | None = None,
-        objective: str | Sequence[str] = "efficiency",
-        space: Waypoints | None = None,
-        accuracy: Accuracy | str = "standard",
-        threads: int | None = None,
-        limits: Mapping[str, float] | None = None,
-        choose: Choice | str = "knee",
-    ) -> None:
+    space: FootAndGait
+
+    def __init__(self, scene: Scene | None = None, space: Waypoints | None = None, **asked: Any) -> None:
         scene = Scene() if scene is None else scene
         lasting, both = replace(scene, t_f=scene.duration), FootAndGait.of(space or Waypoints())
-        super().__init__(lasting, objective, both, accuracy, threads, limits, choose)
+        super().__init__(lasting, space=both, **asked)
 
     def scene_of(self, k: Ints) -> Scene:
         """The scene with the gait of a design (n,)."""
@@ -104,12 +97,10 @@ class CoDesign(FootProblem):
 
     def foot_of(self, k: Ints) -> Foot:
         """The foot of a design (n,)."""
-        assert isinstance(self.space, FootAndGait)
         return Foot.from_waypoints(k[: -len(GENES)].tolist(), self.space.feet)
 
     def walk(self, k: Ints) -> tuple[Array, Words]:
         """Walk with designs (designs, n), those of one gait together."""
-        assert isinstance(self.space, FootAndGait)
         feet = self.space.feet
         _, first, gaits = np.unique(k[:, -len(GENES) :], axis=0, return_index=True, return_inverse=True)
         values = np.empty((len(k), len(self.record)))

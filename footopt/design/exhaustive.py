@@ -9,9 +9,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
-from contextlib import nullcontext
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -56,7 +54,7 @@ class Enumeration(SearchResult):
 
     @property
     def beaten(self) -> int:
-        """How many could not be among the best, and were not walked to the end (`RobustProblem.race`)."""
+        """How many could not be among the best, and were not walked to the end (`FootProblem.race`)."""
         return self.counts.get(BEATEN, 0)
 
     @property
@@ -120,13 +118,8 @@ def enumerate_space(
     history: list[Generation] = []
     interrupted, stopped = False, ""
     single = problem.n_obj == 1
-    # a RobustProblem is of a later file; it can tell a design that has lost before its last walk
-    races = single and getattr(problem, "measure", "") == "worst"
-    racing: Any = nullcontext(lambda k, limit: evaluator(k))
-    if races:
-        racing = problem.race(evaluator)  # type: ignore[attr-defined]
     try:
-        with racing as walk:
+        with problem.race(evaluator) as walk:
             for number, k in enumerate(batches(space, solver.size), start=1):
                 violation, median = space.box_violation(k), nan
                 inside = violation <= space.box_tolerance * space.H
@@ -138,16 +131,16 @@ def enumerate_space(
                     walked = Designs(k[inside], values, why, violation[inside], np.full(inside.sum(), number))
                     feasible = walked.take(verdicts == "")
                     best = best_of(best.joined(feasible), problem)
-                    if problem.n_obj == 1 and len(feasible.k):
+                    if single and len(feasible.k):
                         median = float(np.median(feasible.values[:, column]))
                 counts.update(reasons)
                 history.append(
                     Generation(
                         generation=number,
                         evaluations=counts.total() - counts["box"],
-                        best=float(best.values[0, column]) if problem.n_obj == 1 and len(best.k) else nan,
+                        best=float(best.values[0, column]) if single and len(best.k) else nan,
                         median=median,
-                        front=min(len(best.k), 1) if problem.n_obj == 1 else len(best.k),
+                        front=min(len(best.k), 1) if single else len(best.k),
                         seconds=time.perf_counter() - started,
                     )
                 )
@@ -166,7 +159,7 @@ def enumerate_space(
         feasible=np.full(len(best.k), True),
         history=history,
         best=0,
-        front=np.arange(1 if problem.n_obj == 1 else len(best.k)),
+        front=np.arange(1 if single else len(best.k)),
         evaluations=history[-1].evaluations,
         seconds=time.perf_counter() - started,
         interrupted=interrupted,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +20,8 @@ from footopt.walk.simulate import evaluate, resolve
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Words = NDArray[np.str_]
+#: Values (designs, record) and reasons of designs (designs, n), walked no further than the limit asks.
+Race = Callable[[Ints, float], tuple[Array, Words]]
 
 #: Objectives by the name of a set; any sequence of names from `MEASURES` will do as well.
 SETS: dict[str, tuple[str, ...]] = {"efficiency": ("efficiency",), "pareto": FIVE}
@@ -121,6 +124,17 @@ class FootProblem:
         """What is walked through: a store keeps it with the designs."""
         return {"scene": self.scene}
 
+    def prepare(self, store: Any = None, executor: Any = None, progress: bool = False) -> None:
+        """Find out what has to be known before the first walk, which is nothing here; `search` calls it.
+
+        Parameters
+        ----------
+        store, executor
+            As in `search`.
+        progress : bool
+            Whether to show on standard error how far it is.
+        """
+
     def evaluate(self, k: Any) -> Evaluated:
         """Walk with designs, (designs, n) heights; `SettingError` names a height that cannot be."""
         k = self.space.check(k)
@@ -132,6 +146,18 @@ class FootProblem:
         """Walk with designs (designs, n): recorded values (designs, record), and why a walk failed."""
         table = evaluate(k, self.scene, self.accuracy, self.record, self.space, self.threads)
         return table.values, table.reasons
+
+    def race(self, evaluator: Any) -> AbstractContextManager[Race]:
+        """Walk with designs that are given with a limit: the largest value, minimised, that still counts.
+
+        Here every walk goes to its end, whatever the limit; a problem of several walks may stop earlier.
+
+        Parameters
+        ----------
+        evaluator : Evaluator
+            Who walks.
+        """
+        return nullcontext(lambda k, limit: evaluator(k))
 
     def minimised(self, values: Array) -> Array:
         """F (designs, objectives) of values (designs, record); each objective's worst for a failed walk."""

@@ -24,7 +24,7 @@ from footopt.foot import Waypoints
 REPEATS = 10  # times as many generations as its walks need, where a solver asks for designs again
 
 
-class PymooProblem(Problem):  # type: ignore[misc]  # pymoo has no types
+class PymooProblem(Problem):
     """A `FootProblem` as pymoo's algorithms want it, for `pymoo.optimize.minimize`.
 
     One call walks a whole population. Designs are rounded to whole numbers within their bounds, so that
@@ -52,7 +52,7 @@ class PymooProblem(Problem):  # type: ignore[misc]  # pymoo has no types
 
     def inside(self, k: Ints) -> NDArray[np.bool_]:
         """Which designs (designs, n) are inside their box: moves by runs ask for no others."""
-        return inside(self.problem.space, k)
+        return self.problem.space.inside(k)
 
     def _evaluate(self, x: Any, out: dict[str, Any], *args: Any, **kwargs: Any) -> None:
         found = self.problem.evaluate(whole([x] if self.elementwise else x, self))
@@ -81,11 +81,6 @@ def whole(X: Any, problem: Any) -> Ints:
         X = [[row[name] for name in problem.vars] for row in X]
     rows = np.asarray(X, float).reshape(-1, problem.n_var)
     return np.clip(np.round(rows), problem.xl, problem.xu).astype(np.int64)
-
-
-def inside(space: Waypoints, k: Ints) -> NDArray[np.bool_]:
-    """Which designs (designs, n) are inside their box."""
-    return np.asarray(space.box_violation(k) <= space.box_tolerance * space.H)
 
 
 @dataclass(frozen=True)
@@ -118,7 +113,7 @@ def as_solver(algorithm: Any, budget: dict[str, Any]) -> Solver:
     return OfPymoo(name=type(algorithm).__name__, algorithm=algorithm, **size, **budget)
 
 
-class Size(Problem):  # type: ignore[misc]  # pymoo has no types
+class Size(Problem):
     """What an algorithm knows of a `FootProblem` that it asks for designs of: no walks, the box, a memory."""
 
     def __init__(self, problem: FootProblem) -> None:
@@ -131,7 +126,7 @@ class Size(Problem):  # type: ignore[misc]  # pymoo has no types
 
     def inside(self, k: Ints) -> NDArray[np.bool_]:
         """Which designs are inside their box."""
-        return inside(self._space, k)
+        return self._space.inside(k)
 
     def seen(self, k: Ints) -> NDArray[np.bool_]:
         """Which designs have been asked for."""
@@ -146,7 +141,7 @@ class Size(Problem):  # type: ignore[misc]  # pymoo has no types
         return self
 
 
-class Begun(Sampling):  # type: ignore[misc]  # pymoo has no types
+class Begun(Sampling):
     """A sampling whose first designs are given; the others are drawn as before."""
 
     def __init__(self, other: Sampling, start: Ints) -> None:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import sys
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
-from contextlib import ExitStack, contextmanager
-from functools import cached_property
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from footopt.design.evaluator import Evaluator
 from footopt.design.exhaustive import BEATEN
-from footopt.design.problem import Array, FootProblem, Ints, Words
+from footopt.design.problem import Array, FootProblem, Ints, Race, Words
 from footopt.design.search import search
 from footopt.design.solvers import EXHAUSTIVE
 from footopt.design.store import Store
@@ -48,9 +48,9 @@ class RobustProblem(FootProblem):
     references : (scenarios,), optional
         The value of `guide` that a good foot has in each scenario, by whose magnitude it is divided
         there: the measure is then one of the loss relative to it (`regret`). By default each scenario's
-        own best, which is searched when it is first needed (`own_best`). Ones leave the values as they
-        are: the worst J_W of three sands is that on soft sand, where J_W is a tenth, and the foot that is
-        best by it a specialist.
+        own best: before the first walk, one default search of each (`own_best`), 10,000 walks, which
+        ``fo.search(..., progress=True)`` shows. Ones leave the values as they are: the worst J_W of three
+        sands is that on soft sand, where J_W is a tenth, and the foot that is best by it a specialist.
 
     Raises
     ------
@@ -78,12 +78,20 @@ class RobustProblem(FootProblem):
         super().__init__(scenarios[0].scene, objective, space, accuracy, threads)
         self.scenarios = tuple(scenarios)
         self.measure, self.tail = measure, tail
-        self._given = None if references is None else _checked(references, len(names))
+        self._references = None if references is None else _checked(references, len(names))
 
-    @cached_property
+    @property
     def references(self) -> Array:
         """The value of `guide` that a good foot has in each scenario, (scenarios,)."""
-        return own_best(self) if self._given is None else self._given
+        self.prepare()
+        return cast(Array, self._references)
+
+    def prepare(
+        self, store: str | Path | None = None, executor: Executor | None = None, progress: bool = False
+    ) -> None:
+        """Search each scenario's own best, unless the references are known."""
+        if self._references is None:
+            self._references = own_best(self, store, executor, progress)
 
     @property
     def conditions(self) -> dict[str, Any]:
@@ -121,15 +129,18 @@ class RobustProblem(FootProblem):
         total[[i is not None for i in first]] = np.nan
         return total, np.array(why, dtype=np.str_)
 
-    @contextmanager
-    def race(self, evaluator: Evaluator) -> Iterator[Callable[[Ints, float], tuple[Array, Words]]]:
-        """Walk scenario by scenario, no further with designs that cannot win; for "worst" of one objective.
+    def race(self, evaluator: Evaluator) -> AbstractContextManager[Race]:
+        """For "worst" of one objective: walk scenario by scenario, no further with designs that cannot win.
 
-        What it gives is called with designs (designs, n) and the largest value, minimised, that still counts.
         The worst of some scenarios is no better than that of all, so that who is beyond it in those walked so
         far has lost: its reason is `BEATEN`, its values are NaN. All other values are those of `walk`, to the
         last bit. Walks are kept as those of each scenario alone, where a search of it finds them, too.
         """
+        raced = self.n_obj == 1 and self.measure == "worst"
+        return self._raced(evaluator) if raced else super().race(evaluator)
+
+    @contextmanager
+    def _raced(self, evaluator: Evaluator) -> Iterator[Race]:
         alone = [
             FootProblem(s.scene, self.names, s.space(self.space), self.accuracy, self.threads)
             for s in self.scenarios
@@ -164,7 +175,10 @@ class RobustProblem(FootProblem):
 
 
 def own_best(
-    problem: RobustProblem, store: str | Path | None = None, executor: Executor | None = None
+    problem: RobustProblem,
+    store: str | Path | None = None,
+    executor: Executor | None = None,
+    progress: bool = False,
 ) -> Array:
     """What `problem.guide` is of the best foot of each scenario alone, (scenarios,), as a search finds it.
 
@@ -178,18 +192,27 @@ def own_best(
         A file to keep every walk in.
     executor : Executor, optional
         Who walks.
+    progress : bool
+        Whether to show on standard error how far it is.
 
     Raises
     ------
     FootoptError
         There is no feasible foot for a scenario.
+    KeyboardInterrupt
+        It was interrupted. With the same store it goes on where it was.
     """
     solver = EXHAUSTIVE if problem.space.K**problem.space.n <= FEW else None
     found = []
     for s in problem.scenarios:
         alone = FootProblem(s.scene, problem.guide, s.space(problem.space), problem.accuracy, problem.threads)
         try:
-            result = search(alone, solver, store=store, executor=executor)
+            if progress:
+                print(
+                    f"The best foot for {s.name} alone, to which {problem.guide} is relative:",
+                    file=sys.stderr,
+                )
+            result = search(alone, solver, progress, store, executor)
         except FootoptError as error:
             raise FootoptError(f"{s.name}: {error}") from None
         if result.interrupted:

@@ -140,6 +140,10 @@ class Waypoints:
         out: Array = np.maximum(np.maximum(z.max(axis=1), -self.H - z.min(axis=1)), 0.0)
         return out
 
+    def inside(self, k: ArrayLike) -> NDArray[np.bool_]:
+        """Which soles stay in the box, but for `box_tolerance`, (designs,)."""
+        return np.asarray(self.box_violation(k) <= self.box_tolerance * self.H)
+
     def random(self, designs: int, seed: int, inside: bool = False) -> Ints:
         """Draw designs at random, (designs, n).
 
@@ -163,7 +167,7 @@ class Waypoints:
         kept = np.empty((0, self.n), np.int64)
         for _ in range(1000):
             k = rng.integers(1, self.K + 1, (max(designs, 64), self.n))
-            kept = np.concatenate([kept, k[self.box_violation(k) <= self.box_tolerance * self.H]])
+            kept = np.concatenate([kept, k[self.inside(k)]])
             if len(kept) >= designs:
                 return kept[:designs]
         raise SettingError(

@@ -1,4 +1,4 @@
-"""Four numbers of a gait that a person changes at will, and how far: stride time, step, knee lift, pitch."""
+"""Four numbers of a gait that a person changes at will: stride time, step, knee lift, pitch."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from footopt.gait.fourier import Fourier
 from footopt.gait.gait import Gait
 
 PHASES = np.arange(200) / 200  # of a stride, among which the knee is least bent
-WINTER = "Winter, The Biomechanics and Motor Control of Human Gait, 2nd edition (1991)"
+ASSUMED = "assumed"
+ANKLE = "as far as the ankle bends in a stride: Perry, Gait Analysis, table 4.1"
 
 
 @dataclass(frozen=True)
@@ -24,11 +25,11 @@ class Gene:
     given : float, optional
         Its value of a gait that is as given; None for the gait's own stride time.
     low, high : float
-        A person's range.
+        The range that a person's is assumed to be.
     unit : str
         Of the value; "" for a factor.
     source : str
-        Where the range is from.
+        Where the range is from: none was measured, and of one only what it stands for.
     """
 
     given: float | None
@@ -50,15 +51,14 @@ class Gene:
         return float(np.interp(level, at, (min(self.low, own), own, max(self.high, own))))
 
 
-#: By name. Stride time: slow to fast walking of adults, 87 to 123 steps a minute. Step: the thigh's swing,
-#: about its mean, by as much as stride length differs between slow, natural and fast. Lift: the bend of the
-#: knee above its least one, by two standard deviations between people. Pitch: of the foot to the shank, + toe
-#: up, the ankle's excursion in a stride.
+#: By name. Ranges are assumed, not measured. Stride time: of 123 to 87 steps a minute. Step: the thigh's
+#: swing about its mean. Lift: the bend of the knee above its least one. Pitch: of the foot to the shank,
+#: + toe up, for the whole stride; as far as the ankle bends within one, 10 deg up and 20 deg down.
 GENES: dict[str, Gene] = {
-    "stride_time": Gene(None, 0.98, 1.38, "s", WINTER),
-    "step": Gene(1.0, 0.9, 1.1, "", WINTER),
-    "lift": Gene(1.0, 0.8, 1.2, "", WINTER),
-    "pitch": Gene(0.0, -20.0, 10.0, "deg", "Perry & Burnfield, Gait Analysis, 2nd edition (2010)"),
+    "stride_time": Gene(None, 0.98, 1.38, "s", ASSUMED),
+    "step": Gene(1.0, 0.9, 1.1, "", ASSUMED),
+    "lift": Gene(1.0, 0.8, 1.2, "", ASSUMED),
+    "pitch": Gene(0.0, -20.0, 10.0, "deg", f"{ASSUMED}, {ANKLE}"),
 }
 
 

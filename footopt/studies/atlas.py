@@ -16,8 +16,8 @@ from footopt.report import terminal
 from footopt.report.figures.atlas import atlas as figure
 from footopt.studies.base import Study
 from footopt.studies.build import make_problem
-from footopt.studies.load import load
-from footopt.studies.record import scene_entry
+from footopt.studies.load import read
+from footopt.studies.record import accuracy_entry, scene_entry
 from footopt.walk import MEASURES
 from footopt.walk.objectives import Objective
 
@@ -29,7 +29,7 @@ def run(study: Study) -> None:
     options = study.options
     if options.run is None:
         raise SettingError("study.run", None, "the folder of a search", TRY)
-    searched = load(Path(options.run))
+    searched = read(options.run, "study.run")
     name = searched.config.study.name
     check(name == "optimize", "study.run", options.run, "the folder of a study=optimize", TRY)
     problem = make_problem(searched.config, searched.scene)
@@ -74,6 +74,7 @@ def run(study: Study) -> None:
                 "counts": found.counts,
             },
             **scene_entry(problem.scene, problem.accuracy, problem.record),
+            "accuracy": accuracy_entry(problem.accuracy, problem.scene, problem.space),
             "designs": found.walks,
         },
         said=[

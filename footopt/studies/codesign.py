@@ -139,15 +139,26 @@ def _on(study: Study, scenario: Scenario, solver: Solver, executor: Executor | N
     lasting = scene.duration - scene.gait.start
     asked = {} if study.options.speed is None else {"distance": study.options.speed * lasting}
     alone = FootProblem(scene, objective, space, study.accuracy, study.threads, asked)
-    result = _search(study, alone, solver, f"{name}, foot", executor, step)
+    try:
+        result = _search(study, alone, solver, f"{name}, foot", executor, step)
+    except FootoptError as error:
+        if not asked:
+            raise
+        distances = alone.evaluate(space.random(64, seed=1)).values[:, alone.record.index("distance")]
+        raise SettingError(
+            "study.speed",
+            study.options.speed,
+            f"a speed that feet reach with the gait as it is given: 64 random ones on {name} sand at most "
+            f"{np.nanmax(distances, initial=0.0) / lasting:.2g} m/s",
+            str(error),
+        ) from None
     own = result.k[confirm(result, finer, study.options.finalists).designs[0]]
     if study.options.speed is None:
         walked = float(alone.evaluate(own).values[0, alone.record.index("distance")])
         asked = {"distance": (1.0 - SLACK) * walked}
     both = CoDesign(
-        scene, objective, space=space, accuracy=study.accuracy, threads=study.threads, limits=asked
+        scene, space, objective=objective, accuracy=study.accuracy, threads=study.threads, limits=asked
     )
-    assert isinstance(both.space, FootAndGait)
     begin = np.append(own, both.space.own)
     together = _search(study, both, solver, f"{name}, foot and gait", executor, step, begin[None])
     best = together.k[confirm(together, finer, study.options.finalists).designs[0]]
@@ -232,7 +243,7 @@ def describe(name: str, f: Found) -> str:
     own = values_of(f.problem.scene.gait, f.k[0, -len(GENES) :].tolist(), f.problem.space.K)
     ends = [gene for gene, value in f.genes.items() if value != own[gene] and GENES[gene].at_end(value)]
     if ends:
-        said += f"; at the end of a person's range: {', '.join(gene.replace('_', ' ') for gene in ends)}"
+        said += f"; at the end of its assumed range: {', '.join(gene.replace('_', ' ') for gene in ends)}"
     return said
 
 

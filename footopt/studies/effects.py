@@ -12,7 +12,7 @@ from footopt.report import terminal
 from footopt.report.figures.effects import changes, pairs
 from footopt.studies.auto_effects import audit_entry, call_entry, calls_table, joint_entry, soles, tolerance
 from footopt.studies.base import Study
-from footopt.studies.record import scene_entry
+from footopt.studies.record import accuracy_entry, scene_entry
 from footopt.walk import FIVE, Scene, evaluate
 from footopt.walk.audit import Audit, Joint, audit, interactions, percent, switched
 from footopt.walk.calls import LITERATURE, calls
@@ -60,7 +60,11 @@ def run(study: Study) -> None:
             "seed": study.seed,
             "feet": feet.tolist(),
             **scene_entry(scene, study.accuracy, ()),
-            "audit": [audit_entry(a) for a in found],
+            "audit": [
+                audit_entry(a)
+                | {"accuracy": accuracy_entry(study.accuracy, switched(a.effect, scene)[1], space)}
+                for a in found
+            ],
             "called_for": sorted(a.name for a in found if a.matters),
         },
         said=[

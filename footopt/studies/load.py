@@ -168,8 +168,13 @@ def load(folder: str | Path, trust: bool = False) -> Run:
     FileError
         There is none, or footopt.yaml there has been changed by hand.
     """
+    return read(folder, "folder", trust)
+
+
+def read(folder: str | Path, setting: str, trust: bool = False) -> Run:
+    """`load`, whose errors name the setting that the folder is of."""
     path = Path(folder).expanduser()
-    return Run(path, *identity.read(path, "folder"), trusted=trust)
+    return Run(path, *identity.read(path, setting), trusted=trust)
 
 
 def load_all(pattern: str | Path) -> Any:

@@ -39,11 +39,10 @@ from footopt.studies import ranks
 from footopt.studies.auto_effects import choose_effects
 from footopt.studies.base import Study
 from footopt.studies.build import check_searchable, make_problem
-from footopt.studies.record import Answer, answer, foot_entry, scene_entry, validity_entry
+from footopt.studies.record import Answer, accuracy_entry, answer, foot_entry, scene_entry, validity_entry
 from footopt.studies.simulate import check_film, write_film, write_walk
 from footopt.studies.validation.model import describe, model_error
 from footopt.walk import gain_shares, simulate
-from footopt.walk.adapt import adapted
 from footopt.walk.resolution import error_of, resolution
 from footopt.walk.validity import diagnose
 
@@ -230,7 +229,7 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
         "constraints": problem.limits,
         "hypervolume": result.history[-1].hypervolume,
         "front_size": len(result.front),
-        "search_accuracy": dataclasses.asdict(adapted(problem.accuracy, problem.scene, problem.space)),
+        "search_accuracy": accuracy_entry(problem.accuracy, problem.scene, problem.space),
         "confirmed": {
             "k": result.k[confirmed.designs[:finalists]].tolist(),
             "values": confirmed.values[:finalists],

@@ -8,9 +8,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from footopt.effects import name_of
-from footopt.foot import Foot
+from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
 from footopt.walk import MEASURES, Accuracy, Scene
+from footopt.walk.adapt import adapted
 from footopt.walk.audit import parameters
 from footopt.walk.objectives import lookup
 from footopt.walk.validity import Diagnostic
@@ -49,6 +50,11 @@ def validity_entry(diagnostics: Sequence[Diagnostic]) -> dict[str, Any]:
         "validity_units": {d.name: d.unit for d in diagnostics},
         "warnings": [terminal.describe_outside(d) for d in diagnostics if d.outside],
     }
+
+
+def accuracy_entry(accuracy: Accuracy, scene: Scene, sole: Foot | Waypoints) -> dict[str, Any]:
+    """An accuracy in result.json as a sole, or all soles of a space, walk through a scene."""
+    return dataclasses.asdict(adapted(accuracy, scene, sole))
 
 
 def scene_entry(scene: Scene, accuracy: Accuracy, names: Sequence[str]) -> dict[str, Any]:

@@ -23,16 +23,16 @@ from footopt.design.robust import RobustProblem, regret
 from footopt.effects import Shadowing
 from footopt.errors import FootoptError, SettingError, check
 from footopt.files import run as files
-from footopt.foot import Foot
+from footopt.foot import Foot, Waypoints
 from footopt.report import figures, terminal
 from footopt.report.figures import robust as robust_figures
 from footopt.report.figures.search import FRONT, history_label
 from footopt.report.progress import Step, report_generations
 from footopt.studies.base import Study
 from footopt.studies.build import check_searchable, make_scene, make_spread
-from footopt.studies.record import foot_entry, scene_entry
+from footopt.studies.record import accuracy_entry, foot_entry, scene_entry
 from footopt.studies.settings import Config
-from footopt.walk import MEASURES, Scene
+from footopt.walk import MEASURES, Accuracy, Scene
 from footopt.walk.scenarios import Scenario, draw, laws, sands
 
 Array = NDArray[np.float64]
@@ -132,7 +132,7 @@ def run(study: Study) -> None:
             "measure": {"name": options.measure, "tail": options.tail, "of": judge.guide},
             "feet": {name: k.tolist() for name, k in feet.items()},
             "hollow_mm": hollows,
-            "scenarios": [scenario_entry(s) for s in scenarios],
+            "scenarios": [scenario_entry(s, finer, judge.space) for s in scenarios],
             "regrets": {
                 name: dict(zip(names, row, strict=True))
                 for name, row in zip(compared.names, regrets, strict=True)
@@ -319,8 +319,8 @@ def _remarks(scenarios: list[str], compared: Comparison, fresh: Array | None) ->
     return said
 
 
-def scenario_entry(scenario: Scenario) -> dict[str, Any]:
-    """A scenario in result.json."""
+def scenario_entry(scenario: Scenario, accuracy: Accuracy, space: Waypoints) -> dict[str, Any]:
+    """A scenario in result.json, with the numbers that an accuracy comes to in it."""
     scene = scenario.scene
     return {
         "name": scenario.name,
@@ -331,4 +331,5 @@ def scenario_entry(scenario: Scenario) -> dict[str, Any]:
         "thigh_deg": scene.gait.thigh._asdict(),
         "knee_deg": scene.gait.knee._asdict(),
         "ankle_shift_m": scenario.ankle,
+        "accuracy": accuracy_entry(accuracy, scene, scenario.space(space)),
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 from rich.table import Table as RichTable
@@ -66,6 +66,7 @@ def run(study: Study) -> None:
                 "reason": walk.reason,
                 "objectives": walk.objectives,
                 "error_estimate": error_of(walk),
+                "accuracy": asdict(walk.accuracy),
                 "validity": {d.name: d.value for d in diagnostics},
                 "warnings": [f"{d.name}: {d.why}" for d in diagnostics if d.outside],
             }

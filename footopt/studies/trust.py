@@ -35,6 +35,7 @@ from footopt.report import terminal
 from footopt.report.figures.trust import trust
 from footopt.studies.accuracy import SANDS
 from footopt.studies.base import Study
+from footopt.studies.record import accuracy_entry
 from footopt.walk.scenarios import Scenario, anything, sands
 
 RANDOM = "random scenes"
@@ -157,7 +158,7 @@ def answer(scenario: Scenario, single: Tabulated, several: Tabulated) -> dict[st
     about = f"zeta {scene.sand.zeta:.3g}, {scene.walker.mass:.0f} kg, legs {legs:.2f} m, "
     about += f"stride {scene.gait.period:.2f} s, pitch {scene.gait.pitch}"
     about += "".join(f", {type(effect).__name__}" for effect in scene.effects)
-    return found | {"scene": about}
+    return found | {"scene": about, "accuracy": accuracy_entry(single.accuracy, scene, single.space)}
 
 
 def describe(name: str, designs: int, found: Mapping[str, Any]) -> str:

@@ -15,7 +15,7 @@ from footopt.files.lock import LOCK, Occupied, locked
 from footopt.report.page.live import watched
 from footopt.studies.base import Study
 from footopt.studies.build import make_problem
-from footopt.studies.load import load
+from footopt.studies.load import read
 from footopt.studies.record import scene_entry
 
 POLL = 0.5  # s, between looks at whether the run has ended
@@ -27,7 +27,7 @@ def run(study: Study) -> None:
         raise SettingError(
             "study.run", None, "the folder of a search that runs", "Such as run=outputs/optimize/2026..."
         )
-    found = load(study.options.run)
+    found = read(study.options.run, "study.run")
     if found.config.study.name != "optimize":
         raise SettingError("study.run", study.options.run, "the folder of a run of study=optimize")
     if not at_work(found.folder):

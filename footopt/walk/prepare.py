@@ -21,7 +21,7 @@ from footopt.walk.steppers import STEPPERS
 
 Array = NDArray[np.float64]
 
-NEWTON = 5e-3  # last step of Newton's method over the plates' mean speed; with more, blows break a bound
+NEWTON = 0.03  # last step of Newton's method over the plates' mean speed; the forces' error is the square
 STICKING = 1e-3  # the same where bristles hold plates: the law is bent where they begin to slide
 REST = 4  # longer steps while the walker stands
 HALVINGS = 3  # of a step under control, at most

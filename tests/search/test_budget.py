@@ -12,7 +12,7 @@ from searching import assert_same, problem
 import footopt as fo
 from footopt.design import EXHAUSTIVE, SOLVERS, Solver, search
 from footopt.design.fronts import hypervolume_shares
-from footopt.design.solvers.memetic import Memetic
+from footopt.design.solvers.memetic import Memetic, Moves
 from footopt.design.solvers.moves import shifts
 
 SEVEN = fo.Waypoints(n=7)
@@ -148,6 +148,11 @@ def test_a_search_that_stalls_goes_on_elsewhere():
     near = best.X + shifts(8)
     near = near[((near >= 1) & (near <= 9)).all(axis=1)]
     assert best.F[0] <= Ridge().evaluate(near)[0].min()  # and a descent before that
+
+
+def test_a_solver_by_moves_has_to_say_who_is_a_parent():
+    with pytest.raises(TypeError, match="_parents"):
+        Moves()
 
 
 def test_operators_that_are_given_take_the_place_of_moves():

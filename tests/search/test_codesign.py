@@ -137,6 +137,7 @@ class TestStudy:
         ("setting", "message"),
         [
             ("study.speed=-1", r"study\.speed = -1"),
+            ("study.speed=9", r"study\.speed = 9\.0: .* on soft sand at most 0\.\d+ m/s.* distance"),
             ("solver=exhaustive", "a solver that searches"),
             ("objective=pareto", "one objective"),
             ("foot=ellipse", r"foot\.shape"),

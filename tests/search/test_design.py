@@ -20,13 +20,13 @@ from footopt.report.terminal import describe_confirmation
 
 #: Digests of the soles that a search asks for: pop_size=12, n_gen=4, seed=1, n=7, K=10.
 ASKED = {
-    "memetic": "4407ef3462e1d04e",
+    "memetic": "8eefd7fe764e835a",
     "archive": "087478ed82020d5f",
-    "ga": "f127ed6562dcae1f",
+    "ga": "1d2678e051a895ee",
     "de": "2520dda38b20b5e2",
-    "nsga2": "d93368f6e17a660d",
+    "nsga2": "2473a455ec469b47",
     "nsga3": "e28451d7784662c9",
-    "agemoea2": "7a6e26d1bb06d110",
+    "agemoea2": "569305bb4b85cb1d",
     "smsemoa": "d51a5e838eaf3f27",
     "rvea": "fb0436cabc37f3f6",
 }

@@ -13,6 +13,7 @@ from searching import SMALL
 import footopt as fo
 from footopt.design import Solver, Store, confirm, exhaustive, search
 from footopt.design.context import context, differences, digest
+from footopt.design.problem import FootProblem
 from footopt.design.robust import own_best, regret
 from footopt.errors import FootoptError, SettingError
 from footopt.walk.scenarios import COLUMNS, WAYS, laws, measured, sands, vary
@@ -251,6 +252,36 @@ class TestRobustProblem:
         assert digest(context(p)) == digest(context(again))
         with pytest.raises(FootoptError, match=r"quicksand: No feasible design"):
             own_best(problem([fo.Scenario("quicksand", fo.Scene(sand=fo.Sand(1e-3)))]))
+
+    def test_the_search_of_references_is_shown_and_goes_on_where_it_was_interrupted(
+        self, tmp_path, capsys, monkeypatch
+    ):
+        """Who waits for it sees what for, and nothing walked is lost."""
+        space, store = fo.Waypoints(n=4, K=3), tmp_path / "s.sqlite"
+
+        def together():
+            return fo.RobustProblem(SANDS[:2], space=space, accuracy=COARSE)
+
+        walked = FootProblem.walk
+
+        def interrupted(self, k):
+            if self.scene == SANDS[1].scene:
+                raise KeyboardInterrupt
+            return walked(self, k)
+
+        with monkeypatch.context() as patched:
+            patched.setattr(FootProblem, "walk", interrupted)
+            with pytest.raises(KeyboardInterrupt):
+                search(together(), walks=20, store=store)
+        again = []
+        monkeypatch.setattr(FootProblem, "walk", lambda self, k: again.append(self.scene) or walked(self, k))
+        result = search(together(), walks=20, store=store, progress=True)
+        assert SANDS[1].scene in again
+        assert SANDS[0].scene not in again
+        said = capsys.readouterr().err
+        assert [said.find(f"best foot for {s.name} alone") >= 0 for s in SANDS[:2]] == [True, True]
+        assert said.rstrip().endswith("s")  # and the search's own line after that
+        np.testing.assert_array_equal(result.problem.references, together().references)
 
     def test_several_objectives_make_a_front_of_measures(self):
         found = search(problem(objective=["distance", "work"], measure="tail"), "nsga2", pop_size=10, n_gen=3)

@@ -246,3 +246,13 @@ def test_an_enumeration_that_was_stopped_goes_on_to_the_same_end(kind, tmp_path)
     assert again.reused >= part.evaluations
     assert again.counts == whole.counts
     searching.assert_same(again, whole)
+
+
+def test_a_problem_of_one_scene_races_to_the_end_of_every_walk():
+    """`exhaustive` asks any problem for its race: there is no special case for one that can stop early."""
+    problem = fo.FootProblem(space=fo.Waypoints(n=4, K=3), accuracy=QUICK)
+    k = problem.space.random(5, seed=1)
+    with problem.race(problem.walk) as walk:
+        values, reasons = walk(k, -np.inf)
+    np.testing.assert_array_equal(values, problem.walk(k)[0])
+    assert "beaten" not in reasons

@@ -228,4 +228,5 @@ class TestShapes:
         for name, entry in result["shapes"].items():
             walk = fo.simulate(fo.Foot.shape(name, 0.2), fo.Scene(sand=fo.Sand.named("soft")), "draft")
             assert entry["objectives"] == walk.objectives
+            assert fo.Accuracy(**entry["accuracy"]) == walk.accuracy
         check_page(tmp_path)

@@ -3,6 +3,7 @@
 import csv
 import json
 import pickle
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -38,8 +39,10 @@ class TestStudy:
         result = json.loads((run_sands[1] / "result.json").read_text())
         assert list(result["feet"]) == ["soft", "regular", "hard", "robust"]
         space = fo.Waypoints(n=5)
-        for scenario in SANDS:
-            table = fo.evaluate(list(result["feet"].values()), scenario.scene, "fine", space=space)
+        for scenario, saved in zip(SANDS, result["scenarios"], strict=True):
+            walked = fo.Accuracy(**saved["accuracy"])
+            assert walked == replace(fo.Accuracy.named("fine"), adapt=False)
+            table = fo.evaluate(list(result["feet"].values()), scenario.scene, walked, space=space)
             best = table.efficiency[:3].min()
             expected = 1 - table.efficiency / best
             found = [result["regrets"][name][scenario.name] for name in result["feet"]]

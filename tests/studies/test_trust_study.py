@@ -50,8 +50,11 @@ class TestStudy:
         assert all(s["found"] == 1.0 and s["regret"] == 0.0 for s in memetic)
         drawn = anything(1).scene
         for name, scene in {"hard": fo.Scene(sand=fo.Sand.named("hard")), "random 1": drawn}.items():
-            exact = fo.evaluate([result["exact"][name]["k"]], scene, "draft", ("efficiency",), SPACE)
-            assert exact.values[0, 0] == result["exact"][name]["efficiency"]
+            found = result["exact"][name]
+            walked = fo.Accuracy(**found["accuracy"])  # the scene's own numbers
+            assert not walked.adapt
+            exact = fo.evaluate([found["k"]], scene, walked, ("efficiency",), SPACE)
+            assert exact.values[0, 0] == found["efficiency"]
         with open(tmp_path / "trust.csv", newline="") as file:
             rows = list(csv.DictReader(file))
         assert len(rows) == 3 * 4 * 2

@@ -117,6 +117,21 @@ class TestEnergy:
         walk = fo.simulate(ramp_foot, fo.Scene(), fo.Accuracy(stepper, 1e-3, 64, 1e-4))
         assert power_from_sand(walk) <= smoothing_power(GENERIC)
 
+    @pytest.mark.slow
+    def test_the_sand_gives_none_in_random_marches(self):
+        """That set feet down at 2 to 4 m/s, on zeta 0.2 to 50, by walkers of 25 to 120 kg."""
+        for seed in range(60):
+            rng = np.random.default_rng(seed)
+            foot = fo.Foot.from_waypoints(rng.integers(1, 11, 11))
+            walker = fo.Walker(mass=float(rng.uniform(25.0, 120.0)))
+            scene = fo.Scene(sand=fo.Sand(float(10.0 ** rng.uniform(-0.7, 1.7))), walker=walker)
+            march = stamping(Setup(foot, scene, fo.Accuracy.named("standard"))).scene
+            faster = replace(march.gait, period=march.gait.period * float(rng.uniform(0.7, 1.5)))
+            walk = fo.simulate(foot, replace(march, gait=faster), "standard")
+            assert walk.feasible, seed
+            assert power_from_sand(walk) <= smoothing_power(GENERIC), seed
+            assert energy_gap(walk) < 0.01, seed
+
 
 @pytest.fixture(scope="module")
 def stamp(flat_foot):

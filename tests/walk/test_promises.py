@@ -14,14 +14,14 @@ SCENES = int(os.environ.get("FOOTOPT_SCENES", "12"))  # 300 are the table of doc
 
 @pytest.mark.slow
 def test_random_scenes_keep_the_promise_and_estimates_hold_the_error():
-    """The table's figures, less what a smaller sample can differ by; 0.5 % is not kept in every scene."""
+    """Of these walks 97 % are within 0.5 %, and 78 % were by presets that do not follow the scene."""
     found = []
     for number in range(SCENES):
         drawn = draw(number)
         found += judge(drawn.feet[:3], drawn.scene, space=drawn.space)
     told = promises(found)
     assert told["another outcome"] == 0
-    assert told["within 0.5 %"] >= 0.7, told
+    assert told["within 0.5 %"] >= 0.82, told
     assert told["covered"] >= 0.95, told
     assert told["at most 5 times"] >= 0.85, told
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import Any
 
 import numpy as np
@@ -30,7 +31,7 @@ SMOOTHING = 0.01  # of the model
 FEW = 100  # parents of several objectives at most
 
 
-class Moves(Algorithm):  # type: ignore[misc]  # pymoo has no types
+class Moves(Algorithm, ABC):
     """What the solvers by moves have in common: no design twice, none outside its box, growing batches.
 
     Parameters
@@ -136,8 +137,9 @@ class Moves(Algorithm):  # type: ignore[misc]  # pymoo has no types
             np.minimum(promise, (ahead - expected).max(axis=1), out=promise)
         return promise
 
+    @abstractmethod
     def _parents(self, count: int) -> Ints:
-        raise NotImplementedError
+        """Designs (count, n) that children are made of."""
 
     def advance(self, infills: Any = None, **kwargs: Any) -> Any:
         """Note what has been walked, and go on."""

@@ -55,7 +55,7 @@ def shifted(X: Ints, random_state: Any) -> Ints:
     return moved
 
 
-class RandomInside(Sampling):  # type: ignore[misc]  # pymoo has no types
+class RandomInside(Sampling):
     """Random whole numbers, different and inside their box: as many as there are, at most."""
 
     def _do(self, problem: Any, n_samples: int, random_state: Any = None, **kwargs: Any) -> Ints:
@@ -71,7 +71,7 @@ class RandomInside(Sampling):  # type: ignore[misc]  # pymoo has no types
         return kept[:n_samples] if len(kept) else drawn[:n_samples]
 
 
-class ExchangeRun(Crossover):  # type: ignore[misc]  # pymoo has no types
+class ExchangeRun(Crossover):
     """Two parents exchange one run of neighbouring waypoints."""
 
     def __init__(self) -> None:
@@ -83,14 +83,14 @@ class ExchangeRun(Crossover):  # type: ignore[misc]  # pymoo has no types
         return np.where(exchange, X[::-1], X)
 
 
-class ShiftRun(Mutation):  # type: ignore[misc]  # pymoo has no types
+class ShiftRun(Mutation):
     """Move one run of neighbouring waypoints by one level."""
 
     def _do(self, problem: Any, X: Ints, random_state: Any = None, **kwargs: Any) -> Ints:
         return np.clip(shifted(X, random_state), problem.xl.astype(np.int64), problem.xu.astype(np.int64))
 
 
-class OnlyNew(Repair):  # type: ignore[misc]  # pymoo has no types
+class OnlyNew(Repair):
     """Drop what leaves its box, and what the problem says that it has seen, instead of repairing it."""
 
     def do(self, problem: Any, pop: Any, **kwargs: Any) -> Any:

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 DIRECTIONS = 1000  # of reference, at most
 
 
-class SameHeights(DuplicateElimination):  # type: ignore[misc]  # pymoo has no types
+class SameHeights(DuplicateElimination):
     """Drop designs that came before: equal rows of whole numbers, found by their bytes.
 
     Does what pymoo's own does by comparing all distances, in a tenth of the time.
