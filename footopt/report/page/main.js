@@ -93,11 +93,11 @@ function designSection() {
     back.hidden = best || data.jobs !== undefined;
     words.textContent = [k ? `k = [${k.join(",")}]` : "", `hollow ${(MM * hollow(points)).toFixed(1)} mm`, generation && chosen !== DRAWN ? `generation ${generation[chosen]}` : "",
       feasible[chosen] ? "" : `infeasible: ${reason(chosen)}`, chosen === DRAWN && feasible[chosen] ? sketch.reason : "", flat ? "dashed: the flat foot" : ""].filter(Boolean).join("; ");
-    drawing.replaceChildren(soleDrawing(points, { width: Math.max(drawing.clientWidth, 200), k, top: own("top", chosen), colour: best || data.jobs ? "var(--best)" : "var(--chosen)",
+    drawing.replaceChildren(soleDrawing(points, { width: widthOf(drawing), k, top: own("top", chosen), colour: best || data.jobs ? "var(--best)" : "var(--chosen)",
       ghost: flat?.points }));
     const finer = best && data.bestValues, accuracy = data.jobs ? "" : `Walked at accuracy ${(finer ? entry.accuracy : entry.search_accuracy ?? entry.accuracy)?.name}. `;
     numbers.replaceChildren(...(flatEntry && feasible[chosen]
-      ? [gain(chosen), bars(chosen, Math.max(numbers.clientWidth, 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Ticks at the end: ± the error of the numbers.",
+      ? [gain(chosen), bars(chosen, Math.max(widthOf(numbers), 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Ticks at the end: ± the error of the numbers.",
         best && entry.ranks?.laws?.some((law) => law.change) ? " Circles: under other laws of the sand." : "", ` ${accuracy}`)]
       : [el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Values" }, numberTable()), el("p", { class: "note" }, accuracy)]));
     exact.refresh();
@@ -121,7 +121,7 @@ function glance() {
   let chosen = data.best;
   const show = (i = chosen, keep = true) => {
     if (keep) chosen = i;
-    section.replaceChildren(el("h3", {}, label(i)), el("figure", {}, soleDrawing(sole(i), { width: Math.max(section.clientWidth, 200), height: 90, plain: true,
+    section.replaceChildren(el("h3", {}, label(i)), el("figure", {}, soleDrawing(sole(i), { width: widthOf(section), height: 90, plain: true,
       top: own("top", i), colour: i === data.best ? "var(--best)" : "var(--chosen)", ghost: data.walks && flatWalk()?.points })),
     el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Values of the chosen design" },
       table(["", "value", ...(flatEntry ? ["change"] : [])], data.columns.map((column, c) => [named(column), number(valueOf(i, c)), ...(flatEntry ? [change(valueOf(i, c), flatEntry[column.name], column)] : [])]))),

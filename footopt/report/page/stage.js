@@ -143,7 +143,7 @@ function arrow([x0, y0], [x1, y1]) {
  * looks at x = `fixed`. `other` is drawn behind as a ghost, in step: its COM, or its ankle at `fixed`, in the same place.
  */
 function stage(holder, walk, { close, x, z, label, other = null, fixed = null, paint = "side", tall = 330 }) {
-  const width = Math.max(holder.clientWidth, 200);
+  const width = widthOf(holder);
   const height = Math.min(tall, (width / (x[1] - x[0])) * (z[1] - z[0]) + (close ? 0 : 60));
   const scale = Math.min(width / (x[1] - x[0]), height / (z[1] - z[0])), Z = (v) => height - (v - z[0]) * scale;
   let middle = fixed?.x ?? 0.5 * (x[0] + x[1]);
