@@ -230,7 +230,7 @@ function explorer(choose, beside, glimpse) {
     lines(state.passing, colour, data.jobs ? 1.8 : 0.9);
     const known = order.filter((c) => Number.isFinite(c.flat));
     if (!data.jobs && known.length > 1 && known.length === order.length) {
-      drawing.append(svg("path", { class: "ghost", d: line((c) => c.flat) }), svg("text", { class: "halo", x: X(0) - 10, y: Y(0, order[0].flat) + 4, "text-anchor": "end", style: "fill:var(--grey)" }, "flat"));
+      drawing.append(svg("path", { class: "ghost", d: line((c) => c.flat) }), svg("text", { class: "halo", x: X(order.length - 1) + 8, y: Y(order.length - 1, order.at(-1).flat) + 4, style: "fill:var(--grey)" }, "flat"));
     }
     overlay(a, wide, (i, stroke, thick) => [svg("path", { d: line((c) => c.of(i)), fill: "none", stroke, "stroke-width": thick })]);
     order.forEach((c, j) => {

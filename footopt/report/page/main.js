@@ -138,14 +138,15 @@ function searchSection(choose) {
     const shown = several ? (v) => v ?? NaN : (v) => guide.show(v ?? NaN);
     const rows = data.history, bests = rows.map((r) => shown(r.best)), medians = rows.map((r) => shown(r.median));
     const a = axes(holder, { x: [0, rows.at(-1).evaluations], y: range([...bests, ...medians]), xlabel: "evaluations",
-      ylabel: several ? (data.live ? "designs on the front so far" : "hypervolume (1: box of the first generation)") : `${named(guide)}: best so far`, height: 260, left: 84,
+      ylabel: several ? `hypervolume (1: box of the first ${data.live ? "designs" : "generation"})` : `${named(guide)}: best so far`, height: 260, left: 84,
       label: "Convergence of the search; the table below has the numbers" });
     const X = (i) => a.X(rows[i].evaluations);
     a.svg.append(
       svg("path", { d: path(medians.map((v, i) => [X(i), a.Y(v)])), fill: "none", stroke: "var(--flat)", "stroke-width": 1.5, "stroke-dasharray": "6 4" }),
       svg("path", { d: path(bests.flatMap((v, i) => (i ? [[X(i), a.Y(bests[i - 1])], [X(i), a.Y(v)]] : [[X(i), a.Y(v)]]))), fill: "none", stroke: "var(--best)", "stroke-width": 2.2 }));
+    if (Number.isFinite(bests.at(-1))) a.svg.append(svg("circle", { cx: X(rows.length - 1), cy: a.Y(bests.at(-1)), r: 3.5, fill: "var(--best)" }));
     const ends = [medians, bests].map((all) => all.findLast(Number.isFinite)), over = ends[1] >= ends[0] ? 1 : 0;
-    [["median of the generation", "fill:var(--grey)"], [several ? (data.live ? "" : "hypervolume") : "best so far", ""]].forEach(([text, style], i) =>
+    [["median of the generation", "fill:var(--grey)"], [several ? "hypervolume" : "best so far", ""]].forEach(([text, style], i) =>
       ends[i] !== undefined && a.svg.append(svg("text", { class: "halo", x: X(rows.length - 1), y: a.Y(ends[i]) + (i === over ? -6 : 14), "text-anchor": "end", style }, text)));
     if (now < rows.length) a.svg.append(svg("line", { class: "cursor", x1: X(now), x2: X(now), y1: a.inside.top, y2: a.inside.bottom }));
     hover(a, (x) => {

@@ -33,7 +33,7 @@ function open(place) {
 
 /** A walk with what pictures of it need: fewer points, an outline, and which arrow each piece of the sole has. */
 function prepared(walk) {
-  const every = Math.max(1, Math.floor(walk.points.length / 80));
+  const every = Math.max(1, Math.floor(walk.points.length / Math.max(80, 4 * (space?.n ?? 0))));
   walk.light = walk.points.filter((_, i) => i % every === 0 || i === walk.points.length - 1);
   walk.shape = outline(walk.light, walk.top);
   const parts = pairs(walk.at);
@@ -169,7 +169,8 @@ function stage(holder, walk, { close, x, z, label, other = null, fixed = null, p
   const largest = close
     ? walk.arrows.reduce((most, _, i, a) => (i % 2 ? most : Math.max(most, Math.hypot(a[i], a[i + 1]))), 1)
     : walk.force.reduce((most, v) => Math.max(most, Math.abs(v)), 1);
-  const reach = ((close ? 0.4 : 0.35) * (z[1] - z[0]) * scale) / largest; // pixels per newton
+  // pixels per newton; below the deepest sole an arrow has room
+  const reach = ((close ? 0.85 * (deepest(walk) - z[0]) : 0.35 * (z[1] - z[0])) * scale) / largest;
   const round = 10 ** Math.floor(Math.log10((0.7 * largest)));
   const unit = [5, 2, 1].find((m) => m * round <= 0.7 * largest) * round;
   add("path", { d: arrow([8, 12], [8 + unit * reach, 12]), fill: "none", stroke: "var(--ink)", "stroke-width": 1.3 });

@@ -187,4 +187,5 @@ new ResizeObserver(() => {
   widths.clear();
   drawings.forEach((draw) => draw());
 }).observe(document.body);
+addEventListener("beforeprint", () => { document.getElementById("warnings")?.setAttribute("open", ""); });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => drawings.forEach((draw) => draw()));

@@ -97,13 +97,13 @@ function walkSection() {
       el("figure", {}, whole, el("figcaption", {}, "The walker and the force of the sand on each foot, from where it acts.")),
       el("figure", {}, near, el("figcaption", {}, "Close-up; arrows: forces on parts of the sole, ending there."))),
     numbers,
-    el("p", { class: "note", id: "walk-key" }, key(LINES[LEFT]), " left foot, ", key(LINES[RIGHT]), " right foot, ",
-      key({ stroke: "var(--flat)" }), " compared with; dotted: heel strikes. ",
+    el("p", { class: "note", id: "walk-key" }, key(LINES[LEFT]), " left foot, ", key(LINES[RIGHT]), " right foot",
+      ...(others.size > 1 ? [", ", key({ stroke: "var(--flat)" }), " compared with"] : []), "; dotted: heel strikes. ",
       "Click or drag in a plot to go to an instant. Power and work are negative where the sand takes energy."),
     el("div", { class: "grid plots", style: "--columns:3" }, ...plots.map((plot) => el("figure", {}, plot))),
     samples);
   const section = el("section", { id: "walk" }, title,
-    el("div", { class: "bar" }, el("label", {}, "compare with", compare), keep, el("label", {}, "colour the sole by", paint)), message, picture);
+    el("div", { class: "bar" }, others.size > 1 || keep ? el("label", {}, "compare with", compare) : null, keep, el("label", {}, "colour the sole by", paint)), message, picture);
 
   function redraw() {
     const { walk } = state, failed = !walk || walk.t.length < 2;
@@ -120,7 +120,7 @@ function walkSection() {
     state.movers = [
       stage(whole, walk, { ...shared, x: [x[0] - 0.55, x[1] + 0.55], z: [Math.min(low, -0.16), Math.max(...com.map((p) => p[1])) + 0.12],
         label: "Stick figure of the walker at one instant" }),
-      stage(near, walk, { ...shared, close: true, x: [-0.36, 0.36], z: [low - 0.05, 0.24],
+      stage(near, walk, { ...shared, close: true, x: [-0.36, 0.36], z: [low - 0.04, 0.24],
         label: "Close-up of both soles in the sand with the forces on them" }),
       ...plots.map((plot, i) => tracePlot(plot, PLOTS[i], walk, other, (t) => { stop(); move(t); })),
     ];
@@ -198,7 +198,7 @@ function stepLoop(id = "step", tall = 300) {
     if (figure.hidden) return;
     const flat = flatWalk(), other = flat && flat !== walk && flat.t.at(-1) > begin + 0.3 * stride ? flat : null;
     const foot = (w) => pose(w, begin + 0.25 * stride)[RIGHT].leg[2][0];
-    state.mover = stage(holder, walk, { close: true, other, tall, x: [-0.26, 0.26], z: [deepest(walk, begin - 0.06 * stride, begin + 0.72 * stride) - 0.035, 0.13],
+    state.mover = stage(holder, walk, { close: true, other, tall, x: [-0.26, 0.26], z: [deepest(walk, begin - 0.06 * stride, begin + 0.72 * stride) - 0.07, 0.13],
       fixed: { x: foot(walk) + 0.03, shift: other ? foot(walk) - foot(other) : 0 }, label: "One step of the right foot in the sand, with the forces on its sole" });
     state.mover(state.t);
     run();
