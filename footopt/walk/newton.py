@@ -29,7 +29,7 @@ class Stage(NamedTuple):
 
 @inlined
 def guess(creep, vx, vz, change_x, change_z):
-    """A velocity to begin Newton's method with, m/s: that of before, with its change unless the walker stands.
+    """A velocity to begin Newton's method with, m/s: the last one, with its change unless the walker stands.
 
     While he stands, friction follows his velocity within the creep speed: extrapolated, it leads away.
     """

@@ -145,7 +145,7 @@ class TestTraces:
 
     @pytest.mark.parametrize("zeta", [0.2, 1.0])
     def test_half_a_second_of_standing_takes_few_evaluations(self, zeta, ramp_foot):
-        """The first steps are not tried at lengths that are then halved, nor friction extrapolated at rest."""
+        """First steps are not tried at lengths that are then halved, nor friction extrapolated at rest."""
         walk = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand(zeta), t_f=0.52))
         assert walk.evaluations < 90
 
