@@ -11,8 +11,7 @@ from footopt.effects.base import EFFECTS, Effect, Scale
 from footopt.effects.slope import Slope
 from footopt.errors import check
 
-
-LEAST = 5e-4  # m, of a cell: a field of thinner ones takes longer than the walk
+LEAST = 5e-4  # m, of a cell: thinner ones take too long
 
 
 class Prints(NamedTuple):

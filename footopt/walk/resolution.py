@@ -27,7 +27,7 @@ CAUSES = {
     "accuracy.dt": "the time step makes most of it; try accuracy=fine, or a smaller accuracy.dt",
     "accuracy.plates": "the plates make most of it; try accuracy=fine, or more accuracy.plates",
     "accuracy.creep": "the creep speed makes most of it; try accuracy=fine, or a smaller accuracy.creep",
-    "effects.footprints.cell": "the cells of the sand's surface make most of it; halve effects.footprints.cell",
+    "effects.footprints.cell": "the cells of the surface make most of it; halve effects.footprints.cell",
 }
 
 

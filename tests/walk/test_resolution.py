@@ -34,7 +34,7 @@ def test_a_warning_names_what_causes_the_error(setting, value, ramp_foot):
 
 def test_a_warning_names_the_cells_of_footprints(ramp_foot):
     scene = fo.Scene(sand=fo.Sand.named("regular"), effects=(fo.Footprints(cell=0.02),))
-    (found,) = judged(ramp_foot, scene, replace(fo.Accuracy("sdirk2", 1e-3, 64, 1e-4, "fine")))
+    (found,) = judged(ramp_foot, scene, fo.Accuracy("sdirk2", 5e-4, 256, 1e-5, "fine"))
     assert "effects.footprints.cell" in found.why
 
 
