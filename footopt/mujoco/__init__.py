@@ -3,7 +3,7 @@
 Needs ``pip install "footopt[mujoco]"``; importing this package does not import MuJoCo.
 """
 
-from footopt.mujoco.attach import Contact, attach
+from footopt.mujoco.attaching import Contact, attach
 from footopt.mujoco.intrusion import Grains
 
 __all__ = ["Contact", "Grains", "attach"]

@@ -130,8 +130,8 @@ def mesh_forces(faces, law, loads, pushes, up, surface, forward, twist, c, turn,
     u = np.empty(3)
     for i in range(faces.shape[1]):
         bx, by, bz, vx, vy, vz = bent(faces, h0, i, twist, turn)
-        f[:, i] = 0.0
-        d[:, i] = 0.0
+        for a in range(9):
+            f[a // 3, i] = d[a, i] = 0.0
         depth = -at(surface, faces, i)
         if depth <= 0.0:
             continue
@@ -181,13 +181,12 @@ def wrench_of(faces, f, out):
 
 
 @inlined
-def stiffness_of(moments, d, out):
+def stiffness_of(s, out):
     """dF/dV of the wrench by the twist, into out (6, 6), from the faces' derivatives.
 
-    With A = (1, -[r]x) it is the sum of A' D A; `moments` (faces, 10) are 1, x, y, z, xx, xy, xz, yy, yz, zz,
-    so that one product of matrices makes all sums.
+    With A = (1, -[r]x) it is the sum of A' D A. s: D times 1, x, y, z, xx, xy, xz, yy, yz, zz, (9, 10): so one
+    product of matrices makes all sums over faces.
     """
-    s = np.dot(d, moments)
     second = ((4, 5, 6), (5, 7, 8), (6, 8, 9))
     for a in range(3):
         a1, a2 = (a + 1) % 3, (a + 2) % 3

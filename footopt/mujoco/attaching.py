@@ -22,7 +22,7 @@ from footopt.effects.shadowing import filler
 from footopt.errors import SettingError, needed
 from footopt.foot import Foot
 from footopt.mujoco.intrusion import Grains, xi_of
-from footopt.mujoco.step import COUNTED, HOLD, MESH, SOLE, Desk, hold, prepare, push, tick
+from footopt.mujoco.step import COUNTED, HOLD, MESH, SOLE, Desk, hold, prepare, solve, tick
 from footopt.sand import Sand
 from footopt.sand.law import PER_CM3
 from footopt.walk.scene import EARTH
@@ -315,7 +315,7 @@ def _compiled(acting: tuple[Any, ...], reader: Any, table_address: int) -> Any:
                         solve_mass(
                             _pointer(model), _pointer(data), desk.answer.ctypes, desk.own.ctypes, 6 * count
                         )
-                    push(desk, acting, count)
+                    solve(desk, acting, count)
 
     return passive
 
