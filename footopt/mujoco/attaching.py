@@ -2,44 +2,30 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numba import carray, cfunc, njit, types
-from numba.core import cgutils
-from numba.extending import intrinsic
 from numpy.typing import NDArray
 
+from footopt.effects import Rest, Slope
 from footopt.effects import base as effects
-from footopt.effects import LeadingEdge, Rest, Slope
 from footopt.effects.footprints import prints_of
 from footopt.effects.rest import rest_length
 from footopt.effects.shadowing import filler
 from footopt.errors import SettingError, needed
 from footopt.foot import Foot
+from footopt.mujoco.callback import KERNELS, MOST, callback, kernel
+from footopt.mujoco.desk import Desk
 from footopt.mujoco.intrusion import Grains, xi_of
-from footopt.mujoco.step import COUNTED, HOLD, MESH, SOLE, Desk, hold, prepare, solve, tick
+from footopt.mujoco.step import COUNTED, MESH, SOLE
 from footopt.sand import Sand
 from footopt.sand.law import PER_CM3
 from footopt.walk.scene import EARTH
 
 Array = NDArray[np.float64]
 
-#: MuJoCo's own functions that the callback calls, with the types of their arguments.
-POINTER, INT = ctypes.c_void_p, ctypes.c_int
-CALLED = {
-    "mj_getState": (POINTER, POINTER, POINTER, INT),
-    "mj_jacBody": (POINTER, POINTER, POINTER, POINTER, INT),
-    "mj_solveM": (POINTER, POINTER, POINTER, POINTER, INT),
-}
-MOST = 256  # models on sand at once, in one process
-WORDS = 3 * len(Desk._fields)
-TIME = 1  # mjSTATE_TIME
-RK4_NUMBER = 1  # mjINT_RK4
+RK4 = 1  # mjINT_RK4
 
 #: Callbacks in use by the address of their MjData: all that they read has to stay where it is.
 _ATTACHED: dict[int, Contact] = {}
@@ -115,7 +101,8 @@ class Contact:
         planar = sand.sand if isinstance(sand, Grains) else sand
         zeta = planar.zeta * float(np.linalg.norm(model.opt.gravity)) / EARTH
         chosen = effects.ordered(chosen)
-        rows, tables, laws = [], [], np.zeros((len(feet), 9))
+        rows: list[tuple[int, int, int, int]] = []
+        tables, laws = [], np.zeros((len(feet), 9))
         for b, (name, foot) in enumerate(feet.items()):
             body = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name)
             if body < 0:
@@ -131,12 +118,13 @@ class Contact:
                 else [xi_of(zeta), grains.surface, *[0.0] * 7]
             )
         self.model, self.data, self.names = model, data, tuple(feet)
-        rk4 = float(model.opt.integrator == RK4_NUMBER)
+        rk4 = float(model.opt.integrator == RK4)
         clock = np.array([0.0, model.opt.timestep, rk4, 0.0, 0.0])
         length = rest_length(chosen) or Rest().length
         self._desk = _desk(model, data, rows, tables, laws, clock, length)
         acting = effects.laws(chosen)
-        self._kernel = _kernel((acting.loads, acting.gates, acting.pushes), self._desk)
+        self.acting = acting.loads, acting.gates, acting.pushes
+        self._kernel = kernel(self.acting, self._desk)
         self._spec = np.array([v for a in self._desk for v in (a.ctypes.data, *a.shape, 0)[:3]], np.int64)
         if data._address not in _ATTACHED and len(_ATTACHED) == MOST:
             raise SettingError("data", f"number {MOST + 1}", f"at most {MOST} at once", "Detach one.")
@@ -156,7 +144,7 @@ class Contact:
 
     @property
     def wrench(self) -> dict[str, Array]:
-        """Mean force, N, and torque about the body's origin, N m, (6,), that MuJoCo was given for the step."""
+        """Mean force, N, and torque about the body's origin, N m, (6,), given for the step."""
         return {name: self._desk.mean[b].copy() for b, name in enumerate(self.names)}
 
     @property
@@ -197,7 +185,7 @@ def _sole(foot: Foot, plates: int, chosen: Sequence[effects.Effect]) -> Array:
     x, z, c2, s2, area, tx, tz = (np.tile(column[0], 2) for column in cut[:7] if column is not None)
     y = np.repeat([-1.0, 1.0], len(x) // 2) * foot.width / (2.0 * np.sqrt(3.0))
     half = 0.5 * area
-    return np.stack([x, y, z, half, tz, 0 * x, -tx, 0.5 - 0.5 * c2, -0.5 * s2, 0.5 + 0.5 * c2])
+    return np.array([x, y, z, half, tz, 0 * x, -tx, 0.5 - 0.5 * c2, -0.5 * s2, 0.5 + 0.5 * c2])
 
 
 def _mesh(model: Any, body: int, name: str) -> Array:
@@ -205,11 +193,10 @@ def _mesh(model: Any, body: int, name: str) -> Array:
     names = {model.geom(i).name: i for i in range(model.ngeom) if model.geom_bodyid[i] == body}
     if name not in names or model.geom_dataid[names[name]] < 0 or model.geom_type[names[name]] != 7:
         raise SettingError("feet", name, f"a Foot, or a mesh geom of the body: {', '.join(names) or 'none'}")
-    import trimesh
+    import trimesh.transformations
 
     geom = names[name]
-    mesh, matrix = model.geom_dataid[geom], np.eye(4)
-    matrix[:3, :3] = _turned(model.geom_quat[geom])
+    mesh, matrix = model.geom_dataid[geom], trimesh.transformations.quaternion_matrix(model.geom_quat[geom])
     matrix[:3, 3] = model.geom_pos[geom]
     start, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
     first, faces = model.mesh_faceadr[mesh], model.mesh_facenum[mesh]
@@ -218,14 +205,7 @@ def _mesh(model: Any, body: int, name: str) -> Array:
     )
     solid.apply_transform(matrix)
     n = solid.face_normals.T
-    return np.stack([*solid.triangles_center.T, solid.area_faces, *n, n[0] ** 2, n[0] * n[2], n[2] ** 2])
-
-
-def _turned(q: Array) -> Array:
-    """The matrix of a quaternion (w, x, y, z)."""
-    w, v = q[0], np.asarray(q[1:])
-    cross = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
-    return np.eye(3) + 2.0 * w * cross + 2.0 * cross @ cross
+    return np.array([*solid.triangles_center.T, solid.area_faces, *n, n[0] ** 2, n[0] * n[2], n[2] ** 2])
 
 
 def _desk(
@@ -258,109 +238,11 @@ def _desk(
     )
 
 
-@intrinsic
-def _pointer(typingctx, address):  # type: ignore[no-untyped-def]
-    """A whole number as a pointer."""
-
-    def generate(context, builder, signature, args):  # type: ignore[no-untyped-def]
-        return builder.inttoptr(args[0], cgutils.voidptr_t)
-
-    return types.voidptr(address), generate
-
-
-@lru_cache(maxsize=1)
-def _library() -> tuple[Any, ...]:
-    """MuJoCo's functions, as compiled code calls them."""
-    folder = Path(needed("mujoco", "footopt.mujoco", "mujoco").__file__).parent
-    paths = [p for pattern in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco.dll") for p in folder.glob(pattern)]
-    library = ctypes.CDLL(str(paths[0]))
-    for name, arguments in CALLED.items():
-        function = getattr(library, name)
-        function.argtypes, function.restype = arguments, None
-    return tuple(getattr(library, name) for name in CALLED)
-
-
-def _reader(desk: Desk) -> Any:
-    """A compiled function that makes a `Desk` of the addresses and shapes of its arrays, three numbers each."""
-    views = []
-    for i, array in enumerate(desk):
-        shape = ", ".join(f"spec[{3 * i + 1 + axis}]" for axis in range(array.ndim))
-        views.append(f"carray(pointer(spec[{3 * i}]), ({shape},), {array.dtype})")
-    names = {"carray": carray, "pointer": _pointer, "Desk": Desk, "float64": np.float64, "int64": np.int64}
-    exec(f"def read(spec): return Desk({', '.join(views)})", names)
-    return njit(names["read"])
-
-
-def _compiled(acting: tuple[Any, ...], reader: Any, table_address: int) -> Any:
-    """What MuJoCo is to call: nothing, unless its mjData is in the table (`MOST`, 2) of data and specs."""
-    get_state, jacobian_of, solve_mass = _library()
-
-    @njit(error_model="numpy")
-    def passive(model, data):  # type: ignore[no-untyped-def]
-        table = carray(_pointer(table_address), (MOST, 2), np.int64)
-        for row in range(MOST):
-            if table[row, 0] == data:
-                desk, time = reader(carray(_pointer(table[row, 1]), (WORDS,), np.int64)), np.zeros(1)
-                get_state(_pointer(model), _pointer(data), time.ctypes, TIME)
-                meaning = tick(desk.clock, time[0])
-                for b in range(len(desk.bodies)):
-                    linear, angular = desk.jacobian[6 * b : 6 * b + 3], desk.jacobian[6 * b + 3 : 6 * b + 6]
-                    body = np.int32(desk.bodies[b, 0])
-                    jacobian_of(_pointer(model), _pointer(data), linear.ctypes, angular.ctypes, body)
-                if meaning == HOLD:
-                    hold(desk)
-                else:
-                    count = prepare(desk, meaning)
-                    if count > 0:
-                        solve_mass(
-                            _pointer(model), _pointer(data), desk.answer.ctypes, desk.own.ctypes, 6 * count
-                        )
-                    solve(desk, acting, count)
-
-    return passive
-
-
-#: By the effects: a compiled callback, and its table.
-_KERNELS: dict[str, tuple[Any, Array]] = {}
-
-
-def _kernel(acting: tuple[Any, ...], desk: Desk) -> str:
-    """The key of the callback for one set of effects, which is compiled once."""
-    key = repr(acting)
-    if key not in _KERNELS:
-        table = np.zeros((MOST, 2), np.int64)
-        _KERNELS[key] = _compiled(acting, _reader(desk), table.ctypes.data), table
-    return key
-
-
-@lru_cache
-def _callback(keys: tuple[str, ...]) -> Any:
-    """One C function that calls each of some callbacks."""
-    first, *others = (_KERNELS[key][0] for key in keys)
-    for other in others:
-        first = _both(first, other)
-
-    @cfunc(types.void(types.intp, types.intp))
-    def passive(model, data):  # type: ignore[no-untyped-def]
-        first(model, data)
-
-    return passive
-
-
-def _both(one: Any, two: Any) -> Any:
-    @njit
-    def call(model, data):  # type: ignore[no-untyped-def]
-        one(model, data)
-        two(model, data)
-
-    return call
-
-
 def _install(mujoco: Any) -> None:
     """Have MuJoCo call the callbacks of all that is attached, or none."""
-    for _, table in _KERNELS.values():
+    for _, table in KERNELS.values():
         table[:] = 0
     for row, contact in enumerate(_ATTACHED.values()):
-        _KERNELS[contact._kernel][1][row] = contact.data._address, contact._spec.ctypes.data
+        KERNELS[contact._kernel][1][row] = contact.data._address, contact._spec.ctypes.data
     keys = tuple(sorted({contact._kernel for contact in _ATTACHED.values()}))
-    mujoco.set_mjcb_passive(_callback(keys).ctypes if keys else None)
+    mujoco.set_mjcb_passive(callback(keys).ctypes if keys else None)

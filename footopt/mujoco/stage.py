@@ -184,8 +184,8 @@ def wrench_of(faces, f, out):
 def stiffness_of(s, out):
     """dF/dV of the wrench by the twist, into out (6, 6), from the faces' derivatives.
 
-    With A = (1, -[r]x) it is the sum of A' D A. s: D times 1, x, y, z, xx, xy, xz, yy, yz, zz, (9, 10): so one
-    product of matrices makes all sums over faces.
+    With A = (1, -[r]x) it is the sum of A' D A. s: (9, 10), D times 1, x, y, z, xx, xy, xz, yy, yz, zz:
+    one product of matrices makes all sums over faces.
     """
     second = ((4, 5, 6), (5, 7, 8), (6, 8, 9))
     for a in range(3):
