@@ -26,8 +26,8 @@ MODEL = """
   <option timestep="{dt}" integrator="implicitfast"><flag contact="disable"/></option>
   <visual><global offwidth="960" offheight="540"/><headlight ambient=".5 .5 .5"/></visual>
   <asset>
-    <texture name="grid" type="2d" builtin="checker" rgb1=".86 .77 .58" rgb2=".8 .7 .5" width="99" height="99"/>
-    <material name="sand" texture="grid" texrepeat="40 8"/>{mesh}
+    <texture name="g" type="2d" builtin="checker" rgb1=".86 .77 .58" rgb2=".8 .7 .5" width="99" height="99"/>
+    <material name="sand" texture="g" texrepeat="40 8"/>{mesh}
   </asset>
   <worldbody>
     <light pos="2 -3 4" dir="-.3 .5 -1" directional="true"/>
@@ -85,7 +85,7 @@ def prism(foot: fo.Foot) -> np.ndarray:
 def walk(
     foot: fo.Foot, sand: fo.Sand, seconds: float = 10.0, dt: float = 1e-3, watch=None
 ) -> dict[str, float]:
-    """Walk, and say how: distance (m), height (m), work of the sand (J), sinkage (m), falls of speed (m/s)."""
+    """Walk, and say how, in m, J, W, m/s and deg; work and power are of the sand."""
     walker, gait = fo.Walker(), fo.Gait.human()
     model = model_of(foot, walker, dt)
     data = mujoco.MjData(model)

@@ -18,7 +18,7 @@ BODY = """<mujoco model="foot">
   </worldbody>
 </mujoco>
 """
-SCRIPT = '''"""Drop the foot on sand. Put your robot in the place of foot.xml, and its feet in that of "foot"."""
+SCRIPT = '''"""Drop the foot on sand. Your robot may take the place of foot.xml, its feet that of "foot"."""
 import mujoco
 import footopt as fo
 
