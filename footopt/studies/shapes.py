@@ -83,24 +83,25 @@ def run(study: Study) -> None:
     ):
         study.save(name, figure, caption)
     title = f"Five shapes on {scene.sand.name} sand (zeta {scene.sand.zeta:g})"
-    study.say(title)
+    warnings = _warnings(entries)
+    study.say(title, *(Text.assemble(("Warning:", "yellow"), f" {warning}") for warning in warnings))
     study.conclude(
         title,
         [table(walks)],
         {"shapes": entries, **scene_entry(scene, accuracy, tuple(OBJECTIVES))},
         about=[terminal.describe_scene(scene)],
-        said=_warnings(entries),
+        warnings=warnings,
         footer={"error_estimate": {name: entry["error_estimate"] for name, entry in entries.items()}},
     )
 
 
-def _warnings(entries: Mapping[str, dict[str, Any]]) -> list[Text]:
+def _warnings(entries: Mapping[str, dict[str, Any]]) -> list[str]:
     """Every warning once, with the shapes that it is about."""
-    found = []
-    for warning in sorted({warning for entry in entries.values() for warning in entry["warnings"]}):
-        names = [name for name, entry in entries.items() if warning in entry["warnings"]]
-        found.append(Text.assemble(("Warning:", "yellow"), f" {warning} ({', '.join(names)})."))
-    return found
+    found: dict[str, list[str]] = {}
+    for name, entry in entries.items():
+        for warning in entry["warnings"]:
+            found.setdefault(warning, []).append(paper_figures.title(name))
+    return [f"{warning} ({', '.join(names)})." for warning, names in sorted(found.items())]
 
 
 def table(walks: Mapping[str, Walk]) -> RichTable:

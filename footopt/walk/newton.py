@@ -15,6 +15,7 @@ from footopt.walk.state import Contact, Force, no_force
 MAX_NEWTON = 20  # contact evaluations of one implicit stage at one creep speed, back-tracking included
 MAX_RESCUE = 1000  # ... and in all, if it has to be approached from a larger creep speed
 GATED = 2.0  # last step of Newton's method over the creep speed, where an effect's gate is
+STANDS = 10.0  # speed of the hip over the creep speed, below which the walker stands
 
 
 class Stage(NamedTuple):
@@ -24,6 +25,17 @@ class Stage(NamedTuple):
     vz: float
     contact: Contact
     solved: bool
+
+
+@inlined
+def guess(creep, vx, vz, change_x, change_z):
+    """A velocity to begin Newton's method with, m/s: the last one, with its change unless the walker stands.
+
+    While he stands, friction follows his velocity within the creep speed: extrapolated, it leads away.
+    """
+    if abs(vx) + abs(vz) < STANDS * creep and abs(change_x) + abs(change_z) > creep:
+        return vx, vz
+    return vx + change_x, vz + change_z
 
 
 @inlined

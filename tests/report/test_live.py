@@ -203,6 +203,9 @@ class TestInABrowser:
             best = shown.js("data.best")
             assert shown.js(f"heights({best})") == shown.js("heights(shownBest)")
             assert shown.js("[...front].every((i) => feasible[i])")
+            volumes = shown.js("data.history.slice(1).map((row) => row.best)")
+            assert 0.0 < volumes[0]
+            assert volumes == sorted(volumes)
             run.communicate(timeout=120)
             assert run.returncode == 0
             shown.until("less", "return document.title")  # what became of the foot

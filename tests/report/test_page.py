@@ -106,7 +106,10 @@ def pages(front, single, tmp_path_factory):
         "front": page.search_content(*front),
         "single": page.search_content(*single),
         "walk": page.walk_content(fo.simulate(fo.Foot.shape("reversed_l"), accuracy="draft"), walk_entry),
-        "sunk": page.walk_content(fo.simulate(fo.Foot.flat(), sinking, "draft"), walk_entry),
+        "sunk": page.walk_content(
+            fo.simulate(dataclasses.replace(fo.Foot.flat(), name="a_long_name" * 12), sinking, "draft"),
+            walk_entry,
+        ),
     }
     for i, zeta in enumerate([1.0, 5.0]):
         leave_job(folder / str(i), fo.simulate(fo.Foot.flat(), fo.Scene(sand=fo.Sand(zeta=zeta)), "draft"))
@@ -421,6 +424,11 @@ class TestStage:
             assert figure.find_elements("css selector", ".gravity")
             assert "g = 9.81 m/s², 8° uphill" in figure.text
             assert {"layer × 0.3", "patch × 2.5"} <= set(figure.text.split("\n"))
+        behind = shown.js(
+            "[...document.querySelectorAll('.on-sand')].filter((name) => "
+            "!(name.ownerSVGElement.querySelector('[data-print]').compareDocumentPosition(name) & 4)).length"
+        )
+        assert behind == 0  # a print hides no name
 
     def test_sand_that_an_effect_moves_is_drawn_as_computed(self, tmp_path, browser):
         walk = fo.simulate(fo.Foot.flat(), fo.Scene(effects=(fo.Footprints(),)), "draft")
@@ -438,6 +446,15 @@ class TestStage:
         near = np.isclose(z[0], sand.height[0], rtol=0, atol=0.1 * np.ptp(sand.height))
         assert near.mean() > 0.98  # between frames a heap slides at once; a frame later it is 0.97
         assert z[0].min() < -0.005 < 0.002 < z[0].max()  # a print and its rim
+
+    def test_a_sole_of_many_waypoints_is_as_smooth_on_the_stage(self, browser, tmp_path):
+        space = fo.Waypoints(n=50, K=20)
+        foot = fo.Foot.from_waypoints(space.random(1, seed=1)[0], space)
+        content = page.walk_content(fo.simulate(foot, accuracy="draft"), {"scene": {"effects": {}}})
+        shown = Page(browser, page.write(tmp_path / "page.html", content))
+        drawn = np.array(shown.js("open(0).light"))
+        off = foot.contour[:, 1] - np.interp(foot.contour[:, 0], *drawn.T)
+        assert abs(off).max() < 0.0015  # a pixel
 
     def test_a_drawn_print_has_no_teeth(self, pages, browser):
         shown = Page(browser, pages["walk"])
@@ -484,6 +501,15 @@ class TestLooks:
         browser.refresh()
         assert shown.text("#design .loop") == "Play"
         shown.emulate(prefers_reduced_motion="no-preference")
+
+    def test_warnings_are_on_paper_what_is_drawn_with_is_not(self, pages, browser):
+        shown = Page(browser, pages["front"])
+        browser.execute_cdp_cmd("Page.printToPDF", {})
+        assert shown["#warnings p"].is_displayed()
+        browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+        hidden = shown.js("getComputedStyle(document.querySelector('#draw')).display")
+        browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+        assert hidden == "none"
 
     @pytest.mark.parametrize("kind", ["front", "study"])
     def test_is_printed_on_few_sheets(self, kind, pages, browser):
@@ -562,6 +588,18 @@ class TestWalk:
         time.sleep(0.1)
         assert shown["#time"].get_property("value") == stands
 
+    def test_arrows_in_the_close_up_are_seen_whole(self, pages, browser):
+        shown = Page(browser, pages["front"])
+        low, high = shown.js(
+            "(() => { const close = document.querySelector('#walk .wide figure:last-child svg'), ends = [];"
+            "for (let t = 0; t < open(0).t.at(-1); t += 0.02) { const time = document.querySelector('#time');"
+            "time.value = t; time.dispatchEvent(new Event('input'));"
+            "for (const p of close.querySelectorAll('path[stroke-width=\"1.3\"]'))"
+            "{ const box = p.getBBox(); ends.push(box.y + box.height); } }"
+            "return [Math.max(...ends), +close.getAttribute('height')]; })()"
+        )
+        assert 0.5 * high < low <= high
+
     def test_heel_strikes_are_seen(self, pages, front, browser):
         shown = Page(browser, pages["front"])
         strikes = front[2].scene.gait.heel_strikes(front[2].scene.duration)
@@ -608,6 +646,24 @@ class TestSearch:
         i = walks.successive_bests(result)[0]
         assert ",".join(map(str, result.k[i])) in shown.text("#design-words")
         assert shown.text("#walk-title") == f"The walk: design {i}"
+
+    def test_a_search_of_one_generation_is_a_point(self, single, browser, tmp_path):
+        content = page.search_content(*single)
+        shown = Page(
+            browser, page.write(tmp_path / "page.html", content | {"history": content["history"][:1]})
+        )
+        assert len(shown.all("#search svg[role=img] circle")) == 1
+
+    def test_a_front_that_grows_has_the_hypervolume_that_python_finds(self, front, pages, browser):
+        result = front[0]
+        shown = Page(browser, pages["front"])
+        found = shown.js(
+            "(() => { const volume = growingVolume();"
+            "const all = [...Array(COUNT).keys()].filter((i) => feasible[i]);"
+            "return data.history.map((_, g) => volume(all.filter((i) => generation[i] === g + 1))); })()"
+        )
+        # by 1,024 directions, of designs whose values are floats of 32 bits
+        assert found == pytest.approx([g.hypervolume for g in result.history], rel=0.15)
 
 
 @browser_needed

@@ -84,6 +84,21 @@ class TestDrawing:
         assert np.array(force).reshape(-1, 2, 2) == pytest.approx(walk.force, rel=1e-6, abs=1e-6)
         assert shown.errors() == []
 
+    def test_a_finger_drags_a_waypoint(self, found, shown):
+        before, holder = heights(shown), "#design figure .plot"
+        low = before.index(min(before))
+        grip, drawing = (shown[place].rect for place in (f"[data-waypoint='{low}']", holder))
+        across, down = (
+            (grip[at] + 0.5 * grip[side] - drawing[at]) / drawing[side]
+            for at, side in (("x", "width"), ("y", "height"))
+        )
+        shown.touch(holder, (across, down), (across, down + 30 / drawing["height"]))
+        settled(shown)
+        after = heights(shown)
+        assert after[low] > before[low] + 1
+        assert [k for p, k in enumerate(after) if p != low] == [k for p, k in enumerate(before) if p != low]
+        assert not shown.errors()
+
     def test_keys_move_the_waypoint_that_has_the_focus_and_undo_brings_it_back(self, shown):
         from selenium.webdriver.common.keys import Keys
 

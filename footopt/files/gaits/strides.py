@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.files.gaits.angles import PERIODS, Recording
-from footopt.files.gaits.windows import TIMES, closing, mirrored, one_row_short, open_by
+from footopt.files.gaits.windows import TIMES, closing, is_two, mirrored, one_row_short, open_by
 from footopt.files.reading import Unusable
 
 Array = NDArray[np.float64]
@@ -19,12 +19,15 @@ OPEN = 0.1  # of the motion that the ends of a single stride may differ by ...
 MOST_OPEN = (
     0.15  # ... or, with a note, where no part of it closes better: children's strides differ by so much
 )
+UNCLEAR, COARSE = 3.0, 1.025  # where a row more makes a table close no more times better or worse, and the
+# stride so many times as long, both are said: children's strides close by a tenth either way
 LATE = 0.1  # of a single stride; a heel strike that is farther inside is where it ought to begin
 L1, L2 = 0.47, 0.45  # leg, m; only the ankle's forward extreme is taken from it
 PROMINENT = 0.3  # of the ankle's whole way that it goes back between two heel strikes
 UNEVEN = 0.3  # of a stride that the other foot's strike may be before or after its middle
 TOGETHER = 0.0  # correlation of both ankles' ways; in walks, runs and on stairs it is below -0.7, in squats 1
 SWING = 0.25  # of the way of a straight leg that turns with the thigh; in squats the ankle stays where it is
+SLOW, LONG = 0.15, 0.3  # of the ankle's largest speed, below which it rests; of half a stride, as in no walk
 REST, RESTING = 15.0, 0.3  # deg/s of thigh and knee below which a leg rests; share of time: no stride has it
 
 
@@ -106,7 +109,8 @@ def _single(recording: Recording) -> Strides:
     t, angles, notes = recording.t, recording.angles, recording.notes
     _check_moving(recording)
     whole, apart = _closed(recording)
-    if apart <= OPEN:
+    two = apart <= MOST_OPEN and is_two(recording)
+    if apart <= OPEN and not two:
         return whole
     for halves in (False, True):
         window = closing(recording, halves)
@@ -124,24 +128,35 @@ def _single(recording: Recording) -> Strides:
         notes += (f"{what}, from {begin:.3f} to {end:.3f} s: {off}",)
         phase, curves, _ = _from_strike(phase, curves, 0.0)
         return Strides(phase, curves, np.array([period]), notes)
-    if apart <= MOST_OPEN:
+    if apart <= MOST_OPEN and not two:
         return whole
     raise Unusable(
-        f"not one whole stride: in {t[-1] - t[0]:.3g} s no stride closes, and its ends differ by "
-        f"{100 * apart:.0f} % of the motion. Give one heel strike to the next, or several strides."
+        f"not one whole stride: in {t[-1] - t[0]:.3g} s no stride closes, and "
+        + (
+            "in its middle the leg is where it began"
+            if two
+            else f"its ends differ by {100 * apart:.0f} % of the motion"
+        )
+        + ". Give one heel strike to the next, or several strides."
     )
 
 
 def _closed(recording: Recording) -> tuple[Strides, float]:
     """A whole recording as one stride, and the part of the motion that its ends differ by."""
     t, angles, _, _ = recording
-    apart, what = open_by(recording), "one stride, from the first row to the last"
-    if (again := one_row_short(recording)) < apart:
+    apart, again = open_by(recording), one_row_short(recording)
+    periods = [t[-1] - t[0], 2.0 * t[-1] - t[-2] - t[0]]
+    unclear = periods[1] > COARSE * periods[0] and max(apart, again) < UNCLEAR * min(apart, again)
+    what = "one stride, from the first row to the last"
+    if again < apart:
         t = np.append(t, 2.0 * t[-1] - t[-2])
         angles = {joint: np.append(values, values[0]) for joint, values in angles.items()}
         apart, what = again, "one stride, after whose last row the first one comes again"
+        periods.reverse()
     if apart > OPEN:
         what += f", though they differ by {100 * apart:.0f} % of the motion"
+    if unclear:
+        what += f"; it takes {periods[0]:.4g} s, or else {periods[1]:.4g} s: gait.period sets it"
     phase, curves, more = _from_strike((t - t[0]) / (t[-1] - t[0]), angles, LATE)
     return Strides(phase, curves, t[-1:] - t[0], (*recording.notes, what, *more)), apart
 
@@ -176,8 +191,8 @@ def _check_moving(recording: Recording) -> None:
 
 
 def _several(recording: Recording, begins: Array) -> Strides:
-    """The strides between heel strikes, s, without those of another length than usual, or in which the other
-    foot does not strike once, about half a stride later.
+    """The strides between heel strikes, s, without those of another length than usual, those from or to
+    standing, and those in which the other foot does not strike once, about half a stride later.
     """
     lengths, good = np.diff(begins), np.ones(len(begins) - 1, bool)
     if (other := recording.other) is not None:
@@ -195,6 +210,9 @@ def _several(recording: Recording, begins: Array) -> Strides:
                 "walk does once in each, at about 0.5: no walk, or markers are mistaken."
             )
     uneven = np.sum(~good)
+    if (good & ~(stands := _beside_standing(recording, begins))).any():
+        good &= ~stands
+    standing = np.sum(~good) - uneven
     good &= abs(lengths / np.median(lengths[good]) - 1.0) <= ODD
     kept, phase = lengths[good], np.arange(POINTS + 1) / POINTS
     times = begins[:-1][good][:, None] + kept[:, None] * phase
@@ -202,9 +220,27 @@ def _several(recording: Recording, begins: Array) -> Strides:
     note = f"{len(kept)} stride{'s' if len(kept) > 1 else ''} of {kept.mean():.3f} s"
     note += f", {kept.min():.3f} to {kept.max():.3f} s" if len(kept) > 1 else ""
     note += f"; {uneven} without one strike of the other foot left out" if uneven else ""
-    odd = np.sum(~good) - uneven
+    note += f"; {standing} from or to standing left out" if standing else ""
+    odd = np.sum(~good) - uneven - standing
     note += f"; {odd} of another length left out" if odd else ""
     return Strides(phase, curves, kept, (*recording.notes, note))
+
+
+def _beside_standing(recording: Recording, begins: Array) -> NDArray[np.bool_]:
+    """Of each stride between heel strikes, s, whether the ankle rests for long in the half stride before or
+    after it: it is the first or the last of a walk, and no steady one.
+    """
+    t, ahead = _swing(recording)
+    speed = abs(np.gradient(ahead, t))
+    rested = np.cumsum(speed < SLOW * speed.max()) * (t[1] - t[0])
+    half = 0.5 * np.diff(begins)
+
+    def share(begin: Array) -> Array:
+        rest: Array = (np.interp(begin + half, t, rested) - np.interp(begin, t, rested)) / half
+        return rest
+
+    beside: NDArray[np.bool_] = np.maximum(share(begins[:-1] - half), share(begins[1:])) > LONG
+    return beside
 
 
 def heel_strikes(recording: Recording) -> Array:

@@ -12,6 +12,7 @@ Array = NDArray[np.float64]
 TIMES, SMOOTH = 300, 4.0  # times at which a closed part is looked for; width of their speeds' filter
 CLOSED = 0.06  # of the motion that the ends of such a part may differ by
 EVEN = 0.1  # of a step that others may be longer
+TWICE = 0.5  # of the motion; where the leg is nearer in the middle to where it began, there are two strides
 MOST = 0.8  # of the thigh's range that such a part must hold
 
 
@@ -32,13 +33,21 @@ def closing(recording: Recording, halves: bool) -> tuple[float, float, float] | 
     gap = np.maximum(_apart(own, after, scale), _apart(after, own, scale))
     lag = t - t[:, None]  # of an end (columns) after a begin (rows)
     thigh = own[0]
+    if not halves:  # nor two strides
+        begins, ends = np.indices(gap.shape)
+        lag[gap[begins, (begins + ends) // 2] < TWICE] = np.inf
     gap[(lag < least) | (lag > most)] = np.inf
     for _ in range(TIMES):
         row, column = np.unravel_index(np.argmin(gap), gap.shape)
         if not gap[row, column] <= CLOSED:
             return None
         if halves or np.ptp(thigh[row : column + 1]) > MOST * np.ptp(thigh):
-            return float(t[row]), float(t[column]), float(gap[row, column])
+            # how far the end is from its time, of all pairs that are as far apart, by least squares
+            later = slice(column - row, None)
+            turn = after[2:, later] / scale[:2, None]
+            left = (own[:2, : row - column] - after[:2, later]) / scale[:2, None]
+            more = float(np.clip(np.sum(left * turn) / np.sum(turn**2), -1.0, 1.0)) * (t[1] - t[0])
+            return float(t[row]), min(float(t[column]) + more, float(t[-1])), float(gap[row, column])
         gap[row] = np.inf
     return None
 
@@ -47,6 +56,12 @@ def open_by(recording: Recording) -> float:
     """The part of the motion that the ends of a recording differ by."""
     state = _state(np.linspace(recording.t[0], recording.t[-1], TIMES), recording)
     return float(_apart(state[:, :1], state[:, -1:], np.ptp(state, axis=1))[0, 0])
+
+
+def is_two(recording: Recording) -> bool:
+    """Whether a leg is in the middle of a recording about where it was in the beginning: no one stride."""
+    state = _state(np.linspace(recording.t[0], recording.t[-1], TIMES), recording)
+    return bool(_apart(state[:, :1], state[:, TIMES // 2, None], np.ptp(state, axis=1))[0, 0] < TWICE)
 
 
 def one_row_short(recording: Recording) -> float:

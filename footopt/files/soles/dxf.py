@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -21,23 +21,31 @@ KINDS = ("LINE", "LWPOLYLINE", "POLYLINE", *CURVES)
 def read(path: Path, units: str | None) -> Iterator[Line]:
     """Yield each line, flattened; `units` is one of its unit's names, or None for the file's own."""
     from ezdxf import path as curves
-    from ezdxf.disassemble import recursive_decompose
 
     document, stated = _document(path)
     unit = unit_of(units, UNITS.get(document.units) if stated else None)
     for insert in document.query("INSERT"):  # some programs flatten blocks so, which no matrix undoes
         insert.dxf.zscale = insert.dxf.zscale or 1.0
-    for entity in recursive_decompose(document.modelspace()):
+    for entity in _drawn(document.modelspace()):
         if entity.dxftype() == "POLYLINE" and (entity.is_poly_face_mesh or entity.is_polygon_mesh):
             continue  # a body
         bulged = "POLYLINE" in entity.dxftype() and entity.has_arc
         for piece in entity.virtual_entities() if bulged else (entity,):
-            if piece.dxftype() in KINDS:
-                # a path's arcs are cubics, 0.03 % off
-                curve = piece if piece.dxftype() in CURVES else curves.make_path(piece)
-                vertices = islice(curve.flattening(FLATTEN / unit), 10 * PIECES + 1)
-                points = unit * np.array([(v.x, v.y) for v in vertices]).reshape(-1, 2)
-                yield from_points(points, entity.dxf.layer)
+            # a path's arcs are cubics, 0.03 % off
+            curve = piece if piece.dxftype() in CURVES else curves.make_path(piece)
+            vertices = islice(curve.flattening(FLATTEN / unit), 10 * PIECES + 1)
+            points = unit * np.array([(v.x, v.y) for v in vertices]).reshape(-1, 2)
+            yield from_points(points, entity.dxf.layer)
+
+
+def _drawn(entities: Iterable[Any]) -> Iterator[Any]:
+    """The lines among entities and in their blocks: those of dimensions and leaders are none."""
+    for entity in entities:
+        if entity.dxftype() == "INSERT":
+            for one in entity.multi_insert() if entity.mcount > 1 else (entity,):
+                yield from _drawn(one.virtual_entities())
+        elif entity.dxftype() in KINDS:
+            yield entity
 
 
 def _document(path: Path) -> tuple[Any, bool]:

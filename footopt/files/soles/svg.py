@@ -1,4 +1,4 @@
-"""The lines of an SVG drawing: every shape and path, with its transforms."""
+"""The lines of an SVG drawing: every shape and path that is filled or stroked, with its transforms."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def read(path: Path, units: str | None) -> Iterator[Line]:
         for element in group:
             if isinstance(element, Group | Use):
                 yield from lines(element, element.id or layer)
-            elif isinstance(element, Shape):
+            elif isinstance(element, Shape) and (element.fill.value, element.stroke.value) != (None, None):
                 # the library cannot turn or skew every shape: its points are
                 turn = _matrix(element.transform)
                 for piece in Curve(*element.segments(transformed=False)).as_subpaths():

@@ -71,7 +71,7 @@ function explorer(choose, beside, glimpse) {
     const best = leaders(50);
     const told = COLUMNS.filter((c) => !/^k\d+$/.test(c.name));
     return table(["", ...told.map(named), ...(kOf ? ["k"] : [])], best.map((i) => [
-      el("button", { type: "button", click: () => pick(i) }, data.designs.labels ? label(i) : String(numbers[i])),
+      el("button", { type: "button", click: () => choose(i) }, data.designs.labels ? label(i) : String(numbers[i])),
       ...told.map((c) => number(c.of(i))), ...(kOf ? [heights(i).join(" ")] : [])]));
   });
   const axesList = el("div", { class: "bar", id: "axes-list" });
@@ -124,7 +124,7 @@ function explorer(choose, beside, glimpse) {
     else state.limits.set(name, [Math.min(low, high), Math.max(low, high)]);
     filter();
     const best = leaders(1)[0]; // what was brushed is shown by its best
-    if (best !== undefined && !state.passing.includes(state.chosen)) pick(best);
+    if (best !== undefined && !state.passing.includes(state.chosen)) choose(best);
   }
   function filter() {
     state.shown = every.filter((i) => feasible[i] && !(generation?.[i] > state.until) && SETS[which.value].has(i));
@@ -136,11 +136,6 @@ function explorer(choose, beside, glimpse) {
     });
     rows.refresh();
     redraw();
-  }
-  function pick(i) {
-    state.chosen = i;
-    redraw();
-    choose(i);
   }
   /** Designs' colours: of their jobs, or by the value that was chosen. */
   function colours() {
@@ -190,6 +185,18 @@ function explorer(choose, beside, glimpse) {
     drawParallel();
     drawScatter();
   }
+  const overlays = new Map();
+  /** Mark the best design, the chosen one and that under the pointer over a drawing, which is not drawn again for them. */
+  function overlay(a, holder, marks) {
+    const group = a.svg.appendChild(svg("g"));
+    overlays.set(holder, () => group.replaceChildren(...[
+      ...(data.jobs || state.chosen === data.best ? [] : [[data.best, "var(--best)", 2.5, BEST]]),
+      data.jobs ? [state.chosen, COLOURS[state.chosen % COLOURS.length], 4, ""] : state.chosen === data.best ? [data.best, "var(--best)", 3, BEST] : [state.chosen, "var(--chosen)", 3, "chosen"],
+      [state.near, "var(--ink)", 1.5, ""],
+    ].flatMap(([i, ...more]) => (feasible[i] && !(generation?.[i] > state.until) ? marks(i, ...more) : []))));
+    overlays.get(holder)();
+  }
+  const mark = () => overlays.forEach((draw) => draw());
 
   function drawParallel() {
     wide.style.minWidth = `${96 * order.length}px`; // names beside each other
@@ -206,33 +213,26 @@ function explorer(choose, beside, glimpse) {
     });
     const Y = (c, v) => { const [worst, best] = ends[c]; return best === worst ? (top + bottom) / 2 : bottom + ((v - worst) / (best - worst)) * (top - bottom); };
     const fromY = (c, y) => { const [worst, best] = ends[c]; return worst + ((y - bottom) / (top - bottom)) * (best - worst); };
-    const line = (of, style, thick, dash = []) => {
-      pen.beginPath();
-      order.forEach((c, j) => pen.lineTo(X(j), Y(j, of(c))));
-      pen.strokeStyle = style;
-      pen.lineWidth = thick;
-      pen.setLineDash(dash);
-      pen.stroke();
-      pen.setLineDash([]);
-    };
+    const line = (of) => path(order.map((c, j) => [X(j), Y(j, of(c))]));
     const lines = (all, style, thick) => { // more would be a solid block, or too faint to be seen
       const some = all.filter((_, n) => n % Math.ceil(all.length / MOST) === 0);
       pen.globalAlpha = Math.max(0.03, Math.min(0.8, (shade.value ? 60 : 25) / some.length));
-      for (const i of some) line((c) => c.of(i), style(i), thick);
+      pen.lineWidth = thick;
+      for (const i of some) {
+        pen.beginPath();
+        order.forEach((c, j) => pen.lineTo(X(j), Y(j, c.of(i))));
+        pen.strokeStyle = style(i);
+        pen.stroke();
+      }
     };
     const passing = new Set(state.passing), rest = ink("--line");
     lines(state.shown.filter((i) => !passing.has(i)), () => rest, 0.7);
     lines(state.passing, colour, data.jobs ? 1.8 : 0.9);
-    pen.globalAlpha = 1;
     const known = order.filter((c) => Number.isFinite(c.flat));
     if (!data.jobs && known.length > 1 && known.length === order.length) {
-      line((c) => c.flat, ink("--flat"), 2, [6, 4]);
-      drawing.append(svg("text", { class: "halo", x: X(0) - 10, y: Y(0, order[0].flat) + 4, "text-anchor": "end", style: "fill:var(--grey)" }, "flat"));
+      drawing.append(svg("path", { class: "ghost", d: line((c) => c.flat) }), svg("text", { class: "halo", x: X(order.length - 1) + 8, y: Y(order.length - 1, order.at(-1).flat) + 4, style: "fill:var(--grey)" }, "flat"));
     }
-    const strong = (i, style, thick) => feasible[i] && !(generation?.[i] > state.until) && line((c) => c.of(i), ink(style), thick);
-    if (!data.jobs && state.chosen !== data.best) strong(data.best, "--best", 2.5);
-    strong(state.chosen, data.jobs ? COLOURS[state.chosen % COLOURS.length] : state.chosen === data.best ? "--best" : "--chosen", data.jobs ? 4 : 3);
-    if (state.near >= 0) strong(state.near, "--ink", 1.5);
+    overlay(a, wide, (i, stroke, thick) => [svg("path", { d: line((c) => c.of(i)), fill: "none", stroke, "stroke-width": thick })]);
     order.forEach((c, j) => {
       const [low, high] = ends[j].slice().sort((u, v) => u - v), marks = ticks(low, high, 5);
       const name = c.title.split(" ").reduce((rows, word) => ((rows.at(-1) + word).length > 13 ? [...rows, word] : [...rows.slice(0, -1), `${rows.at(-1)} ${word}`.trim()]), [""]).filter(Boolean);
@@ -274,7 +274,7 @@ function explorer(choose, beside, glimpse) {
         const j = near(x);
         if (j >= 0 && state.limits.has(order[j].name)) { setLimit(order[j].name, -Infinity, Infinity); return; }
         const i = under([x, y], 12);
-        if (i >= 0) pick(i);
+        if (i >= 0) choose(i);
       },
     });
     hover(a, (x, y) => told(y > top ? under([x, y], 6) : -1));
@@ -288,7 +288,7 @@ function explorer(choose, beside, glimpse) {
       const step = y > a.height / 2 ? -14 : 14;
       while (taken.some(([u, v]) => Math.abs(u - x) < 60 && Math.abs(v - y) < 14)) y += step;
       taken.push([x, y]);
-      a.svg.append(svg("text", { class: "halo", x: x + 10, y: y + 4 }, label(i)));
+      a.svg.append(nameAt(a, x, y + 4, label(i)));
     }
   }
 
@@ -303,7 +303,10 @@ function explorer(choose, beside, glimpse) {
   }
   /** What a design under the pointer says. */
   const told = (i) => {
-    if (i !== state.near) glimpse((state.near = i) < 0 ? state.chosen : i);
+    if (i !== state.near) {
+      glimpse((state.near = i) < 0 ? state.chosen : i);
+      mark();
+    }
     return i < 0 ? null : [label(i), ...COLUMNS.filter((c) => !c.variable || order.includes(c)).map((c) => `${c.title} ${quantity(c.of(i), c.unit)}`)].join("\n");
   };
 
@@ -326,18 +329,16 @@ function explorer(choose, beside, glimpse) {
     for (const i of state.shown) if (!passing.has(i)) dot(i, ink("--line"), 1.8);
     pen.globalAlpha = data.jobs ? 1 : state.passing.length > 2000 ? 0.35 : 0.65;
     for (const i of state.passing) dot(i, colour(i), data.jobs ? 5 : 2.5);
-    const mark = (i, text, attributes) => Number.isFinite(cx.of(i)) && Number.isFinite(cy.of(i)) && a.svg.append(
-      svg("circle", { cx: a.X(cx.of(i)), cy: a.Y(cy.of(i)), r: 6, fill: "none", "stroke-width": 2.5, ...attributes }),
-      svg("text", { class: "halo", x: a.X(cx.of(i)) + 10, y: a.Y(cy.of(i)) - 8 }, text));
     if (data.jobs) nameJobs(a, (i) => [a.X(cx.of(i)), a.Y(cy.of(i))]);
-    else if (feasible[data.best]) mark(data.best, BEST, { stroke: "var(--best)" });
-    if (feasible[state.chosen] && (data.jobs || state.chosen !== data.best)) mark(state.chosen, data.jobs ? "" : "chosen", { stroke: data.jobs ? "var(--ink)" : "var(--chosen)" });
+    overlay(a, flat, (i, stroke, thick, text) => (Number.isFinite(cx.of(i) + cy.of(i)) ? [
+      svg("circle", { cx: a.X(cx.of(i)), cy: a.Y(cy.of(i)), r: 6, fill: "none", "stroke-width": 2.5, stroke: data.jobs ? "var(--ink)" : stroke }),
+      nameAt(a, a.X(cx.of(i)), a.Y(cy.of(i)) - 8, text)] : []));
     if (!data.jobs && Number.isFinite(cx.flat) && Number.isFinite(cy.flat)) a.svg.append(
       svg("rect", { x: a.X(cx.flat) - 5, y: a.Y(cy.flat) - 5, width: 10, height: 10, fill: "var(--flat)", stroke: "var(--ink)" }),
-      svg("text", { class: "halo", x: a.X(cx.flat) + 10, y: a.Y(cy.flat) + 4 }, "flat"));
+      nameAt(a, a.X(cx.flat), a.Y(cy.flat) + 4, "flat"));
     const limits = [cx, cy].map((c) => state.limits.get(c.name));
     if (limits.some(Boolean)) {
-      const clip = (v, low, high) => Math.min(Math.max(v, low), high), b = a.inside;
+      const b = a.inside;
       const [x0, x1] = (limits[0] ?? [-Infinity, Infinity]).map((v) => clip(a.X(v), b.left, b.right));
       const [y0, y1] = (limits[1] ?? [-Infinity, Infinity]).map((v) => clip(a.Y(v), b.top, b.bottom));
       a.svg.append(rectangle(x0, y0, x1, y1));
@@ -353,7 +354,7 @@ function explorer(choose, beside, glimpse) {
         }
         return rectangle(x0, y0, x1, y1);
       },
-      click: (at) => { const i = under(at, 12); if (i >= 0) pick(i); },
+      click: (at) => { const i = under(at, 12); if (i >= 0) choose(i); },
     });
   }
   section.addEventListener("keydown", (event) => event.key === "Escape" && clear.click());
@@ -362,5 +363,5 @@ function explorer(choose, beside, glimpse) {
     state.until = last;
     filter();
   }
-  return { section, filter, until, redraw, mark: (i) => { state.chosen = i; redraw(); } };
+  return { section, filter, until, redraw, mark: (i) => { state.chosen = i; mark(); } };
 }

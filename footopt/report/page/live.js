@@ -1,15 +1,39 @@
 // A search while it runs, and from its beginning again: front, convergence and the best foot, generation by generation.
 
+/** The objectives of a design, minimised. */
+const cost = (data.objectives ?? []).map((name) => data.columns.findIndex((c) => c.name === name)).map((c) => {
+  const sign = data.columns[c].maximise ? -1 : 1;
+  return (i) => sign * values[i * WIDTH + c];
+});
+
 /** Of some designs those that no other of them is better than in all objectives. */
 function undominated(among) {
-  const cost = data.objectives.map((name) => data.columns.findIndex((c) => c.name === name)).map((c) => {
-    const sign = data.columns[c].maximise ? -1 : 1;
-    return (i) => sign * values[i * WIDTH + c];
-  });
   const better = (i, j) => cost.every((of) => of(i) <= of(j)) && cost.some((of) => of(i) < of(j));
   const kept = [];
   for (const i of among.slice().sort((a, b) => cost[0](a) - cost[0](b) || a - b)) if (!kept.some((j) => better(j, i))) kept.push(i);
   return kept;
+}
+
+/**
+ * The hypervolume of designs as they come, in units of the box of the first ones: the mean of how far they reach along
+ * many directions, to the power of the objectives, times a constant (Deng and Zhang 2019).
+ */
+function growingVolume() {
+  const m = cost.length, reach = new Float64Array(1024);
+  const rays = Array.from(reach, () => {
+    const ray = cost.map(() => Math.sqrt(-2 * Math.log(1 - Math.random())) * Math.abs(Math.cos(2 * Math.PI * Math.random()))), long = Math.hypot(...ray);
+    return ray.map((v) => v / long);
+  });
+  let box = null, ball = (m % 2 ? 2 : 1) / 2 ** m; // of the unit ball, where all is positive
+  for (let j = 2 + (m % 2); j <= m; j += 2) ball *= (2 * Math.PI) / j;
+  return (designs) => {
+    if (designs.length) box ??= cost.map((of) => range(designs.map(of), 0));
+    for (const i of designs) {
+      const f = cost.map((of, j) => (box[j][1] - of(i)) / (box[j][1] - box[j][0]));
+      rays.forEach((ray, r) => { reach[r] = Math.max(reach[r], Math.min(...f.map((v, j) => v / ray[j]))); });
+    }
+    return ball * (reach.reduce((sum, far) => sum + far ** m, 0) / reach.length);
+  };
 }
 
 const several = data.objectives?.length > 1;
@@ -32,7 +56,7 @@ function showBest(explore, last, among, front_ = several ? undominated(among) : 
     const part = still ? 1 : clip((now - begun) / 400, 0, 1);
     if (part >= 1) { choose(best); return; }
     const points = from.map(([x, z], j) => [x, z + part * (to[j][1] - z)]);
-    holder.replaceChildren(soleDrawing(points, { width: Math.max(holder.clientWidth, 200), top: own("top", best) }));
+    holder.replaceChildren(soleDrawing(points, { width: widthOf(holder), top: own("top", best) }));
     morphing = requestAnimationFrame(tick);
   };
   morphing = requestAnimationFrame(tick);
@@ -79,6 +103,7 @@ function rewinding(explore, found) {
 function follow(explore, found) {
   const status = document.getElementById("header").appendChild(el("p", { id: "live", role: "status" }, "Waiting for the first designs."));
   const { most } = data.live, began = performance.now();
+  const volume = growingVolume();
   let count = 0, first = 0, chosenNow = data.best, round = 0;
   chosen.push((i) => { chosenNow = i; });
   async function ask() {
@@ -100,11 +125,11 @@ function follow(explore, found) {
       depths.delete(count);
       walked.delete(count++);
     }
-    const among = Array.from({ length: count }, (_, i) => i).filter((i) => feasible[i]), following = chosenNow === data.best;
+    const begin = data.history.at(-1).evaluations, among = Array.from({ length: count }, (_, i) => i).filter((i) => feasible[i]), following = chosenNow === data.best;
     if (!following) { front.clear(); undominated(among).forEach((i) => front.add(i)); explore.until(Infinity); }
     data.best = following ? Math.max(showBest(explore, Infinity, among), 0) : Math.max(bestOf(several ? [...front] : among), 0);
     const c = data.columns.findIndex((column) => column.name === data.objectives[0]);
-    data.history.push({ evaluations: count, best: several ? front.size : values[data.best * WIDTH + c], median: null, front: front.size });
+    data.history.push({ evaluations: count, best: several ? volume(among.filter((i) => i >= begin && (!begin || front.has(i)))) : values[data.best * WIDTH + c], median: null, front: front.size });
     found.draw();
     const rate = (count - first) / (performance.now() - began), left = rate > 0 ? (most - count) / rate / 1000 : NaN;
     status.textContent = `${count} of at most ${most} designs walked${Number.isFinite(left) ? `; at most ${left < 90 ? `${Math.ceil(left)} s` : `${Math.ceil(left / 60)} min`} left` : ""}.`;

@@ -20,6 +20,7 @@ from footopt.design import FootProblem
 from footopt.design.context import context, digest
 from footopt.files.run import plain
 from footopt.foot import Foot
+from footopt.report.numbers import title
 from footopt.report.page.file import packed, text
 from footopt.report.page.walks import DESIGNS, common, splines, traces_of_flat
 from footopt.report.terminal import describe_scene
@@ -81,7 +82,7 @@ def live_content(problem: FootProblem, most: int, entry: dict[str, Any]) -> dict
     return {
         **common(entry, problem.scene, problem.record, problem.accuracy, space),
         "title": f"A search on {describe_scene(problem.scene)}",
-        "headline": [f"Soles for {', '.join(problem.names)}"],
+        "headline": [f"Soles for {', '.join(map(title, problem.names))}"],
         "live": {"most": most},
         "guide": problem.names[0],
         "objectives": list(problem.names),

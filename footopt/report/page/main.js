@@ -93,11 +93,11 @@ function designSection() {
     back.hidden = best || data.jobs !== undefined;
     words.textContent = [k ? `k = [${k.join(",")}]` : "", `hollow ${(MM * hollow(points)).toFixed(1)} mm`, generation && chosen !== DRAWN ? `generation ${generation[chosen]}` : "",
       feasible[chosen] ? "" : `infeasible: ${reason(chosen)}`, chosen === DRAWN && feasible[chosen] ? sketch.reason : "", flat ? "dashed: the flat foot" : ""].filter(Boolean).join("; ");
-    drawing.replaceChildren(soleDrawing(points, { width: Math.max(drawing.clientWidth, 200), k, top: own("top", chosen), colour: best || data.jobs ? "var(--best)" : "var(--chosen)",
+    drawing.replaceChildren(soleDrawing(points, { width: widthOf(drawing), k, top: own("top", chosen), colour: best || data.jobs ? "var(--best)" : "var(--chosen)",
       ghost: flat?.points }));
     const finer = best && data.bestValues, accuracy = data.jobs ? "" : `Walked at accuracy ${(finer ? entry.accuracy : entry.search_accuracy ?? entry.accuracy)?.name}. `;
     numbers.replaceChildren(...(flatEntry && feasible[chosen]
-      ? [gain(chosen), bars(chosen, Math.max(numbers.clientWidth, 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Ticks at the end: ± the error of the numbers.",
+      ? [gain(chosen), bars(chosen, Math.max(widthOf(numbers), 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Ticks at the end: ± the error of the numbers.",
         best && entry.ranks?.laws?.some((law) => law.change) ? " Circles: under other laws of the sand." : "", ` ${accuracy}`)]
       : [el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Values" }, numberTable()), el("p", { class: "note" }, accuracy)]));
     exact.refresh();
@@ -121,7 +121,7 @@ function glance() {
   let chosen = data.best;
   const show = (i = chosen, keep = true) => {
     if (keep) chosen = i;
-    section.replaceChildren(el("h3", {}, label(i)), el("figure", {}, soleDrawing(sole(i), { width: Math.max(section.clientWidth, 200), height: 90, plain: true,
+    section.replaceChildren(el("h3", {}, label(i)), el("figure", {}, soleDrawing(sole(i), { width: widthOf(section), height: 90, plain: true,
       top: own("top", i), colour: i === data.best ? "var(--best)" : "var(--chosen)", ghost: data.walks && flatWalk()?.points })),
     el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Values of the chosen design" },
       table(["", "value", ...(flatEntry ? ["change"] : [])], data.columns.map((column, c) => [named(column), number(valueOf(i, c)), ...(flatEntry ? [change(valueOf(i, c), flatEntry[column.name], column)] : [])]))),
@@ -138,14 +138,15 @@ function searchSection(choose) {
     const shown = several ? (v) => v ?? NaN : (v) => guide.show(v ?? NaN);
     const rows = data.history, bests = rows.map((r) => shown(r.best)), medians = rows.map((r) => shown(r.median));
     const a = axes(holder, { x: [0, rows.at(-1).evaluations], y: range([...bests, ...medians]), xlabel: "evaluations",
-      ylabel: several ? (data.live ? "designs on the front so far" : "hypervolume (1: box of the first generation)") : `${named(guide)}: best so far`, height: 260, left: 84,
+      ylabel: several ? `hypervolume (1: box of the first ${data.live ? "designs" : "generation"})` : `${named(guide)}: best so far`, height: 260, left: 84,
       label: "Convergence of the search; the table below has the numbers" });
     const X = (i) => a.X(rows[i].evaluations);
     a.svg.append(
       svg("path", { d: path(medians.map((v, i) => [X(i), a.Y(v)])), fill: "none", stroke: "var(--flat)", "stroke-width": 1.5, "stroke-dasharray": "6 4" }),
       svg("path", { d: path(bests.flatMap((v, i) => (i ? [[X(i), a.Y(bests[i - 1])], [X(i), a.Y(v)]] : [[X(i), a.Y(v)]]))), fill: "none", stroke: "var(--best)", "stroke-width": 2.2 }));
+    if (Number.isFinite(bests.at(-1))) a.svg.append(svg("circle", { cx: X(rows.length - 1), cy: a.Y(bests.at(-1)), r: 3.5, fill: "var(--best)" }));
     const ends = [medians, bests].map((all) => all.findLast(Number.isFinite)), over = ends[1] >= ends[0] ? 1 : 0;
-    [["median of the generation", "fill:var(--grey)"], [several ? (data.live ? "" : "hypervolume") : "best so far", ""]].forEach(([text, style], i) =>
+    [["median of the generation", "fill:var(--grey)"], [several ? "hypervolume" : "best so far", ""]].forEach(([text, style], i) =>
       ends[i] !== undefined && a.svg.append(svg("text", { class: "halo", x: X(rows.length - 1), y: a.Y(ends[i]) + (i === over ? -6 : 14), "text-anchor": "end", style }, text)));
     if (now < rows.length) a.svg.append(svg("line", { class: "cursor", x1: X(now), x2: X(now), y1: a.inside.top, y2: a.inside.bottom }));
     hover(a, (x) => {
@@ -204,7 +205,7 @@ function tracesSection() {
   });
   const section = el("section", { id: "traces" }, el("h2", {}, "Their walks"),
     el("p", { class: "note" }, ...jobs.flatMap((job) => [key(job.line), ` ${[job.label, job.settings].filter(Boolean).join(": ")}  `])),
-    el("div", { class: "grid", style: "--columns:2" }, ...plots.map(([, holder]) => el("figure", {}, holder))));
+    el("div", { class: "grid plots", style: "--columns:2" }, ...plots.map(([, holder]) => el("figure", {}, holder))));
   return { section, draw };
 }
 

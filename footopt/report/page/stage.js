@@ -33,7 +33,7 @@ function open(place) {
 
 /** A walk with what pictures of it need: fewer points, an outline, and which arrow each piece of the sole has. */
 function prepared(walk) {
-  const every = Math.max(1, Math.floor(walk.points.length / 80));
+  const every = Math.max(1, Math.floor(walk.points.length / Math.max(80, 4 * (space?.n ?? 0))));
   walk.light = walk.points.filter((_, i) => i % every === 0 || i === walk.points.length - 1);
   walk.shape = outline(walk.light, walk.top);
   const parts = pairs(walk.at);
@@ -143,7 +143,7 @@ function arrow([x0, y0], [x1, y1]) {
  * looks at x = `fixed`. `other` is drawn behind as a ghost, in step: its COM, or its ankle at `fixed`, in the same place.
  */
 function stage(holder, walk, { close, x, z, label, other = null, fixed = null, paint = "side", tall = 330 }) {
-  const width = Math.max(holder.clientWidth, 200);
+  const width = widthOf(holder);
   const height = Math.min(tall, (width / (x[1] - x[0])) * (z[1] - z[0]) + (close ? 0 : 60));
   const scale = Math.min(width / (x[1] - x[0]), height / (z[1] - z[0])), Z = (v) => height - (v - z[0]) * scale;
   let middle = fixed?.x ?? 0.5 * (x[0] + x[1]);
@@ -154,6 +154,7 @@ function stage(holder, walk, { close, x, z, label, other = null, fixed = null, p
   const ground = add("g", {});
   const print = add("path", { fill: "var(--paper)", stroke: "none" }), rims = add("path", { class: "rims", fill: "var(--sand)", stroke: "none" });
   const surface = add("path", { fill: "none", stroke: "var(--surface)", "stroke-width": 1.5, "data-print": walk.surface ? "computed" : "drawn" });
+  const names = add("g", {});
   const ghost = other && [LEFT, RIGHT].map(() => add("path", { class: "ghost" }));
   const parts = walk.at.length / 2, scheme = PAINTS[paint];
   const body = [LEFT, RIGHT].map((foot) => ({
@@ -169,7 +170,8 @@ function stage(holder, walk, { close, x, z, label, other = null, fixed = null, p
   const largest = close
     ? walk.arrows.reduce((most, _, i, a) => (i % 2 ? most : Math.max(most, Math.hypot(a[i], a[i + 1]))), 1)
     : walk.force.reduce((most, v) => Math.max(most, Math.abs(v)), 1);
-  const reach = ((close ? 0.4 : 0.35) * (z[1] - z[0]) * scale) / largest; // pixels per newton
+  // pixels per newton; below the deepest sole an arrow has room
+  const reach = ((close ? 0.85 * (deepest(walk) - z[0]) : 0.35 * (z[1] - z[0])) * scale) / largest;
   const round = 10 ** Math.floor(Math.log10((0.7 * largest)));
   const unit = [5, 2, 1].find((m) => m * round <= 0.7 * largest) * round;
   add("path", { d: arrow([8, 12], [8 + unit * reach, 12]), fill: "none", stroke: "var(--ink)", "stroke-width": 1.3 });
@@ -198,7 +200,9 @@ function stage(holder, walk, { close, x, z, label, other = null, fixed = null, p
     print.setAttribute("d", `${line([[middle - half, 0], ...top, [middle + half, 0]].map(([u, v]) => [u, Math.min(v, 0)]))}Z`);
     rims.setAttribute("d", low ? "" : `${line([[middle - half, 0], ...top, [middle + half, 0]].map(([u, v]) => [u, Math.max(v, 0)]))}Z`);
     surface.setAttribute("d", line(top));
-    ground.replaceChildren(...strips({ X, Z, width, height }), ...ticks(middle - half, middle + half, width / 110).values.flatMap((v) => [
+    const found = strips({ X, Z, width, height });
+    ground.replaceChildren(...found.map(([sand]) => sand));
+    names.replaceChildren(...found.map(([, name]) => name), ...ticks(middle - half, middle + half, width / 110).values.flatMap((v) => [
       svg("line", { x1: X(v), x2: X(v), y1: height - 6, y2: height, stroke: "var(--grey)" }),
       ...(X(v) > 24 && X(v) < width - 24 ? [svg("text", { x: X(v), y: height - 9, "text-anchor": "middle" }, `${+v.toFixed(2)} m`.replace("-", "−"))] : [])]));
     if (ghost) {
@@ -237,8 +241,8 @@ function strips({ X, Z, width, height }) {
     const [top, bottom] = [Z(s.top), s.bottom === null ? height : Math.min(Z(s.bottom), height)];
     if (left >= right || top >= bottom) return [];
     const patch = s.kind === "patch";
-    return [svg("rect", { class: "strip", x: left, y: top, width: right - left, height: bottom - top, fill: s.colour, stroke: "var(--surface)", "stroke-width": 0.6 }),
-      svg("text", { class: "on-sand", x: patch ? left + 4 : right - 4, y: patch ? top + 16 : Math.min(bottom - 5, top + 26), "text-anchor": patch ? "start" : "end" }, s.label)];
+    return [[svg("rect", { class: "strip", x: left, y: top, width: right - left, height: bottom - top, fill: s.colour, stroke: "var(--surface)", "stroke-width": 0.6 }),
+      svg("text", { class: "on-sand", x: patch ? left + 4 : right - 4, y: patch ? top + 16 : Math.min(bottom - 5, top + 26), "text-anchor": patch ? "start" : "end" }, s.label)]];
   });
 }
 

@@ -78,9 +78,16 @@ function range(values, room = 0.05) {
   return [low - more, high + more];
 }
 
+/** The width of a holder, pixels: asked for once, as every answer lays the page out anew. */
+const widths = new Map();
+function widthOf(holder) {
+  if (!widths.get(holder)) widths.set(holder, holder.clientWidth);
+  return Math.max(widths.get(holder), 200);
+}
+
 /** Axes in a holder: an empty drawing with scales from numbers to pixels and back. */
 function axes(holder, { x, y, xlabel, ylabel, height, label, left = 58 }) {
-  const width = Math.max(holder.clientWidth, 200), right = 26, top = 22, bottom = xlabel ? 40 : 22;
+  const width = widthOf(holder), right = 26, top = 22, bottom = xlabel ? 40 : 22;
   const place = (low, high, from, to) => (v) => from + ((v - low) / (high - low || 1)) * (to - from);
   const drawing = svg("svg", { viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": label });
   const made = {
@@ -108,6 +115,9 @@ function axes(holder, { x, y, xlabel, ylabel, height, label, left = 58 }) {
   holder.replaceChildren(drawing);
   return made;
 }
+
+/** A name beside a point, on the side where it has room. */
+const nameAt = (a, x, y, text) => (x > a.width - 80 ? svg("text", { class: "halo", x: x - 10, y, "text-anchor": "end" }, text) : svg("text", { class: "halo", x: x + 10, y }, text));
 
 /** Where the pointer is in a drawing, its own pixels. */
 function where(a, event) {
@@ -165,7 +175,7 @@ function download(name, content, type) {
 }
 
 /** Say something to those who do not see what has changed. */
-const say = (text) => { document.getElementById("status").textContent = text; };
+const say = (text) => { const status = document.getElementById("status"); if (status.textContent !== text) status.textContent = text; };
 
 /** Draw again whenever the width of the page changes. */
 const drawings = [];
@@ -177,6 +187,8 @@ let lastWidth = document.body.clientWidth;
 new ResizeObserver(() => {
   if (document.body.clientWidth === lastWidth) return;
   lastWidth = document.body.clientWidth;
+  widths.clear();
   drawings.forEach((draw) => draw());
 }).observe(document.body);
+addEventListener("beforeprint", () => { document.getElementById("warnings")?.setAttribute("open", ""); });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => drawings.forEach((draw) => draw()));

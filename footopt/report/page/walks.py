@@ -122,7 +122,7 @@ def search_content(
         **common(entry, problem.scene, record, problem.accuracy, problem.space),
         "title": verdict(best, flat),
         "headline": [
-            f"Soles for {', '.join(problem.names)} on {describe_scene(problem.scene)}",
+            f"Soles for {', '.join(map(title, problem.names))} on {describe_scene(problem.scene)}",
             describe_search(result),
             describe_confirmation(confirmed),
             *([entry["certificate"]["says"]] if entry.get("certificate") else []),

@@ -1,0 +1,205 @@
+"""One sole as the drawing programs of others write it: it is read to 0.03 mm, whatever the dialect."""
+
+import ezdxf
+import numpy as np
+import pytest
+from ezdxf.math import BSpline
+from shapely import LineString, Point
+
+from footopt.errors import FileError
+from footopt.files import soles
+
+TOE = 80.0 * np.sqrt(0.5)
+#: A closed outline, mm: a heel of 20 mm radius, a flat sole, an eighth of a circle of 80 mm to the toe.
+PATH = (
+    f"M-120 10L-120-10A20 20 0 0 1-100-30L40-30A80 80 0 0 1{40 + TOE:.6f} {50 - TOE:.6f}L{40 + TOE:.6f} 10Z"
+)
+BULGES = [(-120, 10, 0), (-120, -10, np.tan(np.pi / 8)), (-100, -30, 0), (40, -30, np.tan(np.pi / 16)),
+          (40 + TOE, 50 - TOE, 0), (40 + TOE, 10, 0)]  # fmt: skip
+
+
+def sole():
+    """Its lower edge from heel to toe, m, its box's middle in the origin."""
+    heel, toe = np.radians(np.linspace(180, 270, 500)), np.radians(np.linspace(270, 315, 500))
+    arcs = [
+        (-100 + 20 * np.cos(heel), -10 + 20 * np.sin(heel)),
+        (40 + 80 * np.cos(toe), 50 + 80 * np.sin(toe)),
+    ]
+    edge = np.concatenate(arcs, axis=1).T
+    return 1e-3 * (edge - [0.5 * (TOE - 80.0), -10.0])
+
+
+def svg(head, body, before='<?xml version="1.0" encoding="UTF-8" standalone="no"?>'):
+    return lambda: f'{before}\n<svg xmlns="http://www.w3.org/2000/svg" {head}>{body}</svg>'
+
+
+def scaled(by, transform=""):
+    """The outline in other units, y down as in SVG."""
+    return f'<g transform="{transform}"><g transform="scale({by} {-by})"><path d="{PATH}"/></g></g>'
+
+
+SVG = {
+    "Inkscape 1": svg(
+        'width="210mm" height="297mm" viewBox="0 0 210 297" version="1.1" '
+        'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" '
+        'xmlns:sodipodi="http://sodipodi.sourceforge.net/DTD/sodipodi-0.dtd"',
+        '<sodipodi:namedview id="v" inkscape:document-units="mm"><sodipodi:guide position="1,2"/>'
+        "</sodipodi:namedview>"
+        '<defs id="d"><clipPath id="c"><rect width="9" height="9"/></clipPath></defs>'
+        '<g inkscape:label="Hidden" inkscape:groupmode="layer" id="l1" style="display:none">'
+        '<rect x="1" y="2" width="80" height="90"/></g>'
+        '<g inkscape:label="Layer 1" inkscape:groupmode="layer" id="l2" transform="translate(105.3,-12.1)">'
+        f'<path style="fill:none;stroke:#000000" transform="matrix(1,0,0,-1,0,99)" d="{PATH}" '
+        'sodipodi:nodetypes="cccccc" id="path9"/></g>',
+    ),
+    "Inkscape, drawn and hidden by itself": svg(
+        'width="210mm" height="297mm" viewBox="0 0 210 297"',
+        scaled(1)
+        + '<path d="M0 0h30v20z" style="stroke:red; display: none"/><path d="M0 0h30v9" display="none"/>'
+        + '<path d="M-300-300H300V300H-300Z" fill="none"/>',
+    ),
+    "Illustrator": svg(
+        'version="1.1" id="Ebene_1" x="0px" y="0px" width="841.89pt" height="595.28pt" '
+        'viewBox="0 0 841.89 595.28" style="enable-background:new 0 0 841.89 595.28;" xml:space="preserve"',
+        '<style type="text/css">.st0{fill:none;stroke:#1D1D1B;stroke-miterlimit:10;}</style>'
+        f'<g id="Ebene_2">{scaled(72 / 25.4, "translate(400 300)")}<circle cx="400" cy="310" r="9"/></g>',
+        '<?xml version="1.0" encoding="utf-8"?><!-- Generator: Adobe Illustrator 24.0 -->'
+        '<!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN" "http://www.w3.org/Graphics/SVG/1.1/DTD/svg11.dtd">',
+    ),
+    "CorelDRAW": svg(
+        'xml:space="preserve" width="297mm" height="210mm" viewBox="0 0 29700 21000"',
+        f'<g id="Layer_x0020_1"><metadata id="Corel-Layer"/>{scaled(100, "translate(14000 9000)")}</g>',
+    ),
+    "FreeCAD": svg(
+        'width="216.6mm" height="80mm" viewBox="-120 -10 216.6 80" freecad:version="1.1" '
+        'xmlns:freecad="https://www.freecad.org/wiki/index.php?title=Svg_Namespace"',
+        f'<g id="Sketch" transform="scale(1,-1)"><path d="{PATH}" stroke="#000000" '
+        'style="stroke-width:0.35;fill:none"/><title>b\'Sketch\'</title></g>',
+    ),
+    "Rhino": svg(
+        'width="11in" height="8.5in" viewBox="0 0 792 612"',
+        f'<g transform="rotate(180 396 306)">{scaled(72 / 25.4, "translate(396 306) rotate(180)")}</g>',
+    ),
+    "OpenSCAD": svg(
+        'width="216mm" height="60mm" viewBox="-120 -20 216 60" version="1.1"',
+        f'<title>OpenSCAD Model</title>{scaled(1)}',
+    ),
+    "used twice, of which one is a definition": svg(
+        'xmlns:xlink="http://www.w3.org/1999/xlink" width="400mm" viewBox="0 0 400 200"',
+        f'<defs><g id="sole">{scaled(1)}</g></defs><use xlink:href="#sole" x="200" y="90"/>',
+    ),
+}  # fmt: skip
+
+
+def document(version="R2010", units=4):
+    made = ezdxf.new(version)
+    made.units = units
+    return made, made.modelspace()
+
+
+def text_of(made):
+    import io
+
+    out = io.StringIO()
+    made.write(out)
+    return out.getvalue()
+
+
+def pieces(space, size=1.0, **attributes):
+    """Lines and arcs, in no order."""
+    at = size * np.array([(x, y) for x, y, _ in BULGES])
+    for i in (4, 0, 2, 5):
+        space.add_line(at[i], at[(i + 1) % 6], dxfattribs=attributes)
+    space.add_arc((40 * size, 50 * size), 80 * size, 270, 315, dxfattribs=attributes)
+    space.add_arc((-100 * size, -10 * size), 20 * size, 180, 270, dxfattribs=attributes)
+
+
+def autocad():
+    made, space = document("R2018")
+    space.add_lwpolyline(BULGES, "xyb", close=True)
+    space.add_circle((-60, -5), 4)
+    space.add_text("SOLE 42")
+    space.add_linear_dim((0, 60), (-120, 10), (90, 10)).render()
+    made.layout().add_line((0, 0), (210, 297))
+    return text_of(made)
+
+
+def autocad_mirrored():
+    """Mirrored by hand: extrusion along -z, angles and centres in its own coordinates."""
+    made, space = document("R2000")
+    back = {"extrusion": (0, 0, -1)}
+    at = [(-x, y) for x, y, _ in BULGES]
+    space.add_lwpolyline([(-x, y, -b) for x, y, b in BULGES[:3]], "xyb", dxfattribs=back)
+    space.add_arc((-40, 50), 80, 225, 270, dxfattribs=back)
+    space.add_lwpolyline([at[2], at[3]], dxfattribs=back)
+    space.add_lwpolyline([at[4], at[5], at[0]], dxfattribs=back)
+    return text_of(made)
+
+
+def autocad_12():
+    made = ezdxf.new("R12")
+    made.modelspace().add_polyline2d(BULGES, format="xyb", close=True)
+    return text_of(made)
+
+
+def librecad():
+    made, space = document("R2007")
+    block = made.blocks.new("foot")
+    pieces(block, 1.0, layer="0")
+    made.layers.add("Sohle").off()
+    space.add_blockref("foot", (3, 4), {"layer": "Kontur", "xscale": -1, "yscale": -1, "rotation": 180})
+    return text_of(made)
+
+
+def rhino():
+    """One rational spline of second degree, which is a circle exactly, and lines as polylines, in inches."""
+    made, space = document("R2010", units=1)
+    by = 1 / 25.4
+    for centre, radius, begin, end in (((40, 50), 80, 270, 315), ((-100, -10), 20, 180, 270)):
+        half = np.radians(0.5 * (end - begin))
+        angles = np.radians([begin, 0.5 * (begin + end), end])
+        radii = radius / np.array([1.0, np.cos(half), 1.0])
+        points = [
+            (by * (centre[0] + r * np.cos(a)), by * (centre[1] + r * np.sin(a)))
+            for r, a in zip(radii, angles, strict=True)
+        ]
+        curve = BSpline(points, order=3, weights=[1.0, np.cos(half), 1.0])
+        space.add_spline().apply_construction_tool(curve)
+    at = by * np.array([(x, y) for x, y, _ in BULGES])
+    space.add_lwpolyline(at[[4, 5, 0, 1]])
+    space.add_polyline3d([(*at[2], 0.0), (*at[3], 0.0)])
+    return text_of(made)
+
+
+def freecad():
+    made, space = document("R2000", units=6)
+    pieces(space, 1e-3, layer="Sketch")
+    return text_of(made)
+
+
+def openscad():
+    """Lines of six digits, neither a header nor tables."""
+    edge = 1e3 * sole()
+    points = np.concatenate([edge, [(edge[-1, 0], 20.0), (edge[0, 0], 20.0)]])
+    text = "  0\nSECTION\n  2\nBLOCKS\n  0\nENDSEC\n  0\nSECTION\n  2\nENTITIES\n"
+    for (x, z), (u, w) in zip(points, np.roll(points, -1, axis=0), strict=True):
+        text += f"  0\nLINE\n  8\n0\n 10\n{x:.6g}\n 20\n{z:.6g}\n 11\n{u:.6g}\n 21\n{w:.6g}\n"
+    return text + "  0\nENDSEC\n  0\nEOF\n"
+
+
+DXF = {f.__name__: f for f in (autocad, autocad_mirrored, autocad_12, librecad, rhino, freecad, openscad)}
+UNITS = {"autocad_12": "mm", "openscad": "mm"}  # of files that say none
+
+
+@pytest.mark.parametrize("name", [*SVG, *DXF])
+def test_one_sole_of_every_program_is_the_same(name, tmp_path):
+    path = tmp_path / ("a.svg" if name in SVG else "a.dxf")
+    path.write_text((SVG | DXF)[name]())
+    if name in UNITS:
+        with pytest.raises(FileError, match=r"does not say in which unit it is"):
+            soles.read(path, origin="centre")
+    found = soles.read(path, units=UNITS.get(name), origin="centre").points
+    true = sole()
+    assert max(LineString(true).distance(Point(place)) for place in found) < 3e-5
+    assert found[[0, -1], 0] == pytest.approx(true[[0, -1], 0], abs=1.1e-5)  # a steep heel is a vertical side
+    assert len(found) > 30
