@@ -32,6 +32,12 @@ def test_a_warning_names_what_causes_the_error(setting, value, ramp_foot):
     assert f"accuracy.{setting}" in found.why
 
 
+def test_a_warning_names_the_cells_of_footprints(ramp_foot):
+    scene = fo.Scene(sand=fo.Sand.named("regular"), effects=(fo.Footprints(cell=0.02),))
+    (found,) = judged(ramp_foot, scene, fo.Accuracy("sdirk2", 5e-4, 256, 1e-5, "fine"))
+    assert "effects.footprints.cell" in found.why
+
+
 def test_the_smallest_numbers_that_are_allowed_can_be_refined(ramp_foot):
     """The estimate halves them, and stays inside what is allowed."""
     scene = fo.Scene(t_f=1.5)
