@@ -88,6 +88,8 @@ MISTAKES = {
     "plugins='a.py'": "Try 'plugins=[a.py]'",
     "solver=genetic": "Did you mean ga?",
     "accuracy=fast": "Did you mean draft?",
+    "fot.K=8": "Did you mean foot.K=8?",
+    "fot.k=[1,2]": "Did you mean foot.k=[1,2]?",
 }
 
 

@@ -143,6 +143,15 @@ class TestALeg:
         assert "left and right are exchanged, or the axes are mirrored" in notes
         assert "exchanged" not in walked(t, record(HUMAN, dialect, rate=60.0)[1])[1]
 
+    def test_whose_hip_is_never_seen_with_the_other_one_has_no_side(self):
+        def change(t, places):
+            seen = np.arange(len(t)) % 100 < 5
+            places["L_HJC"][~seen] = places["R_HJC"][seen] = np.nan
+
+        gait, notes = walk(change)
+        assert misfit(gait) < 0.4
+        assert "exchanged" not in notes
+
     def test_that_is_stiff_goes_the_way_that_its_toes_point(self):
         """On a treadmill, with a marker behind the knee's axis, so that it seems to bend backwards."""
         stiff = replace(HUMAN, knee=Fourier(1.0, (-1.0,), (0.0,)))

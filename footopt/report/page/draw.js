@@ -110,10 +110,10 @@ function drawTools(holder, now, show, settle) {
     const redraw = () => { input.value = Math.log10(sketch[name] / own); shown.textContent = number(sketch[name]); input.setAttribute("aria-valuetext", shown.textContent); };
     return { row: el("label", {}, text, input, shown), redraw };
   };
-  const sliders = [slider("zeta", "sand: zeta", P.sand.zeta), slider("mass", "mass, kg", P.walker.mass)];
+  const sliders = [slider("zeta", "sand strength, zeta", P.sand.zeta), slider("mass", "mass, kg", P.walker.mass)];
   const back = el("button", { type: "button", id: "undo", click: undo }, "Undo"), commands = el("pre", { id: "commands", tabindex: "0" });
   const section = el("div", { id: "draw" },
-    el("p", { class: "note" }, kOf ? "Drag a waypoint of the sole, or choose one and press the up and down keys: the page walks with it." : "This sole has no waypoints to drag; sand and mass can be changed."),
+    el("p", { class: "note" }, kOf ? "Drag a waypoint of the sole, or choose one and press the up and down keys: the page walks with it. k has their levels from heel to toe, counted downwards." : "This sole has no waypoints to drag; sand and mass can be changed."),
     el("div", { class: "bar" }, ...sliders.map(({ row }) => row), back),
     folded("Commands that walk with this sole, or search from it", () => commands));
   function redraw() {
