@@ -175,6 +175,6 @@ def test_a_surrogate_needs_few_walks_and_goes_on_bit_by_bit(objective, tmp_path)
     assert_same(r, search(p, "surrogate", pop_size=20, walks=100, seed=1))
     exact = search(p, EXHAUSTIVE)
     if p.n_obj == 1:
-        assert r.F[0] <= 0.9 * exact.F[0] < 0.0
+        assert r.F[0] <= 0.95 * exact.F[0] < 0.0
     else:
         assert hypervolume_shares([r.F, exact.F])[0] > 0.95
