@@ -1,7 +1,7 @@
 """Steps per second of a robot in MuJoCo on sand, and on a rigid plane: python benchmarks/mujoco_steps.py
 
 A free torso on two legs with three joints each, held by servos, stands on two soles of 64 plates, and then
-marches in place: its feet leave the ground in turn. One core; the best of some rounds, in turn.
+marches in place: its feet leave the ground in turn. One core, processor time, the best of some rounds.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 
 import footopt as fo
 
-ROUNDS, STEPS = 7, 4000  # of processor time
+ROUNDS, STEPS = 7, 4000
 FEET = ("left_foot", "right_foot")
 
 MODEL = """
@@ -30,8 +30,10 @@ MODEL = """
 </mujoco>
 """
 LEG = """
-<body pos="0 {y} 0"><joint name="{side}_hip"/><geom type="capsule" fromto="0 0 0 0 0 -.45" size=".04" mass="6"/>
-  <body pos="0 0 -.47"><joint name="{side}_knee"/><geom type="capsule" fromto="0 0 0 0 0 -.43" size=".03" mass="3"/>
+<body pos="0 {y} 0"><joint name="{side}_hip"/>
+  <geom type="capsule" fromto="0 0 0 0 0 -.45" size=".04" mass="6"/>
+  <body pos="0 0 -.47"><joint name="{side}_knee"/>
+    <geom type="capsule" fromto="0 0 0 0 0 -.43" size=".03" mass="3"/>
     <body name="{side}_foot" pos="0 0 -.45"><joint name="{side}_ankle"/>
       <geom type="box" size=".13 .05 .01" pos="0 0 -.02" mass="1" conaffinity="1"/>
     </body>
