@@ -6,6 +6,7 @@ marches in place: its feet leave the ground in turn. One core, processor time, t
 
 from __future__ import annotations
 
+import argparse
 import time
 
 import mujoco
@@ -50,31 +51,34 @@ def model_of(plane: bool) -> mujoco.MjModel:
     return mujoco.MjModel.from_xml_string(MODEL.format(plane=int(plane), legs=legs, servos=servos))
 
 
-def rates(sand: fo.Sand | None, marching: bool) -> list[float]:
+def rates(sand: fo.Sand | None, marching: bool, rounds: int, steps: int) -> list[float]:
     """Steps per second of every round; on a rigid plane where there is no sand."""
     model = model_of(sand is None)
     data = mujoco.MjData(model)
     contact = sand and fo.mujoco.attach(model, data, dict.fromkeys(FEET, fo.Foot.flat()), sand, plates=64)
     found = []
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         mujoco.mj_resetData(model, data)
         mujoco.mj_step(model, data, nstep=200)
         began = time.process_time()
-        for n in range(STEPS // 50):
+        for n in range(steps // 50):
             if marching:
                 lift = 0.5 * np.maximum(np.sin(2 * np.pi * (n / 20 + np.array([0.0, 0.5]))), 0.0)
                 data.ctrl = np.stack([lift, -2 * lift, lift], axis=1).ravel()
             mujoco.mj_step(model, data, nstep=50)
-        found.append(STEPS / (time.process_time() - began))
+        found.append(steps / (time.process_time() - began))
     if contact:
         contact.detach()
     return found
 
 
 if __name__ == "__main__":
-    print("| | rigid plane (steps/s) | sand (steps/s) | sand / plane | ")
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="once and short: does it run?")
+    size = (1, 100) if parser.parse_args().quick else (ROUNDS, STEPS)
+    print("| | rigid plane (steps/s) | sand (steps/s) | sand / plane |")
     print("| --- | --- | --- | --- |")
     for name, marching in (("standing", False), ("marching", True)):
         for zeta in (1.0, 5.0):
-            plane, sand = max(rates(None, marching)), max(rates(fo.Sand(zeta), marching))
+            plane, sand = max(rates(None, marching, *size)), max(rates(fo.Sand(zeta), marching, *size))
             print(f"| {name}, zeta {zeta:g} | {plane:,.0f} | {sand:,.0f} | {sand / plane:.2f} |", flush=True)
