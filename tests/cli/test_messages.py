@@ -193,6 +193,10 @@ def test_a_folder_that_may_not_be_written_is_told_what_to_do_about():
     assert explain(error, ["resume=run"]) == "Permission denied: run. Resume a copy that is yours."
 
 
+def test_an_error_of_the_system_without_words_has_its_name():
+    assert explain(TimeoutError()) == "TimeoutError"
+
+
 #: Settings that the study, its foot, gait or solver does not read, and what is said.
 UNREAD = {
     "study=simulate foot.length=.18": "foot.length = 0.18: must be left out: foot=waypoints does not "

@@ -464,6 +464,21 @@ class TestShortTrials:
         assert found.period == pytest.approx(t[19])
         assert "it takes 1.169 s, or else 1.231 s" in found.notes[0]
 
+    @pytest.mark.parametrize("side", ["right", "left"])
+    def test_both_legs_of_a_coarse_table_take_as_long(self, side, tmp_path):
+        """One of them alone, which has a drift, would close better with a row more."""
+        t = 1.2 * np.arange(26) / 25
+        rows = {}
+        for leg, phase in (("r", 0.0), ("l", 0.5)):
+            rows[leg] = np.degrees([j.at(phase + t / 1.2)[0] for j in (HUMAN.thigh, HUMAN.knee)])
+        rows["l"][0] += 3.0 * t
+        names = ["time", "hip_flexion_r", "knee_angle_r", "hip_flexion_l", "knee_angle_l"]
+        table = np.stack([t, *rows["r"], *rows["l"]], axis=1)
+        text = "\n".join("\t".join(f"{v:.6f}" for v in row) for row in table)
+        head = "a\ninDegrees=yes\nendheader\n" + "\t".join(names)
+        (tmp_path / "a.mot").write_text(f"{head}\n{text}\n")
+        assert fo.Gait.from_file(tmp_path / "a.mot", side=side).period == pytest.approx(1.2)
+
     @pytest.mark.parametrize("begin", np.arange(8) / 8)
     @pytest.mark.parametrize("strides", [2.0, 2.02, 2.1])
     def test_two_strides_of_which_the_ends_are_cut_are_not_one(self, begin, strides):

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from random_scenes import draw, judge, promises, scale_of
+from random_scenes import draw, judge, promises, run, scale_of
 
 import footopt as fo
 from footopt.walk.adapt import adapted
@@ -26,6 +26,19 @@ def test_random_scenes_keep_the_promise_and_estimates_hold_the_error():
     assert told["within 0.5 %"] >= 0.82, told
     assert told["covered"] >= 0.95, told
     assert told["at most 5 times"] >= 0.85, told
+
+
+@pytest.mark.slow
+def test_a_table_of_a_sample_is_continued(tmp_path, capsys):
+    """Cut after a scene, its rows stay as they were, and the whole table is as if it had not been cut."""
+    first, whole = tmp_path / "first.csv", tmp_path / "whole.csv"
+    run(6, 7, first)
+    rows = first.read_text()
+    run(6, 8, first)
+    run(6, 8, whole)
+    assert first.read_text().startswith(rows)
+    assert first.read_text() == whole.read_text()
+    assert "| feet | 4 |" in capsys.readouterr().out
 
 
 @pytest.mark.slow

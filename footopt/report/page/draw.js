@@ -26,7 +26,7 @@ function compareWith(design) {
     const flat = Array(P.space.n).fill(P.space.K), made = simulate(arcPoints(flat, P.accuracy.plates * P.accuracy.parts), sketch);
     sketch.flat = prepared({ ...made, points: flatWalk().points, top: own("top", DRAWN), label: "flat" });
   }
-  if (entry.flat) Object.assign(entry.flat, sketch.flat?.objectives ?? flatOfRun);
+  for (const name of Object.keys(flatOfRun)) entry.flat[name] = sketch.flat ? sketch.flat.objectives[name] ?? NaN : flatOfRun[name];
 }
 
 /** Walk with what is sketch, and put its values into the design after the last. */
