@@ -18,7 +18,7 @@ SEARCHES = {
     "memetic": ([["efficiency"], ["peak_power"]], 260),
     "archive": ([TWO, THREE], 120),
     "surrogate": ([["efficiency"], TWO], 50),
-    "auto": ([["efficiency"], TWO, "pareto"], 120),
+    "auto": ([["efficiency"], TWO], 120),
     "codesign": ([["efficiency"], TWO], 60),
 }
 
