@@ -18,6 +18,7 @@ import csv
 import sys
 import time
 import warnings
+from collections import Counter
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import replace
@@ -370,25 +371,34 @@ def spread(hits: list[list[int | None]], walks: int) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def tables(rows: list[dict[str, str]], budgets: tuple[int, ...]) -> None:
-    """Print what all rows come to at each number of walks; a search that was done again counts once."""
-    rows = list({(row["scene"], row["optimiser"], row["seed"]): row for row in rows}.values())
-    best: dict[str, float] = {}
+def best_by_scene(rows: list[dict[str, str]]) -> dict[int, float]:
+    """The best J_W of every scene that is known from all searches."""
+    best: dict[int, float] = {}
     for row in rows:
         found = float(row["improved"].split()[-1].split(":")[1])
-        best[row["scene"]] = min(best.get(row["scene"], 0.0), float(row["best"]), found)
+        best[int(row["scene"])] = min(best.get(int(row["scene"]), 0.0), float(row["best"]), found)
+    return best
+
+
+def tables(rows: list[dict[str, str]], best: dict[int, float], budgets: tuple[int, ...]) -> None:
+    """Print what all rows come to at each number of walks.
+
+    An optimiser is in a table if it has been given so many walks from as many seeds in every scene as the
+    others: what is assumed of a scene in which no search hits depends on how many there were.
+    """
+    pairs = {(row["scene"], row["seed"]) for row in rows}
     for walks in budgets:
         print(f"\nUp to {walks:,} walks, {len(best)} scenes:\n")
         print("| optimiser | expected walks (90 %) | scenes hit | searches that hit | median regret |")
         print("| --- | --- | --- | --- | --- |")
         lines = []
-        for name in dict.fromkeys(row["optimiser"] for row in rows if int(row["walks"]) >= walks):
+        counts = Counter(row["optimiser"] for row in rows if int(row["walks"]) >= walks)
+        for name in (name for name, count in counts.items() if count == len(pairs)):
             hits, lacks = [], []
             for scene in sorted(best):
-                own = [r for r in rows if (r["scene"], r["optimiser"]) == (scene, name)]
-                if own:
-                    hits.append([hit(r["improved"], best[scene], walks) for r in own])
-                    lacks.append(float(np.median([regret(r["improved"], best[scene], walks) for r in own])))
+                own = [r for r in rows if (int(r["scene"]), r["optimiser"]) == (scene, name)]
+                hits.append([hit(r["improved"], best[scene], walks) for r in own])
+                lacks.append(float(np.median([regret(r["improved"], best[scene], walks) for r in own])))
             every = [h is not None for of_scene in hits for h in of_scene]
             scenes = f"{sum(any(h is not None for h in of_scene) for of_scene in hits)} of {len(hits)}"
             low, high = spread(hits, walks)
@@ -415,6 +425,9 @@ def main() -> None:
     if not given.quick and given.out.is_file():
         with open(given.out, newline="") as file:
             rows = list(csv.DictReader(file))
+    known = best_by_scene(rows)
+    # a search that ended for a best that has since been beaten is done again
+    rows = [r for r in rows if float(r["best"]) <= known[int(r["scene"])] * (1 - WITHIN)]
     have = {(int(r["scene"]), r["optimiser"], int(r["seed"])): int(r["walks"]) for r in rows}
     missing: set[str] = set()
     end = time.time() + 60.0 * given.minutes
@@ -425,8 +438,7 @@ def main() -> None:
                 break
             if scene not in problems:
                 problem = draw(scene)
-                known = [float(r["best"]) for r in rows if int(r["scene"]) == scene]
-                best = -1e9 if given.quick else known[-1] if known else best_known(problem)
+                best = -1e9 if given.quick else known.get(scene) or best_known(problem)
                 problems[scene] = problem, best
             problem, best = problems[scene]
             for name, (run, most) in RUNS.items():
@@ -456,7 +468,12 @@ def main() -> None:
                         if new:
                             writer.writeheader()
                         writer.writerow(row)
-    tables(rows, tuple(sorted({min(walks, given.walks) for walks in (FIRST, FEW, MANY)})))
+    last = {
+        (int(r["scene"]), r["optimiser"], int(r["seed"])): r for r in rows
+    }  # a search that was done again
+    asked = [row for (scene, _, seed), row in last.items() if scene in scenes and seed <= seeds]
+    best_known_now = {scene: value for scene, value in best_by_scene(rows).items() if scene in scenes}
+    tables(asked, best_known_now, tuple(sorted({min(w, given.walks) for w in (FIRST, FEW, MANY)})))
     sys.stdout.flush()
 
 

@@ -107,7 +107,7 @@ def test_generations_follow_from_walks_and_walks_from_generations(solver, design
 
 
 def test_the_best_solver_for_the_number_of_objectives_is_the_default():
-    assert [Solver().fitting(n).name for n in (1, 2, 3, 5)] == ["memetic", "archive", "archive", "nsga2"]
+    assert [Solver().fitting(n).name for n in (1, 2, 3, 5)] == ["memetic", "archive", "archive", "agemoea2"]
     assert Solver("rvea").fitting(5).name == "rvea"
 
 

@@ -31,7 +31,7 @@ OPERATORS: dict[str, tuple[str, ...]] = {
 
 
 #: The best for one objective, for two or three, and for more (docs/solvers.md).
-AUTO, BEST = "auto", ("memetic", "archive", "nsga2")
+AUTO, BEST = "auto", ("memetic", "archive", "agemoea2")
 
 #: Solvers whose generations grow with the designs so far: without pop_size, from FIRST to MOST.
 GROWING: list[str] = []

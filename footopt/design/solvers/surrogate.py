@@ -37,6 +37,8 @@ class Surrogate(Moves):
     (Thompson 1933; Kandasamy et al. 2018): explored is what the models do not know. With several objectives
     each sample looks in another direction, by the augmented Chebyshev distance from its ideal point (Knowles
     2006).
+
+    On eight random scenes it needed two thirds of the walks of `memetic`, not less (docs/solvers.md).
     """
 
     def __init__(self, pop_size: int = SIZES["surrogate"], **kwargs: Any) -> None:
