@@ -44,7 +44,7 @@ CONTENTS = {
                 "outputs/reference/validation/validation", "docs/claims", "outputs/reference/paper/claims",
                 "docs/gallery", "docs/benchmarks"),
     "Choose": ("docs/accuracy", "docs/effects", "docs/solvers", "docs/robust", "docs/codesign"),
-    "Use": ("docs/python", "docs/cluster", "docs/api"),
+    "Use": ("docs/python", "docs/mujoco", "docs/cluster", "docs/api"),
     "Develop": ("docs/extending", "CONTRIBUTING", "VISION", "CHANGELOG"),
     "All pages": ("docs/README",),
 }  # fmt: skip

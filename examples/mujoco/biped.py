@@ -27,10 +27,11 @@ MODEL = """
   <visual><global offwidth="960" offheight="540"/><headlight ambient=".5 .5 .5"/></visual>
   <asset>
     <texture name="g" type="2d" builtin="checker" rgb1=".86 .77 .58" rgb2=".8 .7 .5" width="99" height="99"/>
-    <material name="sand" texture="g" texrepeat="40 8"/>{mesh}
+    <texture name="sky" type="skybox" builtin="flat" rgb1="1 1 1" rgb2="1 1 1" width="8" height="8"/>
+    <material name="sand" texture="g" texrepeat="60 1" rgba="1 1 1 .6"/>{mesh}
   </asset>
   <worldbody>
-    <light pos="2 -3 4" dir="-.3 .5 -1" directional="true"/>
+    <light pos="2 -3 4" dir="-.3 .5 -1" directional="true" castshadow="false"/>
     <geom type="box" size="12 1.2 .25" pos="5 0 -.25" material="sand" contype="0" conaffinity="0"/>
     <body name="torso">
       <joint name="x" type="slide" axis="1 0 0"/><joint name="z" type="slide" axis="0 0 1"/>
@@ -77,7 +78,7 @@ def model_of(foot: fo.Foot, walker: fo.Walker, dt: float) -> mujoco.MjModel:
 
 def prism(foot: fo.Foot) -> np.ndarray:
     """Corners of the foot's body for pictures, (p, 3), m, from the ankle: MuJoCo takes their hull."""
-    outline = foot.body_outline() - foot.ankle
+    outline = replace(foot, top=0.03).body_outline() - foot.ankle
     half = foot.width / 2
     return np.concatenate([np.insert(outline, 1, y, axis=1) for y in (-half, half)])
 
@@ -134,20 +135,20 @@ def five() -> list[fo.Foot]:
     return [*feet, fo.Foot.shape("circle"), fo.Foot.shape("ellipse")]
 
 
-def film(path: str, feet: list[fo.Foot], sand: fo.Sand, seconds: float = 10.0, every: int = 80) -> None:
+def film(path: str, feet: list[fo.Foot], sand: fo.Sand, seconds: float = 10.0, every: int = 100) -> None:
     """The walks with some feet, one above the other, as a GIF of real time."""
     rows: list[list[np.ndarray]] = []
     for foot in feet:
         frames: list[np.ndarray] = []
         camera = mujoco.MjvCamera()
-        camera.azimuth, camera.elevation, camera.distance = 90.0, -8.0, 2.6
+        camera.azimuth, camera.elevation, camera.distance = 90.0, -3.0, 1.7
         renderer: list[mujoco.Renderer] = []
 
         def watch(model, data, frames=frames, camera=camera, renderer=renderer):
             if not renderer:
-                renderer.append(mujoco.Renderer(model, 150, 400))
+                renderer.append(mujoco.Renderer(model, 170, 340))
             if round(data.time / model.opt.timestep) % every == 0:
-                camera.lookat[:] = data.qpos[0] + 0.1, 0.0, 0.35
+                camera.lookat[:] = data.qpos[0] + 0.1, 0.0, 0.42
                 renderer[0].update_scene(data, camera)
                 frames.append(renderer[0].render().copy())
 
@@ -155,7 +156,7 @@ def film(path: str, feet: list[fo.Foot], sand: fo.Sand, seconds: float = 10.0, e
         renderer[0].close()
         rows.append(frames)
     pictures = [Image.fromarray(np.concatenate(both)) for both in zip(*rows, strict=True)]
-    palette = pictures[0].quantize(48)
+    palette = pictures[0].quantize(24)
     flat = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
     flat[0].save(path, save_all=True, append_images=flat[1:], duration=every, loop=0, optimize=True)
 

@@ -212,7 +212,6 @@ def _desk(
     model: Any, data: Any, rows: list[Any], tables: list[Array], laws: Array, clock: Array, length: float
 ) -> Desk:
     b, p, nv = len(rows), rows[-1][2], model.nv
-    x, y, z = np.concatenate([t[:3] for t in tables], axis=1)
     reach = np.array([np.sqrt((t[:3] ** 2).sum(axis=0).max()) for t in tables])
     return Desk(
         places=data.xpos,
@@ -227,10 +226,7 @@ def _desk(
         laws=laws,
         reach=reach,
         faces=np.concatenate([t.ravel() for t in tables]),
-        moments=np.stack([x**0, x, y, z, x * x, x * y, x * z, y * y, y * z, z * z], axis=1),
         bristles=np.zeros((3, 3 * p)),
-        forces=np.zeros(3 * p),
-        slopes=np.zeros(9 * p),
         gravity=np.array(model.opt.gravity),
         **{name: np.zeros((b, 6)) for name in ("now", "twists", "gained", "free", "mean", "last")},
         **{name: np.zeros(b) for name in ("power", "pending", "work", "depths")},

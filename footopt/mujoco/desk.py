@@ -27,10 +27,7 @@ class Desk(NamedTuple):
     laws: Any  # (b, 9), N/m^3: `sand.law.Law`, or xi and the surface's friction
     reach: Any  # (b,), m
     faces: Any  # (10 p,): `stage.X` and so on, a body's as (10, its faces)
-    moments: Any  # (p, 10): of their places
     bristles: Any  # (3, 3 p): at the step's beginning, middle, end
-    forces: Any  # (3 p,), N
-    slopes: Any  # (9 p,), N s/m
     now: Any  # (b, 6): twists in the world's axes, m/s and rad/s
     twists: Any  # (b, 6): those of the step before
     gained: Any  # (b, 6): accelerations that the sand gave in it

@@ -23,6 +23,7 @@ from footopt.compiled import inlined, inlined_fast
 from footopt.effects import base as effects
 from footopt.mujoco.intrusion import stress
 from footopt.walk.contact import EDGE, rsqrt
+from footopt.walk.state import write
 
 #: Rows of a table of faces: place, m; area, m^2; outward normal; <n n>'s xx, xz and zz.
 X, Y, Z, AREA, NX, NY, NZ, QXX, QXZ, QZZ = range(10)
@@ -46,8 +47,12 @@ def at(plane, faces, i):
 
 
 @inlined_fast
-def sole_forces(faces, law, loads, gates, pushes, up, surface, forward, twist, c, turn, h0, f, d):
-    """Forces on a sole's plates, f (3, plates), N, and their derivatives by velocity, d (9, plates), N s/m.
+def sole_forces(
+    faces, law, loads, gates, pushes, up, surface, forward, twist, c, turn, h0, wrench, stiffness
+):
+    """The wrench (6,) on a sole about the body's origin, N and N m, and its derivative (6, 6) by the twist.
+
+    The loop over plates stores nothing, so that it is vectorised: five times faster.
 
     law: `footopt.sand.law.Law` times zeta, N/m^3. loads, gates, pushes: laws of effects, or None. up: (3,).
     surface, forward: height and x of a face at the stage's end are the first number, m, plus the other three
@@ -56,6 +61,10 @@ def sole_forces(faces, law, loads, gates, pushes, up, surface, forward, twist, c
     a00, a10, b01, b_sum, b_diff = law[0], law[1], law[2], law[3], law[4]
     c01, c_sum, c_diff, d10 = law[5], law[6], law[7], law[8]
     ux, uy, uz = up[0], up[1], up[2]
+    f0 = f1 = f2 = f3 = f4 = f5 = 0.0
+    k00 = k01 = k02 = k03 = k04 = k05 = k10 = k11 = k12 = k13 = k14 = k15 = 0.0
+    k20 = k21 = k22 = k23 = k24 = k25 = k30 = k31 = k32 = k33 = k34 = k35 = 0.0
+    k40 = k41 = k42 = k43 = k44 = k45 = k50 = k51 = k52 = k53 = k54 = k55 = 0.0
     for i in range(faces.shape[1]):
         bx, by, bz, vx, vy, vz = bent(faces, h0, i, twist, turn)
         square = bx * bx + by * by + bz * bz
@@ -88,9 +97,9 @@ def sole_forces(faces, law, loads, gates, pushes, up, surface, forward, twist, c
             vn = vx * nx + vy * ny + vz * nz
             push, push_by_vn, push_by_depth = effects.push(pushes, (0.0, 0.0, 0.0), vn, depth)
         k *= area
-        f[0, i] = k * share * px - area * push * nx
-        f[1, i] = k * share * py - area * push * ny
-        f[2, i] = k * share * pz - area * push * nz
+        fx = k * share * px - area * push * nx
+        fy = k * share * py - area * push * ny
+        fz = k * share * pz - area * push * nz
 
         # by h: share M, and the gate; h turns with v: dh/dv = turn (1 - slides h h) / max(1, |u|)
         kq = k * q * turn
@@ -113,25 +122,50 @@ def sole_forces(faces, law, loads, gates, pushes, up, surface, forward, twist, c
         wy = sinking * (by_depth * share * py - push_by_depth * ny)
         wz = sinking * (by_depth * share * pz - push_by_depth * nz)
         throw = area * push_by_vn
-        d[0, i] = kq * (xx - tx * hx) + wx * ux - throw * nx * nx
-        d[1, i] = kq * (xy - tx * hy) + wx * uy - throw * nx * ny
-        d[2, i] = kq * (xz - tx * hz) + wx * uz - throw * nx * nz
-        d[3, i] = kq * (yx - ty * hx) + wy * ux - throw * ny * nx
-        d[4, i] = kq * (yy - ty * hy) + wy * uy - throw * ny * ny
-        d[5, i] = kq * (yz - ty * hz) + wy * uz - throw * ny * nz
-        d[6, i] = kq * (zx - tz * hx) + wz * ux - throw * nz * nx
-        d[7, i] = kq * (zy - tz * hy) + wz * uy - throw * nz * ny
-        d[8, i] = kq * (zz - tz * hz) + wz * uz - throw * nz * nz
+        dxx = kq * (xx - tx * hx) + wx * ux - throw * nx * nx
+        dxy = kq * (xy - tx * hy) + wx * uy - throw * nx * ny
+        dxz = kq * (xz - tx * hz) + wx * uz - throw * nx * nz
+        dyx = kq * (yx - ty * hx) + wy * ux - throw * ny * nx
+        dyy = kq * (yy - ty * hy) + wy * uy - throw * ny * ny
+        dyz = kq * (yz - ty * hz) + wy * uz - throw * ny * nz
+        dzx = kq * (zx - tz * hx) + wz * ux - throw * nz * nx
+        dzy = kq * (zy - tz * hy) + wz * uy - throw * nz * ny
+        dzz = kq * (zz - tz * hz) + wz * uz - throw * nz * nz
+
+        x, y, z = faces[X, i], faces[Y, i], faces[Z, i]
+        f0, f1, f2 = f0 + fx, f1 + fy, f2 + fz
+        f3, f4, f5 = f3 + (y * fz - z * fy), f4 + (z * fx - x * fz), f5 + (x * fy - y * fx)
+        # A = (1, -[r]x): of the stiffness A' D A, its rows D A ...
+        xa, xb, xc = dxz * y - dxy * z, dxx * z - dxz * x, dxy * x - dxx * y
+        ya, yb, yc = dyz * y - dyy * z, dyx * z - dyz * x, dyy * x - dyx * y
+        za, zb, zc = dzz * y - dzy * z, dzx * z - dzz * x, dzy * x - dzx * y
+        k00, k01, k02, k03, k04, k05 = k00 + dxx, k01 + dxy, k02 + dxz, k03 + xa, k04 + xb, k05 + xc
+        k10, k11, k12, k13, k14, k15 = k10 + dyx, k11 + dyy, k12 + dyz, k13 + ya, k14 + yb, k15 + yc
+        k20, k21, k22, k23, k24, k25 = k20 + dzx, k21 + dzy, k22 + dzz, k23 + za, k24 + zb, k25 + zc
+        # ... and those of the torque, r x of them
+        k30, k31, k32 = k30 + (y * dzx - z * dyx), k31 + (y * dzy - z * dyy), k32 + (y * dzz - z * dyz)
+        k33, k34, k35 = k33 + (y * za - z * ya), k34 + (y * zb - z * yb), k35 + (y * zc - z * yc)
+        k40, k41, k42 = k40 + (z * dxx - x * dzx), k41 + (z * dxy - x * dzy), k42 + (z * dxz - x * dzz)
+        k43, k44, k45 = k43 + (z * xa - x * za), k44 + (z * xb - x * zb), k45 + (z * xc - x * zc)
+        k50, k51, k52 = k50 + (x * dyx - y * dxx), k51 + (x * dyy - y * dxy), k52 + (x * dyz - y * dxz)
+        k53, k54, k55 = k53 + (x * ya - y * xa), k54 + (x * yb - y * xb), k55 + (x * yc - y * xc)
+    write(wrench, (f0, f1, f2, f3, f4, f5))
+    write(stiffness[0], (k00, k01, k02, k03, k04, k05))
+    write(stiffness[1], (k10, k11, k12, k13, k14, k15))
+    write(stiffness[2], (k20, k21, k22, k23, k24, k25))
+    write(stiffness[3], (k30, k31, k32, k33, k34, k35))
+    write(stiffness[4], (k40, k41, k42, k43, k44, k45))
+    write(stiffness[5], (k50, k51, k52, k53, k54, k55))
 
 
 @inlined
-def mesh_forces(faces, law, loads, pushes, up, surface, forward, twist, c, turn, h0, f, d):
+def mesh_forces(faces, law, loads, pushes, up, surface, forward, twist, c, turn, h0, wrench, stiffness):
     """`sole_forces` for the faces of a mesh, by 3D-RFT; law: xi, N/m^3, and the surface's friction."""
-    u = np.empty(3)
+    u, f, g = np.empty(3), np.empty(3), np.empty((3, 6))
+    wrench[:] = 0.0
+    stiffness[:] = 0.0
     for i in range(faces.shape[1]):
         bx, by, bz, vx, vy, vz = bent(faces, h0, i, twist, turn)
-        for a in range(9):
-            f[a // 3, i] = d[a, i] = 0.0
         depth = -at(surface, faces, i)
         if depth <= 0.0:
             continue
@@ -147,7 +181,7 @@ def mesh_forces(faces, law, loads, pushes, up, surface, forward, twist, c, turn,
             push, push_by_vn, push_by_depth = effects.push(pushes, (0.0, 0.0, 0.0), vn, depth)
         k = law[0] * area
         for a in range(3):
-            f[a, i] = k * strength * p[a] - area * push * n[a]
+            f[a] = k * strength * p[a] - area * push * n[a]
         for b in range(3):
             u[b] += NUDGE
             there = stress(n, _inside(u), up, law[1])
@@ -155,7 +189,19 @@ def mesh_forces(faces, law, loads, pushes, up, surface, forward, twist, c, turn,
             for a in range(3):
                 sinking = -c * up[b] * (k * by_depth * p[a] - area * push_by_depth * n[a])
                 turning = k * strength * turn * (there[a] - p[a]) / NUDGE
-                d[3 * a + b, i] = turning + sinking - area * push_by_vn * n[a] * n[b]
+                g[a, b] = turning + sinking - area * push_by_vn * n[a] * n[b]
+        r = (faces[X, i], faces[Y, i], faces[Z, i])
+        for a in range(3):
+            for b in range(3):
+                b1, b2 = (b + 1) % 3, (b + 2) % 3
+                g[a, 3 + b] = g[a, b2] * r[b1] - g[a, b1] * r[b2]
+        for a in range(3):
+            a1, a2 = (a + 1) % 3, (a + 2) % 3
+            wrench[a] += f[a]
+            wrench[3 + a] += r[a1] * f[a2] - r[a2] * f[a1]
+            for b in range(6):
+                stiffness[a, b] += g[a, b]
+                stiffness[3 + a, b] += r[a1] * g[a2, b] - r[a2] * g[a1, b]
 
 
 @inlined
@@ -163,40 +209,3 @@ def _inside(u):
     """The return map: u / max(1, |u|)."""
     q = 1.0 / np.sqrt(max(u[0] * u[0] + u[1] * u[1] + u[2] * u[2], 1.0))
     return u[0] * q, u[1] * q, u[2] * q
-
-
-@inlined_fast
-def wrench_of(faces, f, out):
-    """Force and torque about the body's origin of the forces on its faces, into out (6,)."""
-    fx = fy = fz = tx = ty = tz = 0.0
-    for i in range(faces.shape[1]):
-        x, y, z = faces[X, i], faces[Y, i], faces[Z, i]
-        fx += f[0, i]
-        fy += f[1, i]
-        fz += f[2, i]
-        tx += y * f[2, i] - z * f[1, i]
-        ty += z * f[0, i] - x * f[2, i]
-        tz += x * f[1, i] - y * f[0, i]
-    out[0], out[1], out[2], out[3], out[4], out[5] = fx, fy, fz, tx, ty, tz
-
-
-@inlined
-def stiffness_of(s, out):
-    """dF/dV of the wrench by the twist, into out (6, 6), from the faces' derivatives.
-
-    With A = (1, -[r]x) it is the sum of A' D A. s: (9, 10), D times 1, x, y, z, xx, xy, xz, yy, yz, zz:
-    one product of matrices makes all sums over faces.
-    """
-    second = ((4, 5, 6), (5, 7, 8), (6, 8, 9))
-    for a in range(3):
-        a1, a2 = (a + 1) % 3, (a + 2) % 3
-        for b in range(3):
-            b1, b2 = (b + 1) % 3, (b + 2) % 3
-            out[a, b] = s[3 * a + b, 0]
-            # v_b of omega: v_b1 += omega_b r_b2 ..., so column b takes D's columns b1 and b2
-            out[a, 3 + b] = s[3 * a + b2, 1 + b1] - s[3 * a + b1, 1 + b2]
-            out[3 + a, b] = s[3 * a2 + b, 1 + a1] - s[3 * a1 + b, 1 + a2]
-            out[3 + a, 3 + b] = (
-                s[3 * a2 + b2, second[a1][b1]] - s[3 * a2 + b1, second[a1][b2]]
-                - s[3 * a1 + b2, second[a2][b1]] + s[3 * a1 + b1, second[a2][b2]]
-            )  # fmt: skip

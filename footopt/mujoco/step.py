@@ -21,7 +21,7 @@ import numpy as np
 
 from footopt.compiled import FAST, cached_njit, inlined
 from footopt.mujoco.desk import NEW, RESTART, RK4, STEP, Feet
-from footopt.mujoco.stage import at, bent, mesh_forces, sole_forces, stiffness_of, wrench_of
+from footopt.mujoco.stage import at, bent, mesh_forces, sole_forces
 
 GAMMA = 1.0 - 1.0 / math.sqrt(2.0)
 MAX_NEWTON = 25  # evaluations of one stage, back-tracking included
@@ -62,14 +62,13 @@ def forces(desk, effects, b, up, surface, forward, twist, c, turn, h0, wrench, s
     first, last = desk.bodies[b, 1], desk.bodies[b, 2]
     n = last - first
     faces, h = desk.faces[10 * first : 10 * last].reshape(10, n), h0[3 * first : 3 * last].reshape(3, n)
-    f, d = desk.forces[3 * first : 3 * last].reshape(3, n), desk.slopes[9 * first : 9 * last].reshape(9, n)
     law = desk.laws[b]
     if desk.bodies[b, 3] == SOLE:
-        sole_forces(faces, law, loads, gates, pushes, up, surface, forward, twist, c, turn, h, f, d)
+        sole_forces(
+            faces, law, loads, gates, pushes, up, surface, forward, twist, c, turn, h, wrench, stiffness
+        )
     else:
-        mesh_forces(faces, law, loads, pushes, up, surface, forward, twist, c, turn, h, f, d)
-    wrench_of(faces, f, wrench)
-    stiffness_of(np.dot(d, desk.moments[first:last]), stiffness)
+        mesh_forces(faces, law, loads, pushes, up, surface, forward, twist, c, turn, h, wrench, stiffness)
 
 
 @inlined

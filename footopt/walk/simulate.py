@@ -170,9 +170,7 @@ def estimated(
     space: Waypoints | None = None,
     threads: int | None = None,
 ) -> Array:
-    """Error estimates of values (designs, names), from walks that are refined once and twice.
-
-    Cells of footprints are halved with the time step.
+    """Error estimates of values (designs, names), from walks refined once and twice, with footprints' cells.
 
     A walk is off by its distance to the limit: that to the walk refined twice, and from there on at most what
     the last refinement changed, if each refinement at least halves the error. `SAFE` times that also covers

@@ -440,7 +440,14 @@ def other(*words):
 
 
 #: The rows that a benchmark's table has at least.
-ROWS = {"report.py": 20, "engines.py": 5, "effects.py": 4, "other_optimisers.py": 2, "fronts.py": 5}
+ROWS = {
+    "report.py": 20,
+    "engines.py": 5,
+    "effects.py": 4,
+    "other_optimisers.py": 2,
+    "fronts.py": 5,
+    "mujoco_steps.py": 4,
+}
 #: Parts of benchmarks/report.py that are not a benchmark of their own.
 PARTS = ["paper", "euler", "absolute", "plates", "size", "start", "ga"]
 
@@ -450,7 +457,8 @@ PARTS = ["paper", "euler", "absolute", "plates", "size", "start", "ga"]
 def test_a_script_runs_and_prints_its_table(words):
     path = Path(words[1])
     if path.name not in ROWS:
-        assert path.stem == "large_search" or path.parent.name == "custom"  # `test_custom` runs these
+        # `test_custom` and `test_biped` run these
+        assert path.stem == "large_search" or path.parent.name in ("custom", "mujoco")
         return
     said, _ = other(*words[1:], "--quick", *(PARTS if path.name == "report.py" else []))
     _, _, *rows = [line.strip("| ").split(" | ") for line in said.splitlines() if line.startswith("|")]

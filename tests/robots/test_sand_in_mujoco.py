@@ -304,3 +304,67 @@ def test_3d_rft_turns_about_the_vertical_and_pushes_only(yaw, beta, gamma, surfa
     normal = force @ n
     assert normal <= 1e-12
     assert np.linalg.norm(force - normal * n) <= surface * abs(normal) + 1e-9
+
+
+SLAB = """
+<mujoco>
+  <option timestep="{dt}"/>
+  <asset><mesh name="slab" vertex="{vertices}"/></asset>
+  <worldbody>
+    <body name="foot" pos="0 0 {height}">
+      <freejoint/>
+      <geom name="sole" type="mesh" mesh="slab" mass="{mass}" pos=".01 0 0" euler="0 0 90"/>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+CORNERS = [(x, y, z) for x in (-0.05, 0.05) for y in (-0.13, 0.13) for z in (-0.03, 0.01)]
+
+
+def slab(request, sand, height=0.05, dt=1e-3, mass=60.0, effects=()):
+    """A slab 260 x 100 x 40 mm, turned and moved in its body, on sand as a mesh."""
+    vertices = " ".join(f"{v}" for corner in CORNERS for v in corner)
+    model = mujoco.MjModel.from_xml_string(SLAB.format(dt=dt, vertices=vertices, height=height, mass=mass))
+    data = mujoco.MjData(model)
+    contact = attach(model, data, {"foot": "sole"}, sand, effects)
+    request.addfinalizer(contact.detach)
+    return model, data, contact
+
+
+def test_a_mesh_drops_as_deep_as_the_sole_at_every_step_and_stays(request, block):
+    depths = []
+    for dt in (5e-4, 1e-3, 4e-3):
+        model, data, contact = slab(request, HARD, dt=dt)
+        settle(model, data, 1.0)
+        before, depth = data.qpos.copy(), contact.depth["foot"]
+        settle(model, data, 20.0)
+        assert abs(data.qpos - before).max() < 1e-4
+        depths.append(depth)
+    model, data, contact = block()
+    settle(model, data, 1.0)
+    assert depths == pytest.approx([contact.depth["foot"]] * 3, rel=0.01)
+
+
+def test_a_plate_pushed_into_quartz_sand_feels_what_was_measured(request):
+    # Agarwal et al., J. Terramechanics 85 (2019): zeta 2.02 of 1550 kg/m^3 at 34 deg
+    model, data, contact = slab(request, Grains(1550.0, np.tan(np.radians(34.0))), height=0.02, mass=1e9)
+    data.qvel[2] = -0.01
+    mujoco.mj_step(model, data, nstep=500)
+    depth = contact.depth["foot"] + 0.001 * (0.01 + 0.5 * 9.81)  # it falls on within the step
+    stress = contact.wrench["foot"][2] / (0.026 * contact.depth["foot"])
+    assert depth > 0.01
+    assert stress == pytest.approx(2.02e6, rel=0.06)
+
+
+def test_a_plate_dragged_fast_feels_the_inertia_of_the_grains(block):
+    # F = K |z| + lambda rho A v^2, Agarwal et al., Science Advances 7 (2021), with their lambda and rho
+    rho, area, depth = 900.0, 0.016 * 0.03, 0.03
+    wall = fo.Foot(np.array([[0.0, -0.016], [0.0, 0.016]]), width=0.03)
+    _, _, contact = block(effects=(Inertia(1.1, rho),), foot=wall, plates=32)
+    drags = []
+    for speed in (0.04, 0.16, 0.32, 0.64):
+        wrench, _ = feel(contact, np.array([0.0, 0.0, 1.0]), (speed, 0, 0, 0, 0, 0), -depth)
+        drags.append(abs(wrench[0]))
+    speeds = np.array([0.04, 0.16, 0.32, 0.64])
+    extra = np.polyfit(speeds**2, drags, 1)[0]
+    assert extra == pytest.approx(1.1 * rho * 2 * area, rel=1e-6)

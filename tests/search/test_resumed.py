@@ -3,6 +3,8 @@
 FOOTOPT_TRIES says how many random searches are drawn for each solver.
 """
 
+from contextlib import suppress
+
 import numpy as np
 import pytest
 from running import tries
@@ -61,7 +63,7 @@ def test_a_search_that_dies_anywhere_ends_as_one_that_did_not(name, seed, tmp_pa
     whole = search(p, solver, **budget)
     path = tmp_path / "feet.sqlite"
     for _ in range(draw.integers(1, 4)):
-        with Store(path, p) as store, pytest.raises(Killed):
+        with Store(path, p) as store, suppress(Killed):  # it may have too few batches left to die
             search(p, solver, store=dying(store, draw.integers(1, 3), draw.random() < 0.5), **budget)
     r = search(p, solver, store=path, **budget)
     assert r.evaluations >= walks or "nothing more" in r.stopped

@@ -1,0 +1,35 @@
+"""The example of a biped: it walks, its joints follow the gait, and both feet carry it in turn."""
+
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import footopt as fo
+
+pytest.importorskip("mujoco")
+EXAMPLE = Path(__file__).parents[2] / "examples" / "mujoco" / "biped.py"
+
+
+@pytest.mark.slow
+def test_biped_walks_on_sand_as_its_gait_says():
+    biped = runpy.run_path(str(EXAMPLE))
+    loads = []
+    found = biped["walk"](
+        fo.Foot.flat(),
+        fo.Sand.named("hard"),
+        2.9,
+        watch=lambda model, data: loads.append(data.qfrc_passive[1]),
+    )
+    assert found["failures"] == 0
+    assert found["distance"] == pytest.approx(2.1, rel=0.1)  # as the walker's, whose mass is at the hip
+    assert found["tracking"] < 5.0  # deg
+    assert np.mean(loads) == pytest.approx(60 * 9.81, rel=0.05)
+    assert [foot.name for foot in biped["five"]()] == [
+        "flat",
+        "best, hard",
+        "best, regular",
+        "circle",
+        "ellipse",
+    ]
