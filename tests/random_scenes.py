@@ -253,7 +253,7 @@ def promises(found):
 
 
 SCENE = ("scene", "foot", *SHOWN)
-NUMBERS = (*FIVE, *(f"{name} estimate" for name in FIVE), "work", "plain work")
+NUMBERS = (*FIVE, *(f"{name} estimate" for name in FIVE), "cost", "plain cost")
 
 
 def judged_rows(number, count=2):
@@ -285,8 +285,8 @@ def tables(rows):
     found = [judged_of(row) for row in rows]
     yield from (f"| {name} | {value:.4g} |" for name, value in promises(found).items())
     walked = [row for row, one in zip(rows, found, strict=True) if not one.reason and not one.truth]
-    dearer = np.array([float(row["work"]) / float(row["plain work"]) for row in walked])
-    work = np.array([float(row["work"]) for row in walked])
+    dearer = np.array([float(row["cost"]) / float(row["plain cost"]) for row in walked])
+    work = np.array([float(row["cost"]) for row in walked])
     yield f"| work of a walk: median, 95 % | {np.median(work):,.0f}, {np.percentile(work, 95):,.0f} |"
     middle, most = np.percentile(dearer, (50, 95))
     yield f"| times that of the preset's own numbers: median, 95 % | {middle:.3g}, {most:.3g} |"
