@@ -16,14 +16,18 @@ A scene is drawn by its number alone, so that a sample of any size begins alike.
   closed.
 - duration: two strides after the start, or between 0.02 and 4 strides after the first heel strike.
 
-``python tests/random_scenes.py 300 OUT.csv`` judges a sample (an hour of one core), a row a foot.
+``python tests/random_scenes.py FIRST LAST OUT.csv`` judges the scenes from FIRST up to LAST (300 take half an
+hour of one core), two feet of each, a row a foot. It continues an OUT.csv that is there, stops after the seconds
+that a fourth argument says, and prints the tables of docs/accuracy.md.
 """
 
 import csv
 import itertools
 import math
 import sys
+import time
 from dataclasses import replace
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +35,7 @@ import numpy as np
 import footopt as fo
 from footopt.errors import FootoptError
 from footopt.sand import MEDIA
+from footopt.walk.accuracy import EVALUATION
 from footopt.walk.adapt import accuracies
 from footopt.walk.objectives import FIVE, FLOORS
 from footopt.walk.scenarios import deformed
@@ -183,12 +188,13 @@ SHOWN = ("gait", "pitch", "effects", "feet", "closed", "n", "zeta", "mass", "leg
 
 
 class Judged(NamedTuple):
-    """Of a foot in a scene: relative errors of the objectives, their estimates, and how either walk ended."""
+    """Of a foot in a scene: relative errors of the objectives, their estimates, how walks ended, the cost."""
 
     error: np.ndarray
     estimate: np.ndarray
     reason: str
     truth: str
+    work: float  # evaluations of plates, those that take as long as what else is in a walk among them
 
 
 def scale_of(values):
@@ -217,7 +223,12 @@ def judge(feet, scene, accuracy="standard", space=None):
     )
     size = scale_of(truth)
     error, estimate = np.abs(own.values - truth) / size, own.errors / size
-    return [Judged(*row) for row in zip(error, estimate, own.reasons, reasons, strict=True)]
+    return [Judged(*row) for row in zip(error, estimate, own.reasons, reasons, work_of(own), strict=True)]
+
+
+def work_of(table):
+    """What each walk of a table takes on any machine, in evaluations of a plate."""
+    return EVALUATION * table.evaluations + table.plates
 
 
 def promises(found):
@@ -241,18 +252,72 @@ def promises(found):
     }
 
 
-if __name__ == "__main__":
-    with open(sys.argv[2], "w", newline="") as file:
-        table, every = csv.writer(file), []
-        table.writerow(["scene", "foot", *SHOWN, "reason", "truth", *FIVE, *(f"{n} estimate" for n in FIVE)])
-        for number in range(int(sys.argv[1])):
-            drawn = draw(number)
-            feet = drawn.feet[: int(sys.argv[3]) if len(sys.argv) > 3 else FEET]
-            found = judge(feet, drawn.scene, space=drawn.space)
-            every += found
-            for i, one in enumerate(found):
-                numbers = [f"{value:.3g}" for value in (*one.error, *one.estimate)]
-                about = [drawn.about[name] for name in SHOWN]
-                table.writerow([number, i, *about, one.reason, one.truth, *numbers])
+SCENE = ("scene", "foot", *SHOWN)
+NUMBERS = (*FIVE, *(f"{name} estimate" for name in FIVE), "work", "plain work")
+
+
+def judged_rows(number, count=2):
+    """Rows of the table: of the first feet of a scene."""
+    drawn = draw(number)
+    feet = drawn.feet[:count]
+    plain = replace(fo.Accuracy.named("standard"), adapt=False)
+    works = work_of(fo.evaluate(feet, drawn.scene, plain, space=drawn.space))
+    for i, one in enumerate(judge(feet, drawn.scene, space=drawn.space)):
+        about = [drawn.about[name] for name in SHOWN]
+        numbers = [f"{value:.5g}" for value in (*one.error, *one.estimate, one.work, works[i])]
+        yield [number, i, *about, one.reason, one.truth, *numbers]
+
+
+def read_rows(path):
+    """Rows of a table that is there, by column."""
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def judged_of(row):
+    """The `Judged` of a row."""
+    numbers = [float(row[name]) for name in NUMBERS]
+    return Judged(np.array(numbers[:5]), np.array(numbers[5:10]), row["reason"], row["truth"], numbers[10])
+
+
+def tables(rows):
+    """What docs/accuracy.md has of a sample, as lines of Markdown."""
+    found = [judged_of(row) for row in rows]
+    yield from (f"| {name} | {value:.4g} |" for name, value in promises(found).items())
+    walked = [row for row, one in zip(rows, found, strict=True) if not one.reason and not one.truth]
+    dearer = np.array([float(row["work"]) / float(row["plain work"]) for row in walked])
+    work = np.array([float(row["work"]) for row in walked])
+    yield f"| work of a walk: median, 95 % | {np.median(work):,.0f}, {np.percentile(work, 95):,.0f} |"
+    middle, most = np.percentile(dearer, (50, 95))
+    yield f"| times that of the preset's own numbers: median, 95 % | {middle:.3g}, {most:.3g} |"
+    for column in ("effects", "feet", "gait"):
+        yield f"| {column} | walks | within 0.5 % | largest error | times the work, median |"
+        for kind in sorted({row[column] for row in walked}):
+            chosen = [i for i, row in enumerate(walked) if row[column] == kind]
+            worst = np.array([judged_of(walked[i]).error.max() for i in chosen])
+            within, dear = 100.0 * (worst <= 0.005).mean(), np.median(dearer[chosen])
+            yield f"| {kind} | {len(chosen)} | {within:.0f} % | {100.0 * worst.max():.2g} % | {dear:.2g} |"
+    yield "| quantity | least | 10 % | median | 90 % | largest |"
+    for name in ("zeta", "mass", "leg", "g", "depth", "t_f"):
+        parts = np.percentile([float(row[name]) for row in rows if row["foot"] == "0"], (0, 10, 50, 90, 100))
+        yield f"| {name} | " + " | ".join(f"{value:.3g}" for value in parts) + " |"
+
+
+def run(first, last, path, seconds=math.inf):
+    """Judge the scenes that a table lacks, a scene's rows at a time, and print what docs have of it."""
+    begun, path = time.monotonic(), Path(path)
+    there = {int(row["scene"]) for row in read_rows(path)} if path.exists() else set()
+    with open(path, "a", newline="") as file:
+        table = csv.writer(file)
+        if not there:
+            table.writerow([*SCENE, "reason", "truth", *NUMBERS])
+        for number in sorted(set(range(first, last)) - there):
+            if time.monotonic() - begun > seconds:
+                break
+            table.writerows(list(judged_rows(number)))
             file.flush()
-    print(promises(every))
+    print("\n".join(tables(read_rows(path))))
+
+
+if __name__ == "__main__":
+    run(int(sys.argv[1]), int(sys.argv[2]), sys.argv[3], *map(float, sys.argv[4:]))

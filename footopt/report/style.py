@@ -210,8 +210,13 @@ def line(i: int) -> dict[str, Any]:
 
 
 def look(name: str, i: int) -> dict[str, Any]:
-    """Colour and dashes of a line by its role, that of the first word of its name, or by its number."""
-    return ROLES.get(name.split(" (")[0], line(i))
+    """Colour and dashes of a line by its role, that of the first word of its name, or by its number.
+
+    A line of "soft, changed somehow" is that of "soft", thicker.
+    """
+    head, _, changed = name.partition(", ")
+    role = ROLES.get(head.split(" (")[0])
+    return role | ({"lw": 2.2} if changed else {}) if role else line(i)
 
 
 def marker(i: int) -> dict[str, Any]:
@@ -274,11 +279,17 @@ def label_lines(axes: Axes, lines: Mapping[str, ArrayLike], looks: Mapping[str, 
         if not len(own):
             continue
         own = above if len(above := own[own[:, 1] > least]) else own
-        others = np.concatenate(
-            [*(p for other, p in at.items() if other != name), *taken, [[np.inf, np.inf]]]
-        )
+        far = np.array([[1e6, 1e6]])
+        others = np.concatenate([far, *taken, *(p for other, p in at.items() if other != name)])
         away = np.linalg.norm(own[:, None] - others, axis=-1)
-        place = own[int(away.min(axis=1).argmax())]
+        names = 1 + sum(map(len, taken))  # two lines may be one, but two names must not
+        place = own[
+            int(
+                (
+                    away[:, names:].min(axis=1, initial=1e6) + away[:, :names].min(axis=1).clip(max=80.0)
+                ).argmax()
+            )
+        ]
         below = others[np.linalg.norm(others - place, axis=1).argmin(), 1] > place[1]
         taken.append(place + np.linspace([-60.0, 0.0], [60.0, 0.0], 13))
         axes.annotate(

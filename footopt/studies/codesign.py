@@ -275,6 +275,6 @@ def _write(study: Study, found: dict[str, Found]) -> None:
         foot = dataclasses.replace(f.problem.foot_of(f.k[3]), name=f"{name}, with its gait")
         foot.to_file(study.folder / f"contour_{name}.csv")
         f.problem.scene_of(f.k[3]).gait.to_file(study.folder / f"gait_{name}.json")
-        soles |= {f"{name}, gait as given": f.problem.foot_of(f.k[0]), foot.name: foot}
+        soles |= {name: f.problem.foot_of(f.k[0]), foot.name: foot}
     caption = "The best soles for the gait as it is given, and those that were found together with a gait."
     study.save("contours", figures.contours(soles), caption)

@@ -46,6 +46,7 @@ BEND = 0.2  # rad by which a sole turns within a plate: five a waypoint of a rou
 TOUCHING = 8  # plates in the sand under who stands
 LEADING = 4.0  # times more plates where only faces that lead feel sand
 NORMAL = 2.0  # ... where the force depends on the plates' normals, or bristles hold their directions
+SLOWEST = 0.05  # times the creep speed, at least: evaluations double where it is a fifth and feet are level
 CREPT = 0.03  # of the depth to which a level foot sinks: on hard sand so much at `standard`
 SHORTER, CLOSER = 0.5, 0.25  # times the step, and its control, where blows are short
 PRINTED = 0.125  # times the step where feet leave prints
@@ -77,8 +78,8 @@ def adapted(accuracy: Accuracy, scene: Scene, sole: Foot | Waypoints) -> Accurac
     period = scene.gait.period / PERIOD
     legs = (scene.walker.l1 + scene.walker.l2) / LEG
     slower, shorter = min(legs / period, 1.0), min(period, 1.0)
-    plates, control = _plates(accuracy.plates, scene, sole), accuracy.control
-    blows = plates > accuracy.plates or any(laws(scene.effects))
+    needed, control = _needed(scene, sole), accuracy.control
+    blows = needed > 1.0 or any(laws(scene.effects))
     step, held = (SHORTER, CLOSER) if blows else (1.0, 1.0)
     if any(isinstance(effect, Footprints) for effect in scene.effects):
         step = PRINTED
@@ -86,8 +87,8 @@ def adapted(accuracy: Accuracy, scene: Scene, sole: Foot | Waypoints) -> Accurac
         accuracy,
         dt=step * shorter * accuracy.dt,
         control=None if control is None else held * slower * control,
-        creep=min(slower * accuracy.creep, _crept(accuracy, scene, sole)),
-        plates=plates,
+        creep=accuracy.creep * max(min(slower, _crept(scene, sole)), SLOWEST),
+        plates=_blocks(accuracy.plates, min(_finer(scene) * needed, MOST)),
         adapt=False,
     )
 
@@ -109,10 +110,14 @@ def accuracies(
     return {adapted(accuracy, scene, space or Waypoints(n=len(feet[0]))): list(range(len(feet)))}
 
 
-def _plates(preset: int, scene: Scene, sole: Foot | Waypoints) -> int:
-    """How many plates a sole needs, a whole number of blocks if more than the preset's."""
+def _needed(scene: Scene, sole: Foot | Waypoints) -> float:
+    """How many times more plates the shape of a sole and the hardness of the sand need."""
     needed = max(_bends(sole), TOUCHING / _touching(scene, sole), _narrow(scene, sole)) / STATED
-    times = min(_finer(scene) * max(1.0, needed), MOST)
+    return min(max(1.0, needed), MOST)
+
+
+def _blocks(preset: int, times: float) -> int:
+    """So many times a preset's plates, a whole number of blocks if more."""
     if times <= 1.0:
         return preset
     return min(LANES * math.ceil(times * preset / LANES - 1e-9), MOST_PLATES)
@@ -126,10 +131,10 @@ def _finer(scene: Scene) -> float:
     return NORMAL if Rest in kinds or laws(scene.effects).pushes else 1.0
 
 
-def _crept(accuracy: Accuracy, scene: Scene, sole: Foot | Waypoints) -> float:
-    """The creep speed at which a foot creeps by `CREPT` of its depth in a stride, m/s: less by finer presets."""
+def _crept(scene: Scene, sole: Foot | Waypoints) -> float:
+    """The share of the creep speed at which `standard` creeps by `CREPT` of a foot's depth in a stride."""
     depth = scene.walker.mass * scene.gravity[1] / (scene.scale.stress * _length(sole) * sole.width)
-    return accuracy.creep / STATED_CREEP * CREPT * depth / scene.gait.period
+    return CREPT * depth / (STATED_CREEP * scene.gait.period)
 
 
 def _length(sole: Foot | Waypoints) -> float:

@@ -80,7 +80,8 @@ def _compile(source: str, compiler: Any):
                 write(trace[0], sample_of(0.0, state))
                 record(bristle_trace, 0, state.bristles)
             status[d] = OK
-            n = place = level = 0  # the step n is walked up to place / 2^finest of it
+            n = place = 0  # the step n is walked up to place / 2^finest of it
+            level = finest  # it begins to sink: the first steps would be shortened as far
             while n < steps:
                 stride = 1 << (finest - level)
                 h = (times[n + 1] - times[n]) / (1 << level)

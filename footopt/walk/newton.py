@@ -15,6 +15,7 @@ from footopt.walk.state import Contact, Force, no_force
 MAX_NEWTON = 20  # contact evaluations of one implicit stage at one creep speed, back-tracking included
 MAX_RESCUE = 1000  # ... and in all, if it has to be approached from a larger creep speed
 GATED = 2.0  # last step of Newton's method over the creep speed, where an effect's gate is
+STANDS = 10.0  # speed of the hip over the creep speed, below which the walker stands
 
 
 class Stage(NamedTuple):
@@ -27,12 +28,23 @@ class Stage(NamedTuple):
 
 
 @inlined
+def guess(creep, vx, vz, change_x, change_z):
+    """A velocity to begin Newton's method with, m/s: the last one, with its change unless the walker stands.
+
+    While he stands, friction follows his velocity within the creep speed: extrapolated, it leads away.
+    """
+    if abs(vx) + abs(vz) < STANDS * creep and abs(change_x) + abs(change_z) > creep:
+        return vx, vz
+    return vx + change_x, vz + change_z
+
+
+@inlined
 def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, bristles, counts):
     """Velocity V of an implicit stage: V = v0 + c a(r0 + c V, V), by Newton's method.
 
     Starts from the guess (vx, vz) and halves a step that makes the residual larger. It ends with a
-    step that is small against the speed at which the plates move through the sand (their mean
-    |P| / |F|, at least the creep speed), on which the law is smooth: Newton's method has then
+    step that is small against the speed at which the plates of the slower foot move through the sand
+    (`_speed`, at least the creep speed), on which the law is smooth: Newton's method has then
     converged to the square of that ratio. The stage's forces are carried along the last step to first
     order, so that its momentum balance closes to rounding.
 
@@ -118,7 +130,7 @@ def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, bristles, count
 
 @inlined
 def _speed(foot, both):
-    """Mean speed of a foot's plates, |P| / |F|, m/s: longer where it carries little of the force on both feet, N.
+    """Mean speed of a foot's plates, |P| / |F|, m/s: larger where it carries little of the force on both, N.
 
     Beside a foot that slips, one that sticks must not be solved at the speed of both together.
     """

@@ -216,6 +216,18 @@ def test_soles_in_one_frame_keep_their_contours_and_have_their_names_beside_them
     assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[i + 1 :])
 
 
+def test_soles_that_are_the_same_have_two_names_in_the_colour_of_their_sand():
+    foot = fo.Foot.shape("ellipse")
+    figure = figures.contours({"soft": foot, "soft, with its gait": foot, "hard": foot, "robust": foot})
+    (axes,) = figure.axes
+    figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in axes.texts]
+    assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[i + 1 :])
+    first, second, third, _ = axes.lines
+    assert first.get_color() == second.get_color() != third.get_color()
+    assert first.get_linewidth() < second.get_linewidth()
+
+
 def test_more_soles_than_can_be_named_have_a_legend_beside_them():
     feet = {f"no. {i}": fo.Foot.shape("ellipse") for i in range(8)}
     figure = figures.contours(feet)

@@ -424,6 +424,11 @@ class TestStage:
             assert figure.find_elements("css selector", ".gravity")
             assert "g = 9.81 m/s², 8° uphill" in figure.text
             assert {"layer × 0.3", "patch × 2.5"} <= set(figure.text.split("\n"))
+        behind = shown.js(
+            "[...document.querySelectorAll('.on-sand')].filter((name) => "
+            "!(name.ownerSVGElement.querySelector('[data-print]').compareDocumentPosition(name) & 4)).length"
+        )
+        assert behind == 0  # a print hides no name
 
     def test_sand_that_an_effect_moves_is_drawn_as_computed(self, tmp_path, browser):
         walk = fo.simulate(fo.Foot.flat(), fo.Scene(effects=(fo.Footprints(),)), "draft")

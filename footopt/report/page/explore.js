@@ -288,7 +288,7 @@ function explorer(choose, beside, glimpse) {
       const step = y > a.height / 2 ? -14 : 14;
       while (taken.some(([u, v]) => Math.abs(u - x) < 60 && Math.abs(v - y) < 14)) y += step;
       taken.push([x, y]);
-      a.svg.append(svg("text", { class: "halo", x: x + 10, y: y + 4 }, label(i)));
+      a.svg.append(nameAt(a, x, y + 4, label(i)));
     }
   }
 
@@ -332,10 +332,10 @@ function explorer(choose, beside, glimpse) {
     if (data.jobs) nameJobs(a, (i) => [a.X(cx.of(i)), a.Y(cy.of(i))]);
     overlay(a, flat, (i, stroke, thick, text) => (Number.isFinite(cx.of(i) + cy.of(i)) ? [
       svg("circle", { cx: a.X(cx.of(i)), cy: a.Y(cy.of(i)), r: 6, fill: "none", "stroke-width": 2.5, stroke: data.jobs ? "var(--ink)" : stroke }),
-      svg("text", { class: "halo", x: a.X(cx.of(i)) + 10, y: a.Y(cy.of(i)) - 8 }, text)] : []));
+      nameAt(a, a.X(cx.of(i)), a.Y(cy.of(i)) - 8, text)] : []));
     if (!data.jobs && Number.isFinite(cx.flat) && Number.isFinite(cy.flat)) a.svg.append(
       svg("rect", { x: a.X(cx.flat) - 5, y: a.Y(cy.flat) - 5, width: 10, height: 10, fill: "var(--flat)", stroke: "var(--ink)" }),
-      svg("text", { class: "halo", x: a.X(cx.flat) + 10, y: a.Y(cy.flat) + 4 }, "flat"));
+      nameAt(a, a.X(cx.flat), a.Y(cy.flat) + 4, "flat"));
     const limits = [cx, cy].map((c) => state.limits.get(c.name));
     if (limits.some(Boolean)) {
       const b = a.inside;

@@ -205,7 +205,7 @@ function tracesSection() {
   });
   const section = el("section", { id: "traces" }, el("h2", {}, "Their walks"),
     el("p", { class: "note" }, ...jobs.flatMap((job) => [key(job.line), ` ${[job.label, job.settings].filter(Boolean).join(": ")}  `])),
-    el("div", { class: "grid", style: "--columns:2" }, ...plots.map(([, holder]) => el("figure", {}, holder))));
+    el("div", { class: "grid plots", style: "--columns:2" }, ...plots.map(([, holder]) => el("figure", {}, holder))));
   return { section, draw };
 }
 

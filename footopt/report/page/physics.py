@@ -85,6 +85,7 @@ def physics(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> dict[st
             "most": newton.MAX_NEWTON,
             "rescue": newton.MAX_RESCUE,
             "gated": newton.GATED,
+            "stands": newton.STANDS,
             "turn": TURN,
             "seen": SEEN,
             "bent": BENT,

@@ -89,17 +89,25 @@ function add(sums, weight, z, vx, vz, F) {
   sums[3] += weight * Math.max(left, 0) + weight * Math.max(right, 0);
 }
 
+/** A velocity to begin Newton's method with: that of before, with its change unless the walker stands. */
+function guess(vx, vz, changeX, changeZ) {
+  const { stands, creep } = P.accuracy;
+  const still = Math.abs(vx) + Math.abs(vz) < stands * creep && Math.abs(changeX) + Math.abs(changeZ) > creep;
+  return still ? [vx, vz] : [vx + changeX, vz + changeZ];
+}
+
 /** The state at t + h out of that at t, into `after`; whether the step could be made. */
 function sdirk2(W, sole, poses, p, now, after, h) {
   const { gamma } = P.accuracy, c = gamma * h, r = (1 - gamma) * h, { x, z, vx, vz } = now;
   const ax = accelX(W, now.force), az = accelZ(W, now.force);
   after.sums.set(now.sums);
-  if (!solveStage(W, sole, poses, p, x, z, vx, vz, c, vx + c * ax, vz + c * az)) return false;
+  if (!solveStage(W, sole, poses, p, x, z, vx, vz, c, ...guess(vx, vz, c * ax, c * az))) return false;
   const ux = implicit.vx, uz = implicit.vz, bx = accelX(W, implicit.force), bz = accelZ(W, implicit.force);
   add(after.sums, r, z + c * uz, ux, uz, implicit.force);
   const x1 = x + r * ux, z1 = z + r * uz;
   // the guess follows the change of acceleration so far, to the end of the step
-  const solved = solveStage(W, sole, poses, p + 14, x1, z1, vx + r * bx, vz + r * bz, c, ux + r * (bx + (bx - ax)), uz + r * (bz + (bz - az)));
+  const whole = guess(ux, uz, r * (bx + (bx - ax)), r * (bz + (bz - az)));
+  const solved = solveStage(W, sole, poses, p + 14, x1, z1, vx + r * bx, vz + r * bz, c, ...whole);
   after.vx = implicit.vx;
   after.vz = implicit.vz;
   after.x = x1 + c * implicit.vx;
@@ -157,7 +165,7 @@ function walkPlates(sole, zeta, mass, dt = P.accuracy.dt, repeat = 0) {
   if (!Number.isFinite(height)) return end("sunk");
   now.z = height;
   contact(W, sole, pose0, 0, 0, height, 0, 0, P.accuracy.creep, 0, now.force);
-  let speed = -Infinity, fall = 0, power = 0, force = 0, deepest = 0, n = 0, place = 0, level = 0;
+  let speed = -Infinity, fall = 0, power = 0, force = 0, deepest = 0, n = 0, place = 0, level = finest;
   const lefts = [0, 0, 0, 0], rights = [0, 0, 0, 0], ends = [0, 0, 0, 0]; // |P| of both feet at the last four steps
   while (n < times.length - 1) {
     const stride = 1 << (finest - level), h = (times[n + 1] - times[n]) / (1 << level);

@@ -154,6 +154,7 @@ function stage(holder, walk, { close, x, z, label, other = null, fixed = null, p
   const ground = add("g", {});
   const print = add("path", { fill: "var(--paper)", stroke: "none" }), rims = add("path", { class: "rims", fill: "var(--sand)", stroke: "none" });
   const surface = add("path", { fill: "none", stroke: "var(--surface)", "stroke-width": 1.5, "data-print": walk.surface ? "computed" : "drawn" });
+  const names = add("g", {});
   const ghost = other && [LEFT, RIGHT].map(() => add("path", { class: "ghost" }));
   const parts = walk.at.length / 2, scheme = PAINTS[paint];
   const body = [LEFT, RIGHT].map((foot) => ({
@@ -199,7 +200,9 @@ function stage(holder, walk, { close, x, z, label, other = null, fixed = null, p
     print.setAttribute("d", `${line([[middle - half, 0], ...top, [middle + half, 0]].map(([u, v]) => [u, Math.min(v, 0)]))}Z`);
     rims.setAttribute("d", low ? "" : `${line([[middle - half, 0], ...top, [middle + half, 0]].map(([u, v]) => [u, Math.max(v, 0)]))}Z`);
     surface.setAttribute("d", line(top));
-    ground.replaceChildren(...strips({ X, Z, width, height }), ...ticks(middle - half, middle + half, width / 110).values.flatMap((v) => [
+    const found = strips({ X, Z, width, height });
+    ground.replaceChildren(...found.map(([sand]) => sand));
+    names.replaceChildren(...found.map(([, name]) => name), ...ticks(middle - half, middle + half, width / 110).values.flatMap((v) => [
       svg("line", { x1: X(v), x2: X(v), y1: height - 6, y2: height, stroke: "var(--grey)" }),
       ...(X(v) > 24 && X(v) < width - 24 ? [svg("text", { x: X(v), y: height - 9, "text-anchor": "middle" }, `${+v.toFixed(2)} m`.replace("-", "−"))] : [])]));
     if (ghost) {
@@ -238,8 +241,8 @@ function strips({ X, Z, width, height }) {
     const [top, bottom] = [Z(s.top), s.bottom === null ? height : Math.min(Z(s.bottom), height)];
     if (left >= right || top >= bottom) return [];
     const patch = s.kind === "patch";
-    return [svg("rect", { class: "strip", x: left, y: top, width: right - left, height: bottom - top, fill: s.colour, stroke: "var(--surface)", "stroke-width": 0.6 }),
-      svg("text", { class: "on-sand", x: patch ? left + 4 : right - 4, y: patch ? top + 16 : Math.min(bottom - 5, top + 26), "text-anchor": patch ? "start" : "end" }, s.label)];
+    return [[svg("rect", { class: "strip", x: left, y: top, width: right - left, height: bottom - top, fill: s.colour, stroke: "var(--surface)", "stroke-width": 0.6 }),
+      svg("text", { class: "on-sand", x: patch ? left + 4 : right - 4, y: patch ? top + 16 : Math.min(bottom - 5, top + 26), "text-anchor": patch ? "start" : "end" }, s.label)]];
   });
 }
 

@@ -116,6 +116,9 @@ function axes(holder, { x, y, xlabel, ylabel, height, label, left = 58 }) {
   return made;
 }
 
+/** A name beside a point, on the side where it has room. */
+const nameAt = (a, x, y, text) => (x > a.width - 80 ? svg("text", { class: "halo", x: x - 10, y, "text-anchor": "end" }, text) : svg("text", { class: "halo", x: x + 10, y }, text));
+
 /** Where the pointer is in a drawing, its own pixels. */
 function where(a, event) {
   const box = a.svg.getBoundingClientRect();

@@ -120,7 +120,7 @@ function walkSection() {
     state.movers = [
       stage(whole, walk, { ...shared, x: [x[0] - 0.55, x[1] + 0.55], z: [Math.min(low, -0.16), Math.max(...com.map((p) => p[1])) + 0.12],
         label: "Stick figure of the walker at one instant" }),
-      stage(near, walk, { ...shared, close: true, x: [-0.36, 0.36], z: [low - 0.04, 0.24],
+      stage(near, walk, { ...shared, close: true, x: [-0.36, 0.36], z: [low - Math.max(0.04, 0.2 * (0.24 - low)), 0.24],
         label: "Close-up of both soles in the sand with the forces on them" }),
       ...plots.map((plot, i) => tracePlot(plot, PLOTS[i], walk, other, (t) => { stop(); move(t); })),
     ];
@@ -197,8 +197,9 @@ function stepLoop(id = "step", tall = 300) {
     state.mover = null;
     if (figure.hidden) return;
     const flat = flatWalk(), other = flat && flat !== walk && flat.t.at(-1) > begin + 0.3 * stride ? flat : null;
+    const low = deepest(walk, begin - 0.06 * stride, begin + 0.72 * stride);
     const foot = (w) => pose(w, begin + 0.25 * stride)[RIGHT].leg[2][0];
-    state.mover = stage(holder, walk, { close: true, other, tall, x: [-0.26, 0.26], z: [deepest(walk, begin - 0.06 * stride, begin + 0.72 * stride) - 0.07, 0.13],
+    state.mover = stage(holder, walk, { close: true, other, tall, x: [-0.26, 0.26], z: [low - Math.max(0.07, 0.3 * (0.13 - low)), 0.13],
       fixed: { x: foot(walk) + 0.03, shift: other ? foot(walk) - foot(other) : 0 }, label: "One step of the right foot in the sand, with the forces on its sole" });
     state.mover(state.t);
     run();
@@ -207,8 +208,7 @@ function stepLoop(id = "step", tall = 300) {
   return { figure, redraw, take, show: (i) => { take(i); redraw(); } };
 }
 
-const key = ({ stroke, "stroke-dasharray": dash }) =>
-  el("span", { class: "key", style: `border-color:${stroke};border-top-style:${dash ? "dashed" : "solid"}` });
+const key = (line) => svg("svg", { width: 28, height: 8, "aria-hidden": "true" }, svg("line", { x2: 28, y1: 4, y2: 4, "stroke-width": 2.5, ...line }));
 
 function sampleTable(walk) {
   const every = Math.max(1, Math.floor(walk.t.length / 60));

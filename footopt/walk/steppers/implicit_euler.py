@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from footopt.walk.bristles import next_step, stage_of
-from footopt.walk.newton import solve_stage
+from footopt.walk.newton import guess, solve_stage
 from footopt.walk.state import State
 from footopt.walk.steppers.base import acceleration, add, register
 
@@ -25,7 +25,8 @@ def implicit_euler(method, world, sole, poses, state, h, counts):
     """One implicit stage, the end of the step."""
     x, z, vx, vz = state.x, state.z, state.vx, state.vz
     ax, az = acceleration(world, state.contact)
-    gx, gz, bristles = vx + h * ax, vz + h * az, stage_of(state.bristles)
+    gx, gz = guess(world.creep, vx, vz, h * ax, h * az)
+    bristles = stage_of(state.bristles)
     end = solve_stage(world, sole, poses[0], x, z, vx, vz, h, gx, gz, bristles, counts)
     z = z + h * end.vz
     sums = add(state.integrals, h, z, end.vx, end.vz, end.contact)

@@ -14,7 +14,7 @@ import math
 from typing import NamedTuple
 
 from footopt.walk.bristles import first_stage, next_step, second_stage
-from footopt.walk.newton import solve_stage
+from footopt.walk.newton import guess, solve_stage
 from footopt.walk.state import State
 from footopt.walk.steppers.base import acceleration, add, register
 
@@ -31,7 +31,7 @@ def sdirk2(method, world, sole, poses, state, h, counts):
     x0, z0, vx0, vz0 = state.x, state.z, state.vx, state.vz
     ax, az = acceleration(world, state.contact)
     half, whole = first_stage(state.bristles, r / c), second_stage(state.bristles)
-    gx, gz = vx0 + c * ax, vz0 + c * az
+    gx, gz = guess(world.creep, vx0, vz0, c * ax, c * az)
     one = solve_stage(world, sole, poses[0], x0, z0, vx0, vz0, c, gx, gz, half, counts)
     if not one.solved:
         return State(x0, z0, vx0, vz0, state.contact, state.integrals, state.bristles, False)
@@ -39,7 +39,8 @@ def sdirk2(method, world, sole, poses, state, h, counts):
     bx, bz = acceleration(world, one.contact)
     x1, z1, vx1, vz1 = x0 + r * one.vx, z0 + r * one.vz, vx0 + r * bx, vz0 + r * bz
     # the guess follows the change of acceleration so far, to the end of the step
-    gx, gz = one.vx + r * (bx + (bx - ax)), one.vz + r * (bz + (bz - az))
+    dvx, dvz = r * (bx + (bx - ax)), r * (bz + (bz - az))
+    gx, gz = guess(world.creep, one.vx, one.vz, dvx, dvz)
     two = solve_stage(world, sole, poses[1], x1, z1, vx1, vz1, c, gx, gz, whole, counts)
     z = z1 + c * two.vz
     sums = add(sums, c, z, two.vx, two.vz, two.contact)
