@@ -19,6 +19,7 @@ import sys
 import time
 import warnings
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -28,9 +29,10 @@ from measure import arguments
 from numpy.typing import NDArray
 
 import footopt as fo
+from footopt.design import truth
 from footopt.gait.fourier import Fourier
 
-FIRST_SCENE, FEW, MANY = 101, 1_000, 10_000
+FIRST_SCENE, FIRST, FEW, MANY = 101, 300, 1_000, 10_000
 WITHIN = 1e-3  # of the best known, relative
 ASKED = 20  # designs for each walk, at most
 EFFECTS: dict[str, tuple[Any, ...]] = {
@@ -45,7 +47,7 @@ Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
 
 
-def draw(number: int) -> fo.FootProblem:
+def draw(number: int, objective: str = "efficiency") -> fo.FootProblem:
     """The scene and space of a number, in which most random soles can walk."""
     for attempt in range(20):
         rng = np.random.default_rng([number, attempt])
@@ -61,7 +63,7 @@ def draw(number: int) -> fo.FootProblem:
         space = fo.Waypoints(n=int(rng.choice([9, 11, 13])), K=int(rng.choice([8, 10, 14])))
         walker = fo.Walker(mass=mass, l1=0.47 * leg, l2=0.45 * leg)
         scene = fo.Scene(sand=fo.Sand(zeta=zeta), gait=gait, walker=walker, effects=effects)
-        problem = Remembering(scene, "efficiency", space, COARSE, 1)
+        problem = Remembering(scene, objective, space, COARSE, 1)
         walked = problem.evaluate(space.random(64, seed=1, inside=True))
         if (walked.reasons == "").mean() > 0.5:
             return problem
@@ -199,16 +201,20 @@ def cma_es(value: Counted, seed: int) -> None:
         size *= 2
 
 
-def tpe(value: Counted, seed: int) -> None:
-    """Tree-structured Parzen estimators of `optuna`, of all heights together."""
-    import optuna
+def of_optuna(name: str, **given: Any) -> Callable[[Counted, int], None]:
+    """A sampler of `optuna`."""
 
-    optuna.logging.set_verbosity(optuna.logging.ERROR)
-    study = optuna.create_study(sampler=optuna.samplers.TPESampler(seed=seed, multivariate=True))
-    study.optimize(
-        lambda trial: float(value([trial.suggest_int(f"k{i}", 1, value.K) for i in range(value.n)])[0]),
-        n_trials=3 * value.walks,
-    )
+    def run(value: Counted, seed: int) -> None:
+        import optuna
+
+        optuna.logging.set_verbosity(optuna.logging.ERROR)
+        study = optuna.create_study(sampler=getattr(optuna.samplers, name)(seed=seed, **given))
+        study.optimize(
+            lambda trial: float(value([trial.suggest_int(f"k{i}", 1, value.K) for i in range(value.n)])[0]),
+            n_trials=3 * value.walks,
+        )
+
+    return run
 
 
 def of_nevergrad(name: str) -> Callable[[Counted, int], None]:
@@ -227,17 +233,27 @@ def of_nevergrad(name: str) -> Callable[[Counted, int], None]:
     return run
 
 
-def scipy_de(value: Counted, seed: int) -> None:
-    """SciPy's differential evolution of integers."""
-    from scipy.optimize import differential_evolution
+def smac(value: Counted, seed: int) -> None:
+    """SMAC3 of `smac`: a random forest and expected improvement, at the defaults for hyperparameters."""
+    from tempfile import mkdtemp
 
+    from ConfigSpace import ConfigurationSpace
+    from smac import HyperparameterOptimizationFacade, Scenario
+    from smac.runhistory import TrialValue
+
+    space = ConfigurationSpace({f"k{i}": (1, value.K) for i in range(value.n)})
+    scenario = Scenario(space, deterministic=True, n_trials=3 * value.walks, seed=seed,
+                        output_directory=Path(mkdtemp()))  # fmt: skip
+    search = HyperparameterOptimizationFacade(scenario, lambda config, seed=0: 0.0, logging_level=50)
     while True:
-        differential_evolution(
-            lambda x: value(x.T) if x.ndim > 1 else float(value(x)[0]),
-            [(1, value.K)] * value.n, integrality=np.ones(value.n, bool), rng=seed, maxiter=10**6,
-            polish=False, vectorized=True, updating="deferred",
-        )  # fmt: skip
-        seed += 1000
+        asked = search.ask()
+        k = [asked.config[f"k{i}"] for i in range(value.n)]
+        search.tell(asked, TrialValue(cost=float(value(k)[0])))
+
+
+def scipy_de(value: Counted, seed: int) -> None:
+    """SciPy's differential evolution of integers, as `study=trust` has it."""
+    value(truth.scipy_de(value.problem, 3 * value.walks, seed))
 
 
 def dual_annealing(value: Counted, seed: int) -> None:
@@ -281,19 +297,25 @@ RUNS: dict[str, tuple[Callable[[Counted, int], None], int]] = {
     "pymoo: GA, integer (footopt ga)": (of_footopt("ga"), MANY),
     "deap: GA": (deap_ga, FEW),
     "pymoo: DE": (of_pymoo("de:DE"), FEW),
-    "pymoo: PSO": (of_pymoo("pso:PSO"), FEW),
-    "pymoo: CMA-ES": (of_pymoo("cmaes:CMAES"), FEW),
+    "pymoo: ES": (of_pymoo("es:ES"), FEW),
+    "pymoo: PSO": (of_pymoo("pso:PSO"), MANY),
+    "pymoo: CMA-ES": (of_pymoo("cmaes:CMAES"), MANY),
+    "pymoo: pattern search": (of_pymoo("pattern:PatternSearch"), FEW),
     "scipy: differential evolution": (scipy_de, FEW),
     "scipy: dual annealing": (dual_annealing, FEW),
     "nevergrad: DiscreteOnePlusOne": (of_nevergrad("DiscreteOnePlusOne"), FEW),
+    "nevergrad: two-points DE": (of_nevergrad("TwoPointsDE"), FEW),
     "nevergrad: NGOpt": (of_nevergrad("NGOpt"), FEW),
-    "optuna: TPE": (tpe, FEW),
+    "optuna: CMA-ES with margin": (of_optuna("CmaEsSampler", with_margin=True), FEW),
+    "optuna: TPE": (of_optuna("TPESampler", multivariate=True), FEW),
+    "smac: SMAC3": (smac, FIRST),
 }
 
 
 def best_known(problem: Remembering) -> float:
-    """The best J_W of a long search, by which searches are ended; tables go by the best of all of them."""
-    fo.search(problem, "memetic", walks=MANY, seed=901)
+    """The best J_W of long searches, by which searches are ended; tables go by the best of all of them."""
+    for seed in (901, 902):
+        fo.search(problem, "memetic", walks=MANY, seed=seed)
     return best_of(problem)
 
 
@@ -332,31 +354,48 @@ def expected(hits: Iterable[int | None], walks: int) -> float:
     return (sum(found) + walks * (len(hits) - len(found))) / max(len(found), 0.5)
 
 
+def geometric(hits: list[list[int | None]], walks: int) -> float:
+    """Geometric mean over the scenes of the expected walks to a hit."""
+    return float(np.exp(np.mean([np.log(expected(of_scene, walks)) for of_scene in hits])))
+
+
+def spread(hits: list[list[int | None]], walks: int) -> tuple[float, float]:
+    """90 % of what `geometric` would be with other seeds: searches of each scene drawn again, 400 times."""
+    draw = np.random.default_rng(1)
+    again = [
+        geometric([[h[i] for i in draw.integers(len(h), size=len(h))] for h in hits], walks)
+        for _ in range(400)
+    ]
+    low, high = np.quantile(again, (0.05, 0.95))
+    return float(low), float(high)
+
+
 def tables(rows: list[dict[str, str]], budgets: tuple[int, ...]) -> None:
-    """Print what all rows come to at each number of walks."""
+    """Print what all rows come to at each number of walks; a search that was done again counts once."""
+    rows = list({(row["scene"], row["optimiser"], row["seed"]): row for row in rows}.values())
     best: dict[str, float] = {}
     for row in rows:
         found = float(row["improved"].split()[-1].split(":")[1])
         best[row["scene"]] = min(best.get(row["scene"], 0.0), float(row["best"]), found)
     for walks in budgets:
         print(f"\nUp to {walks:,} walks, {len(best)} scenes:\n")
-        print("| optimiser | expected walks to 0.1 % | scenes hit | searches that hit | median regret |")
+        print("| optimiser | expected walks (90 %) | scenes hit | searches that hit | median regret |")
         print("| --- | --- | --- | --- | --- |")
         lines = []
         for name in dict.fromkeys(row["optimiser"] for row in rows if int(row["walks"]) >= walks):
-            means, hits, lacks = [], [], []
+            hits, lacks = [], []
             for scene in sorted(best):
                 own = [r for r in rows if (r["scene"], r["optimiser"]) == (scene, name)]
-                of_scene = [hit(r["improved"], best[scene], walks) for r in own]
-                means += [expected(of_scene, walks)] if own else []
-                hits += [of_scene]
-                lacks += [float(np.median([regret(r["improved"], best[scene], walks) for r in own]))]
+                if own:
+                    hits.append([hit(r["improved"], best[scene], walks) for r in own])
+                    lacks.append(float(np.median([regret(r["improved"], best[scene], walks) for r in own])))
             every = [h is not None for of_scene in hits for h in of_scene]
-            scenes = sum(any(h is not None for h in of_scene) for of_scene in hits)
-            share = f"{np.mean(every):.0%} of {len(every)}"
-            lines.append((np.exp(np.mean(np.log(means))), name, scenes, share, np.mean(lacks)))
-        for mean, name, scenes, share, lack in sorted(lines):
-            print(f"| {name} | {mean:,.0f} | {scenes} | {share} | {lack:.2%} |")
+            scenes = f"{sum(any(h is not None for h in of_scene) for of_scene in hits)} of {len(hits)}"
+            low, high = spread(hits, walks)
+            ahead = f"{geometric(hits, walks):,.0f} ({low:,.0f} to {high:,.0f})"
+            lines.append((geometric(hits, walks), f"| {name} | {ahead} | {scenes} | {np.mean(every):.0%} of "
+                          f"{len(every)} | {np.mean(lacks):.2%} |"))  # fmt: skip
+        print(*(line for _, line in sorted(lines)), sep="\n")
 
 
 def main() -> None:
@@ -365,6 +404,7 @@ def main() -> None:
     parser.add_argument("--scenes", type=int, nargs="*", default=range(FIRST_SCENE, FIRST_SCENE + 10))
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--walks", type=int, default=MANY, help="of a search, at most")
+    parser.add_argument("--minutes", type=float, default=np.inf, help="after which no search is begun")
     parser.add_argument("--only", nargs="*", default=[""], help="optimisers with one of these words")
     parser.add_argument("--out", type=Path, default=Path("outputs/optimisers.csv"))
     given = parser.parse_args()
@@ -375,11 +415,14 @@ def main() -> None:
     if not given.quick and given.out.is_file():
         with open(given.out, newline="") as file:
             rows = list(csv.DictReader(file))
-    have = {(int(r["scene"]), r["optimiser"], int(r["seed"])) for r in rows}
+    have = {(int(r["scene"]), r["optimiser"], int(r["seed"])): int(r["walks"]) for r in rows}
     missing: set[str] = set()
+    end = time.time() + 60.0 * given.minutes
     problems: dict[int, tuple[Remembering, float]] = {}
     for seed in range(1, seeds + 1):  # all scenes have a few searches before one has all
         for scene in scenes:
+            if time.time() > end:
+                break
             if scene not in problems:
                 problem = draw(scene)
                 known = [float(r["best"]) for r in rows if int(r["scene"]) == scene]
@@ -387,15 +430,15 @@ def main() -> None:
                 problems[scene] = problem, best
             problem, best = problems[scene]
             for name, (run, most) in RUNS.items():
-                asked = any(word in name for word in given.only)
-                if not asked or (scene, name, seed) in have or name in missing:
+                asked, walks = any(word in name for word in given.only), min(most, given.walks)
+                done = have.get((scene, name, seed), 0) >= walks or name in missing
+                if not asked or done or time.time() > end:
                     continue
-                value = Counted(problem, min(most, given.walks), best)
+                value = Counted(problem, walks, best)
                 started = time.perf_counter()
                 try:
-                    run(value, seed)
-                except Done:
-                    pass
+                    with suppress(Done):
+                        run(value, seed)
                 except ImportError as error:
                     missing.add(name)
                     print(f"{name} is left out: {error}. pip install -e '.[benchmark]' brings it.")
@@ -413,7 +456,7 @@ def main() -> None:
                         if new:
                             writer.writeheader()
                         writer.writerow(row)
-    tables(rows, tuple(sorted({min(walks, given.walks) for walks in (FEW, MANY)})))
+    tables(rows, tuple(sorted({min(walks, given.walks) for walks in (FIRST, FEW, MANY)})))
     sys.stdout.flush()
 
 

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from footopt import mujoco as mujoco
     from footopt.cli.run import run as run
     from footopt.design import FootProblem as FootProblem
     from footopt.design import RobustProblem as RobustProblem
@@ -65,6 +66,7 @@ _NAMES = {
     "footopt.errors": "FootoptError",
     "footopt.foot": "Foot Waypoints",
     "footopt.gait": "Gait",
+    "footopt.mujoco": "mujoco",
     "footopt.report.film": "animate",
     "footopt.report.plot": "plot",
     "footopt.sand": "Sand StressMap stress",
@@ -79,7 +81,8 @@ __all__ = ["__version__", *sorted(_HOME)]
 def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module 'footopt' has no attribute {name!r}")
-    value = getattr(import_module(_HOME[name]), name)
+    module = import_module(_HOME[name])
+    value = module if name == "mujoco" else getattr(module, name)
     globals()[name] = value
     return value
 

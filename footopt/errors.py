@@ -98,8 +98,9 @@ def shortened(text: str, most: int) -> str:
 
 def meant(given: str, names: Iterable[str]) -> str:
     """The name that was probably meant, or ""."""
-    lower = {name.lower(): name for name in names}
-    word = given.lower()
+    # of names that differ in their case, such as foot.k and foot.K, the last one has that which was given
+    alike = sorted(names, key=lambda name: sum(a == b for a, b in zip(given[::-1], name[::-1], strict=False)))
+    lower, word = {name.lower(): name for name in alike}, given.lower()
     if SAME.get(word) in lower:
         return lower[SAME[word]]
     starts = [name for name in lower if len(word) > 2 and name.startswith(word)]

@@ -56,7 +56,7 @@ def explain(error: BaseException, words: Sequence[str] = ()) -> str:
     if isinstance(error, OSError):
         if error.errno in NO_ROOM:
             return f"a file cannot be written ({error.strerror}). Make room on the disk and run it again."
-        said = f"{error.strerror or error}: {error.filename or ''}".rstrip(": ")
+        said = f"{error.strerror or str(error) or type(error).__name__}: {error.filename or ''}".rstrip(": ")
         own = any(word.startswith(FOLDERS) for word in words) and error.errno in NO_FOLDER
         if error.errno not in NO_RIGHT and not own:
             return said

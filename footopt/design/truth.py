@@ -259,7 +259,7 @@ class _Spent(Exception):
     """All walks are."""
 
 
-def scipy_de(truth: Tabulated, walks: int, seed: int) -> Ints:
+def scipy_de(truth: FootProblem, walks: int, seed: int) -> Ints:
     """Differential evolution of SciPy over whole numbers, at its defaults, by the designs it asks for.
 
     What is infeasible is worse than all feasible, by how far the sole leaves its box.

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from footopt.effects.base import EFFECTS, Effect, Scale
 from footopt.effects.slope import Slope
 from footopt.errors import check
+
+LEAST = 5e-4  # m, of a cell: thinner ones take too long
 
 
 class Prints(NamedTuple):
@@ -69,10 +71,10 @@ class Footprints:
             1 <= self.repose <= 60, "effects.footprints.repose", self.repose, "an angle from 1 to 60, in deg"
         )
         check(
-            1e-3 <= self.cell <= 0.02,
+            LEAST <= self.cell <= 0.02,
             "effects.footprints.cell",
             self.cell,
-            "a length from 0.001 to 0.02, in m",
+            "a length from 0.0005 to 0.02, in m",
             "Halve it to see what it changes.",
         )
 
@@ -86,6 +88,13 @@ class Footprints:
         reach, gap = math.sqrt(scale.depth * scale.length / steepness), scale.step - scale.length
         rim = 0.5 * max(reach - max(gap, 0.0), 0.0) ** 2 * steepness / (scale.depth * scale.length)
         return min(1.0, rim + max(-gap, 0.0) / scale.length)
+
+
+def finer_cells(effects: Sequence[Effect], times: int = 1) -> tuple[Effect, ...]:
+    """A scene's effects, with the cells of its footprints halved so many times, down to `LEAST`."""
+    return tuple(
+        replace(e, cell=max(0.5**times * e.cell, LEAST)) if isinstance(e, Footprints) else e for e in effects
+    )
 
 
 def prints_of(effects: Sequence[Effect]) -> Prints | None:

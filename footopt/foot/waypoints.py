@@ -126,7 +126,7 @@ class Waypoints:
         z = self.heights(k)
         u = _fine(self.n)
         x = -self.L + 2.0 * self.L * u / (self.n - 1)
-        return np.stack([np.broadcast_to(x, (len(z), len(u))), _spline(z, _slopes(z), u)], axis=-1)
+        return np.stack([np.broadcast_to(x, (len(z), len(u))), _spline(z, _slopes(z))], axis=-1)
 
     def points(self, k: ArrayLike, steps: int) -> Array:
         """Points on the spline at equal steps along its arc, (designs, steps + 1, 2), m."""
@@ -136,7 +136,8 @@ class Waypoints:
 
     def box_violation(self, k: ArrayLike) -> Array:
         """How far each spline leaves the box [-H, 0], (designs,), m; 0 inside."""
-        z = self.contour(k)[..., 1]
+        heights = self.heights(k)
+        z = _spline(heights, _slopes(heights))
         out: Array = np.maximum(np.maximum(z.max(axis=1), -self.H - z.min(axis=1)), 0.0)
         return out
 
@@ -229,14 +230,14 @@ def _slopes(z: Array) -> Array:
     return total
 
 
-def _spline(z: Array, slopes: Array, u: Array) -> Array:
-    """The splines (designs, n) at u (m,), which counts waypoints from 0: (designs, m)."""
-    i = np.minimum(u.astype(np.int64), z.shape[1] - 2)
-    s = u - i
-    z0, d0, d1 = z[:, i], slopes[:, i], slopes[:, i + 1]
-    rise = z[:, i + 1] - z0
-    value: Array = z0 + s * (d0 + s * (3.0 * rise - 2.0 * d0 - d1 + s * (d0 + d1 - 2.0 * rise)))
-    return value
+def _spline(z: Array, slopes: Array) -> Array:
+    """The splines (designs, n) at `_fine` points, (designs, (n-1) FINE + 1)."""
+    z0, d0, d1 = z[:, :-1, None], slopes[:, :-1, None], slopes[:, 1:, None]
+    rise = z[:, 1:, None] - z0
+    quadratic, cubic = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
+    s = np.arange(FINE + 1) / FINE
+    value = z0 + s * (d0 + s * (quadratic + s * cubic))  # a piece's last point is the next one's first
+    return np.concatenate([value[:, :, :-1].reshape(len(z), -1), value[:, -1, -1:]], axis=1)
 
 
 @cached_njit(nogil=True, error_model="numpy")

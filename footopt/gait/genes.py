@@ -13,6 +13,7 @@ from footopt.gait.gait import Gait
 
 PHASES = np.arange(200) / 200  # of a stride, among which the knee is least bent
 ASSUMED = "assumed"
+WALKED = "0.79 to 1.25 s and +- 22 % of length were walked: Danion et al., Gait & Posture 18, 2003"
 ANKLE = "as far as the ankle bends in a stride: Perry, Gait Analysis, table 4.1"
 
 
@@ -29,7 +30,7 @@ class Gene:
     unit : str
         Of the value; "" for a factor.
     source : str
-        Where the range is from: none was measured, and of one only what it stands for.
+        That it is assumed, and what was measured that it can be held against.
     """
 
     given: float | None
@@ -55,8 +56,8 @@ class Gene:
 #: swing about its mean. Lift: the bend of the knee above its least one. Pitch: of the foot to the shank,
 #: + toe up, for the whole stride; as far as the ankle bends within one, 10 deg up and 20 deg down.
 GENES: dict[str, Gene] = {
-    "stride_time": Gene(None, 0.98, 1.38, "s", ASSUMED),
-    "step": Gene(1.0, 0.9, 1.1, "", ASSUMED),
+    "stride_time": Gene(None, 0.98, 1.38, "s", f"{ASSUMED}; {WALKED}"),
+    "step": Gene(1.0, 0.9, 1.1, "", f"{ASSUMED}; {WALKED}"),
     "lift": Gene(1.0, 0.8, 1.2, "", ASSUMED),
     "pitch": Gene(0.0, -20.0, 10.0, "deg", f"{ASSUMED}, {ANKLE}"),
 }

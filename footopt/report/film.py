@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 FRAMES = 2000  # of a GIF, at most: they are in memory until it is written, about a megabyte each
 WIDEST = 3.0  # times its height: a longer walk is followed by the camera
 CLOSE, NEAR = 0.8, 0.28  # of the close-up: its width, m, and its height by its width
-LONGEST, SHORTEST = 0.08, 0.002  # arrow there, m; shorter ones are heads without a shaft
+LONGEST, SHORTEST = 0.06, 0.002  # arrow there, m; shorter ones are heads without a shaft
 
 
 def check_film(
@@ -160,7 +160,7 @@ def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], N
     left, right, low, high = bounds(placed)
     wide = min(right - left, WIDEST * (high - low))
     metres = ARROW * high / round_newtons(walk)  # of arrow per newton
-    deep = min(float(placed.sole[..., 1].min()), 0.0) - 0.06
+    deep = min(float(placed.sole[..., 1].min()), 0.0) - 1.1 * LONGEST
     reach, top = 0.5 * CLOSE, deep + CLOSE * NEAR
     near = LONGEST / max(float(np.linalg.norm(along.force, axis=-1).max()), 1e-9)
     tall = (PAGE - 0.6) * (high - low) / wide

@@ -255,7 +255,9 @@ def _fit(
     freedom = len(force) - 2
     variance = 2.0 * found.cost / max(freedom, 1)
     covariance = variance * np.linalg.pinv(found.jac.T @ found.jac)
-    straight = float(np.sum((zeta * unit - force) ** 2)) / (len(force) - 1) / float(unit @ unit)
+    # whether forces scatter by as much everywhere or in proportion to their size: HC3, MacKinnon & White 1985
+    weight = unit / (unit @ unit)
+    straight = float(np.sum((weight * (zeta * unit - force) / (1.0 - weight * unit)) ** 2))
     return np.log(zeta), exponent, scale, np.sqrt(straight) / zeta, float(np.sqrt(covariance[1, 1])), freedom
 
 

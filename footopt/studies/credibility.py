@@ -83,7 +83,9 @@ def code() -> Measured:
         compiled, readable, size = contact_forces(foot, Scene(), 100, tuple(motion.tolist()), 1e-4, True)
         law = max(law, float(np.abs(compiled - readable).max()) / size)
     good = off <= LIMITS["reference"] and law < ROUNDING
-    return 3 if good else 1, {"off": percent(off), "rounding": ROUNDING, "motions": MOTIONS}
+    return 3 if good else 1, {
+        "walks": len(PUBLISHED), "off": percent(off), "rounding": ROUNDING, "motions": MOTIONS,
+    }  # fmt: skip
 
 
 def solution() -> Measured:
@@ -100,8 +102,8 @@ def solution() -> Measured:
             worst = max(worst, float((off / np.abs(true)).max()))
     hold, near = (float(np.mean(np.array(ratios) <= factor)) for factor in (1.0, 2.0))
     return 1 + (near >= 0.9) + (hold >= 0.9), {
-        "objectives": len(ratios), "feet": FEET, "hold": percent(hold), "near": percent(near),
-        "worst": percent(worst),
+        "objectives": len(ratios), "feet": FEET, "sands": len(SANDS), "hold": percent(hold),
+        "near": percent(near), "worst": percent(worst),
     }  # fmt: skip
 
 

@@ -17,6 +17,7 @@ from footopt.files.drawings import MM
 from footopt.files.reading import is_missing, named, read_json_file
 from footopt.foot import Foot
 from footopt.foot.export import write_all
+from footopt.mujoco.files import write_mjcf
 from footopt.report import figures, terminal
 from footopt.studies.base import Study
 from footopt.studies.build import make_foot
@@ -30,6 +31,8 @@ HOLDS = {
     ".svg": "outline and sole, full size",
     ".stl": "body of triangles",
     ".step": "body of plane faces",
+    ".xml": "body of MuJoCo, its origin and site at the ankle",
+    ".py": "ten lines that drop it on sand in MuJoCo",
 }
 
 #: What damaged settings raise, our own refusals among them.
@@ -44,6 +47,8 @@ def run(study: Study) -> None:
         raise SettingError("study.run", None, "the folder of a run", advice)
     foot, block = foot_of(Path(folder), config.foot.k), config.foot.block
     written, notes = write_all(foot, study.folder, block)
+    if config.export.mujoco:
+        written += write_mjcf(foot, study.folder)
     outline, width = MM * foot.body_outline(block), MM * foot.width
     area = float(Polygon(outline).area)
     caption = "The outline of every file, with its sole (blue) and ankle (+), in mm."

@@ -54,7 +54,7 @@ READS: dict[str, tuple[str, ...]] = {
         *SCENE, "foot", "accuracy", "solver.seed",
         *(f"study.{n}" for n in ("samples", "spread", "foot_spread", "quick")),
     ),
-    "export": ("foot.k", "foot.block", "study.run"),
+    "export": ("foot.k", "foot.block", "study.run", "export.mujoco"),
     "compare": ("study.runs",),
     "doctor": (),
     "validate": ("study.cases",),

@@ -286,6 +286,13 @@ class EngineConfig:
 
 
 @dataclass
+class ExportConfig:
+    """What study=export writes beside the files for a workshop."""
+
+    mujoco: bool = setting(False, "Whether to write the foot as a body of MuJoCo, too.")
+
+
+@dataclass
 class Config:
     """All settings of a run, one group each; plugins are files or modules of the user's own."""
 
@@ -310,6 +317,7 @@ class Config:
     solver: SolverConfig = field(default_factory=SolverConfig)
     stop: StopConfig = field(default_factory=StopConfig)
     engine: EngineConfig = field(default_factory=EngineConfig)
+    export: ExportConfig = field(default_factory=ExportConfig)
 
 
 def everything() -> Config:

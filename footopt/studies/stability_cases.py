@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from footopt.effects import Effect, Inertia, Layers, LeadingEdge, Patches, Rest, Shadowing, Slope
+from footopt.effects import Effect, Footprints, Inertia, Layers, LeadingEdge, Patches, Rest, Shadowing, Slope
 from footopt.foot import Foot
 from footopt.gait import Fourier, Gait
 from footopt.studies.stability_judges import (
@@ -168,6 +168,7 @@ CASES = tuple(
         ("leading edge on hard sand", WALKS, with_effects(5.0, LeadingEdge()), judge_walk),
         ("leading edge, zeta 200", WALKS, with_effects(200.0, LeadingEdge()), judge_walk),
         ("inertia in a brisk walk", WALKS, with_effects(1.0, Inertia(), period=0.9), judge_walk),
+        ("footprints on regular sand", WALKS, with_effects(1.0, Footprints()), judge_walk),
         ("rest in a walk", WALKS, with_effects(5.0, Rest()), judge_walk),
         ("a hard pan under soft sand", WALKS, with_effects(0.2, PAN), judge_walk),
         ("a cliff from zeta 1 to 1000", WALKS, with_effects(1.0, CLIFF), judge_walk),

@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 
 # in a foot's reach
 NEAR, FAR = 3.0, 4.0  # so near a foot keeps what it found; what is nearer than FAR is looked at
+FORGETS = 0.25  # way over which it forgets what it found, out of the sand
 SLIDES = 1.5  # where it is looked at what slides; from there on it slides as far as it does
 CELLS = 1024  # of a field at first
 
@@ -38,6 +39,7 @@ class Ground(NamedTuple):
     behind: Array
     over: Array  # (2 feet, 2, plates): where the contact notes the sand over each plate, and its slope
     top: Array  # (2 feet,): the highest sand that each foot may feel
+    last: Array  # (2 feet, 2): where each ankle was, m
     beside: Array  # (1,): area that has gone to the sides of the feet, m^2
     end: float  # share of the sand under a foot that is pressed down that goes to each of its ends
     upright: float  # the greatest height or depth that the sides of a heap or print as wide as the foot leave
@@ -48,8 +50,8 @@ def level_ground(cell, first, cells, plates, end, upright):
     """Sand at rest: undisturbed."""
     under, found = np.full((2, cells), np.inf), np.zeros((2, cells))
     ahead, behind, over = np.zeros((2, cells)), np.zeros((2, cells)), np.zeros((2, 2, plates))
-    top, beside = np.zeros(2), np.zeros(1)
-    return Ground(first, cell, np.zeros(cells), found, under, ahead, behind, over, top, beside, end, upright)
+    height, top, last, beside = np.zeros(cells), np.zeros(2), np.full((2, 2), np.inf), np.zeros(1)
+    return Ground(first, cell, height, found, under, ahead, behind, over, top, last, beside, end, upright)
 
 
 def on_ground(prints, sole):
@@ -114,7 +116,7 @@ def footprint(prints, sole, poses, x, z, vx, vz):
         settle(ground, first, last, -1, prints.rise)
         _spread(ground, first, last)
     for foot in range(2):
-        _find(ground, foot, poses[foot][0] + x, sole.reach, prints.own)
+        _find(ground, foot, poses[foot][0] + x, poses[foot][1] + z, sole.reach, prints.own)
     return sole
 
 
@@ -143,6 +145,7 @@ def _longer(ground):
         ground.cell, ground.first - more, 2 * cells, ground.over.shape[2], ground.end, ground.upright
     )
     out.beside[0] = ground.beside[0]
+    out.last[:] = ground.last
     for i in range(cells):
         out.height[more + i] = ground.height[i]
         for foot in range(2):
@@ -268,24 +271,31 @@ def settle(ground, first, last, way, drop):
 
 
 @inlined
-def _find(ground, foot, x, reach, own):
-    """What a foot finds: the sand as it is, where it is out of it or far away; else as it found it before."""
-    found, height, under = ground.found[foot], ground.height, ground.under[foot]
+def _find(ground, foot, x, z, reach, own):
+    """What a foot finds: the sand as it is where it is far away; near it what it found before.
+
+    Out of the sand it forgets that along its way, so that it matters little whether it leaves its own heap
+    for the length of a step.
+    """
+    found, height, under, last_ = ground.found[foot], ground.height, ground.under[foot], ground.last[foot]
+    kept = 1.0
     first, last = _cells(ground, x, reach)
     touches = False
     for i in range(first, last):
-        if under[i] < found[i]:
+        if under[i] < found[i] or (not own and under[i] <= height[i]):
             touches = True
         elif own:
             found[i] = height[i]
-    begin, end = first, first  # of what it keeps
-    if touches and own:
-        begin, end = first, last
-    elif touches:
-        begin, end = _cells(ground, x, NEAR * reach)
+    if not touches:
+        kept = 0.0 if own else np.exp(-np.hypot(x - last_[0], z - last_[1]) / (FORGETS * reach))
+    last_[0], last_[1] = x, z
+    begin, end = (first, last) if own else _cells(ground, x, NEAR * reach)
     first, last = _cells(ground, x, FAR * reach)
     for i in range(first, begin):
         found[i] = height[i]
+    if kept < 1.0:
+        for i in range(begin, end):
+            found[i] = height[i] + kept * (found[i] - height[i])
     for i in range(end, last):
         found[i] = height[i]
     first, last = _cells(ground, x, SLIDES * reach)

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from footopt.effects.footprints import finer_cells
 from footopt.foot import Foot
 from footopt.walk import prepare
 from footopt.walk.accuracy import TOLERANCES, Accuracy
@@ -26,21 +27,26 @@ CAUSES = {
     "accuracy.dt": "the time step makes most of it; try accuracy=fine, or a smaller accuracy.dt",
     "accuracy.plates": "the plates make most of it; try accuracy=fine, or more accuracy.plates",
     "accuracy.creep": "the creep speed makes most of it; try accuracy=fine, or a smaller accuracy.creep",
+    "effects.footprints.cell": "the cells of the surface make most of it; halve effects.footprints.cell",
 }
 
 
-def finer(accuracy: Accuracy) -> dict[str, Accuracy]:
-    """An accuracy with one cause of errors refined, by the cause's setting.
+def finer(scene: Scene, accuracy: Accuracy) -> dict[str, tuple[Scene, Accuracy]]:
+    """A scene and an accuracy with one cause of errors refined, by the cause's setting.
 
-    Half the time step (under control: an eighth of the error that a step may have), twice the plates, or
-    half the creep speed.
+    Half the time step (under control: an eighth of the error that a step may have), twice the plates,
+    half the creep speed, or half the width of the cells of footprints.
     """
     fine = accuracy.refined()
-    return {
-        "accuracy.dt": replace(accuracy, dt=fine.dt, control=fine.control, name="refined"),
-        "accuracy.plates": replace(accuracy, plates=fine.plates, name="refined"),
-        "accuracy.creep": replace(accuracy, creep=fine.creep, name="refined"),
+    found = {
+        "accuracy.dt": (scene, replace(accuracy, dt=fine.dt, control=fine.control, name="refined")),
+        "accuracy.plates": (scene, replace(accuracy, plates=fine.plates, name="refined")),
+        "accuracy.creep": (scene, replace(accuracy, creep=fine.creep, name="refined")),
     }
+    cells = finer_cells(scene.effects)
+    if cells != scene.effects:
+        found["effects.footprints.cell"] = replace(scene, effects=cells), accuracy
+    return found
 
 
 def estimate_error(
@@ -83,7 +89,7 @@ def error_of(walk: Walk, names: Sequence[str] | None = None) -> dict[str, float]
 def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
     """Whether a walk's worst error estimate is far above what its accuracy promises; empty if it is not.
 
-    Where it is above `BEYOND` times the promise, three more walks find out what causes it.
+    Where it is above `BEYOND` times the promise, a walk for each cause finds out what causes it.
 
     Parameters
     ----------
@@ -107,9 +113,9 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
     if shares[worst] <= limit:
         return []
     changes = {
-        cause: abs(simulate(walk.foot, walk.scene, one).objectives[worst] - values[worst])
-        for cause, one in finer(walk.accuracy).items()
-        if not prepare.too_long(walk.scene, one)
+        cause: abs(simulate(walk.foot, *one).objectives[worst] - values[worst])
+        for cause, one in finer(walk.scene, walk.accuracy).items()
+        if not prepare.too_long(*one)
     }
     if not changes:
         return []

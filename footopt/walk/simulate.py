@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.effects import base as effects
+from footopt.effects.footprints import finer_cells
 from footopt.effects.shadowing import filler
 from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Foot, Plates, Waypoints, as_plates
@@ -171,16 +172,21 @@ def estimated(
 ) -> Array:
     """Error estimates of values (designs, names), from walks that are refined once and twice.
 
+    Cells of footprints are halved with the time step.
+
     A walk is off by its distance to the limit: that to the walk refined twice, and from there on at most what
     the last refinement changed, if each refinement at least halves the error. `SAFE` times that also covers
     walks that refinement by chance changes little. NaN where a refined walk ends otherwise, or is too long.
     """
-    finer = [accuracy.refined(times) for times in (1, 2)]
+    finer = [
+        (replace(scene, effects=finer_cells(scene.effects, times)), accuracy.refined(times))
+        for times in (1, 2)
+    ]
     traced = any(measure.of == "walk" for measure in lookup(names))
     too_long = prepare.too_long if traced else prepare.too_many_poses
-    if any(too_long(scene, one) for one in finer):
+    if any(too_long(scene, one) for _, one in finer):
         return np.full_like(values, np.nan)
-    once, twice = (_evaluated(feet, scene, one, names, space, threads).values for one in finer)
+    once, twice = (_evaluated(feet, *one, names, space, threads).values for one in finer)
     return SAFE * (np.abs(values - twice) + np.abs(once - twice))
 
 

@@ -123,6 +123,7 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
             "faces that trail are counted as in the paper; effects=leading_edge leaves them out",
         ),
         *standing(walk),
+        *giving(walk),
     ]
 
 
@@ -131,6 +132,16 @@ def standing(walk: Walk) -> list[Diagnostic]:
     sinks = 0.0 if rest_length(walk.scene.effects) else creep_while_standing(walk)
     why = "the smoothed law lets who stands sink; effects=rest holds him"
     found = Diagnostic("sinking while standing", sinks, "m", 1e-3, why)
+    return [found] if found.outside else []
+
+
+def giving(walk: Walk) -> list[Diagnostic]:
+    """How much a sand gives that does not dissipate everywhere: nothing bounds a walk's error there."""
+    gives = -walk.scene.sand.stress_map.dissipation()
+    why = (
+        "such a sand pushes plates along, and how a walk ends may hang on the accuracy; see sand.coefficients"
+    )
+    found = Diagnostic("power that the sand gives", gives, "N/cm^3", 0.0, why)
     return [found] if found.outside else []
 
 

@@ -9,6 +9,7 @@ TINY = ["accuracy=draft", "study.confirm=null", "report=light", "solver.pop_size
 
 
 class TestTheAnswer:
+    @pytest.mark.slow
     def test_a_best_design_that_is_worse_than_the_flat_sole_is_said_to_be(self, tmp_path):
         """No gain is made of a loss, and no share of one."""
         done = footopt(*TINY, "sand=hard", "solver=ga", cwd=tmp_path)

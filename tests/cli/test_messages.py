@@ -88,6 +88,8 @@ MISTAKES = {
     "plugins='a.py'": "Try 'plugins=[a.py]'",
     "solver=genetic": "Did you mean ga?",
     "accuracy=fast": "Did you mean draft?",
+    "fot.K=8": "Did you mean foot.K=8?",
+    "fot.k=[1,2]": "Did you mean foot.k=[1,2]?",
 }
 
 
@@ -189,6 +191,10 @@ def test_a_folder_that_may_not_be_written_is_told_what_to_do_about():
     error = PermissionError(13, "Permission denied", "run")
     assert explain(error) == "Permission denied: run. Write to another folder with hydra.run.dir=FOLDER."
     assert explain(error, ["resume=run"]) == "Permission denied: run. Resume a copy that is yours."
+
+
+def test_an_error_of_the_system_without_words_has_its_name():
+    assert explain(TimeoutError()) == "TimeoutError"
 
 
 #: Settings that the study, its foot, gait or solver does not read, and what is said.

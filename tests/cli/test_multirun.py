@@ -76,6 +76,7 @@ def stopped(halved, tmp_path):
 
 
 class TestResume:
+    @pytest.mark.slow
     def test_finishes_the_jobs_that_are_missing_and_walks_no_other(self, stopped, whole):
         assert len(list(stopped.glob(f"*/{identity.FILE}"))) == 4
         before = {path: path.stat().st_mtime_ns for path in stopped.rglob("[01]/*")}

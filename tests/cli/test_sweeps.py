@@ -146,6 +146,7 @@ class TestSummary:
         assert done.returncode == 0, done.stderr
         return done, folder / "sweep"
 
+    @pytest.mark.slow
     def test_each_setting_that_differs_has_a_column_and_no_other(self, sweep):
         rows = read(sweep[1] / "summary.csv")
         assert [(row["solver.name"], row["solver.seed"]) for row in rows] == [

@@ -440,7 +440,7 @@ def other(*words):
 
 
 #: The rows that a benchmark's table has at least.
-ROWS = {"report.py": 20, "engines.py": 5, "effects.py": 4, "other_optimisers.py": 2}
+ROWS = {"report.py": 20, "engines.py": 5, "effects.py": 4, "other_optimisers.py": 2, "fronts.py": 5}
 #: Parts of benchmarks/report.py that are not a benchmark of their own.
 PARTS = ["paper", "euler", "absolute", "plates", "size", "start", "ga"]
 

@@ -143,6 +143,15 @@ class TestALeg:
         assert "left and right are exchanged, or the axes are mirrored" in notes
         assert "exchanged" not in walked(t, record(HUMAN, dialect, rate=60.0)[1])[1]
 
+    def test_whose_hip_is_never_seen_with_the_other_one_has_no_side(self):
+        def change(t, places):
+            seen = np.arange(len(t)) % 100 < 5
+            places["L_HJC"][~seen] = places["R_HJC"][seen] = np.nan
+
+        gait, notes = walk(change)
+        assert misfit(gait) < 0.4
+        assert "exchanged" not in notes
+
     def test_that_is_stiff_goes_the_way_that_its_toes_point(self):
         """On a treadmill, with a marker behind the knee's axis, so that it seems to bend backwards."""
         stiff = replace(HUMAN, knee=Fourier(1.0, (-1.0,), (0.0,)))
@@ -454,6 +463,21 @@ class TestShortTrials:
         found = cut(recording(np.array([t, thigh + 0.1 * t / 1.2 * np.ptp(thigh), knee])))
         assert found.period == pytest.approx(t[19])
         assert "it takes 1.169 s, or else 1.231 s" in found.notes[0]
+
+    @pytest.mark.parametrize("side", ["right", "left"])
+    def test_both_legs_of_a_coarse_table_take_as_long(self, side, tmp_path):
+        """One of them alone, which has a drift, would close better with a row more."""
+        t = 1.2 * np.arange(26) / 25
+        rows = {}
+        for leg, phase in (("r", 0.0), ("l", 0.5)):
+            rows[leg] = np.degrees([j.at(phase + t / 1.2)[0] for j in (HUMAN.thigh, HUMAN.knee)])
+        rows["l"][0] += 3.0 * t
+        names = ["time", "hip_flexion_r", "knee_angle_r", "hip_flexion_l", "knee_angle_l"]
+        table = np.stack([t, *rows["r"], *rows["l"]], axis=1)
+        text = "\n".join("\t".join(f"{v:.6f}" for v in row) for row in table)
+        head = "a\ninDegrees=yes\nendheader\n" + "\t".join(names)
+        (tmp_path / "a.mot").write_text(f"{head}\n{text}\n")
+        assert fo.Gait.from_file(tmp_path / "a.mot", side=side).period == pytest.approx(1.2)
 
     @pytest.mark.parametrize("begin", np.arange(8) / 8)
     @pytest.mark.parametrize("strides", [2.0, 2.02, 2.1])

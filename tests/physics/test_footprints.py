@@ -110,6 +110,18 @@ class TestPrints:
         first, second = (np.array([lift(n + i, z) for i, z in enumerate(once)]) for n in (0, 4))
         assert (second < 0.2 * first).all()
 
+    def test_a_foot_that_leaves_its_heap_for_a_moment_does_not_come_down_on_it(self):
+        """Else the length of a step would decide whether it ploughs its own heap or rides on it."""
+        foot, plates = fo.Foot.flat(), sole(fo.Foot.flat().plates(64, directed=True))
+        bottom = -float(foot.contour[0, 1])
+        heights = [*[bottom - 0.02] * 20, bottom + 0.001, bottom - 0.02]
+        poses = np.array([[pose_of(z, 0.0, 0.0), SKY] for z in (bottom + 0.05, *heights)])
+        motions = np.zeros((len(poses), 4))
+        motions[:, 0], motions[:, 2] = 0.005 * np.arange(len(poses)), 1.0
+        sand = moved_sand(PRINTS, plates, poses, motions, np.arange(len(heights)))
+        assert sand.height[-2].max() > 0.02
+        assert np.abs(sand.level[-1, 0]).max() < 0.3 * sand.height[-2].max()
+
 
 @pytest.fixture(scope="module")
 def printing(scene, ramp_foot):

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from numba import njit
+from rest_matrix import spread, stand
 
 import footopt as fo
 from footopt.errors import SettingError
@@ -37,6 +38,18 @@ def test_who_stands_for_a_minute_stays(zeta, ramp_foot):
     assert walk.feasible
     assert drift(walk) < DRIFT
     np.testing.assert_allclose(walk.force[-1].sum(axis=0), [0.0, weight], rtol=0, atol=1e-6 * weight)
+
+
+@pytest.mark.parametrize(("zeta", "slope"), [(0.2, 0.0), (5.0, 15.0)])
+def test_presets_time_steps_and_delta_put_him_in_one_place(zeta, slope):
+    """A part of `rest_matrix`, whose table docs/effects.md has."""
+    rows = [
+        stand(zeta, slope, name) for name in ("draft", "standard", "fine", "dt 1e-2", "dt 1e-2, delta/10")
+    ]
+    assert not any(reason for _, _, _, reason, *_ in rows)
+    assert max(drift for *_, drift, _, _, _ in rows) < DRIFT
+    assert max(load for *_, load in rows) < 1e-6
+    assert spread([(x, z) for *_, x, z, _ in rows]) < PLACE
 
 
 def test_without_bristles_he_sinks_by_more_than_a_millimetre(ramp_foot):

@@ -7,6 +7,7 @@ import subprocess
 import numpy as np
 import pytest
 from matplotlib.animation import FFMpegWriter
+from matplotlib.quiver import Quiver
 from PIL import Image
 from running import footopt
 
@@ -75,6 +76,17 @@ def test_a_frame_shows_legs_soles_force_and_time(walk):
     count = len(axes.get_children())
     show(1)
     assert len(axes.get_children()) == count  # what was drawn before is gone
+
+
+def test_arrows_of_the_close_up_are_seen_whole(walk):
+    t = film.times(walk, 10, 1.0)
+    figure, show = film.scene_of(walk, t, 1.0)
+    close = figure.axes[1]
+    for i in range(len(t)):
+        show(i)
+        (arrows,) = (c for c in close.collections if isinstance(c, Quiver))
+        if arrows.N:
+            assert (arrows.XY[:, 1] - np.array(arrows.V) / arrows.scale).min() > close.get_ylim()[0]
 
 
 def test_the_camera_follows_a_long_walk():

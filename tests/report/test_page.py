@@ -429,6 +429,10 @@ class TestStage:
             "!(name.ownerSVGElement.querySelector('[data-print]').compareDocumentPosition(name) & 4)).length"
         )
         assert behind == 0  # a print hides no name
+        shown.emulate(prefers_color_scheme="dark")  # white arrows on white sand would not be seen
+        strip = shown.js("getComputedStyle(document.querySelector('.strip')).filter")
+        shown.emulate(prefers_color_scheme="light")
+        assert strip == "brightness(0.32)"
 
     def test_sand_that_an_effect_moves_is_drawn_as_computed(self, tmp_path, browser):
         walk = fo.simulate(fo.Foot.flat(), fo.Scene(effects=(fo.Footprints(),)), "draft")

@@ -130,6 +130,19 @@ class TestDrawing:
         shown["#back"].click()
         assert shown.js("entry.flat.work") == pytest.approx(found[2]["entry"]["flat"]["work"])
 
+    def test_where_the_flat_foot_sinks_nothing_is_compared_with_it(self, shown):
+        from selenium.webdriver.common.keys import Keys
+
+        shown["#zeta"].send_keys(Keys.HOME)
+        shown["#mass"].send_keys(Keys.END)
+        settled(shown)
+        assert "the flat foot, whose walk failed: sunk" in shown.text("#design-words")
+        assert shown.js("Object.values(entry.flat).some(Number.isFinite)") is False
+        assert not shown.all("#bars")
+        shown["#back"].click()
+        assert shown.all("#bars")
+        assert shown.errors() == []
+
     def test_a_sole_that_leaves_its_box_is_said_to(self, shown):
         shown.js(
             "kOf.set([10, 10, 1, 10, 10, 10, 10, 10, 1, 10, 10], DRAWN * 11) ?? rewalk() ?? choose(DRAWN)"

@@ -111,6 +111,7 @@ def test_the_best_solver_for_the_number_of_objectives_is_the_default():
     assert Solver("rvea").fitting(5).name == "rvea"
 
 
+@pytest.mark.slow
 def test_what_is_asked_for_does_not_depend_on_the_number_of_threads_of_sums(tmp_path):
     """Of the model's, which are those of a BLAS; it knows 300 designs at most."""
     said = [
@@ -137,6 +138,7 @@ def test_it_begins_anew_where_it_stalls_and_ends_where_nothing_is_new():
     assert r.stopped == "by the solver, which asked for nothing more"
 
 
+@pytest.mark.slow
 def test_a_search_that_stalls_goes_on_elsewhere():
     algorithm = Memetic().setup(Ridge(), termination=("n_gen", 100), seed=1)
     parents = set()
@@ -173,6 +175,6 @@ def test_a_surrogate_needs_few_walks_and_goes_on_bit_by_bit(objective, tmp_path)
     assert_same(r, search(p, "surrogate", pop_size=20, walks=100, seed=1))
     exact = search(p, EXHAUSTIVE)
     if p.n_obj == 1:
-        assert r.F[0] <= 0.9 * exact.F[0] < 0.0
+        assert r.F[0] <= 0.95 * exact.F[0] < 0.0
     else:
         assert hypervolume_shares([r.F, exact.F])[0] > 0.95

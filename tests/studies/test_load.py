@@ -32,6 +32,7 @@ def made(tmp_path_factory):
 
 
 class TestRun:
+    @pytest.mark.slow
     def test_does_what_the_command_line_does(self, made):
         cwd, search, walk = made
         assert search.folder.parent == cwd / "outputs" / "optimize"

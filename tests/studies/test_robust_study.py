@@ -35,6 +35,7 @@ def run_sands(tmp_path_factory):
 
 
 class TestStudy:
+    @pytest.mark.slow
     def test_regrets_are_what_the_library_computes(self, run_sands):
         result = json.loads((run_sands[1] / "result.json").read_text())
         assert list(result["feet"]) == ["soft", "regular", "hard", "robust"]

@@ -34,6 +34,7 @@ def test_the_exhaustive_solver_as_the_command_line_composes_it(tmp_path, capsys,
 
 
 class TestStudy:
+    @pytest.mark.slow
     def test_leaves_a_table_a_figure_and_the_exact_answer(self, tmp_path, capsys, monkeypatch):
         unrender(monkeypatch)
         words = (
@@ -63,6 +64,7 @@ class TestStudy:
         check_page(tmp_path)
         assert "hypervolume" in capsys.readouterr().out
 
+    @pytest.mark.slow
     def test_a_study_that_was_stopped_reads_what_it_had_walked(self, tmp_path, monkeypatch):
         unrender(monkeypatch)
         words = ("study.quick=true", "accuracy=draft", "study.budget=100", "study.scenes=0", "report=none",

@@ -85,6 +85,7 @@ class TestHeapOfAWheel:
         few = dict(setup, slip=setup["slip"][::4], load=setup["load"][::4])
         return rig.wheel(few, {"zeta": zeta}, (fo.LeadingEdge(), fo.Footprints(own=own)), False)["sinkage"]
 
+    @pytest.mark.slow
     def test_a_wheel_that_stays_in_the_sand_is_where_it_was_without_footprints(self):
         bare = next(c for c in ALL["wheel"].compare(("leading_edge",)) if c.quantity == "sinkage")
         np.testing.assert_allclose(1e3 * self.wheel(False), bare.simulated[::4], rtol=2e-3)

@@ -1,10 +1,14 @@
 """Scenes that once were walked wrongly without a word: now right, or their estimate says how wrong."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from random_scenes import judge
 
 import footopt as fo
+from footopt.walk.resolution import estimate_error
+from footopt.walk.validity import diagnose
 
 
 def soles(n=11, count=2):
@@ -55,3 +59,20 @@ def test_the_estimate_holds_the_error(name):
 def test_the_estimate_holds_the_error_of_very_few_plates(plates):
     for one in judge(soles(), walk_on(5.0), fo.Accuracy(plates=plates)):
         assert one.error.max() <= one.estimate.max()
+
+
+def test_a_sand_that_gives_energy_is_warned_of_and_its_walks_have_no_estimate():
+    """Some feet walk backwards at `standard` and forwards at `fine`; of the generic map nothing is said."""
+    giving = replace(fo.StressMap(), C01=-0.253)
+    assert giving.dissipation() < -0.4
+    scene, feet = fo.Scene(sand=fo.Sand(5.0, giving)), soles(11, 3)
+    coarse, fine = (fo.evaluate(feet, scene, name) for name in ("standard", "fine"))
+    other = np.flatnonzero(coarse.reasons != fine.reasons)
+    assert set(coarse.reasons[other]) == {"backward"}
+    assert set(fine.reasons[other]) == {""}
+    for i in other:
+        assert np.isnan(list(estimate_error(feet[i], scene).values())).all()
+    (warning,) = (one for one in diagnose(fo.simulate(feet[other[0]], scene)) if "gives" in one.name)
+    assert warning.outside
+    assert "sand.coefficients" in warning.why
+    assert not [one for one in diagnose(fo.simulate(feet[0], walk_on(5.0))) if "gives" in one.name]

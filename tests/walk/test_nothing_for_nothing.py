@@ -84,6 +84,7 @@ class TestNothingForNothing:
     def test_a_bare_step_has_the_operations_of_the_deleted_source(self, bare):
         assert step(loop) == bare
 
+    @pytest.mark.slow
     def test_effects_that_are_named_have_more(self, bare):
         found = step(loop, *ALL)
         assert found.total() > bare.total()

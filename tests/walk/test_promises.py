@@ -1,12 +1,14 @@
 """What accuracies promise holds outside the examples, over random scenes and feet, and against a search."""
 
 import os
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from random_scenes import draw, judge, promises
+from random_scenes import draw, judge, promises, run, scale_of
 
 import footopt as fo
+from footopt.walk.adapt import adapted
 from footopt.walk.objectives import SLOW, measure
 
 SCENES = int(os.environ.get("FOOTOPT_SCENES", "12"))  # 300 are the table of docs/accuracy.md
@@ -24,6 +26,39 @@ def test_random_scenes_keep_the_promise_and_estimates_hold_the_error():
     assert told["within 0.5 %"] >= 0.82, told
     assert told["covered"] >= 0.95, told
     assert told["at most 5 times"] >= 0.85, told
+
+
+@pytest.mark.slow
+def test_a_table_of_a_sample_is_continued(tmp_path, capsys):
+    """Cut after a scene, its rows stay as they were, and the whole table is as if it had not been cut."""
+    first, whole = tmp_path / "first.csv", tmp_path / "whole.csv"
+    run(6, 7, first)
+    rows = first.read_text()
+    run(6, 8, first)
+    run(6, 8, whole)
+    assert first.read_text().startswith(rows)
+    assert first.read_text() == whole.read_text()
+    assert "| feet | 4 |" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_with_footprints_estimates_hold_the_error_of_steps_and_cells():
+    """The promise does not hold there (docs/accuracy.md); of 36 scenes the estimate of one was too small."""
+    held = []
+    for number in range(2, 2 + SCENES // 2):
+        drawn = draw(number)
+        gait = drawn.scene.gait
+        late = min(drawn.scene.duration, gait.heel_strike + gait.period)
+        scene, feet = replace(drawn.scene, effects=(fo.Footprints(),), t_f=late), [drawn.foot(0)]
+        own = fo.evaluate(feet, scene, errors=True)
+        finest = replace(adapted(fo.Accuracy.named("standard"), scene, feet[0]).refined(3), plates=512)
+        truth = fo.evaluate(feet, replace(scene, effects=(fo.Footprints(cell=1e-3),)), finest)
+        assert own.reasons[0] == truth.reasons[0]
+        if own.feasible[0]:
+            size = scale_of(truth.values)
+            error, estimate = (np.max(v / size) for v in (np.abs(own.values - truth.values), own.errors))
+            held.append(estimate >= error)
+    assert np.mean(held) >= 0.8
 
 
 def test_a_scene_is_drawn_by_its_number_alone():

@@ -1,10 +1,12 @@
 """A walk that its numerics do not resolve is said to be one."""
 
+import json
 import os
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from running import footopt
 
 import footopt as fo
 from footopt.walk import FIVE
@@ -30,6 +32,25 @@ def test_a_warning_names_what_causes_the_error(setting, value, ramp_foot):
     assert found.outside
     assert found.limit == pytest.approx(100.0 * BEYOND * 0.0005)  # of `fine`, %
     assert f"accuracy.{setting}" in found.why
+
+
+def test_terminal_page_and_record_name_the_cause_and_the_setting(tmp_path):
+    custom = ["accuracy=custom", "accuracy.dt=5e-3", "accuracy.plates=4", "accuracy.creep=1e-4"]
+    done = footopt("study=simulate", *custom, "hydra.run.dir=out", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    warned = json.loads((tmp_path / "out" / "result.json").read_text())["warnings"]
+    (found,) = (text for text in warned if "estimated error of" in text)
+    assert "more accuracy.plates" in found
+    page = (tmp_path / "out" / "report.html").read_text()
+    for text in (" ".join(done.stdout.split()), page):
+        assert "estimated error of" in text
+        assert "more accuracy.plates" in text
+
+
+def test_a_warning_names_the_cells_of_footprints(ramp_foot):
+    scene = fo.Scene(sand=fo.Sand.named("regular"), effects=(fo.Footprints(cell=0.02),))
+    (found,) = judged(ramp_foot, scene, fo.Accuracy("sdirk2", 5e-4, 256, 1e-5, "fine"))
+    assert "effects.footprints.cell" in found.why
 
 
 def test_the_smallest_numbers_that_are_allowed_can_be_refined(ramp_foot):

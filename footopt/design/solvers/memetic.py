@@ -46,6 +46,7 @@ class Moves(Algorithm, ABC):
         self.initialization = Initialization(RandomInside() if sampling is None else sampling)
         self.asked: set[bytes] = set()
         self.known = self.front = Population.new()
+        self.learnt: list[tuple[Array, Array]] = []  # heights and objectives of each generation
 
     def _setup(self, problem: Any, **kwargs: Any) -> None:
         if self.display.output is None:
@@ -123,8 +124,7 @@ class Moves(Algorithm, ABC):
         """
         from scipy.interpolate import RBFInterpolator
 
-        known, F = self.known.get("X").astype(float), self.known.get("F").astype(float)
-        F[self.known.get("CV")[:, 0] > 0.0] = np.inf
+        known, F = (np.concatenate(column) for column in zip(*self.learnt, strict=True))
         if len(F) > TRAINED:
             best = ranks(F).min(axis=1)[: -TRAINED // 2].argsort(kind="stable")[: TRAINED // 2]
             chosen = np.concatenate([np.sort(best), np.arange(len(F) - TRAINED // 2, len(F))])
@@ -145,6 +145,9 @@ class Moves(Algorithm, ABC):
         """Note what has been walked, and go on."""
         if infills is not None:
             self.known = Population.merge(self.known, infills)
+            F = infills.get("F").astype(float)
+            F[infills.get("CV")[:, 0] > 0.0] = np.inf
+            self.learnt.append((infills.get("X").astype(float), F))
         return super().advance(infills=infills, **kwargs)
 
     def _propose(self, size: int) -> Ints:

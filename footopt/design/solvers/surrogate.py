@@ -29,12 +29,14 @@ NOISE = (1e-4, 1.0)  # of a model's variance: ruggedness that it cannot follow
 class Surrogate(Moves):
     """Gaussian processes of the objectives; each design of a batch is the best of another sample of them.
 
-    Each objective has a process with a Matern kernel, of one length for each height and each difference of
-    neighbours (scikit-learn's). The kernel sees whole numbers only, as Garrido-Merchan & Hernandez-Lobato
-    (Neurocomputing 380, 2020) advise. The moves of `memetic` improve designs on the models' means; of what
-    they come upon, samples of the processes choose (Thompson 1933; Kandasamy et al. 2018): explored is what
-    the models do not know. With several objectives each sample looks in another direction, by the
-    augmented Chebyshev distance from its ideal point (Knowles 2006).
+    Each objective has a process with a Matern kernel, of one length for each height, each difference of
+    neighbours and each difference of these (scikit-learn's). The kernel sees whole numbers only, as
+    Garrido-Merchan & Hernandez-Lobato (Neurocomputing 380, 2020) advise. A single objective of one sign is
+    modelled by its logarithm: J_W is a product of measures that are smoother than itself. The moves of
+    `memetic` improve designs on the models' means; of what they come upon, samples of the processes choose
+    (Thompson 1933; Kandasamy et al. 2018): explored is what the models do not know. With several objectives
+    each sample looks in another direction, by the augmented Chebyshev distance from its ideal point (Knowles
+    2006).
     """
 
     def __init__(self, pop_size: int = SIZES["surrogate"], **kwargs: Any) -> None:
@@ -92,7 +94,7 @@ class Surrogate(Moves):
         fitted = self._few(rank[known], FITTED)
         inputs, models = self._inputs(X[known]), []
         for j in range(F.shape[1]):
-            y = stretched(F[known, j]) if one else bounded(F[known, j])
+            y = bounded(logarithmic(F[known, j]) if one else F[known, j])
             lengths = Matern(np.full(inputs.shape[1], 2.0), (0.1, 30.0), nu=2.5)
             kernel = ConstantKernel(4.0, (1e-2, 1e3)) * lengths + WhiteKernel(1e-2, NOISE)
             if self.theta:
@@ -104,8 +106,9 @@ class Surrogate(Moves):
         return models
 
     def _inputs(self, X: Ints) -> Array:
-        """What a kernel sees of designs: heights and differences, 2 for the whole range."""
-        return np.asarray(2.0 * steps(X) / float(np.max(self.problem.xu)))
+        """What a kernel sees of designs: heights, slopes and bends, 2 for the whole range of heights."""
+        shape = np.concatenate([steps(X), np.diff(X, n=2, axis=1)], axis=1)
+        return np.asarray(2.0 * shape / float(np.max(self.problem.xu)))
 
     def _few(self, rank: Array, count: int) -> Ints:
         """Places of at most so many designs: the best, and as many of the others at random."""
@@ -153,11 +156,9 @@ def bounded(f: Array) -> Array:
     return np.minimum(f, middle + 2.0 * (middle - float(f.min())))
 
 
-def stretched(f: Array) -> Array:
-    """A single objective on a logarithmic scale, on which the best differ more than the others."""
-    above = f - f.min()
-    scale = float(np.median(above)) or 1.0
-    return np.asarray(np.log(0.03 + above / scale))
+def logarithmic(f: Array) -> Array:
+    """The logarithm of a minimised objective that has one sign; another one as it is."""
+    return np.sign(f) * np.log(np.abs(f)) if (f > 0.0).all() or (f < 0.0).all() else f
 
 
 def fit(objective: Any, theta: Array, bounds: Array) -> tuple[Array, float]:

@@ -58,8 +58,8 @@ def both_legs(
 
 def mirrored(leg: Leg, other: Leg, is_right: bool, forward: Array, up: Array) -> tuple[str, ...]:
     """A note if the leg that is called the right one is on the left of the way forward."""
-    across = np.nanmedian(leg["hip"] - other["hip"], axis=0) @ np.cross(forward, up)
-    if not (across < 0.0 if is_right else across > 0.0):
+    across = (leg["hip"] - other["hip"]) @ np.cross(forward, up)
+    if not (np.isfinite(across).any() and (np.nanmedian(across) < 0.0) == is_right):
         return ()
     return (
         "left and right are exchanged, or the axes are mirrored; the leg's angles are right all the same",

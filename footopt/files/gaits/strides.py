@@ -144,14 +144,16 @@ def _single(recording: Recording) -> Strides:
 def _closed(recording: Recording) -> tuple[Strides, float]:
     """A whole recording as one stride, and the part of the motion that its ends differ by."""
     t, angles, _, _ = recording
-    apart, again = open_by(recording), one_row_short(recording)
+    # both legs of a table take as long
+    legs = [leg for leg in (recording, recording.other) if leg is not None and len(leg.t) == len(t)]
+    whole, again = (float(np.mean([gap(leg) for leg in legs])) for gap in (open_by, one_row_short))
     periods = [t[-1] - t[0], 2.0 * t[-1] - t[-2] - t[0]]
-    unclear = periods[1] > COARSE * periods[0] and max(apart, again) < UNCLEAR * min(apart, again)
-    what = "one stride, from the first row to the last"
-    if again < apart:
+    unclear = periods[1] > COARSE * periods[0] and max(whole, again) < UNCLEAR * min(whole, again)
+    apart, what = open_by(recording), "one stride, from the first row to the last"
+    if again < whole:
         t = np.append(t, 2.0 * t[-1] - t[-2])
         angles = {joint: np.append(values, values[0]) for joint, values in angles.items()}
-        apart, what = again, "one stride, after whose last row the first one comes again"
+        apart, what = one_row_short(recording), "one stride, after whose last row the first one comes again"
         periods.reverse()
     if apart > OPEN:
         what += f", though they differ by {100 * apart:.0f} % of the motion"

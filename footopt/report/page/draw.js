@@ -26,7 +26,7 @@ function compareWith(design) {
     const flat = Array(P.space.n).fill(P.space.K), made = simulate(arcPoints(flat, P.accuracy.plates * P.accuracy.parts), sketch);
     sketch.flat = prepared({ ...made, points: flatWalk().points, top: own("top", DRAWN), label: "flat" });
   }
-  if (entry.flat) Object.assign(entry.flat, sketch.flat?.objectives ?? flatOfRun);
+  for (const name of Object.keys(flatOfRun)) entry.flat[name] = sketch.flat ? sketch.flat.objectives[name] ?? NaN : flatOfRun[name];
 }
 
 /** Walk with what is sketch, and put its values into the design after the last. */
@@ -110,10 +110,10 @@ function drawTools(holder, now, show, settle) {
     const redraw = () => { input.value = Math.log10(sketch[name] / own); shown.textContent = number(sketch[name]); input.setAttribute("aria-valuetext", shown.textContent); };
     return { row: el("label", {}, text, input, shown), redraw };
   };
-  const sliders = [slider("zeta", "sand: zeta", P.sand.zeta), slider("mass", "mass, kg", P.walker.mass)];
+  const sliders = [slider("zeta", "sand strength, zeta", P.sand.zeta), slider("mass", "mass, kg", P.walker.mass)];
   const back = el("button", { type: "button", id: "undo", click: undo }, "Undo"), commands = el("pre", { id: "commands", tabindex: "0" });
   const section = el("div", { id: "draw" },
-    el("p", { class: "note" }, kOf ? "Drag a waypoint of the sole, or choose one and press the up and down keys: the page walks with it." : "This sole has no waypoints to drag; sand and mass can be changed."),
+    el("p", { class: "note" }, kOf ? "Drag a waypoint of the sole, or choose one and press the up and down keys: the page walks with it. k has their levels from heel to toe, counted downwards." : "This sole has no waypoints to drag; sand and mass can be changed."),
     el("div", { class: "bar" }, ...sliders.map(({ row }) => row), back),
     folded("Commands that walk with this sole, or search from it", () => commands));
   function redraw() {

@@ -59,7 +59,7 @@ function explorer(choose, beside, glimpse) {
     walked: { title: "those whose walk is on this page", has: (i) => walked.has(i) },
   };
   const which = el("select", { id: "which", change: () => filter() }, ...Object.entries(SETS)
-    .filter(([name]) => (name !== "front" || front.size || data.live) && (name !== "walked" || walked.size))
+    .filter(([name]) => (name !== "front" || front.size || data.live) && (name !== "walked" || (walked.size && !P.sand)))
     .map(([value, { title }]) => el("option", { value }, title)));
   if (front.size || (data.live && data.objectives.length > 1)) which.value = "front";
   const clear = el("button", { type: "button", id: "clear", click: () => { state.limits.clear(); filter(); } }, "Clear limits");

@@ -92,13 +92,13 @@ function designSection() {
     title.textContent = COUNT > 1 ? `The ${best ? "" : "chosen "}sole: ${label(chosen)}` : `The sole: ${label(chosen)}`;
     back.hidden = best || data.jobs !== undefined;
     words.textContent = [k ? `k = [${k.join(",")}]` : "", `hollow ${(MM * hollow(points)).toFixed(1)} mm`, generation && chosen !== DRAWN ? `generation ${generation[chosen]}` : "",
-      feasible[chosen] ? "" : `infeasible: ${reason(chosen)}`, chosen === DRAWN && feasible[chosen] ? sketch.reason : "", flat ? "dashed: the flat foot" : ""].filter(Boolean).join("; ");
+      feasible[chosen] ? "" : `infeasible: ${reason(chosen)}`, chosen === DRAWN && feasible[chosen] ? sketch.reason : "", flat ? `dashed: the flat foot${flat.reason ? `, whose walk failed: ${flat.reason}` : ""}` : ""].filter(Boolean).join("; ");
     drawing.replaceChildren(soleDrawing(points, { width: widthOf(drawing), k, top: own("top", chosen), colour: best || data.jobs ? "var(--best)" : "var(--chosen)",
       ghost: flat?.points }));
     const finer = best && data.bestValues, accuracy = data.jobs ? "" : `Walked at accuracy ${(finer ? entry.accuracy : entry.search_accuracy ?? entry.accuracy)?.name}. `;
-    numbers.replaceChildren(...(flatEntry && feasible[chosen]
-      ? [gain(chosen), bars(chosen, Math.max(widthOf(numbers), 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Ticks at the end: ± the error of the numbers.",
-        best && entry.ranks?.laws?.some((law) => law.change) ? " Circles: under other laws of the sand." : "", ` ${accuracy}`)]
+    numbers.replaceChildren(...(flatEntry && feasible[chosen] && !flat?.reason
+      ? [gain(chosen), bars(chosen, Math.max(widthOf(numbers), 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Ticks at the end of a bar: ± the numerical error.",
+        best && entry.ranks?.laws?.some((law) => law.change) ? " Circles: under other laws of the sand." : "", ` ${accuracy}`, gain(chosen) && "J_W, which the paper minimises: −distance × mean height / (work × peak power × speed loss).")]
       : [el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Values" }, numberTable()), el("p", { class: "note" }, accuracy)]));
     exact.refresh();
     tools.redraw();

@@ -135,7 +135,7 @@ function soleDrawing(points, { width, k = null, height = null, ghost = null, pla
   const to = (list) => path(list.map(([x, z]) => [X(x), Z(z)]));
   const made = svg("svg", { viewBox: `0 0 ${width} ${high}`, height: high, width: plain ? width : null,
     "aria-hidden": plain ? "true" : null, role: plain ? null : k ? "group" : "img",
-    "aria-label": plain ? null : `The sole from heel to toe, hollow ${number(MM * hollow(points))} mm` });
+    "aria-label": plain ? null : "The sole from heel to toe" });
   if (!plain) {
     if (space) made.append(svg("rect", { x: X(-space.L), y: Z(0), width: 2 * space.L * scale,
       height: space.H * scale, fill: "var(--pale)" }));

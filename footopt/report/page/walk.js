@@ -137,7 +137,7 @@ function walkSection() {
     const get = (name, width) => at(state.walk, name, width, state.t);
     const com = get("com", 2), v = get("velocity", 2), f = get("force", 4), p = get("power", 2), w = get("work", 2);
     numbers.replaceChildren(table(["at this instant", "x (m)", "z (m)", "Vx (m/s)", "Vz (m/s)", "forward force (N)", "vertical force (N)", "power (W)", "work (J)"], [
-      ["COM", com[0].toFixed(3), com[1].toFixed(3), v[0].toFixed(3), v[1].toFixed(3), "", "", "", ""],
+      ["centre of mass (COM)", com[0].toFixed(3), com[1].toFixed(3), v[0].toFixed(3), v[1].toFixed(3), "", "", "", ""],
       ...SIDES.map((side, i) => [`${side} foot`, "", "", "", "", f[2 * i].toFixed(0), f[2 * i + 1].toFixed(0), p[i].toFixed(1), w[i].toFixed(1)]),
     ].map((row) => row.map((text) => text.replace(/^-(0(\.0*)?)$/, "$1").replace(/^-/, "−")))));
   }

@@ -1,0 +1,47 @@
+"""`export.mujoco=true`: what it writes is the foot, and its script runs as it is."""
+
+import json
+import runpy
+from dataclasses import asdict
+
+import pytest
+
+from footopt import studies
+from footopt.studies.settings import Config, ExportConfig, FootConfig, StudyConfig
+
+mujoco = pytest.importorskip("mujoco")
+
+
+def test_a_run_becomes_a_body_with_its_ankle_and_a_script_that_drops_it(tmp_path, monkeypatch, capsys):
+    run, exported = tmp_path / "run", tmp_path / "out"
+    run.mkdir()
+    exported.mkdir()
+    saved = FootConfig(k=[5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4], ankle=[0.02, 0.01])
+    design = {"k": saved.k, "name": "best"}
+    (run / "result.json").write_text(json.dumps({"design": design, "settings": {"foot": asdict(saved)}}))
+    config = Config(
+        report="none",
+        study=StudyConfig(name="export", run=str(run)),
+        foot=FootConfig(),
+        export=ExportConfig(mujoco=True),
+    )
+    studies.run(config, exported, {})
+    assert {"foot.xml", "drop.py"} <= set(json.loads((exported / "result.json").read_text())["files"])
+    model = mujoco.MjModel.from_xml_path(str(exported / "foot.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    foot, ankle = model.body("foot").id, data.site("ankle").xpos
+    assert ankle == pytest.approx(data.xpos[foot])
+    mesh = model.mesh_vert @ data.geom_xmat[0].reshape(3, 3).T + data.geom_xpos[0]
+    assert mesh[:, 2].min() == pytest.approx(0.02, abs=2e-4)  # above the sand
+    assert mesh[:, 0].min() == pytest.approx(ankle[0] - 0.13 - 0.02, abs=1e-4)
+    assert mesh[:, 2].max() == pytest.approx(ankle[2] - 0.01, abs=1e-4)  # the flat top is at z_p = 0
+
+    script = (exported / "drop.py").read_text()
+    assert len(script.splitlines()) == 10
+    monkeypatch.chdir(exported)
+    names = runpy.run_path("drop.py")
+    names["sand"].detach()
+    weight = -model.body_mass.sum() * model.opt.gravity[2]
+    assert float(capsys.readouterr().out.split()[-1]) == pytest.approx(weight, rel=1e-6)
+    assert 0.0 < names["sand"].depth["foot"] < 0.02

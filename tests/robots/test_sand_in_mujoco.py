@@ -1,0 +1,306 @@
+"""footopt's sand under MuJoCo's bodies: the same law, the same walk, and a robot that stands stands."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numba import njit
+
+import footopt as fo
+from footopt.effects import Footprints, Inertia, Layers, LeadingEdge, Rest, Slope
+from footopt.errors import SettingError
+from footopt.mujoco import Grains, attach
+from footopt.mujoco.intrusion import DOWN, TABLE, stress
+from footopt.mujoco.step import forces
+from footopt.sand import alpha
+from footopt.sand.law import by_direction
+from footopt.walk.contact import EDGE
+from footopt.walk.plates import forces as law_forces
+
+mujoco = pytest.importorskip("mujoco")
+walker = pytest.importorskip("mujoco_walker")
+
+HARD = fo.Sand.named("hard")
+HOLLOW = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
+BLOCK = """
+<mujoco>
+  <option timestep="{dt}" integrator="{integrator}"/>
+  <worldbody>
+    <body name="foot" pos="0 0 {height}">
+      <freejoint/><geom type="box" size=".13 .05 .01" mass="60"/>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+INTEGRATORS = [name.removeprefix("mjINT_") for name in mujoco.mjtIntegrator.__members__]
+SPELLED = {"EULER": "Euler", "RK4": "RK4"}
+
+
+@pytest.fixture
+def block(request):
+    """A function that makes a block of 60 kg on a foot, on sand: model, data and contact."""
+
+    def make(sand=HARD, effects=(), height=0.05, dt=1e-3, integrator="Euler", foot=None, **options):
+        model = mujoco.MjModel.from_xml_string(BLOCK.format(dt=dt, integrator=integrator, height=height))
+        data = mujoco.MjData(model)
+        contact = attach(model, data, {"foot": foot or fo.Foot.flat()}, sand, effects, **options)
+        request.addfinalizer(contact.detach)
+        return model, data, contact
+
+    return make
+
+
+def settle(model, data, seconds):
+    mujoco.mj_step(model, data, nstep=round(seconds / model.opt.timestep))
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_a_drop_sinks_as_deep_at_every_step_and_with_every_integrator(block, integrator):
+    depths = {}
+    for dt in (1e-4, 5e-4, 1e-3, 2e-3, 4e-3):
+        spelled = SPELLED.get(integrator, integrator.lower())
+        model, data, contact = block(dt=dt, integrator=spelled if dt > 1e-4 else "Euler")
+        settle(model, data, 1.2)
+        depths[dt] = contact.depth["foot"]
+        assert abs(data.qvel).max() < (1e-12 if dt > 1e-4 else 1e-3)  # bristles swing at 1e-4 s, undamped
+        assert contact.counts["failures"] == 0
+    for dt, depth in depths.items():
+        assert depth == pytest.approx(depths[1e-4], rel=0.01), dt
+
+
+@pytest.mark.parametrize("zeta", [0.2, 5.0, 50.0])
+@pytest.mark.parametrize("pushed", [0.0, 40.0])
+def test_who_stands_stays_for_a_minute(block, zeta, pushed):
+    model, data, _ = block(fo.Sand(zeta), height=0.03, dt=4e-3)
+    data.qfrc_applied[0] = pushed  # N, along the ground: friction holds it
+    settle(model, data, 2.0)
+    before = data.qpos.copy()
+    settle(model, data, 60.0)
+    assert abs(data.qpos - before).max() < 1e-4
+
+
+def test_a_walker_stands_on_the_depth_that_carries_its_weight(block):
+    model, data, contact = block(height=0.0301)  # let go at the surface it sinks to twice that at most
+    settle(model, data, 1.0)
+    assert contact.force["foot"][2] == pytest.approx(60 * 9.81, rel=1e-9)
+    static = 60 * 9.81 / (5e6 * 0.026)
+    assert static < contact.depth["foot"] < 2.1 * static
+
+
+def test_momentum_changes_by_the_impulse_and_energy_by_the_work(block):
+    errors = []
+    for dt in (2e-3, 5e-4):
+        model, data, contact = block(fo.Sand(1.0), dt=dt, foot=HOLLOW, integrator="RK4")
+        model.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
+        data.qvel[:] = 0.4, 0.2, -0.5, 0.3, 0.5, 0.2
+        mujoco.mj_forward(model, data)
+        energy, momentum, impulse = sum(data.energy), 60 * data.qvel[:3].copy(), np.zeros(3)
+        for _ in range(round(0.4 / dt)):
+            mujoco.mj_step(model, data)
+            impulse += dt * (contact.wrench["foot"][:3] - [0, 0, 60 * 9.81])
+        work = contact.work["foot"]  # up to the end of the last step
+        mujoco.mj_forward(model, data)
+        assert 60 * data.qvel[:3] - momentum == pytest.approx(impulse, abs=1e-9)
+        errors.append(abs(sum(data.energy) - energy - work) / abs(work))
+    assert errors[0] < 0.02
+    assert errors[1] < 0.5 * errors[0]
+
+
+@pytest.mark.slow
+def test_planar_walker_agrees_with_simulate_on_random_soles_and_sands():
+    rng = np.random.default_rng(20)
+    worst = 0.0
+    for k in fo.Waypoints().random(3, seed=4):
+        scene = fo.Scene(sand=fo.Sand(float(np.exp(rng.uniform(*np.log([0.2, 5.0]))))), effects=(Rest(),))
+        foot = fo.Foot.from_waypoints(k)
+        walk = fo.simulate(foot, scene, "fine")
+        found, counts = walker.walk(foot, scene, walk, dt=2e-4)
+        assert counts["restarts"] == 1
+        for name, value in found.items():
+            worst = max(worst, abs(value / walk.objectives[name] - 1))
+    assert worst < 0.01
+
+
+def feel(contact, up, twist, height, c=0.0, turn=1e9, bristles=None):
+    """Wrench of the sand on a body in its own axes, and its derivative by the twist."""
+    desk, wrench, stiffness = contact._desk, np.zeros(6), np.zeros((6, 6))
+    h0 = np.zeros_like(desk.bristles[0]) if bristles is None else bristles
+    moved = c * np.asarray(twist)
+    linear = up + np.cross(moved[3:], up) * -1.0
+    surface = (height + up @ moved[:3], *linear)
+    forces(desk, contact.acting, 0, up, surface, np.array([0.0, 1.0, 0.0, 0.0]), np.asarray(twist, float), c,
+           turn, h0, wrench, stiffness)  # fmt: skip
+    return wrench, stiffness
+
+
+@pytest.mark.parametrize("effects", [(), (LeadingEdge(), Inertia(), Layers((0.01,), (3.0,)))])
+def test_forces_are_those_of_the_planar_law_with_its_effects(block, effects):
+    _, _, contact = block(effects=effects, foot=HOLLOW, plates=128)
+    scene = fo.Scene(sand=HARD, effects=effects)
+    plates, rng = HOLLOW.plates(64, directed=True), np.random.default_rng(3)
+    for _ in range(20):
+        pitch, vx, vz, rate = rng.uniform(-0.6, 0.6), *rng.uniform(-1, 1, 2), rng.uniform(-4, 4)
+        height = rng.uniform(-0.05, 0.04)
+        cos, sin = np.cos(pitch), np.sin(pitch)
+        rx, rz = cos * plates.x[0] - sin * plates.z[0], sin * plates.x[0] + cos * plates.z[0]
+        v = np.stack([vx - rate * rz, vz + rate * rx], axis=-1)
+        h = v / np.linalg.norm(v, axis=-1, keepdims=True)
+        c2, s2 = (
+            plates.c2[0] * np.cos(2 * pitch) - plates.s2[0] * np.sin(2 * pitch),
+            plates.s2[0] * np.cos(2 * pitch) + plates.c2[0] * np.sin(2 * pitch),
+        )
+        place = np.stack([rx, height + rz], axis=-1)
+        normal = np.stack(
+            [sin * plates.tx[0] + cos * plates.tz[0], sin * plates.tz[0] - cos * plates.tx[0]], -1
+        )
+        each = law_forces(by_direction(c2, s2, h), place, v, normal, plates.area[0], scene, EDGE, bristles=h)
+        twist = (cos * vx + sin * vz, 0.0, -sin * vx + cos * vz, 0.0, -rate, 0.0)
+        wrench, _ = feel(contact, np.array([sin, 0.0, cos]), twist, height)
+        found = cos * wrench[0] - sin * wrench[2], sin * wrench[0] + cos * wrench[2]
+        assert found == pytest.approx(each.sum(axis=0), rel=1e-9, abs=1e-7)
+        assert -wrench[4] == pytest.approx(np.sum(rx * each[:, 1] - rz * each[:, 0]), rel=1e-9, abs=1e-7)
+        assert wrench[[1, 3, 5]] == pytest.approx(0.0, abs=1e-8)
+
+
+def test_stiffness_is_the_derivative_of_the_wrench(block):
+    effects = LeadingEdge(), Inertia(), Layers((0.01,), (3.0,))
+    _, _, contact = block(effects=effects, foot=HOLLOW)
+    rng = np.random.default_rng(5)
+    for _ in range(10):
+        up = rng.normal(size=3) * 0.3 + [0, 0, 1]
+        up /= np.linalg.norm(up)
+        twist, bristles = rng.uniform(-1, 1, 6), 0.2 * rng.normal(size=contact._desk.bristles.shape[1])
+        state = {"height": -0.2, "c": 1e-3, "turn": 3.0, "bristles": bristles}
+        _, stiffness = feel(contact, up, twist, **state)
+        steps = np.eye(6) * 1e-6
+        slopes = [(feel(contact, up, twist + e, **state)[0] - feel(contact, up, twist - e, **state)[0]) / 2e-6
+                  for e in steps]  # fmt: skip
+        assert stiffness == pytest.approx(np.stack(slopes, axis=1), abs=2e-4 * abs(stiffness).max())
+
+
+def test_an_attitude_turns_the_motion_with_it(block):
+    ends = []
+    for yaw in (0.0, 1.1):
+        model, data, _ = block(foot=HOLLOW)
+        c, s = np.cos(yaw), np.sin(yaw)
+        data.qpos[3:7] = np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)
+        data.qvel[:] = c * 0.5 - s * 0.2, s * 0.5 + c * 0.2, -0.3, 0.4, 0.2, 0.1
+        settle(model, data, 0.5)
+        x, y = data.qpos[:2]
+        ends.append((c * x + s * y, c * y - s * x, data.qpos[2]))
+    assert ends[0] == pytest.approx(ends[1], abs=1e-9)
+    assert abs(ends[0][1]) > 1e-3
+
+
+def test_a_foot_that_stands_on_its_side_edge_is_lifted_there(block):
+    model, data, contact = block(height=0.02)
+    data.qpos[3:7] = np.cos(0.1), np.sin(0.1), 0.0, 0.0  # rolled to its right
+    mujoco.mj_step(model, data)
+    assert contact.wrench["foot"][2] > 0.0
+    assert contact.wrench["foot"][3] < 0.0  # back
+
+
+def test_a_forward_pass_changes_nothing(block):
+    ends = []
+    for extra in (0, 3):
+        model, data, _ = block()
+        for _ in range(200):
+            mujoco.mj_step(model, data)
+            for _ in range(extra):
+                mujoco.mj_forward(model, data)
+        ends.append((*data.qpos, *data.qvel))
+    assert ends[0] == pytest.approx(ends[1], rel=1e-12, abs=1e-15)
+
+
+def test_a_reset_starts_again(block):
+    model, data, contact = block()
+    settle(model, data, 0.5)
+    first = data.qpos.copy()
+    mujoco.mj_resetData(model, data)
+    settle(model, data, 0.5)
+    assert data.qpos == pytest.approx(first, abs=1e-14)
+    assert contact.counts["restarts"] == 2
+
+
+def test_each_data_has_its_own_sand_and_others_none(block):
+    model, data, contact = block()
+    soft_model, soft_data, soft = block(fo.Sand(0.2), effects=(Inertia(),))
+    other = mujoco.MjData(model)
+    for one, state in ((model, data), (soft_model, soft_data), (model, other)):
+        settle(one, state, 1.0)
+    assert other.qpos[2] < -1.0
+    assert 0.0 < contact.depth["foot"] < soft.depth["foot"]
+    soft.detach()
+    settle(soft_model, soft_data, 0.5)
+    settle(model, data, 0.5)
+    assert soft_data.qpos[2] < -0.5
+    assert data.qpos[2] > -0.05
+
+
+@pytest.mark.parametrize(
+    ("arguments", "what"),
+    [
+        ({"feet": {}}, "feet"),
+        ({"feet": {"hand": fo.Foot.flat()}}, "hand"),
+        ({"feet": {"foot": "sole"}}, "mesh geom"),
+        ({"effects": (Slope(5.0),)}, "gravity"),
+        ({"effects": (Footprints(),)}, "footprints"),
+        ({"plates": 7}, "even"),
+    ],
+)
+def test_what_cannot_be_attached_is_said(block, arguments, what):
+    model, data, contact = block()
+    contact.detach()
+    given = {"feet": {"foot": fo.Foot.flat()}, "sand": HARD} | arguments
+    with pytest.raises(SettingError, match=what):
+        attach(model, data, **given)
+
+
+def test_density_and_friction_give_the_material_constant():
+    quartz = Grains(1550.0, np.tan(np.radians(34.0)))
+    assert quartz.sand.zeta == pytest.approx(2.11, abs=0.005)  # 2.02 was measured
+    with pytest.raises(SettingError, match=r"grains\.friction"):
+        Grains(friction=0.0)
+
+
+@njit
+def traction(n, h, surface):
+    return stress(n, h, (0.0, 0.0, 1.0), surface)
+
+
+def blade(beta):
+    return np.sin(beta), 0.0, -np.cos(beta)
+
+
+def heading(gamma):
+    return np.cos(gamma), 0.0, -np.sin(gamma)
+
+
+def test_a_level_face_feels_the_published_number():
+    assert traction(blade(0.0), heading(np.pi / 2), np.inf) == pytest.approx((0.0, 0.0, DOWN), abs=1e-12)
+    assert -TABLE.sum() == pytest.approx(DOWN, abs=1e-12)
+
+
+def test_in_two_dimensions_it_is_the_planar_map_to_a_tenth():
+    angles = np.radians(np.arange(-90, 91, 3))
+    pairs = [(b, g) for b in angles for g in angles if np.dot(blade(b), heading(g)) > 0.06]
+    solid = np.array([traction(blade(b), heading(g), np.inf) for b, g in pairs])[:, [0, 2]]
+    planar = np.array([alpha(b, g) for b, g in pairs]) * [-1e-6, 1e-6]
+    scale = np.sum(solid * planar) / np.sum(solid**2)
+    assert scale == pytest.approx(1.0, abs=0.06)
+    assert np.sqrt(np.mean((scale * solid - planar) ** 2)) < 0.107
+
+
+@settings(max_examples=50)
+@given(st.floats(0, 2 * np.pi), st.floats(-1.4, 1.4), st.floats(-1.5, 1.5), st.floats(0, 2))
+def test_3d_rft_turns_about_the_vertical_and_pushes_only(yaw, beta, gamma, surface):
+    c, s = np.cos(yaw), np.sin(yaw)
+    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    n, h = np.array(blade(beta)), turn @ np.array([*heading(gamma)[:1], 0.3, heading(gamma)[2]])
+    h /= np.linalg.norm(h)
+    force = np.array(traction(tuple(n), tuple(h), surface))
+    turned = traction(tuple(turn.T @ n), tuple(turn.T @ h), surface)
+    assert turn @ turned == pytest.approx(force, abs=1e-9)
+    normal = force @ n
+    assert normal <= 1e-12
+    assert np.linalg.norm(force - normal * n) <= surface * abs(normal) + 1e-9

@@ -1,0 +1,68 @@
+"""A search that dies at any moment and is begun again ends as one that nothing happened to.
+
+FOOTOPT_TRIES says how many random searches are drawn for each solver.
+"""
+
+import numpy as np
+import pytest
+from running import tries
+from searching import QUICK, SMALL, assert_same, problem
+
+import footopt as fo
+from footopt.design import Store, search
+from footopt.design.codesign import CoDesign
+
+TWO, THREE = ["distance", "work"], ["distance", "work", "peak_power"]
+#: Of each solver: objectives to choose from, and walks that it has at most.
+SEARCHES = {
+    "memetic": ([["efficiency"], ["peak_power"]], 260),
+    "archive": ([TWO, THREE], 120),
+    "surrogate": ([["efficiency"], TWO], 50),
+    "auto": ([["efficiency"], TWO, "pareto"], 120),
+    "codesign": ([["efficiency"], TWO], 60),
+}
+
+
+class Killed(BaseException):
+    """The process is no more."""
+
+
+def dying(store, after, kept):
+    """A store whose process dies with its so-manieth batch of walks, which are kept or lost."""
+    add = store.add
+
+    def added(k, evaluations):
+        nonlocal after
+        after -= 1
+        if after or kept:
+            add(k, evaluations)
+        if not after:
+            raise Killed
+
+    store.add = added
+    return store
+
+
+@pytest.mark.parametrize("name", SEARCHES)
+@pytest.mark.parametrize("seed", range(tries(1)))
+def test_a_search_that_dies_anywhere_ends_as_one_that_did_not(name, seed, tmp_path):
+    draw, (objectives, most) = np.random.default_rng([seed, len(name)]), SEARCHES[name]
+    objective = objectives[draw.integers(len(objectives))]
+    zeta, walks = float(np.exp(draw.uniform(-1.0, 2.0))), int(draw.integers(most // 2, most))
+    budget = {"walks": walks, "seed": int(draw.integers(100))}
+    if name != "auto":
+        low, high = {"memetic": (4, 7), "surrogate": (12, 25)}.get(name, (4, 21))  # memetic: it begins anew
+        budget["pop_size"] = int(draw.integers(low, high))
+    solver = "auto" if name == "codesign" else name
+    if name == "codesign":
+        p = CoDesign(fo.Scene(sand=fo.Sand(zeta)), SMALL, objective=objective, accuracy=QUICK)
+    else:
+        p = problem(objective, zeta)
+    whole = search(p, solver, **budget)
+    path = tmp_path / "feet.sqlite"
+    for _ in range(draw.integers(1, 4)):
+        with Store(path, p) as store, pytest.raises(Killed):
+            search(p, solver, store=dying(store, draw.integers(1, 3), draw.random() < 0.5), **budget)
+    r = search(p, solver, store=path, **budget)
+    assert r.evaluations >= walks or "nothing more" in r.stopped
+    assert_same(r, whole)
