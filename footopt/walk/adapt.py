@@ -1,6 +1,6 @@
 """An accuracy as a scene and a sole need it: presets are stated for the paper's walker, feet and sands.
 
-Five things make a walk harder than those, and each is a rule here:
+Some things make a walk harder than those, and each is a rule here:
 
 - A smaller walker takes shorter strides at lower speeds. The time step is in proportion to the stride's
   period, the control and the creep speed to the legs' length over it, and never larger than the preset's.
@@ -8,6 +8,9 @@ Five things make a walk harder than those, and each is a rule here:
 - No plate is to be longer than the narrowest patch of sand.
 - The harder the sand under a light walker, the shorter the part of the sole that carries him. At least
   `TOUCHING` plates are to touch the sand when he stands, whatever the pitch of his foot.
+- Where effects ask for the plates' normals, or bristles remember their motion, a plate's mean is of a lower
+  order: there are `NORMAL` times more plates, and `LEADING` times where only faces that lead feel sand.
+- A foot that sticks creeps. Over a stride it is to creep by at most `CREPT` of the depth to which it sinks.
 - Effects that change the force on a plate make blows short, as hard sand does. Where there are such, or more
   plates than the preset's, steps are half as long and held to a quarter of the control.
 - Footprints are made at the end of a step: their error is of order 1 in it. With them steps are an eighth.
@@ -23,7 +26,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.effects import Footprints, LeadingEdge, Patches, laws
+from footopt.effects import Footprints, LeadingEdge, Patches, Rest, laws
 from footopt.effects import base as effects
 from footopt.effects.shadowing import filler
 from footopt.errors import SettingError, check_kind
@@ -37,10 +40,14 @@ Array = NDArray[np.float64]
 
 PERIOD, LEG = 1.2, Walker().l1 + Walker().l2  # of the walk that presets are measured with
 STATED = 56  # plates along a sole, of which the next three are stated; a preset with more has more of them
+STATED_CREEP = 1e-4  # m/s, of which `CREPT` is stated
 EACH = 5  # plates a waypoint, or a straight side between two corners
 BEND = 0.2  # rad by which a sole turns within a plate: five a waypoint of a rough sole
 TOUCHING = 8  # plates in the sand under who stands
-LEADING = 2.0  # times more plates where only faces that lead feel sand
+LEADING = 4.0  # times more plates where only faces that lead feel sand
+NORMAL = 2.0  # ... where the force depends on the plates' normals, or bristles hold their directions
+SLOWEST = 0.05  # times the creep speed, at least: evaluations double where it is a fifth and feet are level
+CREPT = 0.03  # of the depth to which a level foot sinks: on hard sand so much at `standard`
 SHORTER, CLOSER = 0.5, 0.25  # times the step, and its control, where blows are short
 PRINTED = 0.125  # times the step where feet leave prints
 MOST = 32  # times the preset's plates
@@ -71,8 +78,8 @@ def adapted(accuracy: Accuracy, scene: Scene, sole: Foot | Waypoints) -> Accurac
     period = scene.gait.period / PERIOD
     legs = (scene.walker.l1 + scene.walker.l2) / LEG
     slower, shorter = min(legs / period, 1.0), min(period, 1.0)
-    plates, control = _plates(accuracy.plates, scene, sole), accuracy.control
-    blows = plates > accuracy.plates or any(laws(scene.effects))
+    needed, control = _needed(scene, sole), accuracy.control
+    blows = needed > 1.0 or any(laws(scene.effects))
     step, held = (SHORTER, CLOSER) if blows else (1.0, 1.0)
     if any(isinstance(effect, Footprints) for effect in scene.effects):
         step = PRINTED
@@ -80,8 +87,8 @@ def adapted(accuracy: Accuracy, scene: Scene, sole: Foot | Waypoints) -> Accurac
         accuracy,
         dt=step * shorter * accuracy.dt,
         control=None if control is None else held * slower * control,
-        creep=slower * accuracy.creep,
-        plates=plates,
+        creep=accuracy.creep * max(min(slower, _crept(scene, sole)), SLOWEST),
+        plates=_blocks(accuracy.plates, min(_finer(scene) * needed, MOST)),
         adapt=False,
     )
 
@@ -103,14 +110,36 @@ def accuracies(
     return {adapted(accuracy, scene, space or Waypoints(n=len(feet[0]))): list(range(len(feet)))}
 
 
-def _plates(preset: int, scene: Scene, sole: Foot | Waypoints) -> int:
-    """How many plates a sole needs, a whole number of blocks if more than the preset's."""
-    leading = any(isinstance(effect, LeadingEdge) for effect in scene.effects)
+def _needed(scene: Scene, sole: Foot | Waypoints) -> float:
+    """How many times more plates the shape of a sole and the hardness of the sand need."""
     needed = max(_bends(sole), TOUCHING / _touching(scene, sole), _narrow(scene, sole)) / STATED
-    times = min(max(LEADING if leading else 1.0, needed), MOST)
+    return min(max(1.0, needed), MOST)
+
+
+def _blocks(preset: int, times: float) -> int:
+    """So many times a preset's plates, a whole number of blocks if more."""
     if times <= 1.0:
         return preset
     return min(LANES * math.ceil(times * preset / LANES - 1e-9), MOST_PLATES)
+
+
+def _finer(scene: Scene) -> float:
+    """How many times more plates the effects of a scene need."""
+    kinds = {type(effect) for effect in scene.effects}
+    if LeadingEdge in kinds:
+        return LEADING
+    return NORMAL if Rest in kinds or laws(scene.effects).pushes else 1.0
+
+
+def _crept(scene: Scene, sole: Foot | Waypoints) -> float:
+    """The share of the creep speed at which `standard` creeps by `CREPT` of a foot's depth in a stride."""
+    depth = scene.walker.mass * scene.gravity[1] / (scene.scale.stress * _length(sole) * sole.width)
+    return CREPT * depth / (STATED_CREEP * scene.gait.period)
+
+
+def _length(sole: Foot | Waypoints) -> float:
+    """Of the sole, m."""
+    return 2.0 * sole.L if isinstance(sole, Waypoints) else float(np.ptp(sole.contour[:, 0]))
 
 
 def _bends(sole: Foot | Waypoints) -> float:
@@ -129,8 +158,7 @@ def _narrow(scene: Scene, sole: Foot | Waypoints) -> float:
     if patches is None:
         return 0.0
     edges = np.unique([*patches.begins, *patches.ends])
-    length = 2.0 * sole.L if isinstance(sole, Waypoints) else float(np.ptp(sole.contour[:, 0]))
-    return length / max(float(np.diff(edges).min()), patches.blur / 2)
+    return _length(sole) / max(float(np.diff(edges).min()), patches.blur / 2)
 
 
 def _touching(scene: Scene, sole: Foot | Waypoints) -> float:

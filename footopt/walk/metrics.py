@@ -47,11 +47,12 @@ class Sample(NamedTuple):
 RAW, TRACE = Raw._fields, Sample._fields
 
 
-class Three(NamedTuple):
-    """A quantity at the ends of the last three steps."""
+class Four(NamedTuple):
+    """A quantity at the ends of the last four steps."""
 
     first: float
-    middle: float
+    second: float
+    third: float
     last: float
 
 
@@ -63,15 +64,15 @@ class Extremes(NamedTuple):
     power: float  # largest |P| of a foot, W
     force: float  # largest vertical force of both feet, N
     sinkage: float  # m
-    left: Three  # |P| of the left foot, W
-    right: Three
-    times: Three  # s
+    left: Four  # |P| of the left foot, W
+    right: Four
+    times: Four  # s
 
 
 @inlined
 def no_extremes():
     """The extremes of a walk that has not begun."""
-    none = Three(0.0, 0.0, 0.0)
+    none = Four(0.0, 0.0, 0.0, 0.0)
     return Extremes(-np.inf, 0.0, 0.0, 0.0, 0.0, none, none, none)
 
 
@@ -84,32 +85,36 @@ def updated(extremes, before, after, a0, a1, t, h, strike, sinkage):
     """
     now, v0, v1 = after.contact, before.vx, after.vx
     speed, fall, power = extremes.speed, extremes.fall, extremes.power
-    left = Three(extremes.left.middle, extremes.left.last, abs(now.left.power))
-    right = Three(extremes.right.middle, extremes.right.last, abs(now.right.power))
-    times = Three(extremes.times.middle, extremes.times.last, t)
+    left, right = _next(extremes.left, abs(now.left.power)), _next(extremes.right, abs(now.right.power))
+    times = _next(extremes.times, t)
     if t > strike - 1e-9:  # objectives that begin with the first heel strike
         if speed == -np.inf:
-            speed = hermite(v0, v1, a0, a1, h, min(max(1.0 - (t - strike) / h, 0.0), 1.0))
+            share = min(max(1.0 - (t - strike) / h, 0.0), 1.0)
+            speed = hermite(v0, v1, a0, a1, h, share)
+            power = max(_between(left, share), _between(right, share))
         elif a0 * a1 < 0.0:
             extreme = hermite_extreme(v0, v1, a0, a1, h)
             speed = max(speed, extreme)
             fall = max(fall, speed - extreme)
         speed = max(speed, v1)
         fall = max(fall, speed - v1)
-        late = t - h > strike - 1e-9
-        power = _highest(_highest(power, left, times, late), right, times, late)
+        power = max(power, max(left.last, right.last))
+        if times.second > strike - 1e-9:
+            power = max(power, max(peak(left, times), peak(right, times)))
     force = max(extremes.force, now.left.z + now.right.z)
     return Extremes(speed, fall, power, force, max(extremes.sinkage, sinkage), left, right, times)
 
 
 @inlined
-def _highest(power, sample, times, late):
-    """The largest |P| so far, with the peak between three samples if all are late enough, W."""
-    power = max(power, sample.last)
-    if sample.middle > sample.first and sample.middle >= sample.last and late:
-        before, after = times.middle - times.first, times.last - times.middle
-        power = max(power, vertex(sample.first, sample.middle, sample.last, before, after))
-    return power
+def _next(sample, last):
+    """The last four steps with one step more."""
+    return Four(sample.second, sample.third, sample.last, last)
+
+
+@inlined
+def _between(sample, share):
+    """Linear between the ends of the last step, at a share of it."""
+    return sample.third + share * (sample.last - sample.third)
 
 
 @inlined
@@ -133,11 +138,21 @@ def hermite(v0, v1, a0, a1, h, s):
 
 
 @inlined
-def vertex(a, b, c, before, after):
-    """Height of the parabola through three samples, the middle one the highest, these times apart."""
-    rise, fall = (b - a) / before, (c - b) / after
-    slope = (rise * after + fall * before) / (before + after)  # at the middle sample
-    return b - 0.25 * slope * slope * (before + after) / (fall - rise)
+def peak(sample, times):
+    """The largest of a quantity between the second and the third of four samples.
+
+    Where it is smooth, the parabolas through the first three and through the last three have their vertices
+    there, at nearly one height. Behind a jump one of them has not, and no sample is exceeded.
+    """
+    before, within, after = times.second - times.first, times.third - times.second, times.last - times.third
+    rise, slope = (sample.second - sample.first) / before, (sample.third - sample.second) / within
+    left = (slope - rise) / (before + within)  # half the second derivatives
+    right = ((sample.last - sample.third) / after - slope) / (within + after)
+    begins, ends = slope - left * within, slope + right * within
+    if begins > 0.0 and slope + left * within < 0.0 and slope - right * within > 0.0 and ends < 0.0:
+        a, b = sample.second - 0.25 * begins * begins / left, sample.third - 0.25 * ends * ends / right
+        return 0.5 * (a + b)
+    return max(sample.second, sample.third)
 
 
 @inlined

@@ -43,8 +43,8 @@ def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, bristles, count
     """Velocity V of an implicit stage: V = v0 + c a(r0 + c V, V), by Newton's method.
 
     Starts from the guess (vx, vz) and halves a step that makes the residual larger. It ends with a
-    step that is small against the speed at which the plates move through the sand (their mean
-    |P| / |F|, at least the creep speed), on which the law is smooth: Newton's method has then
+    step that is small against the speed at which the plates of the slower foot move through the sand
+    (`_speed`, at least the creep speed), on which the law is smooth: Newton's method has then
     converged to the square of that ratio. The stage's forces are carried along the last step to first
     order, so that its momentum balance closes to rounding.
 
@@ -111,10 +111,11 @@ def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, bristles, count
         vx, vz = vx + dvx, vz + dvz
         size = abs(dvx) + abs(dvz)
         force = (abs(left.x) + abs(left.z)) + (abs(right.x) + abs(right.z))
-        power = abs(left.power) + abs(right.power)
         rounding = 1e-13 * (1.0 + abs(vx) + abs(vz))
         # a rescue follows the plate that sticks, whatever the mean speed of the others
-        speed = creep if rescue or force == 0.0 else _least_speed(world.rest, creep) + power / force
+        speed = creep
+        if not rescue and force > 0.0:
+            speed = _least_speed(world.rest, creep) + min(_speed(left, force), _speed(right, force))
         enough = _smooth_step(world.tolerance * speed, creep, world.gates)
         if size <= rounding or (force > 0.0 and size <= enough + rounding):
             if creep == turning_speed:
@@ -125,6 +126,18 @@ def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, bristles, count
             guess_x, guess_z, solved_at = vx, vz, creep
             creep, best, tries = max(ratio * creep, turning_speed), np.inf, 0
     return Stage(vx, vz, at, False)
+
+
+@inlined
+def _speed(foot, both):
+    """Mean speed of a foot's plates, |P| / |F|, m/s: larger where it carries little of the force on both, N.
+
+    Beside a foot that slips, one that sticks must not be solved at the speed of both together.
+    """
+    force = abs(foot.x) + abs(foot.z)
+    if force == 0.0:
+        return np.inf
+    return abs(foot.power) / force * np.sqrt(both / force)
 
 
 @inlined

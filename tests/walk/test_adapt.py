@@ -82,8 +82,27 @@ def test_steps_are_shorter_where_blows_are(effect):
     assert (found.dt, found.control) == (STANDARD.dt / 2, STANDARD.control / 4)
     hard = adapted(STANDARD, fo.Scene(sand=fo.Sand(100.0)), PAPER)
     assert (hard.dt, hard.control) == (STANDARD.dt / 2, STANDARD.control / 4)
-    for other in (fo.Slope(), fo.Rest(), fo.Shadowing()):
+    for other in (fo.Slope(), fo.Shadowing()):
         assert adapted(STANDARD, fo.Scene(effects=(other,)), PAPER) == replace(STANDARD, adapt=False)
+
+
+@pytest.mark.parametrize(
+    ("effects", "times"),
+    [((fo.Rest(),), 2), ((fo.Inertia(),), 2), ((fo.LeadingEdge(),), 4), ((fo.LeadingEdge(), fo.Rest()), 4)],
+)
+def test_effects_of_the_plates_normals_multiply_what_the_sole_needs(effects, times):
+    for sole in (PAPER, fo.Waypoints(n=33)):
+        plain, finer = (adapted(STANDARD, fo.Scene(effects=some), sole) for some in ((), effects))
+        assert finer.plates == pytest.approx(times * plain.plates, abs=8)
+
+
+def test_who_hardly_sinks_creeps_little():
+    """In a stride by 3 % of the depth to which he sinks, on soft sand by the preset's own speed."""
+    for zeta in (1.0, 5.0, 20.0, 100.0, 500.0):
+        scene = fo.Scene(sand=fo.Sand(zeta))
+        depth, found = scene.scale.depth, adapted(STANDARD, scene, PAPER).creep
+        expected = min(STANDARD.creep, 0.03 * depth / scene.gait.period)
+        assert found == pytest.approx(max(expected, 0.05 * STANDARD.creep))
 
 
 def test_feet_with_other_numbers_of_plates_walk_in_one_batch_as_alone(ramp_foot, flat_foot, regular):

@@ -13,7 +13,7 @@ import footopt as fo
 from footopt.errors import SettingError
 from footopt.gait import LEFT, RIGHT
 from footopt.walk import FIVE, OBJECTIVES, gain_shares
-from footopt.walk.metrics import RAW, hermite, hermite_extreme, no_extremes, updated
+from footopt.walk.metrics import RAW, Four, hermite, hermite_extreme, no_extremes, peak, updated
 from footopt.walk.objectives import FLOORS, by_name, lookup
 
 STRIKE = 1.1  # s, the first heel strike
@@ -75,17 +75,34 @@ class TestAgainstTheTrace:
         assert np.abs(walk.power[~late]).max() > 1.2 * walk.objectives["peak_power"]
 
 
-def test_a_peak_before_the_strike_does_not_come_in_by_interpolation():
-    """Of three samples of |P| only the last is at the strike: the highest, just before it, does not count."""
+def power_of(samples, times, strike=1.0):
+    """The largest |P| after a strike of a walk with these samples of the left foot's."""
     none = SimpleNamespace(power=0.0, z=0.0)
     states = [
         SimpleNamespace(vx=1.0, contact=SimpleNamespace(left=SimpleNamespace(power=-p, z=0.0), right=none))
-        for p in (1.0, 5.0, 4.0)
+        for p in samples
     ]
     found = no_extremes()
-    for t, before, after in zip((0.98, 0.99, 1.0), [states[0], *states], states, strict=False):
-        found = updated(found, before, after, 0.0, 0.0, t, 0.01, 1.0, 0.0)
-    assert found.power == 4.0
+    for i, t in enumerate(times[1:], 1):
+        found = updated(found, states[i - 1], states[i], 0.0, 0.0, t, t - times[i - 1], strike, 0.0)
+    return found.power
+
+
+def test_a_peak_before_the_strike_does_not_come_in_by_interpolation():
+    """Only the last sample of |P| is at the strike: the highest, just before it, does not count."""
+    assert power_of((1.0, 1.0, 5.0, 4.0), (0.97, 0.98, 0.99, 1.0)) == 4.0
+
+
+def test_power_that_falls_at_the_strike_counts_from_that_instant():
+    assert power_of((8.0, 6.0, 4.0, 2.0, 0.0), (0.975, 0.985, 0.995, 1.005, 1.015)) == pytest.approx(3.0)
+
+
+def test_a_smooth_peak_between_samples_is_found_and_a_jump_is_no_peak():
+    times = np.array([0.0, 0.01, 0.03, 0.04])  # uneven, as steps under control are
+    parabola = 7.0 - 1e4 * (times - 0.021) ** 2
+    assert peak(Four(*parabola), Four(*times)) == pytest.approx(7.0, rel=1e-12)
+    for samples in ((52.0, 98.7, 97.7, 96.7), (96.7, 97.7, 98.7, 52.0), (1.0, 2.0, 3.0, 4.0)):
+        assert peak(Four(*samples), Four(*times)) == max(samples[1:3])
 
 
 class TestTrade:

@@ -5,6 +5,12 @@
 const spare = new Float64Array(7);
 const implicit = { vx: 0, vz: 0, force: new Float64Array(14) };
 
+/** Mean speed of a foot's plates, |P| / |F|: longer where it carries little of the force on both feet. */
+function meanSpeed(F, o, both) {
+  const force = Math.abs(F[o]) + Math.abs(F[o + 1]);
+  return force === 0 ? Infinity : (Math.abs(F[o + 2]) / force) * Math.sqrt(both / force);
+}
+
 /** Velocity V of an implicit stage, V = v0 + c a(r0 + c V, V), by Newton's method from a guess; whether it was found. */
 function solveStage(W, sole, poses, p, x0, z0, vx0, vz0, c, vx, vz) {
   const { newton, most, rescue: mostRescue, gated, creep: least } = P.accuracy, F = implicit.force, inv = c / W.mass;
@@ -48,7 +54,7 @@ function solveStage(W, sole, poses, p, x0, z0, vx0, vz0, c, vx, vz) {
     vz += dvz;
     const size = Math.abs(dvx) + Math.abs(dvz), rounding = 1e-13 * (1 + Math.abs(vx) + Math.abs(vz));
     const force = Math.abs(F[0]) + Math.abs(F[1]) + (Math.abs(F[7]) + Math.abs(F[8]));
-    const speed = rescue || force === 0 ? creep : creep + (Math.abs(F[2]) + Math.abs(F[9])) / force;
+    const speed = rescue || force === 0 ? creep : creep + Math.min(meanSpeed(F, 0, force), meanSpeed(F, 7, force));
     const enough = gates.length ? Math.min(newton * speed, gated * creep) : newton * speed;
     if (size <= rounding || (force > 0 && size <= enough + rounding)) {
       if (creep === least) {
@@ -123,10 +129,13 @@ function hermiteExtreme(v0, v1, a0, a1, h) {
   const root = Math.sqrt(Math.max(q * q - 3 * p * r, 0)), s = a0 < 0 ? -p / (q + root) : -p / (q - root);
   return hermite(v0, v1, a0, a1, h, Number.isFinite(s) ? clip(s, 0, 1) : 0);
 }
-/** Height of the parabola through three samples, the middle one the highest. */
-function vertex(a, b, c, before, after) {
-  const rise = (b - a) / before, fall = (c - b) / after, slope = (rise * after + fall * before) / (before + after);
-  return b - (0.25 * slope * slope * (before + after)) / (fall - rise);
+/** The largest of a quantity between the second and the third of four samples. */
+function peak([a, b, c, d], [t0, t1, t2, t3]) {
+  const before = t1 - t0, within = t2 - t1, after = t3 - t2, slope = (c - b) / within;
+  const left = (slope - (b - a) / before) / (before + within), right = ((d - c) / after - slope) / (within + after);
+  const begins = slope - left * within, ends = slope + right * within;
+  if (!(begins > 0 && slope + left * within < 0 && slope - right * within > 0 && ends < 0)) return Math.max(b, c);
+  return 0.5 * (b - (0.25 * begins * begins) / left + (c - (0.25 * ends * ends) / right));
 }
 
 /** Depth of the lowest plate of both feet, m. */
@@ -157,7 +166,7 @@ function walkPlates(sole, zeta, mass, dt = P.accuracy.dt, repeat = 0) {
   now.z = height;
   contact(W, sole, pose0, 0, 0, height, 0, 0, P.accuracy.creep, 0, now.force);
   let speed = -Infinity, fall = 0, power = 0, force = 0, deepest = 0, n = 0, place = 0, level = finest;
-  let l0 = 0, l1 = 0, l2 = 0, r0 = 0, r1 = 0, r2 = 0, t0 = 0, t1 = 0, t2 = 0; // |P| of both feet at the last three steps
+  const lefts = [0, 0, 0, 0], rights = [0, 0, 0, 0], ends = [0, 0, 0, 0]; // |P| of both feet at the last four steps
   while (n < times.length - 1) {
     const stride = 1 << (finest - level), h = (times[n + 1] - times[n]) / (1 << level);
     const index = (n << level) + place / stride, p = poses(level, index);
@@ -181,23 +190,24 @@ function walkPlates(sole, zeta, mass, dt = P.accuracy.dt, repeat = 0) {
       n++;
       place = 0;
     }
-    l0 = l1; l1 = l2; l2 = left;
-    r0 = r1; r1 = r2; r2 = right;
-    t0 = t1; t1 = t2; t2 = t;
+    for (const [samples, value] of [[lefts, left], [rights, right], [ends, t]]) {
+      samples.shift();
+      samples.push(value);
+    }
     if (t > strike - 1e-9) { // objectives that begin with the first heel strike
-      if (speed === -Infinity) speed = hermite(now.vx, after.vx, a0, a1, h, clip(1 - (t - strike) / h, 0, 1));
-      else if (a0 * a1 < 0) {
+      if (speed === -Infinity) {
+        const share = clip(1 - (t - strike) / h, 0, 1);
+        speed = hermite(now.vx, after.vx, a0, a1, h, share);
+        power = Math.max(...[lefts, rights].map(([, , before, last]) => before + share * (last - before)));
+      } else if (a0 * a1 < 0) {
         const extreme = hermiteExtreme(now.vx, after.vx, a0, a1, h);
         speed = Math.max(speed, extreme);
         fall = Math.max(fall, speed - extreme);
       }
       speed = Math.max(speed, after.vx);
       fall = Math.max(fall, speed - after.vx);
-      const late = t - h > strike - 1e-9;
-      power = Math.max(power, l2);
-      if (late && l1 > l0 && l1 >= l2) power = Math.max(power, vertex(l0, l1, l2, t1 - t0, t2 - t1));
-      power = Math.max(power, r2);
-      if (late && r1 > r0 && r1 >= r2) power = Math.max(power, vertex(r0, r1, r2, t1 - t0, t2 - t1));
+      power = Math.max(power, left, right);
+      if (ends[1] > strike - 1e-9) power = Math.max(power, peak(lefts, ends), peak(rights, ends));
     }
     force = Math.max(force, F[1] + F[8]);
     deepest = Math.max(deepest, sinkage(sole, tables[level], p, after.z));
