@@ -159,8 +159,11 @@ class TestSearch:
 
     def test_the_default_solver_fits(self):
         assert search(problem(), pop_size=8, n_gen=1).solver.name == "memetic"
-        assert search(problem("pareto"), pop_size=8, n_gen=1).solver.name == "nsga2"
         assert search(problem(["distance", "work"]), pop_size=8, n_gen=1).solver.name == "archive"
+
+    @pytest.mark.slow  # see `BRISK`
+    def test_and_that_for_more_objectives(self):
+        assert search(problem("pareto"), pop_size=8, n_gen=1).solver.name == "agemoea2"
 
     @pytest.mark.parametrize(
         ("setting", "value"),
