@@ -16,7 +16,7 @@ from footopt.studies.stability import judge
 from footopt.studies.stability_cases import CASES
 from footopt.studies.stability_judges import Setup
 from footopt.studies.validation.model import model_error
-from footopt.walk.adapt import adapted
+from footopt.walk.adapt import LEADING, adapted
 
 K = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)
 HARD = ("standing, zeta 5", "a foot set down at 3 m/s", "spiky soles", "creep 1e-9 on zeta 50",
@@ -93,7 +93,7 @@ def test_the_study_from_the_command_line(tmp_path):
     for name, accuracy in walked.items():
         scene = fo.Scene(effects=(EFFECTS[name](),))
         assert accuracy == adapted(fo.Accuracy.named("draft"), scene, fo.Waypoints())
-    assert walked["leading_edge"].plates == 2 * walked["slope"].plates
+    assert walked["leading_edge"].plates == LEADING * walked["slope"].plates
     check_page(tmp_path / "out")
     assert "leading edge changes" in done.stdout
     sets = [set(j["effects"]) for j in result["interactions"]]
