@@ -208,6 +208,8 @@ def of_optuna(name: str, **given: Any) -> Callable[[Counted, int], None]:
     def run(value: Counted, seed: int) -> None:
         import optuna
 
+        if tuple(map(int, optuna.__version__.split(".")[:2])) < (3, 6):  # hydra-optuna-sweeper holds it back
+            raise ImportError('optuna is too old: pip install "footopt[benchmark]"')
         optuna.logging.set_verbosity(optuna.logging.ERROR)
         study = optuna.create_study(sampler=getattr(optuna.samplers, name)(seed=seed, **given))
         study.optimize(
@@ -301,7 +303,6 @@ RUNS: dict[str, tuple[Callable[[Counted, int], None], int]] = {
     "pymoo: ES": (of_pymoo("es:ES"), FEW),
     "pymoo: PSO": (of_pymoo("pso:PSO"), MANY),
     "pymoo: CMA-ES": (of_pymoo("cmaes:CMAES"), MANY),
-    "pymoo: pattern search": (of_pymoo("pattern:PatternSearch"), FEW),
     "scipy: differential evolution": (scipy_de, FEW),
     "scipy: dual annealing": (dual_annealing, FEW),
     "nevergrad: DiscreteOnePlusOne": (of_nevergrad("DiscreteOnePlusOne"), FEW),

@@ -161,4 +161,4 @@ def test_a_kill_while_files_are_written_leaves_each_whole(writers, tmp_path):
         for name in NAMES:
             now = (tmp_path / name).read_bytes()
             assert now[-12:] == before[name][-12:], (attempt, name)
-            assert abs(len(now) - len(before[name])) < 10, (attempt, name)  # a DXF has its date
+            assert abs(len(now) - len(before[name])) < 40, (attempt, name)  # a DXF has its dates

@@ -71,9 +71,12 @@ def test_bristles_stay_in_the_unit_disc_and_sand_forgets_a_foot_that_has_left(ra
 
 
 def test_a_walk_whose_memory_would_not_fit_is_refused(ramp_foot):
-    """With the setting to change; its error estimate is then not a number, and evaluate walks on."""
+    """With the setting to change; its error estimate is then not a number, and evaluate walks on.
+
+    Bristles have twice the preset's plates.
+    """
     long = fo.Scene(t_f=1200.0, effects=(fo.Rest(),))
-    with pytest.raises(SettingError, match=r"accuracy\.plates = 400: must be fewer for a walk of 1200 s"):
+    with pytest.raises(SettingError, match=r"accuracy\.plates = 800: must be fewer for a walk of 1200 s"):
         fo.simulate(ramp_foot, long, "reference")
     assert bristle_bytes(fo.Scene(t_f=60.0, effects=(fo.Rest(),)), fo.Accuracy.named("fine")) < MOST_BYTES
 

@@ -254,7 +254,8 @@ class TestExplorer:
         result = front[0]
         shown = Page(browser, pages["front"])
         shown["#limits summary"].send_keys(Keys.ENTER)
-        middle = float(np.median(result.column("peak_power")[result.front]))
+        powers = np.sort(result.column("peak_power")[result.front])
+        middle = float(powers[len(powers) // 2 - 1 :][:2].mean())  # between two: the page rounds
         shown['input[aria-label^="largest peak power"]'].send_keys(f"{middle}{Keys.TAB}")
         assert shown.counts()[0] == np.sum(result.column("peak_power")[result.front] <= middle)
         shown["#explore > details:last-of-type summary"].send_keys(Keys.ENTER)

@@ -137,8 +137,4 @@ def test_hard_cases_are_stable_with_each_effect(effect, case):
     scene = fo.Scene(effects=(EFFECTS[effect](),))
     base = Setup(fo.Foot.from_waypoints(K), scene, fo.Accuracy.named("standard"))
     (verdict,) = judge(chosen, base, ["sdirk2_control"])
-    failed = {m.name for m in verdict.measures if m.ratio > 1.0}
-    if (case, effect) == ("spiky soles", "footprints"):  # the field is of first order in the step
-        assert failed == {"error", "peak"}
-    else:
-        assert verdict.stable, verdict.measures
+    assert verdict.stable, verdict.measures
