@@ -31,10 +31,10 @@ TIME = 1  # mjSTATE_TIME
 
 
 @intrinsic
-def _pointer(typingctx, address):  # type: ignore[no-untyped-def]
+def _pointer(typingctx, address):
     """A whole number as a pointer."""
 
-    def generate(context, builder, signature, args):  # type: ignore[no-untyped-def]
+    def generate(context, builder, signature, args):
         return builder.inttoptr(args[0], cgutils.voidptr_t)
 
     return types.voidptr(address), generate
@@ -70,7 +70,7 @@ def _compiled(acting: tuple[Any, ...], reader: Any, table_address: int) -> Any:
     get_state, jacobian_of, solve_mass = _library()
 
     @njit(error_model="numpy")
-    def passive(model, data):  # type: ignore[no-untyped-def]
+    def passive(model, data):
         table = carray(_pointer(table_address), (MOST, 2), np.int64)
         for row in range(MOST):
             if table[row, 0] == data:
@@ -115,7 +115,7 @@ def callback(keys: tuple[str, ...]) -> Any:
         first = _both(first, other)
 
     @cfunc(types.void(types.intp, types.intp))
-    def passive(model, data):  # type: ignore[no-untyped-def]
+    def passive(model, data):
         first(model, data)
 
     return passive
@@ -123,7 +123,7 @@ def callback(keys: tuple[str, ...]) -> Any:
 
 def _both(one: Any, two: Any) -> Any:
     @njit
-    def call(model, data):  # type: ignore[no-untyped-def]
+    def call(model, data):
         one(model, data)
         two(model, data)
 
