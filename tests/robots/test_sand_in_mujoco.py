@@ -68,6 +68,28 @@ def test_a_drop_sinks_as_deep_at_every_step_and_with_every_integrator(block, int
         assert depth == pytest.approx(depths[1e-4], rel=0.01), dt
 
 
+@pytest.mark.slow
+def test_so_it_does_in_drops_that_are_drawn_at_random(block):
+    """Soles, sands, masses, heights; at 4 ms light bodies on hard sand are off by up to 2 %."""
+    rng = np.random.default_rng(7)
+    for k in fo.Waypoints().random(40, seed=7):
+        sand, mass = (
+            fo.Sand(float(np.exp(rng.uniform(*np.log([0.2, 50]))))),
+            np.exp(rng.uniform(*np.log([2, 100]))),
+        )
+        height, dt, depths = rng.uniform(0.032, 0.08), rng.choice([5e-4, 1e-3, 2e-3, 4e-3]), []
+        for step, integrator in ((1e-4, "implicitfast"), (dt, rng.choice(["Euler", "RK4", "implicit"]))):
+            model, data, contact = block(
+                sand, height=height, dt=step, integrator=integrator, foot=fo.Foot.from_waypoints(k)
+            )
+            model.body_mass[1:] *= mass / 60.0
+            model.body_inertia[1:] *= mass / 60.0
+            settle(model, data, 1.5)
+            depths.append(contact.depth["foot"])
+            contact.detach()
+        assert depths[1] == pytest.approx(depths[0], rel=0.025 if dt > 2e-3 else 0.01)
+
+
 @pytest.mark.parametrize("zeta", [0.2, 5.0, 50.0])
 @pytest.mark.parametrize("pushed", [0.0, 40.0])
 def test_who_stands_stays_for_a_minute(block, zeta, pushed):
