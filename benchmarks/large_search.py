@@ -1,7 +1,8 @@
 """How the memory of a search of five objectives, and the time of its generations, grow with evaluations.
 
 Walks cost nothing here: what is measured is the search around them. `python benchmarks/large_search.py
-1000000` searches by NSGA-II, keeps every design in a store, and then writes what study=optimize leaves.
+1000000` searches by NSGA-II, keeps every design in a store, and writes and confirms the designs; with
+`whole` after the number the command footopt does it, with its figures and its page.
 """
 
 from __future__ import annotations
@@ -61,6 +62,20 @@ def measured(evaluations: int, folder: Path) -> dict[str, object]:
     }  # fmt: skip
 
 
+def whole(evaluations: int, folder: Path) -> None:
+    """The command with such walks, from its first word to its page."""
+    from footopt.cli.main import main
+
+    fo.FootProblem.walk = Cheap.walk
+    search_of = ["solver=nsga2", f"solver.pop_size={SIZE}", f"solver.walks={evaluations}", "objective=pareto"]
+    sys.argv = ["footopt", *search_of, "foot.box_tolerance=1", "accuracy=draft", f"hydra.run.dir={folder}"]
+    main()
+    print(f"{_peak():.0f} MB, {time.process_time():.0f} s of processor time")
+
+
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as place:
-        print(json.dumps(measured(int(sys.argv[1]), Path(place))))
+        if "whole" in sys.argv:
+            whole(int(sys.argv[1]), Path(place) / "run")
+        else:
+            print(json.dumps(measured(int(sys.argv[1]), Path(place))))

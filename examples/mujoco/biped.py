@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import mujoco
 import numpy as np
-from PIL import Image
+from PIL import Image, ImageDraw
 
 import footopt as fo
 
@@ -20,6 +20,7 @@ import footopt as fo
 MASS = {"torso": 40.7, "thigh": 6.0, "shank": 2.8, "foot": 0.87}
 STIFF, DAMPED = 4000.0, 120.0  # of the servos, N m/rad and N m s/rad
 FEET = ("left_foot", "right_foot")
+SHOWN = ("distance", "mean_height", "work", "peak_power", "speed_loss")
 
 MODEL = """
 <mujoco model="biped">
@@ -141,16 +142,18 @@ def film(path: str, feet: list[fo.Foot], sand: fo.Sand, seconds: float = 10.0, e
     for foot in feet:
         frames: list[np.ndarray] = []
         camera = mujoco.MjvCamera()
-        camera.azimuth, camera.elevation, camera.distance = 90.0, -3.0, 1.7
+        camera.azimuth, camera.elevation, camera.distance = 90.0, -3.0, 1.95
         renderer: list[mujoco.Renderer] = []
 
-        def watch(model, data, frames=frames, camera=camera, renderer=renderer):
+        def watch(model, data, name=foot.name, frames=frames, camera=camera, renderer=renderer):
             if not renderer:
-                renderer.append(mujoco.Renderer(model, 170, 340))
+                renderer.append(mujoco.Renderer(model, 240, 360))
             if round(data.time / model.opt.timestep) % every == 0:
-                camera.lookat[:] = data.qpos[0] + 0.1, 0.0, 0.42
+                camera.lookat[:] = data.qpos[0] + 0.1, 0.0, 0.7
                 renderer[0].update_scene(data, camera)
-                frames.append(renderer[0].render().copy())
+                picture = Image.fromarray(renderer[0].render())
+                ImageDraw.Draw(picture).text((8, 6), f"{name} foot, {data.time:.1f} s", "black", font_size=14)
+                frames.append(np.array(picture))
 
         walk(foot, sand, seconds, watch=watch)
         renderer[0].close()
@@ -166,10 +169,15 @@ if __name__ == "__main__":
     parser.add_argument("--sand", default="hard", help="soft, regular, hard, ...")
     parser.add_argument("--seconds", type=float, default=10.0, help="how long each walk is")
     parser.add_argument("--five", action="store_true", help="five feet in place of two")
-    parser.add_argument("--film", help="a .gif of the walks with the flat and the designed foot")
+    parser.add_argument("--film", help="a .gif of the walks; without a display, set MUJOCO_GL=egl")
     options = parser.parse_args()
+    if options.seconds <= fo.Gait.human().heel_strike:
+        parser.error(f"--seconds is {options.seconds:g}; give more than {fo.Gait.human().heel_strike:g}")
     sand = fo.Sand.named(options.sand)
     for foot in five() if options.five else five()[:2]:
         print(foot.name, {k: round(v, 4) for k, v in walk(foot, sand, options.seconds).items()}, flush=True)
+        if options.five:  # the walker whose mass is all at the hip
+            hip = fo.simulate(foot, fo.Scene(sand=sand, t_f=options.seconds)).objectives
+            print("    by fo.simulate", {k: round(v, 4) for k, v in hip.items() if k in SHOWN})
     if options.film:
         film(options.film, five()[:2], sand, options.seconds)

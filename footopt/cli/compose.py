@@ -36,7 +36,11 @@ def groups() -> dict[str, list[str]]:
 def help_text(words: Sequence[str]) -> str:
     """What `footopt [settings] --help` says; "" where that is left to Hydra, which takes a second longer."""
     given = [word for word in words if word not in ("-h", "--help")]
-    if len(given) < len(words) and given and set(given) <= {field.name for field in fields(Config)}:
+    if (
+        len(given) < len(words)
+        and given
+        and set(given) <= {*(field.name for field in fields(Config)), *groups()}
+    ):
         from footopt.studies import reference
 
         return reference.text(tuple(given))

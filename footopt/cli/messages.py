@@ -23,7 +23,7 @@ from footopt.studies.settings import known
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 NO_RIGHT = (errno.EACCES, errno.EROFS, errno.EPERM)
 NO_MEMORY = ("start new thread", "failed to map segment")  # in what Python and its libraries say
-NO_FOLDER = (errno.ENOENT, errno.ENOTDIR)
+NO_FOLDER = (errno.ENOENT, errno.ENOTDIR, errno.EEXIST)
 FOLDERS = ("hydra.run.dir=", "hydra.sweep.dir=")
 QUOTES = "'\""
 MORE = "`footopt --help` lists all settings."
@@ -50,7 +50,7 @@ def explain(error: BaseException, words: Sequence[str] = ()) -> str:
         The command line.
     """
     if isinstance(error, FootoptError):
-        return str(error)
+        return re.sub(r"\bstudy\.run\b", "run", str(error))  # what users type
     if (composed := refusal(error, words)) is not None:
         return str(composed)
     if isinstance(error, OSError):
@@ -88,7 +88,8 @@ def refusal(error: BaseException, words: Sequence[str]) -> FootoptError | None:
         for group in given.keys() & groups().keys():
             if given[group] not in groups()[group]:
                 return _no_choice(group, given[group], groups()[group])
-        return FootoptError(said)
+        word = next((word for word in words if word.startswith("=")), "")
+        return FootoptError(f"{word}: settings are given as name=value. {MORE}" if word else said)
     if isinstance(error, OverrideParseException):
         return _unreadable(error.override, words)
     if ambiguous := re.match(r"Ambiguous value for argument '(.*)'", str(error)):
@@ -130,6 +131,8 @@ def _unreadable(word: str, words: Sequence[str]) -> FootoptError:
             whole = " ".join([word, *more])
             return FootoptError(f"{word}: the list has spaces in it. Leave them out, or quote it: '{whole}'")
         return FootoptError(f"{word}: the list does not end. Try '{word}]'")
+    if value.endswith("]") and value.count("]") > value.count("["):
+        return FootoptError(f"{word}: the list does not begin. Try '{name}=[{value}'")
     if equals:
         return FootoptError(f"{word}: the value cannot be read. Try quotes around it: {name}=\"'...'\"")
     choices = groups()
@@ -182,10 +185,10 @@ def _unknown(key: str, given: Mapping[str, str]) -> FootoptError:
     same = [name for name in names if name.rpartition(".")[2] == last]
     same = [name for name in same if name.count(".") == min(name.count(".") for name in same)]
     close = meant(last, own) if own else ""
-    if same:
-        hint = f"Did you mean {' or '.join(f'{name}={value}' for name in same)}?"
-    elif close:
+    if close:
         hint = f"Did you mean {own[close]}={value}?"
+    elif same:
+        hint = f"Did you mean {' or '.join(f'{name}={value}' for name in same)}?"
     elif own:
         hint = f"Those of {group}: {', '.join(own)}."
     else:

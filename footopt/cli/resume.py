@@ -58,6 +58,7 @@ def resume(given: Sequence[str]) -> int:
         The folder holds no run, or it cannot go on like that.
     """
     folders = [word.removeprefix("resume=") for word in given if word.startswith("resume=")]
+    check(folders[-1] != "", "resume", "", "the folder of a run")
     new = [word for word in given if not word.startswith("resume=") and word != TRUST]
     folder, trusted = Path(folders[-1]).expanduser().absolute(), TRUST in given
     logging.basicConfig(level=logging.WARNING, stream=sys.stdout, format="[%(levelname)s] %(message)s")

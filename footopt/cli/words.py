@@ -15,6 +15,7 @@ from footopt.errors import FootoptError
 
 #: Settings that name files or folders.
 FILES = (*PATHS, "study.video", "hydra.run.dir", "hydra.sweep.dir")
+LISTS = ("plugins", "study.runs")
 
 
 def check_dashes(words: Sequence[str]) -> None:
@@ -39,6 +40,8 @@ def readable(word: str) -> str:
     if name.lstrip("+") not in FILES or is_read(word):
         return word
     listed = value.startswith("[") and value.endswith("]")
+    if name.lstrip("+") in LISTS and listed != value.startswith("[") | value.endswith("]"):
+        return word  # half a list; quoted, it would be a file's name
     parts = (value[1:-1] if listed else value).split(",")  # jobs of a multirun, or a list
     inner = ",".join(quoted(os.path.expanduser(part.strip())) for part in parts)
     return f"{name}{equals}[{inner}]" if listed else f"{name}{equals}{inner}"

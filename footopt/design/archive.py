@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.design.fronts import Volume
+from footopt.design.fronts import Volume, nondominated
 from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import Solver
@@ -181,12 +181,10 @@ class Archive:
 
     def _front(self) -> Ints:
         """The non-dominated of the last front and the newest feasible designs."""
-        from moocore import is_nondominated
-
         _, count, front = self._closed
         pool = np.concatenate([front, count + np.flatnonzero(self._good[count:])])
         if not len(pool):
             return pool
         f = self.problem.minimised(self._table.values[pool])
-        best: Ints = pool[is_nondominated(f, keep_weakly=True)]
+        best: Ints = pool[nondominated(f)]
         return best

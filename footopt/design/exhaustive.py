@@ -15,6 +15,7 @@ import numpy as np
 
 from footopt.design.archive import Designs, no_designs, nothing_feasible
 from footopt.design.evaluator import Evaluator
+from footopt.design.fronts import nondominated
 from footopt.design.problem import FootProblem, Ints
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import Solver
@@ -94,9 +95,7 @@ def best_of(designs: Designs, problem: FootProblem) -> Designs:
     f = problem.minimised(designs.values)
     if problem.n_obj == 1:
         return designs.take(np.argsort(f[:, 0], kind="stable")[:KEPT])
-    from moocore import is_nondominated
-
-    return designs.take(is_nondominated(f, keep_weakly=True))
+    return designs.take(nondominated(f))
 
 
 def enumerate_space(

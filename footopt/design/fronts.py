@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-
 Ints = NDArray[np.int64]
 
 REFERENCE = 1.1  # of hypervolumes, where the merged front spans 0 to 1 in every objective
@@ -45,6 +44,13 @@ class Volume:
         else:
             self._reach = np.maximum(self._reach, reached(-f[new], rays)[0])
         return self._constant * float((self._reach**objectives).mean())
+
+
+def nondominated(F: Array) -> NDArray[np.bool_]:
+    """Which designs no other dominates, (designs,)."""
+    from moocore import is_nondominated
+
+    return np.asarray(is_nondominated(np.ascontiguousarray(F, float), keep_weakly=True))
 
 
 def thinned(f: Array) -> Ints:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.design.fronts import thinned
+from footopt.design.fronts import nondominated, thinned
 from footopt.design.problem import Array, FootProblem, Ints
 from footopt.design.solvers import Solver
 from footopt.errors import check, needed
@@ -262,9 +262,7 @@ def confirm(result: SearchResult, accuracy: Accuracy | str, finalists: int = 20)
     kept = problem.constraints(values, reasons, result.violation[chosen]) <= 0.0
     good = np.asarray(kept.all(axis=1))
     if problem.n_obj > 1 and good.any():
-        from moocore import is_nondominated
-
-        good[good] = is_nondominated(problem.minimised(values[good]), keep_weakly=True)
+        good[good] = nondominated(problem.minimised(values[good]))
     scores = np.full(len(chosen), np.inf)
     if good.any():
         scores[good] = problem.ranked(values[good])

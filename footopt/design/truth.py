@@ -160,7 +160,7 @@ class Tabulated(FootProblem):
 
 @dataclass(frozen=True)
 class Attempt:
-    """One run of a solver against the truth. Walks are different designs: who asks again pays nothing.
+    """One run of a solver against the truth. Walks are different designs in their box: others cost nothing.
 
     Parameters
     ----------
@@ -199,8 +199,8 @@ class Attempt:
 
 def judge(result: SearchResult, truth: Tabulated) -> Attempt:
     """A search of a `Tabulated` problem against what is there to be found."""
-    name, seed = str(result.solver.name), result.solver.seed
-    single = judge_designs(name, seed, result.k, truth)
+    name, seed, inside = str(result.solver.name), result.solver.seed, result.reasons != "box"
+    single = judge_designs(name, seed, result.k[inside], truth)
     if truth.n_obj == 1:
         return single
     f, last = truth.minimised(result.values), len(result.history)
@@ -208,7 +208,7 @@ def judge(result: SearchResult, truth: Tabulated) -> Attempt:
     for generation in np.unique(np.linspace(1, last, min(CHECKPOINTS, last)).round().astype(int)):
         known = result.generation <= generation
         so_far = f[result.feasible & known]
-        checkpoints.append((int(known.sum()), truth.hypervolume(so_far) if len(so_far) else 0.0))
+        checkpoints.append((int((known & inside).sum()), truth.hypervolume(so_far) if len(so_far) else 0.0))
     reached = [walks for walks, share in checkpoints if share >= REACHED]
     return Attempt(
         solver=name,
@@ -224,7 +224,7 @@ def judge(result: SearchResult, truth: Tabulated) -> Attempt:
 
 
 def judge_designs(solver: str, seed: int, k: Ints, truth: Tabulated) -> Attempt:
-    """Different designs (designs, n), in the order in which somebody asked for them, by their J_W."""
+    """Different designs (designs, n) in their box, in the order in which they were asked for, by J_W."""
     found = truth.evaluate(k)
     good = (truth.constraints(*found) <= 0.0).all(axis=1)
     best = np.minimum.accumulate(np.where(good, found.values[:, truth.record.index("efficiency")], np.inf))
@@ -245,56 +245,6 @@ def expected_walks(attempts: Sequence[Attempt]) -> float:
     hits = sum(a.hit for a in attempts)
     spent = sum(a.within_at if a.hit else a.walks for a in attempts)
     return spent / hits if hits else float("inf")
-
-
-def random_search(truth: Tabulated, walks: int, seed: int) -> Ints:
-    """Different designs drawn at random: what every solver has to beat."""
-    rng = np.random.default_rng(seed)
-    count = truth.space.K**truth.space.n
-    numbers = rng.choice(count, min(walks, count), replace=False)
-    return np.asarray(1 + numbers[:, None] // truth._powers % truth.space.K)
-
-
-class _Spent(Exception):
-    """All walks are."""
-
-
-def scipy_de(truth: FootProblem, walks: int, seed: int) -> Ints:
-    """Differential evolution of SciPy over whole numbers, at its defaults, by the designs it asks for.
-
-    What is infeasible is worse than all feasible, by how far the sole leaves its box.
-    """
-    from scipy.optimize import differential_evolution
-
-    asked: dict[tuple[int, ...], float] = {}
-
-    def value(x: Array) -> float:
-        k = tuple(np.round(x).astype(int).tolist())
-        if k not in asked:
-            if len(asked) == walks:
-                raise _Spent
-            found = truth.evaluate([k])
-            over = np.maximum(truth.constraints(*found)[0], 0.0).sum()
-            asked[k] = float(over) if over > 0.0 else float(truth.minimised(found.values)[0, 0])
-        return asked[k]
-
-    bounds, n = [(1, truth.space.K)] * truth.space.n, 0
-    try:
-        while len(asked) > n or not asked:  # it is started again when it has converged
-            n = len(asked)
-            differential_evolution(
-                value, bounds, integrality=True, polish=False, maxiter=10**6, seed=seed + n
-            )
-    except _Spent:
-        pass
-    return np.array(list(asked))
-
-
-#: Searches for one objective that are no solvers of footopt's and need no further package.
-PEERS: dict[str, Callable[[Tabulated, int, int], Ints]] = {
-    "random": random_search,
-    "scipy_de": scipy_de,
-}
 
 
 def _front(f: Array) -> Array:

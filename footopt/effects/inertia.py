@@ -42,7 +42,7 @@ class Inertia:
 
     factor: float = 1.1
     rho: float = 1600.0
-    number, source = "lambda rho v^2 / (zeta alpha_z z)", "Agarwal et al. (2021)"
+    number, source = "lambda rho v^2 / (lambda rho v^2 + zeta alpha_z z), swung", "Agarwal et al. (2021)"
 
     def __post_init__(self) -> None:
         check(0 <= self.factor <= 1e3, "effects.inertia.factor", self.factor, "a number >= 0 and <= 1000")
@@ -59,8 +59,9 @@ class Inertia:
         return self.factor * self.rho == 0.0
 
     def estimate(self, scale: Scale) -> float:
-        """lambda rho v^2 over zeta alpha_z |z| of a level foot that is set down."""
-        return self.law.density * scale.speed**2 / (scale.stress * scale.depth)
+        """Share of lambda rho v^2 in the pressure on a foot swung as deep in the sand as the other."""
+        inertial = self.law.density * scale.sweep**2
+        return inertial / (inertial + scale.stress * scale.depth)
 
 
 def inertial_push(law, state, vn, depth):

@@ -27,7 +27,7 @@ def read_columns(
     Parameters
     ----------
     path : str or Path
-        A CSV file with a header.
+        A CSV file with a header; where that has semicolons or tabs, numbers may have decimal commas.
     kind : str
         What the file is for, in `footopt.files.reading.LIMITS`.
     setting : str
@@ -69,7 +69,9 @@ def columns_of(
     Unusable
         It lacks a column or has it twice, or holds something that is not a number.
     """
-    reader = csv.reader(text.splitlines(), skipinitialspace=True)
+    lines = text.splitlines()
+    mark = next((mark for mark in (";", "\t") if lines and mark in lines[0]), ",")
+    reader = csv.reader(lines, skipinitialspace=True, delimiter=mark)
     try:
         header = next(reader, [])
         rows = [(reader.line_num, row) for row in reader if row]
@@ -78,7 +80,8 @@ def columns_of(
     if missing := [name for name in wanted if name not in header]:
         units = f" ({', '.join(wanted.values())})" if any(wanted.values()) else ""
         raise Unusable(
-            f"the header lacks {', '.join(missing)}; the columns must be {', '.join(wanted)}{units}."
+            f"the header lacks {', '.join(missing)}; the columns must be {', '.join(wanted)}{units}, "
+            "with commas, semicolons or tabs between them."
         )
     if twice := next((name for name in (*wanted, *optional, label) if header.count(name or "") > 1), None):
         raise Unusable(f"two columns are called {twice!r}. Which one is it?")
@@ -92,7 +95,9 @@ def columns_of(
                 f"not a table of numbers (line {line} has {len(row)} cells, the header {len(header)})."
             )
     try:
-        table = to_numbers(((line, [row[c] for c in places]) for line, row in rows), len(places), gaps=False)
+        point = "," if mark == "," else "."
+        cells = ((line, [row[c].replace(",", point) for c in places]) for line, row in rows)
+        table = to_numbers(cells, len(places), gaps=False)
     except ValueError as error:
         raise Unusable(f"not a table of numbers ({error}).") from None
     labels = ["" if words is None else row[words].strip() for _, row in rows]

@@ -75,7 +75,7 @@ def read_bytes(path: str | Path, kind: str, setting: str) -> bytes:
     Raises
     ------
     FileError
-        There is no such file, it cannot be read, or it is too large.
+        There is no such file, it cannot be read, is empty, or too large.
     """
     try:
         with open(path, "rb") as file:
@@ -84,6 +84,8 @@ def read_bytes(path: str | Path, kind: str, setting: str) -> bytes:
         why = error.strerror if isinstance(error, OSError) else error
         hint = " Use gait=human for the built-in walk." if kind == "gait" else ""
         raise FileError(f"{named(path, setting)}: cannot be read ({why}).{hint}") from None
+    if not content.strip():
+        raise FileError(f"{named(path, setting)}: is empty.")
     if len(content) > LIMITS[kind]:
         raise FileError(
             f"{named(path, setting)}: is larger than {LIMITS[kind] / MB:g} MB, the most for a {kind} file. "

@@ -2,44 +2,38 @@
 
 from __future__ import annotations
 
+import pickle
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.effects import Rest, Slope
-from footopt.effects import base as effects
-from footopt.effects.footprints import prints_of
-from footopt.effects.rest import rest_length
+from footopt.effects import Effect, Rest
 from footopt.effects.shadowing import filler
 from footopt.errors import SettingError, needed
-from footopt.foot import Foot
-from footopt.mujoco.callback import KERNELS, MOST, callback, kernel
-from footopt.mujoco.desk import Desk
+from footopt.foot import Foot, Plates
+from footopt.mujoco.callback import ATTACHED, MOST, callback, compiled
+from footopt.mujoco.faces import COLUMNS
 from footopt.mujoco.intrusion import Grains, xi_of
-from footopt.mujoco.step import COUNTED, MESH, SOLE
+from footopt.mujoco.step import BODY, COUNTED, END, MEAN, STEP, Workspace
 from footopt.sand import Sand
-from footopt.sand.law import PER_CM3
-from footopt.walk.scene import EARTH
+from footopt.walk.accuracy import Accuracy
+from footopt.walk.prepare import world
+from footopt.walk.scene import EARTH, Scene
 
 Array = NDArray[np.float64]
 
-RK4 = 1  # mjINT_RK4
+EXPLICIT = 0.25  # half of the limit beyond which the ankle of a standing foot swings (docs/mujoco.md)
+LOOSE = "dt kv / inertia of a servo is {:.2g}: from 0.25 on a standing foot may swing. Try implicitfast."
 
-#: Callbacks in use by the address of their MjData: all that they read has to stay where it is.
-_ATTACHED: dict[int, Contact] = {}
+#: Contacts in use by the address of their MjData: all that the callback reads has to stay where it is.
+_KEPT: dict[int, Contact] = {}
 
 
-def attach(
-    model: Any,
-    data: Any,
-    feet: Mapping[str, Foot | str],
-    sand: Sand | Grains,
-    effects: Sequence[effects.Effect] = (),
-    plates: int = 64,
-) -> Contact:
-    """Put bodies of a MuJoCo model on sand, whose surface is z = 0.
+class Contact:
+    """Bodies of a MuJoCo model on sand, whose surface is z = 0: what the sand does, until `detach`.
 
     The force is added to ``data.qfrc_passive`` in every step. Attach after the model is compiled and its
     integrator, time step and gravity are chosen; the first step starts with all that is in the sand sunk
@@ -62,28 +56,12 @@ def attach(
     plates : int, 1
         Of a sole: half of them along each of two lines, where Gauss's rule has them across the width.
 
-    Returns
-    -------
-    Contact
-        What the sand does; `Contact.detach` ends it.
-
     Raises
     ------
     SettingError
         A name is not in the model, or an effect is not for MuJoCo.
     MissingError
         There is no MuJoCo: ``pip install "footopt[mujoco]"``.
-    """
-    return Contact(model, data, feet, sand, tuple(effects), plates)
-
-
-class Contact:
-    """The sand under the feet of one MjData, made by `attach`.
-
-    Parameters
-    ----------
-    model, data, feet, sand, effects, plates
-        As for `attach`.
     """
 
     def __init__(
@@ -92,153 +70,137 @@ class Contact:
         data: Any,
         feet: Mapping[str, Foot | str],
         sand: Sand | Grains,
-        chosen: tuple[effects.Effect, ...],
-        plates: int,
+        effects: Sequence[Effect] = (),
+        plates: int = 64,
     ) -> None:
         mujoco = needed("mujoco", "footopt.mujoco", "mujoco")
-        _check(feet, chosen, plates)
-        grains = sand if isinstance(sand, Grains) else Grains()
-        planar = sand.sand if isinstance(sand, Grains) else sand
-        zeta = planar.zeta * float(np.linalg.norm(model.opt.gravity)) / EARTH
-        chosen = effects.ordered(chosen)
-        rows: list[tuple[int, int, int, int]] = []
-        tables, laws = [], np.zeros((len(feet), 9))
-        for b, (name, foot) in enumerate(feet.items()):
-            body = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name)
-            if body < 0:
+        grains, planar = (sand, sand.sand) if isinstance(sand, Grains) else (Grains(), sand)
+        scene = Scene(sand=planar, effects=tuple(effects))
+        found, g = world(scene, Accuracy()), float(np.linalg.norm(model.opt.gravity)) / EARTH
+        if not feet:
+            raise SettingError("feet", {}, "a body and its foot, at least")
+        if plates < 4 or plates % 2:
+            raise SettingError("plates", plates, "an even number from 4")
+        if found.tilt is not None:
+            raise SettingError("effects", "slope", "one that MuJoCo has not", "Tilt model.opt.gravity.")
+        if found.prints is not None:
+            raise SettingError("effects", "footprints", "an effect without a changing surface")
+        bodies, tables, first = np.zeros(len(feet), BODY), [], 0
+        for body, (name, foot) in zip(bodies, feet.items(), strict=True):
+            row = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name)
+            if row < 0:
                 names = [model.body(i).name for i in range(1, model.nbody)]
                 raise SettingError("feet", name, f"the name of a body: {', '.join(names)}")
-            solid = isinstance(foot, Foot)
-            tables.append(_sole(foot, plates, chosen) if isinstance(foot, Foot) else _mesh(model, body, foot))
-            first = rows[-1][2] if rows else 0
-            rows.append((body, first, first + tables[-1].shape[1], SOLE if solid else MESH))
-            laws[b] = (
-                [zeta * PER_CM3 * v for v in planar.stress_map.law]
-                if solid
-                else [xi_of(zeta), grains.surface, *[0.0] * 7]
-            )
-        self.model, self.data, self.names = model, data, tuple(feet)
-        rk4 = float(model.opt.integrator == RK4)
-        clock = np.array([0.0, model.opt.timestep, rk4, 0.0, 0.0])
-        length = rest_length(chosen) or Rest().length
-        self._desk = _desk(model, data, rows, tables, laws, clock, length)
-        acting = effects.laws(chosen)
-        self.acting = acting.loads, acting.gates, acting.pushes
-        self._kernel = kernel(self.acting, self._desk)
-        self._spec = np.array([v for a in self._desk for v in (a.ctypes.data, *a.shape, 0)[:3]], np.int64)
-        if data._address not in _ATTACHED and len(_ATTACHED) == MOST:
+            if isinstance(foot, Foot):
+                table = _sole(foot.plates(plates // 2, directed=True, fill=filler(scene.effects)), foot.width)
+                body["law"] = g * np.array(found.law)
+            else:
+                table = _mesh(mujoco, model, row, foot)
+                body["mesh"], body["law"][0], body["friction"] = 1, g * xi_of(planar), grains.surface
+            body["row"], body["first"], body["last"] = row, first, first + table.shape[1]
+            body["reach"] = np.linalg.norm(table[:3], axis=0).max()
+            tables.append(table.ravel())
+            first += table.shape[1]
+        step, n = np.zeros(1, STEP), 6 * len(feet)
+        step["start"], step["dt"], step["gravity"] = -np.inf, model.opt.timestep, model.opt.gravity
+        step["rk4"] = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
+        step["length"] = found.rest or Rest().length
+        self._space = Workspace(
+            step, bodies, data.xpos, data.xmat.reshape(-1, 9), data.qvel[None], data.qfrc_passive[None],
+            np.concatenate(tables)[None], np.zeros((3, 3 * first)), np.zeros((5, n)),
+            np.zeros((n, model.nv)), np.zeros((n, model.nv)), np.zeros((n, n)),
+        )  # fmt: skip
+        self.data, self.names, self._bodies = data, tuple(feet), bodies
+        self.acting = found.loads, found.gates, found.pushes
+        self._compiled = compiled(pickle.dumps(self.acting))
+        self.addresses = np.array([(a.ctypes.data, *a.shape, 0)[:3] for a in self._space])
+        if data._address not in _KEPT and len(_KEPT) == MOST:
             raise SettingError("data", f"number {MOST + 1}", f"at most {MOST} at once", "Detach one.")
-        _ATTACHED[data._address] = self
-        _install(mujoco)
+        _KEPT[data._address] = self
+        _install()
+        if model.opt.integrator == mujoco.mjtIntegrator.mjINT_EULER and _explicit(model) > EXPLICIT:
+            warnings.warn(LOOSE.format(_explicit(model)), stacklevel=2)
 
     def detach(self) -> None:
         """Take the sand away from this MjData."""
-        if _ATTACHED.get(self.data._address) is self:
-            del _ATTACHED[self.data._address]
-            _install(needed("mujoco", "footopt.mujoco", "mujoco"))
+        if _KEPT.get(self.data._address) is self:
+            del _KEPT[self.data._address]
+            _install()
 
     @property
     def force(self) -> dict[str, Array]:
         """Of the sand on each body at the step's end, (3,), N, in the world's axes."""
-        return {name: self._desk.last[b, :3].copy() for b, name in enumerate(self.names)}
+        return self._by_name(self._space.vectors[END].reshape(-1, 6)[:, :3].copy())
 
     @property
     def wrench(self) -> dict[str, Array]:
         """Mean force, N, and torque about the body's origin, N m, (6,), given for the step."""
-        return {name: self._desk.mean[b].copy() for b, name in enumerate(self.names)}
+        return self._by_name(self._space.vectors[MEAN].reshape(-1, 6).copy())
 
     @property
     def power(self) -> dict[str, float]:
         """Of the sand on each body at the step's end, W."""
-        return dict(zip(self.names, self._desk.power.tolist(), strict=True))
+        return self._by_name(self._bodies["power"].tolist())
 
     @property
     def work(self) -> dict[str, float]:
         """Of the sand on each body since it was attached, J."""
-        return dict(zip(self.names, (self._desk.work + self._desk.pending).tolist(), strict=True))
+        return self._by_name((self._bodies["work"] + self._bodies["pending"]).tolist())
 
     @property
     def depth(self) -> dict[str, float]:
         """Of the deepest face of each body at the step's beginning, m."""
-        return dict(zip(self.names, self._desk.depths.tolist(), strict=True))
+        return self._by_name(self._bodies["depth"].tolist())
 
     @property
     def counts(self) -> dict[str, int]:
-        """Steps, evaluations, stages rescued and failed, and restarts: 1, and one for every jump in time."""
-        return dict(zip(COUNTED, self._desk.counts.tolist(), strict=True))
+        """Steps, evaluations, stages not solved, and restarts: 1, and one for every jump in time."""
+        return {name: int(self._space.step[name][0]) for name in COUNTED}
+
+    def _by_name(self, values: Any) -> dict[str, Any]:
+        return dict(zip(self.names, values, strict=True))
 
 
-def _check(feet: Mapping[str, Foot | str], chosen: Sequence[effects.Effect], plates: int) -> None:
-    if not feet:
-        raise SettingError("feet", {}, "a body and its foot, at least")
-    if plates < 4 or plates % 2:
-        raise SettingError("plates", plates, "an even number from 4")
-    if any(isinstance(effect, Slope) for effect in chosen):
-        raise SettingError("effects", "slope", "one that MuJoCo has not", "Tilt model.opt.gravity.")
-    if prints_of(chosen) is not None:
-        raise SettingError("effects", "footprints", "an effect without a changing surface")
+attach = Contact
 
 
-def _sole(foot: Foot, plates: int, chosen: Sequence[effects.Effect]) -> Array:
-    """The faces of a sole, (10, plates), as `stage` takes them."""
-    cut = foot.plates(plates // 2, directed=True, fill=filler(chosen))
+def _sole(cut: Plates, width: float) -> Array:
+    """The faces of a sole, (10, plates), as `faces.forces` takes them."""
     x, z, c2, s2, area, tx, tz = (np.tile(column[0], 2) for column in cut[:7] if column is not None)
-    y = np.repeat([-1.0, 1.0], len(x) // 2) * foot.width / (2.0 * np.sqrt(3.0))
-    half = 0.5 * area
-    return np.array([x, y, z, half, tz, 0 * x, -tx, 0.5 - 0.5 * c2, -0.5 * s2, 0.5 + 0.5 * c2])
+    y = np.repeat([-1.0, 1.0], len(x) // 2) * width / (2.0 * np.sqrt(3.0))
+    return np.array([x, y, z, 0.5 * area, tz, 0 * x, -tx, 0.5 - 0.5 * c2, -0.5 * s2, 0.5 + 0.5 * c2])
 
 
-def _mesh(model: Any, body: int, name: str) -> Array:
+def _mesh(mujoco: Any, model: Any, body: int, name: str) -> Array:
     """The faces of a mesh geom, (10, faces), in the body's frame."""
     names = {model.geom(i).name: i for i in range(model.ngeom) if model.geom_bodyid[i] == body}
-    if name not in names or model.geom_dataid[names[name]] < 0 or model.geom_type[names[name]] != 7:
+    if name not in names or model.geom_type[names[name]] != mujoco.mjtGeom.mjGEOM_MESH:
         raise SettingError("feet", name, f"a Foot, or a mesh geom of the body: {', '.join(names) or 'none'}")
-    import trimesh.transformations
-
-    geom = names[name]
-    mesh, matrix = model.geom_dataid[geom], trimesh.transformations.quaternion_matrix(model.geom_quat[geom])
-    matrix[:3, 3] = model.geom_pos[geom]
-    start, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
-    first, faces = model.mesh_faceadr[mesh], model.mesh_facenum[mesh]
-    solid = trimesh.Trimesh(
-        model.mesh_vert[start : start + count], model.mesh_face[first : first + faces], process=False
-    )
-    solid.apply_transform(matrix)
-    n = solid.face_normals.T
-    return np.array([*solid.triangles_center.T, solid.area_faces, *n, n[0] ** 2, n[0] * n[2], n[2] ** 2])
+    geom, turned = names[name], np.empty(9)
+    mesh = model.mesh(model.geom_dataid[geom])
+    start, first = int(mesh.vertadr[0]), int(mesh.faceadr[0])
+    mujoco.mju_quat2Mat(turned, model.geom_quat[geom])
+    corners = model.mesh_vert[start:][model.mesh_face[first : first + int(mesh.facenum[0])]]
+    a, b, c = np.moveaxis(corners @ turned.reshape(3, 3).T + model.geom_pos[geom], 1, 0)
+    normal = 0.5 * np.cross(b - a, c - a)
+    area = np.linalg.norm(normal, axis=1)
+    n = (normal / np.maximum(area, 1e-300)[:, None]).T
+    return np.array([*(a + b + c).T / 3.0, area, *n, *np.zeros((COLUMNS - 7, len(area)))])
 
 
-def _desk(
-    model: Any, data: Any, rows: list[Any], tables: list[Array], laws: Array, clock: Array, length: float
-) -> Desk:
-    b, p, nv = len(rows), rows[-1][2], model.nv
-    reach = np.array([np.sqrt((t[:3] ** 2).sum(axis=0).max()) for t in tables])
-    return Desk(
-        places=data.xpos,
-        attitude=data.xmat.reshape(-1, 9),
-        velocity=data.qvel,
-        passive=data.qfrc_passive,
-        bodies=np.array(rows, np.int64),
-        active=np.zeros(b, np.int64),
-        counts=np.zeros(len(COUNTED), np.int64),
-        clock=clock,
-        length=np.array([length]),
-        laws=laws,
-        reach=reach,
-        faces=np.concatenate([t.ravel() for t in tables]),
-        bristles=np.zeros((3, 3 * p)),
-        gravity=np.array(model.opt.gravity),
-        **{name: np.zeros((b, 6)) for name in ("now", "twists", "gained", "free", "mean", "last")},
-        **{name: np.zeros(b) for name in ("power", "pending", "work", "depths")},
-        **{name: np.zeros((6 * b, nv)) for name in ("jacobian", "own", "answer")},
-    )
+def _explicit(model: Any) -> float:
+    """Largest dt kv / inertia of actuators on joints, whose damping kv Euler's method takes explicitly."""
+    acts = np.flatnonzero(model.actuator_trntype == 0)  # mjTRN_JOINT
+    inertia = model.dof_M0[model.jnt_dofadr[model.actuator_trnid[acts, 0]]]
+    kv = -model.actuator_biasprm[acts, 2] * model.actuator_gear[acts, 0] ** 2
+    return float(np.max(model.opt.timestep * kv / inertia, initial=0.0))
 
 
-def _install(mujoco: Any) -> None:
-    """Have MuJoCo call the callbacks of all that is attached, or none."""
-    for _, table in KERNELS.values():
-        table[:] = 0
-    for row, contact in enumerate(_ATTACHED.values()):
-        KERNELS[contact._kernel][1][row] = contact.data._address, contact._spec.ctypes.data
-    keys = tuple(sorted({contact._kernel for contact in _ATTACHED.values()}))
-    mujoco.set_mjcb_passive(callback(keys).ctypes if keys else None)
+def _install() -> None:
+    """Have MuJoCo call the callback while anything is attached."""
+    import mujoco
+
+    ATTACHED[:, 0] = 0
+    for row, contact in zip(ATTACHED, _KEPT.values(), strict=False):
+        row[:] = contact.data._address, contact.addresses.ctypes.data, contact._compiled.address
+    mujoco.set_mjcb_passive(callback() if _KEPT else None)

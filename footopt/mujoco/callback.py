@@ -3,31 +3,22 @@
 from __future__ import annotations
 
 import ctypes
+import pickle
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from llvmlite import ir
 from numba import carray, cfunc, njit, types
-from numba.core import cgutils
 from numba.extending import intrinsic
-from numpy.typing import NDArray
 
 from footopt.errors import needed
-from footopt.mujoco.desk import HOLD, Desk, tick
-from footopt.mujoco.step import hold, prepare, solve
+from footopt.mujoco.step import BODY, HOLD, MEAN, STEP, Workspace, begin, meaning_of, solve
 
-#: MuJoCo's own functions that the callback calls, with the types of their arguments.
-POINTER, INT = ctypes.c_void_p, ctypes.c_int
-CALLED = {
-    "mj_getState": (POINTER, POINTER, POINTER, INT),
-    "mj_jacBody": (POINTER, POINTER, POINTER, POINTER, INT),
-    "mj_solveM": (POINTER, POINTER, POINTER, POINTER, INT),
-}
-
-MOST = 256  # models on sand at once, in one process
-WORDS = 3 * len(Desk._fields)
-TIME = 1  # mjSTATE_TIME
+MOST, ARRAYS = 256, len(Workspace._fields)  # models on sand at once in one process, and arrays of each
+#: What is attached: address of its MjData, of its `Contact.addresses`, and of its compiled step.
+ATTACHED = np.zeros((MOST, 3), np.int64)
 
 
 @intrinsic
@@ -35,96 +26,76 @@ def _pointer(typingctx, address):
     """A whole number as a pointer."""
 
     def generate(context, builder, signature, args):
-        return builder.inttoptr(args[0], cgutils.voidptr_t)
+        return builder.inttoptr(args[0], ir.IntType(8).as_pointer())
 
     return types.voidptr(address), generate
 
 
-@lru_cache(maxsize=1)
-def _library() -> tuple[Any, ...]:
-    """MuJoCo's functions, as compiled code calls them."""
-    folder = Path(needed("mujoco", "footopt.mujoco", "mujoco").__file__).parent
-    paths = [
-        p for pattern in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco.dll") for p in folder.glob(pattern)
-    ]
-    library = ctypes.CDLL(str(paths[0]))
-    for name, arguments in CALLED.items():
-        function = getattr(library, name)
-        function.argtypes, function.restype = arguments, None
-    return tuple(getattr(library, name) for name in CALLED)
+@intrinsic
+def _call(typingctx, function, model, data, space):
+    """Call the function of three whole numbers at an address."""
+
+    def generate(context, builder, signature, args):
+        kind = ir.FunctionType(ir.VoidType(), [argument.type for argument in args[1:]])
+        builder.call(builder.inttoptr(args[0], kind.as_pointer()), args[1:])
+        return context.get_dummy_value()
+
+    return types.void(function, model, data, space), generate
 
 
-def _reader(desk: Desk) -> Any:
-    """A compiled function that makes a `Desk` of its arrays' addresses and shapes, three numbers each."""
-    views = []
-    for i, array in enumerate(desk):
-        shape = ", ".join(f"spec[{3 * i + 1 + axis}]" for axis in range(array.ndim))
-        views.append(f"carray(pointer(spec[{3 * i}]), ({shape},), {array.dtype})")
-    names = {"carray": carray, "pointer": _pointer, "Desk": Desk, "float64": np.float64, "int64": np.int64}
-    exec(f"def read(spec): return Desk({', '.join(views)})", names)
-    return njit(names["read"])
-
-
-def _compiled(acting: tuple[Any, ...], reader: Any, table_address: int) -> Any:
-    """What MuJoCo is to call: nothing, unless its mjData is in the table (`MOST`, 2) of data and specs."""
-    get_state, jacobian_of, solve_mass = _library()
-
-    @njit(error_model="numpy")
-    def passive(model, data):
-        table = carray(_pointer(table_address), (MOST, 2), np.int64)
-        for row in range(MOST):
-            if table[row, 0] == data:
-                desk, time = reader(carray(_pointer(table[row, 1]), (WORDS,), np.int64)), np.zeros(1)
-                get_state(_pointer(model), _pointer(data), time.ctypes, TIME)
-                meaning = tick(desk.clock, time[0])
-                for b in range(len(desk.bodies)):
-                    linear, angular = desk.jacobian[6 * b : 6 * b + 3], desk.jacobian[6 * b + 3 : 6 * b + 6]
-                    body = np.int32(desk.bodies[b, 0])
-                    jacobian_of(_pointer(model), _pointer(data), linear.ctypes, angular.ctypes, body)
-                if meaning == HOLD:
-                    hold(desk)
-                else:
-                    count = prepare(desk, meaning)
-                    if count > 0:
-                        solve_mass(
-                            _pointer(model), _pointer(data), desk.answer.ctypes, desk.own.ctypes, 6 * count
-                        )
-                    solve(desk, acting, count)
-
-    return passive
-
-
-#: By the effects: a compiled callback, and its table.
-KERNELS: dict[str, tuple[Any, NDArray[np.int64]]] = {}
-
-
-def kernel(acting: tuple[Any, ...], desk: Desk) -> str:
-    """The key of the callback for one set of effects, which is compiled once."""
-    key = repr(acting)
-    if key not in KERNELS:
-        table = np.zeros((MOST, 2), np.int64)
-        KERNELS[key] = _compiled(acting, _reader(desk), table.ctypes.data), table
-    return key
+@njit
+def _numbers(table, row):
+    """An array of numbers at its address, with its shape."""
+    return carray(_pointer(table[row, 0]), (table[row, 1], table[row, 2]), np.float64)
 
 
 @lru_cache
-def callback(keys: tuple[str, ...]) -> Any:
-    """One C function that calls each of some callbacks."""
-    first, *others = (KERNELS[key][0] for key in keys)
-    for other in others:
-        first = _both(first, other)
+def compiled(effects: bytes) -> Any:
+    """The step with some effects, a pickled tuple of loads, gates and pushes, which is compiled once."""
+    folder, acting = Path(needed("mujoco", "footopt.mujoco", "mujoco").__file__).parent, pickle.loads(effects)
+    paths = [p for name in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco.dll") for p in folder.glob(name)]
+    library = ctypes.CDLL(str(paths[0]))
+    get_state, jacobian_of, solve_mass = library.mj_getState, library.mj_jacBody, library.mj_solveM
+    for function, pointers in ((get_state, 3), (jacobian_of, 4), (solve_mass, 4)):
+        function.argtypes, function.restype = [ctypes.c_void_p] * pointers + [ctypes.c_int], None
 
-    @cfunc(types.void(types.intp, types.intp))
-    def passive(model, data):
-        first(model, data)
+    @cfunc(types.void(types.intp, types.intp, types.intp))
+    def passive(model, data, address):
+        table, time = carray(_pointer(address), (ARRAYS, 3), np.int64), np.zeros(1)
+        step = carray(_pointer(table[0, 0]), (table[0, 1],), STEP)
+        bodies = carray(_pointer(table[1, 0]), (table[1, 1],), BODY)
+        space = Workspace(
+            step, bodies, _numbers(table, 2), _numbers(table, 3), _numbers(table, 4), _numbers(table, 5),
+            _numbers(table, 6), _numbers(table, 7), _numbers(table, 8), _numbers(table, 9),
+            _numbers(table, 10), _numbers(table, 11),
+        )  # fmt: skip
+        get_state(_pointer(model), _pointer(data), time.ctypes, 1)  # mjSTATE_TIME
+        meaning = meaning_of(step[0], time[0])
+        for b in range(len(bodies)):
+            linear, angular = space.jacobian[6 * b : 6 * b + 3], space.jacobian[6 * b + 3 : 6 * b + 6]
+            row = np.int32(bodies[b].row)
+            jacobian_of(_pointer(model), _pointer(data), linear.ctypes, angular.ctypes, row)
+        if meaning != HOLD and begin(space, meaning):
+            for b in range(len(bodies)):
+                if bodies[b].near:
+                    answer, jacobian = space.answer[6 * b : 6 * b + 6], space.jacobian[6 * b : 6 * b + 6]
+                    solve_mass(_pointer(model), _pointer(data), answer.ctypes, jacobian.ctypes, 6)
+            solve(space, acting)
+        space.passive[0] += space.vectors[MEAN] @ space.jacobian
 
     return passive
 
 
-def _both(one: Any, two: Any) -> Any:
-    @njit
-    def call(model, data):
-        one(model, data)
-        two(model, data)
+@lru_cache(maxsize=1)
+def callback() -> Any:
+    """What MuJoCo is to call: nothing, unless its mjData is `ATTACHED`."""
+    table_address = ATTACHED.ctypes.data
 
-    return call
+    @cfunc(types.void(types.intp, types.intp))
+    def passive(model, data):
+        table = carray(_pointer(table_address), (MOST, 3), np.int64)
+        for row in range(MOST):
+            if table[row, 0] == data:
+                _call(table[row, 2], model, data, table[row, 1])
+
+    return passive.ctypes

@@ -32,31 +32,9 @@ print("sunk (m):", sand.depth["foot"], "carried (N):", sand.force["foot"][2])
 
 
 def write_mjcf(foot: Foot, folder: Path) -> list[Path]:
-    """Write foot.xml, a body with the mesh contour.stl and the site ankle, and drop.py, which lets it fall.
-
-    Parameters
-    ----------
-    foot : Foot
-        Of the files contour.stl and contour.csv that the folder holds.
-    folder : Path
-        Where they are.
-
-    Returns
-    -------
-    written : list of Path
-        Both files.
-
-    Raises
-    ------
-    FileError
-        A file cannot be written.
-    """
+    """Write foot.xml, with the mesh contour.stl and the site ankle, and drop.py, which lets it fall."""
     (x, z), width = (float(v) for v in foot.ankle), float(foot.width)
     height = 0.02 + z - float(foot.contour[:, 1].min())  # the sole 2 cm above the sand
-    texts = {
-        "foot.xml": BODY.format(height=height, x=-x, z=-z),
-        "drop.py": SCRIPT.format(width=width, ankle=(x, z)),
-    }
-    for name, text in texts.items():
-        write_text(folder / name, text)
-    return [folder / name for name in texts]
+    write_text(folder / "foot.xml", BODY.format(height=height, x=-x, z=-z))
+    write_text(folder / "drop.py", SCRIPT.format(width=width, ankle=(x, z)))
+    return [folder / "foot.xml", folder / "drop.py"]

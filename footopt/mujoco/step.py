@@ -5,9 +5,10 @@ was. So a step solves the motion of the feet alone over its length, by SDIRK2 (`
 
     dV/dt = a + W F(V, places),   W = J inv(M) J'
 
-with the twists V of the bodies in the sand, J their Jacobian, M MuJoCo's inertia and F the sand's wrenches.
-a is how they accelerate by all but sand: that of the step before, from how their twists changed. MuJoCo is
-given the mean of F. Constraints and servos make bodies heavier than W says, which slows the correction of a.
+with the twists V of the bodies, J their Jacobian, M MuJoCo's inertia and F the sand's wrenches, all in the
+bodies' own axes. a is how they accelerate by all but sand: that of the step before, from how their twists
+changed. MuJoCo is given the mean of F. Constraints and servos make bodies heavier than W says, which slows
+the correction of a.
 
 MuJoCo's Euler and implicit steps move places by the new velocity, which is the leapfrog: velocities belong
 to the middle of steps, and to places half a step back. RK4's belong to the same time.
@@ -16,322 +17,243 @@ to the middle of steps, and to places half a step back. RK4's belong to the same
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from footopt.compiled import FAST, cached_njit, inlined
-from footopt.mujoco.desk import NEW, RESTART, RK4, STEP, Feet
-from footopt.mujoco.stage import at, bent, mesh_forces, sole_forces
+from footopt.mujoco.faces import COLUMNS, X, Y, Z, cross, dot, forces, moved, plus
 
+AGAIN, NEW, HOLD, RESTART = range(4)
 GAMMA = 1.0 - 1.0 / math.sqrt(2.0)
-MAX_NEWTON = 25  # evaluations of one stage, back-tracking included
-RESCUE = 6  # decades by which a stage that fails is made viscous, and then less and less
-SOLE, MESH = range(2)
-
+MAX_NEWTON = 100  # evaluations of one stage, back-tracking included
 TIGHT = 1e-3  # last step of Newton's method over the speed of the feet; forces err by its square
 
-#: What is counted: steps, evaluations, stages that had to be rescued, that failed, and restarts.
-COUNTED = ("steps", "evaluations", "rescues", "failures", "restarts")
+COUNTED = ("steps", "evaluations", "failures", "restarts")
+#: A step of MuJoCo.
+STEP = np.dtype(
+    [
+        ("start", float),  # s; -inf before the first one
+        ("dt", float),  # s
+        ("rk4", np.int64),  # 1 where the integrator is RK4, 0 elsewhere
+        ("seen", np.int64),  # of RK4's stages: 1 once the step's middle has been called for, 2 once its end
+        ("length", float),  # over which bristles bend, m
+        ("gravity", float, 3),  # m/s^2
+        *[(name, np.int64) for name in COUNTED],
+    ]
+)
+
+#: A body on the sand.
+BODY = np.dtype(
+    [
+        ("row", np.int64),  # in MuJoCo
+        ("first", np.int64),  # of its faces
+        ("last", np.int64),  # one past the last of them
+        ("mesh", np.int64),  # 1 for a mesh, 0 for a sole
+        ("law", float, 9),  # N/m^3: `sand.law.Law`, or xi
+        ("friction", float),  # of a mesh's surface
+        ("reach", float),  # of its farthest face, m
+        ("near", np.int64),  # 1 if it may touch sand within the step
+        ("height", float),  # of its origin in the middle of the step, m
+        ("power", float),  # of the sand at the step's end, W
+        ("pending", float),  # its work over the step, J
+        ("work", float),  # over the steps before, J
+        ("depth", float),  # of the deepest face at the step's beginning, m
+    ]
+)
+
+#: Rows of `Workspace.vectors`: the twists at the beginning, m/s and rad/s; accelerations by all but the
+#: sand, and by the sand; the mean wrenches that MuJoCo is given, N and N m, and those at the step's end.
+TWIST, FREE, GAINED, MEAN, END = range(5)
+
+
+class Workspace(NamedTuple):
+    """All that a step reads and writes: MuJoCo's own arrays, and those of b bodies with p faces."""
+
+    step: Any  # (1,) of `STEP`
+    bodies: Any  # (b,) of `BODY`
+    places: Any  # (nbody, 3), m: MuJoCo's xpos
+    attitude: Any  # (nbody, 9): xmat
+    velocity: Any  # (1, nv): qvel
+    passive: Any  # (1, nv): qfrc_passive
+    faces: Any  # (1, 10 p): `faces.X` and so on, a body's as (10, its faces)
+    bristles: Any  # (3, 3 p): at the step's beginning, middle, end
+    vectors: Any  # (5, 6 b): of the bodies' origins in the world's axes, linear, then angular; see `TWIST`
+    jacobian: Any  # (6 b, nv): of all bodies, in the world's axes
+    answer: Any  # (6 b, nv): inv(M) J'; 0 for bodies in the air
+    frame: Any  # (6 b, 6 b): turns all vectors from the bodies' axes to the world's
 
 
 @inlined
-def begin(desk, meaning):
-    """Make the end of the last step the beginning of this one; after a RESTART all has sunk straight down."""
-    before, after = desk.bristles[0], desk.bristles[2]
-    if meaning == NEW:
-        desk.counts[0] += 1
-        for i in range(len(before)):
-            before[i] = after[i]
-    elif meaning == RESTART:
-        desk.counts[4] += 1
-    for b in range(len(desk.bodies)):
-        row, first, last = desk.bodies[b, 0], desk.bodies[b, 1], desk.bodies[b, 2]
-        if meaning == NEW:
-            desk.work[b] += desk.pending[b]
-        elif meaning == RESTART:
-            for a in range(3):
-                for i in range(last - first):
-                    before[3 * first + a * (last - first) + i] = -desk.attitude[row, 6 + a]
-        desk.pending[b] = 0.0
-
-
-@cached_njit(nogil=True, error_model="numpy", fastmath=FAST)
-def forces(desk, effects, b, up, surface, forward, twist, c, turn, h0, wrench, stiffness):
-    """The sand's wrench on a body, and its derivative by the twist."""
-    loads, gates, pushes = effects
-    first, last = desk.bodies[b, 1], desk.bodies[b, 2]
-    n = last - first
-    faces, h = desk.faces[10 * first : 10 * last].reshape(10, n), h0[3 * first : 3 * last].reshape(3, n)
-    law = desk.laws[b]
-    if desk.bodies[b, 3] == SOLE:
-        sole_forces(
-            faces, law, loads, gates, pushes, up, surface, forward, twist, c, turn, h, wrench, stiffness
-        )
-    else:
-        mesh_forces(faces, law, loads, pushes, up, surface, forward, twist, c, turn, h, wrench, stiffness)
+def meaning_of(step, time):
+    """What a call at a time means: the same step AGAIN, a NEW one, a stage of RK4 to HOLD, or a RESTART."""
+    passed = (time - step.start) / step.dt
+    if abs(passed) < 1e-6:
+        return AGAIN
+    ends = abs(passed - 1.0) < 1e-6
+    if step.rk4 and (abs(passed - 0.5) < 1e-6 or (ends and step.seen == 1)):
+        step.seen = 2 if ends else 1
+        return HOLD
+    step.start, step.seen = time, 0
+    return NEW if ends else RESTART
 
 
 @inlined
-def _surface(feet, k, base, c, v):
-    """Height of a place in a foot at a stage's end, as `stage.at` takes it: it has moved by base + c v."""
-    u, o = feet.ups[k], 6 * k
-    dx, dy, dz = base[o] + c * v[o], base[o + 1] + c * v[o + 1], base[o + 2] + c * v[o + 2]
-    tx, ty, tz = base[o + 3] + c * v[o + 3], base[o + 4] + c * v[o + 4], base[o + 5] + c * v[o + 5]
-    return (
-        feet.heights[k] + u[0] * dx + u[1] * dy + u[2] * dz,
-        u[0] + u[1] * tz - u[2] * ty,
-        u[1] + u[2] * tx - u[0] * tz,
-        u[2] + u[0] * ty - u[1] * tx,
-    )
-
-
-@inlined
-def _eliminate(a, x):
-    """Solve a y = x by Gauss's elimination with pivots; y takes the place of x, and a is used up."""
-    n = len(x)
-    for i in range(n):
-        best = i
-        for j in range(i + 1, n):
-            if abs(a[j, i]) > abs(a[best, i]):
-                best = j
-        if best != i:
-            x[i], x[best] = x[best], x[i]
-            for j in range(i, n):
-                a[i, j], a[best, j] = a[best, j], a[i, j]
-        for j in range(i + 1, n):
-            factor = a[j, i] / a[i, i]
-            if factor != 0.0:
-                x[j] -= factor * x[i]
-                for m in range(i + 1, n):
-                    a[j, m] -= factor * a[i, m]
-    for i in range(n - 1, -1, -1):
-        for j in range(i + 1, n):
-            x[i] -= a[i, j] * x[j]
-        x[i] /= a[i, i]
+def of_body(table, body, rows):
+    """A body's part of a flat table of all faces, (rows, its faces)."""
+    return table[rows * body.first : rows * body.last].reshape(rows, body.last - body.first)
 
 
 @cached_njit(nogil=True, error_model="numpy")
-def newton(desk, effects, feet, base, v0, v, c, turn, h0, f):
-    """Solve v = v0 + c W F(v) for the twists v of the feet; whether it could be. f: their wrenches."""
+def begin(space, meaning):
+    """Begin a step, after a RESTART with all sunk straight down; whether a body may touch sand."""
+    step, touched, vectors = space.step[0], False, space.vectors
+    twist = space.jacobian @ space.velocity[0]
+    late = 0.5 * step.dt * step.rk4  # from MuJoCo's places to the middle
+    if meaning == NEW:
+        step.steps += 1
+        vectors[FREE] = (twist - vectors[TWIST]) / step.dt - vectors[GAINED]
+        space.bristles[0] = space.bristles[2]
+    elif meaning == RESTART:
+        step.restarts += 1
+        vectors[FREE] = 0.0
+    vectors[TWIST], vectors[GAINED:], space.bristles[2], space.answer[:] = twist, 0.0, 0.0, 0.0
+    for b in range(len(space.bodies)):
+        body, o, frame = space.bodies[b], 6 * b, space.frame
+        axes, height = space.attitude[body.row], space.places[body.row, 2]
+        if meaning == NEW:
+            body.work += body.pending
+        elif meaning == RESTART:
+            vectors[FREE, o : o + 3] = step.gravity
+            for a in range(3):
+                of_body(space.bristles[0], body, 3)[a] = -axes[6 + a]
+        body.power = body.pending = 0.0
+        turned = axes.reshape(3, 3) + late * np.cross(twist[o + 3 : o + 6], axes.reshape(3, 3).T).T
+        frame[o : o + 3, o : o + 3] = frame[o + 3 : o + 6, o + 3 : o + 6] = turned
+        body.height = height + late * twist[o + 2]
+        speed = abs(twist[o + 2]) + (abs(twist[o + 3]) + abs(twist[o + 4])) * body.reach
+        margin, low = 2.0 * step.dt * (speed + 10.0 * step.dt), np.inf
+        if height - body.reach < margin:
+            faces = of_body(space.faces[0], body, COLUMNS)
+            low = height + np.min(axes[6] * faces[X] + axes[7] * faces[Y] + axes[8] * faces[Z])
+        body.depth, body.near = max(-low, 0.0), low < margin
+        touched = touched or low < margin
+    return touched
+
+
+@inlined
+def surface_of(space, b, base, c, v):
+    """Height of a body's origin at a stage's end, where it has moved by base + c v, and up in its axes."""
+    o = 6 * b
+    u = space.frame[o + 2, o], space.frame[o + 2, o + 1], space.frame[o + 2, o + 2]
+    d = plus((base[o], base[o + 1], base[o + 2]), c, (v[o], v[o + 1], v[o + 2]))
+    turn = plus((base[o + 3], base[o + 4], base[o + 5]), c, (v[o + 3], v[o + 4], v[o + 5]))
+    return space.bodies[b].height + dot(u, d), plus(u, -1.0, cross(turn, u))
+
+
+@cached_njit(nogil=True, error_model="numpy", fastmath=FAST)
+def body_forces(space, effects, b, surface, v, c, turn, h0, f, stiffness):
+    """`faces.forces` on a body, written into those of all bodies."""
+    body, o, frame, (loads, gates, pushes) = space.bodies[b], 6 * b, space.frame, effects
+    up = frame[o + 2, o], frame[o + 2, o + 1], frame[o + 2, o + 2]
+    forward = space.places[body.row, 0], (frame[o, o], frame[o, o + 1], frame[o, o + 2])
+    faces, h = of_body(space.faces[0], body, COLUMNS), of_body(h0, body, 3)
+    state = faces, body.law, up, surface, forward, v[o : o + 6], c, turn, h
+    if body.mesh:
+        total, rows = forces(body.friction, loads, None, pushes, *state)
+    else:
+        total, rows = forces(None, loads, gates, pushes, *state)
+    for i in range(6):
+        f[o + i] = total[i]
+        for j in range(6):
+            stiffness[o + i, o + j] = rows[i][j]
+
+
+@cached_njit(nogil=True, error_model="numpy")
+def solution(mobility, stiffness, c, x):
+    """Solve (1 - c W dF/dV) y = x by elimination with pivots, which takes half of LAPACK's time."""
+    n, a = len(x), np.eye(len(x), len(x) + 1)
+    a[:, n] = x
+    for i in range(n):
+        for j in range(n):
+            for m in range(j - j % 6, j - j % 6 + 6):  # a wrench follows the twist of its own body
+                a[i, j] -= c * mobility[i, m] * stiffness[m, j]
+    for i in range(n):
+        best = i + np.argmax(np.abs(a[i:, i]))
+        for m in range(i, n + 1):
+            a[i, m], a[best, m] = a[best, m], a[i, m]
+        for j in range(n):
+            factor = a[j, i] / a[i, i]
+            if j != i and factor != 0.0:
+                for m in range(i, n + 1):
+                    a[j, m] -= factor * a[i, m]
+    return a[:, n] / np.diag(a)
+
+
+@cached_njit(nogil=True, error_model="numpy")
+def newton(space, effects, mobility, base, v0, v, c, turn, h0, f):
+    """Solve v = v0 + c W F(v) for the twists v of the bodies; whether it could be. f: their wrenches."""
     n, best = len(v), np.inf
-    stiffness, total, dv = np.zeros((len(feet.bodies), 6, 6)), np.zeros((n, n)), np.zeros(n)
+    stiffness, wide, dv = np.zeros((n, n)), np.ones(n), np.zeros(n)
+    for b in range(len(space.bodies)):
+        wide[6 * b + 3 : 6 * b + 6] = space.bodies[b].reach  # makes speeds of twists
     for _ in range(MAX_NEWTON):
-        desk.counts[1] += 1
-        for k in range(len(feet.bodies)):
-            o = 6 * k
-            forces(
-                desk, effects, feet.bodies[k], feet.ups[k], _surface(feet, k, base, c, v), feet.along[k],
-                v[o : o + 6], c, turn, h0, f[o : o + 6], stiffness[k],
-            )  # fmt: skip
-            for i in range(n):
-                for j in range(6):
-                    entry = 1.0 if i == o + j else 0.0
-                    for m in range(6):
-                        entry -= c * feet.mobility[i, o + m] * stiffness[k, m, j]
-                    total[i, o + j] = entry
-        size = 0.0
-        for i in range(n):
-            rest = v[i] - v0[i]
-            for j in range(n):
-                rest -= c * feet.mobility[i, j] * f[j]
-            size += (feet.wide[i] * rest) ** 2
-            feet.rest[i] = -rest
-        if size > best:  # go back half of the way
-            moved, speed = 0.0, 1.0
-            for i in range(n):
-                dv[i] *= 0.5
-                v[i] -= dv[i]
-                moved, speed = max(moved, abs(feet.wide[i] * dv[i])), max(speed, abs(v[i]))
-            if moved < 1e-14 * speed:
-                best = np.inf  # nothing but rounding is left to gain
+        space.step[0].evaluations += 1
+        for b in range(len(space.bodies)):
+            if space.bodies[b].near:
+                surface = surface_of(space, b, base, c, v)
+                body_forces(space, effects, b, surface, v, c, turn, h0, f, stiffness)
+        rest = v0 - v + c * (mobility @ f)
+        size = np.sum((wide * rest) ** 2)
+        if size > best:  # go back half of the way, unless nothing but rounding is left to gain
+            dv *= 0.5
+            v -= dv
+            if np.max(np.abs(wide * dv)) < 1e-14 * np.max(np.abs(v)):
+                best = np.inf
             continue
-        best, moved, speed = size, 0.0, 0.1 / turn
-        _eliminate(total, feet.rest)
-        for i in range(n):
-            dv[i] = feet.rest[i]
-            v[i] += dv[i]
-            moved, speed = max(moved, abs(feet.wide[i] * dv[i])), max(speed, abs(feet.wide[i] * v[i]))
-        if moved <= TIGHT * speed + 1e-13:
-            for i in range(n):  # forces follow the last change to first order
-                k = i // 6
-                for j in range(6):
-                    f[i] += stiffness[k, i - 6 * k, j] * dv[6 * k + j]
+        if not np.isfinite(size):
+            break
+        best = size
+        dv = solution(mobility, stiffness, c, rest)
+        v += dv
+        if np.max(np.abs(wide * dv)) <= TIGHT * max(0.1 / turn, np.max(np.abs(wide * v))) + 1e-13:
+            f += stiffness @ dv  # forces follow the last change to first order
             return True
     return False
 
 
 @cached_njit(nogil=True, error_model="numpy")
-def stage(desk, effects, feet, base, v0, v, c, h0, f):
-    """`newton`; where it fails, by way of sand that is viscous at first, and then less and less."""
-    turn, guess = c / desk.length[0], v.copy()
-    solved, decade = newton(desk, effects, feet, base, v0, v, c, turn, h0, f), RESCUE + 1
-    if not solved:
-        desk.counts[2] += 1
-        for i in range(len(v)):
-            v[i] = guess[i]
-        while decade > 0:
-            decade -= 1
-            solved = newton(desk, effects, feet, base, v0, v, c, turn * 0.1**decade, h0, f)
-        desk.counts[3] += 0 if solved else 1
+def stage(space, effects, mobility, base, v0, v, c, before, after, share, f):
+    """Solve an implicit stage of length c; bend bristles from before to after by a share, 0 in the air."""
+    turn = c / space.step[0].length
+    if not newton(space, effects, mobility, base, v0, v, c, turn, before, f):
+        space.step[0].failures += 1
+    for b in range(len(space.bodies)):
+        body = space.bodies[b]
+        faces, h = of_body(space.faces[0], body, COLUMNS), of_body(before, body, 3)
+        surface, new = surface_of(space, b, base, c, v), of_body(after, body, 3)
+        for i in range(faces.shape[1]):
+            r, _, bent = moved(faces, h, i, v[6 * b : 6 * b + 6], turn)
+            q = 1.0 / np.sqrt(max(dot(bent, bent), 1.0))
+            inside = 1.0 if body.near and surface[0] + dot(surface[1], r) < 0.0 else 0.0
+            for a in range(3):
+                new[a, i] = inside * (h[a, i] + share * (bent[a] * q - h[a, i]))
 
 
 @cached_njit(nogil=True, error_model="numpy")
-def bend(desk, feet, base, v, c, before, after, share):
-    """Bend the bristles of the feet over a stage, to a share of their way; those in the air are 0."""
-    turn = c / desk.length[0]
-    for k in range(len(feet.bodies)):
-        b, surface = feet.bodies[k], _surface(feet, k, base, c, v)
-        first, last = desk.bodies[b, 1], desk.bodies[b, 2]
-        n, twist = last - first, v[6 * k : 6 * k + 6]
-        faces = desk.faces[10 * first : 10 * last].reshape(10, n)
-        h, new = before[3 * first : 3 * last].reshape(3, n), after[3 * first : 3 * last].reshape(3, n)
-        for i in range(n):
-            x, y, z, _, _, _ = bent(faces, h, i, twist, turn)
-            q = 1.0 / np.sqrt(max(x * x + y * y + z * z, 1.0))
-            inside = 1.0 if at(surface, faces, i) < 0.0 else 0.0
-            new[0, i] = inside * (h[0, i] + share * (x * q - h[0, i]))
-            new[1, i] = inside * (h[1, i] + share * (y * q - h[1, i]))
-            new[2, i] = inside * (h[2, i] + share * (z * q - h[2, i]))
-
-
-@inlined
-def find_active(desk):
-    """How many bodies may touch sand within the step, first in desk.active; and all their depths."""
-    count, dt = 0, desk.clock[STEP]
-    for b in range(len(desk.bodies)):
-        row, first, last = desk.bodies[b, 0], desk.bodies[b, 1], desk.bodies[b, 2]
-        twist, height, up = desk.now[b], desk.places[row, 2], desk.attitude[row]
-        desk.depths[b] = 0.0
-        near = 2.0 * dt * (abs(twist[2]) + (abs(twist[3]) + abs(twist[4])) * desk.reach[b] + 10.0 * dt)
-        if height - desk.reach[b] < near:
-            faces, low = desk.faces[10 * first : 10 * last].reshape(10, last - first), np.inf
-            for i in range(last - first):
-                low = min(low, at((height, up[6], up[7], up[8]), faces, i))
-            desk.depths[b] = max(-low, 0.0)
-            if low < near:
-                desk.active[count] = b
-                count += 1
-    return count
-
-
-@inlined
-def _turn(desk, b, vector, to_world, out):
-    """Six numbers, two vectors, from the world's axes to a body's own, or back."""
-    turned = desk.attitude[desk.bodies[b, 0]]
-    for o in range(0, 6, 3):
-        for i in range(3):
-            total = 0.0
-            for j in range(3):
-                total += vector[o + j] * (turned[3 * i + j] if to_world else turned[3 * j + i])
-            out[o + i] = total
-
-
-@cached_njit(nogil=True, error_model="numpy")
-def prepare(desk, meaning):
-    """Begin a step, with the Jacobians of the feet in the sand in their own axes; how many there are."""
-    begin(desk, meaning)
-    nv = len(desk.velocity)
-    for b in range(len(desk.bodies)):
-        for i in range(6):
-            speed = 0.0
-            for j in range(nv):
-                speed += desk.jacobian[6 * b + i, j] * desk.velocity[j]
-            desk.now[b, i] = speed
-            if meaning == NEW:
-                desk.free[b, i] = (speed - desk.twists[b, i]) / desk.clock[STEP] - desk.gained[b, i]
-            elif meaning == RESTART:
-                desk.free[b, i] = desk.gravity[i] if i < 3 else 0.0
-            desk.twists[b, i] = speed
-    count, column, own = find_active(desk), np.empty(6), np.empty(6)
-    for k in range(count):
-        b = desk.active[k]
-        for j in range(nv):
-            for i in range(6):
-                column[i] = desk.jacobian[6 * b + i, j]
-            _turn(desk, b, column, False, own)
-            for i in range(6):
-                desk.own[6 * k + i, j] = own[i]
-    return count
-
-
-@inlined
-def _feet(desk, count):
-    """The bodies in the sand at the middle of the step, with their twists and accelerations in their axes."""
-    n, late = 6 * count, 0.5 * desk.clock[STEP] * desk.clock[RK4]  # from MuJoCo's place to the middle
-    ups, along, heights = np.empty((count, 3)), np.empty((count, 4)), np.empty(count)
-    wide, v0, a, mobility = np.ones(n), np.empty(n), np.empty(n), np.zeros((n, n))
-    for k in range(count):
-        b, o = desk.active[k], 6 * k
-        row = desk.bodies[b, 0]
-        up = desk.attitude[row]
-        _turn(desk, b, desk.now[b], False, v0[o : o + 6])
-        _turn(desk, b, desk.free[b], False, a[o : o + 6])
-        for i in range(3):
-            j, m = (i + 1) % 3, (i + 2) % 3
-            wide[o + 3 + i] = desk.reach[b]
-            ups[k, i] = up[6 + i] + late * (up[6 + j] * v0[o + 3 + m] - up[6 + m] * v0[o + 3 + j])
-            along[k, 1 + i] = up[i]
-        heights[k], along[k, 0] = desk.places[row, 2] + late * desk.now[b, 2], desk.places[row, 0]
-    for i in range(n):
-        for j in range(n):
-            for m in range(len(desk.velocity)):
-                mobility[i, j] += desk.own[i, m] * desk.answer[j, m]
-    return Feet(desk.active[:count], ups, heights, along, wide, mobility, np.empty(n)), v0, a
-
-
-@cached_njit(nogil=True, error_model="numpy")
-def solve(desk, effects, count):
-    """The mean wrenches of a step on the feet in the sand, to MuJoCo and to the desk."""
-    n, dt = 6 * count, desk.clock[STEP]
+def solve(space, effects):
+    """Find the mean wrenches of a step on the bodies."""
+    dt, vectors, frame, h = space.step[0].dt, space.vectors, space.frame, space.bristles
     c, r = GAMMA * dt, (1.0 - GAMMA) * dt
-    now, middle, end = desk.bristles[0], desk.bristles[1], desk.bristles[2]
-    for i in range(len(end)):
-        end[i] = 0.0
-    for b in range(len(desk.bodies)):
-        desk.power[b] = 0.0
-        for i in range(6):
-            desk.mean[b, i] = desk.last[b, i] = desk.gained[b, i] = 0.0
-    if count == 0:
-        return
-    feet, v0, a = _feet(desk, count)
-    f1, f2, base, start, one = np.zeros(n), np.zeros(n), np.empty(n), np.empty(n), v0.copy()
-    for i in range(n):
-        base[i], start[i] = -0.5 * dt * v0[i], v0[i] + c * a[i]
-    stage(desk, effects, feet, base, start, one, c, now, f1)
-    bend(desk, feet, base, one, c, now, middle, r / c)
-    two = one.copy()
-    for i in range(n):
-        base[i], start[i] = base[i] + r * one[i], v0[i] + dt * a[i]
-        for j in range(n):
-            start[i] += r * feet.mobility[i, j] * f1[j]
-    stage(desk, effects, feet, base, start, two, c, middle, f2)
-    bend(desk, feet, base, two, c, middle, end, 1.0)
-
-    for i in range(n):
-        k = i // 6
-        b = feet.bodies[k]
-        desk.power[b] += f2[i] * two[i]
-        desk.pending[b] += r * f1[i] * one[i] + c * f2[i] * two[i]
-        f1[i] = (1.0 - GAMMA) * f1[i] + GAMMA * f2[i]
-    for k in range(count):
-        b, o = feet.bodies[k], 6 * k
-        _turn(desk, b, f1[o : o + 6], True, desk.mean[b])
-        _turn(desk, b, f2[o : o + 6], True, desk.last[b])
-    for m in range(len(desk.velocity)):
-        push = change = 0.0
-        for i in range(n):
-            push += f1[i] * desk.own[i, m]
-            change += f1[i] * desk.answer[i, m]
-        desk.passive[m] += push
-        for b in range(len(desk.bodies)):
-            for i in range(6):
-                desk.gained[b, i] += desk.jacobian[6 * b + i, m] * change
-
-
-@cached_njit(nogil=True, error_model="numpy")
-def hold(desk):
-    """Give MuJoCo the forces of the step again, in a stage of RK4."""
-    for m in range(len(desk.velocity)):
-        for b in range(len(desk.bodies)):
-            for i in range(6):
-                desk.passive[m] += desk.mean[b, i] * desk.jacobian[6 * b + i, m]
+    mobility = frame.T @ (space.jacobian @ space.answer.T) @ frame
+    v0, a = vectors[TWIST] @ frame, vectors[FREE] @ frame
+    base, one, f1, f2 = -0.5 * dt * v0, v0.copy(), np.zeros(len(v0)), np.zeros(len(v0))
+    stage(space, effects, mobility, base, v0 + c * a, one, c, h[0], h[1], r / c, f1)
+    two, start = one.copy(), v0 + dt * a + r * (mobility @ f1)
+    stage(space, effects, mobility, base + r * one, start, two, c, h[1], h[2], 1.0, f2)
+    mean = (1.0 - GAMMA) * f1 + GAMMA * f2
+    vectors[GAINED], vectors[MEAN], vectors[END] = frame @ (mobility @ mean), frame @ mean, frame @ f2
+    for b in range(len(space.bodies)):
+        body, o = space.bodies[b], 6 * b
+        body.power = np.sum(f2[o : o + 6] * two[o : o + 6])
+        body.pending = r * np.sum(f1[o : o + 6] * one[o : o + 6]) + c * body.power

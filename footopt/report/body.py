@@ -54,8 +54,8 @@ def legs(scene: Scene, t: ArrayLike, hip: Array) -> Array:
     return np.stack([top, knee, knee + scene.walker.l2 * _down(shank)], axis=2)
 
 
-def body(walk: Walk, t: ArrayLike) -> Body:
-    """A walk's body at times t (M,), in a straight line between its samples."""
+def body(walk: Walk, t: ArrayLike, sole: Array | None = None) -> Body:
+    """A walk's body at times t (M,), linear between its samples; the sole has its own points, or others."""
     t = np.asarray(t, float)
     hip = np.stack([np.interp(t, walk.t, walk.com[:, axis]) for axis in range(2)], axis=-1)
     joints = legs(walk.scene, t, hip)
@@ -63,7 +63,8 @@ def body(walk: Walk, t: ArrayLike) -> Body:
     turn = np.stack([np.cos(pitch), np.sin(pitch)], axis=-1)[..., None, :]
     outline = closed_contour(walk.foot.contour, max(0.0, walk.foot.contour[:, 1].max() + 0.005))
     ankle = joints[:, :, 2, None]
-    placed = (ankle + _turned(points - walk.foot.ankle, turn) for points in (walk.foot.contour, outline))
+    shown = (walk.foot.contour if sole is None else sole, outline)
+    placed = (ankle + _turned(points - walk.foot.ankle, turn) for points in shown)
     return Body(joints, *placed)
 
 

@@ -15,18 +15,9 @@ from numpy.typing import NDArray
 
 from footopt.errors import FileError, FootoptError, SettingError, check
 from footopt.files.run import write_whole
-from footopt.report.body import body, forces_along
-from footopt.report.figures.ground import draw_ground, draw_surface
-from footopt.report.figures.walker import (
-    ARROW,
-    bounds,
-    draw_arrows,
-    draw_body,
-    draw_resultants,
-    label_arrows,
-    round_newtons,
-)
-from footopt.report.style import PAGE, legend_above, new_figure, styled
+from footopt.report.figures.walker import letters, view_of
+from footopt.report.picture import Picture, View, draw, round_down
+from footopt.report.style import PAGE, new_figure, styled
 from footopt.walk import Walk
 
 Array = NDArray[np.float64]
@@ -34,7 +25,7 @@ Array = NDArray[np.float64]
 FRAMES = 2000  # of a GIF, at most: they are in memory until it is written, about a megabyte each
 WIDEST = 3.0  # times its height: a longer walk is followed by the camera
 CLOSE, NEAR = 0.8, 0.28  # of the close-up: its width, m, and its height by its width
-LONGEST, SHORTEST = 0.06, 0.002  # arrow there, m; shorter ones are heads without a shaft
+LONGEST = 0.06  # arrow there, m
 
 
 def check_film(
@@ -152,29 +143,22 @@ def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], N
 
     Above is the walker with the whole force on each foot, below its feet, close, with the forces along them.
     """
-    placed = body(walk, t)
-    last = np.minimum(np.searchsorted(walk.t, t), len(walk.t) - 1)  # forces are known at samples
-    along = forces_along(walk, last)
-    at, force = along.resultant()
-    sand = walk.sand(last)
-    left, right, low, high = bounds(placed)
+    picture = Picture(walk, t)
+    far = view_of(picture)
+    left, right, low, high = far[:4]
     wide = min(right - left, WIDEST * (high - low))
-    metres = ARROW * high / round_newtons(walk)  # of arrow per newton
-    deep = min(float(placed.sole[..., 1].min()), 0.0) - 1.1 * LONGEST
-    reach, top = 0.5 * CLOSE, deep + CLOSE * NEAR
-    near = LONGEST / max(float(np.linalg.norm(along.force, axis=-1).max()), 1e-9)
+    far = far._replace(unit=letters(wide, PAGE))
+    deep = min(float(picture.body.sole[..., 1].min()), 0.0) - 1.1 * LONGEST
+    reach, largest = 0.5 * CLOSE, max(float(np.linalg.norm(picture.forces.force, axis=-1).max()), 1e-9)
+    sizes = letters(CLOSE, PAGE), LONGEST / largest, round_down(0.8 * largest)
+    near = View(0.0, 0.0, deep, deep + CLOSE * NEAR, *sizes, close=True)
     tall = (PAGE - 0.6) * (high - low) / wide
     figure = new_figure(PAGE, tall + (PAGE - 0.6) * NEAR + 0.9)
     whole, close = figure.subplots(2, 1, height_ratios=[tall, (PAGE - 0.6) * NEAR])
-    draw_ground(whole, walk.scene, left, right, low, 0.9 * high)
     whole.set(ylabel="$z$ (m)", xlim=(left, left + wide), ylim=(low, high), aspect="equal")
     whole.plot(*walk.com.T, color="black", lw=0.6, ls=":")
-    draw_ground(close, walk.scene, left - reach, right + reach, deep, top, named=False)
-    close.set(xlabel="$x$ (m)", ylabel="$z$ (m)", xlim=(-reach, reach), ylim=(deep, top), aspect="equal")
-    label_arrows(whole, walk, high)
-    title = f"{walk.foot.name} on {walk.scene.sand.name} sand, {speed:g} × real time"
-    handles, labels = whole.get_legend_handles_labels()
-    legend_above(figure, handles, labels, title)
+    close.set(xlabel="$x$ (m)", ylabel="$z$ (m)", xlim=(-reach, reach), ylim=near[2:4], aspect="equal")
+    figure.suptitle(f"{walk.foot.name} on {walk.scene.sand.name} sand, {speed:g} × real time")
     clock = whole.set_title(" ", loc="right", fontsize=10)
     for _ in range(2):  # each pass of the layout moves things a little
         figure.draw_without_rendering()
@@ -184,16 +168,15 @@ def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], N
     def show(i: int) -> None:
         while shown:
             shown.pop().remove()
-        seen = near * np.linalg.norm(along.force[i], axis=-1) > SHORTEST
-        parts = along.at[i][seen], along.force[i][seen]
-        for axes in (whole, close):
-            shown.extend([*draw_surface(axes, sand, i), *draw_body(axes, placed, i)])
-        shown.append(draw_resultants(whole, at[i], force[i], metres))
-        shown.append(draw_arrows(close, *parts, near, pivot="tip", width=0.014, zorder=5))
-        hip = float(placed.hip[i, 0])
+        hip = float(picture.body.hip[i, 0])
         middle = float(np.clip(hip, left + 0.5 * wide, right - 0.5 * wide))
-        whole.set_xlim(middle - 0.5 * wide, middle + 0.5 * wide)
-        close.set_xlim(hip - reach, hip + reach)
+        views = (
+            far._replace(left=middle - 0.5 * wide, right=middle + 0.5 * wide),
+            near._replace(left=hip - reach, right=hip + reach),
+        )
+        for axes, view in zip((whole, close), views, strict=True):
+            shown.extend(draw(axes, *picture.shapes(i, view)))
+            axes.set_xlim(view[:2])
         ended = f", failed: {walk.reason}" if walk.reason and t[i] >= walk.t[-1] else ""
         clock.set_text(f"{t[i]:.2f} s{ended}")
 

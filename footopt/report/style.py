@@ -1,8 +1,8 @@
 """The look of every figure: colours by role, fonts, widths, legends, and how a figure is made and saved.
 
 No pyplot and so no global figure state: figures can be drawn from any thread. Widths are a journal's
-column and page, fonts 8 pt; colours are Okabe & Ito's, which the colour-blind can tell apart, and line
-styles differ too.
+column and page, fonts 8 pt; colours of roles are told apart by the
+colour-blind, and line styles differ too.
 """
 
 from __future__ import annotations
@@ -34,33 +34,36 @@ Axes = Any  # matplotlib.axes.Axes
 COLUMN, PAGE = 3.4, 7.0  # widths, inches
 DPI = 200
 
-BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = (
-    "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
-)  # fmt: skip
 GREY, PALE, GRID = "0.55", "0.92", "0.92"
-COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, "black")
+#: Of lines and points that have no role: none of these is a role's colour.
+COLOURS = ("#332288", "#CC6677", "#999933", "#000000", "#7F6BD1", "#B3003C", "#4B5320")
 DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)))
 MARKERS = "osD^vP*"
 
 #: Sands in the paper's order.
 SANDS = ("soft", "hard", "regular")
 #: Name and colour of the left and the right leg.
-SIDES = (("left", BLUE), ("right", VERMILLION))
+SIDES = (("left", "#0072B2"), ("right", "#D55E00"))
 #: What is designed (the best foot, the chosen one), and the flat sole that it is compared with.
-BEST, FLAT, CHOSEN, DESIGNS = GREEN, "#707070", "#882255", SKY
-SAND, SURFACE, STRONG_SAND = "#F3E9D2", ORANGE, "#7A5230"
+BEST, FLAT, CHOSEN, DESIGNS = "#009E73", "#707070", "#882255", "#56B4E9"
+SAND, SURFACE, STRONG_SAND = "#F3E9D2", "#E69F00", "#7A5230"
+#: A verdict that is good, bad, or none; its marks differ in shape, too.
+VERDICTS = ((BEST, "o"), ("#000000", "X"), (FLAT, "s"))
 #: Lines that look the same in every figure, by what they are; a stronger sand is darker.
 ROLES: dict[str, dict[str, Any]] = {
     "best": {"color": BEST},
+    "robust": {"color": BEST},
+    "median scene": {"color": CHOSEN, "ls": "-."},
     "flat": {"color": FLAT, "ls": "--"},
-    "soft": {"color": ORANGE},
+    "soft": {"color": SURFACE},
     "hard": {"color": "#4A2C12", "ls": "--"},
     "regular": {"color": "#A8601C", "ls": "-."},
 }
-#: Colours of roles that the page takes from here, as CSS variables.
+#: Colours of roles, which the page takes from here as CSS variables.
 PALETTE = {
-    "left": BLUE, "right": VERMILLION, "best": BEST, "flat": FLAT, "chosen": CHOSEN, "designs": DESIGNS,
-    "surface": SURFACE,
+    **dict(SIDES), "best": BEST, "flat": FLAT, "chosen": CHOSEN, "designs": DESIGNS,
+    "surface": SURFACE, "sand": SAND, "ink": "#1a1a1a", "paper": "#ffffff",
+    **{f"line-{i}": colour for i, colour in enumerate(COLOURS)},
 }  # fmt: skip
 
 STYLE: dict[str, Any] = {
@@ -187,13 +190,20 @@ def save(figure: Figure, folder: str | Path, name: str, svg: bool = False) -> tu
 
 @contextmanager
 def _without_layout_tables() -> Iterator[None]:
-    """Leave out of embedded fonts what places letters that are placed already: a quarter of a PDF's time."""
-    before = getattr(subset.Options, "_drop_tables_default", [])
-    subset.Options._drop_tables_default = [*before, "GDEF", "GPOS", "GSUB"]
+    """Leave out of fonts what places letters that are placed already: reading it is half of a PDF's time."""
+    load = subset.load_font
+
+    def bare(*given: Any, **options: Any) -> Any:
+        font = load(*given, **options)
+        for table in {"GDEF", "GPOS", "GSUB"} & set(font.keys()):
+            del font[table]
+        return font
+
+    subset.load_font = bare
     try:
         yield
     finally:
-        subset.Options._drop_tables_default = before
+        subset.load_font = load
 
 
 @styled
@@ -270,33 +280,39 @@ def label_lines(axes: Axes, lines: Mapping[str, ArrayLike], looks: Mapping[str, 
         Of each, with its "color".
     """
     axes.figure.draw_without_rendering()  # places in pixels hold only in a laid-out figure
-    box = axes.get_window_extent()
-    least = box.y0 + axes.figure.dpi * 14 / 72  # a name below a lower point would be on the axis
+    frame, point = axes.get_window_extent(), axes.figure.dpi / 72
     at = {name: _dense(axes.transData.transform(np.asarray(points, float))) for name, points in lines.items()}
-    taken: list[Array] = []
-    for name, points in at.items():
-        own = points[np.abs(points[:, 0] - box.x0 - box.width / 2) < 0.38 * box.width]
-        if not len(own):
-            continue
-        own = above if len(above := own[own[:, 1] > least]) else own
-        far = np.array([[1e6, 1e6]])
-        others = np.concatenate([far, *taken, *(p for other, p in at.items() if other != name)])
-        away = np.linalg.norm(own[:, None] - others, axis=-1)
-        names = 1 + sum(map(len, taken))  # two lines may be one, but two names must not
-        place = own[
-            int(
-                (
-                    away[:, names:].min(axis=1, initial=1e6) + away[:, :names].min(axis=1).clip(max=80.0)
-                ).argmax()
-            )
-        ]
-        below = others[np.linalg.norm(others - place, axis=1).argmin(), 1] > place[1]
-        taken.append(place + np.linspace([-60.0, 0.0], [60.0, 0.0], 13))
+    none, taken = np.full((1, 2), 1e6), [np.full((1, 2), 1e6)]
+    for name, own in at.items():
+        half = point * np.array([0.5 * 4.8 * len(name), 5.0])  # of the name's box
+        away = (half[1] + 2 * point) * np.array([1, -1, 2, -2, 4, -4, 6, -6])  # above the line, or below it
+        boxes = np.concatenate([np.add(own, [0.0, step]) for step in away])
+        far_off = np.repeat(abs(away), len(own))
+        low, high = np.array([[frame.x0, frame.y0], [frame.x1, frame.y1]])
+        inside = ((boxes - half >= low) & (boxes + half <= high)).all(axis=1)
+        if inside.any():
+            boxes, far_off = boxes[inside], far_off[inside]
+        rest = [none, *(points for other, points in at.items() if other != name)]
+        names, near, far = (
+            _apart(boxes, half, points).min(axis=1) for points in map(np.concatenate, (taken, [own], rest))
+        )
+        # off all names and its own line, far from all others, as near to the middle as that lets it
+        aside = abs(boxes[:, 0] - frame.x0 - frame.width / 2) / frame.width
+        score = 999 * names.clip(max=2 * point) + 99 * np.minimum(near, far).clip(max=1.5 * point)
+        score += far.clip(max=40 * point) - 8 * point * aside - 2 * far_off
+        place = boxes[int(score.argmax())]
+        taken.append(place + half * np.mgrid[-1:1:15j, -1:1:3j].reshape(2, -1).T)
         axes.annotate(
-            as_text(name), axes.transData.inverted().transform(place), (0, -3 if below else 3), ha="center",
-            va="top" if below else "bottom", textcoords="offset points", color=looks[name]["color"], zorder=8,
-            path_effects=[withStroke(linewidth=2.5, foreground="white")],
+            as_text(name), axes.transData.inverted().transform(place), ha="center", va="center",
+            color=looks[name]["color"], zorder=8,
+            path_effects=[withStroke(linewidth=2.0, foreground="white")],
         )  # fmt: skip
+
+
+def _apart(boxes: Array, half: Array, points: Array) -> Array:
+    """How far points are from boxes about places, (boxes, points)."""
+    away: Array = np.linalg.norm(np.maximum(abs(points - boxes[:, None]) - half, 0.0), axis=-1)
+    return away
 
 
 def _dense(points: Array) -> Array:

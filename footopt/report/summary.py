@@ -17,7 +17,7 @@ from footopt.report.figures.fronts import fronts as draw_fronts
 from footopt.report.numbers import number
 from footopt.report.runs import Run, read_run
 from footopt.report.style import save
-from footopt.report.terminal import console, table
+from footopt.report.terminal import console, describe_model, table
 
 SHOWN = 60  # runs of the table on the terminal
 ROOM, COLUMN, SPREAD = 26, 10, 12  # letters of its first and last column, and of each between
@@ -127,6 +127,8 @@ def _compare(folder: Path, runs: Sequence[Run], headline: str) -> None:
     for run in runs:
         if said := "; ".join(filter(None, [run.place, run.note])):
             out.print(f"{run.name}: {said}", soft_wrap=True)
+    for words in describe_model((run.result or {}).get("model_error") for run in runs):
+        out.print(words, soft_wrap=True)
     settings, found = sweeps.varied(runs), sweeps.fronts(runs)
     columns = {name: [run.objectives.get(name, math.nan) for run in runs] for name in names}
     columns |= _more_columns(runs, found)

@@ -247,18 +247,19 @@ def _fit(
 
     found = least_squares(misfit, [np.log(zeta), 1.0], method="lm")
     scale, exponent = (float(p) for p in found.x)
-    if not (found.success and EXPONENTS[0] <= exponent <= EXPONENTS[1]):
+    freedom = len(force) - 2
+    variance = 2.0 * found.cost / max(freedom, 1)
+    error = float(np.sqrt((variance * np.linalg.pinv(found.jac.T @ found.jac))[1, 1]))
+    # noise over a narrow range of depths is no reason to refuse
+    if not (found.success and EXPONENTS[0] - 2.0 * error <= exponent <= EXPONENTS[1] + 2.0 * error):
         raise Unusable(
             f"{whose}force grows with the power {exponent:.3g} of depth, and that of sands is from "
             f"{EXPONENTS[0]:g} to {EXPONENTS[1]:g}. Check depth_mm and force_N."
         )
-    freedom = len(force) - 2
-    variance = 2.0 * found.cost / max(freedom, 1)
-    covariance = variance * np.linalg.pinv(found.jac.T @ found.jac)
     # whether forces scatter by as much everywhere or in proportion to their size: HC3, MacKinnon & White 1985
     weight = unit / (unit @ unit)
     straight = float(np.sum((weight * (zeta * unit - force) / (1.0 - weight * unit)) ** 2))
-    return np.log(zeta), exponent, scale, np.sqrt(straight) / zeta, float(np.sqrt(covariance[1, 1])), freedom
+    return np.log(zeta), exponent, scale, np.sqrt(straight) / zeta, error, freedom
 
 
 def _estimate(values: Array, error: float = np.inf, freedom: int = 1) -> Estimate:

@@ -18,14 +18,15 @@ from numpy.typing import NDArray
 from rich.table import Table as RichTable
 
 from footopt.errors import check
-from footopt.foot import Waypoints
+from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
 from footopt.report.figures.accuracy import decision as decision_figure
 from footopt.report.figures.accuracy import work_precision
 from footopt.sand import Sand
 from footopt.studies import decision
 from footopt.studies.base import Study
-from footopt.walk import FIVE, Accuracy, Scene, evaluate
+from footopt.studies.validation.model import model_error
+from footopt.walk import FIVE, Accuracy, Scene, evaluate, simulate
 from footopt.walk.accuracy import PRESETS, TABLE_COLUMNS, work
 from footopt.walk.audit import own_time
 from footopt.walk.steppers import STEPPERS
@@ -147,6 +148,10 @@ def run(study: Study) -> None:
     knobs = 3 if quick else 4  # without the elastic length, which compiles another walk
     with study.compiling("the walk with bristles"), study.progress(knobs * len(scenes), "order") as step:
         falls = decision.orders(scenes, feet[:ORDER_FEET], space, study.threads, not quick, step)
+    flat = Foot.flat(space)
+    errors = [
+        model_error(simulate(flat, scene, "fine"), spread=study.options.spread.zeta) for scene in scenes
+    ]
     loss = decision.lost(found, scenes, limit, **how)
     presets = decision.rows(measured, found, loss, math.nan if quick else decision.compile_seconds())
     study.save("decision", decision_figure(presets), DECISION)
@@ -158,6 +163,7 @@ def run(study: Study) -> None:
         {
             "seed": study.seed,
             "feet": feet.tolist(),
+            "model_error": {scene.sand.name: own for scene, own in zip(scenes, errors, strict=True)},
             "orders": orders,
             "presets": presets,
             "convergence": [asdict(fall) for fall in falls],
@@ -169,6 +175,7 @@ def run(study: Study) -> None:
             "Measured order: " + ", ".join(f"{name} {value:.1f}" for name, value in orders.items()),
             *(f"Cheapest within {100 * t:g} %: {_describe(m)}" for t, m in picks.items()),
             _ranking(ranking),
+            *terminal.describe_model(errors),
         ],
         about=[about],
     )

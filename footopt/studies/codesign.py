@@ -30,7 +30,8 @@ from footopt.studies.accuracy import SANDS
 from footopt.studies.base import Study
 from footopt.studies.build import check_searchable
 from footopt.studies.record import foot_entry, scene_entry
-from footopt.walk import MEASURES
+from footopt.studies.validation.model import model_error
+from footopt.walk import MEASURES, simulate
 from footopt.walk.scenarios import Scenario, sands
 
 SLACK = 2e-3  # of the speed that is asked for: the error of walks at `standard`
@@ -114,20 +115,24 @@ def run(study: Study) -> None:
         for scenario in sands(study.scene, SANDS):
             found[scenario.name] = _on(study, scenario, solver, executor, step)
     _write(study, found)
-    first = found[SANDS[0]].problem
+    first, space, finer = found[SANDS[0]].problem, study.space, study.finer_accuracy
+    feet = {name: Foot.from_waypoints(f.k[0, : space.n].tolist(), space) for name, f in found.items()}
+    walks = (simulate(foot, found[name].problem.scene, finer) for name, foot in feet.items())
+    errors = [model_error(walk, spread=options.spread.zeta) for walk in walks]
     study.conclude(
         "Foot and gait together",
         [table(found), gaits(found)],
         {
             "codesign": {name: entry(f) for name, f in found.items()},
             "ranges": {name: dataclasses.asdict(gene) for name, gene in GENES.items()},
-            **scene_entry(study.scene, study.finer_accuracy, first.record),
+            "model_error": dict(zip(found, errors, strict=True)),
+            **scene_entry(study.scene, finer, first.record),
             "search_accuracy": dataclasses.asdict(study.accuracy),
             "solver": dataclasses.asdict(solver),
             "seed": solver.seed,
             "evaluations": sum(f.evaluations for f in found.values()),
         },
-        said=[describe(name, f) for name, f in found.items()],
+        said=[*(describe(name, f) for name, f in found.items()), *terminal.describe_model(errors)],
     )
 
 

@@ -41,7 +41,7 @@ from footopt.studies.base import Study
 from footopt.studies.build import check_searchable, make_problem
 from footopt.studies.record import Answer, accuracy_entry, answer, foot_entry, scene_entry, validity_entry
 from footopt.studies.simulate import check_film, write_film, write_walk
-from footopt.studies.validation.model import describe, model_error
+from footopt.studies.validation.model import model_error
 from footopt.walk import gain_shares, simulate
 from footopt.walk.resolution import error_of, resolution
 from footopt.walk.validity import diagnose
@@ -103,7 +103,7 @@ def _run(study: Study, watching: ExitStack) -> Answer:
             "design": foot_entry(best),
             "objectives": values,
             "error_estimate": errors,
-            "model_error": (model := model_error(walk, chosen.left_out)),
+            "model_error": (model := model_error(walk, chosen.left_out, options.spread.zeta)),
             "ranks": ranks.entry(turns),
             "flat": base,
             "gain_shares": gain_shares(values, base),
@@ -139,7 +139,7 @@ def _run(study: Study, watching: ExitStack) -> Answer:
             feet, problem.record, errors, gain=True, shares=by_j, turned=ranks.turned_by(turns)
         ),
         *ranks.describe(turns, len(rivals)),
-        *describe(model),
+        *terminal.describe_model([model]),
     )
     for words in _warnings(problem, values, base, by_j):
         terminal.warn(study.console, words)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from footopt.design.robust import regret
 from footopt.report.numbers import percent
 from footopt.walk import MEASURES, Scene, evaluate
 from footopt.walk.audit import tau
-from footopt.walk.scenarios import Scenario, laws
+from footopt.walk.scenarios import Scenario, harder_and_softer, laws
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -54,11 +54,7 @@ class Rank:
 
 def other_laws(scene: Scene, spread: float) -> list[Scenario]:
     """A scene under the laws that may be true instead of its own, and with zeta a standard deviation off."""
-    found = [s for s in laws(scene) if s.scene != scene]
-    for factor in (math.exp(-spread), math.exp(spread)) if spread else ():
-        sand = replace(scene.sand, zeta=scene.sand.zeta * factor)
-        found.append(Scenario(f"zeta x {factor:.2g}", replace(scene, sand=sand)))
-    return found
+    return [*(s for s in laws(scene) if s.scene != scene), *harder_and_softer(scene, spread)]
 
 
 def ranks(problem: FootProblem, finalists: Ints, flat: Ints, spread: float) -> list[Rank]:

@@ -22,7 +22,7 @@ from footopt.effects import EFFECTS
 from footopt.errors import SettingError
 from footopt.studies import build
 from footopt.studies.fields import leaves
-from footopt.studies.reads import ALWAYS, READS, _in
+from footopt.studies.reads import ALWAYS, CHOICE, READS, _in
 from footopt.studies.settings import AllEffects, everything
 from footopt.walk import MEASURES, Walker
 from footopt.walk.scenarios import check_measure
@@ -134,7 +134,8 @@ def text(groups: tuple[str, ...]) -> str:
     """The reference of some groups for a terminal."""
     lines: list[str] = []
     for group in groups:
-        found = list(settings((group,)))
+        # what a group without settings of its own sets, another has
+        found = list(settings((group,))) or [s for s in settings() if s.name == CHOICE[group]]
         usual, many = Counter(s.studies for s in found).most_common(1)[0]
         usual = usual if many > len(found) / 2 else ()
         if usual:

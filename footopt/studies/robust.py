@@ -32,7 +32,8 @@ from footopt.studies.base import Study
 from footopt.studies.build import check_searchable, make_scene, make_spread
 from footopt.studies.record import accuracy_entry, foot_entry, scene_entry
 from footopt.studies.settings import Config
-from footopt.walk import MEASURES, Accuracy, Scene
+from footopt.studies.validation.model import model_error
+from footopt.walk import MEASURES, Accuracy, Scene, simulate
 from footopt.walk.scenarios import Scenario, draw, laws, sands
 
 Array = NDArray[np.float64]
@@ -120,6 +121,7 @@ def run(study: Study) -> None:
     fresh = held_out_regret(study, scene, judge, feet) if options.scenarios == "drawn" else None
     _write_files(study, judge, compared, foot, result)
     _save_figures(study, judge, compared, feet, result, fresh)
+    model = model_error(simulate(foot, scene, finer), spread=options.spread.zeta)
     objectives, regrets = judge.walk(feet[ROBUST][None])[0][0], compared.regrets.tolist()
     names = [s.name for s in scenarios]
     hollows = {name: 1e3 * Foot.from_waypoints(k.tolist(), judge.space).hollow for name, k in feet.items()}
@@ -129,6 +131,7 @@ def run(study: Study) -> None:
         {
             "design": foot_entry(foot),
             "objectives": dict(zip(judge.record, objectives.tolist(), strict=True)),
+            "model_error": model,
             "measure": {"name": options.measure, "tail": options.tail, "of": judge.guide},
             "feet": {name: k.tolist() for name, k in feet.items()},
             "hollow_mm": hollows,
@@ -148,6 +151,7 @@ def run(study: Study) -> None:
             f"Robust foot: {terminal.describe_foot(foot)}",
             "Hollows (mm): " + ", ".join(f"{name} {depth:.1f}" for name, depth in hollows.items()),
             *_remarks(names, compared, fresh),
+            *terminal.describe_model([model]),
         ],
     )
 

@@ -17,6 +17,7 @@ from footopt.studies.base import Study
 from footopt.studies.build import make_foot
 from footopt.studies.record import foot_entry, scene_entry
 from footopt.studies.settings import Config
+from footopt.studies.validation.model import model_error
 from footopt.walk import OBJECTIVES, Accuracy, Scene, Walk, simulate
 from footopt.walk.resolution import error_of
 from footopt.walk.validity import diagnose
@@ -66,6 +67,7 @@ def run(study: Study) -> None:
                 "reason": walk.reason,
                 "objectives": walk.objectives,
                 "error_estimate": error_of(walk),
+                "model_error": model_error(walk, spread=study.options.spread.zeta),
                 "accuracy": asdict(walk.accuracy),
                 "validity": {d.name: d.value for d in diagnostics},
                 "warnings": [f"{d.name}: {d.why}" for d in diagnostics if d.outside],
@@ -89,6 +91,7 @@ def run(study: Study) -> None:
         title,
         [table(walks)],
         {"shapes": entries, **scene_entry(scene, accuracy, tuple(OBJECTIVES))},
+        said=terminal.describe_model(entry["model_error"] for entry in entries.values()),
         about=[terminal.describe_scene(scene)],
         warnings=warnings,
         footer={"error_estimate": {name: entry["error_estimate"] for name, entry in entries.items()}},

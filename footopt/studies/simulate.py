@@ -17,7 +17,7 @@ from footopt.studies.base import Study
 from footopt.studies.build import make_strides
 from footopt.studies.export import foot_of
 from footopt.studies.record import Answer, answer, foot_entry, scene_entry, validity_entry
-from footopt.studies.validation.model import describe, model_error
+from footopt.studies.validation.model import model_error
 from footopt.walk import OBJECTIVES, Walk, simulate
 from footopt.walk.phases import stance
 from footopt.walk.resolution import error_of, resolution
@@ -51,7 +51,7 @@ def run(study: Study) -> Answer:
             "reason": walk.reason,
             "objectives": values,
             "error_estimate": errors,
-            "model_error": (model := model_error(walk, chosen.left_out)),
+            "model_error": (model := model_error(walk, chosen.left_out, study.options.spread.zeta)),
             **scene_entry(scene, walk.accuracy, names),
             **validity_entry(diagnostics),
             "notes": notes,
@@ -70,7 +70,7 @@ def run(study: Study) -> Answer:
     if not walk.feasible:
         study.say(Text(f"The walk failed: {walk.reason} after {len(walk.t)} steps of time.", style="yellow"))
     study.say(terminal.objective_table([(foot.name, values)], names, errors))
-    study.say(*describe(model))
+    study.say(*terminal.describe_model([model]))
     terminal.print_validity(study.console, diagnostics)
     study.say(*notes)
     study.close()

@@ -7,12 +7,14 @@ Some things make a walk harder than those, and each is a rule here:
 - A sole with more waypoints or corners needs more plates, at `standard` `EACH` a waypoint.
 - No plate is to be longer than the narrowest patch of sand.
 - The harder the sand under a light walker, the shorter the part of the sole that carries him. At least
-  `TOUCHING` plates are to touch the sand when he stands, whatever the pitch of his foot.
+  `TOUCHING` plates are to touch the sand when he stands, whatever the pitch of his foot, and `PIECE` in each
+  piece of a sole that touches it in several, as a comb does.
 - Where effects ask for the plates' normals, or bristles remember their motion, a plate's mean is of a lower
   order: there are `NORMAL` times more plates, and `LEADING` times where only faces that lead feel sand.
 - A foot that sticks creeps. Over a stride it is to creep by at most `CREPT` of the depth to which it sinks.
-- Effects that change the force on a plate make blows short, as hard sand does. Where there are such, or more
-  plates than the preset's, steps are half as long and held to a quarter of the control.
+- Effects that change the force on a plate make blows short, as hard sand does, and bristles bend within them.
+  Where there are such, or more plates than the preset's, steps are half as long and held to a quarter of the
+  control.
 - Footprints are made at the end of a step: their error is of order 1 in it. With them steps are an eighth.
 """
 
@@ -43,7 +45,7 @@ STATED = 56  # plates along a sole, of which the next three are stated; a preset
 STATED_CREEP = 1e-4  # m/s, of which `CREPT` is stated
 EACH = 5  # plates a waypoint, or a straight side between two corners
 BEND = 0.2  # rad by which a sole turns within a plate: five a waypoint of a rough sole
-TOUCHING = 8  # plates in the sand under who stands
+TOUCHING, PIECE = 8, 4  # plates in the sand under who stands, and in each piece of the sole there
 LEADING = 4.0  # times more plates where only faces that lead feel sand
 NORMAL = 2.0  # ... where the force depends on the plates' normals, or bristles hold their directions
 SLOWEST = 0.05  # times the creep speed, at least: evaluations double where it is a fifth and feet are level
@@ -79,9 +81,10 @@ def adapted(accuracy: Accuracy, scene: Scene, sole: Foot | Waypoints) -> Accurac
     legs = (scene.walker.l1 + scene.walker.l2) / LEG
     slower, shorter = min(legs / period, 1.0), min(period, 1.0)
     needed, control = _needed(scene, sole), accuracy.control
-    blows = needed > 1.0 or any(laws(scene.effects))
+    kinds = {type(effect) for effect in scene.effects}
+    blows = needed > 1.0 or Rest in kinds or any(laws(scene.effects))
     step, held = (SHORTER, CLOSER) if blows else (1.0, 1.0)
-    if any(isinstance(effect, Footprints) for effect in scene.effects):
+    if Footprints in kinds:
         step = PRINTED
     return replace(
         accuracy,
@@ -112,7 +115,7 @@ def accuracies(
 
 def _needed(scene: Scene, sole: Foot | Waypoints) -> float:
     """How many times more plates the shape of a sole and the hardness of the sand need."""
-    needed = max(_bends(sole), TOUCHING / _touching(scene, sole), _narrow(scene, sole)) / STATED
+    needed = max(_bends(sole), _touching(scene, sole), _narrow(scene, sole)) / STATED
     return min(max(1.0, needed), MOST)
 
 
@@ -162,9 +165,9 @@ def _narrow(scene: Scene, sole: Foot | Waypoints) -> float:
 
 
 def _touching(scene: Scene, sole: Foot | Waypoints) -> float:
-    """The least share of the sole that is in the sand under a walker who stands on one foot."""
+    """Plates of which enough are in the sand under a walker who stands on one foot."""
     if isinstance(sole, Foot):
-        return _share(scene, sole.points(POINTS)[None], sole.width)
+        return _standing(scene, sole.points(POINTS)[None], sole.width)
     try:
         return _of_space(scene, sole)
     except TypeError:  # an effect of a user's own that cannot be hashed
@@ -174,11 +177,11 @@ def _touching(scene: Scene, sole: Foot | Waypoints) -> float:
 @lru_cache(maxsize=256)
 def _of_space(scene: Scene, space: Waypoints) -> float:
     heights = np.random.default_rng(0).integers(1, space.K + 1, (PROBES, space.n))
-    return _share(scene, space.points(heights, POINTS), space.width)
+    return _standing(scene, space.points(heights, POINTS), space.width)
 
 
-def _share(scene: Scene, points: Array, width: float) -> float:
-    """The least share of soles (designs, m, 2), m, that is in the sand, over all `PITCHES`."""
+def _standing(scene: Scene, points: Array, width: float) -> float:
+    """Plates that soles (designs, m, 2), m, need at whichever of `PITCHES` the most."""
     fill = filler(scene.effects)
     points = points if fill is None else fill(points)
     middle = 0.5 * (points[:, 1:] + points[:, :-1])
@@ -197,8 +200,10 @@ def _share(scene: Scene, points: Array, width: float) -> float:
         carried = scale.stress * width * (strength * length).sum(axis=2, keepdims=True)
         enough = carried >= scene.walker.mass * scene.gravity[1]
         low, high = np.where(enough, low, middle_depth), np.where(enough, middle_depth, high)
-    share = ((high > rise) * length).sum(axis=2) / length.sum(axis=1)
-    return float(share.min())
+    touches = high > rise
+    share = (touches * length).sum(axis=2) / length.sum(axis=1)
+    pieces = touches[..., 0] + (touches[..., 1:] & ~touches[..., :-1]).sum(axis=2)
+    return float((np.maximum(TOUCHING, PIECE * pieces) / share).max())
 
 
 def _strength(loads: Any, depth: Array, place: Array) -> Array:

@@ -115,7 +115,7 @@ def calls(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> list[C
     area = length * width
     depth = scale.depth * SOLE / area
     ankle = float(np.median([foot.ankle[1] - foot.contour[:, 1].min() for foot in feet]))
-    scale = scale._replace(depth=depth, hollow=hollow, length=length)
+    scale = scale._replace(depth=depth, hollow=hollow, length=length, sweep=scene.sweep(depth))
     g, weight, speed = scene.walker.g, scene.walker.weight, scale.speed
 
     found = []

@@ -88,8 +88,8 @@ def grounded(prints, sole, first, cells):
 @inlined
 def _with(sole, ground):
     return Sole(
-        sole.x, sole.z, sole.c2, sole.s2, sole.area, sole.block_x, sole.block_z, sole.block_r, sole.reach,
-        sole.span, sole.tangent, ground,
+        sole.x, sole.z, sole.c2, sole.s2, sole.area, sole.block_x, sole.block_z, sole.block_dx,
+        sole.block_dz, sole.reach, sole.span, sole.tangent, ground,
     )  # fmt: skip
 
 

@@ -15,10 +15,11 @@ from numba import njit
 from footopt.compiled import cached_njit
 from footopt.effects import Laws
 from footopt.walk.bristles import bristles_at_start, record
-from footopt.walk.contact import contact, static_height
+from footopt.walk.contact import contact
 from footopt.walk.ground import footprint, on_ground
 from footopt.walk.metrics import no_extremes, raw_of, sample_of, sinkage_of, step_error, updated
 from footopt.walk.sources import source, users_own
+from footopt.walk.standing import static_height
 from footopt.walk.state import Integrals, Sole, State, World, sole_of, write
 from footopt.walk.steppers import STEPPERS, acceleration, advance, touch
 

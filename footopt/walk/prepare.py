@@ -132,24 +132,24 @@ long_pose_tables = lru_cache(maxsize=LONG_ONES)(_pose_tables)
 
 
 def soles(plates: Plates) -> Sole:
-    """Plates of all designs in whole blocks (the last one repeated without area), with circles and reach."""
+    """Plates of all designs in whole blocks (the last one repeated without area), each in a rectangle."""
     extra = -plates.x.shape[1] % LANES
     x, z = _padded(plates.x, extra), _padded(plates.z, extra)
-    by_block_x, by_block_z = (column.reshape(len(column), -1, LANES) for column in (x, z))
-    centre_x, centre_z = (0.5 * (q.min(axis=2) + q.max(axis=2)) for q in (by_block_x, by_block_z))
+    blocks = [column.reshape(len(column), -1, LANES) for column in (x, z)]
+    (low_x, low_z), (high_x, high_z) = ([q.min(axis=2) for q in blocks], [q.max(axis=2) for q in blocks])
     tangent = None
     if plates.tx is not None and plates.tz is not None and plates.turn is not None:
         tangent = Tangent(*(_padded(column, extra) for column in (plates.tx, plates.tz, plates.turn)))
-    square = (by_block_x - centre_x[..., None]) ** 2 + (by_block_z - centre_z[..., None]) ** 2
     return Sole(
         x=x,
         z=z,
         c2=_padded(plates.c2, extra),
         s2=_padded(plates.s2, extra),
         area=_padded(plates.area, extra, 0.0),
-        block_x=centre_x,
-        block_z=centre_z,
-        block_r=np.sqrt(square.max(axis=2)),
+        block_x=0.5 * (low_x + high_x),
+        block_z=0.5 * (low_z + high_z),
+        block_dx=0.5 * (high_x - low_x),
+        block_dz=0.5 * (high_z - low_z),
         reach=np.sqrt(np.max(plates.x**2 + plates.z**2, axis=1)),
         span=np.zeros(len(x)) if plates.span is None else plates.span,
         tangent=tangent,

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from footopt.effects.footprints import finer_cells
+from footopt.effects.footprints import Footprints, finer_cells
 from footopt.foot import Foot
 from footopt.walk import prepare
 from footopt.walk.accuracy import TOLERANCES, Accuracy
@@ -29,6 +29,8 @@ CAUSES = {
     "accuracy.creep": "the creep speed makes most of it; try accuracy=fine, or a smaller accuracy.creep",
     "effects.footprints.cell": "the cells of the surface make most of it; halve effects.footprints.cell",
 }
+
+PRINTS = "; with effects=footprints no accuracy keeps its promise, so trust this estimate"
 
 
 def finer(scene: Scene, accuracy: Accuracy) -> dict[str, tuple[Scene, Accuracy]]:
@@ -89,7 +91,8 @@ def error_of(walk: Walk, names: Sequence[str] | None = None) -> dict[str, float]
 def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
     """Whether a walk's worst error estimate is far above what its accuracy promises; empty if it is not.
 
-    Where it is above `BEYOND` times the promise, a walk for each cause finds out what causes it.
+    Where it is above `BEYOND` times the promise, or with footprints above the promise, a walk for each cause
+    finds out what causes it.
 
     Parameters
     ----------
@@ -104,7 +107,9 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
         for name in FIVE
         if math.isfinite(values[name]) and math.isfinite(errors.get(name, math.nan))
     }
-    limit = BEYOND * TOLERANCES.get(walk.accuracy.name, PROMISE)
+    promise = TOLERANCES.get(walk.accuracy.name, PROMISE)
+    prints = any(isinstance(effect, Footprints) for effect in walk.scene.effects)
+    limit = promise if prints else BEYOND * promise  # no preset keeps its promise with them
     if not walk.feasible:
         return []
     if not shares:
@@ -119,7 +124,7 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
     }
     if not changes:
         return []
-    why = CAUSES[max(changes, key=lambda cause: changes[cause])]
+    why = CAUSES[max(changes, key=lambda cause: changes[cause])] + PRINTS * prints
     name = f"estimated error of {worst.replace('_', ' ')}"
     return [Diagnostic(name, 100.0 * shares[worst], "%", 100.0 * limit, why)]
 

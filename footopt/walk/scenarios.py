@@ -140,6 +140,17 @@ def laws(scene: Scene) -> tuple[Scenario, ...]:
     return tuple(Scenario(name, replace(scene, effects=(*others, *on))) for name, on in choices.items())
 
 
+def harder_and_softer(scene: Scene, spread: float) -> tuple[Scenario, ...]:
+    """A scene on sand with zeta a standard deviation of its logarithm lower, and higher; none without one."""
+    factors = (math.exp(-spread), math.exp(spread)) if spread else ()
+    return tuple(
+        Scenario(
+            f"zeta x {factor:.2g}", replace(scene, sand=replace(scene.sand, zeta=scene.sand.zeta * factor))
+        )
+        for factor in factors
+    )
+
+
 def draw(scene: Scene, spread: Spread, count: int, seed: int = 1) -> tuple[Scenario, ...]:
     """Equally probable scenarios about a scene, by Latin hypercube sampling.
 

@@ -23,8 +23,8 @@ WALKERS = {
 
 EARTH = 9.81  # m/s^2: g where stress maps are measured
 
-#: For estimates before a walk: a sole's area, m^2, and a stride over the length of a leg.
-SOLE, STRIDE = 0.026, 1.3
+#: For estimates before a walk: a sole's area, m^2, a stride over the length of a leg, and phases of a stride.
+SOLE, STRIDE, PHASES = 0.026, 1.3, 241
 
 
 @dataclass(frozen=True)
@@ -34,9 +34,11 @@ class Walker:
     Parameters
     ----------
     mass : float, kg
-        M.
-    l1, l2 : float, m
-        Thigh and shank.
+        Of all of it, M.
+    l1 : float, m
+        Length of a thigh.
+    l2 : float, m
+        Length of a shank.
     g : float, m/s^2
         Gravity. The sand's strength is in proportion to it: see `Scene.zeta`.
 
@@ -143,16 +145,27 @@ class Scene:
         strike = self.gait.heel_strike if math.isfinite(self.gait.start) else 0.0
         pose = self.gait.pose(np.array([strike]), self.walker.l1, self.walker.l2)
         stress = zeta * float(down)
+        depth = self.walker.weight / (stress * SOLE)
         step = 0.5 * STRIDE * (self.walker.l1 + self.walker.l2)
         strides = max(self.duration - self.gait.start, 0.0) / self.gait.period
         return Scale(
             stress=stress,
             pull=zeta * float(up),
-            depth=self.walker.weight / (stress * SOLE),
+            depth=depth,
             speed=float(np.abs(pose.vz).max()),
             distance=2.0 * step * strides,
             step=step,
+            sweep=self.sweep(depth),
         )
+
+    def sweep(self, depth: float) -> float:
+        """Fastest of a foot, m/s, that is no higher or lower than the other one by so much, m."""
+        begin = self.gait.heel_strike if math.isfinite(self.gait.start) else 0.0
+        t = begin + np.linspace(0.0, self.gait.period, PHASES)
+        stride = self.gait.pose(t, self.walker.l1, self.walker.l2)
+        level = np.abs(stride.z[:, 0] - stride.z[:, 1]) < depth
+        along, up = (v[level, 0] - v[level, 1] for v in (stride.vx, stride.vz))
+        return float(np.hypot(along, up).max(initial=0.0))
 
     def need_heel_strike(self) -> None:
         """Raise unless the walk has a heel strike: without one p_max and dV_x are not defined."""

@@ -56,9 +56,10 @@ class Sole(NamedTuple):
     c2: Array
     s2: Array
     area: Array
-    block_x: Array  # (blocks,): a circle around each block of plates, m
+    block_x: Array  # (blocks,): middle of a rectangle around each block of plates, m
     block_z: Array
-    block_r: Array
+    block_dx: Array  # half its length and height, m
+    block_dz: Array
     reach: Any  # the sole's largest distance from the ankle, m
     span: Any  # length along the sole for which a plate stands, m; 0 for chords
     tangent: Tangent | None  # where an effect needs the plates' normals
@@ -145,7 +146,8 @@ def sole_of(soles, design):
         soles.area[design],
         soles.block_x[design],
         soles.block_z[design],
-        soles.block_r[design],
+        soles.block_dx[design],
+        soles.block_dz[design],
         soles.reach[design],
         soles.span[design],
         _tangent_of(soles.tangent, design),

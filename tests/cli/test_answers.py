@@ -27,6 +27,7 @@ class TestTheAnswer:
 FRONT = ["accuracy=draft", "report=light", "solver=nsga2", "solver.pop_size=12", "solver.n_gen=3", "foot.n=7"]
 
 
+@pytest.mark.slow  # finalists walk by other laws
 class TestSeveralObjectives:
     @pytest.fixture(scope="class")
     @staticmethod

@@ -18,10 +18,12 @@ BAD = {
     "gait=file": "gait.path = None",
     "gait=file gait.path=broken.csv": "the header lacks thigh, knee",
     "solver=ga objective=pareto": "solver = 'ga': must be a solver of several objectives",
-    "hydra.run.dir=a_file": "a_file",
+    "hydra.run.dir=a_file": "a_file. Write to another folder with hydra.run.dir=FOLDER.",
+    "gait=file gait.path=empty.trc": "gait.path = 'empty.trc': is empty.",
+    "study=simulate foot=outline foot.path=empty.svg": "foot.path = 'empty.svg': is empty.",
     "report=some": "report = 'some': must be one of none, light, full",
     "engine.threads=-1": "engine.threads = -1: must be a whole number >= 1 and <= 4096",
-    "study=export": "study.run = None: must be the folder of a run",
+    "study=export": "run = None: must be the folder of a run",
     "study=simulate foot=outline": "foot.path = None: must be a drawing",
     "study=simulate foot.path=sole.dxf": "foot.path = 'sole.dxf': must be left out: foot=waypoints does not",
     "foot=outline foot.path=sole.dxf": "foot.shape = 'outline': must be waypoints for a search",
@@ -35,6 +37,8 @@ BAD = {
 def test_bad_input_gets_one_clear_message(run, arguments, tmp_path):
     (tmp_path / "a_file").write_text("in the way\n")
     (tmp_path / "broken.csv").write_text("time,hip\n0,1\n")
+    for name in ("empty.trc", "empty.svg"):
+        (tmp_path / name).write_text("\n")
     done = run(*arguments.split(), cwd=tmp_path)
     assert done.returncode == 1
     assert done.stderr.startswith("footopt: error: ")
@@ -78,6 +82,11 @@ MISTAKES = {
     "foot.k=[1,x]": "foot.k = '[1,x]': must be a list of whole numbers.",
     "foot.k=5": "foot.k = '5': must be a list in brackets. Try 'foot.k=[5]'",
     "foot.k=[1,2,3": "foot.k=[1,2,3: the list does not end. Try 'foot.k=[1,2,3]'",
+    "constraint.speed=3": "Did you mean constraint.speed_loss=3?",
+    "=5": "=5: settings are given as name=value.",
+    "resume=": "resume = '': must be the folder of a run.",
+    "plugins=[1": "plugins=[1: the list does not end. Try 'plugins=[1]'",
+    "study=compare study.runs=a,b]": "study.runs=a,b]: the list does not begin. Try 'study.runs=[a,b]'",
     "foot.k=[1, 2, 3]": "the list has spaces in it. Leave them out, or quote it: 'foot.k=[1, 2, 3]'",
     "foot.path=a,b.dxf": "'foot.path=\"a,b.dxf\"' for a text",
     "study=simulate foot.k=[1,2,3]": "These are 3: give 11 of 1 to 10, or change foot.n.",

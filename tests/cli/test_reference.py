@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from running import footopt
 
+from footopt.cli.compose import groups
 from footopt.effects import EFFECTS
 from footopt.studies import STUDIES, reference
 from footopt.studies.settings import known
@@ -38,6 +39,11 @@ def test_it_has_every_setting_with_a_meaning_and_none_that_is_gone():
 def test_what_is_allowed_is_what_a_refusal_says(name, allowed):
     (found,) = (s.allowed for s in reference.settings() if s.name == name)
     assert found == allowed
+
+
+def test_help_shows_every_group(tmp_path):
+    for group in groups():
+        assert " = " in footopt("--help", group, cwd=tmp_path).stdout, group
 
 
 def test_help_shows_the_settings_of_a_group(tmp_path):

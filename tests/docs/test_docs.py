@@ -459,7 +459,8 @@ def test_a_script_runs_and_prints_its_table(words):
     path = Path(words[1])
     if path.name not in ROWS:
         # others run these: `test_custom`, `test_biped`, `test_promises`, `test_rest`
-        assert path.stem == "large_search" or path.parent.name in ("custom", "mujoco", "tests")
+        long = "large_search", "pairs"
+        assert path.stem in long or path.parent.name in ("custom", "mujoco", "tests")
         return
     said, _ = other(*words[1:], "--quick", *(PARTS if path.name == "report.py" else []))
     _, _, *rows = [line.strip("| ").split(" | ") for line in said.splitlines() if line.startswith("|")]

@@ -115,7 +115,8 @@ class TestTrc:
     @pytest.mark.parametrize(
         ("spoil", "message"),
         [
-            (lambda s: "", r"cannot be read as TRC \(no line begins with Frame#"),
+            (lambda s: "", "is empty"),
+            (lambda s: s.replace("Frame#", "Bild"), r"cannot be read as TRC \(no line begins with Frame#"),
             (lambda s: s.replace("mm", "furlong"), "must be one of mm, .*is 'furlong'.*gait.units"),
             (lambda s: s.replace("\n10\t", "\n10\tx"), "TRC .line 16: .* is no number"),
             (lambda s: s.replace("\n10\t", "\n10\t1\t2\t"), r"TRC \(line 16 has 33 cells"),

@@ -334,6 +334,12 @@ class TestNoWalk:
         with pytest.raises(Unusable, match=r"squats.*no walk"):
             walked(*record(SQUATS, speed=0.0, apart=0.0, rate=60.0))
 
+    def test_squats_with_both_feet_on_the_floor(self):
+        t, places = record(SQUATS, speed=0.0, apart=0.0, rate=60.0, noise=1e-3)
+        moved = places["R_AJC"] - places["R_AJC"][0]
+        with pytest.raises(Unusable, match=r"the ankle stays where it is: squats .*no walk"):
+            walked(t, {name: place - moved for name, place in places.items()})
+
     def test_jumps_with_both_feet(self):
         refused(r"both legs swing together .*correlate at \+1\.00.*no walk", apart=0.0)
 
@@ -419,6 +425,13 @@ class TestStrides:
         assert misfit(gait) < 0.6
         assert gait.period == pytest.approx(HUMAN.period, rel=0.01)
 
+    def test_standing_before_a_walk_is_left_out_wherever_that_begins(self):
+        for phase in np.arange(10) / 10:
+            t, places = record(HUMAN, rate=60.0, phase=phase)
+            still = {name: np.concatenate([np.repeat(p[:1], 120, axis=0), p]) for name, p in places.items()}
+            gait, _ = walked(np.arange(len(t) + 120) / 60, still)
+            assert gait.period == pytest.approx(HUMAN.period, rel=0.02)
+
 
 class TestShortTrials:
     """Phones and small laboratories record 1.3 to 2 s: one stride, which two strikes rarely bound."""
@@ -434,6 +447,14 @@ class TestShortTrials:
         assert found.period == pytest.approx(period, rel=0.05)
         assert misfit(found) < 6.0
         assert "1 stride of" in notes or "its ends differ by" in notes
+
+    @pytest.mark.parametrize("strides", [1.02, 1.04, 1.07, 1.11, 1.15, 1.18])
+    def test_of_little_more_than_a_stride_not_all_is_one(self, strides):
+        """Its ends may be alike by chance: the part that closes much better is the stride."""
+        t = np.arange(round(strides * HUMAN.period * 100)) / 100
+        for begin in np.arange(20) / 20:
+            rows = np.degrees([j.at(begin + t / HUMAN.period)[0] for j in (HUMAN.thigh, HUMAN.knee)])
+            assert cut(recording(np.array([t, *rows]))).period == pytest.approx(HUMAN.period, rel=0.015)
 
     @pytest.mark.parametrize("rows", [25, 50, 100])
     @pytest.mark.parametrize("last", [True, False])

@@ -137,6 +137,25 @@ class TestSvg:
         assert line.closed == (SHAPES[shape].lower()[-1] == "z")
         assert found.hausdorff_distance(LineString(1e-3 * expected[:2].T * [1.0, -1.0])) < 4e-5
 
+    @pytest.mark.parametrize(
+        ("head", "by"),
+        [('viewBox="-9 5 200 50"', 1), ('viewBox="0,0,200,50" width="100%" height="100%"', 1),
+         ('viewBox="0 0 200 50" width="400mm" height="100mm"', 2)],
+    )  # fmt: skip
+    def test_lengths_in_percent_are_parts_of_the_view_box(self, folder, head, by):
+        shape = '<ellipse cx="50%" cy="50%" rx="25%" ry="10%"/>'
+        (folder / "b.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {head}>{shape}</svg>')
+        (line,) = lines_of(folder / "b.svg", None if "mm" in head else "mm")
+        same(np.ptp(line.points, axis=0), by * np.array([0.1, 0.01]), 5e-5)
+
+    @pytest.mark.parametrize(
+        "drawing", ['><ellipse cx="50%" rx="9" ry="8"/>', 'viewBox="0 0 200 50"><circle r="10%"/>']
+    )
+    def test_lengths_in_percent_of_nothing_are_refused(self, folder, drawing):
+        (folder / "b.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {drawing}</svg>')
+        with pytest.raises(FileError, match="a length in percent"):
+            read(folder / "b.svg", units="mm")
+
     @pytest.mark.parametrize("by", ["defs", "symbol", "mask", "marker"])
     def test_what_is_drawn_elsewhere_is_drawn_there_and_nowhere_else(self, svg, by):
         drawing = (
@@ -237,6 +256,12 @@ class TestDxf:
         (folder / "a.dxf").write_text(f"0\nSECTION\n2\nENTITIES\n{lines}0\nENDSEC\n0\nEOF\n")
         with pytest.raises(FileError, match=r"does not say in which unit it is\. Set foot\.units"):
             read(folder / "a.dxf")
+        same(read(folder / "a.dxf", units="mm"), [(-0.1, 0), (0, -0.02), (0.1, 0)])
+
+    def test_with_an_empty_handle_is_not_damaged(self, folder):
+        line = "0\nLINE\n5\n{}\n8\n1\n10\n{}\n20\n{}\n11\n{}\n21\n{}\n"
+        lines = line.format("", -100.0, 0.0, 0.0, -20.0) + line.format("", 0.0, -20.0, 100.0, 0.0)
+        (folder / "a.dxf").write_text(f"0\nSECTION\n2\nENTITIES\n{lines}0\nENDSEC\n0\nEOF\n")
         same(read(folder / "a.dxf", units="mm"), [(-0.1, 0), (0, -0.02), (0.1, 0)])
 
     def test_holes_are_left_out_and_listed(self, dxf):

@@ -109,7 +109,8 @@ class TestWarnings:
         ("depth_mm,depth_mm,force_N,area_cm2\n1,1,2,3\n", "two columns are called 'depth_mm'"),
         ("depth_mm,force_N,area_cm2\n1,2\n", "line 2 has 2 cells, the header 3"),
         ("depth_mm,force_N,area_cm2\n1,5,2,5,25\n", "line 2 has 5 cells, the header 3"),
-        ("depth_mm;force_N;area_cm2\n1;2;25\n", "lacks depth_mm"),
+        ("depth_mm|force_N|area_cm2\n1|2|25\n", "with commas, semicolons or tabs between them"),
+        ("depth_mm;force_N;area_cm2\n1.000,5;2;25\n", "line 2: .*1.000.5"),
         ("depth_mm,force_N,area_cm2\n10,nan,25\n", "not finite"),
         ("depth_mm,force_N,area_cm2\n-10,8,25\n-20,16,25\n", "no row with depth_mm > 0"),
         ("depth_mm,force_N,area_cm2\n10,8,0\n20,16,25\n", "area_cm2 must be > 0"),
@@ -125,6 +126,23 @@ def test_what_is_wrong_with_a_file_is_named(tmp_path, text, message):
     (tmp_path / "t.csv").write_text(text)
     with pytest.raises(FileError, match=rf"study\.tests = .*t\.csv.*{message}"):
         calibrate(tmp_path / "t.csv")
+
+
+@pytest.mark.parametrize("mark", [";", "\t"])
+def test_a_table_from_a_spreadsheet_with_decimal_commas_is_the_same(tmp_path, mark):
+    path = plates_in_sand(tmp_path / "t.csv", np.random.default_rng(1))
+    other = tmp_path / "other.csv"
+    other.write_bytes(b"\xef\xbb\xbf" + path.read_bytes().replace(b",", mark.encode()).replace(b".", b","))
+    assert calibrate(other).repeats == calibrate(path).repeats
+
+
+def test_noise_over_a_narrow_range_of_depths_widens_the_interval_and_is_not_refused(tmp_path):
+    depths, forces = (49.0, 52.0, 55.0, 58.0), (110.0, 135.0, 95.0, 120.0)
+    rows = "\n".join(f"{d},{f},25" for d, f in zip(depths, forces, strict=True))
+    (tmp_path / "t.csv").write_text(f"depth_mm,force_N,area_cm2\n{rows}\n")
+    found = calibrate(tmp_path / "t.csv")
+    assert found.exponent.value < 0.2
+    assert not found.exponent.excludes(1.0)
 
 
 def test_a_damaged_file_is_read_or_refused_and_never_a_traceback(tmp_path):

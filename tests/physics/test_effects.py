@@ -131,6 +131,7 @@ def all_walk(scene, ramp_foot):
     return fo.simulate(ramp_foot, replace(scene, effects=ALL), fo.Accuracy(dt=1e-3, control=1.0))
 
 
+@pytest.mark.slow  # of compiling all effects
 class TestWalks:
     def test_momentum_is_the_impulse_of_sand_and_gravity(self, all_walk):
         assert all_walk.feasible

@@ -128,6 +128,7 @@ def printing(scene, ramp_foot):
     return fo.simulate(ramp_foot, replace(scene, effects=(ON,)), SAME)
 
 
+@pytest.mark.slow  # of compiling
 class TestWalks:
     def test_area_is_conserved_over_a_walk(self, printing):
         sand = printing.sand(np.arange(len(printing.t)))
@@ -135,7 +136,6 @@ class TestWalks:
         assert np.abs(sand.height).sum() > 1.0
         np.testing.assert_allclose(moved, 0.0, rtol=0, atol=1e-10)
 
-    @pytest.mark.slow
     @pytest.mark.parametrize("name", ["soft", "regular", "hard"])
     def test_area_is_conserved_over_the_walks_of_a_hundred_random_feet(self, name):
         scene = fo.Scene(sand=fo.Sand.named(name), effects=(ON,))
@@ -182,7 +182,6 @@ class TestWalks:
         assert prints.max() > 7.0
         assert ON.cell * sand.height.sum() + sand.beside[0] == pytest.approx(0.0, abs=1e-10)
 
-    @pytest.mark.slow
     def test_shorter_steps_and_narrower_cells_change_less_and_less(self, ramp_foot):
         def at(dt, cell):
             scene = fo.Scene(sand=fo.Sand.named("regular"), effects=(fo.Footprints(cell=cell),))
@@ -194,7 +193,6 @@ class TestWalks:
         assert errors[1] < 0.5 * errors[0]
         assert errors[1] < 0.02
 
-    @pytest.mark.slow
     def test_with_every_other_effect_plates_add_up_and_area_is_conserved(self, ramp_foot):
         scene = fo.Scene(sand=fo.Sand.named("regular"), effects=(*ALL, ON))
         walk = fo.simulate(replace(ramp_foot, closed=True), scene, fo.Accuracy(dt=1e-3, control=1.0))
@@ -205,7 +203,6 @@ class TestWalks:
         sand = walk.sand(index)
         np.testing.assert_allclose(ON.cell * sand.height.sum(axis=1) + sand.beside, 0.0, rtol=0, atol=1e-10)
 
-    @pytest.mark.slow
     def test_who_stands_with_rest_still_stays(self, flat_foot):
         gait = fo.Gait.human(start=math.inf)
         scene = fo.Scene(gait=gait, t_f=5.0, effects=(fo.Rest(), ON))

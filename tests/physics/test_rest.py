@@ -31,7 +31,7 @@ def drift(walk):
     return float(np.hypot(*np.ptp(late, axis=0)))
 
 
-@pytest.mark.parametrize("zeta", [0.2, 5.0, 500.0])
+@pytest.mark.parametrize("zeta", [0.2, 5.0, pytest.param(500.0, marks=pytest.mark.slow)])
 def test_who_stands_for_a_minute_stays(zeta, ramp_foot):
     walk = fo.simulate(ramp_foot, standing(zeta))
     weight = walk.scene.walker.weight
@@ -40,7 +40,7 @@ def test_who_stands_for_a_minute_stays(zeta, ramp_foot):
     np.testing.assert_allclose(walk.force[-1].sum(axis=0), [0.0, weight], rtol=0, atol=1e-6 * weight)
 
 
-@pytest.mark.parametrize(("zeta", "slope"), [(0.2, 0.0), (5.0, 15.0)])
+@pytest.mark.parametrize(("zeta", "slope"), [(0.2, 0.0), pytest.param(5.0, 15.0, marks=pytest.mark.slow)])
 def test_presets_time_steps_and_delta_put_him_in_one_place(zeta, slope):
     """A part of `rest_matrix`, whose table docs/effects.md has."""
     rows = [

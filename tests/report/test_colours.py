@@ -54,6 +54,16 @@ def test_roles_are_told_apart(kind):
     assert closest(roles, kind)[0] > TOLD, closest(roles, kind)
 
 
+def test_what_has_no_role_has_the_colour_of_none():
+    sands = {name: style.ROLES[name]["color"] for name in ("soft", "regular", "hard")}
+    roles = {n: style.PALETTE[n] for n in ("left", "right", "best", "flat", "chosen", "designs")} | sands
+    for colour in style.COLOURS:
+        assert closest(roles | {"no role": colour}, "nobody")[0] >= closest(roles, "nobody")[0]
+        away = [np.linalg.norm(lab(colour, "nobody") - lab(role, "nobody")) for role in roles.values()]
+        assert min(away) > 2 * TOLD
+    assert closest(dict(enumerate(style.COLOURS)), "nobody")[0] > 2 * TOLD
+
+
 @pytest.mark.parametrize("kind", BLIND)
 def test_sands_are_told_apart_and_stronger_ones_are_darker(kind):
     sands = {name: style.ROLES[name]["color"] for name in ("soft", "regular", "hard")}

@@ -62,7 +62,9 @@ class TestServer:
             values = np.array(row[SMALL.n : -1], float)
             assert values == pytest.approx(known[tuple(row[: SMALL.n])], rel=1e-12, nan_ok=True)
         rest = json.loads(asked(server.address, f"{token}news?from={len(designs) - 3}")[1])
-        assert rest == {"designs": designs[-3:], "ended": False}
+        assert rest["designs"] == designs[-3:]
+        assert rest["ended"] is False
+        assert rest["hypervolume"] > 0.0  # of the box of the designs that were seen first
 
     def test_is_bound_to_this_machine(self, server):
         assert urlsplit(server.address).hostname == "127.0.0.1"
@@ -122,6 +124,17 @@ class TestGrowth:
         assert Growth(tmp_path / "designs.sqlite", searched[0]).since(0) == []
         assert not list(tmp_path.iterdir())
 
+    def test_has_the_hypervolume_of_the_search(self, tmp_path):
+        sought, path = problem("pareto"), tmp_path / "designs.sqlite"
+        growth = Growth(path, sought)
+        assert growth.hypervolume() is None
+        found = fo.search(sought, "nsga2", store=path, pop_size=8, n_gen=1, seed=1)
+        growth.since(0)
+        assert growth.hypervolume() == pytest.approx(found.history[0].hypervolume, rel=1e-12)
+        found = fo.search(sought, "nsga2", store=path, pop_size=8, n_gen=3, seed=1)
+        growth.since(0)
+        assert growth.hypervolume() == pytest.approx(found.history[-1].hypervolume, rel=1e-12)
+
     def test_designs_keep_the_order_in_which_they_were_seen(self, tmp_path):
         sought, path = problem(), tmp_path / "designs.sqlite"
         growth = Growth(path, sought)
@@ -135,8 +148,8 @@ class TestGrowth:
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["study=watch"], "study.run = None"),
-        (["study=watch", "run=nowhere"], "study.run = 'nowhere': not the folder of a run"),
+        (["study=watch"], "run = None"),
+        (["study=watch", "run=nowhere"], "run = 'nowhere': not the folder of a run"),
         (["study=watch", "run=run"], "no run is at work"),
     ],
 )
@@ -200,8 +213,9 @@ class TestInABrowser:
             while (more := re.search(r"(\d+) of at most", shown.text("#live"))) and int(more[1]) == few:
                 time.sleep(0.1)
             assert int(more[1]) > few
-            best = shown.js("data.best")
-            assert shown.js(f"heights({best})") == shown.js("heights(shownBest)")
+            shown.until("true", "return String(shownBest >= 0)")  # drawn in the frame after
+            best, drawn = shown.js("[heights(data.best), heights(shownBest)]")
+            assert best == drawn
             assert shown.js("[...front].every((i) => feasible[i])")
             volumes = shown.js("data.history.slice(1).map((row) => row.best)")
             assert 0.0 < volumes[0]

@@ -197,6 +197,20 @@ class TestDrawing:
         assert shown["#glimpse svg"].get_attribute("innerHTML") != step
         assert f"design {chosen}" in shown.text("#design-title")  # which is chosen by a click only
 
+    def test_a_walk_that_hangs_on_its_last_digits_is_said_to(self, shown):
+        drag(shown, 4, 8)
+        assert shown.text("#unwalked") == ""
+        shown.driver.execute_script(
+            "const before = simulate;"
+            "simulate = (arc, world) => { const walk = before(arc, world);"
+            "walk.objectives.work *= 1 + 1e15 * "
+            "(world.mass - sketch.mass) / sketch.mass; return walk; }; choose(DRAWN)"
+        )
+        assert re.match(
+            r"This walk hangs on its last digits: rounding alone changes its work by \d+ %\.",
+            shown.text("#unwalked"),
+        )
+
     def test_is_refused_with_the_effect_that_the_page_does_not_have(self, browser, tmp_path):
         scene = fo.Scene(effects=(fo.Rest(),))
         entry = {"accuracy": {"name": "draft"}, "scene": {"effects": {"rest": {}}}}

@@ -226,3 +226,14 @@ class TestNarrowTables:
         )
         study.close()
         assert str(study.folder) in study.console.file.getvalue()
+
+
+class TestModelError:
+    def test_errors_of_several_walks_are_ranges_and_what_failed_has_none(self):
+        (line,) = terminal.describe_model(
+            [{"work": 0.54, "distance": 0.06}, {}, None, {"work": 0.98, "distance": 0.06}]
+        )
+        assert line.endswith(": work 54 % to 98 %, distance 6 %")
+
+    def test_without_walks_nothing_is_said(self):
+        assert terminal.describe_model([{}, None]) == []

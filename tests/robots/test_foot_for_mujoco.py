@@ -12,6 +12,7 @@ from footopt.studies.settings import Config, ExportConfig, FootConfig, StudyConf
 mujoco = pytest.importorskip("mujoco")
 
 
+@pytest.mark.slow
 def test_a_run_becomes_a_body_with_its_ankle_and_a_script_that_drops_it(tmp_path, monkeypatch, capsys):
     run, exported = tmp_path / "run", tmp_path / "out"
     run.mkdir()

@@ -10,8 +10,9 @@ import footopt as fo
 from footopt.effects import Footprints, Inertia, Layers, LeadingEdge, Rest, Slope
 from footopt.errors import SettingError
 from footopt.mujoco import Grains, attach
-from footopt.mujoco.intrusion import DOWN, TABLE, stress
-from footopt.mujoco.step import forces
+from footopt.mujoco.faces import stress
+from footopt.mujoco.intrusion import DOWN, TABLE
+from footopt.mujoco.step import body_forces
 from footopt.sand import alpha
 from footopt.sand.law import by_direction
 from footopt.walk.contact import EDGE
@@ -19,39 +20,20 @@ from footopt.walk.plates import forces as law_forces
 
 mujoco = pytest.importorskip("mujoco")
 walker = pytest.importorskip("mujoco_walker")
+shared = pytest.importorskip("block_on_sand")
+robots = pytest.importorskip("stiff_robots")
 
-HARD = fo.Sand.named("hard")
+HARD, settle = shared.HARD, shared.settle
+
 HOLLOW = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
-BLOCK = """
-<mujoco>
-  <option timestep="{dt}" integrator="{integrator}"/>
-  <worldbody>
-    <body name="foot" pos="0 0 {height}">
-      <freejoint/><geom type="box" size=".13 .05 .01" mass="60"/>
-    </body>
-  </worldbody>
-</mujoco>
-"""
 INTEGRATORS = [name.removeprefix("mjINT_") for name in mujoco.mjtIntegrator.__members__]
 SPELLED = {"EULER": "Euler", "RK4": "RK4"}
 
 
 @pytest.fixture
 def block(request):
-    """A function that makes a block of 60 kg on a foot, on sand: model, data and contact."""
-
-    def make(sand=HARD, effects=(), height=0.05, dt=1e-3, integrator="Euler", foot=None, **options):
-        model = mujoco.MjModel.from_xml_string(BLOCK.format(dt=dt, integrator=integrator, height=height))
-        data = mujoco.MjData(model)
-        contact = attach(model, data, {"foot": foot or fo.Foot.flat()}, sand, effects, **options)
-        request.addfinalizer(contact.detach)
-        return model, data, contact
-
-    return make
-
-
-def settle(model, data, seconds):
-    mujoco.mj_step(model, data, nstep=round(seconds / model.opt.timestep))
+    """A function that puts a block of 60 kg on sand: model, data and contact."""
+    return lambda *given, **options: shared.put_on_sand(request, *given, **options)
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
@@ -145,17 +127,18 @@ def test_planar_walker_agrees_with_simulate_on_random_soles_and_sands():
 
 def feel(contact, up, twist, height, c=0.0, turn=1e9, bristles=None):
     """Wrench of the sand on a body in its own axes, and its derivative by the twist."""
-    desk, wrench, stiffness = contact._desk, np.zeros(6), np.zeros((6, 6))
-    h0 = np.zeros_like(desk.bristles[0]) if bristles is None else bristles
+    space, wrench, stiffness = contact._space, np.zeros(6), np.zeros((6, 6))
+    h0 = np.zeros_like(space.bristles[0]) if bristles is None else bristles
     moved = c * np.asarray(twist)
-    linear = up + np.cross(moved[3:], up) * -1.0
-    surface = (height + up @ moved[:3], *linear)
-    forces(desk, contact.acting, 0, up, surface, np.array([0.0, 1.0, 0.0, 0.0]), np.asarray(twist, float), c,
-           turn, h0, wrench, stiffness)  # fmt: skip
+    space.frame[2, :3], space.frame[0, :3] = up, (1.0, 0.0, 0.0)
+    surface = height + up @ moved[:3], tuple(up - np.cross(moved[3:], up))
+    body_forces(space, contact.acting, 0, surface, np.asarray(twist, float), c, turn, h0, wrench, stiffness)
     return wrench, stiffness
 
 
-@pytest.mark.parametrize("effects", [(), (LeadingEdge(), Inertia(), Layers((0.01,), (3.0,)))])
+@pytest.mark.parametrize(
+    "effects", [(), pytest.param((LeadingEdge(), Inertia(), Layers((0.01,), (3.0,))), marks=pytest.mark.slow)]
+)
 def test_forces_are_those_of_the_planar_law_with_its_effects(block, effects):
     _, _, contact = block(effects=effects, foot=HOLLOW, plates=128)
     scene = fo.Scene(sand=HARD, effects=effects)
@@ -191,7 +174,7 @@ def test_stiffness_is_the_derivative_of_the_wrench(block):
     for _ in range(10):
         up = rng.normal(size=3) * 0.3 + [0, 0, 1]
         up /= np.linalg.norm(up)
-        twist, bristles = rng.uniform(-1, 1, 6), 0.2 * rng.normal(size=contact._desk.bristles.shape[1])
+        twist, bristles = rng.uniform(-1, 1, 6), 0.2 * rng.normal(size=contact._space.bristles.shape[1])
         state = {"height": -0.2, "c": 1e-3, "turn": 3.0, "bristles": bristles}
         _, stiffness = feel(contact, up, twist, **state)
         steps = np.eye(6) * 1e-6
@@ -244,6 +227,7 @@ def test_a_reset_starts_again(block):
     assert contact.counts["restarts"] == 2
 
 
+@pytest.mark.slow
 def test_each_data_has_its_own_sand_and_others_none(block):
     model, data, contact = block()
     soft_model, soft_data, soft = block(fo.Sand(0.2), effects=(Inertia(),))
@@ -390,3 +374,22 @@ def test_a_plate_dragged_fast_feels_the_inertia_of_the_grains(block):
     speeds = np.array([0.04, 0.16, 0.32, 0.64])
     extra = np.polyfit(speeds**2, drags, 1)[0]
     assert extra == pytest.approx(1.1 * rho * 2 * area, rel=1e-6)
+
+
+@pytest.mark.slow
+def test_stiff_robots_drawn_at_random_stay_stable_and_stand_still(request):
+    rng, stood = np.random.default_rng(3), 0
+    for _ in range(8):
+        model, foot, sand = robots.draw(rng)
+        data = mujoco.MjData(model)
+        contact = attach(model, data, {"a_foot": foot, "b_foot": foot}, sand)
+        request.addfinalizer(contact.detach)
+        settle(model, data, 12.0)
+        before = data.qpos.copy()
+        settle(model, data, 2.0)
+        assert np.isfinite(data.qpos).all()
+        assert contact.counts["restarts"] == 1  # MuJoCo resets what diverges
+        if data.xmat[1, 8] > 0.95:  # not toppled from its hump, or over on sand too soft
+            stood += 1
+            assert abs(data.qpos - before)[:3].max() < 1e-4 / 30
+    assert stood >= 7

@@ -77,13 +77,13 @@ def test_more_walks_go_on_where_fewer_ended(name, objective, tmp_path):
     assert_same(many, search(p, name, walks=200, seed=1))
 
 
-def test_generations_grow_from_twenty_to_a_hundred():
+def test_generations_grow_from_ten_to_a_hundred():
     solver = Solver("memetic")
     r = search(problem(space=SEVEN), Solver("memetic", walks=260))
     sizes = np.diff([0, *(g.evaluations for g in r.history)]).tolist()
     expected = [size for size, _ in zip(solver.sizes(), sizes, strict=False)]
     assert sizes[:-1] == expected[:-1] == sorted(expected[:-1])
-    assert sizes[0] == 20
+    assert sizes[0] == 10
     assert max(size for size, _ in zip(solver.sizes(), range(200), strict=False)) == 100
     assert len(sizes) == r.solver.generations(SEVEN)
 
@@ -96,9 +96,9 @@ def test_generations_grow_from_twenty_to_a_hundred():
         (Solver("ga", pop_size=20, n_gen=7), 140, 7),
         (Solver("ga", n_gen=7), 700, 7),
         (Solver("memetic", pop_size=20, n_gen=7), 140, 7),
-        (Solver("memetic", n_gen=3), 60, 3),
+        (Solver("memetic", n_gen=3), 30, 3),
         (Solver("memetic", pop_size=50, walks=120), 120, 3),
-        (Solver("memetic", n_gen=7, walks=50), 50, 3),
+        (Solver("memetic", n_gen=7, walks=50), 50, 5),
         (Solver(EXHAUSTIVE, pop_size=4096), 10_000, 2442),
     ],
 )
@@ -107,7 +107,7 @@ def test_generations_follow_from_walks_and_walks_from_generations(solver, design
 
 
 def test_the_best_solver_for_the_number_of_objectives_is_the_default():
-    assert [Solver().fitting(n).name for n in (1, 2, 3, 5)] == ["memetic", "archive", "archive", "agemoea2"]
+    assert [Solver().fitting(n).name for n in (1, 2, 3, 5)] == ["memetic", "archive", "archive", "archive"]
     assert Solver("rvea").fitting(5).name == "rvea"
 
 
@@ -178,3 +178,11 @@ def test_a_surrogate_needs_few_walks_and_goes_on_bit_by_bit(objective, tmp_path)
         assert r.F[0] <= 0.95 * exact.F[0] < 0.0
     else:
         assert hypervolume_shares([r.F, exact.F])[0] > 0.95
+
+
+@pytest.mark.slow
+def test_tight_limits_are_met_within_three_hundred_walks():
+    """What violates more is worse to the model of the walks, too: before, half of ten searches met none."""
+    scene, limits = fo.Scene(sand=fo.Sand.named("hard")), {"peak_power": 200.0, "work": 180.0}
+    problem = fo.FootProblem(scene, accuracy="draft", limits=limits)
+    assert all(fo.search(problem, "memetic", walks=300, seed=seed).feasible.any() for seed in range(10))

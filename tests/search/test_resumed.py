@@ -19,6 +19,7 @@ TWO, THREE = ["distance", "work"], ["distance", "work", "peak_power"]
 SEARCHES = {
     "memetic": ([["efficiency"], ["peak_power"]], 260),
     "archive": ([TWO, THREE], 120),
+    "agemoea2": ([THREE, "pareto"], 120),
     "surrogate": ([["efficiency"], TWO], 50),
     "auto": ([["efficiency"], TWO], 120),
     "codesign": ([["efficiency"], TWO], 60),
@@ -45,7 +46,9 @@ def dying(store, after, kept):
     return store
 
 
-@pytest.mark.parametrize("name", SEARCHES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.slow) if n == "agemoea2" else n for n in SEARCHES]
+)
 @pytest.mark.parametrize("seed", range(tries(1)))
 def test_a_search_that_dies_anywhere_ends_as_one_that_did_not(name, seed, tmp_path):
     draw, (objectives, most) = np.random.default_rng([seed, len(name)]), SEARCHES[name]

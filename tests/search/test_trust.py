@@ -12,9 +12,10 @@ from searching import QUICK, stop_after
 import footopt as fo
 from footopt.design import Solver, exhaustive, search
 from footopt.design.exhaustive import batches
+from footopt.design.peers import PEERS, asked_by
 from footopt.design.pymoo_problem import PymooProblem
 from footopt.design.solvers.moves import ExchangeRun, ShiftRun, shifts
-from footopt.design.truth import PEERS, Attempt, Tabulated, expected_walks, judge, judge_designs, walk_all
+from footopt.design.truth import Attempt, Tabulated, expected_walks, judge, judge_designs, walk_all
 from footopt.errors import FootoptError, SettingError
 from footopt.walk.scenarios import sands
 
@@ -214,13 +215,23 @@ class TestTruth:
         assert expected_walks([hit]) == 40
         assert expected_walks([miss]) == np.inf
 
+    @pytest.mark.slow
+    @pytest.mark.filterwarnings("ignore")  # the other libraries' own
     @pytest.mark.parametrize("name", PEERS)
-    def test_peers_ask_for_different_designs_within_their_budget(self, truths, name):
-        k = PEERS[name](truths[0], 60, 1)
-        assert len(np.unique(k, axis=0)) == len(k) == 60
-        assert ((k >= 1) & (k <= 4)).all()
-        np.testing.assert_array_equal(k, PEERS[name](truths[0], 60, 1))
-        assert judge_designs(name, 1, EVERYTHING, truths[0]).regret == 0.0
+    def test_peers_ask_for_different_designs_in_their_box_within_their_budget(self, truths, name):
+        try:
+            found, again = (asked_by(name, truths[0], 40, 1) for _ in range(2))
+        except ImportError as error:
+            pytest.skip(str(error))
+        k = np.array(found.designs)
+        assert len(np.unique(k, axis=0)) == len(k) == len(found.bests) <= 40
+        assert len(k) >= 30  # a swarm asks for the same again and again
+        assert SPACE.inside(k).all()
+        np.testing.assert_array_equal(k, again.designs)
+
+    def test_a_peer_that_has_everything_has_found_the_best(self, truths):
+        assert judge_designs("everything", 1, EVERYTHING, truths[0]).regret == 0.0
+        assert min(asked_by("random", truths[0], 10**4, 1).bests) == truths[0].optimum
 
 
 def test_every_sole_is_kept_and_read_again(tmp_path):

@@ -126,7 +126,7 @@ def test_auto_simulates_what_matters_and_records_why(tmp_path):
     assert {c["name"] for c in result["scene_calls"]} >= {"leading edge", "slope", "depth", "cohesion"}
     assert 0.0 < result["left_out"]["work"] < 0.2  # by inertia and shadowing together
     known = model_error(fo.load(only_folder(tmp_path)).walk())
-    assert result["model_error"]["work"] == pytest.approx(known["work"] + result["left_out"]["work"])
+    assert known["work"] < result["model_error"]["work"] < known["work"] + result["left_out"]["work"]
 
 
 @pytest.mark.slow

@@ -23,6 +23,7 @@ LONG = [name for name in BY_NAME if name.startswith(("ten minutes", "at rest on"
 WITH_EFFECTS = [
     *("leading edge on hard sand", "leading edge, zeta 200", "inertia in a brisk walk", "rest in a walk"),
     *("a cliff from zeta 1 to 1000", "100 hard patches of 1 mm", "all effects"),
+    "footprints on regular sand",
 ]
 PAN = "a hard pan under soft sand"  # a blow of microseconds
 WRONG = (CREEPS, PAN)
@@ -62,6 +63,7 @@ class TestStudy:
         assert measures["place"].ratio > 1.0
         assert measures["load"].ratio < 1.0
 
+    @pytest.mark.slow
     def test_what_no_stepper_resolves_is_said_and_a_run_warns_of_it(self, base, monkeypatch):
         monkeypatch.setattr(stability, "CONVERGED", 5.0)
         (verdict,) = judge(BY_NAME[PAN], base, ["sdirk2_control"])

@@ -82,7 +82,7 @@ class TestStudy:
         run(composed(*TRUST, *words), tmp_path, {}, resumed=True)
         again = json.loads((tmp_path / "result.json").read_text())
         assert (again["exact"], again["scores"]) == (whole["exact"], whole["scores"])
-        assert walked == [81]
+        assert walked[1:] == [81]  # the first are walked to see whether the library of a peer is there
         assert tables[0].read_bytes() == kept
 
     @pytest.mark.parametrize(

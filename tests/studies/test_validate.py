@@ -79,13 +79,13 @@ class TestComparison:
             assert (verdict == DIFFERS) == (c.says == f"differs by {abs(100 * error):.0f} %")
 
 
+@pytest.mark.slow  # of compiling footprints
 class TestHeapOfAWheel:
     def wheel(self, own):
         setup, zeta = ALL["wheel"].content["setup"], ALL["wheel"].content["inputs"]["zeta"]["value"]
         few = dict(setup, slip=setup["slip"][::4], load=setup["load"][::4])
         return rig.wheel(few, {"zeta": zeta}, (fo.LeadingEdge(), fo.Footprints(own=own)), False)["sinkage"]
 
-    @pytest.mark.slow
     def test_a_wheel_that_stays_in_the_sand_is_where_it_was_without_footprints(self):
         bare = next(c for c in ALL["wheel"].compare(("leading_edge",)) if c.quantity == "sinkage")
         np.testing.assert_allclose(1e3 * self.wheel(False), bare.simulated[::4], rtol=2e-3)
@@ -166,7 +166,7 @@ def test_the_docs_weigh_the_default_law_by_the_numbers_of_the_table():
 
 class TestModelError:
     def test_it_has_all_objectives_and_that_of_the_height_comes_from_the_walks_own_sinkage(self, hard_walk):
-        errors, own = model.model_error(hard_walk), hard_walk.objectives
+        errors, own = model.model_error(hard_walk, spread=0.0), hard_walk.objectives
         assert set(errors) == {*FIVE, "efficiency"}
         sinkage = model.found()[("wheel", "sinkage", ())]
         assert errors["mean_height"] == pytest.approx(sinkage * own["maximum_sinkage"] / own["mean_height"])
@@ -174,10 +174,34 @@ class TestModelError:
 
     def test_a_walk_without_trailing_faces_has_the_errors_of_that_law(self, hard_walk):
         edge = replace(hard_walk, scene=fo.Scene(effects=(fo.LeadingEdge(), fo.Inertia())))
-        assert model.model_error(edge)["work"] == model.found()[("people", "work ratio", ("leading_edge",))]
+        error = model.model_error(edge, spread=0.0)["work"]
+        assert error == model.found()[("people", "work ratio", ("leading_edge",))]
+
+    def test_it_has_what_the_spread_of_zeta_changes_in_the_walk_itself(self, hard_walk):
+        law, both = (model.model_error(hard_walk, spread=spread) for spread in (0.0, 0.3))
+        own = hard_walk.objectives
+        sands = [fo.Sand(zeta=5.0 * math.exp(sign * 0.3)) for sign in (-1, 1)]
+        scenes = [replace(hard_walk.scene, sand=sand) for sand in sands]
+        walks = [fo.simulate(hard_walk.foot, scene).objectives for scene in scenes]
+        for name in (*FIVE, "efficiency"):
+            change = max(abs(other[name] / own[name] - 1.0) for other in walks)
+            assert both[name] == pytest.approx(math.hypot(law[name], change), rel=1e-4)  # its plates stay
+        assert both["work"] > 1.01 * law["work"]
+
+    def test_where_softer_sand_sinks_the_walker_nothing_is_sure(self, flat_foot):
+        walk = fo.simulate(flat_foot, fo.Scene(fo.Sand(zeta=0.06)))
+        assert walk.feasible
+        assert min(model.model_error(walk, spread=0.99).values()) >= 1.0
 
     def test_a_walk_that_failed_has_none(self, hard_walk):
         assert model.model_error(replace(hard_walk, reason="sunk")) == {}
+
+    def test_of_who_stands_it_is_the_law_s_alone(self):
+        scene = fo.Scene(gait=replace(fo.Gait.human(), start=math.inf), t_f=1.0)
+        stands = fo.simulate(fo.Foot.flat(), scene, "draft")
+        assert (
+            model.model_error(stands)["distance"] == model.model_error(stands, spread=0.0)["distance"] > 0.0
+        )
 
 
 @pytest.fixture(scope="module")

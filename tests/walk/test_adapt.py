@@ -66,6 +66,16 @@ def test_plates_follow_waypoints(n):
     assert adapted(STANDARD, fo.Scene(), drawn).plates >= min(EACH * (n - 1), 4 * n)
 
 
+def test_every_tooth_of_a_comb_has_plates_in_the_sand():
+    """A level comb under a light walker stands on all of its tips: four plates on each, not eight in all."""
+    light, teeth = fo.Scene(sand=fo.Sand(10.0), walker=fo.Walker(mass=3.0)), 10
+    plates = comb(teeth).plates(adapted(STANDARD, light, comb(teeth)).plates)
+    height, area = plates.z[0] - plates.z[0].min(), plates.area[0]
+    depths = np.linspace(0.0, 0.02, 2001)[:, None]
+    lift = 1e7 * (np.maximum(depths - height, 0.0) * area).sum(axis=1)  # zeta alpha_z by depth and area
+    assert (height < depths[np.argmax(lift >= 3.0 * 9.81)]).sum() >= 4 * teeth
+
+
 def test_a_smaller_walker_takes_shorter_steps_at_smaller_speeds():
     human, small = fo.Scene(), fo.Scene(gait=fo.Gait.human(period=0.6), walker=fo.Walker(60.0, 0.1, 0.13))
     found = adapted(STANDARD, small, PAPER)
@@ -76,7 +86,7 @@ def test_a_smaller_walker_takes_shorter_steps_at_smaller_speeds():
     assert adapted(STANDARD, slow, PAPER).dt == STANDARD.dt
 
 
-@pytest.mark.parametrize("effect", [fo.LeadingEdge(), fo.Inertia(), fo.Layers(), fo.Patches()])
+@pytest.mark.parametrize("effect", [fo.LeadingEdge(), fo.Inertia(), fo.Layers(), fo.Patches(), fo.Rest()])
 def test_steps_are_shorter_where_blows_are(effect):
     found = adapted(STANDARD, fo.Scene(effects=(effect,)), PAPER)
     assert (found.dt, found.control) == (STANDARD.dt / 2, STANDARD.control / 4)

@@ -61,6 +61,7 @@ def test_with_footprints_estimates_hold_the_error_of_steps_and_cells():
     assert np.mean(held) >= 0.8
 
 
+@pytest.mark.slow
 def test_a_scene_is_drawn_by_its_number_alone():
     one, again, other = draw(3), draw(3), draw(4)
     assert one.about == again.about != other.about

@@ -7,7 +7,7 @@ from functools import partial
 from importlib import import_module
 from typing import Any
 
-from footopt.design.solvers.registry import GROWING, Solver, register
+from footopt.design.solvers.registry import DEAR, GROWING, QUICK, Solver, register
 from footopt.errors import needed
 
 single = partial(register, single=True)
@@ -49,10 +49,10 @@ def surrogate(solver: Solver, n_obj: int) -> Any:
     from footopt.design.solvers.surrogate import Surrogate
 
     needed("sklearn", "solver=surrogate", "surrogate")
-    return Surrogate(solver.size)
+    return Surrogate(solver.pop_size)
 
 
-GROWING += ["memetic", "archive"]
+GROWING |= {"memetic": QUICK, "archive": QUICK, "surrogate": DEAR}
 
 
 @single
@@ -98,7 +98,11 @@ def nsga3(solver: Solver, n_obj: int) -> Any:
 @register
 def agemoea2(solver: Solver, n_obj: int) -> Any:
     """AGE-MOEA-II: survival by an estimate of the front's geometry (Panichella 2022)."""
-    return genetic(solver, "moo.age2:AGEMOEA2")
+    from footopt.design.solvers.operators import Geometry
+
+    algorithm = genetic(solver, "moo.age2:AGEMOEA2")
+    algorithm.survival = Geometry()
+    return algorithm
 
 
 @register

@@ -13,8 +13,9 @@ from pymoo.core.population import Population
 from pymoo.util.display.multi import MultiObjectiveOutput
 from pymoo.util.display.single import SingleObjectiveOutput
 
+from footopt.design.fronts import nondominated
 from footopt.design.solvers.moves import IDLE, RandomInside, allowed, exchanged, shifted, shifts
-from footopt.design.solvers.registry import grown
+from footopt.design.solvers.registry import QUICK, grown
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -25,9 +26,10 @@ PATIENCE = 8  # generations without a better design before the best one's neighb
 NORMAL = 0.5  # share of the children that are drawn from the parents' normal distribution
 CROSSED = 0.4  # share of the others that have two parents
 TWICE = 0.2  # share of the rest that are shifted twice
-SCREENED = 8  # children for each design that is asked for
+CHILDREN = 1000  # a generation, of which a model chooses
 LEARNT, TRAINED = 40, 300  # designs before there is a model, and that it knows at most
-SMOOTHING = 0.01  # of the model
+WIDTH, SMOOTHING = 0.7, 1e-3  # of the model: one over its length, in the range of heights
+WORSE = 1e100  # than any value, for a model of ranks: an infeasible design, the more it violates
 FEW = 100  # parents of several objectives at most
 
 
@@ -37,8 +39,10 @@ class Moves(Algorithm, ABC):
     Parameters
     ----------
     pop_size : int, optional
-        Designs a generation; by default a tenth of all designs so far, from `FIRST` to `MOST`.
+        Designs a generation; by default they grow (`grown`).
     """
+
+    growth = QUICK
 
     def __init__(self, pop_size: int | None = None, sampling: Any = None, **kwargs: Any) -> None:
         super().__init__(**kwargs)
@@ -54,7 +58,7 @@ class Moves(Algorithm, ABC):
 
     def _size(self) -> int:
         """Designs of the next generation."""
-        return self.pop_size or grown(len(self.asked))
+        return self.pop_size or grown(len(self.asked), *self.growth)
 
     def _initialize_infill(self) -> Any:
         drawn = self.initialization.do(self.problem, self._size(), random_state=self.random_state)
@@ -67,7 +71,7 @@ class Moves(Algorithm, ABC):
         found = self._propose(size)
         idle = 0
         while (wanted := size - len(found)) and idle < IDLE:
-            children = self._screened(self._fresh(self._children(SCREENED * wanted)), wanted)
+            children = self._screened(self._fresh(self._children(max(CHILDREN, wanted))), wanted)
             found = np.concatenate([found, self._new(children, wanted)])
             idle = 0 if len(children) else idle + 1
         if not len(found):
@@ -119,8 +123,8 @@ class Moves(Algorithm, ABC):
     def _promise(self, X: Ints) -> Array:
         """How far designs (designs, n) should lie ahead of the best so far, in ranks, (designs,).
 
-        The model interpolates the ranks of known designs linearly in the distance (scipy's RBFInterpolator),
-        of heights and of differences of neighbours. It knows the newest designs and the best.
+        The model interpolates the ranks of known designs by Gaussians of their distance in heights and
+        differences of neighbours (scipy's RBFInterpolator). It knows the newest designs and the best.
         """
         from scipy.interpolate import RBFInterpolator
 
@@ -130,8 +134,10 @@ class Moves(Algorithm, ABC):
             chosen = np.concatenate([np.sort(best), np.arange(len(F) - TRAINED // 2, len(F))])
             known, F = known[chosen], F[chosen]
         rank = ranks(F) / len(F)
-        model = RBFInterpolator(steps(known), rank, kernel="linear", smoothing=SMOOTHING)
-        expected = np.round(model(steps(X)), 6)  # sums in another order must not lead elsewhere
+        given: dict[str, Any] = {"kernel": "gaussian", "epsilon": WIDTH, "smoothing": SMOOTHING}
+        top = float(np.max(self.problem.xu))
+        model = RBFInterpolator(steps(known) / top, rank, **given)
+        expected = np.round(model(steps(X) / top), 6)  # sums in another order must not lead elsewhere
         promise = np.full(len(X), np.inf)
         for ahead in rank[nondominated(rank)]:
             np.minimum(promise, (ahead - expected).max(axis=1), out=promise)
@@ -146,7 +152,8 @@ class Moves(Algorithm, ABC):
         if infills is not None:
             self.known = Population.merge(self.known, infills)
             F = infills.get("F").astype(float)
-            F[infills.get("CV")[:, 0] > 0.0] = np.inf
+            violation = infills.get("CV")[:, 0]
+            F[violation > 0.0] = WORSE * (1.0 + violation[violation > 0.0, None])
             self.learnt.append((infills.get("X").astype(float), F))
         return super().advance(infills=infills, **kwargs)
 
@@ -240,13 +247,6 @@ def steps(X: Any) -> Array:
 def ranks(F: Array) -> Ints:
     """Place of each design by each objective, (designs, objectives)."""
     return F.argsort(axis=0, kind="stable").argsort(axis=0, kind="stable")
-
-
-def nondominated(F: Array) -> NDArray[np.bool_]:
-    """Which designs no other dominates, (designs,)."""
-    from moocore import is_nondominated
-
-    return np.asarray(is_nondominated(np.ascontiguousarray(F, float), keep_weakly=True))
 
 
 def order(pop: Any) -> Ints:

@@ -30,17 +30,17 @@ OPERATORS: dict[str, tuple[str, ...]] = {
 }
 
 
-#: The best for one objective, for two or three, and for more (docs/solvers.md).
-AUTO, BEST = "auto", ("memetic", "archive", "agemoea2")
+#: The best for one objective, and for several (docs/solvers.md).
+AUTO, BEST = "auto", ("memetic", "archive")
 
-#: Solvers whose generations grow with the designs so far: without pop_size, from FIRST to MOST.
-GROWING: list[str] = []
-FIRST, MOST = 20, 100
-SHARE = 0.1  # of all designs so far that a generation has
+#: Solvers whose generations grow, without pop_size: from a first size, by a share of all designs so far, to
+#: MOST.
+GROWING: dict[str, tuple[int, float]] = {}
+QUICK, DEAR = (10, 0.05), (5, 0.05)  # first size and share, of quick walks and of dear ones
+MOST = 100
 
 WALKS = 10_000  # of a solver without n_gen
 SIZE = 100  # of generations that do not grow
-SIZES = {"surrogate": 50}  # of those whose models are fitted to each
 
 
 @dataclass(frozen=True)
@@ -52,8 +52,8 @@ class Solver:
     name : str
         In `SOLVERS`, `EXHAUSTIVE`, or `AUTO`: the best one for the number of objectives, see `fitting`.
     pop_size : int, optional
-        Designs a generation; by default it grows from 20 to 100, a tenth of all designs so far, and is 100
-        for solvers whose population has a fixed size.
+        Designs a generation; by default it grows from 10 to 100 (from 5, of surrogate), a twentieth of all
+        designs so far, and is 100 for solvers whose population has a fixed size.
     n_gen : int, optional
         Generations at most.
     seed : int
@@ -87,7 +87,7 @@ class Solver:
 
     def fitting(self, n_obj: int) -> Solver:
         """This one, or instead of `AUTO` the best for that many objectives."""
-        return self if self.name != AUTO else replace(self, name=BEST[(n_obj > 1) + (n_obj > 3)])
+        return self if self.name != AUTO else replace(self, name=BEST[n_obj > 1])
 
     @property
     def most(self) -> float:
@@ -102,13 +102,13 @@ class Solver:
     @property
     def size(self) -> int:
         """Designs of a generation that does not grow."""
-        return self.pop_size or SIZES.get(self.name, SIZE)
+        return self.pop_size or SIZE
 
     def sizes(self) -> Iterator[int]:
         """Designs of each generation, without end."""
         asked = 0
         while True:
-            yield (size := grown(asked) if self.grows else self.size)
+            yield (size := grown(asked, *GROWING.get(self.name, QUICK)) if self.grows else self.size)
             asked += size
 
     def generations(self, space: Waypoints) -> int:
@@ -174,6 +174,6 @@ def register(build: Callable[[Solver, int], Any], single: bool = False) -> Calla
     return build
 
 
-def grown(asked: int) -> int:
+def grown(asked: int, first: int, share: float) -> int:
     """Designs of a generation after so many."""
-    return min(max(int(SHARE * asked), FIRST), MOST)
+    return min(max(int(share * asked), first), MOST)

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import warnings
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from pymoo.core.population import Population
 
-from footopt.design.solvers.memetic import Moves, front, nondominated, order, steps
+from footopt.design.fronts import nondominated
+from footopt.design.solvers.memetic import Moves, front, order, steps
 from footopt.design.solvers.moves import RandomInside, allowed
-from footopt.design.solvers.registry import SIZES
+from footopt.design.solvers.registry import DEAR
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-LEAST = 10  # feasible designs before there are models
-FITTED = 300  # designs that a model's lengths are fitted to
+LEAST = 20  # feasible designs before there are models
+FITTED = 200  # designs that a model's lengths are fitted to
 TRAINED = 1500  # designs that a model knows
 STEPS = 15  # of L-BFGS-B a generation, from the lengths of the last one
 ROUNDS, CHILDREN = 12, 600  # of moves on the models, and children in each
@@ -29,19 +31,18 @@ NOISE = (1e-4, 1.0)  # of a model's variance: ruggedness that it cannot follow
 class Surrogate(Moves):
     """Gaussian processes of the objectives; each design of a batch is the best of another sample of them.
 
-    Each objective has a process with a Matern kernel, of one length for each height, each difference of
-    neighbours and each difference of these (scikit-learn's). The kernel sees whole numbers only, as
-    Garrido-Merchan & Hernandez-Lobato (Neurocomputing 380, 2020) advise. A single objective of one sign is
-    modelled by its logarithm: J_W is a product of measures that are smoother than itself. The moves of
-    `memetic` improve designs on the models' means; of what they come upon, samples of the processes choose
-    (Thompson 1933; Kandasamy et al. 2018): explored is what the models do not know. With several objectives
-    each sample looks in another direction, by the augmented Chebyshev distance from its ideal point (Knowles
-    2006).
-
-    On eight random scenes it needed two thirds of the walks of `memetic`, not less (docs/solvers.md).
+    Each objective has a process of scikit-learn's with a squared exponential kernel of two lengths, for
+    heights and for differences of neighbours. The kernel sees whole numbers only, as Garrido-Merchan &
+    Hernandez-Lobato (Neurocomputing 380, 2020) advise. A single objective of one sign is modelled by its
+    logarithm: J_W is a product of measures that are smoother than itself. The moves of `memetic` improve
+    designs on the models' means; of what they come upon, samples of the processes choose (Thompson 1933;
+    Kandasamy et al. 2018): explored is what the models do not know. With several objectives each sample looks
+    in another direction, by the augmented Chebyshev distance from its ideal point (Knowles 2006).
     """
 
-    def __init__(self, pop_size: int = SIZES["surrogate"], **kwargs: Any) -> None:
+    growth = DEAR
+
+    def __init__(self, pop_size: int | None = None, **kwargs: Any) -> None:
         super().__init__(pop_size, **kwargs)
         self.theta: list[Array] = []  # of each kernel, from which the next fit goes on
 
@@ -88,7 +89,7 @@ class Surrogate(Moves):
     def _models(self, X: Ints, F: Array) -> list[Any]:
         """A process for each objective."""
         from sklearn.gaussian_process import GaussianProcessRegressor
-        from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
+        from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
 
         one = F.shape[1] == 1
         rank = (F if one else (F - F.min(axis=0)) / np.maximum(np.ptp(F, axis=0), 1e-300)).sum(axis=1)
@@ -97,20 +98,20 @@ class Surrogate(Moves):
         inputs, models = self._inputs(X[known]), []
         for j in range(F.shape[1]):
             y = bounded(logarithmic(F[known, j]) if one else F[known, j])
-            lengths = Matern(np.full(inputs.shape[1], 2.0), (0.1, 30.0), nu=2.5)
-            kernel = ConstantKernel(4.0, (1e-2, 1e3)) * lengths + WhiteKernel(1e-2, NOISE)
+            lengths = RBF(np.full(inputs.shape[1], 3.0), (0.1, 100.0))
+            kernel = ConstantKernel(4.0, (1e-2, 1e4)) * lengths + WhiteKernel(1e-2, NOISE)
             if self.theta:
                 kernel = kernel.clone_with_theta(self.theta[j])
             options = {"alpha": 1e-8, "normalize_y": True}
-            few = GaussianProcessRegressor(kernel, optimizer=fit, **options).fit(inputs[fitted], y[fitted])
+            few = GaussianProcessRegressor(kernel, optimizer=partial(fit, n=X.shape[1]), **options)
+            few.fit(inputs[fitted], y[fitted])
             models.append(GaussianProcessRegressor(few.kernel_, optimizer=None, **options).fit(inputs, y))
         self.theta = [model.kernel_.theta for model in models]
         return models
 
     def _inputs(self, X: Ints) -> Array:
-        """What a kernel sees of designs: heights, slopes and bends, 2 for the whole range of heights."""
-        shape = np.concatenate([steps(X), np.diff(X, n=2, axis=1)], axis=1)
-        return np.asarray(2.0 * shape / float(np.max(self.problem.xu)))
+        """What a kernel sees of designs: heights and slopes, 2 for the whole range of heights."""
+        return np.asarray(2.0 * steps(X) / float(np.max(self.problem.xu)))
 
     def _few(self, rank: Array, count: int) -> Ints:
         """Places of at most so many designs: the best, and as many of the others at random."""
@@ -163,13 +164,20 @@ def logarithmic(f: Array) -> Array:
     return np.sign(f) * np.log(np.abs(f)) if (f > 0.0).all() or (f < 0.0).all() else f
 
 
-def fit(objective: Any, theta: Array, bounds: Array) -> tuple[Array, float]:
-    """scikit-learn's optimizer of a kernel: a few steps, from where the last generation ended."""
+def fit(objective: Any, theta: Array, bounds: Array, n: int) -> tuple[Array, float]:
+    """scikit-learn's optimizer of a kernel: a few steps, with one length for heights and one for slopes."""
     from scipy.optimize import minimize
 
-    options = {"maxiter": STEPS}
-    found = minimize(objective, theta, jac=True, bounds=bounds, method="L-BFGS-B", options=options)
-    return found.x, float(found.fun)
+    tied = np.repeat([0, 1, 2, 3], [1, n, n - 1, 1])  # variance, lengths, noise
+    first = np.unique(tied, return_index=True)[1]
+
+    def of_tied(few: Array) -> tuple[float, Array]:
+        value, slope = objective(few[tied])
+        return float(value), np.bincount(tied, slope).astype(float)
+
+    given: dict[str, Any] = {"method": "L-BFGS-B", "options": {"maxiter": STEPS}}
+    found = minimize(of_tied, theta[first], jac=True, bounds=bounds[first], **given)
+    return found.x[tied], float(found.fun)
 
 
 def leaders(value: Array, count: int) -> Ints:

@@ -24,7 +24,8 @@ STRETCH = 0.2  # of a segment's usual length that it may be longer or shorter: i
 WHOLE = 0.9  # of the time of a leg; a foot that is seen for less of it is left out
 BACKWARDS = 0.3  # m that the hip may go backwards, on a treadmill
 STIFF = 0.03  # m that the knee is ahead of hip and ankle, in the mean; where it is less, the toes say more
-STILL = 1e-3  # m rms; who stands does not swing
+PLANTED = 5e-3  # m rms; an ankle that moves by less stays where it is, and a hip that rises by less is still
+SWINGS = 1.5  # times as much as the ankle's the speed of a hip never varies
 TURN = 30.0  # deg that a straight walk's heading may change by
 PACE = 0.3  # m/s below which a way has no heading
 AVERAGED = 1.0  # s over which a heading is averaged: a pelvis swings with each stride
@@ -69,9 +70,18 @@ def leg_angles(markers: Markers, names: Mapping[str, str], side: str | None, max
             "Check the markers' names (gait.names), or that the subject walks forwards."
         )
     angles, lengths = _angles(places, forward, up)
-    of_hip, of_ankle = (np.std(detrend(place @ forward)) for place in (hip, ankle))
-    if of_hip > of_ankle + STILL:
-        raise Unusable(f"the hip swings by {of_hip:.3f} m (rms), the ankle by {of_ankle:.3f} m: exchanged?")
+    sways, rises = (float(np.std(detrend(hip @ way))) for way in (forward, up))
+    if np.std(detrend(ankle @ forward)) < PLANTED < rises and sways < rises:
+        raise Unusable(
+            f"the hip goes up and down by {np.ptp(hip @ up):.2f} m while the ankle stays where it is: squats "
+            "or sitting down, and no walk."
+        )
+    of_hip, of_ankle = (float(np.std(np.gradient(place @ forward, t))) for place in (hip, ankle))
+    if of_hip > SWINGS * of_ankle:
+        raise Unusable(
+            f"the hip's speed varies by {of_hip:.2g} m/s (rms), the ankle's by {of_ankle:.2g} m/s: are they "
+            "exchanged (gait.names)? Or no walk."
+        )
     notes += (
         *filled,
         f"thigh {lengths[0]:.3f} m and shank {lengths[1]:.3f} m long in the file (to walk with such legs: "

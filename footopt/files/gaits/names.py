@@ -24,6 +24,14 @@ USUAL = {
     "toe": ("toe", "toes", "toetip", "bigtoe", "mt2", "met2", "2mt", "toemed", "fm2", "sm", "d2m", "mt1",
             "1mt", "d1m", "mt5", "5mt", "d5m", "mtp", "toelat", "fm1", "fm5", "hlx", "hallux", "mt23", "met"),
 }  # fmt: skip
+#: Markers on the inner side of a joint: its centre is in the middle of both.
+MEDIAL = {
+    "knee": ("knm", "mkne", "knem", "kneemed", "mknee", "me", "mek", "fme", "medknee", "kneein", "mfc"),
+    "ankle": ("anm", "mank", "ankm", "anklemed", "ankmed", "mankle", "mm", "tam", "mmal", "medmal",
+              "medankle", "anklein", "malmed", "med"),
+}  # fmt: skip
+ACROSS = 0.2  # m between both sides of a knee or an ankle, at most
+COMPUTED = 3  # of the usual names of a knee and an ankle, the first ones, which are of centres
 #: Of hip, knee and ankle, what Vicon's models have computed: ends of femur and tibia.
 CENTRES = ("fep", "feo", "tio")
 #: CMU's waist markers (FWT, BWT) are at the iliac spines.
@@ -52,6 +60,13 @@ def find_leg(places: Mapping[str, Array], names: Mapping[str, str], side: str) -
     order = sorted(places, key=lambda name: not name.endswith("_study"))
     plain = {_plain(name): places[name] for name in reversed(order) if is_seen(places[name])}
     found = {part: _find(plain, usual, side) for part, usual in USUAL.items()}
+    for part, inner in MEDIAL.items():
+        outer, medial = found[part], _find(plain, inner, side)
+        if outer is None or medial is None or _find(plain, USUAL[part][:COMPUTED], side) is not None:
+            continue
+        middle, width = 0.5 * (outer + medial), np.linalg.norm(outer - medial, axis=1)
+        if _share(middle) == _share(outer) and np.nanmedian(width) < ACROSS:  # many are off before the walk
+            found[part] = middle
     pelvis = _hip_of_pelvis(plain, side, found["knee"])
     if found["hip"] is None or (pelvis is not None and _share(pelvis) > 2.0 * _share(found["hip"])):
         found["hip"] = pelvis

@@ -110,10 +110,12 @@ def _single(recording: Recording) -> Strides:
     _check_moving(recording)
     whole, apart = _closed(recording)
     two = apart <= MOST_OPEN and is_two(recording)
-    if apart <= OPEN and not two:
+    inside = closing(recording, False)
+    longer = inside is not None and UNCLEAR * inside[2] < apart  # than one stride
+    if apart <= OPEN and not (two or longer):
         return whole
     for halves in (False, True):
-        window = closing(recording, halves)
+        window = closing(recording, True) if halves else inside
         if window is None:
             continue
         begin, end, gap = window

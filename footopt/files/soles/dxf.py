@@ -62,7 +62,7 @@ def _document(path: Path) -> tuple[Any, bool]:
     stated = b"$INSUNITS" in content
     try:
         return ezdxf.readfile(path), stated
-    except ezdxf.DXFStructureError:  # old programs write a line's x before its y
+    except (ezdxf.DXFError, ValueError):  # a line's x before its y, an empty handle, a style without a name
         document, auditor = recover.readfile(path)
         if auditor.has_errors or auditor.has_fixes:
             raise

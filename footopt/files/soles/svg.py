@@ -26,6 +26,9 @@ FORMS = {
         rf"\((?:[\s,]|{NUMBER}(?:mm|cm|in|pt|px|deg|rad)?)*+\)[\s,]*+)*+"
     ),
 }
+#: Shapes, and their lengths that may be parts of the viewBox's; of a radius in percent the library makes two.
+SIZED = ("rect", "circle", "ellipse", "line")
+SIZES = ("x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "x1", "y1", "x2", "y2")
 
 
 def read(path: Path, units: str | None) -> Iterator[Line]:
@@ -45,8 +48,11 @@ def read(path: Path, units: str | None) -> Iterator[Line]:
     _check(root)
     _hide(root)
     unit = UNITS[units] if units else _own_unit(root)
-    for name in ("width", "height", "viewBox"):  # what is left are the drawing's own units
+    box = re.findall(NUMBER, root.attrib.get("viewBox", ""))[2:]
+    for name in ("width", "height", "viewBox"):  # what is left are the drawing's own units ...
         root.attrib.pop(name, None)
+    if len(box) == 2:  # ... of which lengths in percent are parts
+        root.attrib |= {"width": box[0], "height": box[1], "viewBox": f"0 0 {box[0]} {box[1]}"}
 
     def lines(group: Any, layer: str) -> Iterator[Line]:
         for element in group:
@@ -88,6 +94,13 @@ def _check(root: ElementTree.Element) -> None:
     """Raise if a path or a transform has what is none, or there are more points than in any sole."""
     numbers = 0
     for element in root.iter():
+        parts = {name for name, value in element.items() if name in SIZES and value.strip().endswith("%")}
+        if element.tag.rpartition("}")[2] in SIZED and (
+            "r" in parts or (parts and "viewBox" not in root.attrib)
+        ):
+            raise Unusable(
+                f"has a shape with a length in percent ({', '.join(sorted(parts))}). Give it in units."
+            )
         numbers += len(re.findall(r"\d+", element.get("d", "") + element.get("points", "")))
         for name, form in FORMS.items():
             given = element.get(name, "")

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from footopt.report.style import BLUE, GREY, GRID, ORANGE, PAGE, SKY, legend_above, marker, new_figure, styled
+from footopt.report.style import COLOURS, GREY, GRID, PAGE, legend_above, marker, new_figure, styled
 from footopt.walk import FIVE, STEPPERS
 from footopt.walk.accuracy import Accuracy
 
@@ -95,8 +95,8 @@ def decision(presets: Sequence[Mapping[str, Any]]) -> Figure:
     places = np.arange(len(presets))
     column = {name: np.array([row[name] for row in presets]) for name in presets[0] if name != "losses"}
     parts = (
-        ("search_s", "search", BLUE),
-        ("confirm_s", "confirm", SKY),
+        ("search_s", "search", COLOURS[0]),
+        ("confirm_s", "confirm", COLOURS[1]),
         ("compile_s", "compile, once", "0.85"),
     )
     left = np.zeros(len(presets))
@@ -109,8 +109,8 @@ def decision(presets: Sequence[Mapping[str, Any]]) -> Figure:
     for place, (end, seconds, once) in enumerate(zip(left, each, column["compile_s"], strict=True)):
         _beside(times, end, place, f"{seconds:.2g} s" + (f"\n+ {once:.2g}" if once > 0.0 else ""))
     kinds = (
-        ("wrong_finalists", "two finalists", BLUE, -0.15),
-        ("wrong_random", "two random feet", ORANGE, 0.15),
+        ("wrong_finalists", "two finalists", COLOURS[0], -0.15),
+        ("wrong_random", "two random feet", COLOURS[1], 0.15),
     )
     for name, label, colour, shift in kinds:
         share = 100.0 * column[name]
@@ -120,9 +120,9 @@ def decision(presets: Sequence[Mapping[str, Any]]) -> Figure:
     for place, row in enumerate(presets):
         lacks = 100.0 * np.array(row["losses"])
         losses.plot(lacks, np.full(len(lacks), place), "o", color=GREY, ms=3, mew=0, alpha=0.7)
-        losses.plot(lacks.mean(), place, "D", color=BLUE, ms=5, mew=0, clip_on=False)
+        losses.plot(lacks.mean(), place, "D", color=COLOURS[0], ms=5, mew=0, clip_on=False)
         _beside(losses, lacks.max(), place, f" {lacks.mean():.2g} %")
-    losses.plot([], [], "D", color=BLUE, ms=5, mew=0, ls="", label="mean")
+    losses.plot([], [], "D", color=COLOURS[0], ms=5, mew=0, ls="", label="mean")
     losses.plot([], [], "o", color=GREY, ms=3, mew=0, ls="", label="a search")
     times.set(yticks=places, yticklabels=column["preset"], title="processor time to the answer (s)")
     times.invert_yaxis()

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from footopt.report.style import (
+    COLOURS,
     COLUMN,
-    GREEN,
     GRID,
     PALE,
     marker,
@@ -33,7 +33,7 @@ def calibration(found: Calibration) -> Figure:
         deep.plot(mm[own], found.local[own], **look, label=s.name if len(found.set_ups) > 1 else "measured")
     depth = np.geomspace(found.depth.min(), found.depth.max(), 200)
     power = f"depth to the power {found.exponent.value:.2f}"
-    deep.plot(1e3 * depth, found.zeta_at(depth), color=GREEN, ls="--", label=power)
+    deep.plot(1e3 * depth, found.zeta_at(depth), color=COLOURS[1], ls="--", label=power)
     deep.set(xlabel="depth (mm)", ylabel=r"local $\zeta$: force over the map's")
     deep.set_xlim(0.0, None)
     top = HIGHEST * max(found.zeta.value, float(found.zeta_at(depth).max()) / 1.5)

@@ -101,8 +101,8 @@ def draw_contour(axes: Axes, foot: Foot) -> None:
     near = {"textcoords": "offset points", "zorder": 6}
     if foot.space is not None:
         length, height = MM * foot.space.L, MM * foot.space.H
-        axes.add_patch(Rectangle((-length, -height), 2 * length, 2 * height, color=PALE, lw=0))
-        axes.annotate("box", (-length, height), (3, -3), **near, color="0.4", va="top")
+        axes.add_patch(Rectangle((-length, -height), 2 * length, height, color=PALE, lw=0))
+        axes.annotate("box", (-length, 0.0), (0, 2), **near, color="0.4")
     axes.plot(*(MM * foot.contour).T, color=BEST, label="sole", zorder=3)
     if foot.space is not None and foot.k is not None:
         points = foot.space.x, foot.space.heights(foot.k)[0]
@@ -116,16 +116,25 @@ def draw_contour(axes: Axes, foot: Foot) -> None:
         axes.plot(*(MM * hull).T, ":", color="black", label="lower hull", zorder=2)
         _measure(axes, (MM * x, MM * high), (MM * x, MM * low), "black")
         # under the hull, where there is never a sole nor an ankle
-        axes.annotate(f"hollow {depth:.1f} mm", (MM * x, MM * low), (0, -4), **near, ha="center", va="top")
+        axes.annotate(f"hollow {depth:.1f} mm", (MM * x, MM * low), (0, -8), **near, ha="center", va="top")
     else:
         axes.set_title("no hollow", loc="right")
+    axes.update_datalim(MM * _points(foot))
     _label_axes(axes)
 
 
 def foot_height(foot: Foot) -> float:
     """Height of a column-wide figure with a sole, its box and its ankle, inches."""
-    boxes = [] if foot.space is None else [[[foot.space.L, foot.space.H], [-foot.space.L, -foot.space.H]]]
-    return _height(np.concatenate([foot.contour, [foot.ankle], *boxes]), COLUMN)
+    return _height(_points(foot), COLUMN)
+
+
+def _points(foot: Foot) -> Array:
+    """What a picture of a sole has room for: the sole, its box, its ankle, and words above and below."""
+    boxes = [] if foot.space is None else [[[foot.space.L, 0.0], [-foot.space.L, -foot.space.H]]]
+    points: Array = np.concatenate([foot.contour, [foot.ankle], *boxes])
+    (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
+    room = 0.04 * (right - left)
+    return np.concatenate([points, [[left, low - room], [left, high + room]]])
 
 
 def _height(points: Array, width: float) -> float:

@@ -9,11 +9,9 @@ from footopt.files.gaits import Strides
 from footopt.gait import Gait
 from footopt.gait.gait import ankle
 from footopt.report.style import (
-    BLUE,
+    COLOURS,
     COLUMN,
     GREY,
-    PURPLE,
-    VERMILLION,
     Axes,
     legend_above,
     new_figure,
@@ -33,9 +31,9 @@ def gait_fit(strides: Strides, gait: Gait) -> Figure:
     for axes, (joint, curves) in zip(rows, strides.curves.items(), strict=True):
         if len(curves) > 1:
             axes.plot(phase, curves.T, color=GREY, lw=0.4, label=["strides", *["_"] * (len(curves) - 1)])
-        axes.plot(phase, curves.mean(axis=0), color=BLUE, label="mean")
+        axes.plot(phase, curves.mean(axis=0), color=COLOURS[0], label="mean")
         series = np.degrees(getattr(gait, joint).at(dense)[0])
-        axes.plot(100.0 * dense, series, "--", color=VERMILLION, label="fit")
+        axes.plot(100.0 * dense, series, "--", color=COLOURS[1], label="fit")
         axes.set_ylabel(f"{joint} (deg), {SIGNS[joint]}")
         axes.set_title(f"misfit {residual[joint]:.2f}° rms", loc="right", pad=2)
     rows[-1].set(xlabel="stride (%), from heel strike", xlim=(0, 100))
@@ -47,7 +45,7 @@ def gait_fit(strides: Strides, gait: Gait) -> Figure:
 def draw_angles(axes: Axes, gait: Gait) -> None:
     """Joint angles of the steady walk over a stride, deg."""
     phase = np.linspace(0.0, 1.0, 201)
-    looks = ((BLUE, "-"), (VERMILLION, "--"), (PURPLE, "-."))
+    looks = zip(COLOURS, ("-", "--", "-."), strict=False)
     for (joint, sign), (colour, dashes) in zip(SIGNS.items(), looks, strict=True):
         if (series := getattr(gait, joint)) is not None:
             degrees = np.degrees(series.at(phase)[0])
@@ -61,11 +59,11 @@ def draw_path(axes: Axes, gait: Gait, walker: Walker | None = None) -> None:
     walker = walker or Walker()
     (thigh, a), (shank, b), _ = gait.cycle(np.linspace(0.0, 1.0, 201))
     x, z, *_ = ankle(thigh, a, shank, b, walker.l1, walker.l2)
-    axes.plot(x, z, color=BLUE)
+    axes.plot(x, z, color=COLOURS[0])
     for i in (40, 140):  # where it goes
         step = {"xy": (x[i + 3], z[i + 3]), "xytext": (x[i], z[i])}
-        axes.annotate("", **step, arrowprops={"arrowstyle": "-|>", "color": BLUE, "lw": 1.2})
-    axes.plot(x[0], z[0], "o", color=BLUE)
+        axes.annotate("", **step, arrowprops={"arrowstyle": "-|>", "color": COLOURS[0], "lw": 1.2})
+    axes.plot(x[0], z[0], "o", color=COLOURS[0])
     axes.annotate(
         "heel strike", (x[0], z[0]), xytext=(-5, 5), textcoords="offset points", ha="right", va="bottom"
     )

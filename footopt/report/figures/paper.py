@@ -1,8 +1,7 @@
 """The paper's figures: gait, shapes, waypoints, walks by shape and by sand, and the claims.
 
 Sands are always given in the order soft, hard, regular, shapes in that of `footopt.foot.SHAPES`, so
-that a sand or a shape has the same colour and dashes in every figure: soft sand blue, hard sand red
-and dashed, regular sand green, as in the paper.
+that a sand or a shape has the same colour and dashes in every figure.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from footopt.report.figures.foot import contour, contours
 from footopt.report.figures.gait import draw_angles, draw_path
 from footopt.report.figures.step import steps
 from footopt.report.figures.traces import com, forces, power_work
-from footopt.report.style import BLUE, PAGE, SANDS, VERMILLION, legend_above, new_figure, styled
+from footopt.report.style import PAGE, SANDS, VERDICTS, legend_above, new_figure, styled
 from footopt.walk import Walk, Walker
 
 
@@ -109,7 +108,7 @@ def claims(entries: Sequence[Mapping[str, Any]]) -> Figure:
         text = "not swept" if share is None else f"{100 * share:.0f} %"
         decides = entry["decides"] if 0.0 < (share or 0.0) < 1.0 else ""
         axes.text((share or 0.0) + 0.01, i, f"{text}  {decides}".rstrip(), va="center", fontsize=7)
-    for holds, colour, mark, name in ((True, BLUE, "o", "holds"), (False, VERMILLION, "X", "does not hold")):
+    for holds, name, (colour, mark) in zip((True, False), ("holds", "does not hold"), VERDICTS, strict=False):
         mine = [i for i, entry in enumerate(entries) if entry["holds_at_the_settings"] is holds]
         look: dict[str, Any] = {"color": colour, "marker": mark, "mew": 0, "ls": "", "clip_on": False}
         axes.plot([-0.03] * len(mine), mine, **look, label=f"{name} at the settings")

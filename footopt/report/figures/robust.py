@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
 from footopt.report.figures.heat_map import ROW, draw_heat_map
-from footopt.report.style import BLUE, COLUMN, GREY, GRID, PAGE, VERMILLION, legend_above, new_figure, styled
+from footopt.report.style import BEST, COLUMN, FLAT, GREY, GRID, PAGE, legend_above, new_figure, styled
 
 SHORT = 7  # letters that a column of a narrow table has room for
 
@@ -48,7 +48,7 @@ def held_out(values: ArrayLike) -> Figure:
     figure = new_figure(COLUMN, 2.2)
     axes = figure.subplots()
     axes.axvline(0.0, color=GREY, lw=0.8, ls="--")
-    axes.step(loss, 100.0 * np.arange(1, len(loss) + 1) / len(loss), where="post", color=BLUE)
+    axes.step(loss, 100.0 * np.arange(1, len(loss) + 1) / len(loss), where="post", color=BEST)
     axes.set(ylim=(0, 100), ylabel=f"share of {len(loss)} scenarios (%)")
     axes.set_xlabel("loss against the median scene's foot (%)\n\N{LEFTWARDS ARROW} robust foot better")
     return figure
@@ -77,8 +77,8 @@ def hollows(
     rows = np.arange(len(feet))
     for axes, law, before, after in zip(panels, laws, hollow, convex, strict=True):
         axes.hlines(rows, before, after, color=GREY, lw=1.0)
-        axes.plot(before, rows, "o", color=BLUE, label="as it is")
-        axes.plot(after, rows, "s", color=VERMILLION, mfc="white", label="its hollows filled")
+        axes.plot(before, rows, "o", color=BEST, label="as it is")
+        axes.plot(after, rows, "s", color=FLAT, mfc="none", label="its hollows filled")
         axes.set_title(law)
         axes.xaxis.set_major_locator(MaxNLocator(5))
         axes.grid(color=GRID, lw=0.6)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -73,7 +74,8 @@ def draw_convergence(axes: Axes, history: Sequence[Any], label: str, base: float
         for name in ("evaluations", "best", "median", "hypervolume")
     )
     best = best if np.isfinite(best).any() else volume
-    axes.set(xlabel="evaluations", ylabel=label if base is None else f"{label}, × the flat foot's")
+    upright = label if base is None else f"{label}, × the flat foot's"
+    axes.set(xlabel="evaluations", ylabel=textwrap.fill(upright, 32))
     if not np.isfinite(best).any():
         message(axes, "no feasible design was found")
         axes.tick_params(bottom=False, labelbottom=False)
@@ -87,10 +89,10 @@ def draw_convergence(axes: Axes, history: Sequence[Any], label: str, base: float
         lines["median of the generation"] = np.stack([evaluations, median / scale], axis=1)
         axes.plot(*lines["median of the generation"].T, color=FLAT, ls="--")
     axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
-    if len(history) > 1:
-        label_lines(axes, lines, {"best": {"color": BEST}, "median of the generation": {"color": "0.35"}})
     times = "" if base is None else f"× {best[last] / scale:.2f} of flat, "
     axes.set_title(f"best {times}{formula(best[last])}", loc="right")
+    if len(history) > 1:
+        label_lines(axes, lines, {"best": {"color": BEST}, "median of the generation": {"color": "0.35"}})
 
 
 @styled

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -13,20 +13,16 @@ from numpy.typing import NDArray
 
 from footopt.errors import check
 from footopt.gait.gait import RIGHT
-from footopt.report.body import Body, body, forces_along
-from footopt.report.figures.ground import draw_ground, draw_surface
 from footopt.report.figures.traces import walk_label
-from footopt.report.figures.walker import draw_arrows, draw_leg, round_down
-from footopt.report.style import PAGE, Axes, message, new_figure, styled
+from footopt.report.picture import Picture, View, draw, round_down
+from footopt.report.style import PAGE, message, new_figure, styled
 from footopt.walk import Walk
 from footopt.walk.phases import stance
-from footopt.walk.prints import MovedSand
 
 Array = NDArray[np.float64]
 
 COLUMNS = 3  # snapshots side by side
 LONGEST = 0.1  # arrow, m
-VISIBLE = 0.02  # of the longest arrow; shorter ones are heads without a shaft
 ABOVE = 0.05  # what is shown of the shank above the highest sole, m
 
 
@@ -61,6 +57,7 @@ def steps(walks: Mapping[str, Walk], frames: int = 6) -> Figure:
     rows = -(-frames // columns)
     width = (PAGE - 0.55) / COLUMNS - 0.08
     height = min(rows * (width * (high - low) / span + 0.35) + 0.7, 8.5 / len(found))
+    inch = max(span / width, (high - low) / ((height - 0.7) / rows - 0.35))  # m
     figure = new_figure(PAGE, height * len(found))
     parts = np.ravel(figure.subfigures(len(found), 1, squeeze=False))
     for part, step, p in zip(parts, found, points, strict=True):
@@ -69,12 +66,15 @@ def steps(walks: Mapping[str, Walk], frames: int = 6) -> Figure:
         for axes in panels[frames:]:
             axes.set_axis_off()
         for j, axes in enumerate(panels[:frames]):
-            arrows = step.draw(axes, j, metres, (left, left + span, low, high))
-            if j == 0 and step is found[0]:
-                newtons = round_down(0.8 * LONGEST / metres)
-                place = left + 0.03 * span + metres * newtons, low + 0.02
-                axes.quiverkey(arrows, *place, newtons, f"{newtons:g} N", labelpos="E", coordinates="data",
-                               labelsep=0.05, zorder=5)  # fmt: skip
+            first = j == 0 and step is found[0]  # which has all words
+            newtons = round_down(0.8 * LONGEST / metres) if first else 0.0
+            view = View(left, left + span, low, high, inch / 72 * 4.5, metres, newtons, close=True)
+            shapes, labels = step.picture.shapes(j, view, [RIGHT])
+            draw(axes, shapes, labels if first else ())
+            axes.set(xlim=view[:2], ylim=view[2:4], aspect="equal")
+            axes.set_title(f"{step.since[j]:.2f} s", loc="left")
+            axes.xaxis.set_major_locator(MaxNLocator(3))
+            axes.yaxis.set_major_locator(MaxNLocator(4))
         part.supxlabel("$x$ (m)")
         part.supylabel("$z$ (m)")
         part.suptitle(textwrap.fill(step.title, 125))
@@ -82,35 +82,21 @@ def steps(walks: Mapping[str, Walk], frames: int = 6) -> Figure:
 
 
 class _Step(NamedTuple):
-    """The right foot at M instants of a walk: m, N, s since the step began."""
+    """The right foot at M instants of a walk: s since the step began."""
 
-    walk: Walk
-    placed: Body
-    at: Array  # (M, arrows, 2)
-    force: Array  # (M, arrows, 2)
+    picture: Picture
     since: Array  # (M,)
     title: str
-    sand: MovedSand | None
+
+    @property
+    def force(self) -> Array:
+        """On parts of its sole, (M, arrows, 2), N."""
+        return self.picture.forces.force[:, RIGHT]
 
     def points(self, metres: float) -> Array:
         """The ends of soles and arrows, (m, 2), with arrows of so many metres per newton."""
-        parts = self.placed.outline[:, RIGHT], self.at - metres * self.force
-        return np.concatenate([part.reshape(-1, 2) for part in parts])
-
-    def draw(self, axes: Axes, j: int, metres: float, view: tuple[float, float, float, float]) -> Any:
-        """Ground, leg and forces of one snapshot, from left to right, low to high; returns the arrows."""
-        left, right, low, high = view
-        draw_ground(axes, self.walk.scene, left, right, low, high)
-        draw_surface(axes, self.sand, j)
-        draw_leg(axes, self.placed, j, RIGHT)
-        size = np.linalg.norm(self.force, axis=-1)
-        seen = size[j] > VISIBLE * size.max()
-        axes.set(xlim=(left, right), ylim=(low, high), aspect="equal")
-        axes.set_title(f"{self.since[j]:.2f} s", loc="left")
-        axes.xaxis.set_major_locator(MaxNLocator(3))
-        axes.yaxis.set_major_locator(MaxNLocator(4))
-        looks: dict[str, Any] = {"pivot": "tip", "width": 0.014, "zorder": 4}
-        return draw_arrows(axes, self.at[j, seen], self.force[j, seen], metres, **looks)
+        tails = self.picture.forces.at[:, RIGHT] - metres * self.force
+        return np.concatenate([part.reshape(-1, 2) for part in (self.picture.body.outline[:, RIGHT], tails)])
 
 
 def _snapshots(label: str, walk: Walk, frames: int) -> _Step | None:
@@ -121,12 +107,13 @@ def _snapshots(label: str, walk: Walk, frames: int) -> _Step | None:
     begin, end = walk.t[contact.first], walk.t[contact.last]
     share = (np.arange(frames) + 0.5) / frames  # at its very ends a contact carries no force
     index = np.searchsorted(walk.t, begin + share * (end - begin))  # steps of time are not equally long
-    at, force = (part[:, RIGHT] for part in forces_along(walk, index))
+    picture = Picture(walk, walk.t[index])
     began = f"t = {begin:.2f} s"
     since = f"heel strike ({began}; dragged through the sand until then)"
     since = since if contact.dragged else f"touch-down ({began})"
-    title = f"{walk_label(label, walk)}, time since {since}; arrows: force on 1/{at.shape[1]} of the sole"
-    return _Step(walk, body(walk, walk.t[index]), at, force, walk.t[index] - begin, title, walk.sand(index))
+    parts = picture.forces.at.shape[2]
+    title = f"{walk_label(label, walk)}, time since {since}; arrows: force on 1/{parts} of the sole"
+    return _Step(picture, walk.t[index] - begin, title)
 
 
 def _no_step(walk: Walk) -> Figure:

@@ -13,11 +13,10 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from footopt.report.style import (
-    BLUE,
+    COLOURS,
     GREY,
     PAGE,
     SIDES,
-    VERMILLION,
     Axes,
     as_text,
     legend_above,
@@ -91,7 +90,7 @@ def _panels(walks: Mapping[str, Walk], rows: Sequence[Sequence[Panel]], sharey: 
 
 
 #: What `draw_components` shows of a walk: the label of the axis, and each line's label, component and looks.
-_AXES = (("forward $x$", (0,), {"color": BLUE}), ("up $z$", (1,), {"color": VERMILLION, "ls": "--"}))
+_AXES = (("forward $x$", (0,), {"color": COLOURS[0]}), ("up $z$", (1,), {"color": COLOURS[1], "ls": "--"}))
 _FEET = tuple((f"{side} foot", (i,), {"color": c, "ls": ("-", "--")[i]}) for i, (side, c) in enumerate(SIDES))
 _FORCES = tuple(
     (f"{side} $f_{axis}$", (foot, "xz".index(axis)), {"color": colour, "ls": dashes})

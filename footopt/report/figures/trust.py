@@ -45,9 +45,11 @@ def trust(attempts: Mapping[str, Sequence[Any]], solvers: Sequence[str], walks: 
         row[-1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5), borderaxespad=0.4)
     for ax, title in zip(axes[0], attempts, strict=True):
         ax.set_title(title)
+    lines = [drawn.get_xydata() for ax in axes.flat for drawn in ax.lines]
+    settled = max(*(x[np.flatnonzero(np.diff(x[:, 1], prepend=np.nan))[-1], 0] for x in lines), 1.0)
     for ax in axes[-1]:
         ax.set_xlabel("walks")
-        ax.set_xlim(0, 1.08 * walks)
+        ax.set_xlim(0, min(1.08 * walks, 1.3 * settled))
     return figure
 
 

@@ -10,13 +10,11 @@ from matplotlib.figure import Figure
 
 from footopt.report.style import (
     COLOURS,
-    GREEN,
     GRID,
     MARKERS,
-    ORANGE,
     PAGE,
     PALE,
-    VERMILLION,
+    VERDICTS,
     legend_above,
     marker,
     new_figure,
@@ -28,7 +26,7 @@ Axes = Any
 Comparisons = Sequence[Any]
 
 NAMES = {"alpha_x": r"$\alpha_x$", "alpha_z": r"$\alpha_z$"}
-VERDICTS = {"agrees": (GREEN, "o"), "differs": (VERMILLION, "X"), "cannot be told": (ORANGE, "s")}
+SHOWN = dict(zip(("agrees", "differs", "cannot be told"), VERDICTS, strict=True))
 DATA: dict[str, Any] = {"color": "black", "ls": "", "marker": "o", "elinewidth": 0.8}
 MANY = 10  # points that have no rows of their own
 FLOOR = 0.9  # %, the least that the overview shows
@@ -104,7 +102,8 @@ def _by_name(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
 def _parity(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
     """Prediction against measurement, with the band in which they agree."""
     for i, (c, colour) in enumerate(zip(own, colours, strict=True)):
-        ax.plot(c.measured, c.simulated, **(marker(i) | {"color": colour}), ms=3.5, label=law_name(c.law))
+        look = marker(i) | {"color": colour} | ({"mfc": "none", "mew": 0.8, "ms": 5.0} if i else {"ms": 3.5})
+        ax.plot(c.measured, c.simulated, **look, label=law_name(c.law))  # one law often lies on the other
     c = own[0]
     every = np.concatenate([c.measured, *(other.simulated for other in own)])
     ends = np.array([every.min(), every.max()])
@@ -128,7 +127,7 @@ def overview(found: Comparisons, titles: Mapping[str, str]) -> Figure:
     ax = figure.subplots()
     ax.set_xscale("log")
     ax.barh(rows, [percent(c.band, c) for c in found], height=0.7, color="0.87", label="2 u")
-    for verdict, (colour, shape) in VERDICTS.items():
+    for verdict, (colour, shape) in SHOWN.items():
         own = [i for i, c in enumerate(found) if c.verdict == verdict]
         size = [percent(found[i].size, found[i]) for i in own]
         ax.plot(size, rows[own], shape, color=colour, ms=5.5, mew=0, clip_on=False, label=verdict)

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from footopt.effects import Layers, Patches
-from footopt.gait.gait import LEFT, RIGHT
-from footopt.report.body import Body, body, forces_along, legs
-from footopt.report.figures.ground import draw_ground
+from footopt.report.body import Body, body, legs
 from footopt.report.figures.traces import walk_label
-from footopt.report.style import GREY, PAGE, PALE, SIDES, Axes, as_text, legend_entry, message
+from footopt.report.picture import Picture, Shape, View, draw, ground, round_down
+from footopt.report.style import PAGE, SIDES, Axes, as_text, legend_entry, message
 from footopt.walk import Scene, Walk
-from footopt.walk.phases import STANDS
 
 Array = NDArray[np.float64]
 
 POSES = 9  # of the walker in the picture of a walk
-ARROW = 0.2  # of the picture's height: an arrow of `round_newtons`
+ARROW = 0.2  # of the picture's height: an arrow of half of the walk's largest force
 
 
 def draw_walk(axes: Axes, walk: Walk) -> None:
@@ -31,92 +27,54 @@ def draw_walk(axes: Axes, walk: Walk) -> None:
         return
     begin = min(max(walk.scene.gait.start, walk.t[0]), walk.t[-1])
     index = np.unique(np.searchsorted(walk.t, np.linspace(begin, walk.t[-1], POSES)))
-    placed = body(walk, walk.t[index])
-    left, right, low, high = bounds(placed)
-    draw_ground(axes, walk.scene, left, right, low, 0.9 * high)
-    axes.plot(*walk.com.T, color="black", lw=0.8, label="COM", zorder=3.5)
+    picture = Picture(walk, walk.t[index])
+    view = view_of(picture)
+    draw(axes, *picture.surface(-1, view))
     for i in range(len(index)):
-        draw_body(axes, placed, i)
-    at, force = (part.reshape(-1, 2) for part in forces_along(walk, index).resultant())
-    draw_resultants(axes, at, force, ARROW * high / round_newtons(walk))
-    label_arrows(axes, walk, high)
-    axes.set(xlim=(left, right), ylim=(low, high), aspect="equal")
+        draw(axes, *picture.shapes(i, view, ground=False))
+    axes.plot(*walk.com.T, color="black", lw=0.8, label="path of the COM", zorder=3.5)
+    label_legs(axes)
+    axes.set(xlim=view[:2], ylim=view[2:4], aspect="equal")
     step = f", every {walk.t[index[1]] - walk.t[index[0]]:.2g} s" if len(index) > 1 else ""
-    title = walk_label(f"{walk.foot.name} on {walk.scene.sand.name} sand{step}", walk)
-    axes.set_title(title)
+    axes.set_title(walk_label(f"{walk.foot.name} on {walk.scene.sand.name} sand{step}", walk))
 
 
 def draw_scene(axes: Axes, scene: Scene) -> None:
     """The walker as it stands before the first step, and the ground that it will walk on."""
-    walker = scene.walker
     joints = legs(scene, [0.0], np.zeros((1, 2)))[0]
     joints = joints - [0.0, joints[..., 1].min()]
     height = float(joints[..., 1].max())
     deep = [effect.depths[-1] for effect in scene.effects if isinstance(effect, Layers)]
     far = [end for effect in scene.effects if isinstance(effect, Patches) for end in effect.ends]
-    left, right = -0.5 * height, max([1.7 * height, *(end + 0.15 for end in far)])
+    right = max([1.7 * height, *(end + 0.15 for end in far)])
     low = -max([0.2 * height, *(2.0 * d for d in deep)])
-    draw_ground(axes, scene, left, right, low, 0.9 * height)
-    for (side, colour), leg in zip(SIDES, joints, strict=True):
-        axes.plot(*leg.T, color=colour, lw=3, solid_capstyle="round", marker="o", mfc="black", mec="black",
-                  ms=3, label=f"{side} leg", zorder=3)  # fmt: skip
-    axes.plot(*joints[0, 0], "o", color="black", ms=8, zorder=4, label=f"COM, {walker.mass:g} kg")
-    axes.set(xlim=(left, right), ylim=(low, 1.12 * height), aspect="equal")
+    view = View(-0.5 * height, right, low, 1.12 * height, letters(right + 0.5 * height, 4.5))
+    draw(axes, *ground(scene).shapes(view))
+    for (side, _), leg in zip(SIDES, joints, strict=True):
+        draw(axes, [Shape(f"{side}-leg", leg), Shape(f"{side}-joints", leg[1:]), Shape("hip", leg[:1])])
+    label_legs(axes)
+    legend_entry(axes, f"COM, {scene.walker.mass:g} kg", color="black", ls="", marker="o", ms=8)
+    axes.set(xlim=view[:2], ylim=view[2:4], aspect="equal")
     axes.set(xlabel="$x$ (m)", ylabel="$z$ (m)")
     axes.set_title(f"{as_text(scene.sand.name)} sand ($\\zeta$ = {scene.sand.zeta:g})")
 
 
-def draw_body(axes: Axes, placed: Body, i: int) -> list[Any]:
-    """The walker at the i-th instant, the right leg behind the left; returns what it is drawn with."""
-    drawn = [*draw_leg(axes, placed, i, RIGHT, 2.0), *draw_leg(axes, placed, i, LEFT, 3.0)]
-    return [*drawn, *axes.plot(*placed.hip[i], "o", color="black", ms=6, zorder=4)]
-
-
-def draw_leg(axes: Axes, placed: Body, i: int, foot: int, order: float = 2.0) -> list[Any]:
-    """One leg with its foot at the i-th instant; returns what it is drawn with."""
-    colour = SIDES[foot][1]
-    return [
-        *axes.fill(*placed.outline[i, foot].T, fc=PALE, ec=GREY, lw=0.4, zorder=order),
-        *axes.plot(*placed.legs[i, foot].T, color=colour, lw=2, alpha=0.75, marker="o", ms=2.5,
-                   mfc="black", mec="black", mew=0, solid_capstyle="round", zorder=order),
-        *axes.plot(*placed.sole[i, foot].T, color=colour, lw=1.4, zorder=order),
-    ]  # fmt: skip
-
-
-def draw_resultants(axes: Axes, at: Array, force: Array, metres: float) -> Any:
-    """Arrows of forces (m, 2), N, that begin at places (m, 2), m, with so many metres per newton.
-
-    Returns what they are drawn with. A foot without contact has none.
-    """
-    seen = np.isfinite(at).all(axis=-1) & (np.linalg.norm(force, axis=-1) > STANDS)
-    return draw_arrows(axes, at[seen], force[seen], metres, width=0.012, color="black", zorder=5)
-
-
-def draw_arrows(axes: Axes, at: Array, force: Array, metres: float, **looks: Any) -> Any:
-    """Arrows (m, 2) at places (m, 2), in m; so many metres per newton."""
-    return axes.quiver(
-        *at.T, *force.T, angles="xy", scale_units="xy", scale=1.0 / metres, units="inches",
-        headwidth=3.6, headlength=4.5, headaxislength=4, minlength=0, **looks,
-    )  # fmt: skip
-
-
-def label_arrows(axes: Axes, walk: Walk, high: float) -> None:
-    """Entries of the legend for both legs and the arrows of a picture that is so many metres high."""
-    text = f"force, {ARROW * high:.2g} m for {round_newtons(walk):g} N"
-    legend_entry(axes, text, color="black", ls="", marker=r"$\uparrow$", ms=8)
+def label_legs(axes: Axes) -> None:
+    """Entries of the legend for both legs."""
     for side, colour in SIDES:
         legend_entry(axes, f"{side} leg", color=colour, lw=2)
 
 
-def round_newtons(walk: Walk) -> float:
-    """The force, N, that is drawn `ARROW` of the picture's height long: half of the walk's largest."""
-    return round_down(max(0.5 * float(np.abs(walk.force).max()), 1e-9))
+def view_of(picture: Picture) -> View:
+    """All of a walk, with whole forces on the feet."""
+    left, right, low, high = bounds(picture.body)
+    newtons = round_down(max(0.5 * float(np.abs(picture.walk.force).max()), 1e-9))
+    return View(left, right, low, high, letters(right - left, PAGE), ARROW * high / newtons, newtons)
 
 
-def round_down(value: float) -> float:
-    """The largest of 1, 2, 5 times a power of ten that is not above a positive value."""
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(power * max(m for m in (1, 2, 5) if m * power <= value * (1 + 1e-12)))
+def letters(width: float, inches: float) -> float:
+    """Half as high as the letters of a figure so wide that shows so many metres, m."""
+    return width / (inches - 0.6) / 72.0 * 4.5
 
 
 def bounds(placed: Body) -> tuple[float, float, float, float]:

@@ -12,7 +12,7 @@ function simulated(i) {
     const k = heights(i), points = k ? arcPoints(k, P.accuracy.plates * P.accuracy.parts) : unpack(P.points);
     const made = simulate(points, i === DRAWN ? sketch : { zeta: P.sand.zeta, mass: P.walker.mass });
     if (walked.size > 20) walked.clear();
-    walked.set(i, prepared({ ...made, points: sole(i), top: own("top", i), design: i }));
+    walked.set(i, prepared({ ...made, arc: points, points: sole(i), top: own("top", i), design: i }));
   }
   return Object.assign(walked.get(i), { label: label(i) });
 }

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from footopt.files.run import plain, write_text
 from footopt.report.numbers import title
+from footopt.report.picture import css
 from footopt.report.style import PALETTE
 
 STYLES = ("page.css",)
@@ -62,7 +63,7 @@ def text(content: dict[str, Any]) -> str:
     data = json.dumps(plain(content), separators=(",", ":"), allow_nan=False)
     filled = {
         "TITLE": html.escape(content["title"]),
-        "STYLE": "\n".join([_roles(), *map(read, STYLES)]),
+        "STYLE": "\n".join([_roles(), *map(read, STYLES), css()]),
         # "</script>" in a name would end the element
         "DATA": data.replace("<", "\\u003c"),
         "SCRIPT": "\n".join(map(read, SCRIPTS)),

@@ -13,6 +13,7 @@ import numpy as np
 from footopt.report.numbers import number
 from footopt.report.page.file import column, packed
 from footopt.report.runs import Run
+from footopt.report.terminal import describe_model
 from footopt.walk import MEASURES
 
 
@@ -39,7 +40,10 @@ def jobs_content(folder: Path, runs: Sequence[Run], common: Collection[str]) -> 
     feet = [result["settings"]["foot"] for result in results]
     return {
         "title": f"{len(runs)} {runs[0].name.split()[0]}s",
-        "headline": [f"All with {' '.join(common)}"] if common else [],
+        "headline": [
+            *([f"All with {' '.join(common)}"] if common else []),
+            *describe_model(result.get("model_error") for result in results),
+        ],
         "columns": [column(name, *known[name]) for name in names],
         "jobs": [
             {

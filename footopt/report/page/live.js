@@ -14,28 +14,6 @@ function undominated(among) {
   return kept;
 }
 
-/**
- * The hypervolume of designs as they come, in units of the box of the first ones: the mean of how far they reach along
- * many directions, to the power of the objectives, times a constant (Deng and Zhang 2019).
- */
-function growingVolume() {
-  const m = cost.length, reach = new Float64Array(1024);
-  const rays = Array.from(reach, () => {
-    const ray = cost.map(() => Math.sqrt(-2 * Math.log(1 - Math.random())) * Math.abs(Math.cos(2 * Math.PI * Math.random()))), long = Math.hypot(...ray);
-    return ray.map((v) => v / long);
-  });
-  let box = null, ball = (m % 2 ? 2 : 1) / 2 ** m; // of the unit ball, where all is positive
-  for (let j = 2 + (m % 2); j <= m; j += 2) ball *= (2 * Math.PI) / j;
-  return (designs) => {
-    if (designs.length) box ??= cost.map((of) => range(designs.map(of), 0));
-    for (const i of designs) {
-      const f = cost.map((of, j) => (box[j][1] - of(i)) / (box[j][1] - box[j][0]));
-      rays.forEach((ray, r) => { reach[r] = Math.max(reach[r], Math.min(...f.map((v, j) => v / ray[j]))); });
-    }
-    return ball * (reach.reduce((sum, far) => sum + far ** m, 0) / reach.length);
-  };
-}
-
 const several = data.objectives?.length > 1;
 /** What a design of several objectives is the best by, until the run itself has chosen. */
 const lead = (several && columnOf("efficiency")) || guide;
@@ -103,16 +81,15 @@ function rewinding(explore, found) {
 function follow(explore, found) {
   const status = document.getElementById("header").appendChild(el("p", { id: "live", role: "status" }, "Waiting for the first designs."));
   const { most } = data.live, began = performance.now();
-  const volume = growingVolume();
   let count = 0, first = 0, chosenNow = data.best, round = 0;
   chosen.push((i) => { chosenNow = i; });
   async function ask() {
-    const { designs, ended } = await (await fetch(`news?from=${count}`)).json();
-    if (designs.length) receive(designs);
+    const { designs, ended, hypervolume } = await (await fetch(`news?from=${count}`)).json();
+    if (designs.length) receive(designs, hypervolume);
     if (ended) { location.reload(); return; }
     setTimeout(ask, 700);
   }
-  function receive(designs) {
+  function receive(designs, hypervolume) {
     if (!count) first = designs.length;
     round++;
     for (const row of designs.slice(0, COUNT - count)) {
@@ -125,11 +102,11 @@ function follow(explore, found) {
       depths.delete(count);
       walked.delete(count++);
     }
-    const begin = data.history.at(-1).evaluations, among = Array.from({ length: count }, (_, i) => i).filter((i) => feasible[i]), following = chosenNow === data.best;
+    const among = Array.from({ length: count }, (_, i) => i).filter((i) => feasible[i]), following = chosenNow === data.best;
     if (!following) { front.clear(); undominated(among).forEach((i) => front.add(i)); explore.until(Infinity); }
     data.best = following ? Math.max(showBest(explore, Infinity, among), 0) : Math.max(bestOf(several ? [...front] : among), 0);
     const c = data.columns.findIndex((column) => column.name === data.objectives[0]);
-    data.history.push({ evaluations: count, best: several ? volume(among.filter((i) => i >= begin && (!begin || front.has(i)))) : values[data.best * WIDTH + c], median: null, front: front.size });
+    data.history.push({ evaluations: count, best: several ? hypervolume : values[data.best * WIDTH + c], median: null, front: front.size });
     found.draw();
     const rate = (count - first) / (performance.now() - began), left = rate > 0 ? (most - count) / rate / 1000 : NaN;
     status.textContent = `${count} of at most ${most} designs walked${Number.isFinite(left) ? `; at most ${left < 90 ? `${Math.ceil(left)} s` : `${Math.ceil(left / 60)} min`} left` : ""}.`;

@@ -15,9 +15,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from footopt.design import FootProblem
 from footopt.design.context import context, digest
+from footopt.design.fronts import Volume, nondominated
 from footopt.files.run import plain
 from footopt.foot import Foot
 from footopt.report.numbers import title
@@ -25,6 +27,8 @@ from footopt.report.page.file import packed, text
 from footopt.report.page.walks import DESIGNS, common, splines, traces_of_flat
 from footopt.report.terminal import describe_scene
 from footopt.walk import simulate
+
+Array = NDArray[np.float64]
 
 LOOPBACK = "127.0.0.1"
 PATIENCE = 5.0  # s, for a browser to fetch the page of a search that has ended
@@ -45,6 +49,8 @@ class Growth:
         self._path, self._problem = path, problem
         self._digest, self._lock = digest(context(problem)), threading.Lock()
         self._rows: dict[tuple[int, ...], list[Any]] = {}
+        self._box: tuple[Array, Array] | None = None
+        self._volume, self._known = Volume(), 0
 
     def since(self, first: int) -> list[list[Any]]:
         """Rows of k, recorded values and why a design is not feasible, from the `first` one on."""
@@ -52,6 +58,22 @@ class Growth:
             for row in self._read():
                 self._rows.setdefault(tuple(row[: self._problem.space.n]), row)
             return list(self._rows.values())[first:]
+
+    def hypervolume(self) -> float | None:
+        """That of the designs seen so far, in units of the box of the first; None before there is one."""
+        with self._lock:
+            rows, problem = list(self._rows.values()), self._problem
+            values = np.array([row[problem.space.n : -1] for row in rows if not row[-1]], float)
+            if problem.n_obj == 1 or not len(values):
+                return None
+            f = problem.minimised(values)
+            if self._box is None and (np.ptp(f, axis=0) > 0.0).all():
+                self._box = f.max(axis=0), np.ptp(f, axis=0)
+            if self._box is None:
+                return None
+            best = nondominated(f)
+            new, self._known = np.arange(len(f)) >= self._known, len(f)
+            return self._volume((f[best] - self._box[0]) / self._box[1], new[best])
 
     def _read(self) -> list[list[Any]]:
         names = [*(f"k{i + 1}" for i in range(self._problem.space.n)), *self._problem.record, "reason"]
@@ -167,6 +189,7 @@ class Watched:
         if what != "news" or not first.isdecimal() or len(first) > len(str(DESIGNS)):
             return None
         news = {"designs": self._growth.since(int(first)), "ended": self._ended}
+        news["hypervolume"] = self._growth.hypervolume()
         return "application/json", json.dumps(plain(news), allow_nan=False)
 
     def end(self) -> None:

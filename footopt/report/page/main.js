@@ -87,6 +87,11 @@ function designSection() {
           ...(flatEntry ? [number(base), change(value, base, column)] : [])];
       }));
   }
+  function model() {
+    const errors = chosen === data.best && Object.entries(entry.model_error ?? {}).filter(([, error]) => Number.isFinite(error ?? NaN));
+    return errors?.length ? el("p", { id: "model-error", class: "note" }, "Model error, from experiments on sand and the spread of zeta: ",
+      errors.map(([name, error]) => `${name.replaceAll("_", " ")} ${error >= 0.1 ? (100 * error).toFixed(0) : +(100 * error).toPrecision(2)} %`).join(", "), ". Compare feet; do not read the values as measurements.") : "";
+  }
   function redraw() {
     const points = sole(chosen), k = heights(chosen), best = chosen === data.best, flat = data.walks && flatWalk();
     title.textContent = COUNT > 1 ? `The ${best ? "" : "chosen "}sole: ${label(chosen)}` : `The sole: ${label(chosen)}`;
@@ -98,8 +103,8 @@ function designSection() {
     const finer = best && data.bestValues, accuracy = data.jobs ? "" : `Walked at accuracy ${(finer ? entry.accuracy : entry.search_accuracy ?? entry.accuracy)?.name}. `;
     numbers.replaceChildren(...(flatEntry && feasible[chosen] && !flat?.reason
       ? [gain(chosen), bars(chosen, Math.max(widthOf(numbers), 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Ticks at the end of a bar: ± the numerical error.",
-        best && entry.ranks?.laws?.some((law) => law.change) ? " Circles: under other laws of the sand." : "", ` ${accuracy}`, gain(chosen) && "J_W, which the paper minimises: −distance × mean height / (work × peak power × speed loss).")]
-      : [el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Values" }, numberTable()), el("p", { class: "note" }, accuracy)]));
+        best && entry.ranks?.laws?.some((law) => law.change) ? " Circles: under other laws of the sand." : "", ` ${accuracy}`, gain(chosen) && "J_W, which the paper minimises: −distance × mean height / (work × peak power × speed loss)."), model()]
+      : [el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Values" }, numberTable()), el("p", { class: "note" }, accuracy), model()]));
     exact.refresh();
     tools.redraw();
     step?.redraw();
@@ -136,23 +141,18 @@ function searchSection(choose) {
   const holder = el("div", { class: "plot" }), several = data.objectives.length > 1;
   const draw = (now = Infinity) => {
     const shown = several ? (v) => v ?? NaN : (v) => guide.show(v ?? NaN);
-    const rows = data.history, bests = rows.map((r) => shown(r.best)), medians = rows.map((r) => shown(r.median));
-    const a = axes(holder, { x: [0, rows.at(-1).evaluations], y: range([...bests, ...medians]), xlabel: "evaluations",
-      ylabel: several ? `hypervolume (1: box of the first ${data.live ? "designs" : "generation"})` : `${named(guide)}: best so far`, height: 260, left: 84,
-      label: "Convergence of the search; the table below has the numbers" });
-    const X = (i) => a.X(rows[i].evaluations);
-    a.svg.append(
-      svg("path", { d: path(medians.map((v, i) => [X(i), a.Y(v)])), fill: "none", stroke: "var(--flat)", "stroke-width": 1.5, "stroke-dasharray": "6 4" }),
-      svg("path", { d: path(bests.flatMap((v, i) => (i ? [[X(i), a.Y(bests[i - 1])], [X(i), a.Y(v)]] : [[X(i), a.Y(v)]]))), fill: "none", stroke: "var(--best)", "stroke-width": 2.2 }));
-    if (Number.isFinite(bests.at(-1))) a.svg.append(svg("circle", { cx: X(rows.length - 1), cy: a.Y(bests.at(-1)), r: 3.5, fill: "var(--best)" }));
-    const ends = [medians, bests].map((all) => all.findLast(Number.isFinite)), over = ends[1] >= ends[0] ? 1 : 0;
-    [["median of the generation", "fill:var(--grey)"], [several ? "hypervolume" : "best so far", ""]].forEach(([text, style], i) =>
-      ends[i] !== undefined && a.svg.append(svg("text", { class: "halo", x: X(rows.length - 1), y: a.Y(ends[i]) + (i === over ? -6 : 14), "text-anchor": "end", style }, text)));
-    if (now < rows.length) a.svg.append(svg("line", { class: "cursor", x1: X(now), x2: X(now), y1: a.inside.top, y2: a.inside.bottom }));
-    hover(a, (x) => {
-      const r = rows.findLast((row) => a.X(row.evaluations) <= x + 3);
+    const rows = data.history, at = rows.map((r) => r.evaluations), bests = rows.map((r) => shown(r.best)), last = bests.at(-1);
+    const steps = (all) => all.flatMap((v, i) => (i ? [all[i - 1], v] : [v])), ends = at.flatMap((v, i) => (i ? [v, v] : [v]));
+    const a = plot(holder, { x: [0, at.at(-1)], xlabel: "evaluations", height: 260, left: 84, label: "Convergence of the search; the table below has the numbers",
+      ylabel: several ? `hypervolume (1: box of the first ${data.live ? "designs" : "generation"})` : `${named(guide)}: best so far` }, [
+      { x: at, y: rows.map((r) => shown(r.median)), name: "median of the generation", below: true, ink: "var(--grey)", stroke: "var(--flat)", "stroke-dasharray": "6 4" },
+      { x: ends, y: steps(bests), name: several ? "hypervolume" : "best so far", stroke: "var(--best)", "stroke-width": 2.2 },
+    ], (x) => {
+      const r = rows.findLast((row) => row.evaluations <= x + 0.01 * at.at(-1));
       return r ? `${r.evaluations} evaluations: ${number(shown(r.best))}${Number.isFinite(r.median ?? NaN) ? `, median ${number(shown(r.median))}` : ""}` : null;
     });
+    if (Number.isFinite(last)) a.svg.append(svg("circle", { cx: a.X(at.at(-1)), cy: a.Y(last), r: 3.5, fill: "var(--best)" }));
+    if (now < rows.length) a.svg.append(svg("line", { class: "cursor", x1: a.X(at[now]), x2: a.X(at[now]), y1: a.inside.top, y2: a.inside.bottom }));
   };
   const buttons = data.lineage.map((i) => el("button", { type: "button", "aria-pressed": String(i === data.best), "data-design": i, click: () => choose(i) },
     soleDrawing(sole(i), { width: 136, height: 32, plain: true }),
@@ -194,15 +194,9 @@ function tracesSection() {
     line: { stroke: COLOURS[i % COLOURS.length], "stroke-dasharray": [null, "7 3", "2 2", "9 3 2 3"][i % 4] } }));
   const titles = { height: "height of the COM (m)", speed: "forward speed (m/s)", power: "power of the sand, both feet (W)", work: "work of the sand, both feet (J)" };
   const plots = Object.keys(titles).map((name) => [name, el("div", { class: "plot" })]);
-  const draw = () => plots.forEach(([name, holder]) => {
-    const a = axes(holder, { x: range(jobs.flatMap((job) => [0, job.t.at(-1) ?? 0]), 0), y: range(jobs.flatMap((job) => Array.from(job[name]))),
-      xlabel: "time (s)", ylabel: titles[name], height: 230, label: `${titles[name]} over time, of every job` });
-    for (const job of jobs) a.svg.append(svg("path", { d: path(Array.from(job.t, (t, i) => [a.X(t), a.Y(job[name][i])])), fill: "none", "stroke-width": 1.5, ...job.line }));
-    hover(a, (x) => {
-      const t = a.fromX(x);
-      return t >= 0 ? [`${t.toFixed(2)} s`, ...jobs.filter((job) => t <= job.t.at(-1)).map((job) => `${job.label}: ${number(at(job, name, 1, t)[0])}`)].join("\n") : null;
-    });
-  });
+  const draw = () => plots.forEach(([name, holder]) => plot(holder, { x: range(jobs.flatMap((job) => [0, job.t.at(-1) ?? 0]), 0), xlabel: "time (s)", ylabel: titles[name],
+    height: 230, label: `${titles[name]} over time, of every job` }, jobs.map((job) => ({ x: job.t, y: job[name], "stroke-width": 1.5, ...job.line })),
+    (t) => [`${t.toFixed(2)} s`, ...jobs.filter((job) => t <= job.t.at(-1)).map((job) => `${job.label}: ${number(at(job, name, 1, t)[0])}`)].join("\n")));
   const section = el("section", { id: "traces" }, el("h2", {}, "Their walks"),
     el("p", { class: "note" }, ...jobs.flatMap((job) => [key(job.line), ` ${[job.label, job.settings].filter(Boolean).join(": ")}  `])),
     el("div", { class: "grid plots", style: "--columns:2" }, ...plots.map(([, holder]) => el("figure", {}, holder))));

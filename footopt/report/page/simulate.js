@@ -258,3 +258,11 @@ function simulate(points, { zeta, mass }) {
     arrows: columns(TRACE, 4 * parts),
   };
 }
+
+const SAME = 1e-9; // relative, of walks that are the same
+/** The objective that rounding alone changes the most, and by how much of it: a plate turns round, a step is halved, or not. */
+function rounding(points, { zeta, mass }) {
+  const [found, ...others] = [0, -2, -1, 1, 2].map((n) => simulate(points, { zeta, mass: mass * (1 + n * Number.EPSILON) }).objectives);
+  return Object.keys(found).map((name) => [name, Math.max(...others.map((other) => Math.abs((other[name] ?? NaN) / found[name] - 1)))])
+    .filter(([name, by]) => Number.isFinite(found[name]) && !(by <= SAME)).reduce((most, one) => (most && most[1] >= one[1] ? most : one), null);
+}

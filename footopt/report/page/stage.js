@@ -67,7 +67,7 @@ function pose(walk, t) {
     const c = Math.cos(pitch), s = Math.sin(pitch);
     const turn = ([u, v]) => [ankle[0] + c * u - s * v, ankle[1] + s * u + c * v];
     const carry = (points) => points.map(([u, v]) => turn([u - walk.ankle[0], v - walk.ankle[1]]));
-    return { leg: [[x, z], knee, ankle], turn, carry };
+    return { leg: [[x, z], knee, ankle], c, s, turn, carry };
   });
 }
 
@@ -109,141 +109,115 @@ const PAINTS = {
 function printed(walk) {
   const STEP = 0.004, [x0, x1] = range(walk.com.filter((_, i) => i % 2 === 0), 0), from = x0 - 1;
   const depth = new Float64Array(Math.ceil((x1 - x0 + 2) / STEP));
-  let done = -1, before = [];
-  const dig = ([xa, za], [xb, zb]) => {
+  const points = walk.light.map(([u, v]) => [u - walk.ankle[0], v - walk.ankle[1]]), none = () => [NaN, NaN, NaN, NaN];
+  let done = -1, before = [none(), none()]; // heel and toe of both feet
+  const dig = (xa, za, xb, zb) => {
+    if (!(za < 0 || zb < 0)) return;
     const first = Math.ceil((Math.min(xa, xb) - from) / STEP), last = (Math.max(xa, xb) - from) / STEP;
     for (let j = first; j <= last; j++) depth[j] = Math.min(depth[j], za + ((zb - za) * (from + j * STEP - xa)) / (xb - xa || 1));
   };
   return (t) => {
-    if (t < done) { depth.fill(0); done = -1; before = []; }
-    for (let s = Math.max(done, 0); s <= t; s += 0.01) before = pose(walk, s).map(({ carry }, foot) => {
-      const points = carry(walk.light);
-      if (points.some((p) => p[1] < 0)) points.slice(1).forEach((p, i) => dig(points[i], p));
-      // heel and toe go on between two instants
-      if (before[foot]) for (const end of [0, -1]) dig(before[foot].at(end), points.at(end));
-      return points;
+    if (t < done) { depth.fill(0); done = -1; before = [none(), none()]; }
+    for (let time = Math.max(done, 0); time <= t; time += 0.01) pose(walk, time).forEach(({ leg, c, s }, foot) => {
+      const ends = before[foot], [ax, az] = leg[2];
+      let x = NaN, z = NaN;
+      points.forEach(([u, v], i) => { // no point is made of numbers here: a drag does this for every pixel
+        const xb = ax + c * u - s * v, zb = az + s * u + c * v, end = i ? 2 : 0;
+        if (i) dig(x, z, xb, zb);
+        x = xb; z = zb;
+        if (i && i < points.length - 1) return;
+        dig(ends[end], ends[end + 1], x, z); // heel and toe go on between two instants
+        ends[end] = x; ends[end + 1] = z;
+      });
     });
     done = t;
     return Array.from(depth, (z, j) => [from + j * STEP, z]);
   };
 }
 
-function arrow([x0, y0], [x1, y1]) {
-  const long = Math.hypot(x1 - x0, y1 - y0);
-  if (long < 3) return "";
-  const head = Math.min(7, 0.6 * long), ux = (x1 - x0) / long, uy = (y1 - y0) / long;
-  const side = (turn) => [x1 - head * (ux - turn * 0.5 * uy), y1 - head * (uy + turn * 0.5 * ux)];
-  return path([[x0, y0], [x1, y1]]) + path([side(1), [x1, y1], side(-1)]);
+/** Arrows along [dx, dz] from places, or with their tips there, m: a line with gaps. */
+function arrows(places, along, unit, tip = false) {
+  return places.flatMap((place, i) => {
+    const [dx, dz] = along[i], long = size(along[i]), head = Math.min(data.head * unit, 0.6 * long) / long;
+    if (!(long > 0.2 * data.head * unit)) return [];
+    const begin = tip ? [place[0] - dx, place[1] - dz] : place, end = [begin[0] + dx, begin[1] + dz];
+    const barb = (turn) => [end[0] - head * (dx + turn * 0.5 * dz), end[1] - head * (dz - turn * 0.5 * dx)];
+    return [begin, end, GAP, barb(1), end, barb(-1), GAP];
+  });
+}
+const GAP = [NaN, NaN], box = (a, b, c, d) => [[a, c], [a, d], [b, d], [b, c]];
+
+/**
+ * What is drawn of a walk at an instant, as report/picture.py finds it: [part, points (m), style], from behind to the
+ * front, and words [x, z, text, anchor], in a view { left, right, low, high, unit, metres, newtons, close }.
+ */
+function picture(walk, now, top, view) {
+  const { left, right, low, high, unit, metres, newtons, close } = view, words = [], { strips, gravity } = data.ground;
+  const shapes = [["sand", box(left, right, low, 0)]];
+  for (const s of strips) {
+    const a = Math.max(s.begin, left), b = Math.min(s.end, right), bottom = Math.max(s.bottom, low);
+    if (a >= b || bottom >= s.top) continue;
+    shapes.push(["strip", box(a, b, bottom, s.top), `fill:${s.colour}`]);
+    words.push(s.kind === "patch" ? [a + 0.6 * unit, Math.min(s.top - 1.6 * unit, low + 5.7 * unit), s.label] : [b - 0.6 * unit, Math.max(bottom + 1.3 * unit, s.top - 3 * unit), s.label, "end"]);
+  }
+  if (gravity) {
+    shapes.push(["gravity", arrows([[right - 9 * unit, high - 3.2 * unit]], [[6 * unit * gravity.x, 6 * unit * gravity.z]], unit)]);
+    words.push([right - unit, high - 1.5 * unit, gravity.text, "end"]);
+  }
+  const whole = [[left, 0], ...top.filter(([x]) => x > left && x < right), [right, 0]];
+  shapes.push(["print", whole.map(([x, z]) => [x, Math.min(z, 0)])], ["rim", whole.map(([x, z]) => [x, Math.max(z, 0)])], ["surface", whole],
+    ["force", arrows([[left + unit, low + 1.5 * unit]], [[newtons * metres, 0]], unit)]);
+  words.push([left + newtons * metres + 2 * unit, low + 1.5 * unit, `${newtons} N`]);
+  if (!walk.surface && close) words.push([right - unit, low + (right - left > 70 * unit ? 1.5 : 3.6) * unit, data.drawn, "end"]);
+  now.feet.forEach(({ leg, shape, sole }, foot) => {
+    const side = SIDES[foot];
+    shapes.push([`${side}-foot`, shape], [`${side}-leg`, leg], [`${side}-joints`, leg.slice(1)], [`${side}-sole`, sole]);
+    if (close) words.push([leg[2][0], leg[2][1] + 5.5 * unit, side, "middle"]);
+  });
+  const forces = now.feet.flatMap((foot) => (close ? foot.forces : [resultant(foot.forces)])).filter(({ at: place }) => place);
+  shapes.push(["force", arrows(forces.map((f) => f.at), forces.map(({ f }) => [metres * f[0], metres * f[1]]), unit, close)], ["hip", [now.com]]);
+  return { shapes, words };
 }
 
 /**
- * A picture of the walker; returns what moves it to an instant.
+ * A stage in a holder; returns what moves it to an instant.
  *
  * `close` draws soles and the forces on their parts, else the whole walker. The camera goes with the COM, or
  * looks at x = `fixed`. `other` is drawn behind as a ghost, in step: its COM, or its ankle at `fixed`, in the same place.
  */
 function stage(holder, walk, { close, x, z, label, other = null, fixed = null, paint = "side", tall = 330 }) {
-  const width = widthOf(holder);
-  const height = Math.min(tall, (width / (x[1] - x[0])) * (z[1] - z[0]) + (close ? 0 : 60));
-  const scale = Math.min(width / (x[1] - x[0]), height / (z[1] - z[0])), Z = (v) => height - (v - z[0]) * scale;
-  let middle = fixed?.x ?? 0.5 * (x[0] + x[1]);
-  const X = (v) => width / 2 + (v - middle) * scale;
+  const width = widthOf(holder), axis = 18;
+  const height = Math.min(tall, (width / (x[1] - x[0])) * (z[1] - z[0]) + (close ? 0 : 60)), above = height - axis;
+  const scale = Math.min(width / (x[1] - x[0]), above / (z[1] - z[0])), half = width / 2 / scale, scheme = PAINTS[paint];
   const drawing = svg("svg", { viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": label });
-  const add = (name, attributes, ...children) => drawing.appendChild(svg(name, attributes, ...children));
-  add("rect", { x: 0, y: Z(0), width, height: height - Z(0), fill: "var(--sand)" });
-  const ground = add("g", {});
-  const print = add("path", { fill: "var(--paper)", stroke: "none" }), rims = add("path", { class: "rims", fill: "var(--sand)", stroke: "none" });
-  const surface = add("path", { fill: "none", stroke: "var(--surface)", "stroke-width": 1.5, "data-print": walk.surface ? "computed" : "drawn" });
-  const names = add("g", {});
-  const ghost = other && [LEFT, RIGHT].map(() => add("path", { class: "ghost" }));
-  const parts = walk.at.length / 2, scheme = PAINTS[paint];
-  const body = [LEFT, RIGHT].map((foot) => ({
-    shape: add("path", { fill: LINES[foot].stroke, "fill-opacity": 0.16 }),
-    leg: add("path", { fill: "none", stroke: LINES[foot].stroke, "stroke-width": close ? 5 : 4, "stroke-opacity": 0.75, "stroke-linejoin": "round" }),
-    joints: add("path", { fill: "none", stroke: "var(--ink)", "stroke-width": 6, "stroke-linecap": "round" }),
-    sole: add("path", { fill: "none", stroke: scheme ? "var(--ink)" : LINES[foot].stroke, "stroke-width": scheme ? 7 : 2.5 }),
-    paints: scheme ? Array.from({ length: parts }, () => add("path", { class: "paint", fill: "none", "stroke-width": 4.5 })) : [],
-    arrows: add("path", { fill: "none", stroke: "var(--ink)", "stroke-width": 1.3 }),
-    name: add("text", { class: "halo", "text-anchor": "middle" }),
-  }));
-  const hip = add("circle", { r: close ? 0 : 8, fill: "var(--ink)" });
-  const largest = close
-    ? walk.arrows.reduce((most, _, i, a) => (i % 2 ? most : Math.max(most, Math.hypot(a[i], a[i + 1]))), 1)
-    : walk.force.reduce((most, v) => Math.max(most, Math.abs(v)), 1);
-  // pixels per newton; below the deepest sole an arrow has room
-  const reach = ((close ? 0.85 * (deepest(walk) - z[0]) : 0.35 * (z[1] - z[0])) * scale) / largest;
-  const round = 10 ** Math.floor(Math.log10((0.7 * largest)));
-  const unit = [5, 2, 1].find((m) => m * round <= 0.7 * largest) * round;
-  add("path", { d: arrow([8, 12], [8 + unit * reach, 12]), fill: "none", stroke: "var(--ink)", "stroke-width": 1.3 });
-  add("text", { class: "halo", x: 14 + unit * reach, y: 16 }, `${unit} N`);
-  let ends = [0, 1];
-  if (scheme) {
-    const all = Array.from({ length: 60 }, (_, i) => (i * walk.t.at(-1)) / 59).flatMap((t) => [LEFT, RIGHT].flatMap((foot) => scheme.of(walk, instant(walk, t), foot, t)));
-    ends = range(all, 0);
-    for (let i = 0; i < 30; i++) add("rect", { x: 8 + 4 * i, y: 26, width: 4.5, height: 8, fill: ramp(i / 29) });
-    add("text", { class: "halo", x: 8, y: 48 }, `${number(ends[0])} to ${number(ends[1])}: ${scheme.title}`);
-  }
-  const pull = data.ground?.gravity;
-  if (pull) {
-    add("path", { class: "gravity", d: arrow([width - 60, 24], [width - 60 + 44 * pull.x, 24 - 44 * pull.z]), fill: "none", stroke: "var(--ink)", "stroke-width": 1.8 });
-    add("text", { class: "halo", x: width - 8, y: 16, "text-anchor": "end" }, pull.label);
-  }
-  if (close && !walk.surface) add("text", { class: "halo", x: width - 8, y: pull ? height - 24 : 16, "text-anchor": "end", "font-style": "italic" }, "the print is drawn, not computed");
   holder.replaceChildren(drawing);
-  const low = walk.surface ? null : printed(walk);
-  const to = ([u, v]) => [X(u), Z(v)], line = (points) => path(points.map(to));
+  const forces = close ? pairs(walk.arrows).map(size) : Array.from(walk.force, Math.abs), largest = forces.reduce((a, b) => Math.max(a, b), 1);
+  const metres = (close ? 0.85 * (deepest(walk) - z[0]) : 0.35 * (z[1] - z[0])) / largest, round = 10 ** Math.floor(Math.log10(0.8 * largest));
+  const newtons = [5, 2, 1].find((m) => m * round <= 0.8 * largest) * round, surface = walk.surface ?? printed(walk);
+  const ends = scheme && range(Array.from({ length: 60 }, (_, i) => (i * walk.t.at(-1)) / 59).flatMap((t) => [LEFT, RIGHT].flatMap((foot) => scheme.of(walk, instant(walk, t), foot, t))), 0);
+  const key = scheme ? [...Array.from({ length: 30 }, (_, i) => svg("rect", { x: 8 + 4 * i, y: 8, width: 4.5, height: 8, fill: ramp(i / 29) })),
+    svg("text", { class: "halo", x: 8, y: 30 }, `${number(ends[0])} to ${number(ends[1])}: ${scheme.title}`)] : [];
   return (t) => {
-    const now = instant(walk, t), half = width / 2 / scale;
-    if (!fixed && close) middle = now.com[0];
-    const inView = ([u]) => Math.abs(u - middle) < half + 0.01;
-    const top = (low ? low(t) : walk.surface(t)).filter(inView);
-    print.setAttribute("d", `${line([[middle - half, 0], ...top, [middle + half, 0]].map(([u, v]) => [u, Math.min(v, 0)]))}Z`);
-    rims.setAttribute("d", low ? "" : `${line([[middle - half, 0], ...top, [middle + half, 0]].map(([u, v]) => [u, Math.max(v, 0)]))}Z`);
-    surface.setAttribute("d", line(top));
-    const found = strips({ X, Z, width, height });
-    ground.replaceChildren(...found.map(([sand]) => sand));
-    names.replaceChildren(...found.map(([, name]) => name), ...ticks(middle - half, middle + half, width / 110).values.flatMap((v) => [
-      svg("line", { x1: X(v), x2: X(v), y1: height - 6, y2: height, stroke: "var(--grey)" }),
-      ...(X(v) > 24 && X(v) < width - 24 ? [svg("text", { x: X(v), y: height - 9, "text-anchor": "middle" }, `${+v.toFixed(2)} m`.replace("-", "−"))] : [])]));
-    if (ghost) {
-      const past = Math.min(t, other.t.at(-1)), behind = pose(other, past), shift = fixed ? fixed.shift : now.com[0] - behind[0].leg[0][0];
-      behind.forEach(({ leg, carry }, side) => ghost[side].setAttribute("d",
-        `${line(carry(other.shape).map(([u, v]) => [u + shift, v]))}Z${close ? "" : line(leg.map(([u, v]) => [u + shift, v]))}`));
+    const now = instant(walk, t), middle = fixed?.x ?? (close ? now.com[0] : 0.5 * (x[0] + x[1]));
+    const view = { left: middle - half, right: middle + half, low: z[0], high: z[0] + above / scale, unit: 6 / scale, metres, newtons, close };
+    const X = (v) => (v - view.left) * scale, Z = (v) => above - (v - z[0]) * scale, line = (points) => path(points.map(([u, v]) => [X(u), Z(v)]));
+    const { shapes, words } = picture(walk, now, surface(t), view);
+    if (other) {
+      const behind = pose(other, Math.min(t, other.t.at(-1))), shift = fixed ? fixed.shift : now.com[0] - behind[0].leg[0][0];
+      const ghosts = behind.flatMap(({ leg, carry }) => [[...carry(other.shape), carry(other.shape)[0]], ...(close ? [] : [leg])]);
+      shapes.splice(shapes.findIndex(([part]) => part === "left-foot"), 0, ...ghosts.map((points) => ["ghost", points.map(([u, v]) => [u + shift, v])]));
     }
-    now.feet.forEach((foot, side) => {
-      const part = body[side], ankle = to(foot.leg[2]);
-      part.shape.setAttribute("d", line(foot.shape) + "Z");
-      part.sole.setAttribute("d", line(foot.sole));
-      if (scheme) scheme.of(walk, now, side, t).forEach((v, i) => {
-        part.paints[i].setAttribute("d", foot.sole.slice(1).map((p, j) => (walk.part[j] === i ? line([foot.sole[j], p]) : "")).join(""));
-        part.paints[i].setAttribute("stroke", ramp((v - ends[0]) / (ends[1] - ends[0])));
-      });
-      part.leg.setAttribute("d", line(foot.leg));
-      part.joints.setAttribute("d", foot.leg.slice(1).map((p) => { const [u, v] = to(p); return `M${u} ${v}h.01`; }).join(""));
-      const shown = close ? foot.forces : [resultant(foot.forces)];
-      part.arrows.setAttribute("d", shown.filter(({ at: place }) => place).map(({ at: place, f }) => {
-        const end = to(place), tip = [end[0] + reach * f[0], end[1] - reach * f[1]];
-        return close ? arrow([2 * end[0] - tip[0], 2 * end[1] - tip[1]], end) : arrow(end, tip);
-      }).join(""));
-      part.name.setAttribute("x", ankle[0]);
-      part.name.setAttribute("y", ankle[1] - (close ? 34 : 14));
-      part.name.textContent = close ? SIDES[side] : "";
+    if (scheme) now.feet.forEach(({ sole }, foot) => {
+      const pieces = scheme.of(walk, now, foot, t).map((v, i) => ["paint", sole.slice(1).flatMap((p, j) => (walk.part[j] === i ? [sole[j], p, GAP] : [])), `stroke:${ramp((v - ends[0]) / (ends[1] - ends[0]))}`]);
+      shapes.push(["edge", sole], ...pieces);
     });
-    hip.setAttribute("cx", X(now.com[0]));
-    hip.setAttribute("cy", Z(now.com[1]));
+    drawing.replaceChildren(
+      ...shapes.map(([part, points, style]) => svg("path", { class: part, style, d: part === "hip" || part.endsWith("joints") ? points.map(([u, v]) => `M${X(u)} ${Z(v)}h.01`).join("") : line(points) })),
+      ...words.map(([u, v, text, anchor]) => svg("text", { class: "halo", x: X(u), y: Z(v) + 4, "text-anchor": anchor ?? "start" }, text)), ...key,
+      svg("rect", { x: 0, y: above, width, height: axis, fill: "var(--paper)" }),
+      ...ticks(view.left, view.right, width / 110).values.flatMap((v) => [svg("line", { class: "axis", x1: X(v), x2: X(v), y1: above, y2: above + 4 }),
+        ...(X(v) > 24 && X(v) < width - 24 ? [svg("text", { x: X(v), y: height - 2, "text-anchor": "middle" }, `${+v.toFixed(2)} m`.replace("-", "−"))] : [])]));
   };
-}
-
-/** Sand of other strengths, as figures and films draw it. */
-function strips({ X, Z, width, height }) {
-  return (data.ground?.strips ?? []).flatMap((s) => {
-    const [left, right] = [s.begin === null ? 0 : Math.max(X(s.begin), 0), s.end === null ? width : Math.min(X(s.end), width)];
-    const [top, bottom] = [Z(s.top), s.bottom === null ? height : Math.min(Z(s.bottom), height)];
-    if (left >= right || top >= bottom) return [];
-    const patch = s.kind === "patch";
-    return [[svg("rect", { class: "strip", x: left, y: top, width: right - left, height: bottom - top, fill: s.colour, stroke: "var(--surface)", "stroke-width": 0.6 }),
-      svg("text", { class: "on-sand", x: patch ? left + 4 : right - 4, y: patch ? top + 16 : Math.min(bottom - 5, top + 26), "text-anchor": patch ? "start" : "end" }, s.label)]];
-  });
 }
 
 /** The lowest point of any sole in a walk, or between two of its times, m. */

@@ -3,7 +3,7 @@
 const data = JSON.parse(document.getElementById("data").textContent);
 const entry = data.entry ?? {};
 /** Lines of jobs, in the order of the figures. */
-const COLOURS = ["var(--left)", "var(--right)", "var(--best)", "var(--chosen)", "var(--surface)", "var(--designs)", "var(--ink)"];
+const COLOURS = Array.from({ length: 7 }, (_, i) => `var(--line-${i})`);
 /** A colour by its role, for a canvas, which reads no variables. */
 const ink = (colour) => getComputedStyle(document.documentElement).getPropertyValue(colour.replace(/^var\(|\)$/g, "")).trim();
 /** From 0 to 1 in colours that the colour-blind can tell apart (viridis). */
@@ -139,12 +139,30 @@ function hover(a, read) {
   a.svg.addEventListener("pointerleave", () => { tip.hidden = true; read(NaN, NaN); });
 }
 
+/**
+ * Lines in a holder, as `axes` makes it: { x, y, name, ink, below, ... } with a line's looks, each with its name beside its
+ * extreme, which is where lines are apart; `read(x)` are the words at a place.
+ */
+function plot(holder, { strikes = [], ...frame }, series, read) {
+  const a = axes(holder, { ...frame, y: range(series.flatMap(({ y }) => Array.from(y)), 0.08) }), { left, right, top, bottom } = a.inside;
+  for (const t of strikes) a.svg.append(svg("line", { class: "strike", x1: a.X(t), x2: a.X(t), y1: top, y2: bottom }));
+  for (const { x, y, name, ink, below, ...line } of series) a.svg.append(svg("path", { d: path(Array.from(x, (v, i) => [a.X(v), a.Y(y[i])])), fill: "none", "stroke-width": 1.8, ...line }));
+  for (const { x, y, name, ink, below } of series) {
+    const peak = y.reduce((best, v, i) => (Math.abs(v) >= Math.abs(y[best]) || !Number.isFinite(y[best]) ? i : best), 0), half = 3.2 * (name?.length ?? 0);
+    if (name && Number.isFinite(y[peak])) a.svg.append(svg("text", { class: "halo", x: clip(a.X(x[peak]), left + half, right - half), "text-anchor": "middle", style: ink && `fill:${ink}`,
+      y: clip(a.Y(y[peak]) + (below || y[peak] < 0 ? 15 : -5), top + 4, bottom - 2) }, name));
+  }
+  hover(a, (x) => (x >= left && x <= right ? read(a.fromX(x)) : null));
+  return a;
+}
+
 /** Points in pixels as an SVG path; a gap where one is not a number. */
 function path(points) {
   let text = "", down = false;
   for (const [x, y] of points) {
-    if (Number.isFinite(x) && Number.isFinite(y)) text += `${down ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`;
-    down = Number.isFinite(x) && Number.isFinite(y);
+    const known = Number.isFinite(x + y);
+    if (known) text += `${down ? "L" : "M"}${Math.round(10 * x) / 10} ${Math.round(10 * y) / 10}`;
+    down = known;
   }
   return text;
 }

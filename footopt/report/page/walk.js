@@ -11,39 +11,19 @@ const PLOTS = [
 
 const column = (walk, name, width, i) => Array.from(walk.t, (_, row) => walk[name][row * width + i]);
 
-/** A line's name beside its extreme, which is where lines are apart. */
-function nameLine(a, times, values, text, colour) {
-  const peak = values.reduce((best, v, i) => (Math.abs(v) > Math.abs(values[best]) ? i : best), 0);
-  const x = Math.min(Math.max(a.X(times[peak]), a.inside.left + 20), a.inside.right - 20);
-  a.svg.append(svg("text", { class: "halo", x, y: Math.min(Math.max(a.Y(values[peak]) + (values[peak] < 0 ? 13 : -5), 26), a.inside.bottom - 2), "text-anchor": "middle", style: `fill:${colour}` }, text));
-}
-
 /** One trace of a walk, a pale one to compare it with; returns what moves the cursor. */
 function tracePlot(holder, { title, name, width, lines }, walk, other, seek) {
-  const series = lines.map((i) => column(walk, name, width, i)), two = lines.length > 1;
-  const pale = other ? lines.map((i) => column(other, name, width, i)) : [];
-  const a = axes(holder, {
-    x: [0, gait.end], y: range([...series.flat(), ...pale.flat()], 0.08), xlabel: "time (s)", ylabel: title, height: 190,
-    label: `${title} over time; the table below has the numbers`,
-  });
-  for (const strike of gait.strikes) a.svg.append(svg("line", {
-    class: "strike", x1: a.X(strike), x2: a.X(strike), y1: a.inside.top, y2: a.inside.bottom }));
-  pale.forEach((values, i) => a.svg.append(svg("path", { d: path(values.map((v, j) => [a.X(other.t[j]), a.Y(v)])),
-    fill: "none", stroke: "var(--flat)", "stroke-width": 1.2, "stroke-dasharray": two && i ? "7 3" : null })));
-  series.forEach((values, i) => a.svg.append(svg("path", { d: path(values.map((v, j) => [a.X(walk.t[j]), a.Y(v)])),
-    fill: "none", "stroke-width": 1.8, ...(two ? LINES[i] : { stroke: "var(--ink)" }) })));
-  if (two) series.forEach((values, i) => nameLine(a, walk.t, values, SIDES[i], `var(--${SIDES[i]}-text)`));
-  else if (pale.length) nameLine(a, other.t, pale[0], other.label, "var(--grey)");
+  const two = lines.length > 1, pale = other ? lines.map((i) => column(other, name, width, i)) : [];
+  const told = (shown, t) => { const v = at(shown, name, width, t); return lines.map((l, i) => `${two ? `${SIDES[i]} ` : ""}${number(v[l])}`).join(", "); };
+  const a = plot(holder, { x: [0, gait.end], xlabel: "time (s)", ylabel: title, height: 190, strikes: gait.strikes, label: `${title} over time; the table below has the numbers` }, [
+    ...pale.map((y, i) => ({ x: other.t, y, name: two ? "" : other.label, ink: "var(--grey)", stroke: "var(--flat)", "stroke-width": 1.2, "stroke-dasharray": two && i ? "7 3" : null })),
+    ...lines.map((i, l) => ({ x: walk.t, y: column(walk, name, width, i), name: two ? SIDES[l] : "", ink: `var(--${SIDES[l]}-text)`, ...(two ? LINES[l] : { stroke: "var(--ink)" }) })),
+  ], (t) => `${t.toFixed(2)} s: ${told(walk, t)}${other ? `; ${other.label}: ${told(other, t)}` : ""}`);
   const cursor = a.svg.appendChild(svg("line", { class: "cursor", y1: a.inside.top, y2: a.inside.bottom }));
-  const dots = series.map((_, i) => a.svg.appendChild(svg("circle", { r: 3.5, fill: two ? LINES[i].stroke : "var(--ink)" })));
+  const dots = lines.map((_, i) => a.svg.appendChild(svg("circle", { r: 3.5, fill: two ? LINES[i].stroke : "var(--ink)" })));
   const to = (event) => seek(a.fromX(where(a, event)[0]));
   a.svg.addEventListener("pointerdown", (event) => { a.svg.setPointerCapture(event.pointerId); to(event); });
   a.svg.addEventListener("pointermove", (event) => event.buttons && to(event));
-  hover(a, (x) => {
-    if (!(x >= a.inside.left && x <= a.inside.right)) return null;
-    const t = a.fromX(x), told = (shown) => { const v = at(shown, name, width, t); return lines.map((l, i) => `${two ? `${SIDES[i]} ` : ""}${number(v[l])}`).join(", "); };
-    return `${t.toFixed(2)} s: ${told(walk)}${other ? `; ${other.label}: ${told(other)}` : ""}`;
-  });
   return (t) => {
     cursor.setAttribute("x1", a.X(t));
     cursor.setAttribute("x2", a.X(t));
@@ -61,6 +41,12 @@ function walkOf(i) {
 function flatWalk() {
   const place = data.walks?.findIndex((walk) => walk.design === null) ?? -1;
   return sketch?.flat ?? (place < 0 ? null : open(place));
+}
+
+/** In words that a walk made here hangs on its last digits; nothing where it does not. */
+function hangs(i) {
+  const found = walked.has(i) && rounding(walked.get(i).arc, i === DRAWN ? sketch : { zeta: P.sand.zeta, mass: P.walker.mass });
+  return found ? `This walk hangs on its last digits: rounding alone changes its ${found[0].replaceAll("_", " ")} by ${Number.isFinite(found[1]) ? `${+(100 * found[1]).toPrecision(2)} %` : "all of it"}. Walked again by footopt it may differ by as much.` : "";
 }
 
 /** The section of the walk; `show(i)` puts the walk of a design on it. */
@@ -110,7 +96,7 @@ function walkSection() {
     title.textContent = `The walk${COUNT > 1 ? `: ${label(state.chosen)}` : ""}`;
     message.textContent = !walk
       ? `No walk of ${label(state.chosen)} is on this page; footopt study=simulate foot.k=[${heights(state.chosen)}] walks with it, with this run's own sand and other settings beside.`
-      : walk.reason ? `This walk failed: ${walk.reason}${failed ? ", at once" : `, at ${number(walk.t.at(-1))} s`}.` : "";
+      : walk.reason ? `This walk failed: ${walk.reason}${failed ? ", at once" : `, at ${number(walk.t.at(-1))} s`}.` : hangs(state.chosen);
     picture.hidden = failed;
     if (keep) keep.hidden = failed;
     if (failed) { stop(); return; }

@@ -16,7 +16,7 @@ from footopt.report.body import forces_along, groups
 from footopt.report.numbers import percent, title
 from footopt.report.page.file import column, packed
 from footopt.report.page.physics import ARROWS, physics, refusal
-from footopt.report.scenery import scenery
+from footopt.report.picture import DRAWN, HEAD, ground
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
 from footopt.walk import FIVE, MEASURES, Accuracy, Scene, Walk
 
@@ -204,7 +204,9 @@ def common(
     return {
         "columns": [column(name, MEASURES[name].unit, MEASURES[name].maximise) for name in names],
         "entry": {name: value for name, value in entry.items() if name not in ON_THE_PAGE},
-        "ground": scenery(scene),
+        "ground": ground(scene).plain(),
+        "drawn": DRAWN,
+        "head": HEAD,
         "physics": physics(scene, accuracy, foot),
         "gait": {
             "end": scene.duration,

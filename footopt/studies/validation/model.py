@@ -9,9 +9,11 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
+import numpy as np
+
 from footopt.effects import LeadingEdge, name_of
-from footopt.report.numbers import percent
-from footopt.walk import OBJECTIVES, Walk
+from footopt.walk import FIVE, Walk, evaluate
+from footopt.walk.scenarios import Spread, harder_and_softer
 
 #: What was measured that is nearest to each objective: experiment and quantity.
 NEAREST = {
@@ -21,6 +23,7 @@ NEAREST = {
     "peak_power": ("people", "peak force"),
     "speed_loss": ("wheel", "drawbar"),
 }
+JUDGED = (*FIVE, "efficiency")
 
 
 @cache
@@ -43,13 +46,28 @@ def verdicts() -> list[str]:
     return [e["verdict"] for e in kept()]
 
 
-def model_error(walk: Walk, left_out: Mapping[str, float] | None = None) -> dict[str, float]:
-    """Relative errors that the law had in experiments, by objective; empty for a walk that failed.
+def model_error(
+    walk: Walk, left_out: Mapping[str, float] | None = None, spread: float = Spread.zeta
+) -> dict[str, float]:
+    """Relative errors of a walk's objectives that its law and its sand make; empty for a walk that failed.
 
-    The leading edge has errors of its own; other effects were not held against walks or wheels. The height
-    of the hip errs by the error of the sinkage, which is related to it by the walk's own numbers; J_W by
-    the root sum of squares of its factors. To each is added what the effects that `effects=auto` left out
-    would change.
+    Two parts, which add as squares:
+
+    - What the law was off by in experiments. The leading edge has errors of its own; other effects were not
+      held against walks or wheels. The height of the hip errs by the error of the sinkage, related to it by
+      the walk's own numbers; J_W by the root sum of squares of its factors. To each is added what the effects
+      that `effects=auto` left out would change.
+    - What zeta changes in this walk, which is walked again on sand that is softer and harder by its spread:
+      the larger change, and all of an objective where such a walk fails.
+
+    Parameters
+    ----------
+    walk : Walk
+        Whose.
+    left_out : mapping, optional
+        Relative changes by effects that are left out, by objective.
+    spread : float
+        One standard deviation of the logarithm of zeta.
     """
     if not walk.feasible:
         return {}
@@ -60,14 +78,13 @@ def model_error(walk: Walk, left_out: Mapping[str, float] | None = None) -> dict
     sinkage, height = (walk.objectives[name] for name in ("maximum_sinkage", "mean_height"))
     errors["mean_height"] *= sinkage / height
     errors = {name: error + (left_out or {}).get(name, 0.0) for name, error in errors.items()}
-    return errors | {"efficiency": math.sqrt(sum(error**2 for error in errors.values()))}
-
-
-def describe(errors: dict[str, float]) -> list[str]:
-    """The errors in a line; none for none."""
-    if not errors:
-        return []
-    each = ", ".join(
-        f"{name.replace('_', ' ')} {percent(errors[name])}" for name in OBJECTIVES if name in errors
-    )
-    return [f"Model error, from experiments on sand (study=validate): {each}"]
+    errors["efficiency"] = math.sqrt(sum(error**2 for error in errors.values()))
+    own = np.array([walk.objectives[name] for name in JUDGED])
+    changes = np.zeros(len(JUDGED))
+    compared = walk.scene.duration > walk.scene.gait.heel_strike  # who stands cannot be
+    for other in harder_and_softer(walk.scene, spread) if compared else ():
+        values = evaluate([walk.foot], other.scene, walk.accuracy, JUDGED, threads=1).values[0]
+        changes = np.maximum(changes, np.nan_to_num(np.abs(values / own - 1.0), nan=1.0))
+    return {
+        name: math.hypot(errors[name], change) for name, change in zip(JUDGED, changes.tolist(), strict=True)
+    }

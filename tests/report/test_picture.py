@@ -1,0 +1,134 @@
+"""One picture of the scene: the page, which walks by itself, draws the parts that figures and films draw."""
+
+import numpy as np
+import pytest
+from browsers import Page, browser_needed
+from matplotlib.colors import same_color
+
+import footopt as fo
+from footopt.report import page, picture
+from footopt.report.picture import LOOKS, Picture, View
+from footopt.report.style import PALETTE, new_figure
+
+WORLDS = {
+    "plain": (),
+    "slope, patch and layer": (fo.Slope(5), fo.Patches((0.4,), (0.9,), (2.5,)), fo.Layers((0.03,), (0.3,))),
+    "footprints": (fo.Footprints(),),
+}
+
+
+@pytest.fixture(scope="module")
+def walks():
+    foot = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
+    return {name: fo.simulate(foot, fo.Scene(effects=effects), "draft") for name, effects in WORLDS.items()}
+
+
+def views(hip):
+    """From afar and close."""
+    return View(-0.5, 3.0, -0.2, 1.2, 0.03, 4e-4, 500.0), View(
+        hip - 0.4, hip + 0.4, -0.2, 0.2, 0.007, 8e-4, 50.0, True
+    )
+
+
+def away(points, others):
+    """How far points are at most from a line through others, m; gaps are left out."""
+    points, others = (np.array(p, float) for p in (points, others))
+    if len(others) == 1:
+        return np.linalg.norm(points - others, axis=1).max()
+    begin, along = others[:-1], np.diff(others, axis=0)
+    known = np.isfinite(along).all(axis=1)
+    begin, along = begin[known], along[known]
+    apart = points[np.isfinite(points).all(axis=1), None] - begin
+    part = np.clip((apart * along).sum(-1) / np.maximum((along**2).sum(-1), 1e-30), 0.0, 1.0)
+    return np.linalg.norm(apart - part[..., None] * along, axis=-1).min(axis=1).max(initial=0.0)
+
+
+@browser_needed
+@pytest.mark.parametrize("world", WORLDS)
+def test_the_page_draws_what_figures_and_films_draw(world, walks, browser, tmp_path):
+    walk = walks[world]
+    content = page.walk_content(walk, {"accuracy": {"name": "draft"}, "scene": {"effects": {}}})
+    shown = Page(browser, page.write(tmp_path / "page.html", content))
+    times = walk.t[np.searchsorted(walk.t, np.subtract(shown.js("Array.from(open(0).when)"), 1e-6))[40::60]]
+    here = Picture(walk, times, page.walks.ARROWS)
+    for i, t in enumerate(times):
+        for view in views(here.body.hip[i, 0]):
+            mine, words = here.shapes(i, view)
+            found = shown.js(
+                f"(() => {{ const walk = open(0); return picture(walk, instant(walk, {t}), "
+                f"(walk.surface ?? printed(walk))({t}), {page.file.json.dumps(view._asdict())}); }})()"
+            )
+            assert [part for part, *_ in found["shapes"]] == [shape.part for shape in mine]
+            for (part, points, *_), shape in zip(found["shapes"], mine, strict=True):
+                points = np.array([[np.nan if v is None else v for v in p] for p in points]).reshape(-1, 2)
+                # two cells of a drawn print, which is steep at its ends
+                off = 8e-3 if part in ("print", "rim", "surface") else 2e-3
+                assert away(points, shape.points) < off, (part, t)
+                assert away(shape.points, points) < off, (part, t)
+            assert [word[2] for word in found["words"]] == [label.text for label in words]
+            np.testing.assert_allclose(
+                [w[:2] for w in found["words"]], [label[:2] for label in words], atol=1e-3
+            )
+
+
+@browser_needed
+def test_the_page_has_the_looks_of_figures(walks, browser, tmp_path):
+    content = page.walk_content(walks["plain"], {"accuracy": {"name": "draft"}, "scene": {"effects": {}}})
+    shown = Page(browser, page.write(tmp_path / "page.html", content))
+    drawn = {p.get_attribute("class"): p for p in shown.all("#walk .wide svg path")}
+    assert set(drawn) == set(LOOKS) - {"strip", "ghost", "edge", "paint", "gravity"}
+    for part, element in drawn.items():
+        look = LOOKS[part]
+        for name, role in (("fill", look.fill), ("stroke", look.stroke)):
+            value = element.value_of_css_property(name)
+            numbers = (
+                [int(v) / 255 for v in value.removeprefix("rgb(").removesuffix(")").split(",")]
+                if role
+                else None
+            )
+            assert same_color(numbers, PALETTE[role]) if role else value == "none"
+        if look.stroke:
+            wide = float(element.value_of_css_property("stroke-width").removesuffix("px"))
+            assert wide == pytest.approx(look.width * 96 / 72, rel=1e-3)
+        assert float(element.value_of_css_property("opacity")) == pytest.approx(look.opacity)
+
+
+def test_figures_draw_every_part_as_it_looks(walks):
+    axes = new_figure(7.0, 3.0).subplots()
+    here = Picture(walks["slope, patch and layer"], [1.2])
+    shapes, labels = here.shapes(0, views(here.body.hip[0, 0])[1])
+    picture.draw(axes, shapes, labels)
+    lines = [line for line in axes.lines if line.get_label().startswith("_")]
+    assert [line.get_label()[1:] for line in lines] == [s.part for s in shapes if LOOKS[s.part].stroke]
+    for line in lines:
+        look = LOOKS[line.get_label()[1:]]
+        assert same_color(line.get_color(), PALETTE[look.stroke])
+        assert (line.get_markersize() if look.dots else line.get_linewidth()) == look.width
+    orders = [line.get_zorder() for line in lines if line.get_label() not in ("_force", "_gravity")]
+    assert orders == sorted(orders)
+    assert {label.text for label in labels} <= {text.get_text() for text in axes.texts}
+
+
+def test_a_drawn_print_is_as_deep_as_soles_were(walks):
+    walk = walks["plain"]
+    _, z = picture.printed(walk, np.array([0.1, 1.5, walk.t[-1]]))
+    assert np.all(np.diff(z, axis=0) <= 0.0)  # it never fills
+    low = Picture(walk, np.linspace(walk.t[0], walk.t[-1], 400)).body.sole[..., 1].min()
+    assert z[-1].min() == pytest.approx(low, abs=1e-3)
+    turns = np.diff(np.sign(np.diff(z[-1][z[-1] < 0.0])))
+    assert (turns != 0).sum() < 30  # no teeth: a few in each print
+
+
+def test_an_arrow_is_as_long_as_its_force():
+    at, along = (
+        np.array([[0.0, 0.0], [1.0, 2.0], [5.0, 5.0]]),
+        np.array([[3.0, 4.0], [0.0, 1e-9], [0.0, 2.0]]),
+    )
+    line = picture.arrows(at, along, 0.1)
+    assert len(line) == 2 * 7  # one is too short to be seen
+    assert line[:2].tolist() == [[0.0, 0.0], [3.0, 4.0]]
+    assert np.isnan(line[2]).all()
+    tips = picture.arrows(at, along, 0.1, tip=True)
+    assert tips[:2].tolist() == [[-3.0, -4.0], [0.0, 0.0]]
+    heads = np.linalg.norm(tips[[3, 5]] - tips[4], axis=1)
+    assert heads == pytest.approx(picture.HEAD * 0.1 * np.sqrt(1.25))

@@ -1,0 +1,204 @@
+"""The traps that docs/mujoco.md names: the global callback, what is read once, pools, stops, the floor."""
+
+import numpy as np
+import pytest
+
+import footopt as fo
+from footopt.mujoco import attach
+
+mujoco = pytest.importorskip("mujoco")
+rollout = pytest.importorskip("mujoco.rollout")
+shared = pytest.importorskip("block_on_sand")
+HARD, settle = shared.HARD, shared.settle
+
+
+@pytest.fixture
+def block(request):
+    return lambda **options: shared.put_on_sand(request, **options)
+
+
+def falls(model, data):
+    """Whether it is in free fall."""
+    before = data.qvel[2]
+    mujoco.mj_step(model, data)
+    return data.qvel[2] - before == pytest.approx(-9.81 * model.opt.timestep)
+
+
+def test_the_callback_is_one_pointer_and_the_last_one_set_acts(block, request):
+    request.addfinalizer(lambda: mujoco.set_mjcb_passive(None))
+    (model, data, _), (other_model, other_data, other) = block(height=0.02), block(height=0.02)
+    calls = []
+    mujoco.set_mjcb_passive(lambda model, data: calls.append(data.time))
+    assert falls(model, data)
+    assert calls
+    again = attach(other_model, other_data, {"foot": fo.Foot.flat()}, HARD)  # sets footopt's
+    calls.clear()
+    assert not falls(model, data)
+    assert not falls(other_model, other_data)
+    assert not calls
+    again.detach()
+    other.detach()
+    assert not falls(model, data)
+
+
+def test_nothing_is_called_once_all_is_detached(block):
+    _, _, one = block()
+    _, _, two = block()
+    one.detach()
+    assert mujoco.get_mjcb_passive() is not None
+    two.detach()
+    two.detach()
+    assert mujoco.get_mjcb_passive() is None
+
+
+def test_a_second_attachment_takes_the_place_of_the_first(block):
+    model, data, first = block(height=0.03)
+    second = attach(model, data, {"foot": fo.Foot.flat()}, HARD)
+    settle(model, data, 1.0)
+    assert second.force["foot"][2] == pytest.approx(60 * 9.81)  # not half of it
+    assert first.counts["steps"] == 0
+    first.detach()  # it is over already
+    settle(model, data, 0.5)
+    assert second.force["foot"][2] == pytest.approx(60 * 9.81)
+    second.detach()
+    assert falls(model, data)
+
+
+def test_a_model_that_is_compiled_again_is_another_one(block):
+    model, data, contact = block(height=0.03)
+    settle(model, data, 0.5)
+    again = shared.block_model(height=0.03)
+    copy = mujoco.MjData(again)
+    assert falls(again, copy)
+    assert not falls(model, data)
+    fresh = attach(again, copy, {"foot": fo.Foot.flat()}, HARD)
+    settle(again, copy, 0.5)
+    assert fresh.depth["foot"] == pytest.approx(contact.depth["foot"], rel=1e-3)
+    fresh.detach()
+
+
+def test_what_is_changed_after_attaching_is_seen_by_the_restarts(block):
+    model, data, contact = block(height=0.03)
+    settle(model, data, 0.1)
+    assert contact.counts["restarts"] == 1
+    model.opt.timestep *= 2.0
+    settle(model, data, 0.1)
+    assert contact.counts["restarts"] > 40
+    again = attach(model, data, {"foot": fo.Foot.flat()}, HARD)
+    settle(model, data, 0.1)
+    assert again.counts["restarts"] == 1
+    again.detach()
+
+
+def test_rollouts_meet_sand_where_their_data_are_attached(request):
+    model = shared.block_model(height=0.03, dt=2e-3)
+    pool = [mujoco.MjData(model) for _ in range(2)]
+    starts = np.zeros((4, mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)))
+    for row, height in zip(starts, (0.03, 0.04, 0.05, 0.06), strict=True):
+        mujoco.mj_getState(model, pool[0], row, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        row[3] = height  # time, then x, y, z
+    free, _ = rollout.rollout(model, pool, starts, nstep=500)
+    assert (free[:, -1, 3] < -4.0).all()
+    for data in pool:
+        request.addfinalizer(attach(model, data, {"foot": fo.Foot.flat()}, HARD).detach)
+    together, _ = rollout.rollout(model, pool, starts, nstep=500)
+    assert (abs(together[:, -1, 3]) < 0.03).all()
+    alone = [rollout.rollout(model, pool[:1], start[None], nstep=500)[0][0, -1] for start in starts]
+    assert together[:, -1] == pytest.approx(np.array(alone), abs=1e-13)
+
+
+WELDED = """
+    <body name="load" pos="0 0 .5"><freejoint/><geom type="box" size=".1 .1 .1" mass="40" contype="0"/></body>
+  </worldbody>
+  <equality><weld body1="load" body2="foot"/></equality><worldbody>
+"""
+
+
+def test_a_warm_start_of_the_solver_is_no_state_of_the_sand(request):
+    ends = []
+    for cold in (False, True):
+        model, data, contact = shared.put_on_sand(request, height=0.03, more=WELDED)
+        for _ in range(1000):
+            if cold:
+                data.qacc_warmstart[:] = 0.0
+            mujoco.mj_step(model, data)
+        ends.append((contact.depth["foot"], contact.force["foot"][2]))
+    assert ends[0] == pytest.approx(ends[1], rel=1e-3)
+    assert ends[0][1] == pytest.approx(100 * 9.81, rel=1e-3)
+
+
+def test_the_first_step_knows_of_no_other_force_but_gravity(block):
+    model, data, contact = block(height=0.03)
+    settle(model, data, 1.0)
+    place = data.qpos.copy()
+    mujoco.mj_resetData(model, data)
+    data.qpos[:] = place
+    data.qfrc_applied[0] = 40.0
+    mujoco.mj_step(model, data)
+    assert contact.wrench["foot"][0] == pytest.approx(0.0, abs=1e-6)
+    settle(model, data, 0.5)
+    assert contact.wrench["foot"][0] == pytest.approx(-40.0, rel=1e-3)
+
+
+def test_a_floor_at_the_surface_carries_the_foot_before_it_sinks(block):
+    floor = '<geom type="plane" size="1 1 1" contype="{on}" conaffinity="{on}"/>'
+    depths = []
+    for on in (1, 0):
+        model, data, contact = block(height=0.031, more=floor.format(on=on))
+        model.geom_size[-1, 2] = 0.03  # the box reaches down to the sole
+        settle(model, data, 1.0)
+        depths.append(contact.depth["foot"])
+    assert depths[0] < 0.001  # the give of MuJoCo's contacts
+    assert depths[1] > 0.004
+
+
+def test_without_springs_and_dampers_there_is_no_sand(block):
+    model, data, _ = block(height=0.02)
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
+    assert falls(model, data)
+
+
+def test_a_robot_that_diverges_says_nothing_but_what_mujoco_says(block, capfd):
+    model, data, _ = block(height=0.02)
+    mujoco.mj_step(model, data)
+    data.qvel[:3] = 1e200
+    for _ in range(3):
+        mujoco.mj_step(model, data)
+    assert "LinAlgError" not in capfd.readouterr().err
+
+
+LEG = """
+<mujoco>
+  <option timestep="0.002" integrator="{integrator}"/>
+  <worldbody>
+    <body name="leg" pos="0 0 .5"><freejoint/><geom type="box" size=".05 .05 .2" mass="20"/>
+      <body name="foot" pos="0 0 -.3"><joint name="ankle" axis="0 1 0"/>
+        <geom type="box" size=".13 .05 .01" mass="1"/>
+      </body>
+    </body>
+  </worldbody>
+  <actuator><position joint="ankle" kp="2000" kv="{kv}"/></actuator>
+</mujoco>
+"""
+
+
+@pytest.mark.parametrize(("integrator", "kv", "warned"), [("Euler", 4, True), ("Euler", 0.3, False),
+                                                          ("implicitfast", 4, False)])  # fmt: skip
+def test_a_servo_too_stiff_for_eulers_method_is_warned_of(integrator, kv, warned, recwarn):
+    model = mujoco.MjModel.from_xml_string(LEG.format(integrator=integrator, kv=kv))
+    attach(model, mujoco.MjData(model), {"foot": fo.Foot.flat()}, HARD).detach()
+    assert bool(recwarn.list) == warned
+    if warned:
+        assert "implicitfast" in str(recwarn.list[0].message)
+
+
+def servo(foot_inertia_gain, held):
+    """Largest factor a step by which an ankle swings that sand holds, or nothing, with its servo explicit."""
+    g = foot_inertia_gain
+    return max(abs(np.roots([1.0, g, -g] if held else [1.0, g - 1.0])))
+
+
+def test_sand_halves_what_an_explicit_servo_may_damp():
+    # the sand answers the acceleration of the step before: v' = -g (v - v_before), g = dt kv / inertia
+    assert servo(0.49, held=True) < 1.0 < servo(0.51, held=True)
+    assert servo(1.99, held=False) < 1.0 < servo(2.01, held=False)
