@@ -1,7 +1,10 @@
 """Feet and scenes that several test modules share."""
 
+import gc
 import json
+import os
 import signal
+import sys
 from functools import cache
 from pathlib import Path
 
@@ -15,8 +18,18 @@ from footopt.walk.reference import RAMP
 # a shell that starts the tests in the background has them ignore Ctrl-C, and what they start inherits that
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
+# where no byte code is kept, each of some hundred processes compiles all of footopt's modules again
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
+
 settings.register_profile("footopt", deadline=None, derandomize=True, database=None, max_examples=25)
 settings.load_profile("footopt")
+
+
+def pytest_collection_finish():
+    """Modules and tests stay: looking for garbage among them is a tenth of the time of small tests."""
+    gc.freeze()
+    gc.set_threshold(100_000, 20, 20)
 
 
 @pytest.fixture(scope="session")
