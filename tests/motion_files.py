@@ -21,6 +21,8 @@ DIALECTS = {
     "hbm": (("RGTRO", "RLEK", "RLM", "RHEE", "RMT2"), lambda n: "L" + n[1:]),
     "bts": (("RHip", "RKneLat", "RAnkLat", "RHee", "RToe"), lambda n: "L" + n[1:]),
     "ior": (("RGT", "RLE", "RLM", "RCA", "RSM"), lambda n: "L" + n[1:]),
+    "rig": (("mixamorig:RightUpLeg", "mixamorig:RightLeg", "mixamorig:RightFoot"),
+            lambda n: n.replace("Right", "Left")),
     "words": (("Subject 1:hip_right", "Subject 1:knee_right", "Subject 1:ankle_right"),
               lambda n: n.replace("right", "left")),
 }  # fmt: skip

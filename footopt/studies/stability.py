@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from rich.table import Table
 from rich.text import Text
 
-from footopt.errors import SettingError
+from footopt.errors import check
 from footopt.report import terminal
 from footopt.report.figures.stability import Cell, verdicts
 from footopt.studies.base import Study
@@ -130,11 +130,9 @@ def chosen(config: Config) -> tuple[list[Case], list[str]]:
         ("study.methods", methods, METHODS),
     )
     for setting, words, allowed in given:
-        if not words:
-            raise SettingError(setting, words, f"null for all, or some of: {'; '.join(allowed)}")
+        check(bool(words), setting, words, f"null for all, or some of: {'; '.join(allowed)}")
         for word in words:
-            if word not in allowed:
-                raise SettingError(setting, word, f"one of: {'; '.join(allowed)}")
+            check(word in allowed, setting, word, f"one of: {'; '.join(allowed)}")
     return [known[name] for name in names], methods
 
 

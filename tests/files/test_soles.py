@@ -374,6 +374,14 @@ class TestTheLine:
         same(read(path, toe="left"), LOWER[::-1] * [-1, 1], 1e-9)
         same(read(path, origin="centre"), LOWER - [5e-3, -5e-3], 1e-9)
 
+    @pytest.mark.parametrize("scale", [0.1, 10.0])
+    def test_is_flattened_as_finely_whatever_its_scale(self, svg, scale):
+        radius = 0.1 / scale  # m in the file
+        points = read(svg(f'<circle r="{1e3 * radius}"/>'), scale=scale)
+        middles = 0.5 * (points[1:] + points[:-1])
+        assert 0.1 - np.linalg.norm(middles, axis=1).min() < 2e-5
+        assert len(points) < 300
+
     @pytest.mark.parametrize(
         "given", [{"units": "feet"}, {"scale": 0.0}, {"toe": "up"}, {"origin": "heel"}, {"layer": "top"}]
     )

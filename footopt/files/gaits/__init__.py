@@ -17,18 +17,8 @@ from footopt.files.gaits.tables import read_csv, read_mot
 from footopt.files.gaits.trc import read_trc
 from footopt.files.reading import Unusable, naming, read_bytes, read_table
 
-__all__ = [
-    "Coefficients",
-    "Strides",
-    "average",
-    "check_angles",
-    "check_period",
-    "cut",
-    "read_json",
-    "read_strides",
-    "recording",
-    "write_json",
-]
+__all__ = ["Coefficients", "Strides", "average", "check_angles", "check_period", "cut", "read_json",
+           "read_strides", "recording", "write_json"]  # fmt: skip
 
 ENDINGS = (".json", ".csv", ".trc", ".mot", ".sto", ".c3d")
 UNITS = (None, *LENGTHS, "deg", "rad")  # of a file of markers, or of angles
@@ -57,8 +47,11 @@ def read_strides(
             return cut(read(side))._replace(source=str(path))
         except Unusable as why:
             for other in {"right": ("left",), "left": ("right",)}.get(side or "", ("left", "right")):
-                if _is_walk(read, other):
-                    raise Unusable(f"{why} The {other} leg can be read: set gait.side={other}.") from None
+                try:
+                    cut(read(other))
+                except Unusable:
+                    continue
+                raise Unusable(f"{why} The {other} leg can be read: set gait.side={other}.") from None
             raise
 
 
@@ -76,11 +69,3 @@ def _reader(
             return lambda _: read_csv(text, names, units)
         markers = read_trc(text, units) if suffix == ".trc" else read_capture(text, units)
     return lambda side: leg_angles(markers, names, side, max_gap)
-
-
-def _is_walk(read: Callable[[str | None], Recording], side: str) -> bool:
-    try:
-        cut(read(side))
-    except Unusable:
-        return False
-    return True

@@ -121,13 +121,13 @@ def check_angles(angles: dict[str, Array]) -> None:
         if not (low <= least and most <= high):
             raise Unusable(
                 f"the {joint} goes from {least:.4g} to {most:.4g} deg, beyond {low:g} to {high:g} deg. "
-                "Check the columns, their signs (a bent knee is +), and the units."
+                "No straight walk? Else check columns or markers, signs (a bent knee is +), and units."
             )
     moved = float(np.ptp(angles.get("thigh", [0.0, LEAST])))
     if moved < LEAST:
         raise Unusable(
-            f"the thigh moves by {moved:.3g} deg only: the subject stands, or the angles are in radians. "
-            "Set gait.units=rad for angles in radians; of MOT and STO files, inDegrees says it."
+            f"the thigh moves by {moved:.3g} deg only: the subject stands. Or a table has angles in radians: "
+            "gait.units=rad says so; of MOT and STO files, inDegrees."
         )
 
 

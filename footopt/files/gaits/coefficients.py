@@ -47,11 +47,7 @@ def read_json(path: str | Path) -> Coefficients:
         try:
             residual = data.get("rms_residual_deg_by_harmonics", {})
             return Coefficients(
-                {
-                    name: _series(data[name])
-                    for name in ("thigh", "knee", "foot")
-                    if name in data or name != "foot"
-                },
+                {n: _series(data[n]) for n in ("thigh", "knee", "foot") if n in data or n != "foot"},
                 _finite(data["period_s"]),
                 str(data.get("source", "")),
                 {many: {joint: _finite(rms) for joint, rms in fit.items()} for many, fit in residual.items()},

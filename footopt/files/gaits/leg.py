@@ -183,26 +183,42 @@ def _filled(
 
 
 def _check_straight(t: Array, hip: Array, other: Array | None, up: Array) -> None:
-    """Raise if the subject turns: its hips, or without the other one the way that it goes."""
+    """Raise if the subject turns: its hips, or without the other one the way that it goes.
+
+    In less than twice `AVERAGED` hips must turn from one half to the other, and the way by half as much: a
+    pelvis turns to and fro in each stride.
+    """
     from scipy.ndimage import uniform_filter1d
 
     frames = max(round(AVERAGED / float(np.median(np.diff(t)))), 1)
-    across = (hip if other is None else hip - other)[:, up == 0] @ np.array([1.0, 1j])
-    seen, least = np.isfinite(across), 0.0
-    times, across = t[seen], across[seen]
-    if other is None:
-        across, least = np.gradient(uniform_filter1d(across, frames, mode="nearest"), times), PACE
-    times, across = times[abs(across) > least], across[abs(across) > least]
-    if len(times) < 2 * frames:
-        return
-    heading = np.angle(uniform_filter1d(across / abs(across), frames, mode="nearest"), deg=True)
-    heading = np.unwrap(heading, period=360.0)
-    if (turn := float(np.ptp(heading))) > TURN:
+    place, across = ((hip if o is None else hip - o)[:, up == 0] @ np.array([1.0, 1j]) for o in (None, other))
+    begin, end = t[0], t[-1]
+    if other is not None and len(t) < 2 * frames:
+        way = np.diff(place) / np.diff(t)
+        turn = min(2.0 * _turned(way), _turned(across / abs(across))) if abs(np.nanmean(way)) > PACE else 0.0
+    else:
+        times, across = t[np.isfinite(across)], across[np.isfinite(across)]
+        if other is None:
+            across = np.gradient(uniform_filter1d(across, frames, mode="nearest"), times)
+        moving = abs(across) > (PACE if other is None else 0.0)
+        times, across = times[moving], across[moving]
+        if len(times) < 2 * frames:
+            return
+        heading = np.angle(uniform_filter1d(across / abs(across), frames, mode="nearest"), deg=True)
+        heading = np.unwrap(heading, period=360.0)
         begin, end = times[sorted((int(np.argmin(heading)), int(np.argmax(heading))))]
+        turn = float(np.ptp(heading))
+    if turn > TURN:
         raise Unusable(
             f"the subject turns by {turn:.0f} deg from {begin:.4g} to {end:.4g} s, and footopt walks "
             "straight ahead. Cut out a part that goes straight."
         )
+
+
+def _turned(directions: NDArray[np.complex128]) -> float:
+    """Twice the angle between the means of both halves of directions (n,), deg: a steady turn."""
+    half = len(directions) // 2
+    return 2.0 * abs(float(np.angle(np.nanmean(directions[half:]) / np.nanmean(directions[:half]), deg=True)))
 
 
 def _up(leg: Array) -> Array:

@@ -32,8 +32,8 @@ MEDIAL = {
 }  # fmt: skip
 ACROSS = 0.2  # m between both sides of a knee or an ankle, at most
 COMPUTED = 3  # of the usual names of a knee and an ankle, the first ones, which are of centres
-#: Of hip, knee and ankle, what Vicon's models have computed: ends of femur and tibia.
-CENTRES = ("fep", "feo", "tio")
+#: Hip, knee and ankle as Vicon's models have computed them, ends of femur and tibia; and of animation rigs.
+CENTRES = (("fep", "feo", "tio"), ("upleg", "leg", "foot"))
 #: CMU's waist markers (FWT, BWT) are at the iliac spines.
 ASIS, PSIS = ("asi", "asis", "ias", "fwt"), ("psi", "psis", "ips", "bwt")
 SACRUM = ("sacr", "sacral", "vsacral", "vsacrum", "sacrum", "sac", "mpsis", "midpsis", "psism", "s1", "s2")
@@ -56,9 +56,7 @@ def find_leg(places: Mapping[str, Array], names: Mapping[str, str], side: str) -
     side : str
         "right" or "left".
     """
-    # OpenCap's file has what the cameras saw, too, in the same names but for their end
-    order = sorted(places, key=lambda name: not name.endswith("_study"))
-    plain = {_plain(name): places[name] for name in reversed(order) if is_seen(places[name])}
+    plain = _by_plain_name(places)
     found = {part: _find(plain, usual, side) for part, usual in USUAL.items()}
     for part, inner in MEDIAL.items():
         outer, medial = found[part], _find(plain, inner, side)
@@ -67,12 +65,13 @@ def find_leg(places: Mapping[str, Array], names: Mapping[str, str], side: str) -
         middle, width = 0.5 * (outer + medial), np.linalg.norm(outer - medial, axis=1)
         if _share(middle) == _share(outer) and np.nanmedian(width) < ACROSS:  # many are off before the walk
             found[part] = middle
-    pelvis = _hip_of_pelvis(plain, side, found["knee"])
+    pelvis = hip_of_pelvis(places, side, found["knee"])
     if found["hip"] is None or (pelvis is not None and _share(pelvis) > 2.0 * _share(found["hip"])):
         found["hip"] = pelvis
-    centres = [_find(plain, (name,), side) for name in CENTRES]
-    if all(centre is not None for centre in centres):
-        found |= dict(zip(NEEDED, centres, strict=True))
+    for triple in CENTRES:
+        centres = [_find(plain, (name,), side) for name in triple]
+        if all(centre is not None for centre in centres):
+            found |= dict(zip(NEEDED, centres, strict=True))
     found |= {part: places.get(name) for part, name in names.items() if name and part in USUAL}
     return {part: place for part, place in found.items() if place is not None}
 
@@ -105,6 +104,12 @@ def _plain(name: str) -> str:
     return re.sub(r"_study$|[^a-z0-9]", "", name.rpartition(":")[2].lower())
 
 
+def _by_plain_name(places: Mapping[str, Array]) -> dict[str, Array]:
+    """The markers with data; OpenCap's files also have what the cameras saw, in names without `_study`."""
+    order = sorted(places, key=lambda name: not name.endswith("_study"))
+    return {_plain(name): places[name] for name in reversed(order) if is_seen(places[name])}
+
+
 def _find(plain: Mapping[str, Array], usual: tuple[str, ...], side: str) -> Array | None:
     """The marker with one of the usual names, the side before it or, else, after it."""
     before = [s + u for u in usual for s in SIDES[side]]
@@ -112,7 +117,7 @@ def _find(plain: Mapping[str, Array], usual: tuple[str, ...], side: str) -> Arra
     return next((plain[name] for name in before + after if name in plain), None)
 
 
-def _hip_of_pelvis(plain: Mapping[str, Array], side: str, knee: Array | None) -> Array | None:
+def hip_of_pelvis(places: Mapping[str, Array], side: str, knee: Array | None) -> Array | None:
     """The hip's centre from four (or three) markers of the pelvis: Harrington et al., J. Biomech. 40 (2007).
 
     Down is where the knee is: a laboratory's axes may be mirrored, and its left and right exchanged.
@@ -120,6 +125,7 @@ def _hip_of_pelvis(plain: Mapping[str, Array], side: str, knee: Array | None) ->
     In mm, from the middle of the front markers: 0.24 depth + 9.9 back, 0.30 width + 10.9 down,
     0.33 width + 7.3 to the side.
     """
+    plain = _by_plain_name(places)
     front, back = ([_find(plain, usual, s) for s in SIDES] for usual in (ASIS, PSIS))
     sacrum = next((plain[name] for name in SACRUM if name in plain), None)
     if back[0] is not None and back[1] is not None:

@@ -8,13 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.files.gaits.markers import Markers, is_seen
-from footopt.files.gaits.names import NEEDED, SIDES, by_subject, find_leg, looked_for
+from footopt.files.gaits.names import NEEDED, SIDES, by_subject, find_leg, hip_of_pelvis, looked_for
 from footopt.files.reading import Unusable
 
 Array = NDArray[np.float64]
 Leg = dict[str, Array]
 
 APART = 0.05  # left and right markers that are nearer, m, cannot be told apart by their place
+HIGH = (
+    0.05  # m; markers on the pelvis's front, or a wrong length of the leg in a model, are more above the hip
+)
 #: The joint that each part is fixed to.
 JOINED = {"knee": "hip", "ankle": "knee", "heel": "ankle", "toe": "ankle"}
 
@@ -50,6 +53,15 @@ def both_legs(
             + f". Name it with gait.names.{missing[0]}=..."
         )
     notes = (*markers.notes, f"the {side} leg")
+    if (pelvis := hip_of_pelvis(places, side, leg["knee"])) is not None:
+        thigh = leg["knee"] - pelvis
+        above = np.sum((pelvis - leg["hip"]) * thigh, axis=1) / np.linalg.norm(thigh, axis=1)
+        if not (above := above[np.isfinite(above)]).any():
+            notes += ("hip: from the markers of the pelvis (Harrington et al. 2007)",)
+        elif (high := float(np.median(above))) > HIGH:
+            notes += (
+                f"hip: {high:.2f} m above where the markers of the pelvis have it (Harrington et al. 2007)",
+            )
     other = legs["left" if side == "right" else "right"]
     if names or not other.keys() >= set(NEEDED):
         return leg, None, notes

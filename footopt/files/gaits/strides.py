@@ -16,9 +16,7 @@ Array = NDArray[np.float64]
 ODD = 0.2  # a stride that is so much longer or shorter than the median is left out
 POINTS = 100  # steps of a stride's phase
 OPEN = 0.1  # of the motion that the ends of a single stride may differ by ...
-MOST_OPEN = (
-    0.15  # ... or, with a note, where no part of it closes better: children's strides differ by so much
-)
+MOST_OPEN = 0.15  # ... or, with a note, where no part of it closes better: as children's strides
 UNCLEAR, COARSE = 3.0, 1.025  # where a row more makes a table close no more times better or worse, and the
 # stride so many times as long, both are said: children's strides close by a tenth either way
 LATE = 0.1  # of a single stride; a heel strike that is farther inside is where it ought to begin
@@ -132,14 +130,11 @@ def _single(recording: Recording) -> Strides:
         return Strides(phase, curves, np.array([period]), notes)
     if apart <= MOST_OPEN and not two:
         return whole
+    off = f"its ends differ by {100 * apart:.0f} % of the motion"
     raise Unusable(
         f"not one whole stride: in {t[-1] - t[0]:.3g} s no stride closes, and "
-        + (
-            "in its middle the leg is where it began"
-            if two
-            else f"its ends differ by {100 * apart:.0f} % of the motion"
-        )
-        + ". Give one heel strike to the next, or several strides."
+        f"{'in its middle the leg is where it began' if two else off}. Give one heel strike to the next, or "
+        "several strides."
     )
 
 

@@ -40,19 +40,15 @@ def read_trc(text: str, units: str | None = None) -> Markers:
     widths = Counter(len(cells) for _, cells in rows)
     wide = max((width for width, many in widths.items() if many > 1), default=max(widths))
     names = _names(header[words[1] + 1 :], wide - 2)
-    notes = differing(
-        [
-            ("frames", stated.get("numframes"), len(rows)),
-            ("markers", stated.get("nummarkers"), sum(map(bool, names))),
-        ]
-    )
+    frames, markers, named = stated.get("numframes"), stated.get("nummarkers"), sum(map(bool, names))
+    notes = differing([("frames", frames, len(rows)), ("markers", markers, named)])
     columns = max(1 + 3 * len(names), wide - 1)
     try:
         table = to_numbers(((i, cells[1:]) for i, cells in rows), columns, gaps=True)
         _check_rate(table[:, 0], stated.get("datarate", ""))
     except ValueError as error:
         raise Unusable(f"cannot be read as TRC ({error}).") from None
-    if more := columns - 1 - 3 * sum(map(bool, names)):
+    if more := columns - 1 - 3 * named:
         notes += (f"{more} columns without a name are left out",)
     places = table[:, 1 : 1 + 3 * len(names)].reshape(len(rows), -1, 3)
     return to_markers(table[:, 0], names, unit * places, notes)

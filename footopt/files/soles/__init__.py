@@ -90,8 +90,8 @@ def read(
     path = Path(path)
     check(path.suffix.lower() in READERS, "foot.path", str(path), f"a file that ends in {', '.join(READERS)}")
     with naming(path, "foot.path"):
-        line, notes = the_line(lines_of(path, units), path.name, layer)
-        points = scale * line.points * ([-1.0, 1.0] if toe == "left" else 1.0)
+        line, notes = the_line(lines_of(path, units, scale), path.name, layer)
+        points = line.points * ([-1.0, 1.0] if toe == "left" else 1.0)
         check_size(points, origin)
         place = crossing(points, line.closed)
         if place is not None:
@@ -103,11 +103,11 @@ def read(
         return Sole(sole, notes)
 
 
-def lines_of(path: Path, units: str | None = None) -> list[Line]:
-    """All lines of a file, by its ending; raises `Unusable` where it cannot be read."""
+def lines_of(path: Path, units: str | None = None, scale: float = 1.0) -> list[Line]:
+    """All lines of a file, by its ending, scaled; raises `Unusable` where it cannot be read."""
     lines, points = [], 0
     try:
-        for line in READERS[path.suffix.lower()](path, units):
+        for line in READERS[path.suffix.lower()](path, units, scale):
             lines.append(line)
             points += len(line.points)
             if len(lines) > PIECES or points > 10 * PIECES:

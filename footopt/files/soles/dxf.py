@@ -18,12 +18,12 @@ CURVES = ("ARC", "CIRCLE", "ELLIPSE", "SPLINE")
 KINDS = ("LINE", "LWPOLYLINE", "POLYLINE", *CURVES)
 
 
-def read(path: Path, units: str | None) -> Iterator[Line]:
-    """Yield each line, flattened; `units` is one of its unit's names, or None for the file's own."""
+def read(path: Path, units: str | None, scale: float) -> Iterator[Line]:
+    """Yield each line, scaled and flattened; `units` names its unit, or None for the file's own."""
     from ezdxf import path as curves
 
     document, stated = _document(path)
-    unit = unit_of(units, UNITS.get(document.units) if stated else None)
+    unit = scale * unit_of(units, UNITS.get(document.units) if stated else None)
     for insert in document.query("INSERT"):  # some programs flatten blocks so, which no matrix undoes
         insert.dxf.zscale = insert.dxf.zscale or 1.0
     for entity in _drawn(document.modelspace()):

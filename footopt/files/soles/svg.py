@@ -31,8 +31,8 @@ SIZED = ("rect", "circle", "ellipse", "line")
 SIZES = ("x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "x1", "y1", "x2", "y2")
 
 
-def read(path: Path, units: str | None) -> Iterator[Line]:
-    """Yield each line, flattened; `units` is one of its unit's names, or None for the file's own."""
+def read(path: Path, units: str | None, scale: float) -> Iterator[Line]:
+    """Yield each line, scaled and flattened; `units` names its unit, or None for the file's own."""
     from svgelements import SVG, Group, Shape, Use
     from svgelements import Path as Curve
 
@@ -47,7 +47,7 @@ def read(path: Path, units: str | None) -> Iterator[Line]:
         raise Unusable(f"cannot be read as SVG (its root is {root.tag[:60]!r}, not svg).")
     _check(root)
     _hide(root)
-    unit = UNITS[units] if units else _own_unit(root)
+    unit = scale * (UNITS[units] if units else _own_unit(root))
     box = re.findall(NUMBER, root.attrib.get("viewBox", ""))[2:]
     for name in ("width", "height", "viewBox"):  # what is left are the drawing's own units ...
         root.attrib.pop(name, None)
@@ -60,19 +60,14 @@ def read(path: Path, units: str | None) -> Iterator[Line]:
                 yield from lines(element, element.id or layer)
             elif isinstance(element, Shape) and (element.fill.value, element.stroke.value) != (None, None):
                 # the library cannot turn or skew every shape: its points are
-                turn = _matrix(element.transform)
+                by = element.transform
+                turn = np.array([[by.a, by.c, by.e], [by.b, by.d, by.f]], float)
                 for piece in Curve(*element.segments(transformed=False)).as_subpaths():
                     line = _line(Curve(piece), unit * float(np.linalg.norm(turn[:, :2], 2)), layer)
-                    yield line._replace(
-                        points=unit * (line.points @ turn[:, :2].T + turn[:, 2]) * [1.0, -1.0]
-                    )
+                    turned = line.points @ turn[:, :2].T + turn[:, 2]
+                    yield line._replace(points=unit * turned * [1.0, -1.0])
 
     yield from lines(SVG.parse(io.BytesIO(ElementTree.tostring(root)), reify=False), "")
-
-
-def _matrix(transform: Any) -> Array:
-    """A transform as a matrix (2, 3)."""
-    return np.array([[transform.a, transform.c, transform.e], [transform.b, transform.d, transform.f]], float)
 
 
 def _hide(root: ElementTree.Element) -> None:

@@ -12,8 +12,8 @@ from footopt.files.reading import Unusable, number, read_table
 from footopt.files.soles.lines import JOIN, Line, from_points, unit_of
 
 
-def read(path: Path, units: str | None) -> Iterator[Line]:
-    """Yield the line; `units` is one of its unit's names, or None for the header's."""
+def read(path: Path, units: str | None, scale: float) -> Iterator[Line]:
+    """Yield the line, scaled; `units` is one of its unit's names, or None for the header's."""
     rows = [row for row in read_table(path, "sole", "foot.path").splitlines() if row.strip()]
     rows = [row for row in rows if not row.startswith("#")]
     names = [] if not rows or _numbers(rows[0]) else [w.strip().lower() for w in re.split(r"[,;\t]", rows[0])]
@@ -25,7 +25,7 @@ def read(path: Path, units: str | None) -> Iterator[Line]:
             "Name the columns x_mm and z_mm (or _cm, _m, _in), from heel to toe."
         )
     own = {match[2] for match in found if match and match[2]}
-    unit = unit_of(units, own.pop() if len(own) == 1 else None)
+    unit = scale * unit_of(units, own.pop() if len(own) == 1 else None)
     places = [column["x"], column.get("z", column.get("y", 1))] if names else [0, 1]
     points, wide = [], len(names)
     for i, row in enumerate(rows[1:] if names else rows, start=1):
