@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from footopt.report.style import (
     COLOURS,
+    DASHES,
     GRID,
     MARKERS,
     PAGE,
@@ -25,11 +26,12 @@ Axes = Any
 #: Comparisons as `footopt.studies.validation.compare.Comparison` has them.
 Comparisons = Sequence[Any]
 
-NAMES = {"alpha_x": r"$\alpha_x$", "alpha_z": r"$\alpha_z$"}
+NAMES = {"alpha_x": r"$\alpha_x$", "alpha_z": r"$\alpha_z$", "zeta": r"$\zeta$"}
 SHOWN = dict(zip(("agrees", "differs", "cannot be told"), VERDICTS, strict=True))
 DATA: dict[str, Any] = {"color": "black", "ls": "", "marker": "o", "elinewidth": 0.8}
+MEASURED = "measured; all ± 2 u"
 MANY = 10  # points that have no rows of their own
-FLOOR = 0.9  # %, the least that the overview shows
+FLOOR = 1.0  # %, the least that the overview shows
 
 
 def law_name(law: Sequence[str]) -> str:
@@ -76,11 +78,11 @@ def experiment(found: Comparisons, x: str = "") -> Figure:
 def _against_x(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
     """Lines with bands, and the data."""
     for c, colour in zip(own, colours, strict=True):
-        ax.plot(c.points, c.simulated, color=colour, label=law_name(c.law))
+        ax.plot(c.points, c.simulated, color=colour, ls=DASHES[COLOURS.index(colour)], label=law_name(c.law))
         low, high = c.simulated - c.spread, c.simulated + c.spread
         ax.fill_between(c.points, low, high, color=colour, alpha=0.15, lw=0)
     c = own[0]
-    ax.errorbar(c.points, c.measured, c.bar, **DATA, label="measured")
+    ax.errorbar(c.points, c.measured, c.bar, **DATA, label=MEASURED)
     ax.set_ylabel(axis_name(c))
 
 
@@ -91,7 +93,7 @@ def _by_name(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
         look = DATA | {"color": colour, "marker": MARKERS[i]}
         ax.errorbar(c.simulated, rows + gap * i, xerr=c.spread, **look, label=law_name(c.law))
     c = own[0]
-    ax.errorbar(c.measured, rows, xerr=c.bar, **DATA, label="measured")
+    ax.errorbar(c.measured, rows, xerr=c.bar, **DATA, label=MEASURED)
     named = any(c.points)
     ax.set_yticks(rows + 0.5 * gap * len(own) if named else [], c.points if named else [])
     ax.tick_params(axis="y", length=0)
@@ -108,6 +110,9 @@ def _parity(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
     every = np.concatenate([c.measured, *(other.simulated for other in own)])
     ends = np.array([every.min(), every.max()])
     ax.fill_between(ends, ends - c.band, ends + c.band, color=PALE, lw=0, zorder=0)
+    limits = ends[0] - c.band, ends[1] + c.band
+    ax.set(xlim=limits, ylim=limits, box_aspect=1.0)
+    ax.locator_params(nbins=5)
     ax.plot(ends, ends, color="black", lw=0.8, label="equal, with 2 u")
     ax.set_xlabel(f"measured {axis_name(c)}")
     ax.set_ylabel(f"predicted {axis_name(c)}")
@@ -136,8 +141,8 @@ def overview(found: Comparisons, titles: Mapping[str, str]) -> Figure:
             ax.text(FLOOR, rows[i] - 1.0, f" {titles[c.experiment]}", va="center", weight="bold")
     ax.set_xlim(FLOOR, 1200.0)
     ticks = [1, 3, 10, 30, 100, 300, 1000]
-    ax.set_xticks(ticks, [f"{tick} %" for tick in ticks])
-    ax.set_xlabel("error (rms of S - D) over the scale of the data")
+    ax.set_xticks(ticks, [f"≤ {FLOOR:g} %", *(f"{tick} %" for tick in ticks[1:])])
+    ax.set_xlabel("error (rms of S − D) over the scale of the data")
     ax.set_yticks(rows, labels)
     ax.set_ylim(rows[-1] + 0.7, rows[0] - 1.7)
     ax.tick_params(axis="y", length=0)
