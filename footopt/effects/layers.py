@@ -25,8 +25,8 @@ class Layers:
 
     The first layer, from the surface to the first interface, is the scene's sand. With one sand the
     integral is zeta |z|. It is a superposition of the depth-linear law, exact for what the sand above
-    weighs on a failure surface at the plate. Range: a plate does not feel an interface before it gets
-    there (measured: about one plate width ahead).
+    weighs on a failure surface at the plate. Source: footopt's own, from the linear growth of Li, Zhang &
+    Goldman (2013). Range: a plate feels no interface ahead (measured: about one plate width ahead).
 
     Parameters
     ----------

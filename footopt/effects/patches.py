@@ -25,7 +25,8 @@ class PatchesLaw(NamedTuple):
 class Patches:
     """Patches along the way: zeta changes with x, smoothly over a stated length.
 
-    Range: a plate feels the sand under itself only, so that a patch must be longer than the foot is deep.
+    Source: footopt's own. Range: a plate feels the sand under itself only, so that a patch must be longer
+    than the foot is deep.
 
     Parameters
     ----------

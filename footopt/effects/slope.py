@@ -16,7 +16,8 @@ class Slope:
     """A plane inclined by an angle, uphill positive.
 
     x runs along the surface, z along its normal, and so do depth, angles of the gait, distance and
-    height. Range: the stress map is the level one, which holds well below the angle of repose.
+    height. Source: mechanics. Range: the stress map is the level one, which holds well below the angle of
+    repose.
 
     Parameters
     ----------

@@ -196,6 +196,7 @@ def make_effects(config: EffectsConfig) -> tuple[Effect, ...]:
 
 def make_scene(config: Config) -> Scene:
     """The scene of the settings."""
+    Spread(zeta=config.study.spread.zeta)  # which the model's error needs: refused before anything walks
     check(
         not config.effects.auto,
         "effects.auto",

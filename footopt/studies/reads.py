@@ -11,6 +11,7 @@ from footopt.design import EXHAUSTIVE
 from footopt.errors import SettingError
 from footopt.foot import SHAPES, Waypoints
 from footopt.studies.settings import SEARCHES, Config
+from footopt.walk import Spread
 
 #: Read for every study: how it is run, not what is asked. A constraint is refused elsewhere.
 ALWAYS = ("study.name", "plugins", "report", "engine.name", "engine.threads", "constraint", "hydra")
@@ -19,6 +20,7 @@ WORLD = ("gait", "walker", "effects", "scene")
 SCENE = (*WORLD, "sand")
 SPACE = tuple(f"foot.{field.name}" for field in fields(Waypoints))
 SHAPE = ("foot.width", "foot.ankle", "foot.closed", "foot.top")
+ZETA = "study.spread.zeta"  # of the model's error, in whatever closes with objectives
 FIVE = (*SHAPE, "foot.length", "foot.apex", "foot.upright")
 SEARCH = (*SPACE, "foot.shape", "foot.k", "accuracy", "objective", "solver", "engine", "study.confirm",
           "study.finalists", "study.store", "study.reuse")  # fmt: skip
@@ -27,13 +29,13 @@ SEARCH = (*SPACE, "foot.shape", "foot.k", "accuracy", "objective", "solver", "en
 READS: dict[str, tuple[str, ...]] = {
     "optimize": (
         *SCENE, *SEARCH, "choose", "stop", "foot.block",
-        *(f"study.{n}" for n in ("video", "start", "certify", "watch")),
+        *(f"study.{n}" for n in ("video", "start", "certify", "watch", "spread.zeta")),
     ),
-    "simulate": (*SCENE, "foot", "accuracy", "objective.names", "study.run", "study.video"),
-    "accuracy": (*WORLD, *SPACE, "solver.seed", "study.feet", "study.quick"),
+    "simulate": (*SCENE, "foot", "accuracy", "objective.names", "study.run", "study.video", ZETA),
+    "accuracy": (*WORLD, *SPACE, "solver.seed", "study.feet", "study.quick", ZETA),
     "stability": (*SCENE, "foot", "accuracy", "study.cases", "study.methods"),
     "effects": (*SCENE, *SPACE, "accuracy", "solver.seed", "study.feet"),
-    "shapes": (*SCENE, *FIVE, "foot.k", "accuracy", "study.mount"),
+    "shapes": (*SCENE, *FIVE, "foot.k", "accuracy", "study.mount", ZETA),
     "paper": (
         *WORLD, *SPACE, *FIVE, "foot.shape", "foot.k", "accuracy", "solver.pop_size", "solver.n_gen",
         "solver.seed",
@@ -48,7 +50,7 @@ READS: dict[str, tuple[str, ...]] = {
         *SCENE, *SEARCH,
         *(f"study.{n}" for n in ("scenarios", "draws", "measure", "tail", "spread", "quick")),
     ),
-    "codesign": (*WORLD, *SEARCH, "study.speed", "study.quick"),
+    "codesign": (*WORLD, *SEARCH, "study.speed", "study.quick", ZETA),
     "atlas": ("study.run", "study.reuse", "study.descriptors", "study.cells"),
     "sensitivity": (
         *SCENE, "foot", "accuracy", "solver.seed",
@@ -159,7 +161,8 @@ def _conditions(config: Config) -> Iterator[tuple[tuple[str, ...], str, str]]:
             yield ("study.finalists",), several, "a search for one objective"
         source = f"study.scenarios={study.scenarios}"
         if study.scenarios != "drawn":
-            yield ("study.draws", "study.spread"), source, "study.scenarios=drawn"
+            drawn = [f"study.spread.{field.name}" for field in fields(Spread)]
+            yield ("study.draws", *(n for n in drawn if n != ZETA)), source, "study.scenarios=drawn"
         if study.scenarios == "sands":
             yield ("sand",), source, "study.scenarios=drawn, laws"
         if study.measure != "tail":

@@ -108,12 +108,8 @@ class Spread:
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
             most = 30.0 if name == "angles" else 1.0
-            check(
-                0 <= value <= most,
-                f"study.spread.{name}",
-                value,
-                f"a standard deviation >= 0 and <= {most:g}",
-            )
+            allowed = f"a standard deviation >= 0 and <= {most:g}"
+            check(0 <= value <= most, f"study.spread.{name}", value, allowed)
 
 
 #: Standard normal variables that make a scenario, by what they move; an angle has one a coefficient.

@@ -18,6 +18,7 @@ from footopt.studies.paper.readings import read
 from footopt.studies.paper.setup import SOLVER, Setup, affordable
 from footopt.studies.paper.sweep import Plan, sweep
 from footopt.studies.record import scene_entry
+from footopt.studies.validation.model import model_error
 from footopt.walk import OBJECTIVES, Walk
 from footopt.walk.simulate import at_once
 from footopt.walk.validity import diagnose
@@ -82,6 +83,7 @@ def run(study: Study) -> None:
         },
         said=(
             f"{summary([j.verdict for j in judged.values()])}.",
+            *terminal.describe_model(model_error(walk) for walk in evidence.optima.values()),
             "The page claims.md has all of it in words, with the feet and the errata.",
         ),
     )
