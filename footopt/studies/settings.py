@@ -65,9 +65,7 @@ else:
     SolverConfig, StopConfig, SpaceConfig, CoefficientsConfig, WalkerConfig = map(
         parameters, (Solver, Stop, Waypoints, StressMap, Walker)
     )
-    SpreadConfig = parameters(
-        Spread, null=("period", "angles")
-    )  # null: measured from the strides of gait.path
+    SpreadConfig = parameters(Spread, null=("period", "angles"))  # measured from the strides of gait.path
 
 
 @dataclass
