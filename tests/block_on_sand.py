@@ -1,9 +1,12 @@
 """A block of 60 kg on one foot in MuJoCo: what tests of the sand under robots share."""
 
 import mujoco
+import numpy as np
+from numba import njit
 
 import footopt as fo
 from footopt.mujoco import attach
+from footopt.mujoco.faces import COLUMNS, forces
 
 HARD = fo.Sand.named("hard")
 BLOCK = """
@@ -38,3 +41,22 @@ def put_on_sand(request, sand=HARD, effects=(), foot=None, plates=64, **options)
 def settle(model, data, seconds):
     """Let it go on for some time, s."""
     mujoco.mj_step(model, data, nstep=round(seconds / model.opt.timestep))
+
+
+@njit(error_model="numpy")
+def _forces(friction, loads, gates, pushes, faces, law, up, surface, forward, twist, c, turn, h0):
+    """`footopt.mujoco.faces.forces`, compiled."""
+    return forces(friction, loads, gates, pushes, faces, law, up, surface, forward, twist, c, turn, h0)
+
+
+def feel(contact, up, twist, height, c=0.0, turn=1e9, bristles=None):
+    """Wrench of the sand on the only body in its own axes, (6,), and its derivative by the twist, (6, 6)."""
+    body, twist = contact._bodies[0], np.asarray(twist, float)
+    faces = contact._space.faces[0].reshape(COLUMNS, -1)
+    h0 = np.zeros_like(faces[:3]) if bristles is None else bristles.reshape(3, -1)
+    way, (loads, gates, pushes) = c * twist, contact.acting
+    surface = float(height + up @ way[:3]), tuple((up - np.cross(way[3:], up)).tolist())
+    forward, up = (0.0, (1.0, 0.0, 0.0)), tuple(np.asarray(up, float).tolist())
+    acting = (float(body["friction"]), loads, None, pushes) if body["mesh"] else (None, loads, gates, pushes)
+    total, rows = _forces(*acting, faces, body["law"], up, surface, forward, twist, c, turn, h0)
+    return np.array(total), np.array(rows)

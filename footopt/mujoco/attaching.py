@@ -107,8 +107,8 @@ class Contact:
         step["length"] = found.rest or Rest().length
         self._space = Workspace(
             step, bodies, data.xpos, data.xmat.reshape(-1, 9), data.qvel[None], data.qfrc_passive[None],
-            np.concatenate(tables)[None], np.zeros((3, 3 * first)), np.zeros((5, n)),
-            np.zeros((n, model.nv)), np.zeros((n, model.nv)), np.zeros((n, n)),
+            np.concatenate(tables)[None], np.zeros((3, 3 * first)), np.zeros((6, n)),
+            np.zeros((n, model.nv)), np.zeros((n, model.nv)), np.zeros((n // 6, 9)),
         )  # fmt: skip
         self.data, self.names, self._bodies = data, tuple(feet), bodies
         self.acting = found.loads, found.gates, found.pushes
@@ -130,12 +130,12 @@ class Contact:
     @property
     def force(self) -> dict[str, Array]:
         """Of the sand on each body at the step's end, (3,), N, in the world's axes."""
-        return self._by_name(self._space.vectors[END].reshape(-1, 6)[:, :3].copy())
+        return self._by_name(self._in_world(END)[:, :3])
 
     @property
     def wrench(self) -> dict[str, Array]:
         """Mean force, N, and torque about the body's origin, N m, (6,), given for the step."""
-        return self._by_name(self._space.vectors[MEAN].reshape(-1, 6).copy())
+        return self._by_name(self._in_world(MEAN))
 
     @property
     def power(self) -> dict[str, float]:
@@ -156,6 +156,11 @@ class Contact:
     def counts(self) -> dict[str, int]:
         """Steps, evaluations, stages not solved, and restarts: 1, and one for every jump in time."""
         return {name: int(self._space.step[name][0]) for name in COUNTED}
+
+    def _in_world(self, row: int) -> Array:
+        """Vectors of the bodies, (bodies, 6), in the world's axes."""
+        vectors, frame = self._space.vectors[row].reshape(-1, 2, 3), self._space.frame.reshape(-1, 3, 3)
+        return np.reshape(vectors @ frame.swapaxes(1, 2), (-1, 6))
 
     def _by_name(self, values: Any) -> dict[str, Any]:
         return dict(zip(self.names, values, strict=True))

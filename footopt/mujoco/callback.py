@@ -14,7 +14,7 @@ from numba import carray, cfunc, njit, types
 from numba.extending import intrinsic
 
 from footopt.errors import needed
-from footopt.mujoco.step import BODY, HOLD, MEAN, STEP, Workspace, begin, meaning_of, solve
+from footopt.mujoco.step import BODY, HOLD, MEAN, STEP, Workspace, align, begin, meaning_of, product, solve
 
 MOST, ARRAYS = 256, len(Workspace._fields)  # models on sand at once in one process, and arrays of each
 #: What is attached: address of its MjData, of its `Contact.addresses`, and of its compiled step.
@@ -75,13 +75,15 @@ def compiled(effects: bytes) -> Any:
             linear, angular = space.jacobian[6 * b : 6 * b + 3], space.jacobian[6 * b + 3 : 6 * b + 6]
             row = np.int32(bodies[b].row)
             jacobian_of(_pointer(model), _pointer(data), linear.ctypes, angular.ctypes, row)
-        if meaning != HOLD and begin(space, meaning):
+        if meaning == HOLD:
+            align(space)
+        elif begin(space, meaning):
             for b in range(len(bodies)):
                 if bodies[b].near:
                     answer, jacobian = space.answer[6 * b : 6 * b + 6], space.jacobian[6 * b : 6 * b + 6]
                     solve_mass(_pointer(model), _pointer(data), answer.ctypes, jacobian.ctypes, 6)
             solve(space, acting)
-        space.passive[0] += space.vectors[MEAN] @ space.jacobian
+        space.passive[0] += product(space.jacobian.T, space.vectors[MEAN])
 
     return passive
 

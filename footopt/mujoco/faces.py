@@ -175,7 +175,6 @@ def forces(friction, loads, gates, pushes, faces, a, u, surface, forward, twist,
             if depth == 0.0:
                 continue
             p, by_h = solid(law.A00, friction, n, u, h)
-
         k, by_depth, push, push_by_vn, push_by_depth = depth, 1.0, 0.0, 0.0, 0.0
         if loads is not None:
             k, by_depth, _ = effects.load(loads, (k, 1.0, 0.0), depth, forward[0] + dot(forward[1], r))

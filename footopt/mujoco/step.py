@@ -5,10 +5,10 @@ was. So a step solves the motion of the feet alone over its length, by SDIRK2 (`
 
     dV/dt = a + W F(V, places),   W = J inv(M) J'
 
-with the twists V of the bodies, J their Jacobian, M MuJoCo's inertia and F the sand's wrenches, all in the
-bodies' own axes. a is how they accelerate by all but sand: that of the step before, from how their twists
-changed. MuJoCo is given the mean of F. Constraints and servos make bodies heavier than W says, which slows
-the correction of a.
+with the twists V of the bodies near the sand, J their Jacobian, M MuJoCo's inertia and F the sand's wrenches,
+all in the bodies' own axes. a is how they accelerate by all but sand: that of the step before, from how their
+twists changed. MuJoCo is given the mean of F. Where constraints and servos make bodies heavier than W says, a
+is corrected more slowly.
 
 MuJoCo's Euler and implicit steps move places by the new velocity, which is the leapfrog: velocities belong
 to the middle of steps, and to places half a step back. RK4's belong to the same time.
@@ -21,8 +21,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from footopt.compiled import FAST, cached_njit, inlined
+from footopt.compiled import FAST, cached_njit, inlined, inlined_fast
 from footopt.mujoco.faces import COLUMNS, X, Y, Z, cross, dot, forces, moved, plus
+from footopt.walk.contact import rsqrt
 
 AGAIN, NEW, HOLD, RESTART = range(4)
 GAMMA = 1.0 - 1.0 / math.sqrt(2.0)
@@ -62,9 +63,9 @@ BODY = np.dtype(
     ]
 )
 
-#: Rows of `Workspace.vectors`: the twists at the beginning, m/s and rad/s; accelerations by all but the
-#: sand, and by the sand; the mean wrenches that MuJoCo is given, N and N m, and those at the step's end.
-TWIST, FREE, GAINED, MEAN, END = range(5)
+#: Rows of `Workspace.vectors`: twists at the beginning, m/s and rad/s; accelerations over the step before, by
+#: all but the sand, and by the sand; mean wrenches that MuJoCo is given, N and N m, and those at the end.
+TWIST, BEFORE, FREE, GAINED, MEAN, END = range(6)
 
 
 class Workspace(NamedTuple):
@@ -78,10 +79,10 @@ class Workspace(NamedTuple):
     passive: Any  # (1, nv): qfrc_passive
     faces: Any  # (1, 10 p): `faces.X` and so on, a body's as (10, its faces)
     bristles: Any  # (3, 3 p): at the step's beginning, middle, end
-    vectors: Any  # (5, 6 b): of the bodies' origins in the world's axes, linear, then angular; see `TWIST`
-    jacobian: Any  # (6 b, nv): of all bodies, in the world's axes
-    answer: Any  # (6 b, nv): inv(M) J'; 0 for bodies in the air
-    frame: Any  # (6 b, 6 b): turns all vectors from the bodies' axes to the world's
+    vectors: Any  # (6, 6 b): of the bodies' origins in their own axes, linear, then angular; see `TWIST`
+    jacobian: Any  # (6 b, nv): of all bodies; `align` turns it
+    answer: Any  # (6 b, nv): inv(M) J', where a body is near the sand
+    frame: Any  # (b, 9): as attitude, in the middle of the step
 
 
 @inlined
@@ -104,138 +105,168 @@ def of_body(table, body, rows):
     return table[rows * body.first : rows * body.last].reshape(rows, body.last - body.first)
 
 
-@cached_njit(nogil=True, error_model="numpy")
-def begin(space, meaning):
-    """Begin a step, after a RESTART with all sunk straight down; whether a body may touch sand."""
-    step, touched, vectors = space.step[0], False, space.vectors
-    twist = space.jacobian @ space.velocity[0]
-    late = 0.5 * step.dt * step.rk4  # from MuJoCo's places to the middle
-    if meaning == NEW:
-        step.steps += 1
-        vectors[FREE] = (twist - vectors[TWIST]) / step.dt - vectors[GAINED]
-        space.bristles[0] = space.bristles[2]
-    elif meaning == RESTART:
-        step.restarts += 1
-        vectors[FREE] = 0.0
-    vectors[TWIST], vectors[GAINED:], space.bristles[2], space.answer[:] = twist, 0.0, 0.0, 0.0
-    for b in range(len(space.bodies)):
-        body, o, frame = space.bodies[b], 6 * b, space.frame
-        axes, height = space.attitude[body.row], space.places[body.row, 2]
-        if meaning == NEW:
-            body.work += body.pending
-        elif meaning == RESTART:
-            vectors[FREE, o : o + 3] = step.gravity
+@inlined_fast
+def product(a, x):
+    """a x: of few numbers, in a third of BLAS's time."""
+    out = np.zeros(len(a))
+    for i in range(len(a)):
+        for j in range(len(x)):
+            out[i] += a[i, j] * x[j]
+    return out
+
+
+@inlined_fast
+def align(space):
+    """Turn the Jacobian from the world's axes to the bodies' own ones in the middle of the step."""
+    for i in range(0, len(space.jacobian), 3):
+        rows, axes = space.jacobian[i : i + 3], space.frame[i // 6]
+        for j in range(rows.shape[1]):
+            row = rows[0, j], rows[1, j], rows[2, j]
             for a in range(3):
-                of_body(space.bristles[0], body, 3)[a] = -axes[6 + a]
-        body.power = body.pending = 0.0
-        turned = axes.reshape(3, 3) + late * np.cross(twist[o + 3 : o + 6], axes.reshape(3, 3).T).T
-        frame[o : o + 3, o : o + 3] = frame[o + 3 : o + 6, o + 3 : o + 6] = turned
-        body.height = height + late * twist[o + 2]
-        speed = abs(twist[o + 2]) + (abs(twist[o + 3]) + abs(twist[o + 4])) * body.reach
-        margin, low = 2.0 * step.dt * (speed + 10.0 * step.dt), np.inf
-        if height - body.reach < margin:
-            faces = of_body(space.faces[0], body, COLUMNS)
-            low = height + np.min(axes[6] * faces[X] + axes[7] * faces[Y] + axes[8] * faces[Z])
-        body.depth, body.near = max(-low, 0.0), low < margin
-        touched = touched or low < margin
-    return touched
-
-
-@inlined
-def surface_of(space, b, base, c, v):
-    """Height of a body's origin at a stage's end, where it has moved by base + c v, and up in its axes."""
-    o = 6 * b
-    u = space.frame[o + 2, o], space.frame[o + 2, o + 1], space.frame[o + 2, o + 2]
-    d = plus((base[o], base[o + 1], base[o + 2]), c, (v[o], v[o + 1], v[o + 2]))
-    turn = plus((base[o + 3], base[o + 4], base[o + 5]), c, (v[o + 3], v[o + 4], v[o + 5]))
-    return space.bodies[b].height + dot(u, d), plus(u, -1.0, cross(turn, u))
+                rows[a, j] = dot((axes[a], axes[3 + a], axes[6 + a]), row)
 
 
 @cached_njit(nogil=True, error_model="numpy", fastmath=FAST)
-def body_forces(space, effects, b, surface, v, c, turn, h0, f, stiffness):
-    """`faces.forces` on a body, written into those of all bodies."""
-    body, o, frame, (loads, gates, pushes) = space.bodies[b], 6 * b, space.frame, effects
-    up = frame[o + 2, o], frame[o + 2, o + 1], frame[o + 2, o + 2]
-    forward = space.places[body.row, 0], (frame[o, o], frame[o, o + 1], frame[o, o + 2])
-    faces, h = of_body(space.faces[0], body, COLUMNS), of_body(h0, body, 3)
-    state = faces, body.law, up, surface, forward, v[o : o + 6], c, turn, h
-    if body.mesh:
-        total, rows = forces(body.friction, loads, None, pushes, *state)
-    else:
-        total, rows = forces(None, loads, gates, pushes, *state)
-    for i in range(6):
-        f[o + i] = total[i]
-        for j in range(6):
-            stiffness[o + i, o + j] = rows[i][j]
+def begin(space, meaning):
+    """Begin a step, after a RESTART with all sunk straight down; whether a body may touch sand."""
+    step, vectors = space.step[0], space.vectors
+    twist = product(space.jacobian, space.velocity[0])
+    late = 0.5 * step.dt * step.rk4  # from MuJoCo's places to the middle
+    for b in range(len(space.bodies)):
+        body, (_, _, vz, wx, wy, wz) = space.bodies[b], twist[6 * b : 6 * b + 6]
+        axes, height, frame = space.attitude[body.row], space.places[body.row, 2], space.frame[b]
+        for a in range(3):
+            axis = axes[a], axes[3 + a], axes[6 + a]
+            frame[a], frame[3 + a], frame[6 + a] = plus(axis, late, cross((wx, wy, wz), axis))
+        body.height = height + late * vz
+        margin, low = 2.0 * step.dt * (abs(vz) + (abs(wx) + abs(wy)) * body.reach + 10.0 * step.dt), np.inf
+        if height - body.reach < margin:
+            faces, up = of_body(space.faces[0], body, COLUMNS), (axes[6], axes[7], axes[8])
+            for i in range(faces.shape[1]):
+                low = min(low, height + dot(up, (faces[X, i], faces[Y, i], faces[Z, i])))
+        body.depth, body.near = max(-low, 0.0), low < margin
+        if meaning == NEW:
+            body.work += body.pending
+        elif meaning == RESTART:
+            for a in range(3):
+                of_body(space.bristles[2], body, 3)[a] = -frame[6 + a]
+        body.power = body.pending = 0.0
+    align(space)
+    twist = product(space.jacobian, space.velocity[0])
+    if meaning == NEW:
+        step.steps += 1
+        vectors[BEFORE] = (twist - vectors[TWIST]) / step.dt
+        vectors[FREE] = vectors[BEFORE] - vectors[GAINED]
+    elif meaning == RESTART:
+        step.restarts += 1
+        vectors[BEFORE:] = 0.0
+        for b in range(len(space.bodies)):
+            vectors[FREE, 6 * b : 6 * b + 3] = step.gravity @ space.frame[b].reshape(3, 3)
+    vectors[TWIST], vectors[GAINED:] = twist, 0.0
+    if meaning != AGAIN:
+        space.bristles[0] = space.bristles[2]
+    space.bristles[2] = 0.0
+    return np.any(space.bodies.near)
 
 
-@cached_njit(nogil=True, error_model="numpy")
+@inlined_fast
+def surface_of(body, axes, way):
+    """Height of a body's origin at a stage's end, where it has moved on its way, and up in its axes."""
+    up, turned = (axes[6], axes[7], axes[8]), (way[3], way[4], way[5])
+    return body.height + dot(up, (way[0], way[1], way[2])), plus(up, -1.0, cross(turned, up))
+
+
+@cached_njit(nogil=True, error_model="numpy", fastmath=FAST)
 def solution(mobility, stiffness, c, x):
-    """Solve (1 - c W dF/dV) y = x by elimination with pivots, which takes half of LAPACK's time."""
+    """Solve (1 - c W dF/dV) y = x by elimination with pivots, which takes a quarter of LAPACK's time."""
     n, a = len(x), np.eye(len(x), len(x) + 1)
     a[:, n] = x
     for i in range(n):
         for j in range(n):
-            for m in range(j - j % 6, j - j % 6 + 6):  # a wrench follows the twist of its own body
-                a[i, j] -= c * mobility[i, m] * stiffness[m, j]
+            o = j - j % 6  # a wrench follows the twist of its own body
+            for m in range(6):
+                a[i, j] -= c * mobility[i, o + m] * stiffness[o + m, j - o]
     for i in range(n):
-        best = i + np.argmax(np.abs(a[i:, i]))
-        for m in range(i, n + 1):
-            a[i, m], a[best, m] = a[best, m], a[i, m]
-        for j in range(n):
+        best = i
+        for j in range(i + 1, n):
+            if abs(a[j, i]) > abs(a[best, i]):
+                best = j
+        if best != i:
+            for m in range(n + 1):
+                a[i, m], a[best, m] = a[best, m], a[i, m]
+        for j in range(i + 1, n):
             factor = a[j, i] / a[i, i]
-            if j != i and factor != 0.0:
-                for m in range(i, n + 1):
-                    a[j, m] -= factor * a[i, m]
-    return a[:, n] / np.diag(a)
+            for m in range(n + 1):
+                a[j, m] -= factor * a[i, m]
+    for i in range(n - 1, -1, -1):
+        for m in range(i + 1, n):
+            a[i, n] -= a[i, m] * a[m, n]
+        a[i, n] /= a[i, i]
+    return a[:, n]
 
 
-@cached_njit(nogil=True, error_model="numpy")
-def newton(space, effects, mobility, base, v0, v, c, turn, h0, f):
-    """Solve v = v0 + c W F(v) for the twists v of the bodies; whether it could be. f: their wrenches."""
-    n, best = len(v), np.inf
-    stiffness, wide, dv = np.zeros((n, n)), np.ones(n), np.zeros(n)
-    for b in range(len(space.bodies)):
-        wide[6 * b + 3 : 6 * b + 6] = space.bodies[b].reach  # makes speeds of twists
+@cached_njit(nogil=True, error_model="numpy", fastmath=FAST)
+def newton(space, effects, near, mobility, base, v0, v, c, turn, h0, f):
+    """Solve v = v0 + c W F(v) for the twists v of the near bodies; whether it could be. f: their wrenches."""
+    n, best, (loads, gates, pushes) = len(v), np.inf, effects
+    stiffness, wide, dv = np.zeros((n, 6)), np.ones(n), np.zeros(n)
+    for k in range(len(near)):
+        wide[6 * k + 3 : 6 * k + 6] = space.bodies[near[k]].reach  # makes speeds of twists
     for _ in range(MAX_NEWTON):
         space.step[0].evaluations += 1
-        for b in range(len(space.bodies)):
-            if space.bodies[b].near:
-                surface = surface_of(space, b, base, c, v)
-                body_forces(space, effects, b, surface, v, c, turn, h0, f, stiffness)
-        rest = v0 - v + c * (mobility @ f)
+        way = base + c * v
+        for k in range(len(near)):
+            body, axes, six = space.bodies[near[k]], space.frame[near[k]], slice(6 * k, 6 * k + 6)
+            up, x = (axes[6], axes[7], axes[8]), (axes[0], axes[1], axes[2])
+            surface, forward = surface_of(body, axes, way[six]), (space.places[body.row, 0], x)
+            faces, h = of_body(space.faces[0], body, COLUMNS), of_body(h0, body, 3)
+            state = faces, body.law, up, surface, forward, v[six], c, turn, h
+            if body.mesh:
+                total, rows = forces(body.friction, loads, None, pushes, *state)
+            else:
+                total, rows = forces(None, loads, gates, pushes, *state)
+            for i in range(6):
+                f[6 * k + i] = total[i]
+                for j in range(6):
+                    stiffness[6 * k + i, j] = rows[i][j]
+        rest = v0 - v + c * product(mobility, f)
         size = np.sum((wide * rest) ** 2)
-        if size > best:  # go back half of the way, unless nothing but rounding is left to gain
+        if not size <= best:  # nor NaN: go back half of the way, unless only rounding is left
             dv *= 0.5
             v -= dv
             if np.max(np.abs(wide * dv)) < 1e-14 * np.max(np.abs(v)):
                 best = np.inf
             continue
-        if not np.isfinite(size):
-            break
         best = size
         dv = solution(mobility, stiffness, c, rest)
         v += dv
         if np.max(np.abs(wide * dv)) <= TIGHT * max(0.1 / turn, np.max(np.abs(wide * v))) + 1e-13:
-            f += stiffness @ dv  # forces follow the last change to first order
+            for i in range(n):  # forces follow the last change to first order
+                for j in range(6):
+                    f[i] += stiffness[i, j] * dv[i - i % 6 + j]
             return True
     return False
 
 
-@cached_njit(nogil=True, error_model="numpy")
-def stage(space, effects, mobility, base, v0, v, c, before, after, share, f):
+@cached_njit(nogil=True, error_model="numpy", fastmath=FAST)
+def stage(space, effects, near, mobility, base, v0, v, c, before, after, share, f):
     """Solve an implicit stage of length c; bend bristles from before to after by a share, 0 in the air."""
     turn = c / space.step[0].length
-    if not newton(space, effects, mobility, base, v0, v, c, turn, before, f):
+    if not newton(space, effects, near, mobility, base, v0, v, c, turn, before, f):
         space.step[0].failures += 1
-    for b in range(len(space.bodies)):
-        body = space.bodies[b]
-        faces, h = of_body(space.faces[0], body, COLUMNS), of_body(before, body, 3)
-        surface, new = surface_of(space, b, base, c, v), of_body(after, body, 3)
+    way = base + c * v
+    for k in range(len(near)):
+        body, twist = space.bodies[near[k]], v[6 * k : 6 * k + 6]
+        surface = surface_of(body, space.frame[near[k]], way[6 * k : 6 * k + 6])
+        faces, h, new = (
+            of_body(space.faces[0], body, COLUMNS),
+            of_body(before, body, 3),
+            of_body(after, body, 3),
+        )
         for i in range(faces.shape[1]):
-            r, _, bent = moved(faces, h, i, v[6 * b : 6 * b + 6], turn)
-            q = 1.0 / np.sqrt(max(dot(bent, bent), 1.0))
-            inside = 1.0 if body.near and surface[0] + dot(surface[1], r) < 0.0 else 0.0
+            r, _, bent = moved(faces, h, i, twist, turn)
+            q = rsqrt(max(dot(bent, bent), 1.0))
+            inside = 1.0 if surface[0] + dot(surface[1], r) < 0.0 else 0.0
             for a in range(3):
                 new[a, i] = inside * (h[a, i] + share * (bent[a] * q - h[a, i]))
 
@@ -243,17 +274,20 @@ def stage(space, effects, mobility, base, v0, v, c, before, after, share, f):
 @cached_njit(nogil=True, error_model="numpy")
 def solve(space, effects):
     """Find the mean wrenches of a step on the bodies."""
-    dt, vectors, frame, h = space.step[0].dt, space.vectors, space.frame, space.bristles
-    c, r = GAMMA * dt, (1.0 - GAMMA) * dt
-    mobility = frame.T @ (space.jacobian @ space.answer.T) @ frame
-    v0, a = vectors[TWIST] @ frame, vectors[FREE] @ frame
-    base, one, f1, f2 = -0.5 * dt * v0, v0.copy(), np.zeros(len(v0)), np.zeros(len(v0))
-    stage(space, effects, mobility, base, v0 + c * a, one, c, h[0], h[1], r / c, f1)
-    two, start = one.copy(), v0 + dt * a + r * (mobility @ f1)
-    stage(space, effects, mobility, base + r * one, start, two, c, h[1], h[2], 1.0, f2)
+    dt, vectors, h = space.step[0].dt, space.vectors, space.bristles
+    c, r, near = GAMMA * dt, (1.0 - GAMMA) * dt, np.flatnonzero(space.bodies.near)
+    rows = (6 * near.reshape(-1, 1) + np.arange(6)).ravel()
+    answer = space.answer[rows]
+    mobility = space.jacobian[rows] @ answer.T
+    v0, a = vectors[TWIST][rows], vectors[FREE][rows]
+    base, one, f1, f2 = -0.5 * dt * v0, v0 + c * vectors[BEFORE][rows], np.zeros(len(v0)), np.zeros(len(v0))
+    stage(space, effects, near, mobility, base, v0 + c * a, one, c, h[0], h[1], r / c, f1)
+    two, start = v0 + (one - v0) / GAMMA, v0 + dt * a + r * product(mobility, f1)
+    stage(space, effects, near, mobility, base + r * one, start, two, c, h[1], h[2], 1.0, f2)
     mean = (1.0 - GAMMA) * f1 + GAMMA * f2
-    vectors[GAINED], vectors[MEAN], vectors[END] = frame @ (mobility @ mean), frame @ mean, frame @ f2
-    for b in range(len(space.bodies)):
-        body, o = space.bodies[b], 6 * b
-        body.power = np.sum(f2[o : o + 6] * two[o : o + 6])
-        body.pending = r * np.sum(f1[o : o + 6] * one[o : o + 6]) + c * body.power
+    vectors[MEAN][rows], vectors[END][rows] = mean, f2
+    vectors[GAINED] = product(space.jacobian, product(answer.T, mean))
+    for k in range(len(near)):
+        body, six = space.bodies[near[k]], slice(6 * k, 6 * k + 6)
+        body.power = np.sum(f2[six] * two[six])
+        body.pending = r * np.sum(f1[six] * one[six]) + c * body.power

@@ -14,10 +14,10 @@ from shapely import Polygon
 
 from footopt.errors import FileError, FootoptError, SettingError
 from footopt.files.drawings import MM
+from footopt.files.mjcf import write_mjcf
 from footopt.files.reading import is_missing, named, read_json_file
 from footopt.foot import Foot
 from footopt.foot.export import write_all
-from footopt.mujoco.files import write_mjcf
 from footopt.report import figures, terminal
 from footopt.studies.base import Study
 from footopt.studies.build import make_foot
@@ -48,7 +48,7 @@ def run(study: Study) -> None:
     foot, block = foot_of(Path(folder), config.foot.k), config.foot.block
     written, notes = write_all(foot, study.folder, block)
     if config.export.mujoco:
-        written += write_mjcf(foot, study.folder)
+        written += write_mjcf(foot.contour, foot.ankle, foot.width, study.folder)
     outline, width = MM * foot.body_outline(block), MM * foot.width
     area = float(Polygon(outline).area)
     caption = "The outline of every file, with its sole (blue) and ankle (+), in mm."

@@ -11,9 +11,9 @@ import trimesh
 import footopt as fo
 from footopt.mujoco import Grains, attach
 from footopt.mujoco.intrusion import DOWN, TABLE, xi_of
-from footopt.mujoco.step import body_forces
 
 mujoco = pytest.importorskip("mujoco")
+shared = pytest.importorskip("block_on_sand")
 
 MESH = """
 <mujoco>
@@ -118,11 +118,7 @@ def pushed(request):
         data.qpos[2] = 1.0
         contact = attach(model, data, {"solid": "solid"}, sand)
         request.addfinalizer(contact.detach)
-        mujoco.mj_forward(model, data)
-        space, f, k = contact._space, np.zeros(6), np.zeros((6, 6))
-        h0, twist = np.zeros_like(space.bristles[0]), np.array(twist, float)
-        body_forces(space, contact.acting, 0, (-depth, (0.0, 0.0, 1.0)), twist, 0.0, 1e9, h0, f, k)
-        return f
+        return shared.feel(contact, np.array([0.0, 0.0, 1.0]), twist, -depth)[0]
 
     return feel
 

@@ -12,7 +12,6 @@ from footopt.errors import SettingError
 from footopt.mujoco import Grains, attach
 from footopt.mujoco.faces import stress
 from footopt.mujoco.intrusion import DOWN, TABLE
-from footopt.mujoco.step import body_forces
 from footopt.sand import alpha
 from footopt.sand.law import by_direction
 from footopt.walk.contact import EDGE
@@ -23,7 +22,7 @@ walker = pytest.importorskip("mujoco_walker")
 shared = pytest.importorskip("block_on_sand")
 robots = pytest.importorskip("stiff_robots")
 
-HARD, settle = shared.HARD, shared.settle
+HARD, settle, feel = shared.HARD, shared.settle, shared.feel
 
 HOLLOW = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
 INTEGRATORS = [name.removeprefix("mjINT_") for name in mujoco.mjtIntegrator.__members__]
@@ -123,17 +122,6 @@ def test_planar_walker_agrees_with_simulate_on_random_soles_and_sands():
         for name, value in found.items():
             worst = max(worst, abs(value / walk.objectives[name] - 1))
     assert worst < 0.01
-
-
-def feel(contact, up, twist, height, c=0.0, turn=1e9, bristles=None):
-    """Wrench of the sand on a body in its own axes, and its derivative by the twist."""
-    space, wrench, stiffness = contact._space, np.zeros(6), np.zeros((6, 6))
-    h0 = np.zeros_like(space.bristles[0]) if bristles is None else bristles
-    moved = c * np.asarray(twist)
-    space.frame[2, :3], space.frame[0, :3] = up, (1.0, 0.0, 0.0)
-    surface = height + up @ moved[:3], tuple(up - np.cross(moved[3:], up))
-    body_forces(space, contact.acting, 0, surface, np.asarray(twist, float), c, turn, h0, wrench, stiffness)
-    return wrench, stiffness
 
 
 @pytest.mark.parametrize(
