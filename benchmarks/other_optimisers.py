@@ -29,6 +29,7 @@ from measure import arguments
 import footopt as fo
 from footopt.design import SOLVERS
 from footopt.design.peers import PEERS, asked_by
+from footopt.errors import MissingError
 from footopt.gait.fourier import Fourier
 
 FIRST_SCENE, FIRST, FEW, MANY = 101, 300, 1_000, 10_000
@@ -217,7 +218,7 @@ def main() -> None:
                 started = time.perf_counter()
                 try:
                     bests = searched(name, problem, walks, seed, best * (1 - WITHIN))
-                except ImportError as error:
+                except MissingError as error:
                     missing.add(name)
                     print(f"{name} is left out: {error}")
                     continue

@@ -40,7 +40,7 @@ def in_the_world_of_its_run(settings: Mapping[str, Any], here: Any) -> dict[str,
     study = settings["study"]
     if study["name"] != "simulate" or study["run"] is None:
         return dict(settings)
-    run: Any = copy.deepcopy(identity.read(Path(study["run"]).expanduser(), "study.run").settings)
+    run: Any = copy.deepcopy(identity.read(Path(study["run"]).expanduser(), "run").settings)
     if run["study"]["name"] != "simulate" and run["study"]["confirm"]:
         run["accuracy"] = dict.fromkeys(run["accuracy"]) | {"name": run["study"]["confirm"]}
     plain = GlobalHydra.instance().config_loader()

@@ -50,7 +50,7 @@ def explain(error: BaseException, words: Sequence[str] = ()) -> str:
         The command line.
     """
     if isinstance(error, FootoptError):
-        return re.sub(r"\bstudy\.run\b", "run", str(error))  # what users type
+        return str(error)
     if (composed := refusal(error, words)) is not None:
         return str(composed)
     if isinstance(error, OSError):

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from footopt.design.problem import Array, FootProblem, Ints
-from footopt.errors import needed
+from footopt.errors import MissingError, needed
 
 ASKED = 20  # designs for each walk, at most: who only asks for what it knows would never end
 
@@ -159,7 +159,7 @@ def of_optuna(name: str, **given: Any) -> Peer:
     def run(value: Counted, seed: int) -> None:
         optuna = needed("optuna", "optuna", "benchmark")
         if tuple(map(int, optuna.__version__.split(".")[:2])) < (3, 6):
-            raise ImportError('optuna is too old: pip install "footopt[benchmark]"')
+            raise MissingError('optuna is too old: pip install "footopt[benchmark]"')
         optuna.logging.set_verbosity(optuna.logging.ERROR)
         study = optuna.create_study(sampler=getattr(optuna.samplers, name)(seed=seed, **given))
         study.optimize(
@@ -256,8 +256,8 @@ def asked_by(name: str, problem: FootProblem, walks: int, seed: int, enough: flo
 
     Raises
     ------
-    ImportError
-        Its library is not installed.
+    MissingError
+        Its library is not installed, or too old.
     """
     value = Counted(problem, walks, enough)
     with suppress(Done):

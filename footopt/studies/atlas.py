@@ -28,14 +28,14 @@ def run(study: Study) -> None:
     """Draw the map of the run `study.run`, from its store."""
     options = study.options
     if options.run is None:
-        raise SettingError("study.run", None, "the folder of a search", TRY)
-    searched = read(options.run, "study.run")
+        raise SettingError("run", None, "the folder of a search", TRY)
+    searched = read(options.run, "run")
     name = searched.config.study.name
-    check(name == "optimize", "study.run", options.run, "the folder of a study=optimize", TRY)
+    check(name == "optimize", "run", options.run, "the folder of a study=optimize", TRY)
     problem = make_problem(searched.config, searched.scene)
     problem.threads = study.threads
     path = Path(searched.config.study.store or searched.folder / "designs.sqlite")
-    check(path.is_file(), "study.run", options.run, f"the folder of a run whose {path.name} is there", TRY)
+    check(path.is_file(), "run", options.run, f"the folder of a run whose {path.name} is there", TRY)
     with Store(path, problem, options.reuse) as store:
         found = atlas(problem, store, options.descriptors, options.cells)
     quality = quality_of(problem, found)

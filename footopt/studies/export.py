@@ -44,7 +44,7 @@ def run(study: Study) -> None:
     config, folder = study.config, study.options.run
     if folder is None:
         advice = "Try footopt study=export run=outputs/optimize/..."
-        raise SettingError("study.run", None, "the folder of a run", advice)
+        raise SettingError("run", None, "the folder of a run", advice)
     foot, block = foot_of(Path(folder), config.foot.k), config.foot.block
     written, notes = write_all(foot, study.folder, block)
     if config.export.mujoco:
@@ -92,7 +92,7 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
     FileError : the folder does not hold such a run.
     """
     try:
-        result = read_json_file(folder / "result.json", "run", "study.run")
+        result = read_json_file(folder / "result.json", "run", "run")
         design, known = result["design"], {f.name for f in dataclasses.fields(FootConfig)}
         saved = FootConfig(**{key: v for key, v in result["settings"]["foot"].items() if key in known})
         own = design["k"]
@@ -101,11 +101,11 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
     except DAMAGED as error:
         if os.path.isfile(folder / "multirun.yaml"):
             one = "the folder of one job of this multirun"
-            raise SettingError("study.run", str(folder), one, f"Such as run={folder / '0'}") from None
+            raise SettingError("run", str(folder), one, f"Such as run={folder / '0'}") from None
         gone = is_missing(folder / "result.json")
         why = "it has no result.json" if gone else f"{type(error).__name__}: {error}"
         raise FileError(
-            f"{named(folder, 'study.run')}: not the folder of a run with one foot ({why}). "
+            f"{named(folder, 'run')}: not the folder of a run with one foot ({why}). "
             "Give one of study=optimize or simulate."
         ) from None
     if k is None:

@@ -25,11 +25,11 @@ def run(study: Study) -> None:
     """Serve the page of the run `study.run` until it ends, or until Ctrl-C; nothing is left behind."""
     if study.options.run is None:
         raise SettingError(
-            "study.run", None, "the folder of a search that runs", "Such as run=outputs/optimize/2026..."
+            "run", None, "the folder of a search that runs", "Such as run=outputs/optimize/2026..."
         )
-    found = read(study.options.run, "study.run")
+    found = read(study.options.run, "run")
     if found.config.study.name != "optimize":
-        raise SettingError("study.run", study.options.run, "the folder of a run of study=optimize")
+        raise SettingError("run", study.options.run, "the folder of a run of study=optimize")
     if not at_work(found.folder):
         hint = (
             "footopt resume=FOLDER goes on with it."

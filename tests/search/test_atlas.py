@@ -116,7 +116,7 @@ def test_the_study_draws_the_map_of_a_run(tmp_path, monkeypatch):
     assert len(rows) == len(result["cells"]) > 4
     check_page(tmp_path / "atlas")
     for folder, error in ((None, SettingError), (str(tmp_path), FileError)):
-        with pytest.raises(error, match=r"^study\.run = "):
+        with pytest.raises(error, match=r"^run = "):
             studies.run(
                 composed("study=atlas", *([f"study.run={folder}"] if folder else [])), tmp_path / "no", {}
             )

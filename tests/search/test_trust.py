@@ -16,7 +16,7 @@ from footopt.design.peers import PEERS, asked_by
 from footopt.design.pymoo_problem import PymooProblem
 from footopt.design.solvers.moves import ExchangeRun, ShiftRun, shifts
 from footopt.design.truth import Attempt, Tabulated, expected_walks, judge, judge_designs, walk_all
-from footopt.errors import FootoptError, SettingError
+from footopt.errors import FootoptError, MissingError, SettingError
 from footopt.walk.scenarios import sands
 
 SPACE = fo.Waypoints(n=4, K=4)
@@ -221,7 +221,7 @@ class TestTruth:
     def test_peers_ask_for_different_designs_in_their_box_within_their_budget(self, truths, name):
         try:
             found, again = (asked_by(name, truths[0], 40, 1) for _ in range(2))
-        except ImportError as error:
+        except MissingError as error:
             pytest.skip(str(error))
         k = np.array(found.designs)
         assert len(np.unique(k, axis=0)) == len(k) == len(found.bests) <= 40

@@ -188,8 +188,9 @@ class Watched:
         first = query.removeprefix("from=")
         if what != "news" or not first.isdecimal() or len(first) > len(str(DESIGNS)):
             return None
-        news = {"designs": self._growth.since(int(first)), "ended": self._ended}
-        news["hypervolume"] = self._growth.hypervolume()
+        designs = self._growth.since(int(first))
+        volume = self._growth.hypervolume() if designs else None
+        news = {"designs": designs, "hypervolume": volume, "ended": self._ended}
         return "application/json", json.dumps(plain(news), allow_nan=False)
 
     def end(self) -> None:
