@@ -45,11 +45,14 @@ def main() -> None:
             check_dashes(given)
             sys.argv[1:] = given = [readable(word) for word in given]
             if text := help_text(given):
-                print(text)
+                print(text, flush=True)
                 return
             _job()
     except KeyboardInterrupt:
         sys.exit(STOPPED)
+    except BrokenPipeError:  # `footopt --help | head` has seen enough, and Python must not write the rest
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(141)
     except Exception as error:
         if _wants_traceback:
             raise

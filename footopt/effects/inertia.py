@@ -30,7 +30,7 @@ class Inertia:
     Parameters
     ----------
     factor : float
-        lambda, 1.
+        lambda, the factor of the inertial stress rho v^2, without a unit.
     rho : float, kg/m^3
         Bulk density of the sand (quartz sand about 1600).
 

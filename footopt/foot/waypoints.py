@@ -34,9 +34,11 @@ class Waypoints:
     n : int
         Waypoints, 4 or more.
     K : int
-        Levels of height.
-    L, H : float, m
-        Half the length and half the height of the box.
+        Levels of height, from 1 (high) to K (low).
+    L : float, m
+        Half the length of the box in which the sole lies.
+    H : float, m
+        Height of the box, which reaches from -H to 0.
     width : float, m
         Of the feet; the paper does not give it.
     ankle : (2,), m

@@ -14,7 +14,7 @@ from footopt.design import Choice, FootProblem
 from footopt.effects import EFFECTS, Effect
 from footopt.errors import SettingError, check
 from footopt.files.gaits import Strides, read_strides
-from footopt.foot import Foot, Waypoints
+from footopt.foot import SHAPES, Foot, Waypoints
 from footopt.gait import Gait
 from footopt.sand import GENERIC, MEDIA, Sand, StressMap
 from footopt.studies.fields import leaves
@@ -150,21 +150,18 @@ def make_foot(config: FootConfig) -> Foot:
         space = make_space(config)
         return Foot.flat(space) if config.k is None else Foot.from_waypoints(config.k, space)
     check(config.k is None, "foot.k", config.k, f"null with foot.shape={config.shape}")
-    worn: dict[str, Any] = {
-        "width": config.width,
-        "ankle": _ankle(config),
-        "closed": config.closed,
-        "top": config.top,
-    }
+    worn: dict[str, Any] = {name: getattr(config, name) for name in ("width", "closed", "top")}
+    worn["ankle"] = _ankle(config)
     if config.shape == "outline":
         if config.path is None:
             raise SettingError("foot.path", None, "a drawing, with foot=outline", "Try foot.path=sole.dxf.")
         drawing = {name: getattr(config, name) for name in ("units", "scale", "layer", "toe", "origin")}
         return Foot.from_file(config.path, **worn, **drawing)
-    option = {"reversed_triangle": "apex", "reversed_l": "upright"}.get(config.shape)
-    return Foot.shape(
-        config.shape, config.length, **worn, **({option: getattr(config, option)} if option else {})
-    )
+    allowed = f"waypoints, outline, or one of {', '.join(SHAPES)}"
+    check(config.shape in SHAPES, "foot.shape", config.shape, allowed)
+    if option := {"reversed_triangle": "apex", "reversed_l": "upright"}.get(config.shape):
+        worn[option] = getattr(config, option)
+    return Foot.shape(config.shape, config.length, **worn)
 
 
 def _ankle(config: FootConfig) -> tuple[float, float]:

@@ -94,7 +94,7 @@ class StudyConfig:
         None, "Whether all soles near the best are walked; null: if they are fewer than the search walked."
     )
     store: str | None = setting(None, "File of designs that runs may share; null: one in the folder.")
-    reuse: bool = setting(False, "Whether to read what other code has walked from the store, which is said.")
+    reuse: bool = setting(False, "Whether to read what other code has walked from the store.")
     feet: int = setting(40, "How many random soles are walked.")
     quick: bool = setting(False, "Whether a first look is enough.")
     cases: list[str] | None = setting(None, "Names of the cases; null: all.")
@@ -104,10 +104,10 @@ class StudyConfig:
     shape_sand: str = setting("regular", "Sand on which the paper's five shapes walk.")
     mount: str = setting("centre", "Where the shank meets a shape: its centre, or its top.")
     peak_power: str = setting(
-        "stance", "p_max of any instant of stance, or single: while one foot stands alone."
+        "stance", "When p_max is taken: stance, at any instant of it; single, while one foot stands."
     )
     speed_loss: str = setting(
-        "walk", "dV_x over the whole walk, or in a window or a narrow about each heel strike."
+        "walk", "When dV_x is taken: walk, all of it; window, narrow: 1/4, 1/8 stride about strikes."
     )
     leading_edge: bool = setting(False, "Whether faces that trail feel no sand.")
     shadowing: bool = setting(False, "Whether a groove of a sole counts with a part of its depth.")
@@ -119,14 +119,16 @@ class StudyConfig:
     draws: int = setting(16, "How many scenarios are drawn.")
     measure: str = setting(
         default(RobustProblem, "measure"),
-        "Of the loss over the scenarios: worst, mean, or tail, the mean of the worst share.",
+        "What counts of the loss over the scenarios: worst, mean, or tail (of the worst share).",
     )
     tail: float = setting(default(RobustProblem, "tail"), "The share of study.measure=tail.")
     descriptors: list[str] = setting(
         ["hollow", "maximum_sinkage"], "What a map of soles goes by, along and across: two measures."
     )
-    cells: int = setting(10, "Of the map, along each.")
-    speed: float | None = setting(None, "That a walk has to reach, m/s; null: as with the gait as given.")
+    cells: int = setting(10, "How many cells the map has along each of the two.")
+    speed: float | None = setting(
+        None, "Speed that a walk has to reach, m/s; null: that of the gait as given."
+    )
     spread: SpreadConfig = field(default_factory=SpreadConfig)
     foot_spread: FootSpreadConfig = field(default_factory=FootSpreadConfig)
     run: str | None = setting(None, "Folder of the run whose foot is meant.")
@@ -182,7 +184,7 @@ class GaitConfig:
 class FootConfig(SpaceConfig):  # type: ignore[misc]  # made of Waypoints' fields as it runs
     """The foot: a space of `Waypoints` (and one sole k in it, to simulate), a shape, or a drawing."""
 
-    shape: str = setting("waypoints", "waypoints, one of the five shapes, or outline.")
+    shape: str = setting("waypoints", "Which sole: waypoints, one of the five shapes, or outline, a drawing.")
     k: list[int] | None = setting(None, "Heights of one sole, to walk with it.")
     length: float = setting(default(Foot.shape, "length"), "Contact length of a shape, m.")
     apex: str = setting(
@@ -275,7 +277,7 @@ class EngineConfig:
     """Where designs are evaluated: see `footopt.design.make_executor`; threads are of this process."""
 
     name: str = setting(default(make_executor, "name"), "Where designs are walked: local, processes, dask.")
-    threads: int | None = setting(None, "Of this process; null: as many as it may run on.")
+    threads: int | None = setting(None, "Threads of this process; null: as many as processors.")
     workers: int | None = setting(None, "Processes; null: as many as processors.")
     address: str | None = setting(None, "Of a dask scheduler; null: one is started here.")
     timeout: float = setting(

@@ -26,7 +26,7 @@ class Accuracy:
     Parameters
     ----------
     stepper : str
-        A name in `footopt.walk.steppers.STEPPERS`.
+        The method of integration, a name in `footopt.walk.steppers.STEPPERS`.
     dt : float, s
         Largest time step of the walk (`footopt.walk.prepare.time_grid`).
     plates : int

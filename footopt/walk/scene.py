@@ -34,7 +34,7 @@ class Walker:
     Parameters
     ----------
     mass : float, kg
-        Of all of it, M.
+        Of the whole walker, M.
     l1 : float, m
         Length of a thigh.
     l2 : float, m

@@ -150,7 +150,7 @@ class TestALeg:
             places = {{"L": "R", "R": "L"}.get(n[0], n[0]) + n[1:]: place for n, place in places.items()}
         gait, notes = walked(t, {name: place * (axes or 1) for name, place in places.items()})
         assert misfit(gait) < 0.3
-        assert "left and right are exchanged, or the axes are mirrored" in notes
+        assert "left and right are exchanged, or the axes mirrored" in notes
         assert "exchanged" not in walked(t, record(HUMAN, dialect, rate=60.0)[1])[1]
 
     def test_whose_hip_is_never_seen_with_the_other_one_has_no_side(self):

@@ -50,7 +50,7 @@ class Solver:
     Parameters
     ----------
     name : str
-        In `SOLVERS`, `EXHAUSTIVE`, or `AUTO`: the best one for the number of objectives, see `fitting`.
+        Who searches; auto: who is best for the number of objectives (see `fitting`).
     pop_size : int, optional
         Designs a generation; by default it grows from 10 to 100 (from 5, of surrogate), a twentieth of all
         designs so far, and is 100 for solvers whose population has a fixed size.
@@ -63,7 +63,7 @@ class Solver:
         With them, {} too, a solver of several objectives has simulated binary crossover and polynomial
         mutation in place of moves that suit a spline.
     walks : int, optional
-        Different designs at most; 10,000 by default, if n_gen is None, too.
+        Different designs at most; 10,000 by default, also where n_gen is not given.
     """
 
     name: str = AUTO

@@ -68,9 +68,8 @@ def read_c3d(content: bytes, units: str | None = None) -> Markers:
         raise Unusable("cannot be read as C3D (it holds no markers).")
     _check_long(content, start + (0 if last == LONG else (last - first + 1) * stride))
     frames = (len(content) - start) // stride
-    frames = min(
-        frames, last - first + 1 if last != LONG else int(number("LONG_FRAMES", number("FRAMES", frames)))
-    )
+    stated = last - first + 1 if last != LONG else int(number("LONG_FRAMES", number("FRAMES", frames)))
+    frames = min(frames, stated)
     rows = np.frombuffer(content, np.uint8, frames * stride, start).reshape(frames, stride)
     values = _numbers(rows[:, : 4 * many * size].tobytes(), f"{'f' if size == 4 else 'i'}{size}", processor)
     values = values.astype(float).reshape(frames, many, 4)

@@ -73,9 +73,7 @@ def mirrored(leg: Leg, other: Leg, is_right: bool, forward: Array, up: Array) ->
     across = (leg["hip"] - other["hip"]) @ np.cross(forward, up)
     if not (np.isfinite(across).any() and (np.nanmedian(across) < 0.0) == is_right):
         return ()
-    return (
-        "left and right are exchanged, or the axes are mirrored; the leg's angles are right all the same",
-    )
+    return ("left and right are exchanged, or the axes mirrored; the leg's angles are right all the same",)
 
 
 def _put_back(leg: Leg, other: Leg) -> tuple[str, ...]:
