@@ -2,7 +2,7 @@
 
 ``python benchmarks/pairs.py OUT.csv`` walks with 40 random feet through each scene: with the effects whose
 parameters the literature has and the scene's own, alone, in pairs and all together. It continues an OUT.csv
-that is there, begins no scene after the seconds that a second argument says, and prints the table.
+that is there, begins no scene after the seconds that a second argument says, and prints the table in %.
 """
 
 import csv
@@ -15,6 +15,7 @@ from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
 
 from footopt.cli.compose import CONF
+from footopt.effects import name_of
 from footopt.report.numbers import percent
 from footopt.studies.build import make_scene, make_space
 from footopt.studies.effects import to_audit
@@ -33,8 +34,10 @@ def rows(name):
         config = OmegaConf.to_object(compose("config", words))
     scene, space = make_scene(config), make_space(config.foot)
     effects = [e for e in to_audit(scene) if isinstance(e, LITERATURE) or e in scene.effects]
+    own = {name_of(effect) for effect in scene.effects if not isinstance(effect, LITERATURE)}
     for joint in interactions(effects, scene, space.random(FEET, seed=SEED, inside=True), space=space):
-        pair = " + ".join(joint.names).replace("_", " ")
+        names = ["own" if effect in own else effect.replace("_", " ") for effect in joint.names]
+        pair = "all" if len(names) > 2 else " + ".join(sorted(names, key="own".__ne__))
         yield name, pair, max(joint.extra.tolist()), joint.worst, joint.lost
 
 
