@@ -20,7 +20,7 @@ def changes(audits: Sequence[Audit]) -> Figure:
     figure, axes = _rows(labels, np.array([a.changes for a in audits]), audits[0].tolerance)
     axes.set_xlabel("change not exceeded by 95 % of the feet (%)")
     right = axes.secondary_yaxis("right")
-    right.set_yticks(np.arange(len(audits)), [f"τ {a.tau:.2f}, time × {a.cost:.2f}" for a in audits])
+    right.set_yticks(np.arange(len(audits)), [f"τ {a.tau:.2f}, time × {a.cost:.2g}" for a in audits])
     right.tick_params(length=0, colors="0.35")
     return figure
 

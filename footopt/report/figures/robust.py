@@ -78,7 +78,7 @@ def hollows(
     for axes, law, before, after in zip(panels, laws, hollow, convex, strict=True):
         axes.hlines(rows, before, after, color=GREY, lw=1.0)
         axes.plot(before, rows, "o", color=BEST, label="as it is")
-        axes.plot(after, rows, "s", color=FLAT, mfc="none", label="its hollows filled")
+        axes.plot(after, rows, "s", color=FLAT, mfc="none", ms=6.5, label="its hollows filled")
         axes.set_title(law)
         axes.xaxis.set_major_locator(MaxNLocator(5))
         axes.grid(color=GRID, lw=0.6)
