@@ -77,6 +77,19 @@ def test_a_model_that_is_compiled_again_is_another_one(block):
     fresh.detach()
 
 
+def test_a_step_that_is_asked_for_again_gets_the_same_force(block):
+    """As by `mj_forward` before a picture is drawn: nothing of the sand moves on."""
+    for integrator in ("Euler", "RK4", "implicit", "implicitfast"):
+        model, data, contact = block(integrator=integrator, height=0.0)
+        mujoco.mj_step(model, data, nstep=100)
+        forces = []
+        for _ in range(3):
+            mujoco.mj_forward(model, data)
+            forces.append((*contact.wrench["foot"], *data.qfrc_passive))
+        assert forces[0] == forces[1] == forces[2]
+        assert forces[0][2] > 100.0
+
+
 def test_what_is_changed_after_attaching_is_seen_by_the_restarts(block):
     model, data, contact = block(height=0.03)
     settle(model, data, 0.1)
@@ -158,7 +171,8 @@ def test_without_springs_and_dampers_there_is_no_sand(block):
     assert falls(model, data)
 
 
-def test_a_robot_that_diverges_says_nothing_but_what_mujoco_says(block, capfd):
+def test_a_robot_that_diverges_says_nothing_but_what_mujoco_says(block, capfd, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # where MuJoCo writes its log
     model, data, _ = block(height=0.02)
     mujoco.mj_step(model, data)
     data.qvel[:3] = 1e200
