@@ -1,4 +1,4 @@
-"""Faults at random moments, from a seed; FOOTOPT_TRIES says how many of each.
+"""Faults at random moments, from a seed; FOOTOPT_TRIES says how many of each, FOOTOPT_SEED where seeds begin.
 
 Whatever happens to a run, it ends with what a run finds that nothing happened to, or says what is wrong and
 does so when it is resumed.
@@ -26,6 +26,7 @@ from running import (
     footopt,
     outcome,
     program,
+    seeds,
     started,
     tries,
     wait_for,
@@ -84,7 +85,7 @@ def clear(err):
     assert "unexpected" not in err
 
 
-@pytest.mark.parametrize("seed", range(tries(3)))
+@pytest.mark.parametrize("seed", seeds(3))
 def test_signals_at_any_moment_change_no_result(seed, undisturbed, tmp_path):
     """Two or three a run: Ctrl-C, a kill, SIGTERM, or a stop for a while; every solver, every engine.
 
@@ -126,7 +127,7 @@ def test_ctrl_c_inside_code_that_a_library_makes_has_its_exit_code_too(tmp_path)
     assert (done.returncode, done.stderr.partition(";")[0]) == (130, "footopt: stopped")
 
 
-@pytest.mark.parametrize("seed", range(tries(1)))
+@pytest.mark.parametrize("seed", seeds(1))
 def test_ctrl_c_in_a_job_s_first_generation_stops_the_sweep(seed, tmp_path):
     slow = [*BRIEF, "solver.pop_size=2000", "foot.n=11", "accuracy.dt=2e-4", "solver.n_gen=2"]
     run = started("-m", "solver.seed=1,2", *slow, "hydra.sweep.dir=sweep", cwd=tmp_path)
@@ -139,7 +140,7 @@ def test_ctrl_c_in_a_job_s_first_generation_stops_the_sweep(seed, tmp_path):
     assert not (tmp_path / "sweep" / "1" / "designs.sqlite").exists()
 
 
-@pytest.mark.parametrize("seed", range(tries(1)))
+@pytest.mark.parametrize("seed", seeds(1))
 def test_a_machine_that_is_short_of_something_for_half_a_second_is_survived_or_said(
     seed, undisturbed, tmp_path
 ):
@@ -180,7 +181,7 @@ def limit(pid, what, room):
     resource.prlimit(pid, kind, (most, resource.prlimit(pid, kind)[1]))
 
 
-@pytest.mark.parametrize("seed", range(tries(2)))
+@pytest.mark.parametrize("seed", seeds(2))
 def test_too_few_files_for_a_whole_resume_blame_no_design(seed, undisturbed, tmp_path):
     """20 to 90 file handles, with processes or dask: it ends well or says so, and the next resume does."""
     draw, folder = random.Random(seed), tmp_path / "run"
@@ -202,7 +203,24 @@ def test_too_few_files_for_a_whole_resume_blame_no_design(seed, undisturbed, tmp
     same(folder, undisturbed())
 
 
-@pytest.mark.parametrize("seed", range(tries(1)))
+@pytest.mark.parametrize("seed", seeds(1))
+def test_too_few_files_for_a_whole_run_are_said(seed, undisturbed, tmp_path):
+    """8 to 70 file handles from the first line on, with every engine."""
+    draw, first = random.Random(seed), [*words_of("nsga2"), "hydra.run.dir=run"]
+    handles, engine = draw.randint(8, 70), list(ENGINES)[seed % 3]
+
+    def few():
+        resource.setrlimit(resource.RLIMIT_NOFILE, (handles, handles))
+
+    run = started(*first, *ENGINES[engine], cwd=tmp_path, preexec_fn=few)
+    _, err = ended(run)
+    clear(err)
+    assert run.returncode == 0 or "footopt: error: " in err, err
+    finished(tmp_path / "run", first)
+    same(tmp_path / "run", undisturbed())
+
+
+@pytest.mark.parametrize("seed", seeds(1))
 def test_workers_that_are_killed_or_stopped_change_nothing(seed, undisturbed, tmp_path):
     """Seven kills a run; or, in every fifth, one worker that is stopped and found out after 20 s.
 
@@ -234,7 +252,7 @@ def command(pid):
         return b""
 
 
-@pytest.mark.parametrize("seed", range(tries(1)))
+@pytest.mark.parametrize("seed", seeds(1))
 def test_a_kill_while_a_finished_run_is_extended_leaves_every_file_whole(seed, tmp_path):
     folder = tmp_path / "run"
     assert footopt(*words_of("nsga2"), "hydra.run.dir=run", cwd=tmp_path).returncode == 0
@@ -253,7 +271,7 @@ def test_a_kill_while_a_finished_run_is_extended_leaves_every_file_whole(seed, t
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.parametrize("seed", range(tries(1)))
+@pytest.mark.parametrize("seed", seeds(1))
 def test_a_disk_that_fills_at_any_moment_is_said_and_what_was_kept_is_used(seed, undisturbed, tmp_path):
     """No file may grow beyond a size, of 1 to 250 kB: the store, a table or a drawing is cut first."""
     size, folder = int(10 ** random.Random(seed).uniform(3.0, 5.4)), tmp_path / "run"
@@ -273,7 +291,30 @@ def test_a_disk_that_fills_at_any_moment_is_said_and_what_was_kept_is_used(seed,
     same(folder, undisturbed("memetic"))
 
 
-@pytest.mark.parametrize("seed", range(tries(1)))
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root mounts a disk")
+@pytest.mark.parametrize("seed", seeds(1))
+def test_a_small_disk_that_is_full_is_said_and_a_larger_one_is_enough(seed, undisturbed, tmp_path):
+    """A disk in memory of 4 kB to 2 MB; once it is larger the run goes on."""
+    draw, disk = random.Random(seed), tmp_path / "disk"
+    size = int(4 * 10 ** draw.uniform(0.0, 2.7))
+    engine, solver = list(ENGINES)[draw.randrange(2)], draw.choice(["memetic", "nsga2"])
+    first = [*words_of(solver), "hydra.run.dir=run"]
+    disk.mkdir()
+    subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}k", "tmpfs", disk], check=True)
+    try:
+        run = started(*first, *ENGINES[engine], cwd=disk)
+        _, err = ended(run)
+        clear(err)
+        assert run.returncode == 0 or "footopt: error: " in err, err
+        assert not list((disk / "run").rglob(".*"))
+        subprocess.run(["mount", "-o", "remount,size=200m", disk], check=True)
+        finished(disk / "run", first)
+        same(disk / "run", undisturbed(solver))
+    finally:
+        subprocess.run(["umount", "-l", disk], check=False)
+
+
+@pytest.mark.parametrize("seed", seeds(1))
 def test_of_runs_begun_at_once_in_a_folder_one_goes_on(seed, tmp_path):
     draw = random.Random(seed)
     words = ["sand=soft", "engine.threads=1", "accuracy=draft", "solver.pop_size=10", "solver.n_gen=3"]
