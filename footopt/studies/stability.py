@@ -45,8 +45,8 @@ TOOK = ("reason", "dt", "simulated", "evaluations_per_step", "rescues", "shorten
 
 CAPTION = "Which method is stable in which case, with the measure that decides, as in the table."
 EACH_CELL = (
-    "Each cell: the measure nearest to its limit, or furthest beyond, and how often a stage was rescued "
-    "(r) or the walk repeated with a shorter step (x). All the numbers: stability.csv, result.json."
+    "Each cell: ok, or the measure furthest beyond its limit; and how often a stage was rescued (r) or the "
+    "walk repeated with a shorter step (x). All the numbers: stability.csv, result.json."
 )
 
 
@@ -216,6 +216,6 @@ def table(cases: Sequence[Case], stable: dict[str, int], found: Sequence[Verdict
 
 
 def _cell(v: Verdict) -> Text:
-    words = ["ok" if v.stable else "NO", v.cell.text]
+    words = ["ok" if v.stable else f"NO {v.cell.text}"]
     words += [f"{letter}{n}" for letter, n in (("r", v.walk.rescues), ("x", v.walk.repeats)) if n]
     return Text(" ".join(words), style="" if v.stable else "bold red")

@@ -164,7 +164,7 @@ CASES = tuple(
         ("a foot set down at 3 m/s", WALKS, stamping, judge_set_down),
         ("spiky soles", WALKS, spiky, judge_walk),
         ("a comb of 200 waypoints", WALKS, comb, judge_walk),
-        ("estimate's worst of a search", WALKS, searched, judge_walk),
+        ("worst estimate of a search", WALKS, searched, judge_walk),
         ("leading edge on hard sand", WALKS, with_effects(5.0, LeadingEdge()), judge_walk),
         ("leading edge, zeta 200", WALKS, with_effects(200.0, LeadingEdge()), judge_walk),
         ("inertia in a brisk walk", WALKS, with_effects(1.0, Inertia(), period=0.9), judge_walk),

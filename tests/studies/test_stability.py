@@ -114,7 +114,8 @@ class TestStudy:
         assert result["settings"]["study"]["methods"] == methods
         check_page(tmp_path / "out")
         assert "NO chatter 1.7" in done.stdout
-        assert "ok sunk" in done.stdout
+        assert "ok sunk" not in done.stdout
+        assert " ok " in done.stdout
 
     def test_an_unknown_case_or_stepper_is_refused(self):
         from footopt.studies.settings import Config
