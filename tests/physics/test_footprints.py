@@ -75,6 +75,7 @@ class TestSlides:
         assert np.sum(found) == pytest.approx(np.sum(height), abs=1e-13)
 
 
+@pytest.mark.slow  # of compiling
 class TestPrints:
     @given(SOLES, st.lists(st.floats(-0.05, 0.08), min_size=1, max_size=6), st.floats(-3.0, 3.0))
     def test_area_is_conserved_and_no_free_slope_is_beyond_repose(self, foot, heights, x):

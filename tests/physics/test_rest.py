@@ -31,7 +31,8 @@ def drift(walk):
     return float(np.hypot(*np.ptp(late, axis=0)))
 
 
-@pytest.mark.parametrize("zeta", [0.2, 5.0, pytest.param(500.0, marks=pytest.mark.slow)])
+@pytest.mark.slow  # of compiling
+@pytest.mark.parametrize("zeta", [0.2, 5.0, 500.0])
 def test_who_stands_for_a_minute_stays(zeta, ramp_foot):
     walk = fo.simulate(ramp_foot, standing(zeta))
     weight = walk.scene.walker.weight
@@ -40,7 +41,8 @@ def test_who_stands_for_a_minute_stays(zeta, ramp_foot):
     np.testing.assert_allclose(walk.force[-1].sum(axis=0), [0.0, weight], rtol=0, atol=1e-6 * weight)
 
 
-@pytest.mark.parametrize(("zeta", "slope"), [(0.2, 0.0), pytest.param(5.0, 15.0, marks=pytest.mark.slow)])
+@pytest.mark.slow  # of compiling
+@pytest.mark.parametrize(("zeta", "slope"), [(0.2, 0.0), (5.0, 15.0)])
 def test_presets_time_steps_and_delta_put_him_in_one_place(zeta, slope):
     """A part of `rest_matrix`, whose table docs/effects.md has."""
     rows = [
@@ -57,12 +59,14 @@ def test_without_bristles_he_sinks_by_more_than_a_millimetre(ramp_foot):
     assert drift(fo.simulate(ramp_foot, plain)) > 1e-3
 
 
+@pytest.mark.slow  # of compiling
 def test_the_first_instant_carries_the_weight(flat_foot):
     walk = fo.simulate(flat_foot, standing(1.0, t_f=0.1))
     assert walk.force[0, :, 1].sum() == pytest.approx(walk.scene.walker.weight, rel=1e-3)
     assert np.abs(walk.com - walk.start).max() < DRIFT
 
 
+@pytest.mark.slow  # of compiling
 def test_bristles_stay_in_the_unit_disc_and_sand_forgets_a_foot_that_has_left(ramp_foot):
     walk = fo.simulate(ramp_foot, fo.Scene(effects=(fo.Rest(),)))
     states = walk.plates(np.arange(len(walk.t)))
@@ -81,6 +85,7 @@ def test_a_walk_whose_memory_would_not_fit_is_refused(ramp_foot):
     assert bristle_bytes(fo.Scene(t_f=60.0, effects=(fo.Rest(),)), fo.Accuracy.named("fine")) < MOST_BYTES
 
 
+@pytest.mark.slow  # of compiling
 def test_the_plates_forces_add_up_to_the_walks(ramp_foot):
     walk = fo.simulate(ramp_foot, fo.Scene(effects=(fo.Rest(),)))
     found = walk.plates(np.arange(len(walk.t))).total

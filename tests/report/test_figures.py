@@ -463,6 +463,7 @@ def test_a_step_shows_the_ground_of_its_scene(foot):
     assert "g = 9.81 m/s², 5° downhill" in texts(figures.step(fo.simulate(foot, scene, "draft"), 1))
 
 
+@pytest.mark.slow  # of compiling
 def test_a_step_shows_the_sand_that_an_effect_moves(foot):
     walk = fo.simulate(foot, fo.Scene(effects=(fo.Footprints(),)), "draft")
     axes = figures.step(walk, 1).axes[0]

@@ -121,15 +121,24 @@ class TestFiles:
             measured / alpha(0.0, math.pi / 2)[1], rel=2e-3
         )
 
-    def test_numbers_are_good_enough_to_judge_and_docs_and_closing_lines_have_them(self, e):
-        found = [c for law in e.laws for c in e.compare(law)]
-        assert all(np.isfinite(c.error).all() and c.numerical.max() < 0.05 * c.scale for c in found)
-        assert markdown_rows(e, found) in DOCS.read_text(encoding="utf-8")
-        kept = {(k["experiment"], k["quantity"], tuple(k["law"])): k for k in model.kept()}
-        for c in found:
-            own = kept[c.experiment, c.quantity, c.law]
-            assert own["error"] == pytest.approx(c.size / c.scale, rel=1e-3, abs=1e-6)
-            assert own["verdict"] == c.verdict
+
+@pytest.mark.parametrize(
+    "e",
+    [
+        pytest.param(e, marks=pytest.mark.slow if "footprints" in sum(e.laws, ()) else ())  # of compiling
+        for e in ALL.values()
+    ],
+    ids=list(ALL),
+)
+def test_numbers_are_good_enough_to_judge_and_docs_and_closing_lines_have_them(e):
+    found = [c for law in e.laws for c in e.compare(law)]
+    assert all(np.isfinite(c.error).all() and c.numerical.max() < 0.05 * c.scale for c in found)
+    assert markdown_rows(e, found) in DOCS.read_text(encoding="utf-8")
+    kept = {(k["experiment"], k["quantity"], tuple(k["law"])): k for k in model.kept()}
+    for c in found:
+        own = kept[c.experiment, c.quantity, c.law]
+        assert own["error"] == pytest.approx(c.size / c.scale, rel=1e-3, abs=1e-6)
+        assert own["verdict"] == c.verdict
 
 
 def test_the_docs_count_the_verdicts_of_their_own_table():

@@ -47,6 +47,7 @@ def test_terminal_page_and_record_name_the_cause_and_the_setting(tmp_path):
         assert "more accuracy.plates" in text
 
 
+@pytest.mark.slow  # of compiling
 def test_a_warning_names_the_cells_of_footprints(ramp_foot):
     scene = fo.Scene(sand=fo.Sand.named("regular"), effects=(fo.Footprints(cell=0.02),))
     (found,) = judged(ramp_foot, scene, fo.Accuracy("sdirk2", 5e-4, 256, 1e-5, "fine"))

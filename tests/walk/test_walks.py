@@ -130,7 +130,9 @@ class TestSymmetriesOfTheWalk:
         np.testing.assert_allclose(big.force, small.force * s**3, rtol=1e-10)
         assert big.objectives["efficiency"] * s**6 == pytest.approx(small.objectives["efficiency"], rel=1e-10)
 
-    @pytest.mark.parametrize("effects", [(), every_effect.ALL], ids=["plain", "all effects"])
+    @pytest.mark.parametrize(
+        "effects", [(), pytest.param(every_effect.ALL, marks=pytest.mark.slow)], ids=["plain", "all effects"]
+    )
     def test_a_walk_on_the_moon_is_one_on_the_earth_in_slow_motion(self, effects, ramp_foot):
         """The weight of the grains makes their strength: times x sqrt(9.81 / g) at the same depths.
 

@@ -1,0 +1,11 @@
+"""Attaching sand compiles MuJoCo's callback, 20 s in each process that does: such tests are slow."""
+
+import pytest
+
+ATTACH = {"block", "pushed", "request"}
+
+
+def pytest_collection_modifyitems(items):
+    for item in items:
+        if item.path.parent.name == "robots" and ATTACH & set(item.fixturenames):
+            item.add_marker(pytest.mark.slow)
