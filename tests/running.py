@@ -21,6 +21,7 @@ import matplotlib.figure
 import pytest
 from hydra import compose, initialize_config_dir
 from hydra._internal.config_repository import CachingConfigRepository
+from hydra._internal.hydra import Hydra
 from hydra.core.global_hydra import GlobalHydra
 from omegaconf import OmegaConf
 from unrendered.sitecustomize import INSTEAD
@@ -75,6 +76,8 @@ def footopt(*arguments, cwd, drawn=False):
         patch.setattr(sys, "argv", ["footopt", *arguments])
         patch.setenv("HYDRA_FULL_ERROR", "0")
         patch.setenv("COLUMNS", "80")
+        # it composes all settings to read `hydra.mode`, which no file of footopt sets
+        patch.setattr(Hydra, "get_mode", lambda *_, **__: None)
         if not drawn:
             unrender(patch)
         try:

@@ -145,7 +145,8 @@ def _longer(ground):
         ground.cell, ground.first - more, 2 * cells, ground.over.shape[2], ground.end, ground.upright
     )
     out.beside[0] = ground.beside[0]
-    out.last[:] = ground.last
+    for foot in range(2):  # of whole arrays numba would compile how their shapes may differ, for seconds
+        out.last[foot, 0], out.last[foot, 1] = ground.last[foot, 0], ground.last[foot, 1]
     for i in range(cells):
         out.height[more + i] = ground.height[i]
         for foot in range(2):
@@ -335,5 +336,7 @@ def replay(prints, sole, poses, motions, first, rows, heights, beside, levels):
                     levels[n, foot, j] = surface_at(found, at)[0]
         sole = footprint(prints, sole, poses[i], x, z, vx, vz)
         if wanted:
-            heights[n], beside[n] = sole.ground.height, sole.ground.beside[0]
+            beside[n] = sole.ground.beside[0]
+            for i in range(heights.shape[1]):
+                heights[n, i] = sole.ground.height[i]
             n += 1

@@ -48,7 +48,7 @@ def stamps(foot, heights, x=0.0):
     poses = np.array([[pose_of(z, 0.0, 0.0), SKY] for z in (1.0, *heights)])
     motions = np.zeros((len(poses), 4))
     motions[:, 0], motions[:, 3] = x, -1.0
-    plates = sole(foot.plates(64, directed=True))
+    plates = sole(foot.plates(64))
     return moved_sand(PRINTS, plates, poses, motions, np.arange(len(heights)))
 
 
@@ -113,7 +113,7 @@ class TestPrints:
 
     def test_a_foot_that_leaves_its_heap_for_a_moment_does_not_come_down_on_it(self):
         """Else the length of a step would decide whether it ploughs its own heap or rides on it."""
-        foot, plates = fo.Foot.flat(), sole(fo.Foot.flat().plates(64, directed=True))
+        foot, plates = fo.Foot.flat(), sole(fo.Foot.flat().plates(64))
         bottom = -float(foot.contour[0, 1])
         heights = [*[bottom - 0.02] * 20, bottom + 0.001, bottom - 0.02]
         poses = np.array([[pose_of(z, 0.0, 0.0), SKY] for z in (bottom + 0.05, *heights)])
