@@ -22,7 +22,7 @@ from footopt.design import confirm
 from footopt.report import page
 
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
-from browsers import start
+from browsers import CHROMIUM, DRIVER, start
 
 UPDATES = 5
 MOVE = """
@@ -80,6 +80,8 @@ if __name__ == "__main__":
     quick = parser.parse_args().quick
     print("| sand | designs | page (MB) | opens in (ms) | an update (ms): median, 95 % |")
     print("| --- | --- | --- | --- | --- |")
+    if not (CHROMIUM and DRIVER):
+        sys.exit(print("| any | skipped: no chromium |"))
     with tempfile.TemporaryDirectory() as folder:
         driver = start(folder, Path(folder) / "profile")
         for sand in ("soft",) if quick else ("soft", "regular", "hard"):

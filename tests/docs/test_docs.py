@@ -448,6 +448,7 @@ ROWS = {
     "other_optimisers.py": 2,
     "fronts.py": 5,
     "mujoco_steps.py": 4,
+    "page.py": 1,
 }
 #: Parts of benchmarks/report.py that are not a benchmark of their own.
 PARTS = ["paper", "euler", "absolute", "plates", "size", "start", "ga"]
