@@ -24,6 +24,7 @@ import numpy as np
 from footopt.compiled import FAST, cached_njit, inlined, inlined_fast
 from footopt.mujoco.faces import COLUMNS, X, Y, Z, cross, dot, forces, moved, plus
 from footopt.walk.contact import rsqrt
+from footopt.walk.state import write
 
 AGAIN, NEW, HOLD, RESTART = range(4)
 GAMMA = 1.0 - 1.0 / math.sqrt(2.0)
@@ -155,16 +156,17 @@ def begin(space, meaning):
     twist = product(space.jacobian, space.velocity[0])
     if meaning == NEW:
         step.steps += 1
-        vectors[BEFORE] = (twist - vectors[TWIST]) / step.dt
-        vectors[FREE] = vectors[BEFORE] - vectors[GAINED]
+        write(vectors[BEFORE], (twist - vectors[TWIST]) / step.dt)  # `=` compiles for seconds
+        write(vectors[FREE], vectors[BEFORE] - vectors[GAINED])
     elif meaning == RESTART:
         step.restarts += 1
         vectors[BEFORE:] = 0.0
         for b in range(len(space.bodies)):
-            vectors[FREE, 6 * b : 6 * b + 3] = step.gravity @ space.frame[b].reshape(3, 3)
-    vectors[TWIST], vectors[GAINED:] = twist, 0.0
+            write(vectors[FREE, 6 * b : 6 * b + 3], step.gravity @ space.frame[b].reshape(3, 3))
+    write(vectors[TWIST], twist)
+    vectors[GAINED:] = 0.0
     if meaning != AGAIN:
-        space.bristles[0] = space.bristles[2]
+        write(space.bristles[0], space.bristles[2])
     space.bristles[2] = 0.0
     return np.any(space.bodies.near)
 
@@ -180,7 +182,7 @@ def surface_of(body, axes, way):
 def solution(mobility, stiffness, c, x):
     """Solve (1 - c W dF/dV) y = x by elimination with pivots, which takes a quarter of LAPACK's time."""
     n, a = len(x), np.eye(len(x), len(x) + 1)
-    a[:, n] = x
+    write(a[:, n], x)
     for i in range(n):
         for j in range(n):
             o = j - j % 6  # a wrench follows the twist of its own body
@@ -285,8 +287,9 @@ def solve(space, effects):
     two, start = v0 + (one - v0) / GAMMA, v0 + dt * a + r * product(mobility, f1)
     stage(space, effects, near, mobility, base + r * one, start, two, c, h[1], h[2], 1.0, f2)
     mean = (1.0 - GAMMA) * f1 + GAMMA * f2
-    vectors[MEAN][rows], vectors[END][rows] = mean, f2
-    vectors[GAINED] = product(space.jacobian, product(answer.T, mean))
+    for i in range(len(rows)):
+        vectors[MEAN, rows[i]], vectors[END, rows[i]] = mean[i], f2[i]
+    write(vectors[GAINED], product(space.jacobian, product(answer.T, mean)))
     for k in range(len(near)):
         body, six = space.bodies[near[k]], slice(6 * k, 6 * k + 6)
         body.power = np.sum(f2[six] * two[six])
