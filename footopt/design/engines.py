@@ -173,7 +173,7 @@ class Dask(Executor):
         logging.getLogger("distributed").setLevel(logging.WARNING)
         self._timeout, self._cluster = timeout, None
         self._lost_errors = (OSError, RuntimeError, distributed.client.FutureCancelledError)
-        self._name = "engine.address" if address is None else f"engine.address = {address!r}"
+        self._name = "engine=dask" if address is None else f"engine.address = {address!r}"
         self._seen: dict[str, tuple[Any, int]] = {}  # by worker: its last sign, and for how many checks
         self._busy_at = time.monotonic()  # when there was a worker
         self._idle = 0  # checks for which no worker has had anything to do
@@ -292,9 +292,11 @@ class Dask(Executor):
                 "Is it stopped? What was walked in finished generations is kept: start it again, and resume."
             ) from None
         except self._lost_errors as error:
+            own, why = self._cluster is not None, f" ({type(error).__name__}: {error})"
+            cause = ". Too few files? `ulimit -n` says how many" if own else why
             raise FootoptError(
-                f"{self._name}: the connection to the scheduler is lost ({type(error).__name__}: {error}). "
-                "What was walked in finished generations is kept: start it again, and resume."
+                f"{self._name}: the connection to the scheduler is lost{cause}. What was walked in finished "
+                f"generations is kept: {'' if own else 'start it again, and '}resume."
             ) from None
 
 

@@ -487,6 +487,18 @@ class TestDask:
             with pytest.raises(FootoptError, match=said):
                 search(like(Slow, problem("pareto")), "nsga2", hit, executor=engine, **BUDGET)
 
+    def test_a_scheduler_of_its_own_that_is_lost_is_said_with_what_is_too_few(self):
+        """As with 40 to 60 file handles: no word of a library, nothing to start that the run has started."""
+
+        def lost():
+            raise RuntimeError("IOLoop is closed")
+
+        with (
+            Dask(workers=1, timeout=30) as engine,
+            pytest.raises(FootoptError, match=r"engine=dask: .* is lost\. .*ulimit -n.* kept: resume\.$"),
+        ):
+            engine._ask(lost)
+
     def test_a_worker_that_is_stopped_is_named_and_others_do_its_work(
         self, cluster, undisturbed, monkeypatch, caplog
     ):
