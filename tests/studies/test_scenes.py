@@ -103,23 +103,21 @@ def test_the_study_from_the_command_line(tmp_path):
 
 
 @pytest.mark.slow
-def test_auto_simulates_what_matters_and_records_why(tmp_path):
-    """Shadowing changes more than the tolerance by itself, and less where only faces that lead count."""
-    arguments = [
-        "study=simulate",
-        f"foot.k={list(K)}".replace(" ", ""),
-        "effects=[auto,slope]",
-        "accuracy=draft",
-    ]
-    done = footopt(*arguments, "effects.tolerance=0.1", cwd=tmp_path)
+@pytest.mark.parametrize("given", [(), ("leading_edge",)], ids=["nothing", "leading edge"])
+def test_auto_simulates_what_matters_and_what_is_given_and_records_why(given, tmp_path):
+    """Shadowing changes more than the tolerance by itself, and less where only faces that lead count.
+
+    All kernels are those of the study above.
+    """
+    effects, foot = ",".join(["auto", *given]), f"foot.k={list(K)}".replace(" ", "")
+    words = ["study=simulate", foot, f"effects=[{effects}]", "effects.tolerance=0.13", "accuracy=draft"]
+    done = footopt(*words, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     result = json.loads((only_folder(tmp_path) / "result.json").read_text())
-    assert set(result["scene"]["effects"]) == {"leading_edge", "slope"}
+    assert set(result["scene"]["effects"]) == {"leading_edge"}
+    matters = {"leading_edge": True, "inertia": False, "shadowing": False, "footprints": False}
     assert {a["effect"]: a["matters"] for a in result["effects_audit"]} == {
-        "leading_edge": True,
-        "inertia": False,
-        "shadowing": False,
-        "footprints": False,
+        name: whether for name, whether in matters.items() if name not in given
     }
     assert "effects=auto: inertia changes" in done.stdout
     assert "What the scene calls for" in done.stdout
