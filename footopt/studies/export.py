@@ -103,7 +103,8 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
             one = "the folder of one job of this multirun"
             raise SettingError("run", str(folder), one, f"Such as run={folder / '0'}") from None
         gone = is_missing(folder / "result.json")
-        why = "it has no result.json" if gone else f"{type(error).__name__}: {error}"
+        kind = "" if isinstance(error, FileError) else f"{type(error).__name__}: "
+        why = "it has no result.json" if gone else f"{kind}{error}".rstrip(".")
         raise FileError(
             f"{named(folder, 'run')}: not the folder of a run with one foot ({why}). "
             "Give one of study=optimize or simulate."

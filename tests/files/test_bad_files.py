@@ -203,7 +203,7 @@ def test_every_reader_names_what_is_missing(name, tmp_path):
 @pytest.mark.parametrize("what", ["folder", "secret", "missing"])
 def test_a_folder_without_a_result_is_no_run(what, tmp_path):
     in_the_way(tmp_path, what, "result.json")
-    with nobody(), pytest.raises(FileError, match=r"study\.run = .*not the folder of a run") as caught:
+    with nobody(), pytest.raises(FileError, match=r"^run = .*not the folder of a run") as caught:
         foot_of(tmp_path)
     assert_clear(caught.value, tmp_path.name)
 
