@@ -17,7 +17,6 @@ import csv
 import sys
 import time
 import warnings
-from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -34,6 +33,7 @@ from footopt.gait.fourier import Fourier
 
 FIRST_SCENE, FIRST, FEW, MANY = 101, 300, 1_000, 10_000
 WITHIN = 1e-3  # of the best known, relative
+BASE = "memetic"  # beside whose searches from the same seeds those of the others are set
 EFFECTS: dict[str, tuple[Any, ...]] = {
     "none": (),
     "leading edge": (fo.LeadingEdge(),),
@@ -43,7 +43,7 @@ EFFECTS: dict[str, tuple[Any, ...]] = {
 COARSE = fo.Accuracy("sdirk2", 0.02, 32, 1e-4, "coarse")
 
 
-def draw(number: int, objective: str = "efficiency") -> fo.FootProblem:
+def draw(number: int, objective: str | tuple[str, ...] = "efficiency") -> fo.FootProblem:
     """The scene and space of a number, in which most random soles can walk."""
     for attempt in range(20):
         rng = np.random.default_rng([number, attempt])
@@ -76,7 +76,7 @@ def varied(joint: Fourier | None, rng: np.random.Generator) -> Fourier | None:
 
 #: Optimisers, and at how many walks each is judged: those that take long for a design at the fewer only.
 RUNS = {"memetic": MANY, "surrogate": FEW, "ga": MANY} | {
-    name: {"smac": FIRST, "optuna_tpe": FIRST, "optuna_cma": FEW, "nevergrad_ngopt": FEW}.get(name, MANY)
+    name: {"smac": FIRST, "optuna_tpe": FEW, "optuna_cma": FEW, "nevergrad_ngopt": FEW}.get(name, MANY)
     for name in PEERS
 }
 
@@ -152,39 +152,56 @@ def best_by_scene(rows: list[dict[str, str]]) -> dict[int, float]:
 def tables(rows: list[dict[str, str]], best: dict[int, float], budgets: tuple[int, ...]) -> None:
     """Print what all rows come to at each number of walks.
 
-    An optimiser is in a table if it has been given so many walks from as many seeds in every scene as the
-    others: what is assumed of a scene in which no search hits depends on how many there were.
+    An optimiser is in a table if it has been given so many walks in every scene. What is assumed of a scene
+    in which no search hits depends on how many there were: so the default's searches from the same seeds
+    stand beside it.
     """
-    pairs = {(row["scene"], row["seed"]) for row in rows}
     for walks in budgets:
         print(f"\nUp to {walks:,} walks, {len(best)} scenes:\n")
-        print("| optimiser | expected walks (90 %) | scenes hit | searches that hit | median regret |")
-        print("| --- | --- | --- | --- | --- |")
+        print(f"| optimiser | searches | expected walks (90 %) | `{BASE}`, same seeds | scenes hit | hits | "
+              "median regret | s a search |")  # fmt: skip
+        print("| --- | --- | --- | --- | --- | --- | --- | --- |")
         lines = []
-        counts = Counter(row["optimiser"] for row in rows if int(row["walks"]) >= walks)
-        for name in (name for name, count in counts.items() if count == len(pairs)):
-            hits, lacks = [], []
-            for scene in sorted(best):
-                own = [r for r in rows if (int(r["scene"]), r["optimiser"]) == (scene, name)]
-                hits.append([hit(r["improved"], best[scene], walks) for r in own])
-                lacks.append(float(np.median([regret(r["improved"], best[scene], walks) for r in own])))
+        found = {key(row): row for row in rows if int(row["walks"]) >= walks}
+        for name in {name for _, name, _ in found}:
+            own = [row for (_, who, _), row in found.items() if who == name]
+            if {int(row["scene"]) for row in own} != {*best}:
+                continue
+            same = [found.get((scene, BASE, seed)) for scene, who, seed in found if who == name]
+            beside = "" if None in same else f"{geometric(by_scene(same, best, walks), walks):,.0f}"
+            hits = by_scene(own, best, walks)
+            lacks = [regret(row["improved"], best[int(row["scene"])], walks) for row in own]
             every = [h is not None for of_scene in hits for h in of_scene]
             scenes = f"{sum(any(h is not None for h in of_scene) for of_scene in hits)} of {len(hits)}"
             low, high = spread(hits, walks)
             ahead = f"{geometric(hits, walks):,.0f} ({low:,.0f} to {high:,.0f})"
-            lines.append((geometric(hits, walks), f"| {name} | {ahead} | {scenes} | {np.mean(every):.0%} of "
-                          f"{len(every)} | {np.mean(lacks):.2%} |"))  # fmt: skip
+            seconds = np.median([float(row["seconds"]) for row in own])
+            lines.append((geometric(hits, walks), f"| {name} | {len(own)} | {ahead} | {beside} | {scenes} | "
+                          f"{np.mean(every):.0%} | {np.median(lacks):.2%} | {seconds:.1f} |"))  # fmt: skip
         print(*(line for _, line in sorted(lines)), sep="\n")
 
 
-def main() -> None:
-    """Search, and print the tables."""
-    parser = arguments(__doc__)
+def by_scene(rows: list[Any], best: dict[int, float], walks: int) -> list[list[int | None]]:
+    """After how many walks each search hit, the searches of a scene together."""
+    hits: dict[int, list[int | None]] = {scene: [] for scene in best}
+    for row in rows:
+        hits[int(row["scene"])].append(hit(row["improved"], best[int(row["scene"])], walks))
+    return [*hits.values()]
+
+
+def key(row: dict[str, str]) -> tuple[int, str, int]:
+    """Which search a row is of."""
+    return int(row["scene"]), row["optimiser"], int(row["seed"])
+
+
+def main(runs: dict[str, int] = RUNS, about: str | None = __doc__) -> None:
+    """Search with some optimisers, each at most so many walks, and print the tables."""
+    parser = arguments(about)
     parser.add_argument("--scenes", type=int, nargs="*", default=range(FIRST_SCENE, FIRST_SCENE + 10))
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--walks", type=int, default=MANY, help="of a search, at most")
     parser.add_argument("--minutes", type=float, default=np.inf, help="after which no search is begun")
-    parser.add_argument("--only", nargs="*", default=[""], help="optimisers with one of these words")
+    parser.add_argument("--only", nargs="*", default=[*runs], choices=runs)
     parser.add_argument("--out", type=Path, default=Path("outputs/optimisers.csv"))
     given = parser.parse_args()
     warnings.simplefilter("ignore")  # the other libraries' own
@@ -197,7 +214,7 @@ def main() -> None:
     known = best_by_scene(rows)
     # a search that ended for a best that has since been beaten is done again
     rows = [r for r in rows if float(r["best"]) <= known[int(r["scene"])] * (1 - WITHIN)]
-    have = {(int(r["scene"]), r["optimiser"], int(r["seed"])): int(r["walks"]) for r in rows}
+    have = {key(r): int(r["walks"]) for r in rows}
     missing: set[str] = set()
     end = time.time() + 60.0 * given.minutes
     problems: dict[int, tuple[fo.FootProblem, float]] = {}
@@ -210,8 +227,8 @@ def main() -> None:
                 best = -1e9 if given.quick else known.get(scene) or best_known(problem)
                 problems[scene] = problem, best
             problem, best = problems[scene]
-            for name, most in RUNS.items():
-                asked, walks = any(word in name for word in given.only), min(most, given.walks)
+            for name, most in runs.items():
+                asked, walks = name in given.only, min(most, given.walks)
                 done = have.get((scene, name, seed), 0) >= walks or name in missing
                 if not asked or done or time.time() > end:
                     continue
@@ -226,7 +243,7 @@ def main() -> None:
                     "scene": scene, "optimiser": name, "seed": seed, "walks": walks, "best": best,
                     "seconds": round(time.perf_counter() - started, 2), "improved": improvements(bests),
                 }  # fmt: skip
-                rows.append({key: str(v) for key, v in row.items()})
+                rows.append({column: str(value) for column, value in row.items()})
                 if not given.quick:
                     new = not given.out.is_file()
                     given.out.parent.mkdir(parents=True, exist_ok=True)
@@ -235,10 +252,10 @@ def main() -> None:
                         if new:
                             writer.writeheader()
                         writer.writerow(row)
-    last = {
-        (int(r["scene"]), r["optimiser"], int(r["seed"])): r for r in rows
-    }  # a search that was done again
-    asked = [row for (scene, _, seed), row in last.items() if scene in scenes and seed <= seeds]
+    last = {key(r): r for r in rows}  # a search that was done again
+    asked = [
+        r for (scene, name, seed), r in last.items() if scene in scenes and seed <= seeds and name in runs
+    ]
     best_known_now = {scene: value for scene, value in best_by_scene(rows).items() if scene in scenes}
     tables(asked, best_known_now, tuple(sorted({min(w, given.walks) for w in (FIRST, FEW, MANY)})))
     sys.stdout.flush()

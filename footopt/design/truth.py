@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +23,6 @@ from footopt.walk.simulate import REASONS
 
 BATCH = 4096  # designs that are walked at a time
 CHECKPOINTS = 10  # of a run, at which the front that it has found is measured
-REACHED = 0.95  # of the exact hypervolume: counts as having found the front
 WITHIN = 1e-3  # of the best J_W, relative: counts as having found it; walks at `standard` err by as much
 ENDINGS = tuple(REASONS.values())  # of a walk; one more than its place is what a table has of them
 
@@ -151,12 +153,6 @@ class Tabulated(FootProblem):
 
         return float(hypervolume(_front(self.scaled(f)), ref=REFERENCE) / self._volume)
 
-    def igd_plus(self, f: Array) -> float:
-        """Mean shortfall of a set F from the exact front, in units of its extent (IGD+, Ishibuchi 2015)."""
-        from moocore import igd_plus
-
-        return float(igd_plus(_front(self.scaled(f)), ref=self.front))
-
 
 @dataclass(frozen=True)
 class Attempt:
@@ -172,10 +168,7 @@ class Attempt:
         By how much its best J_W falls short of the exact one, relative.
     within_at : float
         Walks when it first had a J_W within `WITHIN` of the exact one; NaN if it never had.
-    found_at : float
-        Walks when it came upon the optimum, or, of several objectives, upon `REACHED` of the exact
-        hypervolume; NaN if it did not.
-    hypervolume, igd_plus : float
+    hypervolume : float
         Of everything it found, see `Tabulated`; NaN for one objective.
     checkpoints : tuple
         (walks, share of the hypervolume) during the run; none for one objective.
@@ -186,15 +179,32 @@ class Attempt:
     walks: int
     regret: float
     within_at: float
-    found_at: float
     hypervolume: float = float("nan")
-    igd_plus: float = float("nan")
     checkpoints: tuple[tuple[int, float], ...] = ()
 
     @property
     def hit(self) -> bool:
         """Whether it came within `WITHIN` of the best J_W."""
         return bool(np.isfinite(self.within_at))
+
+
+class Attempts:
+    """Searches in a file, a line each: a study that was stopped makes none twice."""
+
+    def __init__(self, path: Path) -> None:
+        self._path, self._made = path, dict[Any, Attempt]()
+        for line in path.read_text().splitlines() if path.exists() else ():
+            with suppress(ValueError):  # torn by a kill
+                what, found = json.loads(line)
+                self._made[tuple(what)] = Attempt(**found)
+
+    def __call__(self, what: tuple[Any, ...], make: Callable[[], Attempt]) -> Attempt:
+        """The search that is this, made unless it is in the file."""
+        if what not in self._made:
+            self._made[what] = make()
+            with open(self._path, "a") as file:
+                file.write(f"\n{json.dumps([what, asdict(self._made[what])])}")
+        return self._made[what]
 
 
 def judge(result: SearchResult, truth: Tabulated) -> Attempt:
@@ -209,16 +219,13 @@ def judge(result: SearchResult, truth: Tabulated) -> Attempt:
         known = result.generation <= generation
         so_far = f[result.feasible & known]
         checkpoints.append((int((known & inside).sum()), truth.hypervolume(so_far) if len(so_far) else 0.0))
-    reached = [walks for walks, share in checkpoints if share >= REACHED]
     return Attempt(
         solver=name,
         seed=seed,
         walks=single.walks,
         regret=single.regret,
         within_at=single.within_at,
-        found_at=float(reached[0]) if reached else float("nan"),
         hypervolume=checkpoints[-1][1],
-        igd_plus=truth.igd_plus(f[result.feasible]),
         checkpoints=tuple(checkpoints),
     )
 
@@ -228,12 +235,9 @@ def judge_designs(solver: str, seed: int, k: Ints, truth: Tabulated) -> Attempt:
     found = truth.evaluate(k)
     good = (truth.constraints(*found) <= 0.0).all(axis=1)
     best = np.minimum.accumulate(np.where(good, found.values[:, truth.record.index("efficiency")], np.inf))
-
-    def first(limit: float) -> float:
-        return 1.0 + float(np.argmax(best <= limit)) if best[-1] <= limit else float("nan")
-
-    within, exact = first(truth.optimum * (1.0 - WITHIN)), first(truth.optimum)
-    return Attempt(solver, seed, len(k), 1.0 - float(best[-1]) / truth.optimum, within, exact)
+    hit = best <= truth.optimum * (1.0 - WITHIN)
+    within = 1.0 + float(hit.argmax()) if hit.any() else float("nan")
+    return Attempt(solver, seed, len(k), 1.0 - float(best[-1]) / truth.optimum, within)
 
 
 def expected_walks(attempts: Sequence[Attempt]) -> float:

@@ -246,7 +246,7 @@ def make_problem(config: Config, scene: Scene) -> FootProblem:
 
 def make_accuracy(config: AccuracyConfig) -> Accuracy:
     """The accuracy of the settings: a preset or a tolerance, and what is set by hand over it."""
-    names = (*PRESETS, "custom")
+    names = (*PRESETS, "coarse", "custom")
     check(config.name in names, "accuracy.name", config.name, f"one of {', '.join(names)}")
     if config.tolerance is not None:
         accuracy = Accuracy.within(config.tolerance)

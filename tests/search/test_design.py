@@ -28,7 +28,7 @@ from footopt.report.terminal import describe_confirmation
 #: Digests of the soles that a search asks for: pop_size=12, n_gen=4, seed=1, n=7, K=10.
 ASKED = {
     "memetic": "28f4c720b18c5287",
-    "archive": "925ea47bdf6dca4b",
+    "archive": "e1d5b44f8d54d5f2",
     "ga": "4be32f3df281d981",
     "de": "2520dda38b20b5e2",
     "nsga2": "2473a455ec469b47",

@@ -178,28 +178,25 @@ class TestTruth:
         found = truth.evaluate(EVERYTHING)
         f = truth.minimised(found.values)[(truth.constraints(*found) <= 0).all(axis=1)]
         assert truth.hypervolume(f) == pytest.approx(1)
-        assert truth.igd_plus(f) == pytest.approx(0)
         assert 0 < truth.hypervolume(f[:20]) < 1
-        assert truth.igd_plus(f[:20]) > 0
         assert truth.front.min() == 0.0
         assert truth.front.max() == 1.0
 
     def test_a_run_that_sees_everything_has_no_regret_and_the_whole_front(self, truths):
         single = judge(search(truths[0], "memetic", pop_size=40, n_gen=100, seed=1), truths[0])
         assert single.hit
-        assert 1 <= single.within_at <= single.found_at <= single.walks <= 256
+        assert 1 <= single.within_at <= single.walks <= 256
         assert single.checkpoints == ()
         several = judge(search(truths[1], "nsga2", pop_size=40, n_gen=30, seed=1), truths[1])
         shares = [share for _, share in several.checkpoints]
         assert shares == sorted(shares)
         assert several.hypervolume == shares[-1] > 0.9
-        assert several.igd_plus < 0.05
 
     def test_a_poor_run_has_a_regret(self, truths):
         poor = judge(search(truths[0], "ga", pop_size=4, n_gen=1, seed=3), truths[0])
         assert not poor.hit
         assert poor.regret > 0
-        assert np.isnan(poor.found_at)
+        assert np.isnan(poor.within_at)
 
     def test_designs_that_are_asked_for_again_are_no_walks(self, truths):
         result = search(truths[1], "nsga2", pop_size=40, n_gen=30, seed=1)
@@ -209,8 +206,8 @@ class TestTruth:
 
     def test_the_expected_walks_are_those_of_runs_that_start_again(self, truths):
         """Two runs of 100 walks each, one with a hit after 40: it takes 140 walks a hit."""
-        hit = Attempt("a", 1, walks=100, regret=0.0, within_at=40.0, found_at=np.nan)
-        miss = Attempt("a", 2, walks=100, regret=0.1, within_at=np.nan, found_at=np.nan)
+        hit = Attempt("a", 1, walks=100, regret=0.0, within_at=40.0)
+        miss = Attempt("a", 2, walks=100, regret=0.1, within_at=np.nan)
         assert expected_walks([hit, miss]) == 140
         assert expected_walks([hit]) == 40
         assert expected_walks([miss]) == np.inf

@@ -11,7 +11,7 @@ from study_pages import check_page
 import footopt as fo
 from footopt.design import search
 from footopt.errors import SettingError
-from footopt.studies import run
+from footopt.studies import run, trust
 from footopt.walk.scenarios import anything
 
 SPACE = fo.Waypoints(n=4, K=3)
@@ -75,13 +75,18 @@ class TestStudy:
         assert [path.stat().st_size for path in tables] == [81 * 8 * 8] * 3
         kept = tables[0].read_bytes()
         tables[0].write_bytes(kept[: 64 * 40] + bytes(64 * 41))  # as a kill may leave it
+        made = tmp_path / "attempts.jsonl"
+        made.write_text(made.read_text()[:-40])
         plain = fo.FootProblem.walk
         monkeypatch.setattr(
             fo.FootProblem, "walk", lambda self, k: (walked.append(len(k)), plain(self, k))[1]
         )
+        searched, plainly = [], trust.attempt
+        monkeypatch.setattr(trust, "attempt", lambda *what: (searched.append(what), plainly(*what))[1])
         run(composed(*TRUST, *words), tmp_path, {}, resumed=True)
         again = json.loads((tmp_path / "result.json").read_text())
         assert (again["exact"], again["scores"]) == (whole["exact"], whole["scores"])
+        assert len(searched) == 1
         assert walked[1:] == [81]  # the first are walked to see whether the library of a peer is there
         assert tables[0].read_bytes() == kept
 

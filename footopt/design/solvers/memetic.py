@@ -30,7 +30,8 @@ CHILDREN = 1000  # a generation, of which a model chooses
 LEARNT, TRAINED = 40, 300  # designs before there is a model, and that it knows at most
 WIDTH, SMOOTHING = 0.7, 1e-3  # of the model: one over its length, in the range of heights
 WORSE = 1e100  # than any value, for a model of ranks: an infeasible design, the more it violates
-FEW = 100  # parents of several objectives at most
+FEW = 100  # parents of several objectives
+FREE = 2 / 3  # share of their children that no model chooses, of a front up to FEW
 
 
 class Moves(Algorithm, ABC):
@@ -190,12 +191,16 @@ class Memetic(Moves):
 
     def _propose(self, size: int) -> Ints:
         """Where it stalls, the best one's neighbourhood, in half of a generation; then a restart."""
-        if self.age < PATIENCE:
-            return super()._propose(size)
+        found = super()._propose(size) if self.age < PATIENCE else self._near(max(size // 2, 1))
+        return found if len(found) or self.age < 3 * PATIENCE else self._restart(size)
+
+    def _near(self, count: int) -> Ints:
+        """New designs from the best one's neighbourhood."""
         near = self.pop[0].X.astype(np.int64) + shifts(self.problem.n_var)
-        found = self._new(self.random_state.permutation(near), max(size // 2, 1))
-        if len(found) or self.age < 3 * PATIENCE:
-            return found
+        return self._new(self.random_state.permutation(near), count)
+
+    def _restart(self, size: int) -> Ints:
+        """Random designs to begin anew with, and twice as many parents."""
         self.age, self.parents = 0, min(2 * self.parents, MOST_PARENTS)
         drawn = self._drawn(size)
         self.pop = self.pop[:0] if len(drawn) == size else self.pop
@@ -205,19 +210,21 @@ class Memetic(Moves):
 class Archive(Moves):
     """Several objectives: every design that no other dominates is kept, and a parent.
 
-    Of more than `FEW`, those are parents that NSGA-II would let survive (Deb et al. 2002).
+    The others of `FEW` parents, or of a larger front those, are whom NSGA-II would let survive (Deb et al.
+    2002). A model does not see where a rugged front goes on: of a small one it chooses the fewer children.
     """
 
     def _initialize_advance(self, infills: Any = None, **kwargs: Any) -> None:
+        self.pop = Population.new()
         self._advance(infills)
 
     def _advance(self, infills: Any = None, **kwargs: Any) -> None:
         from pymoo.operators.survival.rank_and_crowding import RankAndCrowding
 
-        kept = self.front = front(Population.merge(self.front, infills))
-        if len(kept) > FEW:
-            kept = RankAndCrowding().do(self.problem, kept, n_survive=FEW, random_state=self.random_state)
-        self.pop = kept
+        self.front = front(Population.merge(self.front, infills))
+        pool = self.front if len(self.front) > FEW else Population.merge(self.pop, infills)
+        survive = {"n_survive": min(FEW, len(pool)), "random_state": self.random_state}
+        self.pop = RankAndCrowding().do(self.problem, pool, **survive)
 
     def _set_optimum(self) -> None:
         self.opt = self.front
@@ -225,6 +232,20 @@ class Archive(Moves):
     def _parents(self, count: int) -> Ints:
         chosen = self.random_state.integers(len(self.pop), size=count)
         return np.asarray(self.pop.get("X")[chosen].astype(np.int64))
+
+    def _propose(self, size: int) -> Ints:
+        """Of a small front in a quarter of a generation those neighbours that the model likes best."""
+        if len(self.front) > FEW or len(self.known) < LEARNT:
+            return super()._propose(size)
+        X = self.front.get("X").astype(np.int64)
+        near = (X[:, None] + shifts(X.shape[1])).reshape(-1, X.shape[1])
+        X = self._fresh(self.random_state.permutation(near)[: 3 * CHILDREN])
+        best = np.argsort(-self._promise(X), kind="stable") if len(X) else np.empty(0, np.int64)
+        return self._new(X[best], max(size // 4, 1))
+
+    def _screened(self, X: Ints, count: int) -> Ints:
+        free = int(FREE * count) if len(self.front) <= FEW else 0
+        return np.concatenate([super()._screened(X[free:], count - free), X[:free]])
 
 
 def like(X: Array, count: int, draw: Any) -> Ints:
