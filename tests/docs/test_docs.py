@@ -446,6 +446,7 @@ ROWS = {
     "engines.py": 5,
     "effects.py": 4,
     "other_optimisers.py": 2,
+    "ablation.py": 5,
     "fronts.py": 5,
     "mujoco_steps.py": 4,
     "page.py": 1,

@@ -152,11 +152,6 @@ def test_a_search_that_stalls_goes_on_elsewhere():
     assert best.F[0] <= Ridge().evaluate(near)[0].min()  # and a descent before that
 
 
-def test_a_solver_by_moves_has_to_say_who_is_a_parent():
-    with pytest.raises(TypeError, match="_parents"):
-        Moves()
-
-
 def test_operators_that_are_given_take_the_place_of_moves():
     p = problem(["distance", "work"], space=SEVEN)
     moves, textbook = (search(p, "nsga2", walks=60, seed=1, operators=given) for given in (None, {}))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from typing import Any
 
 import numpy as np
@@ -34,7 +33,7 @@ FEW = 100  # parents of several objectives
 FREE = 2 / 3  # share of their children that no model chooses, of a front up to FEW
 
 
-class Moves(Algorithm, ABC):
+class Moves(Algorithm):
     """What the solvers by moves have in common: no design twice, none outside its box, growing batches.
 
     Parameters
@@ -144,9 +143,14 @@ class Moves(Algorithm, ABC):
             np.minimum(promise, (ahead - expected).max(axis=1), out=promise)
         return promise
 
-    @abstractmethod
     def _parents(self, count: int) -> Ints:
         """Designs (count, n) that children are made of."""
+        chosen = self.random_state.integers(len(self.pop), size=count)
+        return np.asarray(self.pop.get("X")[chosen].astype(np.int64))
+
+    def _initialize_advance(self, infills: Any = None, **kwargs: Any) -> None:
+        self.pop = Population.new()
+        self._advance(infills)
 
     def advance(self, infills: Any = None, **kwargs: Any) -> Any:
         """Note what has been walked, and go on."""
@@ -170,9 +174,6 @@ class Memetic(Moves):
         super().__init__(pop_size, **kwargs)
         self.parents, self.age = PARENTS, 0
         self.champion: Any = None
-
-    def _initialize_advance(self, infills: Any = None, **kwargs: Any) -> None:
-        self.pop = infills[order(infills)[: self.parents]]
 
     def _advance(self, infills: Any = None, **kwargs: Any) -> None:
         pool = Population.merge(self.pop, infills)
@@ -214,10 +215,6 @@ class Archive(Moves):
     2002). A model does not see where a rugged front goes on: of a small one it chooses the fewer children.
     """
 
-    def _initialize_advance(self, infills: Any = None, **kwargs: Any) -> None:
-        self.pop = Population.new()
-        self._advance(infills)
-
     def _advance(self, infills: Any = None, **kwargs: Any) -> None:
         from pymoo.operators.survival.rank_and_crowding import RankAndCrowding
 
@@ -228,10 +225,6 @@ class Archive(Moves):
 
     def _set_optimum(self) -> None:
         self.opt = self.front
-
-    def _parents(self, count: int) -> Ints:
-        chosen = self.random_state.integers(len(self.pop), size=count)
-        return np.asarray(self.pop.get("X")[chosen].astype(np.int64))
 
     def _propose(self, size: int) -> Ints:
         """Of a small front in a quarter of a generation those neighbours that the model likes best."""

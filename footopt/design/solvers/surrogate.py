@@ -46,19 +46,12 @@ class Surrogate(Moves):
         super().__init__(pop_size, **kwargs)
         self.theta: list[Array] = []  # of each kernel, from which the next fit goes on
 
-    def _initialize_advance(self, infills: Any = None, **kwargs: Any) -> None:
-        self._advance(infills)
-
     def _advance(self, infills: Any = None, **kwargs: Any) -> None:
         self.front = front(Population.merge(self.front, infills))
         self.pop = self.known[order(self.known)[:PARENTS]] if self.problem.n_obj == 1 else self.front
 
     def _set_optimum(self) -> None:
         self.opt = self.pop[:1] if self.problem.n_obj == 1 else self.front
-
-    def _parents(self, count: int) -> Ints:
-        chosen = self.random_state.integers(len(self.pop), size=count)
-        return np.asarray(self.pop.get("X")[chosen].astype(np.int64))
 
     def _propose(self, size: int) -> Ints:
         from sklearn.exceptions import ConvergenceWarning
