@@ -12,7 +12,7 @@ from searching import assert_same, problem
 import footopt as fo
 from footopt.design import EXHAUSTIVE, SOLVERS, Solver, search
 from footopt.design.fronts import hypervolume_shares
-from footopt.design.solvers.memetic import Memetic, Moves
+from footopt.design.solvers.memetic import Memetic
 from footopt.design.solvers.moves import shifts
 
 SEVEN = fo.Waypoints(n=7)
