@@ -1,5 +1,7 @@
 """One picture of the scene: the page, which walks by itself, draws the parts that figures and films draw."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from browsers import Page, browser_needed
@@ -17,10 +19,10 @@ WORLDS = {
 }
 
 
-@pytest.fixture(scope="module")
-def walks():
+@cache
+def walked(name):
     foot = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
-    return {name: fo.simulate(foot, fo.Scene(effects=effects), "draft") for name, effects in WORLDS.items()}
+    return fo.simulate(foot, fo.Scene(effects=WORLDS[name]), "draft")
 
 
 def views(hip):
@@ -45,8 +47,8 @@ def away(points, others):
 
 @browser_needed
 @pytest.mark.parametrize("world", WORLDS)
-def test_the_page_draws_what_figures_and_films_draw(world, walks, browser, tmp_path):
-    walk = walks[world]
+def test_the_page_draws_what_figures_and_films_draw(world, browser, tmp_path):
+    walk = walked(world)
     content = page.walk_content(walk, {"accuracy": {"name": "draft"}, "scene": {"effects": {}}})
     shown = Page(browser, page.write(tmp_path / "page.html", content))
     times = walk.t[np.searchsorted(walk.t, np.subtract(shown.js("Array.from(open(0).when)"), 1e-6))[40::60]]
@@ -72,8 +74,8 @@ def test_the_page_draws_what_figures_and_films_draw(world, walks, browser, tmp_p
 
 
 @browser_needed
-def test_the_page_has_the_looks_of_figures(walks, browser, tmp_path):
-    content = page.walk_content(walks["plain"], {"accuracy": {"name": "draft"}, "scene": {"effects": {}}})
+def test_the_page_has_the_looks_of_figures(browser, tmp_path):
+    content = page.walk_content(walked("plain"), {"accuracy": {"name": "draft"}, "scene": {"effects": {}}})
     shown = Page(browser, page.write(tmp_path / "page.html", content))
     drawn = {p.get_attribute("class"): p for p in shown.all("#walk .wide svg path")}
     assert set(drawn) == set(LOOKS) - {"strip", "ghost", "edge", "paint", "gravity"}
@@ -93,9 +95,10 @@ def test_the_page_has_the_looks_of_figures(walks, browser, tmp_path):
         assert float(element.value_of_css_property("opacity")) == pytest.approx(look.opacity)
 
 
-def test_figures_draw_every_part_as_it_looks(walks):
+@pytest.mark.slow  # of compiling
+def test_figures_draw_every_part_as_it_looks():
     axes = new_figure(7.0, 3.0).subplots()
-    here = Picture(walks["slope, patch and layer"], [1.2])
+    here = Picture(walked("slope, patch and layer"), [1.2])
     shapes, labels = here.shapes(0, views(here.body.hip[0, 0])[1])
     picture.draw(axes, shapes, labels)
     lines = [line for line in axes.lines if line.get_label().startswith("_")]
@@ -109,8 +112,8 @@ def test_figures_draw_every_part_as_it_looks(walks):
     assert {label.text for label in labels} <= {text.get_text() for text in axes.texts}
 
 
-def test_a_drawn_print_is_as_deep_as_soles_were(walks):
-    walk = walks["plain"]
+def test_a_drawn_print_is_as_deep_as_soles_were():
+    walk = walked("plain")
     _, z = picture.printed(walk, np.array([0.1, 1.5, walk.t[-1]]))
     assert np.all(np.diff(z, axis=0) <= 0.0)  # it never fills
     low = Picture(walk, np.linspace(walk.t[0], walk.t[-1], 400)).body.sole[..., 1].min()

@@ -196,6 +196,7 @@ LEG = """
 """
 
 
+@pytest.mark.slow  # of compiling
 @pytest.mark.parametrize(("integrator", "kv", "warned"), [("Euler", 4, True), ("Euler", 0.3, False),
                                                           ("implicitfast", 4, False)])  # fmt: skip
 def test_a_servo_too_stiff_for_eulers_method_is_warned_of(integrator, kv, warned, recwarn):
