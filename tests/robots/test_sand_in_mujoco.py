@@ -25,6 +25,7 @@ robots = pytest.importorskip("stiff_robots")
 HARD, settle, feel = shared.HARD, shared.settle, shared.feel
 
 HOLLOW = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
+GRAINS = (Inertia(1.1, 900.0),)  # a callback is compiled for each choice of effects, with their numbers
 INTEGRATORS = [name.removeprefix("mjINT_") for name in mujoco.mjtIntegrator.__members__]
 SPELLED = {"EULER": "Euler", "RK4": "RK4"}
 
@@ -218,7 +219,7 @@ def test_a_reset_starts_again(block):
 @pytest.mark.slow
 def test_each_data_has_its_own_sand_and_others_none(block):
     model, data, contact = block()
-    soft_model, soft_data, soft = block(fo.Sand(0.2), effects=(Inertia(),))
+    soft_model, soft_data, soft = block(fo.Sand(0.2), effects=GRAINS)
     other = mujoco.MjData(model)
     for one, state in ((model, data), (soft_model, soft_data), (model, other)):
         settle(one, state, 1.0)
@@ -352,9 +353,9 @@ def test_a_plate_pushed_into_quartz_sand_feels_what_was_measured(request):
 
 def test_a_plate_dragged_fast_feels_the_inertia_of_the_grains(block):
     # F = K |z| + lambda rho A v^2, Agarwal et al., Science Advances 7 (2021), with their lambda and rho
-    rho, area, depth = 900.0, 0.016 * 0.03, 0.03
+    rho, area, depth = GRAINS[0].rho, 0.016 * 0.03, 0.03
     wall = fo.Foot(np.array([[0.0, -0.016], [0.0, 0.016]]), width=0.03)
-    _, _, contact = block(effects=(Inertia(1.1, rho),), foot=wall, plates=32)
+    _, _, contact = block(effects=GRAINS, foot=wall, plates=32)
     drags = []
     for speed in (0.04, 0.16, 0.32, 0.64):
         wrench, _ = feel(contact, np.array([0.0, 0.0, 1.0]), (speed, 0, 0, 0, 0, 0), -depth)
