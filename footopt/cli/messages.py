@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import re
 from collections.abc import Mapping, Sequence
+from importlib.metadata import PackageNotFoundError
 
 from hydra.errors import HydraException, MissingConfigException, OverrideParseException
 from omegaconf.errors import (
@@ -63,6 +64,11 @@ def explain(error: BaseException, words: Sequence[str] = ()) -> str:
         if any(word.startswith("resume=") for word in words):
             return f"{said}. Resume a copy that is yours."
         return f"{said}. Write to another folder with hydra.run.dir=FOLDER."
+    if isinstance(error, PackageNotFoundError):
+        return (
+            f"the files of the package {error.name} cannot be found. May too few files be open at once "
+            "(`ulimit -n`)? If not, install it again."
+        )
     if isinstance(error, MemoryError) or any(said in str(error) for said in NO_MEMORY):
         return (
             f"there is too little memory ({str(error) or type(error).__name__}). Free some, or ask for less: "
@@ -104,7 +110,8 @@ def refusal(error: BaseException, words: Sequence[str]) -> FootoptError | None:
         if nothing := re.match(r"Interpolation key '(.*)' not found", said):
             place = next((word for word in words if f"${{{nothing[1]}}}" in word), key)
             return FootoptError(f"{place}: there is no setting {nothing[1]} to refer to. {MORE}")
-        return FootoptError(f"{key}: {said}" if key else said)
+        place = key or next((word for word in words if "${" in word), "")
+        return FootoptError(f"{place}: {said}" if place else said)
     if isinstance(error, HydraException):
         lines = [line.strip() for line in str(error).partition("\nConfig search path:")[0].splitlines()]
         where = ("full_key", "reference_type", "object_type")

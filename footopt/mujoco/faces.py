@@ -191,7 +191,6 @@ def forces(friction, loads, gates, pushes, faces, a, u, surface, forward, twist,
         f = plus(times(area * k, p), -area * push, n)
         torque = cross(r, f)
         total = add(total, 1.0, (f[0], f[1], f[2], torque[0], torque[1], torque[2]), 0.0, total)
-
         k, throw = area * k * q * turn, times(area * push_by_vn, n)
         w = times(-c * area if depth > 0.0 else 0.0, plus(times(by_depth, p), -push_by_depth, n))
         x = by_twist(r, k, by_h[0], h, slides, w[0], u, throw[0], n)

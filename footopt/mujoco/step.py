@@ -130,8 +130,7 @@ def align(space):
 @cached_njit(nogil=True, error_model="numpy", fastmath=FAST)
 def begin(space, meaning):
     """Begin a step, after a RESTART with all sunk straight down; whether a body may touch sand."""
-    step, vectors = space.step[0], space.vectors
-    twist = product(space.jacobian, space.velocity[0])
+    step, vectors, twist = space.step[0], space.vectors, product(space.jacobian, space.velocity[0])
     late = 0.5 * step.dt * step.rk4  # from MuJoCo's places to the middle
     for b in range(len(space.bodies)):
         body, (_, _, vz, wx, wy, wz) = space.bodies[b], twist[6 * b : 6 * b + 6]
@@ -164,10 +163,9 @@ def begin(space, meaning):
         for b in range(len(space.bodies)):
             write(vectors[FREE, 6 * b : 6 * b + 3], step.gravity @ space.frame[b].reshape(3, 3))
     write(vectors[TWIST], twist)
-    vectors[GAINED:] = 0.0
     if meaning != AGAIN:
         write(space.bristles[0], space.bristles[2])
-    space.bristles[2] = 0.0
+    vectors[GAINED:] = space.bristles[2] = 0.0
     return np.any(space.bodies.near)
 
 

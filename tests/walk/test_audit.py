@@ -68,11 +68,11 @@ def test_effects_together_change_what_is_walked_and_say_what_is_beyond_each_alon
 
 @pytest.mark.slow
 def test_the_docs_have_what_pairs_change_beyond_each_alone():
-    """Row of the paper's walk, in effects.md."""
+    """The paper's walk, in effects.md; whole numbers are rounded ones."""
     text = (Path(__file__).parents[2] / "docs" / "effects.md").read_text(encoding="utf-8")
-    (row,) = re.findall(r"^\| `walk` \|(.*)\|$", text, re.M)
     feet = fo.Waypoints().random(40, seed=1, inside=True)
-    effects = (fo.LeadingEdge(), fo.Inertia(), fo.Shadowing())
-    found = [100.0 * joint.extra.max() for joint in interactions(effects, fo.Scene(), feet)]
-    said = [float(cell) for cell in row.split("|") if cell.strip()]
-    assert said == pytest.approx(found, rel=0.05)
+    *pairs, _ = interactions((fo.Inertia(), fo.LeadingEdge(), fo.Shadowing()), fo.Scene(), feet)
+    for joint in pairs:
+        names = " + ".join(joint.names).replace("_", " ")
+        (said,) = re.findall(rf"^\| {re.escape(names)} \| ([\d.]+) \|", text, re.M)
+        assert float(said) == pytest.approx(100.0 * joint.extra.max(), rel=0.05, abs=0.5), names
