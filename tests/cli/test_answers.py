@@ -87,6 +87,7 @@ class TestSeveralObjectives:
 
 
 class TestControl:
+    @pytest.mark.slow
     def test_a_search_stops_where_it_is_told_to_and_goes_on_when_resumed(self, tmp_path):
         words = [*TINY[:2], "solver=ga", "foot.n=5", "solver.n_gen=50", "solver.pop_size=6"]
         words += ["report=none", "hydra.run.dir=run"]

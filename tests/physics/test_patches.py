@@ -76,6 +76,7 @@ class TestPatchesTogether:
         strength, _, _ = effects.load(law, (1.0, 1.0, 0.0), 0.03, x)
         assert np.trapezoid(strength - 1.0, x) == pytest.approx(9.0 * width, rel=1e-6)
 
+    @pytest.mark.slow
     def test_a_hundred_patches_are_a_table_that_acts_as_few_do(self, ramp_foot):
         """A long list is not compiled one by one; patches that adjoin are one."""
         edges = tuple(np.linspace(0.35, 0.95, 13).tolist())

@@ -458,6 +458,7 @@ def test_arrows_carry_the_force_on_the_foot(hard):
     assert on_paper > 0.25 * 72
 
 
+@pytest.mark.slow
 def test_a_step_shows_the_ground_of_its_scene(foot):
     scene = fo.Scene(effects=(fo.Slope(-5),))
     assert "g = 9.81 m/s², 5° downhill" in texts(figures.step(fo.simulate(foot, scene, "draft"), 1))
