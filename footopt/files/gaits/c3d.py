@@ -76,7 +76,9 @@ def read_c3d(content: bytes, units: str | None = None) -> Markers:
     seen = (values[..., 3:] >= 0) & np.isfinite(values).all(axis=2, keepdims=True)
     places = np.where(seen, values[..., :3], np.nan) * (1.0 if size == 4 else scale)
     unit = metres(next(iter(texts("UNITS")), ""), units)
-    return to_markers((first - 1 + np.arange(frames)) / rate, names, unit * places)
+    angles = [name.endswith("Angles") for name in names] + [False] * many
+    places *= np.where(angles[:many], 1.0, unit)[:, None]  # angles are in deg
+    return to_markers((first - 1 + np.arange(frames)) / rate, names, places)
 
 
 def _check_long(content: bytes, needs: int) -> None:
