@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from footopt.files.gaits.angles import Recording, climbing, recording
 from footopt.files.gaits.markers import Markers
-from footopt.files.gaits.model import ALIKE, of_model
+from footopt.files.gaits.model import ALIKE, SAME, of_model
 from footopt.files.gaits.names import NEEDED
 from footopt.files.gaits.sides import Leg, both_legs, mirrored
 from footopt.files.reading import Unusable
@@ -75,12 +75,12 @@ def leg_angles(markers: Markers, names: Mapping[str, str], side: str | None, max
     if not any(names.values()) and (model := of_model(markers, t, which, forward, up)) is not None:
         off = np.sqrt(np.mean(np.square(np.subtract(model, angles)), axis=1))
         differ = f"the markers' are {off[0]:.1f} and {off[1]:.1f} deg (rms) from them"
-        if off.max() < ALIKE:
+        if SAME < off.max() < ALIKE:
             angles = model
             notes += (
                 f"thigh and knee: the file's own angles; {differ} (gait.names.knee=... reads the markers)",
             )
-        else:
+        elif off.max() >= ALIKE:
             notes += (f"the file's own angles of thigh and knee are left out: {differ}",)
     sways, rises = (float(np.std(detrend(hip @ way))) for way in (forward, up))
     if np.std(detrend(ankle @ forward)) < PLANTED < rises and sways < rises:

@@ -10,6 +10,7 @@ from footopt.files.gaits.markers import Markers
 Array = NDArray[np.float64]
 
 JOINTS = ("Pelvis", "Hip", "Knee")
+SAME = 0.1  # deg rms; where the markers are the model's own centres of joints
 ALIKE = 15.0  # deg rms that model and markers differ by at most; beyond, the angles are no Plug-in Gait's
 
 
