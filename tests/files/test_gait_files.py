@@ -276,6 +276,7 @@ class TestMot:
             (lambda rows: [r.replace("hip_flexion_l", "pro_sup") for r in rows], ""),
             (lambda rows: [r.replace("knee_angle_l", "knee_angle_r") for r in rows], "columns are called"),
             (speeds_first, ""),
+            (lambda rows: [r.replace("e_angle", "e_flex").replace("flexion", "flex") for r in rows], ""),
             (lambda rows: [r.replace("s=yes", "s=maybe") for r in rows], "must be yes or no, and is maybe"),
             (lambda rows: [r for r in rows if r != "endheader"], "no line says endheader"),
             (lambda rows: [*rows[:9], "3", *rows[10:]], r"cannot be read as MOT/STO \(line 10 has 1 cells"),

@@ -355,6 +355,13 @@ class TestNoWalk:
 
         assert walk(sway, speed=1.2, strides=1.05)[0].period == pytest.approx(HUMAN.period, rel=0.05)
 
+    def test_a_walk_that_hesitates_in_each_stride(self):
+        def wait(t, places):
+            for place in places.values():  # all of it stays behind, and then catches up
+                place[:, 0] += 1.15 * HUMAN.period / (2 * np.pi) * np.sin(2 * np.pi * t / HUMAN.period)
+
+        refused("does not go on", wait, speed=1.2)
+
     def test_backwards(self):
         refused(r"the hip goes \d\.\d\d m backwards", speed=-1.0)
 
@@ -547,6 +554,13 @@ class TestShortTrials:
         assert "half a stride of each leg" in notes
         assert misfit(gait) < 4.0
         assert gait.period == pytest.approx(HUMAN.period, rel=0.05)
+
+    def test_but_not_where_the_legs_hardly_move_any_more(self):
+        t = np.linspace(0.0, 2.0, 101)
+        swing, tremble = 30.0 * np.exp(-((t / 0.4) ** 2)), 4.0 * np.cos(8.0 * t)
+        legs = [recording(np.array([t, side * (swing + tremble), 20.0 + tremble])) for side in (1.0, -1.0)]
+        with pytest.raises(Unusable, match="no stride closes"):
+            cut(legs[0]._replace(other=legs[1]))
 
     def test_both_halves_of_it_meet(self):
         """Though one leg's angles are 2 deg larger, as where its markers sit elsewhere."""

@@ -35,12 +35,15 @@ class Recording(NamedTuple):
         What was recognised, mended or assumed.
     other : Recording, optional
         The other leg, which a stride is checked by.
+    way : (n,) array, m, optional
+        How far forward the hip is, of markers.
     """
 
     t: Array
     angles: dict[str, Array]
     notes: tuple[str, ...] = ()
     other: Recording | None = None
+    way: Array | None = None
 
 
 def recording(rows: Array, notes: tuple[str, ...] = ()) -> Recording:

@@ -110,7 +110,7 @@ def leg_angles(markers: Markers, names: Mapping[str, str], side: str | None, max
     own = recording(np.array([t, *angles]), notes)
     level = ("foot: level where the ankle is lowest",) if "foot" in own.angles else ()
     second = None if other is None else _other(markers.t, other, max_gap, forward, up)
-    return own._replace(notes=own.notes + level, other=second)
+    return own._replace(notes=own.notes + level, other=second, way=(hip @ forward)[: len(own.t)])
 
 
 def _other(t: Array, leg: Leg, max_gap: float, forward: Array, up: Array) -> Recording | None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from footopt.files.gaits.angles import PERIODS, Recording
-from footopt.files.gaits.windows import TIMES, closing, is_two, mirrored, one_row_short, open_by
+from footopt.files.gaits.windows import TIMES, closing, is_two, mirrored, one_row_short, open_by, steady
 from footopt.files.reading import Unusable
 
 Array = NDArray[np.float64]
@@ -140,7 +141,7 @@ def _single(recording: Recording) -> Strides:
 
 def _closed(recording: Recording) -> tuple[Strides, float]:
     """A whole recording as one stride, and the part of the motion that its ends differ by."""
-    t, angles, _, _ = recording
+    t, angles = recording.t, recording.angles
     # both legs of a table take as long
     legs = [leg for leg in (recording, recording.other) if leg is not None and len(leg.t) == len(t)]
     whole, again = (float(np.mean([gap(leg) for leg in legs])) for gap in (open_by, one_row_short))
@@ -209,7 +210,14 @@ def _several(recording: Recording, begins: Array) -> Strides:
                 "walk does once in each, at about 0.5: no walk, or markers are mistaken."
             )
     uneven = np.sum(~good)
-    if (good & ~(stands := _beside_standing(recording, begins))).any():
+    goes = np.array([steady(recording, *pair) for pair in pairwise(begins)])
+    if not (good & goes).any():
+        raise Unusable(
+            "the hip does not go on through any stride: the subject starts, stops or hesitates. Give a "
+            "steady walk."
+        )
+    stands = _beside_standing(recording, begins) | ~goes
+    if (good & ~stands).any():
         good &= ~stands
     standing = np.sum(~good) - uneven
     good &= abs(lengths / np.median(lengths[good]) - 1.0) <= ODD

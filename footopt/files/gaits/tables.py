@@ -17,6 +17,12 @@ from footopt.files.reading import Unusable
 Array = NDArray[np.float64]
 
 SIDES = ("right", "left")
+#: Columns of OpenSim's models before the side, of gait2392 first, then of Lenhart's and others.
+USUAL = {
+    "hip": ("hip_flexion", "hip_flex"),
+    "knee": ("knee_angle", "knee_flexion", "knee_flex"),
+    "ankle": ("ankle_angle", "ankle_flexion", "ankle_flex"),
+}
 
 
 def read_csv(text: str, names: Mapping[str, str], units: str | None = None) -> Recording:
@@ -43,36 +49,43 @@ def read_mot(text: str, names: Mapping[str, str], side: str | None, units: str |
     """
     head, columns, notes = _columns(text)
 
-    def find(what: str, usual: str) -> Array | None:
+    def find(what: str, *usual: str) -> Array | None:
         # OpenSim 4 writes whole paths: /jointset/knee_r/knee_angle_r/value, and .../speed beside it
         own = names.get(what)
         found = [
             (name, values)
             for name, values in columns
-            if (name == own if own else usual in (parts := name.lower().split("/")) and parts[-1] != "speed")
+            if (
+                name == own
+                if own
+                else {*usual} & {*(parts := name.lower().split("/"))} and parts[-1] != "speed"
+            )
         ]
         same = [values for name, values in found if name == found[0][0]]
         if any(not np.array_equal(same[0], values) for values in same[1:]):
             raise Unusable(f"two columns are called {found[0][0]!r}, with other values. Which one is it?")
         return same[0] if same else None
 
-    def need(what: str, usual: str) -> Array:
-        if (column := find(what, usual)) is None:
+    def need(what: str, *usual: str) -> Array:
+        if (column := find(what, *usual)) is None:
             raise Unusable(
-                f"no column for the {what}; looked for {names.get(what, usual)}, the file has "
+                f"no column for the {what}; looked for {names.get(what, ', '.join(usual))}, the file has "
                 f"{', '.join(name for name, _ in columns)}. Name it with gait.names.{what}=..."
             )
         return column
 
     time, tilt, height = need("time", "time"), find("pelvis", "pelvis_tilt"), find("height", "pelvis_ty")
 
+    def usual_of(part: str, leg: str) -> list[str]:
+        return [f"{name}_{leg[0]}" for name in USUAL[part]]
+
     def angles_of(leg: str) -> Array:
-        hip, knee = need("hip", f"hip_flexion_{leg[0]}"), need("knee", f"knee_angle_{leg[0]}")
+        hip, knee = (need(part, *usual_of(part, leg)) for part in ("hip", "knee"))
         flexion = knee if abs(np.max(knee)) >= abs(np.min(knee)) else -knee
-        thigh, bend = hip + (0.0 if tilt is None else tilt), find("ankle", f"ankle_angle_{leg[0]}")
+        thigh, bend = hip + (0.0 if tilt is None else tilt), find("ankle", *usual_of("ankle", leg))
         return np.array([thigh, flexion, *([] if bend is None else [thigh - flexion + bend])])
 
-    leg = side or next((s for s in SIDES if find("hip", f"hip_flexion_{s[0]}") is not None), "right")
+    leg = side or next((s for s in SIDES if find("hip", *usual_of("hip", s)) is not None), "right")
     angles, stated = angles_of(leg), re.search(r"indegrees\s*=\s*(\w+)", head)
     if stated and stated[1] not in ("yes", "no") and units is None:
         raise Unusable(f"cannot be read as MOT/STO (inDegrees must be yes or no, and is {stated[1]}).")

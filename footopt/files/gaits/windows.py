@@ -11,9 +11,11 @@ Array = NDArray[np.float64]
 
 TIMES, SMOOTH = 300, 4.0  # times at which a closed part is looked for; width of their speeds' filter
 CLOSED = 0.06  # of the motion that the ends of such a part may differ by
+BOTH = 0.2  # of the other leg's motion, that its ends may differ by
 EVEN = 0.1  # of a step that others may be longer
 TWICE = 0.5  # of the motion; where the leg is nearer in the middle to where it began, there are two strides
-MOST = 0.8  # of the thigh's range that such a part must hold
+STEADY, PACE, PART = 0.6, 0.3, 0.25  # of a hip's mean speed that it keeps; where it goes, m/s; in parts, s
+MOST = 0.8  # of the range of thighs that such a part must hold
 
 
 def closing(recording: Recording, halves: bool) -> tuple[float, float, float] | None:
@@ -32,16 +34,20 @@ def closing(recording: Recording, halves: bool) -> tuple[float, float, float] | 
     scale = np.maximum(np.ptp(own, axis=1), np.ptp(after, axis=1))
     gap = np.maximum(_apart(own, after, scale), _apart(after, own, scale))
     lag = t - t[:, None]  # of an end (columns) after a begin (rows)
-    thigh = own[0]
     if not halves:  # nor two strides
         begins, ends = np.indices(gap.shape)
         lag[gap[begins, (begins + ends) // 2] < TWICE] = np.inf
+        if (leg := recording.other) is not None and leg.t[0] <= t[0] and t[-1] <= leg.t[-1]:
+            second = _state(t, leg)
+            gap[_apart(second, second, np.ptp(second, axis=1)) > BOTH] = np.inf
     gap[(lag < least) | (lag > most)] = np.inf
     for _ in range(TIMES):
         row, column = np.unravel_index(np.argmin(gap), gap.shape)
         if not gap[row, column] <= CLOSED:
             return None
-        if halves or np.ptp(thigh[row : column + 1]) > MOST * np.ptp(thigh):
+        part = np.array([own[0, row : column + 1], after[0, row : column + 1]])
+        # of one leg, or both together
+        if np.ptp(part) > MOST * scale[0] and steady(recording, t[row], t[column]):
             # how far the end is from its time, of all pairs that are as far apart, by least squares
             later = slice(column - row, None)
             turn = after[2:, later] / scale[:2, None]
@@ -50,6 +56,19 @@ def closing(recording: Recording, halves: bool) -> tuple[float, float, float] | 
             return float(t[row]), min(float(t[column]) + more, float(t[-1])), float(gap[row, column])
         gap[row] = np.inf
     return None
+
+
+def steady(recording: Recording, begin: float, end: float) -> bool:
+    """Whether the hip goes on from begin to end, s, in each of two to four parts: no start, stop or obstacle.
+
+    In 22 steady walks and runs its mean speed in a quarter of a stride is at least 0.8 of the stride's, in
+    unsteady ones below 0.4. On a treadmill, and without markers, nothing is known of it.
+    """
+    if recording.way is None:
+        return True
+    parts = int(np.clip(round((end - begin) / PART), 2, 4))
+    gone = np.diff(np.interp(np.linspace(begin, end, parts + 1), recording.t, recording.way))
+    return bool(gone.sum() < PACE * (end - begin) or gone.min() > STEADY * gone.mean())
 
 
 def open_by(recording: Recording) -> float:
