@@ -89,11 +89,11 @@ def refusal(error: BaseException, words: Sequence[str]) -> FootoptError | None:
     key = path.partition("[")[0]  # of a list, without the place in it
     if isinstance(error, MissingConfigException) and "/" in (error.missing_cfg_file or ""):
         group, _, choice = str(error.missing_cfg_file).rpartition("/")
-        return _no_choice(group, choice, error.options or groups().get(group, []))
+        return _no_choice(group, choice, error.options or groups().get(group, []), given.get(group, ""))
     if isinstance(error, ValueError) and "Config group override must be" in said:
         for group in given.keys() & groups().keys():
             if given[group] not in groups()[group]:
-                return _no_choice(group, given[group], groups()[group])
+                return _no_choice(group, given[group], groups()[group], given[group])
         word = next((word for word in words if word.startswith("=")), "")
         return FootoptError(f"{word}: settings are given as name=value. {MORE}" if word else said)
     if isinstance(error, OverrideParseException):
@@ -121,11 +121,16 @@ def refusal(error: BaseException, words: Sequence[str]) -> FootoptError | None:
     return None
 
 
-def _no_choice(group: str, choice: str, choices: Sequence[str]) -> FootoptError:
-    """A group has no such choice."""
+def _no_choice(group: str, choice: str, choices: Sequence[str], given: str) -> FootoptError:
+    """A group has no such choice as is given, alone or in a list."""
     own = [name for name in known() if name.startswith(f"{group}.") and name != f"{group}.name"]
     is_number = own and re.fullmatch(r"[-+\d.e]+", choice)
     hint = f"A number needs its name, such as {own[0]}={choice}." if is_number else ""
+    if group == "objective" and not meant(choice, choices):
+        from footopt.walk.objectives import MEASURES
+
+        names = [meant(name.strip(), MEASURES) for name in given.strip("[]").split(",")]
+        hint = f"Or yours: 'objective.names=[{','.join(filter(None, names)) or 'work'}]'."
     return SettingError(group, choice, f"one of {', '.join(choices)}", hint)
 
 

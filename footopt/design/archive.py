@@ -49,7 +49,8 @@ def nothing_feasible(
     """What ends a search without a feasible design; counts: of the designs, by their reasons."""
     if interrupted:
         return KeyboardInterrupt("before a feasible design was found")
-    causes = ", ".join(f"{n} {cause}" for cause, n in sorted(counts.items()))
+    words = {"box": "outside the box"} | {name: f"beyond the limit of {name}" for name in MEASURES}
+    causes = ", ".join(f"{n} {words.get(cause, cause)}" for cause, n in sorted(counts.items()))
     return FootoptError(
         f"No feasible design among {counts.total()}: {causes}. "
         f"Try {hint}a larger foot.box_tolerance, wider limits, or harder sand."

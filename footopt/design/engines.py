@@ -36,7 +36,7 @@ def make_executor(
     name: str = "local", workers: int | None = None, address: str | None = None, timeout: float = 10.0
 ) -> AbstractContextManager[Executor | None]:
     """The executor of an engine, for a `with` statement; None for "local". See `processes` and `Dask`."""
-    check(name in ENGINES, "engine.name", name, f"one of {', '.join(ENGINES)}")
+    check(name in ENGINES, "engine", name, f"one of {', '.join(ENGINES)}")
     check(
         workers is None or (name != "local" and address is None),
         "engine.workers",

@@ -71,7 +71,7 @@ def run(
     if name not in STUDIES:
         raise SettingError("study.name", name, f"one of {', '.join(STUDIES)}")
     if config.engine.name != "local" and name not in SEARCHES:
-        raise SettingError("engine.name", config.engine.name, f"local for study={name}")
+        raise SettingError("engine", config.engine.name, f"local for study={name}")
     if name != "optimize" and (limits := make_limits(config)):
         raise SettingError("constraint", limits, f"left out for study={name}", "study=optimize keeps limits.")
     ask = STUDIES[name] or import_module(f"footopt.studies.{name}").run

@@ -137,7 +137,7 @@ def make_space(config: FootConfig) -> Waypoints:
 def check_searchable(config: FootConfig) -> None:
     """Raise unless the foot of the settings is a space to search, not one sole."""
     if config.shape != "waypoints":
-        raise SettingError("foot.shape", config.shape, "waypoints for a search", "Or use study=simulate.")
+        raise SettingError("foot", config.shape, "waypoints for a search", "Or use study=simulate.")
     hint = "Use study=simulate to walk with one sole."
     check(config.k is None, "foot.k", config.k, "null for a search", hint)
 

@@ -14,6 +14,7 @@ from shapely import Polygon
 
 from footopt.errors import FileError, FootoptError, SettingError
 from footopt.files.drawings import MM
+from footopt.files.identity import lacking
 from footopt.files.mjcf import write_mjcf
 from footopt.files.reading import is_missing, named, read_json_file
 from footopt.foot import Foot
@@ -104,7 +105,7 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
             raise SettingError("run", str(folder), one, f"Such as run={folder / '0'}") from None
         gone = is_missing(folder / "result.json")
         kind = "" if isinstance(error, FileError) else f"{type(error).__name__}: "
-        why = "it has no result.json" if gone else f"{kind}{error}".rstrip(".")
+        why = lacking(folder, "result.json") if gone else f"{kind}{error}".rstrip(".")
         raise FileError(
             f"{named(folder, 'run')}: not the folder of a run with one foot ({why}). "
             "Give one of study=optimize or simulate."

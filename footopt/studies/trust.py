@@ -82,7 +82,7 @@ def run(study: Study) -> None:
     known = (*SOLVERS, *PEERS)
     names = list(known) if options.solvers is None else options.solvers
     if unknown := [name for name in names if name not in known]:
-        raise SettingError("study.solvers", unknown, f"some of {', '.join(known)}")
+        raise SettingError("study.solvers", unknown[0], f"one of {', '.join(known)}")
     seeds = min(options.seeds, QUICK_SEEDS) if options.quick else options.seeds
     count = min(options.scenes, QUICK_SCENES) if options.quick else options.scenes
     for name in names:

@@ -53,8 +53,8 @@ def run(study: Study) -> None:
 def cases(names: Sequence[str] | None) -> list[Experiment]:
     """The experiments that the settings name; null is all."""
     known = {e.name: e for e in experiments()}
-    if names is not None and (not names or any(name not in known for name in names)):
-        raise SettingError("study.cases", list(names), f"some of {', '.join(known)}, or null")
+    if names is not None and (unknown := [name for name in names or [""] if name not in known]):
+        raise SettingError("study.cases", unknown[0], f"one of {', '.join(known)}")
     return [e for e in known.values() if names is None or e.name in names]
 
 

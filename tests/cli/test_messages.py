@@ -26,7 +26,7 @@ BAD = {
     "study=export": "run = None: must be the folder of a run",
     "study=simulate foot=outline": "foot.path = None: must be a drawing",
     "study=simulate foot.path=sole.dxf": "foot.path = 'sole.dxf': must be left out: foot=waypoints does not",
-    "foot=outline foot.path=sole.dxf": "foot.shape = 'outline': must be waypoints for a search",
+    "foot=outline foot.path=sole.dxf": "foot = 'outline': must be waypoints for a search",
 }
 
 
@@ -67,6 +67,8 @@ MISTAKES = {
     "effects.slope=5": "effects.slope: holds several settings. Try effects.slope.angle=...",
     "-m sand=Hard,soft": "Did you mean hard?",
     "sand=dense": "Did you mean hard?",
+    "objective=[work,distanse]": "Or yours: 'objective.names=[work,distance]'.",
+    "study=validate study.cases=[Wheel]": "Did you mean wheel?",
     "study=stability study.cases=[standig]": "Did you mean standing, zeta",
     "sand=2.5": "A number needs its name, such as sand.zeta=2.5.",
     "sand=soft,hard": "sand = 'soft,hard': must be one choice. For a run of each: footopt -m sand=soft,hard",

@@ -99,8 +99,8 @@ def refused(*arguments, cwd, says):
 
 #: Arguments that name what cannot be resumed or shared, and what the message says.
 BAD = {
-    "resume=missing": "missing': not the folder of a run (it has no footopt.yaml)",
-    "resume=a_file": "a_file': not the folder of a run (it has no footopt.yaml)",
+    "resume=missing": "missing': not the folder of a run (there is no such folder)",
+    "resume=a_file": "a_file': not the folder of a run (there is no such folder)",
     "resume=run sand=soft": "For anything else start a new run, without resume",
     "resume=run +x=1": "must be a setting that does not make another run",
     "resume=run ~engine": "must be a setting that does not make another run",

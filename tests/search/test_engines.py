@@ -216,7 +216,7 @@ class TestSettings:
     @pytest.mark.parametrize(
         ("settings", "words"),
         [
-            ({"name": "mpi"}, "engine.name = 'mpi': must be one of local, processes, dask"),
+            ({"name": "mpi"}, "engine = 'mpi': must be one of local, processes, dask"),
             ({"workers": 2}, "engine.workers = 2: must be null"),
             ({"name": "processes", "workers": 0}, "engine.workers = 0: must be a whole number >= 1"),
             ({"name": "processes", "address": "tcp://a:1"}, "engine.address = 'tcp://a:1': must be null"),

@@ -103,7 +103,7 @@ class TestStudy:
             ("study.tail=2", "study.tail = 2.0"),
             ("study.finalists=0", "study.finalists = 0"),
             ("study.confirm=finest", "accuracy = 'finest'"),
-            ("foot=ellipse", "foot.shape = 'ellipse'"),
+            ("foot=ellipse", "foot = 'ellipse'"),
             ("foot.k=[1,2,3,4,5]", "foot.k ="),
             ("solver.name=nsga2", "solver = 'nsga2'"),
             ("effects.auto=true", "effects.auto = True"),

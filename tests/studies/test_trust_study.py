@@ -95,7 +95,7 @@ class TestStudy:
         [
             ("study.seeds=0", r"study\.seeds = 0"),
             ("study.budget=50", r"study\.budget = 50: must be at least one generation, 100"),
-            ("study.solvers=[ga,sa]", r"study\.solvers = \['sa'\]: must be some of memetic"),
+            ("study.solvers=[ga,sa]", r"study\.solvers = 'sa': must be one of memetic"),
             ("foot.n=11", r"foot\.n = 11: must be small enough"),
         ],
     )

@@ -263,5 +263,5 @@ class TestStudy:
         assert "differs by" in (tmp_path / "validation.md").read_text()
 
     def test_an_experiment_that_is_not_there_is_refused(self, tmp_path):
-        with pytest.raises(SettingError, match=r"study\.cases.*some of wheel"):
+        with pytest.raises(SettingError, match=r"study\.cases = 'moon': must be one of wheel"):
             studies.run(composed("study=validate", "study.cases=[moon]"), tmp_path, {})
