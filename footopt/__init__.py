@@ -11,13 +11,17 @@ Public names are imported when first used, so that importing footopt is cheap.
 
 from __future__ import annotations
 
+import os
 import sys
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
+TYPE_CHECKING = (
+    False  # typing and pathlib take the time in which Ctrl-C still falls before `footopt.__main__`
+)
 if TYPE_CHECKING:
+    from typing import Any
+
     from footopt import mujoco as mujoco
     from footopt.cli.run import run as run
     from footopt.design import FootProblem as FootProblem
@@ -92,9 +96,9 @@ def __dir__() -> list[str]:
 
 
 # Hydra looks for pkg://footopt.conf, which is inside this package in a wheel, and beside it in a checkout
-_here = Path(__file__).parent
-_spec = spec_from_file_location("footopt.conf", _here.parent / "conf" / "__init__.py")
-if _spec is not None and not (_here / "conf").is_dir():
+_here = os.path.dirname(__file__)
+_spec = spec_from_file_location("footopt.conf", os.path.join(os.path.dirname(_here), "conf", "__init__.py"))
+if _spec is not None and not os.path.isdir(os.path.join(_here, "conf")):
     sys.modules["footopt.conf"] = module_from_spec(_spec)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -49,12 +49,16 @@ def nothing_feasible(
     """What ends a search without a feasible design; counts: of the designs, by their reasons."""
     if interrupted:
         return KeyboardInterrupt("before a feasible design was found")
-    words = {"box": "outside the box"} | {name: f"beyond the limit of {name}" for name in MEASURES}
-    causes = ", ".join(f"{n} {words.get(cause, cause)}" for cause, n in sorted(counts.items()))
     return FootoptError(
-        f"No feasible design among {counts.total()}: {causes}. "
+        f"No feasible design among {counts.total()}: {causes(counts)}. "
         f"Try {hint}a larger foot.box_tolerance, wider limits, or harder sand."
     )
+
+
+def causes(counts: Mapping[str, int]) -> str:
+    """How many designs are infeasible for which reasons, in words."""
+    words = {"box": "outside the box"} | {name: f"beyond the limit of {name}" for name in MEASURES}
+    return ", ".join(f"{n} {words.get(cause, cause)}" for cause, n in sorted(counts.items()))
 
 
 class Archive:

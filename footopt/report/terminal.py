@@ -15,6 +15,7 @@ from rich.table import Table as RichTable
 from rich.text import Text
 
 from footopt.design import Confirmation, SearchResult
+from footopt.design.archive import causes
 from footopt.effects import LeadingEdge, name_of
 from footopt.foot import Foot, Waypoints
 from footopt.foot.waypoints import written
@@ -181,7 +182,7 @@ def describe_setup(scene: Scene, foot: Foot | Waypoints) -> str:
 def describe_search(result: SearchResult) -> str:
     """What a search did, in one line."""
     bad, beaten = result.infeasible, getattr(result, "beaten", 0)
-    why = f" ({', '.join(f'{n} {reason}' for reason, n in result.failures.items())})" if bad else ""
+    why = f" ({causes(result.failures)})" if bad else ""
     reused = f", {result.reused} of them known" if result.reused else ""
     front = f", {len(result.front)} on the front" if result.problem.n_obj > 1 else ""
     why_stopped = f" (stopped {result.stopped})" if result.stopped else ""

@@ -98,7 +98,7 @@ class Setting:
         if parameter.startswith("ankle"):
             return f"{name}, {1e3 * getattr(self.spread, parameter):g} mm"
         if parameter.startswith("waypoint"):
-            return f"{name}, {1e3 * self.waypoint:g} mm"
+            return f"{name.replace('waypoint ', 'k')}, {1e3 * self.waypoint:g} mm"
         sigma = getattr(self if parameter in ("width", "creep") else self.spread, parameter)
         return f"{name}, {100 * sigma:g} %"
 
