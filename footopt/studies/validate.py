@@ -114,7 +114,7 @@ def table(found: Sequence[Comparison], titles: dict[str, str]) -> Table:
     shown = terminal.table(
         ("experiment", "quantity", "law", "scale", "E rms", "E mean", "2 u", "verdict"), words
     )
-    shown.title = "E = S - D against u (ASME V&V 20), as parts of the measured scale"
+    shown.title = "E, simulated less measured, and its uncertainty 2 u (ASME V&V 20), as parts of the scale"
     for c in found:
         what = f"{c.quantity} ({c.unit})" if c.unit != "1" else c.quantity
         verdict = Text(c.says, style="bold" if c.verdict == DIFFERS else "")

@@ -139,13 +139,14 @@ def test_a_figure_is_saved_as_picture_and_as_the_same_bytes_again(hard, tmp_path
     assert again[1].read_bytes() == pdf.read_bytes()
 
 
-def test_every_figure_fits_a_journal_is_legible_and_no_label_covers_another(figure):
+def test_every_figure_fits_a_journal_is_legible_and_no_label_covers_another(figure, caplog):
     assert figure.get_figwidth() in (3.4, 7.0)
     assert figure.get_figheight() < 9.0
     sizes = {t.get_fontsize() for t in figure.findobj(matplotlib.text.Text) if t.get_text()}
     assert min(sizes) >= 7.0
     assert overlapping(figure) == []
     assert outside(figure) == []
+    assert caplog.text == ""  # matplotlib's words are no user's
 
 
 @pytest.mark.slow

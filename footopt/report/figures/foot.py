@@ -92,7 +92,8 @@ def drawing(foot: Foot, block: Sequence[float] | None = None) -> Figure:
         _dimension(axes, (ends[0] - 3 * gap, high - height), (ends[0] - 3 * gap, high))
     axes.set_title(f"{MM * foot.width:.4g} mm wide", loc="left")
     _label_axes(axes)
-    axes.set(xlim=x, ylim=z)
+    axes.update_datalim(np.transpose([x, z]))
+    axes.margins(0.0)
     return figure
 
 
