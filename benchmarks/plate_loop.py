@@ -39,7 +39,7 @@ def _repeat(out, sole, world, motion, jacobian, repeats, change):
     for r in range(repeats):
         ankle = Pose(0.0, za, vx + change * r, vz, cos, sin, rate)
         sums = foot_force(
-            sole, world.law, None, None, None, None, None, 0, len(sole.x), ankle, creep, jacobian, None
+            sole, world.law, None, None, None, None, None, None, 0, len(sole.x), ankle, creep, jacobian, None
         )
         for j in range(7):
             out[j] += sums[j]

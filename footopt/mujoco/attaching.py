@@ -85,6 +85,10 @@ class Contact:
             raise SettingError("effects", "slope", "one that MuJoCo has not", "Tilt model.opt.gravity.")
         if found.prints is not None:
             raise SettingError("effects", "footprints", "an effect without a changing surface")
+        if found.hides is not None:
+            raise SettingError(
+                "effects.shadowing.hull", "motion", "sole: plates of a mesh do not hide others"
+            )
         bodies, tables, first = np.zeros(len(feet), BODY), [], 0
         for body, (name, foot) in zip(bodies, feet.items(), strict=True):
             row = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name)

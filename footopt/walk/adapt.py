@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 from footopt.effects import Footprints, LeadingEdge, Patches, Rest, laws
 from footopt.effects import base as effects
-from footopt.effects.shadowing import filler
+from footopt.effects.shadowing import filler, hidden_part
 from footopt.errors import SettingError, check_kind
 from footopt.foot import Foot, Plates, Waypoints
 from footopt.foot.plates import corners, turns_of
@@ -47,7 +47,7 @@ EACH = 5  # plates a waypoint, or a straight side between two corners
 BEND = 0.2  # rad by which a sole turns within a plate: five a waypoint of a rough sole
 TOUCHING, PIECE = 8, 4  # plates in the sand under who stands, and in each piece of the sole there
 LEADING = 4.0  # times more plates where only faces that lead feel sand
-NORMAL = 2.0  # ... where the force depends on the plates' normals, or bristles hold their directions
+NORMAL = 2.0  # ... where the force depends on their normals or on which are hidden, or bristles hold them
 SLOWEST = 0.05  # times the creep speed, at least: evaluations double where it is a fifth and feet are level
 CREPT = 0.03  # of the depth to which a level foot sinks: on hard sand so much at `standard`
 SHORTER, CLOSER = 0.5, 0.25  # times the step, and its control, where blows are short
@@ -82,7 +82,7 @@ def adapted(accuracy: Accuracy, scene: Scene, sole: Foot | Waypoints) -> Accurac
     slower, shorter = min(legs / period, 1.0), min(period, 1.0)
     needed, control = _needed(scene, sole), accuracy.control
     kinds = {type(effect) for effect in scene.effects}
-    blows = needed > 1.0 or Rest in kinds or any(laws(scene.effects))
+    blows = needed > 1.0 or Rest in kinds or any(laws(scene.effects)) or _hides(scene)
     step, held = (SHORTER, CLOSER) if blows else (1.0, 1.0)
     if Footprints in kinds:
         step = PRINTED
@@ -131,7 +131,12 @@ def _finer(scene: Scene) -> float:
     kinds = {type(effect) for effect in scene.effects}
     if LeadingEdge in kinds:
         return LEADING
-    return NORMAL if Rest in kinds or laws(scene.effects).pushes else 1.0
+    return NORMAL if Rest in kinds or laws(scene.effects).pushes or _hides(scene) else 1.0
+
+
+def _hides(scene: Scene) -> bool:
+    """Whether a sole may hide its plates."""
+    return hidden_part(scene.effects) is not None
 
 
 def _crept(scene: Scene, sole: Foot | Waypoints) -> float:

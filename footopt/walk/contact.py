@@ -16,6 +16,7 @@ import numpy as np
 
 from footopt.compiled import inlined, inlined_fast
 from footopt.effects import base as effects
+from footopt.effects.shadowing import hidden, slid
 from footopt.walk.state import LANES, Contact, Force, Pose, no_force, pose_of
 from footopt.walk.surface import highest, over
 
@@ -45,7 +46,9 @@ def motion(ankle, x, z):
 
 
 @inlined_fast
-def foot_force(sole, law, loads, gates, pushes, tangent, surface, first, last, ankle, creep, stage, h0):
+def foot_force(
+    sole, law, loads, gates, pushes, hides, tangent, surface, first, last, ankle, creep, stage, h0
+):
     """F = sum of f: the force on one foot by the paper's eq. 2, its power, and its derivatives.
 
     What may be None is an argument of its own: numba leaves out branches on arguments only.
@@ -58,6 +61,8 @@ def foot_force(sole, law, loads, gates, pushes, tangent, surface, first, last, a
         The stress map times zeta, N/m^3.
     loads, gates, pushes : tuple or None
         The laws of the scene's effects (`World`).
+    hides : float or None
+        The part of a hidden plate's stress that it does not feel (`World`).
     tangent : Tangent or None
         The sole's.
     surface : (2, plates) or None
@@ -85,6 +90,10 @@ def foot_force(sole, law, loads, gates, pushes, tangent, surface, first, last, a
         tx, tz, turns = tangent.x[first:last], tangent.z[first:last], tangent.turn[first:last]
         along = ankle.rate * sole.span  # speeds along the normal that differ within a straight plate
         turning2 = eps2 + (SEEN * SEEN - TURN * TURN) * along * along  # eps2 has the part of TURN
+    if hides is not None:
+        sight = tangent.horizon
+        toe_cos, toe_sin, heel_cos = sight[0][first:last], sight[1][first:last], sight[2][first:last]
+        heel_sin, wide = sight[3][first:last], sight[4][first:last]
     if surface is not None:
         level, slope = surface[0, first:last], surface[1, first:last]
     for i in range(len(x)):
@@ -129,6 +138,19 @@ def foot_force(sole, law, loads, gates, pushes, tangent, surface, first, last, a
         if tangent is not None:
             nx, nz = sin * tx[i] + cos * tz[i], sin * tz[i] - cos * tx[i]  # outward normal
             vn = vx * nx + vz * nz
+        if hides is not None:
+            seen, seen_x, seen_z, edge, edge_x, edge_z = hidden(
+                hides, toe_cos[i], toe_sin[i], heel_cos[i], heel_sin[i], wide[i], hx, hz, nx, nz
+            )
+            mxx, mxz = seen * mxx - px * seen_x, seen * mxz - px * seen_z
+            mzx, mzz = seen * mzx - pz * seen_x, seen * mzz - pz * seen_z
+            turned_x, turned_z = mxx * hx + mxz * hz, mzx * hx + mzz * hz
+            px, pz = seen * px, seen * pz
+            held = 1.0  # dh/dv = q (I - held h h^T)
+            if h0 is not None:
+                held = slides
+            turning = held * (seen_x * hx + seen_z * hz)
+            seen_x, seen_z = q * (seen_x - turning * hx), q * (seen_z - turning * hz)
         if gates is not None:
             if h0 is None:
                 # as wide as the speeds along the normal within a plate, which turns and is bent
@@ -152,8 +174,31 @@ def foot_force(sole, law, loads, gates, pushes, tangent, surface, first, last, a
                 jzz += k * by_vn * pz * gz
                 kq *= share
             px, pz = share * px, share * pz
+        if hides is not None:  # the pocket's edge moves along itself: n.v = 0
+            ex, ez, exx, exz, ezx, ezz = slid(law, hx, hz)
+            flat = 1.0
+            if gates is not None:
+                flat = effects.gate(gates, (1.0, 0.0), 0.0, EDGE)[0]
+            if stage is not None:
+                exx, exz = edge * exx + ex * edge_x, edge * exz + ex * edge_z
+                ezx, ezz = edge * ezx + ez * edge_x, edge * ezz + ez * edge_z
+                along_x, along_z, kf = (
+                    held * (exx * hx + exz * hz),
+                    held * (ezx * hx + ezz * hz),
+                    flat * k * q,
+                )
+                jxx += kf * (exx - along_x * hx)
+                jxz += kf * (exz - along_x * hz)
+                jzx += kf * (ezx - along_z * hx)
+                jzz += kf * (ezz - along_z * hz)
+            px, pz = px + flat * edge * ex, pz + flat * edge * ez
         if pushes is not None:
             push, push_by_vn, push_by_depth = effects.push(pushes, (0.0, 0.0, 0.0), vn, depth)
+            if hides is not None:
+                if stage is not None:
+                    jxx, jxz = jxx - area[i] * push * nx * seen_x, jxz - area[i] * push * nx * seen_z
+                    jzx, jzz = jzx - area[i] * push * nz * seen_x, jzz - area[i] * push * nz * seen_z
+                push, push_by_vn, push_by_depth = seen * push, seen * push_by_vn, seen * push_by_depth
             fx -= area[i] * push * nx
             fz -= area[i] * push * nz
             power -= area[i] * push * vn
@@ -254,7 +299,7 @@ def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, counts):
         if first < last:
             counts.plates += last - first
             force = foot_force(
-                sole, world.law, world.loads, world.gates, world.pushes, sole.tangent,
+                sole, world.law, world.loads, world.gates, world.pushes, world.hides, sole.tangent,
                 over(sole.ground, foot, sole, first, last, ankle), first, last, ankle,
                 _slip(creep, ankle.rate, sole.span, h0), stage, _of_foot(h0, foot),
             )  # fmt: skip

@@ -34,6 +34,7 @@ class World(NamedTuple):
     gates: tuple[Any, ...] | None
     pushes: tuple[Any, ...] | None
     prints: Prints | None  # the sand's surface as the feet leave it; None if it stays level
+    hides: float | None  # what a hidden plate does not feel of its stress; None if no plate is hidden
 
 
 class Tangent(NamedTuple):
@@ -42,6 +43,7 @@ class Tangent(NamedTuple):
     x: Array
     z: Array
     turn: Array  # by which the contour turns within a plate, rad
+    horizon: Array | None  # (5, plates), where plates see sand (`shadowing.horizons`), if any is hidden
 
 
 class Sole(NamedTuple):
@@ -159,7 +161,15 @@ def sole_of(soles, design):
 def _tangent_of(tangent, design):
     if tangent is None:
         return None
-    return Tangent(tangent.x[design], tangent.z[design], tangent.turn[design])
+    horizon = _horizon_of(tangent.horizon, design)
+    return Tangent(tangent.x[design], tangent.z[design], tangent.turn[design], horizon)
+
+
+@inlined
+def _horizon_of(horizon, design):
+    if horizon is None:
+        return None
+    return horizon[design]
 
 
 @inlined

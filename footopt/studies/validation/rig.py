@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from footopt.effects import Effect, Inertia
 from footopt.effects.footprints import Prints, prints_of
 from footopt.effects.shadowing import filler
-from footopt.foot import Foot
+from footopt.foot import Foot, Plates
 from footopt.gait.gait import Pose
 from footopt.sand import Sand, StressMap, alpha
 from footopt.sand.law import PER_CM3, by_angles
@@ -44,9 +44,18 @@ def body_force(foot: Foot, scene: Scene, plates: int, height: Array, velocity: A
 
     height : (M,), m. velocity : (M, 2), m/s, of the origin. rate : (M,), rad/s, counter-clockwise.
     """
+    return force_on(cut_for(foot, scene, plates), scene, height, velocity, rate)
+
+
+def cut_for(foot: Foot, scene: Scene, plates: int) -> Plates:
+    """A body's plates in a scene."""
+    return foot.plates(plates, "chord", directed=True, fill=filler(scene.effects))
+
+
+def force_on(cut: Plates, scene: Scene, height: Array, velocity: Array, rate: Array) -> Array:
+    """`body_force` of a body that is cut into plates."""
     none = np.zeros((len(height), 1))
     pose = Pose(none, none, none, none, none, rate[:, None])
-    cut = foot.plates(plates, "chord", directed=True, fill=filler(scene.effects))
     com = np.stack([np.zeros_like(height), height], axis=-1)
     return np.asarray(plate_states(cut, pose, com, velocity, scene, CREEP).force.sum(axis=(1, 2)))
 
@@ -58,13 +67,13 @@ def balanced(
 
     Bisected between the surface and `deepest`, m, below which no answer is sought.
     """
-    touching = -float(foot.contour[:, 1].min())
+    touching, cut = -float(foot.contour[:, 1].min()), cut_for(foot, scene, plates)
     low, high = np.zeros_like(load), np.full_like(load, deepest)
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        carried = body_force(foot, scene, plates, touching - middle, velocity, rate)[:, 1] >= load
+        carried = force_on(cut, scene, touching - middle, velocity, rate)[:, 1] >= load
         low, high = np.where(carried, low, middle), np.where(carried, middle, high)
-    return high, body_force(foot, scene, plates, touching - high, velocity, rate)
+    return high, force_on(cut, scene, touching - high, velocity, rate)
 
 
 def wheel(setup: Values, inputs: Values, effects: Sequence[Effect], fine: bool) -> dict[str, Array]:
@@ -101,7 +110,7 @@ def driven(
 
     It sinks until it is carried, a cell of the field at a time, and leaves the sand as a foot does.
     """
-    cut = foot.plates(plates, "chord", directed=True)
+    cut = cut_for(foot, scene, plates)
     steps = round(way / prints.cell)
     sole = grounded(prints, prepare.sole(cut), -steps, 4 * steps)
     level_pose = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0, rate]
