@@ -18,7 +18,9 @@ A scene is drawn by its number alone, so that a sample of any size begins alike.
 
 ``python tests/random_scenes.py FIRST LAST OUT.csv`` judges two feet of each scene from FIRST up to LAST, a
 row a foot (300 scenes take half an hour of one core). It continues an OUT.csv that is there, stops after the
-seconds that a fourth argument says, and prints the tables of docs/accuracy.md.
+seconds that a fourth argument says, and prints the tables of docs/accuracy.md. With "shadowing" for a fourth
+argument, each scene has its effects replaced by shadowing, by each of its laws, every second one with the
+leading edge.
 """
 
 import csv
@@ -33,6 +35,7 @@ from typing import NamedTuple
 import numpy as np
 
 import footopt as fo
+from footopt.effects.shadowing import HULLS
 from footopt.errors import FootoptError
 from footopt.sand import MEDIA
 from footopt.walk.accuracy import EVALUATION
@@ -256,9 +259,17 @@ SCENE = ("scene", "foot", *SHOWN)
 NUMBERS = (*FIVE, *(f"{name} estimate" for name in FIVE), "cost", "plain cost")
 
 
-def judged_rows(number, count=2):
+def shaded(drawn, number):
+    """The scene with shadowing in place of its effects, by each of its laws."""
+    edge = (fo.LeadingEdge(),) if number % 2 else ()
+    for hull in HULLS:
+        on = (*edge, fo.Shadowing(hull=hull))
+        about = {**drawn.about, "effects": f"{'leading edge, ' if edge else ''}shadowing, {hull}"}
+        yield drawn._replace(scene=replace(drawn.scene, effects=on), about=about)
+
+
+def judged_rows(number, drawn, count=2):
     """Rows of the table: of the first feet of a scene."""
-    drawn = draw(number)
     feet = drawn.feet[:count]
     plain = replace(fo.Accuracy.named("standard"), adapt=False)
     works = work_of(fo.evaluate(feet, drawn.scene, plain, space=drawn.space))
@@ -303,7 +314,7 @@ def tables(rows):
         yield f"| {name} | " + " | ".join(f"{value:.3g}" for value in parts) + " |"
 
 
-def run(first, last, path, seconds=math.inf):
+def run(first, last, path, seconds=math.inf, shading=False):
     """Judge the scenes that a table lacks, a scene's rows at a time, and print what docs have of it."""
     begun, path = time.monotonic(), Path(path)
     there = {int(row["scene"]) for row in read_rows(path)} if path.exists() else set()
@@ -314,10 +325,12 @@ def run(first, last, path, seconds=math.inf):
         for number in sorted(set(range(first, last)) - there):
             if time.monotonic() - begun > seconds:
                 break
-            table.writerows(list(judged_rows(number)))
+            for drawn in shaded(draw(number), number) if shading else (draw(number),):
+                table.writerows(list(judged_rows(number, drawn)))
             file.flush()
     print("\n".join(tables(read_rows(path))))
 
 
 if __name__ == "__main__":
-    run(int(sys.argv[1]), int(sys.argv[2]), sys.argv[3], *map(float, sys.argv[4:]))
+    limit = {"shading": True} if sys.argv[4:] == ["shadowing"] else {"seconds": float((*sys.argv, "inf")[4])}
+    run(int(sys.argv[1]), int(sys.argv[2]), sys.argv[3], **limit)

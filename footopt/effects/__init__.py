@@ -3,7 +3,19 @@
 import pkgutil
 from importlib import import_module
 
-from footopt.effects.base import EFFECTS, HOOKS, Effect, Laws, Scale, laws, name_of, readable, register
+from footopt.effects.base import (
+    EFFECTS,
+    HOOKS,
+    VARIANTS,
+    Effect,
+    Laws,
+    Scale,
+    laws,
+    name_of,
+    readable,
+    register,
+    title_of,
+)
 from footopt.effects.footprints import Footprints
 from footopt.effects.inertia import Inertia
 
@@ -20,6 +32,7 @@ from footopt.effects.slope import Slope
 __all__ = [
     "EFFECTS",
     "HOOKS",
+    "VARIANTS",
     "Effect",
     "Footprints",
     "Inertia",
@@ -35,6 +48,7 @@ __all__ = [
     "name_of",
     "readable",
     "register",
+    "title_of",
 ]
 
 for _module in pkgutil.iter_modules(__path__):

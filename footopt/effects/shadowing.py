@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.compiled import cached_njit, inlined, inlined_fast
-from footopt.effects.base import EFFECTS, Effect, Scale
+from footopt.effects.base import EFFECTS, VARIANTS, Effect, Scale
 from footopt.errors import check
 
 Array = NDArray[np.float64]
@@ -235,3 +235,4 @@ def slid(law, hx, hz):
 
 
 EFFECTS["shadowing"] = Shadowing
+VARIANTS["shadowing_in_motion"] = Shadowing(hull="motion")

@@ -11,6 +11,7 @@ from rich.table import Table as RichTable
 from footopt.design import FootProblem, Store
 from footopt.design.atlas import Atlas, atlas
 from footopt.errors import SettingError, check
+from footopt.foot import Foot
 from footopt.foot.waypoints import written
 from footopt.report import terminal
 from footopt.report.figures.atlas import atlas as figure
@@ -18,7 +19,8 @@ from footopt.studies.base import Study
 from footopt.studies.build import make_problem
 from footopt.studies.load import read
 from footopt.studies.record import accuracy_entry, scene_entry
-from footopt.walk import MEASURES
+from footopt.studies.validation.model import model_error
+from footopt.walk import MEASURES, simulate
 from footopt.walk.objectives import Objective
 
 TRY = "Try footopt study=atlas run=outputs/optimize/..."
@@ -59,6 +61,9 @@ def run(study: Study) -> None:
     study.save("atlas", drawn, caption)
     filled, good = f"{len(found.cells)} of {options.cells**2}", int(found.counts.sum())
     going_by = " and ".join(name.replace("_", " ") for name in found.names)
+    best = Foot.from_waypoints(found.k[quality.argmax()].tolist(), problem.space)
+    walk = simulate(best, problem.scene, problem.accuracy)
+    model = model_error(walk, spread=searched.config.study.spread.zeta)
     study.conclude(
         "An atlas of feet",
         [table(problem, found)],
@@ -76,10 +81,12 @@ def run(study: Study) -> None:
             **scene_entry(problem.scene, problem.accuracy, problem.record),
             "accuracy": accuracy_entry(problem.accuracy, problem.scene, problem.space),
             "designs": found.walks,
+            "model_error": model,
         },
         said=[
             f"{found.walks} designs of {options.run}, {good} of them feasible, fill {filled} cells of "
-            f"{going_by}: atlas.csv has all"
+            f"{going_by}: atlas.csv has all",
+            *terminal.describe_model([model]),
         ],
     )
 

@@ -26,7 +26,8 @@ from footopt.report.figures.sensitivity import sensitivity
 from footopt.studies.base import Study
 from footopt.studies.build import make_spread
 from footopt.studies.record import foot_entry, scene_entry
-from footopt.walk import FIVE, Accuracy, Scene, evaluate
+from footopt.studies.validation.model import model_error
+from footopt.walk import FIVE, Accuracy, Scene, evaluate, simulate
 from footopt.walk.scenarios import COLUMNS, Spread, vary
 from footopt.walk.simulate import at_once
 
@@ -283,12 +284,14 @@ def run(study: Study) -> None:
     caption = "Total Sobol index of every parameter in every objective, with its interval."
     study.save("sensitivity", sensitivity(found, NAMES, setting.label), caption)
     widest = max(float(block.total_error.max()) for block in found.values())
+    model = model_error(simulate(foot, scene, study.accuracy), spread=options.spread.zeta)
     study.conclude(
         "What the objectives depend on",
         [table(found, setting)],
         {
             "design": foot_entry(foot),
             "objectives": NAMES,
+            "model_error": model,
             "blocks": {title: vars(block) for title, block in found.items()},
             "confidence": CONFIDENCE,
             "samples": samples,
@@ -297,7 +300,8 @@ def run(study: Study) -> None:
         },
         said=[
             f"{sum(block.walks for block in found.values())} walks; the widest interval is +- {widest:.2f}, "
-            "and four times the study.samples halve it"
+            "and four times the study.samples halve it",
+            *terminal.describe_model([model]),
         ],
         about=[about],
     )

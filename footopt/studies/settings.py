@@ -110,7 +110,9 @@ class StudyConfig:
         "walk", "When dV_x is taken: walk, all of it; window, narrow: 1/4, 1/8 stride about strikes."
     )
     leading_edge: bool = setting(False, "Whether faces that trail feel no sand.")
-    shadowing: bool = setting(False, "Whether a groove of a sole counts with a part of its depth.")
+    shadowing: str | None = setting(
+        None, "Which hull hides what lies in a groove: sole, motion (effects.shadowing.hull); null: none."
+    )
     footprints: bool = setting(False, "Whether feet meet sand that others have moved.")
     solvers: list[str] | None = setting(None, "Names of the solvers that are compared; null: all.")
     budget: int = setting(3000, "Walks of each search: different designs.")

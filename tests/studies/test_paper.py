@@ -127,7 +127,7 @@ class TestSweep:
 
 
 def test_settings_name_effects_beside_those_of_the_scene():
-    both = config(study__leading_edge=True, study__shadowing=True)
+    both = config(study__leading_edge=True, study__shadowing="sole")
     assert set(Setup(both).scene("soft").effects) == {fo.LeadingEdge(), fo.Shadowing()}
     prints = config(study__footprints=True)
     assert Setup(prints).scene("soft").effects == (fo.Footprints(),)

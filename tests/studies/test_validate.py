@@ -16,7 +16,7 @@ from study_pages import check_page
 
 import footopt as fo
 from footopt import studies
-from footopt.effects import EFFECTS
+from footopt.effects import EFFECTS, VARIANTS
 from footopt.errors import SettingError
 from footopt.report.numbers import number
 from footopt.sand import alpha
@@ -102,7 +102,7 @@ class TestFiles:
         for entry in ("title", "source", "about", "reading", "rig", "laws"):
             assert e.content[entry], entry
         assert e.content["rig"] in rig.RIGS
-        assert all(name in EFFECTS for law in e.laws for name in law)
+        assert all(name in {*EFFECTS, *VARIANTS} for law in e.laws for name in law)
         for part in e.content["inputs"].values():
             low, value, high = (np.asarray(part[name]) for name in ("low", "value", "high"))
             assert ((low < value) & (value < high)).all()

@@ -9,7 +9,8 @@ from functools import cached_property
 from typing import Any
 
 from footopt.design import WALKS, Solver, search
-from footopt.effects import Footprints, LeadingEdge, Shadowing
+from footopt.effects import Effect, Footprints, LeadingEdge, Shadowing
+from footopt.effects.shadowing import HULLS
 from footopt.errors import SettingError, check
 from footopt.foot import Foot
 from footopt.sand import Sand
@@ -75,13 +76,17 @@ class Setup:
             raise SettingError("study.shape_sand", sand, f"one of {', '.join(SANDS)}")
         scene = dataclasses.replace(self._scene, sand=Sand.named(sand))
         study = self.config.study
-        laws = (
-            (LeadingEdge, study.leading_edge),
-            (Shadowing, study.shadowing),
-            (Footprints, study.footprints),
-        )
-        kinds = [kind for kind, on in laws if on]
-        return dataclasses.replace(scene, effects=(*scene.effects, *(kind() for kind in kinds)))
+        on: list[Effect] = [LeadingEdge()] if study.leading_edge else []
+        if study.shadowing is not None:
+            check(
+                study.shadowing in HULLS,
+                "study.shadowing",
+                study.shadowing,
+                f"null, or one of {', '.join(HULLS)}",
+            )
+            on.append(Shadowing(hull=study.shadowing))
+        on += [Footprints()] if study.footprints else []
+        return dataclasses.replace(scene, effects=(*scene.effects, *on))
 
     def shapes(self) -> dict[str, Walk]:
         """Walk with the five shapes."""

@@ -59,7 +59,7 @@ FACTORS = (
     Factor("study.leading_edge", (False, True), "whether faces that trail feel sand"),
     Factor("foot.box_tolerance", (0.05, float("inf")), "whether the spline may leave the box", ("optima",)),
     Factor("solver.seed", (1, 2, 3, 4, 5), "which random numbers the search draws", ("optima",)),
-    Factor("study.shadowing", (False, True), "whether a groove counts with a part of its depth"),
+    Factor("study.shadowing", (None, "sole", "motion"), "which hull hides what lies in a groove"),
 )
 
 

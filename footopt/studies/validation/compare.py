@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.effects import EFFECTS
+from footopt.effects import EFFECTS, VARIANTS
 from footopt.studies.validation import rig
 
 Array = NDArray[np.float64]
@@ -132,7 +132,7 @@ class Experiment:
     def compare(self, law: tuple[str, ...]) -> list[Comparison]:
         """Repeat it under a law."""
         content, given_effects = self.content, self.content.get("effects", {})
-        effects = [EFFECTS[name](**given_effects.get(name, {})) for name in law]
+        effects = [VARIANTS.get(name) or EFFECTS[name](**given_effects.get(name, {})) for name in law]
         setup, given = content.get("setup", {}), content.get("inputs", {})
         nominal = {name: part["value"] for name, part in given.items()}
 
@@ -146,7 +146,7 @@ class Experiment:
         ]
         other = rig.measured_map(setup) if content["rig"] == "plate" else {}
         points = list(setup[content["x"]]) if "x" in content else [""]
-        if other:
+        if content["rig"] == "plate":
             points = [f"beta {b:.0f}, gamma {g:.0f}" for b, g in np.degrees(rig.angles(setup)).T]
         found = []
         for q in content["quantities"]:

@@ -175,7 +175,10 @@ def plate(setup: Values, inputs: Values, effects: Sequence[Effect], fine: bool) 
 
 
 def angles(setup: Values) -> tuple[Array, Array]:
-    """Angles of the plates and of motion, both (M,), rad: all pairs, or those whose face leads."""
+    """Angles of the plates and of motion, both (M,), rad: given pairs, or all, or those whose face leads."""
+    if "pairs" in setup:
+        beta, gamma = np.radians(np.asarray(setup["pairs"], float).T)
+        return beta, gamma
     beta, gamma = np.meshgrid(np.radians(setup["beta"]), np.radians(setup["gamma"]), indexing="ij")
     into = np.sin(beta) * np.cos(gamma) + np.cos(beta) * np.sin(gamma)
     kept = into > 1e-9 if setup.get("leading") else np.full(beta.shape, True)
@@ -183,7 +186,12 @@ def angles(setup: Values) -> tuple[Array, Array]:
 
 
 def measured_map(setup: Values) -> dict[str, Array]:
-    """Another map's stresses per depth at an experiment's angles, N/m^3, from its published coefficients."""
+    """Another map's stresses per depth at an experiment's angles, N/m^3, from its published coefficients.
+
+    None where an experiment states what was measured at each pair of angles.
+    """
+    if "pairs" in setup:
+        return {}
     beta, gamma = angles(setup)
     if "fourier" in setup:
         return dict(
