@@ -80,7 +80,7 @@ def hollows(
         axes.plot(before, rows, "o", color=BEST, label="as it is")
         axes.plot(after, rows, "s", color=FLAT, mfc="none", ms=6.5, label="its hollows filled")
         axes.set_title(law)
-        axes.xaxis.set_major_locator(MaxNLocator(5))
+        axes.xaxis.set_major_locator(MaxNLocator(20 // len(laws)))
         axes.grid(color=GRID, lw=0.6)
         axes.tick_params(axis="y", length=0)
     panels[0].set_yticks(rows, feet)
