@@ -183,8 +183,9 @@ def horizons(ends):
                 way, first, last = (1, i + 1, len(x)) if side == 0 else (-1, i, -1)
                 for place in range(3):  # the plate's ends, and its middle
                     px, pz = x[i] + 0.5 * place * length * tx, z[i] + 0.5 * place * length * tz
-                    bx, bz, size = way * tx, way * tz, 1.0  # the lowest line so far, and a normal of it
-                    for j in range(first, last, way):
+                    bx, bz, size = way * tx, way * tz, 1.0  # the lowest line so far
+                    here = way if place == 1 + way else 0  # the end that is looked from is no obstacle
+                    for j in range(first + here, last, way):
                         rx, rz = x[j] - px, z[j] - pz
                         if way * (bz * rx - bx * rz) > 1e-9 * size * (abs(rx) + abs(rz)):
                             bx, bz = rx, rz

@@ -98,7 +98,7 @@ def choose_effects(study: Study, foot: Foot | None = None) -> Chosen:
             found.append(audit(effect, scene, feet, study.accuracy, limit, study.space))
             if found[-1].matters:
                 scene = replace(scene, effects=(*scene.effects, effect))
-        left = {type(a.effect): a.effect for a in found if not a.matters}.values()
+        left = {type(a.effect): a.effect for a in reversed(found) if not a.matters}.values()
         others = [replace(scene, effects=(*scene.effects, *left))] if left else []
         others += [
             replace(scene, effects=(*(e for e in scene.effects if type(e) is not type(r)), r)) for r in rivals

@@ -110,6 +110,7 @@ def test_the_study_draws_the_map_of_a_run(tmp_path, monkeypatch):
     studies.run(composed("study=atlas", f"study.run={run}", "study.cells=4"), tmp_path / "atlas", {})
     found = json.loads((tmp_path / "atlas" / "result.json").read_text())
     result, walked = found["atlas"], fo.Accuracy(**found["accuracy"])
+    assert found["model_error"]["work"] > 0.0
     assert walked == replace(fo.Accuracy.named("draft"), adapt=False)
     with open(tmp_path / "atlas" / "atlas.csv", newline="") as file:
         rows = list(csv.DictReader(file))
