@@ -24,6 +24,7 @@ from footopt.walk import Scene, Walk
 Array = NDArray[np.float64]
 
 FAR = 1e6  # m, beyond any view
+BEYOND = 0.05  # m, that the surface is drawn past the view
 BOTH = (0, 1)  # feet, the left one first
 HEAD = 1.4  # of half a letter: the head of an arrow
 STEP = 0.004  # m, between the places where the depth of a drawn print is known
@@ -141,6 +142,8 @@ class Ground(NamedTuple):
             if a >= b or bottom >= strip.top:
                 continue
             found.append(Shape("strip", _box(a, b, bottom, strip.top), strip.colour))
+            if strip.kind == "patch" and b - a < unit * len(strip.label):
+                continue  # too little of it is seen for its name
             if strip.kind == "patch":
                 z = min(strip.top - 1.6 * unit, low + 5.7 * unit)
                 labels.append(Label(a + 0.6 * unit, z, strip.label))
@@ -222,9 +225,9 @@ class Picture:
     def surface(self, i: int, view: View) -> tuple[list[Shape], list[Label]]:
         """The ground at the i-th instant with its prints, and the key of the arrows."""
         found, labels = self.ground.shapes(view)
-        seen = (self.x > view.left) & (self.x < view.right)
-        top = np.stack([self.x, self.height[i]], axis=1)[seen]
-        whole = np.concatenate([[[view.left, 0.0]], top, [[view.right, 0.0]]])
+        left, right = view.left - BEYOND, view.right + BEYOND
+        top = np.stack([self.x, self.height[i]], axis=1)[(self.x > left) & (self.x < right)]
+        whole = np.concatenate([[[left, 0.0]], top, [[right, 0.0]]])
         found += [
             Shape("print", np.minimum(whole, [np.inf, 0.0])),
             Shape("rim", np.maximum(whole, [-np.inf, 0.0])),

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import inspect
 import math
+import re
 import textwrap
 import threading
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import cache
 
 import numpy as np
 from rich import box
@@ -16,7 +19,7 @@ from rich.text import Text
 
 from footopt.design import Confirmation, SearchResult
 from footopt.design.archive import causes
-from footopt.effects import LeadingEdge, name_of
+from footopt.effects import Effect, LeadingEdge, name_of
 from footopt.foot import Foot, Waypoints
 from footopt.foot.waypoints import written
 from footopt.report.numbers import change, percent, quantity, title
@@ -151,13 +154,28 @@ def describe_scene(scene: Scene) -> str:
     if (g := scene.walker.g) != EARTH:
         words.append(f"gravity {g:g} m/s^2 (sand {g / EARTH:.3g} times as strong as on the Earth)")
     for effect in scene.effects:
-        values = ", ".join(f"{name} {_listed(value)}" for name, value in parameters(effect).items())
+        values = ", ".join(_parameter(effect, name, value) for name, value in parameters(effect).items())
         words.append(name_of(effect).replace("_", " ") + (f" ({values})" if values else ""))
     return ", ".join(words)
 
 
-def _listed(value: object) -> str:
-    return " and ".join(map(str, value)) if isinstance(value, (tuple, list)) else str(value)
+def _parameter(effect: Effect, name: str, value: object) -> str:
+    unit = described(type(effect)).get(name, ("", ""))[0].partition(", ")[2]  # "1" is none
+    values = value if isinstance(value, (tuple, list)) else [value]
+    listed = " and ".join(f"{v:g}" if isinstance(v, float) else str(v) for v in values)
+    return f"{name} {listed}" + (f" {unit}" if unit not in ("", "1") else "")
+
+
+@cache
+def described(kind: type) -> dict[str, tuple[str, str]]:
+    """Type with unit, and description, of each parameter in a class's numpydoc."""
+    text = inspect.cleandoc(kind.__doc__ or "")
+    part = text.partition("Parameters\n----------\n")[2]
+    part = re.split(r"\n\n\w+\n-+\n", part)[0]
+    found: dict[str, tuple[str, str]] = {}
+    for names, told, words in re.findall(r"^(\w[\w, ]*) : (.*)\n((?:[ ]+.*\n?|\n)+)", part + "\n", re.M):
+        found |= {n.strip(): (told, " ".join(words.split())) for n in names.split(",")}
+    return found
 
 
 def describe_setup(scene: Scene, foot: Foot | Waypoints) -> str:

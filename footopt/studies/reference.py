@@ -6,20 +6,19 @@ setting. What is allowed is what a refusal says: each setting is given a value t
 
 from __future__ import annotations
 
-import inspect
 import math
-import re
 import textwrap
 from collections import Counter
 from collections.abc import Callable, Container
 from dataclasses import dataclass, fields, is_dataclass, replace
-from functools import cache, reduce
+from functools import reduce
 from typing import Any
 
 from footopt.design import Solver, Stop
 from footopt.design.result import check_finalists
 from footopt.effects import EFFECTS
 from footopt.errors import SettingError
+from footopt.report.terminal import described
 from footopt.studies import build
 from footopt.studies.fields import leaves
 from footopt.studies.reads import ALWAYS, CHOICE, READS, _in
@@ -98,18 +97,6 @@ def _told(name: str) -> tuple[str, str]:
         owner = getattr(owner, key)
     unit = MEASURES[keys[1]].unit if keys[0] == "constraint" and keys[1] in MEASURES else None
     return told if unit is None else (f"float, {unit}".removesuffix(", "), told[1])
-
-
-@cache
-def described(kind: type) -> dict[str, tuple[str, str]]:
-    """Type with unit, and description, of each parameter in a class's numpydoc."""
-    text = inspect.cleandoc(kind.__doc__ or "")
-    part = text.partition("Parameters\n----------\n")[2]
-    part = re.split(r"\n\n\w+\n-+\n", part)[0]
-    found: dict[str, tuple[str, str]] = {}
-    for names, told, words in re.findall(r"^(\w[\w, ]*) : (.*)\n((?:[ ]+.*\n?|\n)+)", part + "\n", re.M):
-        found |= {n.strip(): (told, " ".join(words.split())) for n in names.split(",")}
-    return found
 
 
 def _allowed(name: str, default: Any) -> str:

@@ -97,8 +97,6 @@ function drawTools(holder, now, show, settle) {
     const k = level(p, heights(now())[p] + by);
     if (k) edit({ k });
   });
-  let focused = -1; // the waypoint with the focus, which it keeps when it is drawn again
-  document.addEventListener("focusin", (event) => { focused = +(event.target.dataset?.waypoint ?? -1); });
   document.addEventListener("keydown", (event) => {
     if ((event.ctrlKey || event.metaKey) && event.key === "z" && sketch.past.length) { event.preventDefault(); undo(); }
   });
@@ -119,7 +117,6 @@ function drawTools(holder, now, show, settle) {
   function redraw() {
     sliders.forEach((s) => s.redraw());
     back.disabled = !sketch.past.length;
-    if (focused >= 0) holder.querySelector(`[data-waypoint="${focused}"]`)?.focus({ preventScroll: true });
     const k = heights(now()), own = now() === DRAWN;
     const sand = own && sketch.zeta !== P.sand.zeta ? ` sand.zeta=${sketch.zeta}` : "", mass = own && sketch.mass !== P.walker.mass ? ` walker.mass=${sketch.mass}` : "";
     const world = `${k ? ` 'foot.k=[${k}]'` : ""}${sand}${mass}`;

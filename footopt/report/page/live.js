@@ -34,7 +34,7 @@ function showBest(explore, last, among, front_ = several ? undominated(among) : 
     const part = still ? 1 : clip((now - begun) / 400, 0, 1);
     if (part >= 1) { choose(best); return; }
     const points = from.map(([x, z], j) => [x, z + part * (to[j][1] - z)]);
-    holder.replaceChildren(soleDrawing(points, { width: widthOf(holder), top: own("top", best) }));
+    update(holder, soleDrawing(points, { width: widthOf(holder), top: own("top", best) }));
     morphing = requestAnimationFrame(tick);
   };
   morphing = requestAnimationFrame(tick);

@@ -15,7 +15,7 @@ function headline() {
 function change(value, base, column) {
   const ratio = value / base;
   if (!Number.isFinite(ratio)) return "–";
-  if (column.name === "efficiency") return ratio >= 1 ? `x ${ratio.toFixed(2)} of flat` : `${(100 * (1 - ratio)).toPrecision(2)} % worse than flat`;
+  if (column.name === "efficiency") return ratio >= 1 ? quantity(ratio, OF_FLAT) : `${percent(1 - ratio)} worse than flat`;
   return `${ratio >= 1 ? "+" : "−"}${Math.abs(100 * (ratio - 1)).toFixed(1)} %`;
 }
 
@@ -42,7 +42,7 @@ function bars(i, width) {
     const ends = range([share, ...under.map((u) => u.share)], 0).map(X), past = out < 0 ? Math.min(...ends, end) : Math.max(...ends, end);
     made.append(
       svg("text", { class: "halo", x: 0, y: r * tall + 14 }, svg("tspan", { style: "font-weight:600" }, column.title),
-        svg("tspan", { style: "fill:var(--grey)" }, `  ${quantity(value, column.unit)}${Number.isFinite(error) ? ` ± ${+(100 * Math.abs(error * base / value)).toPrecision(2)} %` : ""}, flat ${number(base)}`)),
+        svg("tspan", { style: "fill:var(--grey)" }, `  ${quantity(value, column.unit)}${Number.isFinite(error) ? ` ± ${percent(Math.abs(error * base / value))}` : ""}, flat ${number(base)}`)),
       svg("rect", { class: "bar-of-change", "data-name": column.name, x: Math.min(X(0), end), y, width: Math.max(Math.abs(end - X(0)), 1), height: 18,
         fill: better ? colour : "var(--paper)", stroke: colour, "stroke-width": 1.5, ...(better ? {} : { "stroke-dasharray": "4 3" }) }),
       ...(under.length ? [svg("line", { class: "laws", x1: ends[0], x2: ends[1], y1: middle, y2: middle, stroke: "var(--ink)", "stroke-width": 1 }),
@@ -83,14 +83,14 @@ function designSection() {
       data.columns.map((column, c) => {
         const value = valueOf(chosen, c), base = flatEntry?.[column.name], share = errors ? Math.abs(errors[column.name] / value) : NaN;
         return [`${column.title}${column.unit ? `, ${column.unit}` : ""} (${column.maximise ? "max" : "min"})`, number(value),
-          ...(errors ? [Number.isFinite(share) ? `${+(100 * share).toPrecision(2)} %` : "–"] : []),
+          ...(errors ? [percent(share, value)] : []),
           ...(flatEntry ? [number(base), change(value, base, column)] : [])];
       }));
   }
   function model() {
     const errors = chosen === data.best && Object.entries(entry.model_error ?? {}).filter(([, error]) => Number.isFinite(error ?? NaN));
     return errors?.length ? el("p", { id: "model-error", class: "note" }, "Model error, from experiments on sand and the spread of zeta: ",
-      errors.map(([name, error]) => `${name.replaceAll("_", " ")} ${error >= 0.1 ? (100 * error).toFixed(0) : +(100 * error).toPrecision(2)} %`).join(", "), ". Compare feet; do not read the values as measurements.") : "";
+      errors.map(([name, error]) => `${name.replaceAll("_", " ")} ${error >= 0.1 ? `${(100 * error).toFixed(0)} %` : percent(error)}`).join(", "), ". Compare feet; do not read the values as measurements.") : "";
   }
   function redraw() {
     const points = sole(chosen), k = heights(chosen), best = chosen === data.best, flat = data.walks && flatWalk();
@@ -98,10 +98,10 @@ function designSection() {
     back.hidden = best || data.jobs !== undefined;
     words.textContent = [k ? `k = [${k.join(",")}]` : "", `hollow ${(MM * hollow(points)).toFixed(1)} mm`, generation && chosen !== DRAWN ? `generation ${generation[chosen]}` : "",
       feasible[chosen] ? "" : `infeasible: ${reason(chosen)}`, chosen === DRAWN && feasible[chosen] ? sketch.reason : "", flat ? `dashed: the flat foot${flat.reason ? `, whose walk failed: ${flat.reason}` : ""}` : ""].filter(Boolean).join("; ");
-    drawing.replaceChildren(soleDrawing(points, { width: widthOf(drawing), k, top: own("top", chosen), colour: best || data.jobs ? "var(--best)" : "var(--chosen)",
+    update(drawing, soleDrawing(points, { width: widthOf(drawing), k, top: own("top", chosen), colour: data.jobs ? COLOURS[chosen % COLOURS.length] : best ? "var(--best)" : "var(--chosen)",
       ghost: flat?.points }));
     const finer = best && data.bestValues, accuracy = data.jobs ? "" : `Walked at accuracy ${(finer ? entry.accuracy : entry.search_accuracy ?? entry.accuracy)?.name}. `;
-    numbers.replaceChildren(...(flatEntry && feasible[chosen] && !flat?.reason
+    update(numbers, ...(flatEntry && feasible[chosen] && !flat?.reason
       ? [gain(chosen), bars(chosen, Math.max(widthOf(numbers), 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Ticks at the end of a bar: ± the numerical error.",
         best && entry.ranks?.laws?.some((law) => law.change) ? " Circles: under other laws of the sand." : "", ` ${accuracy}`, gain(chosen) && "J_W, which the paper minimises: −distance × mean height / (work × peak power × speed loss)."), model()]
       : [el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Values" }, numberTable()), el("p", { class: "note" }, accuracy), model()]));
@@ -145,7 +145,7 @@ function searchSection(choose) {
     const steps = (all) => all.flatMap((v, i) => (i ? [all[i - 1], v] : [v])), ends = at.flatMap((v, i) => (i ? [v, v] : [v]));
     const a = plot(holder, { x: [0, at.at(-1)], xlabel: "evaluations", height: 260, left: 84, label: "Convergence of the search; the table below has the numbers",
       ylabel: several ? `hypervolume (1: box of the first ${data.live ? "designs" : "generation"})` : `${named(guide)}: best so far` }, [
-      { x: at, y: rows.map((r) => shown(r.median)), name: "median of the generation", below: true, ink: "var(--grey)", stroke: "var(--flat)", "stroke-dasharray": "6 4" },
+      { x: at, y: rows.map((r) => shown(r.median)), name: "median of the generation", ink: "var(--grey)", stroke: "var(--flat)", "stroke-dasharray": "6 4" },
       { x: ends, y: steps(bests), name: several ? "hypervolume" : "best so far", stroke: "var(--best)", "stroke-width": 2.2 },
     ], (x) => {
       const r = rows.findLast((row) => row.evaluations <= x + 0.01 * at.at(-1));
@@ -180,7 +180,7 @@ function jobsSection(choose) {
         job.link ? el("a", { href: job.link }, job.name) : job.name,
         el("div", {}, words(job.settings), job.place ? el("div", { class: "words note" }, job.place) : "", job.note ? el("div", { class: "words warning" }, job.note) : ""),
         job.design === null ? "" : el("button", { type: "button", "aria-label": `Choose the sole of ${job.name}`, click: () => choose(job.design) },
-          soleDrawing(sole(job.design), { width: 120, height: 36, plain: true })),
+          soleDrawing(sole(job.design), { width: 120, height: 36, plain: true, colour: COLOURS[job.design % COLOURS.length] })),
         ...differ.map((_, c) => (job.design === null ? "–" : number(values[job.design * WIDTH + c]))),
         job.hollow, job.seed ?? "–", number(job.seconds)]))),
     ...(data.jobs.some((job) => job.link) ? [el("p", { class: "note" }, `A ${what}'s link opens its own page.`)] : []));

@@ -145,6 +145,7 @@ function arrows(places, along, unit, tip = false) {
     return [begin, end, GAP, barb(1), end, barb(-1), GAP];
   });
 }
+const BEYOND = 0.05; // m, that the surface is drawn past the view
 const GAP = [NaN, NaN], box = (a, b, c, d) => [[a, c], [a, d], [b, d], [b, c]];
 
 /**
@@ -158,13 +159,13 @@ function picture(walk, now, top, view) {
     const a = Math.max(s.begin, left), b = Math.min(s.end, right), bottom = Math.max(s.bottom, low);
     if (a >= b || bottom >= s.top) continue;
     shapes.push(["strip", box(a, b, bottom, s.top), `fill:${s.colour}`]);
-    words.push(s.kind === "patch" ? [a + 0.6 * unit, Math.min(s.top - 1.6 * unit, low + 5.7 * unit), s.label] : [b - 0.6 * unit, Math.max(bottom + 1.3 * unit, s.top - 3 * unit), s.label, "end"]);
+    if (s.kind === "layer" || b - a >= unit * s.label.length) words.push(s.kind === "patch" ? [a + 0.6 * unit, Math.min(s.top - 1.6 * unit, low + 5.7 * unit), s.label] : [b - 0.6 * unit, Math.max(bottom + 1.3 * unit, s.top - 3 * unit), s.label, "end"]);
   }
   if (gravity) {
     shapes.push(["gravity", arrows([[right - 9 * unit, high - 3.2 * unit]], [[6 * unit * gravity.x, 6 * unit * gravity.z]], unit)]);
     words.push([right - unit, high - 1.5 * unit, gravity.text, "end"]);
   }
-  const whole = [[left, 0], ...top.filter(([x]) => x > left && x < right), [right, 0]];
+  const whole = [[left - BEYOND, 0], ...top.filter(([x]) => x > left - BEYOND && x < right + BEYOND), [right + BEYOND, 0]];
   shapes.push(["print", whole.map(([x, z]) => [x, Math.min(z, 0)])], ["rim", whole.map(([x, z]) => [x, Math.max(z, 0)])], ["surface", whole],
     ["force", arrows([[left + unit, low + 1.5 * unit]], [[newtons * metres, 0]], unit)]);
   words.push([left + newtons * metres + 2 * unit, low + 1.5 * unit, `${newtons} N`]);
@@ -189,8 +190,6 @@ function stage(holder, walk, { close, x, z, label, other = null, fixed = null, p
   const width = widthOf(holder), axis = 18;
   const height = Math.min(tall, (width / (x[1] - x[0])) * (z[1] - z[0]) + (close ? 0 : 60)), above = height - axis;
   const scale = Math.min(width / (x[1] - x[0]), above / (z[1] - z[0])), half = width / 2 / scale, scheme = PAINTS[paint];
-  const drawing = svg("svg", { viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": label });
-  holder.replaceChildren(drawing);
   const forces = close ? pairs(walk.arrows).map(size) : Array.from(walk.force, Math.abs), largest = forces.reduce((a, b) => Math.max(a, b), 1);
   const metres = (close ? 0.85 * (deepest(walk) - z[0]) : 0.35 * (z[1] - z[0])) / largest, round = 10 ** Math.floor(Math.log10(0.8 * largest));
   const newtons = [5, 2, 1].find((m) => m * round <= 0.8 * largest) * round, surface = walk.surface ?? printed(walk);
@@ -211,12 +210,12 @@ function stage(holder, walk, { close, x, z, label, other = null, fixed = null, p
       const pieces = scheme.of(walk, now, foot, t).map((v, i) => ["paint", sole.slice(1).flatMap((p, j) => (walk.part[j] === i ? [sole[j], p, GAP] : [])), `stroke:${ramp((v - ends[0]) / (ends[1] - ends[0]))}`]);
       shapes.push(["edge", sole], ...pieces);
     });
-    drawing.replaceChildren(
+    update(holder, svg("svg", { viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": label },
       ...shapes.map(([part, points, style]) => svg("path", { class: part, style, d: part === "hip" || part.endsWith("joints") ? points.map(([u, v]) => `M${X(u)} ${Z(v)}h.01`).join("") : line(points) })),
       ...words.map(([u, v, text, anchor]) => svg("text", { class: "halo", x: X(u), y: Z(v) + 4, "text-anchor": anchor ?? "start" }, text)), ...key,
       svg("rect", { x: 0, y: above, width, height: axis, fill: "var(--paper)" }),
       ...ticks(view.left, view.right, width / 110).values.flatMap((v) => [svg("line", { class: "axis", x1: X(v), x2: X(v), y1: above, y2: above + 4 }),
-        ...(X(v) > 24 && X(v) < width - 24 ? [svg("text", { x: X(v), y: height - 2, "text-anchor": "middle" }, `${+v.toFixed(2)} m`.replace("-", "−"))] : [])]));
+        ...(X(v) > 24 && X(v) < width - 24 ? [svg("text", { x: X(v), y: height - 2, "text-anchor": "middle" }, `${+v.toFixed(2)} m`.replace("-", "−"))] : [])])));
   };
 }
 

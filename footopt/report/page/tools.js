@@ -42,16 +42,35 @@ const el = (name, attributes = {}, ...children) => make(null, name, attributes, 
 const svg = (name, attributes = {}, ...children) =>
   make("http://www.w3.org/2000/svg", name, attributes, children);
 
+/** Give a holder these children, in place where they are like those that it has: the rest is not laid out again. */
+function update(holder, ...parts) {
+  const made = parts.filter(Boolean);
+  made.forEach((fresh, i) => {
+    const old = holder.childNodes[i];
+    if (old?.isEqualNode(fresh)) { Object.assign(old, fresh); return; }
+    if (old?.nodeName !== fresh.nodeName) { if (old) old.replaceWith(fresh); else holder.append(fresh); return; }
+    if (old.data !== fresh.data) old.data = fresh.data;
+    for (const { name, value } of fresh.attributes ?? []) if (old.getAttribute(name) !== value) old.setAttribute(name, value);
+    for (const { name } of [...(old.attributes ?? [])]) if (!fresh.hasAttribute(name)) old.removeAttribute(name);
+    update(Object.assign(old, fresh), ...fresh.childNodes);
+  });
+  while (holder.childNodes.length > made.length) holder.lastChild.remove();
+}
+
+const ROUNDING = 1e-12; // what is smaller is no motion, force or power
 /** Four significant digits, as on the terminal. */
 function number(value) {
   if (value === null || !Number.isFinite(value)) return "–";
-  if (Math.abs(value) < 1e-12) return "0";
+  if (Math.abs(value) < ROUNDING) return "0";
   if (Number.isInteger(value) && Math.abs(value) < 1e5) return String(value).replace("-", "−");
   const [mantissa, power] = value.toExponential(3).split("e").map(Number);
   const text = power < -3 || power >= 5 ? `${mantissa}e${power}` : String(Number(value.toFixed(Math.max(3 - power, 0))));
   return text.replace("-", "−");
 }
-const quantity = (value, unit) => number(value) + (unit ? ` ${unit}` : "");
+const OF_FLAT = "x of flat";
+const quantity = (value, unit) => unit === OF_FLAT ? `x ${value.toFixed(2)} of flat` : number(value) + (unit ? ` ${unit}` : "");
+/** A share of 1 with two digits; a dash where it is of nothing but rounding. */
+const percent = (share, of = 1) => Number.isFinite(share) && Math.abs(of) > ROUNDING ? `${share < ROUNDING ? 0 : +(100 * share).toPrecision(2)} %` : "–";
 const named = (column) => column.title + (column.unit ? ` (${column.unit})` : "");
 
 /** Some round numbers from low to high. */
@@ -139,19 +158,46 @@ function hover(a, read) {
   a.svg.addEventListener("pointerleave", () => { tip.hidden = true; read(NaN, NaN); });
 }
 
+/** Points along a line of pixels, one in each cell of 4 x 4 of them. */
+function dense(points) {
+  const found = new Map();
+  points.forEach(([x, y], i) => {
+    const [u, v] = points[i - 1] ?? [x, y], parts = Math.ceil(Math.hypot(x - u, y - v) / 4) || 1;
+    for (let p = 1; p <= parts; p++) {
+      const at = [u + ((x - u) * p) / parts, v + ((y - v) * p) / parts];
+      if (Number.isFinite(at[0] + at[1])) found.set(at.map((c) => Math.round(c / 4)).join(), at);
+    }
+  });
+  return [...found.values()];
+}
+
+/** Where a name half as wide as `half` is off all lines and names, where its own line is far from the others; or nothing. */
+function freePlace(own, others, half, { left, right, top, bottom }) {
+  let best = null, most = -Infinity;
+  const clear = (points, x, y, wide, high) => points.reduce((least, [u, v]) => Math.min(least, Math.hypot(Math.max(Math.abs(u - x) - wide, 0), Math.max(Math.abs(v - y) - high, 0))), 30);
+  for (const [x, line] of own.filter((_, i) => i % Math.ceil(own.length / 60) === 0)) for (const y of [-10, 10, -18, 18].map((away) => line + away)) {
+    if (x - half < left || x + half > right || y < top || y > bottom - 9) continue;
+    const far = clear(others, x, y, half, 6), score = 20 * Math.min(clear(own, x, y, half, 6), far, 2) + far + 2 * clear(others, x, line, 0, 0) - 0.3 * Math.abs(y - line);
+    if (score > most) { most = score; best = [x, y]; }
+  }
+  return best;
+}
+
 /**
- * Lines in a holder, as `axes` makes it: { x, y, name, ink, below, ... } with a line's looks, each with its name beside its
- * extreme, which is where lines are apart; `read(x)` are the words at a place.
+ * Lines in a holder, as `axes` makes it: { x, y, name, ink, ... } with a line's looks, each with its name where it is
+ * apart from the others; `read(x)` are the words at a place.
  */
 function plot(holder, { strikes = [], ...frame }, series, read) {
   const a = axes(holder, { ...frame, y: range(series.flatMap(({ y }) => Array.from(y)), 0.08) }), { left, right, top, bottom } = a.inside;
   for (const t of strikes) a.svg.append(svg("line", { class: "strike", x1: a.X(t), x2: a.X(t), y1: top, y2: bottom }));
-  for (const { x, y, name, ink, below, ...line } of series) a.svg.append(svg("path", { d: path(Array.from(x, (v, i) => [a.X(v), a.Y(y[i])])), fill: "none", "stroke-width": 1.8, ...line }));
-  for (const { x, y, name, ink, below } of series) {
-    const peak = y.reduce((best, v, i) => (Math.abs(v) >= Math.abs(y[best]) || !Number.isFinite(y[best]) ? i : best), 0), half = 3.2 * (name?.length ?? 0);
-    if (name && Number.isFinite(y[peak])) a.svg.append(svg("text", { class: "halo", x: clip(a.X(x[peak]), left + half, right - half), "text-anchor": "middle", style: ink && `fill:${ink}`,
-      y: clip(a.Y(y[peak]) + (below || y[peak] < 0 ? 15 : -5), top + 4, bottom - 2) }, name));
-  }
+  const lines = series.map(({ x, y }) => Array.from(x, (v, i) => [a.X(v), a.Y(y[i])])), dots = lines.map(dense), names = [];
+  series.forEach(({ x, y, name, ink, ...line }, i) => a.svg.append(svg("path", { d: path(lines[i]), fill: "none", "stroke-width": 1.8, ...line })));
+  series.forEach(({ name, ink }, i) => {
+    const half = 3.4 * (name?.length ?? 0), place = name && freePlace(dots[i], [...names, ...dots.filter((_, j) => j !== i).flat()], half, a.inside);
+    if (!place) return;
+    names.push(...dense([[place[0] - half, place[1]], [place[0] + half, place[1]]]));
+    a.svg.append(svg("text", { class: "halo", x: place[0], y: place[1] + 4, "text-anchor": "middle", style: ink && `fill:${ink}` }, name));
+  });
   hover(a, (x) => (x >= left && x <= right ? read(a.fromX(x)) : null));
   return a;
 }

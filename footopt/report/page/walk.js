@@ -9,7 +9,7 @@ const PLOTS = [
   { title: "work of the sand (J)", name: "work", width: 2, lines: [0, 1] },
 ];
 
-const column = (walk, name, width, i) => Array.from(walk.t, (_, row) => walk[name][row * width + i]);
+const column = (walk, name, width, i) => Array.from(walk.t, (_, row) => walk[name][row * width + i]).map((v) => (Math.abs(v) < ROUNDING ? 0 : v));
 
 /** One trace of a walk, a pale one to compare it with; returns what moves the cursor. */
 function tracePlot(holder, { title, name, width, lines }, walk, other, seek) {
@@ -46,7 +46,7 @@ function flatWalk() {
 /** In words that a walk made here hangs on its last digits; nothing where it does not. */
 function hangs(i) {
   const found = walked.has(i) && rounding(walked.get(i).arc, i === DRAWN ? sketch : { zeta: P.sand.zeta, mass: P.walker.mass });
-  return found ? `This walk hangs on its last digits: rounding alone changes its ${found[0].replaceAll("_", " ")} by ${Number.isFinite(found[1]) ? `${+(100 * found[1]).toPrecision(2)} %` : "all of it"}. Walked again by footopt it may differ by as much.` : "";
+  return found ? `This walk hangs on its last digits: rounding alone changes its ${found[0].replaceAll("_", " ")} by ${Number.isFinite(found[1]) ? percent(found[1]) : "all of it"}. Walked again by footopt it may differ by as much.` : "";
 }
 
 /** The section of the walk; `show(i)` puts the walk of a design on it. */
