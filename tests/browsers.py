@@ -129,7 +129,7 @@ class Page:
 
     def judged(self):
         """What axe-core finds, with everything open."""
-        axe = (resources("axe_core_python") / "axe.min.js").read_text(encoding="utf-8")
+        axe = (resources("axe_playwright_python") / "axe.min.js").read_text(encoding="utf-8")
         self.driver.execute_script("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
         self.driver.execute_script(axe)
         self.driver.set_script_timeout(200)

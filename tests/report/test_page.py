@@ -480,10 +480,11 @@ class TestStage:
 @browser_needed
 class TestLooks:
     @pytest.mark.parametrize(
-        ("kind", "scheme"), [("front", "light"), ("jobs", "dark"), ("study", "dark"), ("walk", "dark")]
+        ("kind", "scheme", "width"),
+        [("front", "light", 1280), ("jobs", "dark", 390), ("study", "dark", 390), ("walk", "dark", 1280)],
     )
-    def test_axe_finds_nothing(self, kind, scheme, pages, browser):
-        browser.set_window_size(1280, 900)
+    def test_axe_finds_nothing(self, kind, scheme, width, pages, browser):
+        browser.set_window_size(width, 900)
         shown = Page(browser, pages[kind])
         shown.emulate(prefers_color_scheme=scheme)
         assert shown.judged() == []

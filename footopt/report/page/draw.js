@@ -109,7 +109,7 @@ function drawTools(holder, now, show, settle) {
     return { row: el("label", {}, text, input, shown), redraw };
   };
   const sliders = [slider("zeta", "sand strength, zeta", P.sand.zeta), slider("mass", "mass, kg", P.walker.mass)];
-  const back = el("button", { type: "button", id: "undo", click: undo }, "Undo"), commands = el("pre", { id: "commands", tabindex: "0" });
+  const back = el("button", { type: "button", id: "undo", click: undo }, "Undo"), commands = el("pre", { id: "commands" });
   const section = el("div", { id: "draw" },
     el("p", { class: "note" }, kOf ? "Drag a waypoint of the sole, or choose one and press the up and down keys: the page walks with it. k has their levels from heel to toe, counted downwards." : "This sole has no waypoints to drag; sand and mass can be changed."),
     el("div", { class: "bar" }, ...sliders.map(({ row }) => row), back),

@@ -105,7 +105,7 @@ function explorer(choose, beside, glimpse) {
       numbers ? " A design's number is its row in designs.csv, from 0." : "",
       COUNT > MOST ? ` Of more than ${MOST} lines an even selection is drawn.` : ""),
     el("div", { class: "bar" }, data.jobs ? null : el("label", {}, "designs", which), el("label", {}, "colour by", shade), scale, clear, count),
-    el("figure", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Parallel axes" }, wide),
+    scrolled("Parallel axes", wide),
     axesBox,
     el("details", { id: "limits" }, el("summary", {}, "The limits as numbers"),
       table(["", "from", "to"], COLUMNS.map((c) => [named(c), ...fields.get(c.name)]))),
@@ -280,18 +280,6 @@ function explorer(choose, beside, glimpse) {
     hover(a, (x, y) => told(y > top ? under([x, y], 6) : -1));
   }
 
-  /** Each job's name beside its point, moved to the middle from that of a neighbour where they would cover each other. */
-  function nameJobs(a, place) {
-    const taken = [];
-    for (const i of state.shown) {
-      let [x, y] = place(i);
-      const step = y > a.height / 2 ? -14 : 14;
-      while (taken.some(([u, v]) => Math.abs(u - x) < 60 && Math.abs(v - y) < 14)) y += step;
-      taken.push([x, y]);
-      a.svg.append(nameAt(a, x, y + 4, label(i)));
-    }
-  }
-
   /** The design within the limits that a measure of distance in pixels calls the nearest, or -1 if none is near. */
   function nearest(distance, most) {
     let found = -1, least = most;
@@ -329,7 +317,8 @@ function explorer(choose, beside, glimpse) {
     for (const i of state.shown) if (!passing.has(i)) dot(i, ink("--line"), 1.8);
     pen.globalAlpha = data.jobs ? 1 : state.passing.length > 2000 ? 0.35 : 0.65;
     for (const i of state.passing) dot(i, colour(i), data.jobs ? 5 : 2.5);
-    if (data.jobs) nameJobs(a, (i) => [a.X(cx.of(i)), a.Y(cy.of(i))]);
+    const places = state.shown.map((i) => [a.X(cx.of(i)), a.Y(cy.of(i))]), names = [];
+    if (data.jobs) places.forEach((place, n) => nameBeside(a, label(state.shown[n]), [place], places.filter((other) => other !== place), names));
     overlay(a, flat, (i, stroke, thick, text) => (Number.isFinite(cx.of(i) + cy.of(i)) ? [
       svg("circle", { cx: a.X(cx.of(i)), cy: a.Y(cy.of(i)), r: 6, fill: "none", "stroke-width": 2.5, stroke: data.jobs ? "var(--ink)" : stroke }),
       nameAt(a, a.X(cx.of(i)), a.Y(cy.of(i)) - 8, text)] : []));

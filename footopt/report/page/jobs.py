@@ -36,7 +36,14 @@ def jobs_content(folder: Path, runs: Sequence[Run], common: Collection[str]) -> 
         known |= {name: (result["units"][name], most) for name, most in result.get("maximise", {}).items()}
     # what not all have could not be compared
     names = [name for name in known if done and all(name in run.objectives for run in done)]
-    values = [[run.objectives[name] for name in names] for run in done]
+    values = np.array([[run.objectives[name] for name in names] for run in done]).reshape(
+        len(done), len(names)
+    )
+    columns = [column(name, *known[name]) for name in names]
+    flat = np.array([(result.get("flat") or {}).get("efficiency", np.nan) for result in results], float)
+    if "efficiency" in names and np.isfinite(flat).all():
+        values[:, names.index("efficiency")] /= flat
+        columns[names.index("efficiency")] |= {"title": "J_W", "unit": "x of flat", "maximise": True}
     feet = [result["settings"]["foot"] for result in results]
     return {
         "title": f"{len(runs)} {runs[0].name.split()[0]}s",
@@ -44,13 +51,14 @@ def jobs_content(folder: Path, runs: Sequence[Run], common: Collection[str]) -> 
             *([f"All with {' '.join(common)}"] if common else []),
             *describe_model(result.get("model_error") for result in results),
         ],
-        "columns": [column(name, *known[name]) for name in names],
+        "columns": columns,
         "jobs": [
             {
                 "name": run.name,
                 "place": run.place,
                 "settings": " ".join(o for o in run.overrides if o not in common),
                 "hollow": number(run.hollow),
+                "efficiency": run.objectives.get("efficiency") if run in done else None,
                 "note": run.note,
                 "seed": (run.result or {}).get("seed"),
                 "seconds": (run.result or {}).get("wall_time_s"),
@@ -60,7 +68,7 @@ def jobs_content(folder: Path, runs: Sequence[Run], common: Collection[str]) -> 
             for run in runs
         ],
         "designs": {
-            "values": packed(np.array(values, float).reshape(len(done), len(names)), exact=True),
+            "values": packed(values, exact=True),
             "labels": [run.name for run in done],
             # a walk that failed has no values to place it by
             "feasible": [int(not result.get("reason")) for result in results],

@@ -104,7 +104,7 @@ function designSection() {
     update(numbers, ...(flatEntry && feasible[chosen] && !flat?.reason
       ? [gain(chosen), bars(chosen, Math.max(widthOf(numbers), 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Ticks at the end of a bar: ± the numerical error.",
         best && entry.ranks?.laws?.some((law) => law.change) ? " Circles: under other laws of the sand." : "", ` ${accuracy}`, gain(chosen) && "J_W, which the paper minimises: −distance × mean height / (work × peak power × speed loss)."), model()]
-      : [el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Values" }, numberTable()), el("p", { class: "note" }, accuracy), model()]));
+      : [scrolled("Values", numberTable()), el("p", { class: "note" }, accuracy), model()]));
     exact.refresh();
     tools.redraw();
     step?.redraw();
@@ -128,7 +128,7 @@ function glance() {
     if (keep) chosen = i;
     section.replaceChildren(el("h3", {}, label(i)), el("figure", {}, soleDrawing(sole(i), { width: widthOf(section), height: 90, plain: true,
       top: own("top", i), colour: i === data.best ? "var(--best)" : "var(--chosen)", ghost: data.walks && flatWalk()?.points })),
-    el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Values of the chosen design" },
+    scrolled("Values of the chosen design",
       table(["", "value", ...(flatEntry ? ["change"] : [])], data.columns.map((column, c) => [named(column), number(valueOf(i, c)), ...(flatEntry ? [change(valueOf(i, c), flatEntry[column.name], column)] : [])]))),
     step?.figure ?? "", el("p", {}, el("a", { href: "#design" }, "the whole answer"), ", ", el("a", { href: "#walk" }, "its walk")));
     step?.show(i);
@@ -175,13 +175,13 @@ const words = (text) => el("span", { class: "words" },
 function jobsSection(choose) {
   const differ = data.columns, what = data.jobs[0].name.split(" ")[0];
   return el("section", { id: "jobs" }, el("h2", {}, `The ${what}s`),
-    el("div", { class: "scroll", style: "max-height:none" }, table([what, "settings", "sole", ...differ.map(named), "hollow (mm)", "seed", "time (s)"],
+    scrolled(`The ${what}s`, table([what, "settings", "sole", ...differ.map(named), "hollow (mm)", "seed", "time (s)"],
       data.jobs.map((job) => [
         job.link ? el("a", { href: job.link }, job.name) : job.name,
         el("div", {}, words(job.settings), job.place ? el("div", { class: "words note" }, job.place) : "", job.note ? el("div", { class: "words warning" }, job.note) : ""),
         job.design === null ? "" : el("button", { type: "button", "aria-label": `Choose the sole of ${job.name}`, click: () => choose(job.design) },
           soleDrawing(sole(job.design), { width: 120, height: 36, plain: true, colour: COLOURS[job.design % COLOURS.length] })),
-        ...differ.map((_, c) => (job.design === null ? "–" : number(values[job.design * WIDTH + c]))),
+        ...differ.map(({ unit }, c) => (job.design === null ? "–" : number(values[job.design * WIDTH + c]) + (unit === OF_FLAT ? ` (${number(job.efficiency)})` : ""))),
         job.hollow, job.seed ?? "–", number(job.seconds)]))),
     ...(data.jobs.some((job) => job.link) ? [el("p", { class: "note" }, `A ${what}'s link opens its own page.`)] : []));
 }
@@ -211,7 +211,7 @@ function studySections() {
     const shown = (cell, r, c) => links[r][c] ? el("a", { href: encodeURIComponent(cell) }, cell) : bad[r][c] ? el("strong", { class: "bad" }, cell) : cell;
     const made = table(head.map((text, c) => (wordy[c] ? words(text) : text)),
       rows.map((row, r) => row.map((cell, c) => (wordy[c] ? words(shown(cell, r, c)) : shown(cell, r, c)))));
-    return [title ? el("h3", {}, title) : null, el("div", { class: "scroll" }, made), caption ? el("p", { class: "note" }, caption) : null];
+    return [title ? el("h3", {}, title) : null, scrolled(title ?? "A table", made), caption ? el("p", { class: "note" }, caption) : null];
   });
   return [
     ...(tables.length ? [el("section", { id: "tables" }, el("h2", {}, "What was found"), ...tables)] : []),
@@ -260,3 +260,4 @@ function build() {
   if (data.live) follow(explore, found);
 }
 build();
+requestAnimationFrame(() => requestAnimationFrame(() => document.body.classList.add("built"))); // sections have their sizes then

@@ -158,29 +158,40 @@ function hover(a, read) {
   a.svg.addEventListener("pointerleave", () => { tip.hidden = true; read(NaN, NaN); });
 }
 
-/** Points along a line of pixels, one in each cell of 4 x 4 of them. */
+/** Points along a line of pixels, one in each cell of 5 x 5 of them. */
 function dense(points) {
   const found = new Map();
-  points.forEach(([x, y], i) => {
-    const [u, v] = points[i - 1] ?? [x, y], parts = Math.ceil(Math.hypot(x - u, y - v) / 4) || 1;
+  let [u, v] = points[0] ?? [];
+  for (const [x, y] of points) {
+    const parts = Math.ceil((Math.abs(x - u) + Math.abs(y - v)) / 5) || 1;
     for (let p = 1; p <= parts; p++) {
-      const at = [u + ((x - u) * p) / parts, v + ((y - v) * p) / parts];
-      if (Number.isFinite(at[0] + at[1])) found.set(at.map((c) => Math.round(c / 4)).join(), at);
+      const a = u + ((x - u) * p) / parts, b = v + ((y - v) * p) / parts;
+      if (Number.isFinite(a + b)) found.set(Math.round(a / 5) * 4096 + Math.round(b / 5), [a, b]);
     }
-  });
+    u = x;
+    v = y;
+  }
   return [...found.values()];
 }
 
-/** Where a name half as wide as `half` is off all lines and names, where its own line is far from the others; or nothing. */
-function freePlace(own, others, half, { left, right, top, bottom }) {
-  let best = null, most = -Infinity;
-  const clear = (points, x, y, wide, high) => points.reduce((least, [u, v]) => Math.min(least, Math.hypot(Math.max(Math.abs(u - x) - wide, 0), Math.max(Math.abs(v - y) - high, 0))), 30);
-  for (const [x, line] of own.filter((_, i) => i % Math.ceil(own.length / 60) === 0)) for (const y of [-10, 10, -18, 18].map((away) => line + away)) {
-    if (x - half < left || x + half > right || y < top || y > bottom - 9) continue;
-    const far = clear(others, x, y, half, 6), score = 20 * Math.min(clear(own, x, y, half, 6), far, 2) + far + 2 * clear(others, x, line, 0, 0) - 0.3 * Math.abs(y - line);
-    if (score > most) { most = score; best = [x, y]; }
+/** Name a line or a point: where the name is off all points, its own, others' and those of names, and its line far from others. */
+function nameBeside(a, name, own, others, names, ink) {
+  const { left, right, top, bottom } = a.inside, half = 3.4 * name.length, taken = [...others, ...names];
+  const clear = (points, x, y, wide, high) => {
+    let least = 900; // pixels squared
+    for (const p of points) least = Math.min(least, Math.max(Math.abs(p[0] - x) - wide, 0) ** 2 + Math.max(Math.abs(p[1] - y) - high, 0) ** 2);
+    return Math.sqrt(least);
+  };
+  let place = null, most = -Infinity;
+  for (const [along, line] of own.filter((_, i) => i % Math.ceil(own.length / 40) === 0)) for (const away of [-12, 12, -20, 20]) {
+    const x = clip(along, left + half, right - half), y = line + away;
+    if (y < top || y > bottom - 9) continue;
+    const far = clear(taken, x, y, half, 6), score = 20 * Math.min(clear(own, x, y, half, 6), far, 2) + far + 4 * clear(others, along, line, 0, 0) - 0.3 * (Math.abs(away) + Math.abs(x - along));
+    if (score > most) { most = score; place = [x, y]; }
   }
-  return best;
+  if (!place) return;
+  names.push(...dense([[place[0] - half, place[1]], [place[0] + half, place[1]]]));
+  a.svg.append(svg("text", { class: "halo", x: place[0], y: place[1] + 4, "text-anchor": "middle", style: ink && `fill:${ink}` }, name));
 }
 
 /**
@@ -192,12 +203,7 @@ function plot(holder, { strikes = [], ...frame }, series, read) {
   for (const t of strikes) a.svg.append(svg("line", { class: "strike", x1: a.X(t), x2: a.X(t), y1: top, y2: bottom }));
   const lines = series.map(({ x, y }) => Array.from(x, (v, i) => [a.X(v), a.Y(y[i])])), dots = lines.map(dense), names = [];
   series.forEach(({ x, y, name, ink, ...line }, i) => a.svg.append(svg("path", { d: path(lines[i]), fill: "none", "stroke-width": 1.8, ...line })));
-  series.forEach(({ name, ink }, i) => {
-    const half = 3.4 * (name?.length ?? 0), place = name && freePlace(dots[i], [...names, ...dots.filter((_, j) => j !== i).flat()], half, a.inside);
-    if (!place) return;
-    names.push(...dense([[place[0] - half, place[1]], [place[0] + half, place[1]]]));
-    a.svg.append(svg("text", { class: "halo", x: place[0], y: place[1] + 4, "text-anchor": "middle", style: ink && `fill:${ink}` }, name));
-  });
+  series.forEach(({ name, ink }, i) => name && nameBeside(a, name, dots[i], dots.filter((_, j) => j !== i).flat(), names, ink));
   hover(a, (x) => (x >= left && x <= right ? read(a.fromX(x)) : null));
   return a;
 }
@@ -216,13 +222,16 @@ function path(points) {
 /** A table; rows of texts or elements. */
 function table(head, rows, attributes = {}) {
   return el("table", attributes,
-    el("thead", {}, el("tr", {}, ...head.map((text) => el("th", { scope: "col" }, text)))),
+    el("thead", {}, el("tr", {}, ...head.map((text) => (text ? el("th", { scope: "col" }, text) : el("td"))))),
     el("tbody", {}, ...rows.map((row) => el("tr", {}, ...row.map((cell) => el("td", {}, cell))))));
 }
 
+/** What scrolls where it is too large. */
+const scrolled = (label, ...children) => el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": label }, ...children);
+
 /** A table that opens on demand and is filled then. */
 function folded(title, fill) {
-  const box = el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": title });
+  const box = scrolled(title);
   const whole = el("details", { toggle: () => whole.open && box.replaceChildren(fill()) },
     el("summary", {}, title), box);
   whole.refresh = () => whole.open && box.replaceChildren(fill());

@@ -74,7 +74,7 @@ function walkSection() {
   const clock = el("output", { for: "time", style: "min-width:9.5em" });
   const whole = el("div", { class: "plot" }), near = el("div", { class: "plot" });
   const plots = PLOTS.map(() => el("div", { class: "plot seek" }));
-  const numbers = el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Numbers at this instant" });
+  const numbers = scrolled("Numbers at this instant");
   const title = el("h2", { id: "walk-title" }), message = el("p", { id: "unwalked", class: "note" });
   const samples = folded("The walk as a table", () => sampleTable(state.walk));
   const picture = el("div", {},
