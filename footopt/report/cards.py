@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from footopt.foot import Foot
 from footopt.gait import Gait
-from footopt.report.numbers import number, objective_quantity, percent, title
+from footopt.report.numbers import number, objective_quantity, percent, sand_title, title
 from footopt.report.plot import RESOLUTION, drawings, picture
 from footopt.report.style import png
 from footopt.report.terminal import describe_foot, describe_outside, describe_scene, describe_search
@@ -133,7 +133,7 @@ CARDS: dict[str, Card] = {
     "SearchResult": Card(lambda result: f"search on {result.problem.scene.sand.name} sand", search_facts),
     "Table": Card(lambda table: f"{len(table)} feet", table_facts),
     "Walk": Card(
-        lambda walk: f"{walk.foot.name} on {walk.scene.sand.name} sand",
+        lambda walk: f"{title(walk.foot.name)} on {sand_title(walk.scene.sand)}",
         walk_facts,
         [["walk"], ["force", "power"]],
     ),

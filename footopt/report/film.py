@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from footopt.errors import FileError, FootoptError, SettingError, check
 from footopt.files.run import write_whole
 from footopt.report.figures.walker import letters, view_of
+from footopt.report.numbers import sand_title, title
 from footopt.report.picture import Picture, View, draw, round_down
 from footopt.report.style import PAGE, new_figure, styled
 from footopt.walk import Walk
@@ -158,7 +159,7 @@ def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], N
     whole.set(ylabel="$z$ (m)", xlim=(left, left + wide), ylim=(low, high), aspect="equal")
     whole.plot(*walk.com.T, color="black", lw=0.6, ls=":")
     close.set(xlabel="$x$ (m)", ylabel="$z$ (m)", xlim=(-reach, reach), ylim=near[2:4], aspect="equal")
-    figure.suptitle(f"{walk.foot.name} on {walk.scene.sand.name} sand, {speed:g} × real time")
+    figure.suptitle(f"{title(walk.foot.name)} on {sand_title(walk.scene.sand)}, {speed:g} × real time")
     clock = whole.set_title(" ", loc="right", fontsize=10)
     for _ in range(2):  # each pass of the layout moves things a little
         figure.draw_without_rendering()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from footopt.sand import Sand
 from footopt.walk import MEASURES
 
 
@@ -58,8 +59,13 @@ def duration(seconds: float) -> str:
 
 
 def title(name: str) -> str:
-    """An objective's name as a reader sees it."""
-    return "efficiency J_W" if name == "efficiency" else name.replace("_", " ")
+    """The name of an objective or of a shape as a reader sees it."""
+    return {"efficiency": "efficiency J_W", "reversed_l": "reversed L"}.get(name, name.replace("_", " "))
+
+
+def sand_title(sand: Sand) -> str:
+    """The sand by its name, or by its strength if it has none."""
+    return f"sand of zeta {sand.zeta:g}" if sand.name == "custom" else f"{sand.name} sand"
 
 
 def objective_quantity(name: str, value: float) -> str:

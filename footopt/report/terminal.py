@@ -141,7 +141,7 @@ def describe_loss(name: str, value: float, flat: float) -> list[str]:
 
 def describe_foot(foot: Foot) -> str:
     """A sole in one line: its heights, its hollow, and by how much it leaves its box, if it does."""
-    parts = [f"k = {written(foot.k)}"] if foot.k is not None else [foot.name]
+    parts = [f"k = {written(foot.k)}"] if foot.k is not None else [title(foot.name)]
     parts.append(f"hollow {1e3 * foot.hollow:.1f} mm")
     if foot.box_violation is not None and foot.box_violation >= 5e-6:
         parts.append(f"outside its box by {1e3 * foot.box_violation:.2f} mm")
@@ -184,7 +184,7 @@ def describe_setup(scene: Scene, foot: Foot | Waypoints) -> str:
     if isinstance(foot, Waypoints):
         what, length, height = "Soles in a box of", 2.0 * foot.L, foot.H
     else:
-        what, (length, height) = f"Sole ({foot.name}) of", np.ptp(foot.contour, axis=0)
+        what, (length, height) = f"Sole ({title(foot.name)}) of", np.ptp(foot.contour, axis=0)
     law = "the generic stress map" if scene.sand.stress_map == GENERIC else "a stress map of its own"
     if not any(isinstance(effect, LeadingEdge) for effect in scene.effects):
         law += "; faces that trail count, as in the paper"

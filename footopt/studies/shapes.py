@@ -12,7 +12,7 @@ from rich.text import Text
 from footopt.errors import SettingError, check
 from footopt.foot import SHAPES, Foot
 from footopt.report import figures, terminal
-from footopt.report.figures import paper as paper_figures
+from footopt.report.numbers import title
 from footopt.studies.base import Study
 from footopt.studies.build import make_foot
 from footopt.studies.record import foot_entry, scene_entry
@@ -75,7 +75,7 @@ def run(study: Study) -> None:
             step(news=name)
     rows = ([name, *walk.objectives.values(), walk.reason] for name, walk in walks.items())
     study.write_csv("shapes.csv", ["shape", *OBJECTIVES, "reason"], rows)
-    shown = {paper_figures.title(name): walk for name, walk in walks.items()}
+    shown = {title(name): walk for name, walk in walks.items()}
     soles = {name: walk.foot for name, walk in shown.items()}
     for name, figure, caption in (
         ("shapes", figures.contours(soles), "The contact lines of the five shapes, all of one length."),
@@ -103,13 +103,13 @@ def _warnings(entries: Mapping[str, dict[str, Any]]) -> list[str]:
     found: dict[str, list[str]] = {}
     for name, entry in entries.items():
         for warning in entry["warnings"]:
-            found.setdefault(warning, []).append(paper_figures.title(name))
+            found.setdefault(warning, []).append(title(name))
     return [f"{warning} ({', '.join(names)})." for warning, names in sorted(found.items())]
 
 
 def table(walks: Mapping[str, Walk]) -> RichTable:
     """Objectives (rows) of walks (columns), with the best of each row marked."""
-    titles = [paper_figures.title(name) for name in walks]
+    titles = [title(name) for name in walks]
     shown = terminal.table(("objective", *titles), words=("objective",))
     for objective in OBJECTIVES.values():
         values = [walk.objectives[objective.name] for walk in walks.values()]

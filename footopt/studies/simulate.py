@@ -12,6 +12,7 @@ from footopt.files import run as files
 from footopt.foot.export import write_all
 from footopt.report import figures, film, page, terminal
 from footopt.report.figures.gait import gait_fit
+from footopt.report.numbers import title
 from footopt.studies.auto_effects import choose_effects
 from footopt.studies.base import Study
 from footopt.studies.build import make_strides
@@ -41,7 +42,7 @@ def run(study: Study) -> Answer:
     read = [] if strides is None else [*strides.notes]
     if strides is not None and "foot" in strides.curves and scene.gait.foot is None:
         read.append("the foot's angle misses its Fourier series and is left out")
-    notes = [*foot.notes, *write_walk(study, walk, {foot.name: walk}), *_undefined(walk, values)]
+    notes = [*foot.notes, *write_walk(study, walk, {title(foot.name): walk}), *_undefined(walk, values)]
     if strides is not None and study.draws:
         study.save("gait", gait_fit(strides, scene.gait))
     record = study.write_result(

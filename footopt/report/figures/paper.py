@@ -17,13 +17,9 @@ from footopt.report.figures.foot import contour, contours
 from footopt.report.figures.gait import draw_angles, draw_path
 from footopt.report.figures.step import steps
 from footopt.report.figures.traces import com, forces, power_work
+from footopt.report.numbers import title
 from footopt.report.style import PAGE, SANDS, VERDICTS, legend_above, new_figure, styled
 from footopt.walk import Walk, Walker
-
-
-def title(shape: str) -> str:
-    """A shape's name as a reader sees it."""
-    return "reversed L" if shape == "reversed_l" else shape.replace("_", " ")
 
 
 @styled

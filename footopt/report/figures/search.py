@@ -74,7 +74,7 @@ def draw_convergence(axes: Axes, history: Sequence[Any], label: str, base: float
         for name in ("evaluations", "best", "median", "hypervolume")
     )
     best = best if np.isfinite(best).any() else volume
-    upright = label if base is None else f"{label}, × the flat foot's"
+    upright = label if base is None else f"{label} (× of flat)"
     axes.set(xlabel="evaluations", ylabel=textwrap.fill(upright, 32))
     if not np.isfinite(best).any():
         message(axes, "no feasible design was found")

@@ -30,7 +30,7 @@ def sensitivity(found: Mapping[str, Any], names: Sequence[str], label: Callable[
     heights = [len(block.parameters) for block in found.values()]
     largest = max(float(np.nanmax(np.abs(100.0 * block.change), initial=1e-9)) for block in found.values())
     figure = new_figure(PAGE, 1.0 + ROW * sum(heights))
-    panels = figure.subplots(len(found), 2, height_ratios=heights, width_ratios=(3, 2), squeeze=False)
+    panels = figure.subplots(len(found), 2, height_ratios=heights, width_ratios=(4, 3), squeeze=False)
     for (left, right), (title, block) in zip(panels, found.items(), strict=True):
         rows = [label(name) for name in block.parameters]
         # what lies within its own interval of zero is not known to be anything

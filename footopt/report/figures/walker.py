@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from footopt.effects import Layers, Patches
 from footopt.report.body import Body, body, legs
 from footopt.report.figures.traces import walk_label
+from footopt.report.numbers import sand_title, title
 from footopt.report.picture import Picture, Shape, View, draw, ground, round_down
 from footopt.report.style import PAGE, SIDES, Axes, as_text, legend_entry, message
 from footopt.walk import Scene, Walk
@@ -36,7 +37,7 @@ def draw_walk(axes: Axes, walk: Walk) -> None:
     label_legs(axes)
     axes.set(xlim=view[:2], ylim=view[2:4], aspect="equal")
     step = f", every {walk.t[index[1]] - walk.t[index[0]]:.2g} s" if len(index) > 1 else ""
-    axes.set_title(walk_label(f"{walk.foot.name} on {walk.scene.sand.name} sand{step}", walk))
+    axes.set_title(walk_label(f"{title(walk.foot.name)} on {sand_title(walk.scene.sand)}{step}", walk))
 
 
 def draw_scene(axes: Axes, scene: Scene) -> None:

@@ -104,7 +104,7 @@ function explorer(choose, beside, glimpse) {
       "Click a line or a point to choose that design; drag a name to move its axis. Better is up on every axis of an objective.",
       numbers ? " A design's number is its row in designs.csv, from 0." : "",
       COUNT > MOST ? ` Of more than ${MOST} lines an even selection is drawn.` : ""),
-    el("div", { class: "bar" }, data.jobs ? null : el("label", {}, "designs", which), el("label", {}, "colour by", shade), scale, clear, count),
+    el("div", { class: "bar" }, which.length > 1 ? el("label", {}, "designs", which) : null, el("label", {}, "colour by", shade), scale, clear, count),
     scrolled("Parallel axes", wide),
     axesBox,
     el("details", { id: "limits" }, el("summary", {}, "The limits as numbers"),

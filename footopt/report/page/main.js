@@ -256,7 +256,7 @@ function build() {
   if (COUNT) { choose(data.best); drawings.push(design.redraw); }
   if (walks) drawings.push(walks.redraw);
   if (small) drawings.push(() => small.show());
-  if (generation && explore && found) rewinding(explore, found);
+  if (generation && explore && data.history?.length > 1) rewinding(explore, found);
   if (data.live) follow(explore, found);
 }
 build();

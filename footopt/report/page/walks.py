@@ -13,7 +13,7 @@ from footopt.design import Confirmation, SearchResult
 from footopt.design.exhaustive import Enumeration
 from footopt.foot import Foot, Waypoints
 from footopt.report.body import forces_along, groups
-from footopt.report.numbers import percent, title
+from footopt.report.numbers import percent, sand_title, title
 from footopt.report.page.file import column, packed
 from footopt.report.page.physics import ARROWS, physics, refusal
 from footopt.report.picture import DRAWN, HEAD, ground
@@ -51,20 +51,20 @@ def walk_content(walk: Walk, entry: dict[str, Any]) -> dict[str, Any]:
         shape = {"soles": [packed(foot.contour, exact=True)]}
     return {
         **common(entry, walk.scene, tuple(values), walk.accuracy, foot),
-        "title": f"{foot.name} on {walk.scene.sand.name} sand",
+        "title": f"{title(foot.name)} on {sand_title(walk.scene.sand)}",
         "headline": [f"{describe_scene(walk.scene)}; {describe_foot(foot)}"],
         "space": splines(foot.space) if "k" in shape and foot.space else None,
         "top": foot.top,
         "width": foot.width,
         "designs": {
             "values": packed(np.array([list(values.values())], float), exact=True),
-            "labels": [foot.name],
+            "labels": [title(foot.name)],
             "feasible": [int(walk.feasible)],
             "reasons": [walk.reason],
             **shape,
         },
         "best": 0,
-        "walks": [{"design": 0, "label": foot.name, **_traces(walk, FINE_FRAMES)}],
+        "walks": [{"design": 0, "label": title(foot.name), **_traces(walk, FINE_FRAMES)}],
     }
 
 
@@ -120,7 +120,7 @@ def search_content(
     codes = np.array([reasons.index(str(r)) for r in result.reasons])
     return {
         **common(entry, problem.scene, record, problem.accuracy, problem.space),
-        "title": verdict(best, flat),
+        "title": verdict(best, flat, problem.names),
         "headline": [
             f"Soles for {', '.join(map(title, problem.names))} on {describe_scene(problem.scene)}",
             describe_search(result),
@@ -164,21 +164,25 @@ def search_content(
     }  # fmt: skip
 
 
-def verdict(best: Walk, flat: Walk) -> str:
-    """What became of the foot, in a line: its largest gain and its largest loss against the flat sole."""
+def verdict(best: Walk, flat: Walk, sought: Sequence[str] = ()) -> str:
+    """What became of the foot, in a line: its largest gain in what was sought, its largest loss in all."""
     kind = "A hollow foot" if best.foot.hollow >= HOLLOW else "A foot without a hollow"
-    said = f"{kind} for {best.scene.sand.name} sand"
-    gains = {}  # relative, by the words of each objective
-    for name in FIVE:
+    said = f"{kind} for {sand_title(best.scene.sand)}"
+    goals = [name for name in sought if name != "efficiency" and name in best.objectives] or FIVE
+    gains = {}  # relative
+    for name in dict.fromkeys([*goals, *FIVE]):
         value, base = best.objectives[name], flat.objectives[name]
         if math.isfinite(change := value / base - 1.0 if base else math.nan):
-            more = "more" if change > 0.0 else "less"
-            gains[f"{percent(abs(change))} {more} {title(name)}"] = -MEASURES[name].sign * change
-    ends = (
-        dict.fromkeys([max(gains, key=gains.__getitem__), min(gains, key=gains.__getitem__)]) if gains else {}
-    )
-    told = [words for words in ends if abs(gains[words]) >= 0.005]
-    return f"{said}: {', '.join(told)} than a flat one" if told else said
+            gains[name] = -MEASURES[name].sign * change
+    told = {}
+    for name in (
+        *sorted(gains.keys() & goals, key=gains.__getitem__)[-1:],
+        *sorted(gains, key=gains.__getitem__)[:1],
+    ):
+        less = (gains[name] > 0.0) == (MEASURES[name].sign > 0.0)
+        if abs(gains[name]) >= 0.005:
+            told[name] = f"{percent(abs(gains[name]))} {'less' if less else 'more'} {title(name)}"
+    return f"{said}: {', '.join(told.values())} than a flat one" if told else said
 
 
 def successive_bests(result: SearchResult) -> list[int]:
