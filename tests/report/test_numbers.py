@@ -4,8 +4,10 @@ import math
 
 import pytest
 
-from footopt.report.numbers import change, duration, number, percent, quantity, title
+import footopt as fo
+from footopt.report.numbers import change, duration, number, percent, quantity, sand_title, title
 from footopt.report.style import formula
+from footopt.report.terminal import describe_scene
 
 
 @pytest.mark.parametrize(
@@ -42,8 +44,18 @@ def test_figures_raise_the_power_of_ten():
     assert formula(-4.0) == "−4"
 
 
+def test_parameters_of_effects_have_units():
+    scene = fo.Scene(effects=(fo.Slope(10), fo.Patches((0.9,), (1.5,), (0.2,))))
+    words = "slope (angle 10 deg), patches (begins 0.9 m, ends 1.5 m, factors 0.2, blur 0.05 m)"
+    assert describe_scene(scene) == f"hard sand (zeta 5), {words}"
+
+
 def test_names_are_words():
     assert (title("peak_power"), title("efficiency")) == ("peak power", "efficiency J_W")
+    assert [sand_title(s) for s in (fo.Sand.named("soft"), fo.Sand(zeta=2.5))] == [
+        "soft sand",
+        "sand of zeta 2.5",
+    ]
 
 
 @pytest.mark.parametrize(

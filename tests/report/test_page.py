@@ -644,6 +644,24 @@ class TestWalk:
     def test_a_walk_that_sank_says_so(self, pages, browser):
         assert "sunk" in Page(browser, pages["sunk"]).text("#walk")
 
+    def test_names_of_lines_lie_on_no_line(self, pages, browser):
+        shown = Page(browser, pages["front"])
+        near = shown.js(
+            "[...document.querySelectorAll('#walk .plots text.halo')].map((name) => {"
+            "const b = name.getBBox(), on = (p) => [...Array(400)].some((_, i) => {"
+            "const { x, y } = p.getPointAtLength(i / 399 * p.getTotalLength());"
+            "return x > b.x + 1 && x < b.x + b.width - 1 && y > b.y + 3 && y < b.y + b.height - 3; });"
+            "const paths = [...name.ownerSVGElement.querySelectorAll('path')];"
+            "return [name.textContent, paths.filter(on).length]; })"
+        )
+        assert {name for name, _ in near} == {"left", "right", "flat"}
+        assert sum(count > 0 for _, count in near) <= 1  # where lines leave no room
+
+    def test_rounding_is_no_motion_and_has_no_error(self, pages, browser):
+        shown = Page(browser, pages["front"])
+        assert shown.js("column({ t: [0, 1], v: [1e-22, -3e-13] }, 'v', 1, 0)") == [0, 0]
+        assert shown.js("[percent(3.4, 1e-22), percent(1e-14), percent(0.0123)]") == ["–", "0 %", "1.2 %"]
+
 
 @browser_needed
 class TestSearch:
@@ -652,6 +670,7 @@ class TestSearch:
         shown = Page(browser, pages["single"])
         buttons = shown.all(".lineage button")
         assert len(buttons) == len(walks.successive_bests(result))
+        assert re.fullmatch(r"generation 1\nx \d\.\d\d of flat", buttons[0].text)
         buttons[0].click()
         i = walks.successive_bests(result)[0]
         assert ",".join(map(str, result.k[i])) in shown.text("#design-words")
@@ -762,6 +781,10 @@ class TestVerdict:
         assert title(gain) in said
         assert title(loss) in said
         assert said.endswith("than a flat one")
+
+    def test_leads_with_the_largest_gain_in_what_was_sought(self, front):
+        best, flat = front[2], front[3]
+        assert title("distance") in walks.verdict(best, flat, ["distance"]).split(",")[0]
 
     def test_of_the_flat_foot_itself_nothing_is_claimed(self, front):
         flat = front[3]

@@ -61,6 +61,17 @@ function gain(i) {
     el("span", { class: "note" }, ` (${number(valueOf(i, c))} against ${number(base)})`));
 }
 
+/** All values of a design, with their errors, beside those of the flat foot. */
+function valueTable(i) {
+  const errors = i === data.best && entry.error_estimate;
+  return table(["", "this sole", ...(errors ? ["error"] : []), ...(flatEntry ? ["flat sole", "change"] : [])],
+    data.columns.map((column, c) => {
+      const value = valueOf(i, c), base = flatEntry?.[column.name];
+      return [`${column.title}${column.unit ? `, ${column.unit}` : ""} (${column.maximise ? "max" : "min"})`, number(value),
+        ...(errors ? [percent(Math.abs(errors[column.name] / value), value)] : []), ...(flatEntry ? [number(base), change(value, base, column)] : [])];
+    }));
+}
+
 /** The answer: the chosen sole beside the flat one, what it changes, its step, its files. */
 function designSection() {
   const drawing = el("div", { class: "plot" }), numbers = el("div", {}), words = el("p", { id: "design-words", class: "note" });
@@ -72,21 +83,11 @@ function designSection() {
     click: () => download(`sole-${label(chosen).replace(/[^\w.-]+/g, "-")}.${ending}`, text({ points: sole(chosen), top: own("top", chosen), width: own("width", chosen) }), type),
   }, ending.toUpperCase()));
   const back = el("button", { type: "button", id: "back", click: () => choose(data.best) }, `Back to the ${BEST}`);
-  const exact = folded("These numbers as a table", () => numberTable());
+  const exact = folded("These numbers as a table", () => valueTable(chosen));
   const section = el("section", { id: "design" }, title,
     el("div", { class: "grid wide" },
       el("div", {}, el("figure", {}, drawing), words, step?.figure ?? null),
       el("div", {}, numbers, ...(flatEntry ? [exact] : []), el("div", { class: "bar" }, "Download it as", ...buttons, back), tools.section)));
-  function numberTable() {
-    const errors = chosen === data.best && entry.error_estimate;
-    return table(["", "this sole", ...(errors ? ["error"] : []), ...(flatEntry ? ["flat sole", "change"] : [])],
-      data.columns.map((column, c) => {
-        const value = valueOf(chosen, c), base = flatEntry?.[column.name], share = errors ? Math.abs(errors[column.name] / value) : NaN;
-        return [`${column.title}${column.unit ? `, ${column.unit}` : ""} (${column.maximise ? "max" : "min"})`, number(value),
-          ...(errors ? [percent(share, value)] : []),
-          ...(flatEntry ? [number(base), change(value, base, column)] : [])];
-      }));
-  }
   function model() {
     const errors = chosen === data.best && Object.entries(entry.model_error ?? {}).filter(([, error]) => Number.isFinite(error ?? NaN));
     return errors?.length ? el("p", { id: "model-error", class: "note" }, "Model error, from experiments on sand and the spread of zeta: ",
@@ -104,7 +105,7 @@ function designSection() {
     update(numbers, ...(flatEntry && feasible[chosen] && !flat?.reason
       ? [gain(chosen), bars(chosen, Math.max(widthOf(numbers), 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Ticks at the end of a bar: ± the numerical error.",
         best && entry.ranks?.laws?.some((law) => law.change) ? " Circles: under other laws of the sand." : "", ` ${accuracy}`, gain(chosen) && "J_W, which the paper minimises: −distance × mean height / (work × peak power × speed loss)."), model()]
-      : [scrolled("Values", numberTable()), el("p", { class: "note" }, accuracy), model()]));
+      : [scrolled("Values", valueTable(chosen)), el("p", { class: "note" }, accuracy), model()]));
     exact.refresh();
     tools.redraw();
     step?.redraw();
@@ -128,8 +129,7 @@ function glance() {
     if (keep) chosen = i;
     section.replaceChildren(el("h3", {}, label(i)), el("figure", {}, soleDrawing(sole(i), { width: widthOf(section), height: 90, plain: true,
       top: own("top", i), colour: i === data.best ? "var(--best)" : "var(--chosen)", ghost: data.walks && flatWalk()?.points })),
-    scrolled("Values of the chosen design",
-      table(["", "value", ...(flatEntry ? ["change"] : [])], data.columns.map((column, c) => [named(column), number(valueOf(i, c)), ...(flatEntry ? [change(valueOf(i, c), flatEntry[column.name], column)] : [])]))),
+    scrolled("Values of the chosen design", valueTable(i)),
     step?.figure ?? "", el("p", {}, el("a", { href: "#design" }, "the whole answer"), ", ", el("a", { href: "#walk" }, "its walk")));
     step?.show(i);
   };
