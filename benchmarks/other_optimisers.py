@@ -30,6 +30,7 @@ from footopt.design import SOLVERS
 from footopt.design.peers import PEERS, asked_by
 from footopt.errors import MissingError
 from footopt.gait.fourier import Fourier
+from footopt.walk.accuracy import COARSE
 
 FIRST_SCENE, FIRST, FEW, MANY = 101, 300, 1_000, 10_000
 WITHIN = 1e-3  # of the best known, relative
@@ -39,8 +40,6 @@ EFFECTS: dict[str, tuple[Any, ...]] = {
     "leading edge": (fo.LeadingEdge(),),
     "inertia": (fo.Inertia(),),
 }
-#: As coarse as walks can be whose J_W still ranks soles as finer ones do: the others cost twice as much.
-COARSE = fo.Accuracy("sdirk2", 0.02, 32, 1e-4, "coarse")
 
 
 def draw(number: int, objective: str | tuple[str, ...] = "efficiency") -> fo.FootProblem:
@@ -75,7 +74,7 @@ def varied(joint: Fourier | None, rng: np.random.Generator) -> Fourier | None:
 
 
 #: Optimisers, and at how many walks each is judged: those that take long for a design at the fewer only.
-RUNS = {"memetic": MANY, "surrogate": FEW, "ga": MANY} | {
+RUNS = {"memetic": MANY, "ga": MANY} | {
     name: {"smac": FIRST, "optuna_tpe": FEW, "optuna_cma": FEW, "nevergrad_ngopt": FEW}.get(name, MANY)
     for name in PEERS
 }

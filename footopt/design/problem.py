@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
+from copy import copy
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from footopt.design.choice import Choice, excess
-from footopt.errors import check, check_kind
+from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Waypoints
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.objectives import FIVE, MEASURES, Objective, lookup
@@ -118,6 +119,18 @@ class FootProblem:
     def guide(self) -> str:
         """Name of the value that ranks designs: the single objective, or J_W when there are several."""
         return self.objectives[0].name if self.n_obj == 1 else "efficiency"
+
+    def coarser(self) -> FootProblem:
+        """The same, walked as coarsely as still ranks soles much as here; `SettingError` if it is already."""
+        accuracy = self.accuracy.coarser
+        if accuracy is None:
+            needs = "finer than coarse, by whose walks solver=surrogate chooses"
+            raise SettingError(
+                "accuracy", self.accuracy.name, needs, "Try accuracy=standard, or solver=auto."
+            )
+        coarser = copy(self)
+        coarser.accuracy = accuracy
+        return coarser
 
     @property
     def conditions(self) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from pymoo.core.sampling import Sampling
 from pymoo.core.variable import Integer
 from pymoo.problems.static import StaticProblem
 
+from footopt.design.coarse import Coarse
 from footopt.design.problem import Array, FootProblem, Ints
 from footopt.design.result import SearchResult
 from footopt.design.solvers import Solver
@@ -116,13 +117,13 @@ def as_solver(algorithm: Any, budget: dict[str, Any]) -> Solver:
 class Size(Problem):
     """What an algorithm knows of a `FootProblem` that it asks for designs of: no walks, the box, a memory."""
 
-    def __init__(self, problem: FootProblem) -> None:
+    def __init__(self, problem: FootProblem, coarse: Coarse | None = None) -> None:
         n, space = problem.space.n, problem.space
         super().__init__(
             n, problem.n_obj, problem.n_constraints, xl=np.ones(n), xu=np.full(n, space.K), vtype=int
         )
         self.vars = variables(space)
-        self._space, self._asked = space, set[bytes]()
+        self._space, self._asked, self.coarse = space, set[bytes](), coarse
 
     def inside(self, k: Ints) -> NDArray[np.bool_]:
         """Which designs are inside their box."""
@@ -161,10 +162,15 @@ class Algorithm:
     """
 
     def __init__(
-        self, problem: FootProblem, solver: Solver, start: Ints | None = None, termination: Any = None
+        self,
+        problem: FootProblem,
+        solver: Solver,
+        start: Ints | None = None,
+        termination: Any = None,
+        coarse: Coarse | None = None,
     ) -> None:
         self._algorithm = solver.build(problem.n_obj)
-        self._size = Size(problem)
+        self._size = Size(problem, coarse)
         most = solver.n_gen or REPEATS * solver.generations(problem.space)
         ends = copy.deepcopy(termination) or ("n_gen", most)
         try:

@@ -27,6 +27,7 @@ from footopt.studies.settings import (
     SandConfig,
 )
 from footopt.walk import PRESETS, Accuracy, Scene, Spread, Walker
+from footopt.walk.accuracy import COARSE
 
 
 def load_plugins(plugins: Sequence[str]) -> None:
@@ -251,7 +252,7 @@ def make_accuracy(config: AccuracyConfig) -> Accuracy:
     if config.tolerance is not None:
         accuracy = Accuracy.within(config.tolerance)
     else:
-        accuracy = PRESETS.get(config.name, Accuracy())
+        accuracy = {"coarse": COARSE, **PRESETS}.get(config.name, Accuracy())
     parts = {name: value for name, value in vars(config).items() if name not in ("name", "tolerance")}
     by_hand = {name: value for name, value in parts.items() if value is not None}
     return replace(accuracy, **by_hand, name="custom", adapt=False) if by_hand else accuracy

@@ -14,6 +14,8 @@ from footopt.design import EXHAUSTIVE, SOLVERS, Solver, search
 from footopt.design.fronts import hypervolume_shares
 from footopt.design.solvers.memetic import Memetic
 from footopt.design.solvers.moves import shifts
+from footopt.errors import SettingError
+from footopt.walk.accuracy import COARSE
 
 SEVEN = fo.Waypoints(n=7)
 #: A script that prints all that a search asks for, with walks that cost nothing.
@@ -167,6 +169,7 @@ def test_a_surrogate_needs_few_walks_and_goes_on_bit_by_bit(objective, tmp_path)
     search(p, "surrogate", pop_size=20, walks=40, seed=1, store=store)
     r = search(p, "surrogate", pop_size=20, walks=100, seed=1, store=store)
     assert r.reused == 40
+    assert r.coarse > r.designs
     assert_same(r, search(p, "surrogate", pop_size=20, walks=100, seed=1))
     exact = search(p, EXHAUSTIVE)
     if p.n_obj == 1:
@@ -175,9 +178,21 @@ def test_a_surrogate_needs_few_walks_and_goes_on_bit_by_bit(objective, tmp_path)
         assert hypervolume_shares([r.F, exact.F])[0] > 0.95
 
 
+def test_a_surrogate_needs_a_quarter_of_the_dear_walks():
+    """And no coarse walk is one of them; where walks are as coarse there is nothing to choose by."""
+    for zeta in (0.5, 2.0, 8.0):
+        p = problem(zeta=zeta, space=SEVEN, accuracy=fo.Accuracy.named("draft"))
+        dear, quick = search(p, "surrogate", walks=20, seed=1), search(p, "memetic", walks=80, seed=1)
+        assert dear.designs == 20
+        assert dear.F[0] <= quick.F[0] < 0.0
+    with pytest.raises(SettingError, match="accuracy = 'coarse': must be finer"):
+        search(problem(accuracy=COARSE), "surrogate")
+
+
 @pytest.mark.slow
 def test_tight_limits_are_met_within_three_hundred_walks():
     """What violates more is worse to the model of the walks, too: before, half of ten searches met none."""
     scene, limits = fo.Scene(sand=fo.Sand.named("hard")), {"peak_power": 200.0, "work": 180.0}
     problem = fo.FootProblem(scene, accuracy="draft", limits=limits)
     assert all(fo.search(problem, "memetic", walks=300, seed=seed).feasible.any() for seed in range(10))
+    assert all(fo.search(problem, "surrogate", walks=20, seed=seed).feasible.any() for seed in range(3))

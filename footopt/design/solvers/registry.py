@@ -21,6 +21,8 @@ SOLVERS: dict[str, Callable[[Solver, int], Any]] = {}
 SINGLE: list[str] = []
 ANY = ("surrogate",)
 
+#: Solvers that choose by coarse walks which designs are worth a dear one.
+COARSELY = ("surrogate",)
 
 #: What operators can be told, by solver; a solver of one's own may add its own words.
 GENETIC = ("crossover_prob", "crossover_eta", "mutation_prob", "mutation_eta")
@@ -39,7 +41,7 @@ GROWING: dict[str, tuple[int, float]] = {}
 QUICK, DEAR = (10, 0.05), (5, 0.05)  # first size and share, of quick walks and of dear ones
 MOST = 100
 
-WALKS = 10_000  # of a solver without n_gen
+WALKS, DEAR_WALKS = 10_000, 300  # of a solver without n_gen, and of one in COARSELY
 SIZE = 100  # of generations that do not grow
 
 
@@ -63,7 +65,7 @@ class Solver:
         With them, {} too, a solver of several objectives has simulated binary crossover and polynomial
         mutation in place of moves that suit a spline.
     walks : int, optional
-        Different designs at most; 10,000 by default, also where n_gen is not given.
+        Different designs at most; where n_gen is not given 10,000 by default, and 300 of surrogate.
     """
 
     name: str = AUTO
@@ -92,7 +94,7 @@ class Solver:
     @property
     def most(self) -> float:
         """Different designs at most; infinity where generations alone end it."""
-        return self.walks or (math.inf if self.n_gen else WALKS)
+        return self.walks or (math.inf if self.n_gen else DEAR_WALKS if self.name in COARSELY else WALKS)
 
     @property
     def grows(self) -> bool:

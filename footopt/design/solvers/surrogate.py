@@ -1,4 +1,4 @@
-"""A search by models of the objectives, for walks that cost more than a model does."""
+"""A search by coarse walks, and by models of what finer ones change, for walks that are dear."""
 
 from __future__ import annotations
 
@@ -9,42 +9,45 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from pymoo.core.population import Population
+from pymoo.core.sampling import Sampling
+from pymoo.problems.static import StaticProblem
 
 from footopt.design.fronts import nondominated
-from footopt.design.solvers.memetic import Moves, front, order, steps
-from footopt.design.solvers.moves import RandomInside, allowed
+from footopt.design.solvers.memetic import Archive, Memetic, Moves, front, order, steps
 from footopt.design.solvers.registry import DEAR
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-LEAST = 20  # feasible designs before there are models
-FITTED = 200  # designs that a model's lengths are fitted to
-TRAINED = 1500  # designs that a model knows
+FIRST, EACH = 2000, 20  # coarse walks before the first dear one, and for each of them
+LEAST = 8  # dear walks before there are models
+FITTED, TRAINED = 200, 1000  # the newest of them, that a model's lengths are fitted to, and that it knows
 STEPS = 15  # of L-BFGS-B a generation, from the lengths of the last one
-ROUNDS, CHILDREN = 12, 600  # of moves on the models, and children in each
-CANDIDATES, RANDOM = 500, 50  # designs that samples choose from: the best of the moves, and random ones
-PARENTS = 20  # of one objective, of which the moves begin
+CANDIDATES = 500  # designs that samples choose from
+PARENTS = 20  # of one objective, for children where no candidate is left
 NOISE = (1e-4, 1.0)  # of a model's variance: ruggedness that it cannot follow
 
 
 class Surrogate(Moves):
-    """Gaussian processes of the objectives; each design of a batch is the best of another sample of them.
+    """The solver for quick walks at work on coarse ones, which models of the dear ones correct.
 
-    Each objective has a process of scikit-learn's with a squared exponential kernel of two lengths, for
-    heights and for differences of neighbours. The kernel sees whole numbers only, as Garrido-Merchan &
-    Hernandez-Lobato (Neurocomputing 380, 2020) advise. A single objective of one sign is modelled by its
-    logarithm: J_W is a product of measures that are smoother than itself. The moves of `memetic` improve
-    designs on the models' means; of what they come upon, samples of the processes choose (Thompson 1933;
-    Kandasamy et al. 2018): explored is what the models do not know. With several objectives each sample looks
+    `memetic`, or `archive` for several objectives, searches by walks as coarse as still rank designs. What a
+    dear walk has beyond a coarse one, of each objective and limit, is modelled by a Gaussian process of
+    scikit-learn's (Kennedy & O'Hagan, Biometrika 87, 2000) with a squared exponential kernel of three
+    lengths: for heights, for differences of neighbours, and for what the coarse walk says. It sees whole
+    numbers only, as Garrido-Merchan & Hernandez-Lobato (Neurocomputing 380, 2020) advise. Each design of a
+    batch is the best of another sample of the processes, and the first the best by their means (Thompson
+    1933; Kandasamy et al. 2018): explored is what they do not know. With several objectives each sample looks
     in another direction, by the augmented Chebyshev distance from its ideal point (Knowles 2006).
     """
 
     growth = DEAR
 
     def __init__(self, pop_size: int | None = None, **kwargs: Any) -> None:
-        super().__init__(pop_size, **kwargs)
-        self.theta: list[Array] = []  # of each kernel, from which the next fit goes on
+        super().__init__(pop_size, sampling=_BestCoarsely(self), **kwargs)
+        self.coarse: Any = None  # the search by coarse walks
+        self.models: list[Any] = []  # of each objective and limit
+        self.middle, self.scale = np.zeros(1), np.ones(1)  # of coarse values
 
     def _advance(self, infills: Any = None, **kwargs: Any) -> None:
         self.front = front(Population.merge(self.front, infills))
@@ -57,111 +60,130 @@ class Surrogate(Moves):
         from sklearn.exceptions import ConvergenceWarning
         from threadpoolctl import threadpool_limits
 
-        good = self.known.get("CV")[:, 0] <= 0.0
-        if good.sum() < LEAST:
-            return super()._propose(size)
-        X, F = self.known.get("X").astype(np.int64), self.known.get("F").astype(float)
-        F = np.where(good[:, None], F, F[good].max(axis=0))  # what fails is as bad as the worst
         with threadpool_limits(1), warnings.catch_warnings():  # sums in another order would lead elsewhere
             warnings.simplefilter("ignore", ConvergenceWarning)  # a length at its bound
-            models = self._models(X, F)
-            candidates = self._candidates(models)
-            if not len(candidates):
-                return super()._propose(size)
-            drawn = np.stack([self._samples(m, candidates, size) for m in models], axis=-1)
-        span = np.ptp(drawn, axis=(0, 1))
-        far = (drawn - drawn.min(axis=(0, 1))) / np.where(span > 0.0, span, 1.0)
-        weighted = far * self.random_state.dirichlet(np.ones(len(models)), size)
-        score = weighted.max(axis=-1) + 0.05 * weighted.sum(axis=-1)
+            self._learn()
+            self.search_coarsely(EACH * size)
+            X = self.candidates()
+            return self._new(X[self._chosen(X, size)] if self.models and len(X) else X, size)
+
+    def search_coarsely(self, walks: int) -> None:
+        """Go on, for so many walks, with the search by coarse walks and what models add to them."""
+        found = Population.new()
+        if self.coarse is None:
+            self.coarse = Memetic() if self.problem.n_obj == 1 else Archive()
+            seed = int(self.random_state.integers(2**31))
+            self.coarse.setup(self.problem, termination=("n_gen", 10**9), seed=seed, verbose=False)
+        else:  # all that it knows has other values now
+            found, none = self.coarse.known, Population.new()
+            self.coarse.known = self.coarse.pop = self.coarse.front = none
+            self.coarse.champion, self.coarse.learnt, self.coarse.pop_size = None, [], EACH
+        while True:
+            if len(found):
+                F, G = self._expected(found.get("X").astype(np.int64))
+                self.coarse.evaluator.skip_already_evaluated = False
+                self.coarse.evaluator.eval(StaticProblem(self.problem, F=F, G=G), found)
+                self.coarse.tell(infills=found)
+            if walks <= 0 or (found := self.coarse.ask()) is None:
+                return
+            walks -= len(found)
+
+    def candidates(self) -> Ints:
+        """Designs without a dear walk that promise most, (candidates, n)."""
+        known, count = self.coarse.known, CANDIDATES + len(self.asked)
+        best = order(known)[:count] if self.problem.n_obj == 1 else leaders(known, count)
+        return self._fresh(known[best].get("X").astype(np.int64))[:CANDIDATES]
+
+    def _coarse(self, X: Ints) -> tuple[Array, Array, Array]:
+        """What coarse walks say of designs: what is modelled (designs, models), and F and G."""
+        F, G = self.problem.coarse(X)
+        return np.concatenate([F, G[:, 2:]], axis=1), F, G  # the first constraints are no numbers to model
+
+    def _expected(self, X: Ints) -> tuple[Array, Array]:
+        """F and G (designs, ...) that dear walks should have."""
+        values, F, G = self._coarse(X)
+        if self.models:
+            inputs = self._inputs(X, values)
+            values = values + np.stack([model.predict(inputs) for model in self.models], axis=1)
+        n_obj = F.shape[1]
+        return values[:, :n_obj], np.concatenate([G[:, :2], values[:, n_obj:]], axis=1)
+
+    def _inputs(self, X: Ints, values: Array) -> Array:
+        """What a kernel sees: heights and slopes, 2 for the whole range of heights, and coarse values."""
+        shape = 2.0 * steps(X) / float(np.max(self.problem.xu))
+        return np.concatenate([shape, np.clip((values - self.middle) / self.scale, -3.0, 3.0)], axis=1)
+
+    def _learn(self) -> None:
+        """Fit a process to what dear walks have beyond coarse ones, of each objective and limit."""
+        from sklearn.gaussian_process import GaussianProcessRegressor
+        from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
+
+        X, G = self.known.get("X").astype(np.int64), self.known.get("G").astype(float)
+        values, _, coarse = self._coarse(X)
+        good = np.flatnonzero((G[:, 0] <= 0.0) & (coarse[:, 0] <= 0.0))[-TRAINED:]  # both walked
+        if len(good) < LEAST:
+            return
+        dear = np.concatenate([self.known.get("F").astype(float), G[:, 2:]], axis=1)
+        X, values, beyond = X[good], values[good], (dear - values)[good]
+        self.middle = np.median(values, axis=0)
+        self.scale = np.maximum(values.std(axis=0), 1e-6 * np.abs(self.middle) + 1e-300)
+        inputs, models = self._inputs(X, values), []
+        sizes = (1, X.shape[1], X.shape[1] - 1, values.shape[1], 1)
+        for j, y in enumerate(beyond.T):
+            lengths = RBF(np.full(inputs.shape[1], 3.0), (0.3, 30.0))
+            kernel = ConstantKernel(1.0, (1e-2, 1e2)) * lengths + WhiteKernel(1e-2, NOISE)
+            if self.models:
+                kernel = kernel.clone_with_theta(self.models[j].kernel_.theta)
+            options = {"alpha": 1e-8, "normalize_y": True}
+            few = GaussianProcessRegressor(kernel, optimizer=partial(fit, sizes=sizes), **options)
+            few.fit(inputs[-FITTED:], y[-FITTED:])
+            models.append(GaussianProcessRegressor(few.kernel_, optimizer=None, **options).fit(inputs, y))
+        self.models = models
+
+    def _chosen(self, X: Ints, size: int) -> Ints:
+        """Places of the candidates (candidates, n) that samples of the processes choose, each another."""
+        values, F, _ = self._coarse(X)
+        inputs, n_obj = self._inputs(X, values), F.shape[1]
+        drawn = np.stack([self._samples(model, inputs, size) for model in self.models], axis=-1)
+        drawn += values[:, None]
+        far = drawn[..., :n_obj] - drawn[..., :n_obj].min(axis=(0, 1))
+        far /= np.maximum(far.max(axis=(0, 1)), 1e-300)
+        weighted = far * self.random_state.dirichlet(np.ones(n_obj), size)
+        broken = 2.0 * (drawn[..., n_obj:] > 0.0).sum(axis=-1)  # limits; no distance is as far
+        score = weighted.max(axis=-1) + 0.05 * weighted.sum(axis=-1) + broken
         taken: dict[int, None] = {}
         for column in score.T:
             free = (int(i) for i in np.argsort(column, kind="stable") if int(i) not in taken)
             taken[next(free, 0)] = None
-        return self._new(candidates[list(taken)], size)
+        return np.array([*taken], np.int64)
 
-    def _models(self, X: Ints, F: Array) -> list[Any]:
-        """A process for each objective."""
-        from sklearn.gaussian_process import GaussianProcessRegressor
-        from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
-
-        one = F.shape[1] == 1
-        rank = (F if one else (F - F.min(axis=0)) / np.maximum(np.ptp(F, axis=0), 1e-300)).sum(axis=1)
-        known = self._few(rank, TRAINED)
-        fitted = self._few(rank[known], FITTED)
-        inputs, models = self._inputs(X[known]), []
-        for j in range(F.shape[1]):
-            y = bounded(logarithmic(F[known, j]) if one else F[known, j])
-            lengths = RBF(np.full(inputs.shape[1], 3.0), (0.1, 100.0))
-            kernel = ConstantKernel(4.0, (1e-2, 1e4)) * lengths + WhiteKernel(1e-2, NOISE)
-            if self.theta:
-                kernel = kernel.clone_with_theta(self.theta[j])
-            options = {"alpha": 1e-8, "normalize_y": True}
-            few = GaussianProcessRegressor(kernel, optimizer=partial(fit, n=X.shape[1]), **options)
-            few.fit(inputs[fitted], y[fitted])
-            models.append(GaussianProcessRegressor(few.kernel_, optimizer=None, **options).fit(inputs, y))
-        self.theta = [model.kernel_.theta for model in models]
-        return models
-
-    def _inputs(self, X: Ints) -> Array:
-        """What a kernel sees of designs: heights and slopes, 2 for the whole range of heights."""
-        return np.asarray(2.0 * steps(X) / float(np.max(self.problem.xu)))
-
-    def _few(self, rank: Array, count: int) -> Ints:
-        """Places of at most so many designs: the best, and as many of the others at random."""
-        if len(rank) <= count:
-            return np.arange(len(rank))
-        places = rank.argsort(kind="stable")
-        rest = self.random_state.permutation(places[count // 2 :])[: count - count // 2]
-        return np.concatenate([places[: count // 2], rest])
-
-    def _means(self, models: list[Any], X: Ints) -> Array:
-        inputs = self._inputs(X)
-        return np.stack([model.predict(inputs) for model in models], axis=1)
-
-    def _candidates(self, models: list[Any]) -> Ints:
-        """Designs never asked for that are good on the models: what moves come upon, and random ones."""
-        known, draw = self.pop, self.random_state
-        pool = np.unique(self.pop.get("X").astype(np.int64), axis=0)[:CANDIDATES]
-        mean = self._means(models, pool)
-        for _ in range(ROUNDS):
-            self.pop = Population.new(X=pool)
-            children = np.unique(self._children(CHILDREN), axis=0)
-            children = children[allowed(self.problem, children)]
-            if not len(children):
-                continue
-            pool = np.concatenate([pool, children])
-            mean = np.concatenate([mean, self._means(models, children)])
-            pool, first = np.unique(pool, axis=0, return_index=True)
-            best = leaders(mean[first], CANDIDATES)
-            pool, mean = pool[best], mean[first][best]
-        self.pop = known
-        drawn = RandomInside().do(self.problem, RANDOM, random_state=draw).get("X").astype(np.int64)
-        return self._fresh(np.concatenate([pool, drawn]))
-
-    def _samples(self, model: Any, X: Ints, count: int) -> Array:
-        """Samples of a process at designs, (designs, count)."""
-        mean, covariance = model.predict(self._inputs(X), return_cov=True)
-        jitter = 1e-8 * max(float(np.trace(covariance)) / len(covariance), 1e-12)
+    def _samples(self, model: Any, inputs: Array, count: int) -> Array:
+        """The mean of a process at designs, and samples of it, (designs, count)."""
+        mean, covariance = model.predict(inputs, return_cov=True)
+        jitter = 1e-8 * max(float(np.trace(covariance)) / len(covariance), 1e-300)
         factor = np.linalg.cholesky(covariance + jitter * np.eye(len(covariance)))
-        return np.asarray(mean[:, None] + factor @ self.random_state.normal(size=(len(mean), count)))
+        normal = self.random_state.normal(size=(len(mean), count))
+        normal[:, 0] = 0.0
+        return np.asarray(mean[:, None] + factor @ normal)
 
 
-def bounded(f: Array) -> Array:
-    """An objective whose worst values are drawn in: they are of no interest."""
-    middle = float(np.median(f))
-    return np.minimum(f, middle + 2.0 * (middle - float(f.min())))
+class _BestCoarsely(Sampling):
+    """The designs to begin with: the best of the search by coarse walks."""
+
+    def __init__(self, of: Surrogate) -> None:
+        super().__init__()
+        self.of = of
+
+    def _do(self, problem: Any, n_samples: int, **kwargs: Any) -> Ints:
+        self.of.search_coarsely(FIRST)
+        return self.of.candidates()[:n_samples]
 
 
-def logarithmic(f: Array) -> Array:
-    """The logarithm of a minimised objective that has one sign; another one as it is."""
-    return np.sign(f) * np.log(np.abs(f)) if (f > 0.0).all() or (f < 0.0).all() else f
-
-
-def fit(objective: Any, theta: Array, bounds: Array, n: int) -> tuple[Array, float]:
-    """scikit-learn's optimizer of a kernel: a few steps, with one length for heights and one for slopes."""
+def fit(objective: Any, theta: Array, bounds: Array, sizes: tuple[int, ...]) -> tuple[Array, float]:
+    """scikit-learn's optimizer of a kernel: a few steps, with one number for each group of parameters."""
     from scipy.optimize import minimize
 
-    tied = np.repeat([0, 1, 2, 3], [1, n, n - 1, 1])  # variance, lengths, noise
+    tied = np.repeat(np.arange(len(sizes)), sizes)  # variance, lengths of heights, slopes, values, noise
     first = np.unique(tied, return_index=True)[1]
 
     def of_tied(few: Array) -> tuple[float, Array]:
@@ -173,12 +195,11 @@ def fit(objective: Any, theta: Array, bounds: Array, n: int) -> tuple[Array, flo
     return found.x[tied], float(found.fun)
 
 
-def leaders(value: Array, count: int) -> Ints:
-    """Places of the best designs (designs, objectives), or of one front after the other."""
-    if value.shape[1] == 1:
-        return np.argsort(value[:, 0], kind="stable")[:count]
-    left, kept = np.arange(len(value)), np.empty(0, np.int64)
+def leaders(pop: Any, count: int) -> Ints:
+    """Places of some of a population: one front of the feasible after the other; if none is, the nearest."""
+    F, left = pop.get("F"), np.flatnonzero(pop.get("CV")[:, 0] <= 0.0)
+    kept = np.empty(0, np.int64)
     while len(left) and len(kept) < count:
-        now = nondominated(value[left])
+        now = nondominated(F[left])
         kept, left = np.concatenate([kept, left[now]]), left[~now]
-    return kept[:count]
+    return kept if len(kept) else order(pop)[:count]
