@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Callable, Sequence
-from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -186,25 +183,6 @@ class Attempt:
     def hit(self) -> bool:
         """Whether it came within `WITHIN` of the best J_W."""
         return bool(np.isfinite(self.within_at))
-
-
-class Attempts:
-    """Searches in a file, a line each: a study that was stopped makes none twice."""
-
-    def __init__(self, path: Path) -> None:
-        self._path, self._made = path, dict[Any, Attempt]()
-        for line in path.read_text().splitlines() if path.exists() else ():
-            with suppress(ValueError):  # torn by a kill
-                what, found = json.loads(line)
-                self._made[tuple(what)] = Attempt(**found)
-
-    def __call__(self, what: tuple[Any, ...], make: Callable[[], Attempt]) -> Attempt:
-        """The search that is this, made unless it is in the file."""
-        if what not in self._made:
-            self._made[what] = make()
-            with open(self._path, "a") as file:
-                file.write(f"\n{json.dumps([what, asdict(self._made[what])])}")
-        return self._made[what]
 
 
 def judge(result: SearchResult, truth: Tabulated) -> Attempt:

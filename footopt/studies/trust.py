@@ -24,7 +24,6 @@ from footopt.design.truth import (
     BATCH,
     WITHIN,
     Attempt,
-    Attempts,
     Tabulated,
     expected_walks,
     judge,
@@ -32,6 +31,7 @@ from footopt.design.truth import (
     walk_all,
 )
 from footopt.errors import SettingError, check
+from footopt.files.tasks import Tasks
 from footopt.foot.waypoints import written
 from footopt.report import terminal
 from footopt.report.figures.trust import trust
@@ -91,7 +91,7 @@ def run(study: Study) -> None:
     drawn = [anything(study.seed + i, f"random {i + 1}") for i in range(count)]
     runs = [(name, seed) for seed in range(study.seed, study.seed + seeds) for name in names]
     attempts: dict[str, list[Attempt]] = {}
-    made = Attempts(study.folder / "attempts.jsonl")
+    done = Tasks(study.folder / "attempts.jsonl")
     exact: dict[str, dict[str, Any]] = {}
     designs = space.K**space.n
     scenes = (*sands(study.scene, SANDS), *drawn)
@@ -106,7 +106,8 @@ def run(study: Study) -> None:
             where = digest(context(problem))
             for name, seed in runs:
                 what = (name, seed, size, options.budget)
-                attempts[scenario.name].append(made((where, *what), partial(attempt, *what, *truths)))
+                found = done((where, *what), partial(attempted, *what, *truths))
+                attempts[scenario.name].append(Attempt(**found))
                 step(news=f"{name}, seed {seed}, {scenario.name}")
     groups = {sand: [attempts[sand]] for sand in SANDS} | (
         {RANDOM: [attempts[s.name] for s in drawn]} if drawn else {}
@@ -146,6 +147,11 @@ def attempt(
         return judge_designs(name, seed, np.array(asked.designs), single)
     truth, solver = single if name in SINGLE else several, Solver(name, size, seed=seed, walks=budget)
     return judge(search(truth, solver, lambda g: truth is single and g.best <= truth.optimum), truth)
+
+
+def attempted(*what: Any) -> dict[str, Any]:
+    """An `attempt` in JSON's types."""
+    return asdict(attempt(*what))
 
 
 def answer(scenario: Scenario, single: Tabulated, several: Tabulated) -> dict[str, Any]:

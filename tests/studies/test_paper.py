@@ -184,6 +184,33 @@ def test_without_a_sweep_claims_are_judged_at_the_settings(small, tmp_path):
     assert "Nothing was swept" in (tmp_path / "claims.md").read_text()
 
 
+@pytest.mark.slow
+def test_a_study_that_is_killed_loses_only_what_it_was_at(small, tmp_path, monkeypatch):
+    chosen = config(study__quick=True, study__confirm="draft", engine__threads=1)
+    settings = replace(chosen, report="none")
+    best, left, searched = setup.Setup.best, 1000, []
+
+    def dying(self, sand, seed):
+        if len(searched) == left:
+            raise KeyboardInterrupt
+        searched.append(sand)
+        return best(self, sand, seed)
+
+    monkeypatch.setattr(setup.Setup, "best", dying)
+    (whole := tmp_path / "whole").mkdir()
+    run(Study(settings, whole, {}))
+    all_of_them, left = len(searched), len(searched) + 5
+    with pytest.raises(KeyboardInterrupt):
+        run(Study(settings, tmp_path, {}))
+    with open(tmp_path / "tasks.jsonl", "a") as file:
+        file.write("\n[[")  # torn by the kill
+    before, left = len(searched), 1000
+    run(Study(settings, tmp_path, {}))
+    again, found = (json.loads((place / "result.json").read_text()) for place in (tmp_path, whole))
+    assert again["claims"] == found["claims"]
+    assert len(searched) - before == all_of_them - 3  # the feet are kept, not half of a change
+
+
 @pytest.mark.parametrize(
     ("settings", "message"),
     [

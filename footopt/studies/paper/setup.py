@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from footopt.design import WALKS, Solver, search
+from footopt.design.context import context, digest, plain
 from footopt.effects import Effect, Footprints, LeadingEdge, Shadowing
 from footopt.effects.shadowing import HULLS
 from footopt.errors import SettingError, check
@@ -93,17 +94,28 @@ class Setup:
         scene = self.scene(self.config.study.shape_sand)
         return walk_shapes(make_shapes(self.config), scene, self.accuracy)
 
-    def best(self, sand: str, seed: int) -> Foot:
-        """Return the best foot that one run of the GA finds."""
-        problem = ReadProblem(
+    def problem(self, sand: str) -> ReadProblem:
+        """Return what the GA searches for a sand."""
+        return ReadProblem(
             self.readings,
             scene=self.scene(sand),
             space=build.make_space(self.config.foot),
             accuracy=build.make_accuracy(self.config.accuracy),
             threads=self.config.engine.threads,
         )
+
+    def best(self, sand: str, seed: int) -> Foot:
+        """Return the best foot that one run of the GA finds."""
         solver = self.config.solver
-        return search(problem, Solver(SOLVER, solver.pop_size, solver.n_gen, seed)).foot
+        return search(self.problem(sand), Solver(SOLVER, solver.pop_size, solver.n_gen, seed)).foot
+
+    def heights(self, sand: str, seed: int) -> list[int]:
+        """Return its heights."""
+        return [int(height) for height in self.best(sand, seed).k or ()]
+
+    def named(self, sand: str) -> str:
+        """Return a digest of all that walks and searches on a sand depend on but the seed."""
+        return digest([context(self.problem(sand)), plain(self.config)])
 
     def walk(self, foot: Foot, sand: str) -> Walk:
         """Walk with a foot on a sand, at the accuracy that claims are measured with."""

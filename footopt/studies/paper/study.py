@@ -8,6 +8,8 @@ from functools import partial
 
 from footopt.errors import check
 from footopt.files import run as files
+from footopt.files.tasks import Tasks
+from footopt.foot import Foot
 from footopt.report import terminal
 from footopt.report.figures import paper as paper_figures
 from footopt.studies.base import Study
@@ -43,7 +45,8 @@ def run(study: Study) -> None:
     plan = Plan.of(config)
     threads = at_once(study.threads)
     with study.progress(len(SANDS) * config.study.seeds + len(plan.changes), "task") as step:
-        runs = optimise(setup, step)
+        done = Tasks(study.folder / "tasks.jsonl")
+        runs = optimise(setup, step, done)
         for sand, walks in runs.items():
             study.say(f"{sand:8s} {terminal.describe_foot(walks[0].foot)}")
         feet = {sand: dataclasses.replace(walks[0].foot, name=sand) for sand, walks in runs.items()}
@@ -51,7 +54,7 @@ def run(study: Study) -> None:
         drawn = paper_figures.all_figures(evidence.shapes, evidence.optima, evidence.crossed)
         for name, figure in drawn.items():
             study.save(name, figure, paper_figures.CAPTIONS[name])
-        swept = sweep(plan, feet, threads, partial(step, "sweep"))
+        swept = sweep(plan, feet, threads, partial(step, "sweep"), done)
 
     judged = {
         name: judge(float(margin), column, plan, CLAIMS[name].about)
@@ -89,13 +92,15 @@ def run(study: Study) -> None:
     )
 
 
-def optimise(setup: Setup, step: Callable[[str], None]) -> dict[str, list[Walk]]:
+def optimise(setup: Setup, step: Callable[[str], None], done: Tasks) -> dict[str, list[Walk]]:
     """Return for each sand a walk with the best foot of each seed, best first by J_W as it is read."""
+    space = setup.problem(SANDS[0]).space
     found, first = {}, setup.config.solver.seed
     for sand in SANDS:
         walks = []
         for seed in range(first, first + setup.config.study.seeds):
-            walks.append(setup.walk(setup.best(sand, seed), sand))
+            k = done((setup.named(sand), seed), partial(setup.heights, sand, seed))
+            walks.append(setup.walk(Foot.from_waypoints(k, space), sand))
             step(f"searched for {sand} sand, seed {seed}")
         found[sand] = sorted(walks, key=lambda walk: read(walk, setup.readings).objectives["efficiency"])
     return found

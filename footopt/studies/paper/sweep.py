@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.errors import FootoptError
+from footopt.files.tasks import Tasks
 from footopt.foot import Foot
 from footopt.studies.paper.claims import CLAIMS, SANDS, measure
 from footopt.studies.paper.setup import Setup, changed
@@ -150,7 +151,11 @@ def shown(level: Any) -> str:
 
 
 def sweep(
-    plan: Plan, optima: Mapping[str, Foot], threads: int, step: Callable[[], None] = lambda: None
+    plan: Plan,
+    optima: Mapping[str, Foot],
+    threads: int,
+    step: Callable[[], None] = lambda: None,
+    done: Tasks | None = None,
 ) -> Array:
     """Measure the claims for every change of a plan.
 
@@ -166,16 +171,23 @@ def sweep(
         Threads; they work on different changes.
     step : callable
         Called after every change.
+    done : Tasks, optional
+        Where margins are kept, and read again.
 
     Returns
     -------
     margins : (changes, claims)
         NaN where a walk failed, or where a search found no foot at all.
     """
-    changes = plan.changes
+    changes, done = plan.changes, done or Tasks()
+    worn = [foot.k for foot in optima.values()]
 
     def margins(change: Change) -> Array:
         setup = Setup(changed(plan.config, change))
+        task = ([setup.named(sand) for sand in SANDS], plan.moves_feet(change) or worn)
+        return np.array(done(task, lambda: measured(setup, change).tolist()))
+
+    def measured(setup: Setup, change: Change) -> Array:
         seed = setup.config.solver.seed
         try:
             feet = {sand: setup.best(sand, seed) for sand in SANDS} if plan.moves_feet(change) else optima
