@@ -20,6 +20,7 @@ from rich.table import Table as RichTable
 from footopt.design import SINGLE, SOLVERS, FootProblem, Solver, search
 from footopt.design.context import context, digest
 from footopt.design.peers import PEERS, asked_by
+from footopt.design.solvers.registry import COARSELY
 from footopt.design.truth import (
     BATCH,
     WITHIN,
@@ -79,8 +80,8 @@ def run(study: Study) -> None:
     least = Solver("ga", size).size
     allowed = f"at least one generation, {least}, and <= 1e7"
     check(least <= options.budget <= 10**7, "study.budget", options.budget, allowed)
-    known = (*SOLVERS, *PEERS)
-    names = list(known) if options.solvers is None else options.solvers
+    known = [name for name in (*SOLVERS, *PEERS) if name not in COARSELY]  # a table has no coarse walks
+    names = known if options.solvers is None else options.solvers
     if unknown := [name for name in names if name not in known]:
         raise SettingError("study.solvers", unknown[0], f"one of {', '.join(known)}")
     seeds = min(options.seeds, QUICK_SEEDS) if options.quick else options.seeds

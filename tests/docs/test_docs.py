@@ -448,6 +448,7 @@ ROWS = {
     "other_optimisers.py": 2,
     "ablation.py": 5,
     "fronts.py": 5,
+    "dear_walks.py": 4,
     "mujoco_steps.py": 4,
     "page.py": 1,
 }

@@ -45,7 +45,7 @@ def archive(solver: Solver, n_obj: int) -> Any:
 
 @register
 def surrogate(solver: Solver, n_obj: int) -> Any:
-    """Gaussian processes of the objectives, for walks that are dear; of one objective or several."""
+    """Coarse walks and Gaussian processes choose what is worth a dear walk; of one objective or several."""
     from footopt.design.solvers.surrogate import Surrogate
 
     needed("sklearn", "solver=surrogate", "surrogate")
