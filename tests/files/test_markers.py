@@ -607,6 +607,10 @@ class TestRows:
             (lambda rows: rows * [[1], [1], [-1], [1]], r"the knee goes from -.* beyond -12 to 170 deg"),
             (lambda rows: rows * [[1], [0.017], [0.017], [1]], r"the thigh moves by 0\.\d+ deg only.*=rad"),
             (
+                lambda rows: np.add(rows, [[0], [60], [0], [0]]),
+                r"the thigh points \d\d deg ahead .*pelvis_tilt",
+            ),
+            (
                 lambda rows: np.where((np.arange(264) == 9) & [[0], [1], [0], [0]], np.nan, rows),
                 "row 10 .*thigh",
             ),
