@@ -150,8 +150,8 @@ def _check_joint(joint: str, t: Array, values: Array) -> None:
         raise Unusable(f"row {row + 1} of the data, at {t[row]:.6g} s, has no finite angle of the {joint}.")
     if joint == "thigh" and abs(mean := float(np.mean(values))) > LIES:
         raise Unusable(
-            f"the thigh points {mean:.0f} deg ahead of the vertical on average, and in a walk {LIES:g} at most: "
-            "are the model's axes turned (pelvis_tilt), or the columns others?"
+            f"the thigh points {mean:.0f} deg ahead of the vertical on average, and in a walk {LIES:g} at "
+            "most: are the model's axes turned (pelvis_tilt), or the columns others?"
         )
     check_angles({joint: values})
     share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
