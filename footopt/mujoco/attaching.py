@@ -17,7 +17,7 @@ from footopt.foot import Foot, Plates
 from footopt.mujoco.callback import ATTACHED, MOST, callback, compiled
 from footopt.mujoco.faces import COLUMNS
 from footopt.mujoco.intrusion import Grains, xi_of
-from footopt.mujoco.step import BODY, COUNTED, END, MEAN, STEP, Workspace
+from footopt.mujoco.step import BODY, COUNTED, END, FREEDOM, MEAN, STEP, Workspace
 from footopt.sand import Sand
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.prepare import world
@@ -110,7 +110,7 @@ class Contact:
         step["rk4"] = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
         step["length"] = found.rest or Rest().length
         self._space = Workspace(
-            step, bodies, data.xpos, data.xmat.reshape(-1, 9), data.qvel[None], data.qfrc_passive[None],
+            step, bodies, _freedoms(mujoco, model), model.M_colind[None].astype(np.int64), data.M[None], data.xpos, data.xmat.reshape(-1, 9), data.qvel[None], data.qfrc_passive[None],
             np.concatenate(tables)[None], np.zeros((3, 3 * first)), np.zeros((6, n)),
             np.zeros((n, model.nv)), np.zeros((n, model.nv)), np.zeros((n // 6, 9)),
         )  # fmt: skip
@@ -122,8 +122,9 @@ class Contact:
             raise SettingError("data", f"number {MOST + 1}", f"at most {MOST} at once", "Detach one.")
         _KEPT[data._address] = self
         _install()
-        if model.opt.integrator == mujoco.mjtIntegrator.mjINT_EULER and _explicit(model) > EXPLICIT:
-            warnings.warn(LOOSE.format(_explicit(model)), stacklevel=2)
+        explicit = np.max(model.opt.timestep * _of_servos(model, 2) / model.dof_M0, initial=0.0)
+        if model.opt.integrator == mujoco.mjtIntegrator.mjINT_EULER and explicit > EXPLICIT:
+            warnings.warn(LOOSE.format(explicit), stacklevel=2)
 
     def detach(self) -> None:
         """Take the sand away from this MjData."""
@@ -197,12 +198,26 @@ def _mesh(mujoco: Any, model: Any, body: int, name: str) -> Array:
     return np.array([*(a + b + c).T / 3.0, area, *n, *np.zeros((COLUMNS - 7, len(area)))])
 
 
-def _explicit(model: Any) -> float:
-    """Largest dt kv / inertia of actuators on joints, whose damping kv Euler's method takes explicitly."""
-    acts = np.flatnonzero(model.actuator_trntype == 0)  # mjTRN_JOINT
-    inertia = model.dof_M0[model.jnt_dofadr[model.actuator_trnid[acts, 0]]]
-    kv = -model.actuator_biasprm[acts, 2] * model.actuator_gear[acts, 0] ** 2
-    return float(np.max(model.opt.timestep * kv / inertia, initial=0.0))
+def _of_servos(model: Any, term: int) -> Array:
+    """Stiffness (term 1) or damping (2) of actuators on joints, by degree of freedom, (nv,)."""
+    acts = np.flatnonzero((model.actuator_trntype == 0) & (model.actuator_biastype == 1))  # joint, affine
+    total, gear = np.zeros(model.nv), model.actuator_gear[acts, 0]
+    dofs = model.jnt_dofadr[model.actuator_trnid[acts, 0]]
+    np.add.at(total, dofs, -model.actuator_biasprm[acts, term] * gear**2)
+    return total
+
+
+def _freedoms(mujoco: Any, model: Any) -> Any:
+    """The table of `FREEDOM`, (nv,)."""
+    freedoms, which = np.zeros(model.nv, FREEDOM), mujoco.mjtIntegrator
+    freedoms["first"], freedoms["last"] = model.M_rowadr, model.M_rowadr + model.M_rownnz - 1
+    freedoms["damping"] = model.dof_damping + _of_servos(model, 2)
+    freedoms["stiffness"] = _of_servos(model, 1)
+    if model.opt.integrator == which.mjINT_EULER:
+        freedoms["implicit"] = model.dof_damping
+    elif model.opt.integrator != which.mjINT_RK4:
+        freedoms["implicit"] = freedoms["damping"]
+    return freedoms
 
 
 def _install() -> None:

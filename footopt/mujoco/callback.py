@@ -14,7 +14,7 @@ from numba import carray, cfunc, njit, types
 from numba.extending import intrinsic
 
 from footopt.errors import needed
-from footopt.mujoco.step import BODY, HOLD, MEAN, STEP, Workspace, align, begin, meaning_of, product, solve
+from footopt.mujoco.step import BODY, FREEDOM, HOLD, MEAN, STEP, Workspace, align, begin, meaning_of, product, solve
 
 MOST, ARRAYS = 256, len(Workspace._fields)  # models on sand at once in one process, and arrays of each
 #: What is attached: address of its MjData, of its `Contact.addresses`, and of its compiled step.
@@ -55,8 +55,8 @@ def compiled(effects: bytes) -> Any:
     folder, acting = Path(needed("mujoco", "footopt.mujoco", "mujoco").__file__).parent, pickle.loads(effects)
     paths = [p for name in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco.dll") for p in folder.glob(name)]
     library = ctypes.CDLL(str(paths[0]))
-    get_state, jacobian_of, solve_mass = library.mj_getState, library.mj_jacBody, library.mj_solveM
-    for function, pointers in ((get_state, 3), (jacobian_of, 4), (solve_mass, 4)):
+    get_state, jacobian_of = library.mj_getState, library.mj_jacBody
+    for function, pointers in ((get_state, 3), (jacobian_of, 4)):
         function.argtypes, function.restype = [ctypes.c_void_p] * pointers + [ctypes.c_int], None
 
     @cfunc(types.void(types.intp, types.intp, types.intp))
@@ -64,10 +64,12 @@ def compiled(effects: bytes) -> Any:
         table, time = carray(_pointer(address), (ARRAYS, 3), np.int64), np.zeros(1)
         step = carray(_pointer(table[0, 0]), (table[0, 1],), STEP)
         bodies = carray(_pointer(table[1, 0]), (table[1, 1],), BODY)
+        freedoms = carray(_pointer(table[2, 0]), (table[2, 1],), FREEDOM)
+        columns = carray(_pointer(table[3, 0]), (table[3, 1], table[3, 2]), np.int64)
         space = Workspace(
-            step, bodies, _numbers(table, 2), _numbers(table, 3), _numbers(table, 4), _numbers(table, 5),
-            _numbers(table, 6), _numbers(table, 7), _numbers(table, 8), _numbers(table, 9),
-            _numbers(table, 10), _numbers(table, 11),
+            step, bodies, freedoms, columns, _numbers(table, 4), _numbers(table, 5), _numbers(table, 6),
+            _numbers(table, 7), _numbers(table, 8), _numbers(table, 9), _numbers(table, 10),
+            _numbers(table, 11), _numbers(table, 12), _numbers(table, 13), _numbers(table, 14),
         )  # fmt: skip
         get_state(_pointer(model), _pointer(data), time.ctypes, 1)  # mjSTATE_TIME
         meaning = meaning_of(step[0], time[0])
@@ -78,10 +80,6 @@ def compiled(effects: bytes) -> Any:
         if meaning == HOLD:
             align(space)
         elif begin(space, meaning):
-            for b in range(len(bodies)):
-                if bodies[b].near:
-                    answer, jacobian = space.answer[6 * b : 6 * b + 6], space.jacobian[6 * b : 6 * b + 6]
-                    solve_mass(_pointer(model), _pointer(data), answer.ctypes, jacobian.ctypes, 6)
             solve(space, acting)
         space.passive[0] += product(space.jacobian.T, space.vectors[MEAN])
 

@@ -3,12 +3,12 @@
 The law is stiff: sand holds what stands, and a force from the beginning of a step is that of where the body
 was. So a step solves the motion of the feet alone over its length, by SDIRK2 (`walk.steppers.sdirk2`),
 
-    dV/dt = a + W F(V, places),   W = J inv(M) J'
+    dV/dt = a + W F(V, places),   W = J inv(M + dt D) J'
 
-with the twists V of the bodies near the sand, J their Jacobian, M MuJoCo's inertia and F the sand's wrenches,
-all in the bodies' own axes. a is how they accelerate by all but sand: that of the step before, from how their
-twists changed. MuJoCo is given the mean of F. Where constraints and servos make bodies heavier than W says, a
-is corrected more slowly.
+with the twists V of the bodies near the sand, J their Jacobian, M MuJoCo's inertia, D the damping that its
+integrator takes implicitly, of joints and servos, and F the sand's wrenches, all in the bodies' own axes. a is how they accelerate by all but sand: that of the step before, from how their
+twists changed. MuJoCo is given the mean of F. Where constraints and stiff springs make bodies heavier than W
+says, a is corrected more slowly.
 
 MuJoCo's Euler and implicit steps move places by the new velocity, which is the leapfrog: velocities belong
 to the middle of steps, and to places half a step back. RK4's belong to the same time.
@@ -64,6 +64,19 @@ BODY = np.dtype(
     ]
 )
 
+#: A degree of freedom of MuJoCo's, in radians or metres.
+FREEDOM = np.dtype(
+    [
+        ("first", np.int64),  # of its row in the sparse inertia
+        ("last", np.int64),  # of its row: the diagonal's element
+        ("implicit", float),  # damping that MuJoCo's integrator adds to the inertia, N m s
+        ("damping", float),  # of joint and servos, N m s
+        ("stiffness", float),  # N m
+        ("speed", float),  # 1/s
+        ("pull", float),  # by which damping and stiffness pull back more than in the step before, N m
+    ]
+)
+
 #: Rows of `Workspace.vectors`: twists at the beginning, m/s and rad/s; accelerations over the step before, by
 #: all but the sand, and by the sand; mean wrenches that MuJoCo is given, N and N m, and those at the end.
 TWIST, BEFORE, FREE, GAINED, MEAN, END = range(6)
@@ -74,6 +87,9 @@ class Workspace(NamedTuple):
 
     step: Any  # (1,) of `STEP`
     bodies: Any  # (b,) of `BODY`
+    freedoms: Any  # (nv,) of `FREEDOM`
+    columns: Any  # (1, nC): of MuJoCo's inertia
+    inertia: Any  # (1, nC): MuJoCo's
     places: Any  # (nbody, 3), m: MuJoCo's xpos
     attitude: Any  # (nbody, 9): xmat
     velocity: Any  # (1, nv): qvel
@@ -82,7 +98,7 @@ class Workspace(NamedTuple):
     bristles: Any  # (3, 3 p): at the step's beginning, middle, end
     vectors: Any  # (6, 6 b): of the bodies' origins in their own axes, linear, then angular; see `TWIST`
     jacobian: Any  # (6 b, nv): of all bodies; `align` turns it
-    answer: Any  # (6 b, nv): inv(M) J', where a body is near the sand
+    answer: Any  # (6 b, nv): inv(M + dt D) J', where a body is near the sand
     frame: Any  # (b, 9): as attitude, in the middle of the step
 
 
@@ -164,9 +180,40 @@ def begin(space, meaning):
             write(vectors[FREE, 6 * b : 6 * b + 3], step.gravity @ space.frame[b].reshape(3, 3))
     write(vectors[TWIST], twist)
     if meaning != AGAIN:
+        for freedom, speed in zip(space.freedoms, space.velocity[0]):
+            pull = freedom.damping * (speed - freedom.speed) + step.dt * freedom.stiffness * speed
+            freedom.pull, freedom.speed = pull if meaning == NEW else 0.0, speed
         write(space.bristles[0], space.bristles[2])
     vectors[GAINED:] = space.bristles[2] = 0.0
     return np.any(space.bodies.near)
+
+
+@cached_njit(nogil=True, error_model="numpy", fastmath=FAST)
+def respond(space):
+    """Solve (M + dt D) answer = J', by L' L along the tree of joints (Featherstone 2008, section 6.5)."""
+    freedoms, columns, m = space.freedoms, space.columns[0], space.inertia[0].copy()
+    for freedom in freedoms:
+        m[freedom.last] += space.step[0].dt * freedom.implicit
+    for k in range(len(freedoms) - 1, -1, -1):
+        first, last = freedoms[k].first, freedoms[k].last
+        m[last] = 1.0 / m[last]
+        for a in range(last - 1, first - 1, -1):
+            i = freedoms[columns[a]]
+            for j in range(i.last - i.first + 1):  # ancestors of an ancestor come first in a row
+                m[i.first + j] -= m[last] * m[a] * m[first + j]
+        for a in range(first, last):
+            m[a] *= m[last]
+    for row in range(len(space.answer)):
+        x = space.answer[row]
+        write(x, space.jacobian[row])
+        for k in range(len(freedoms) - 1, -1, -1):
+            if x[k] != 0.0:
+                for a in range(freedoms[k].first, freedoms[k].last):
+                    x[columns[a]] -= m[a] * x[k]
+        for k in range(len(freedoms)):
+            x[k] *= m[freedoms[k].last]
+            for a in range(freedoms[k].first, freedoms[k].last):
+                x[k] -= m[a] * x[columns[a]]
 
 
 @inlined_fast
@@ -277,9 +324,10 @@ def solve(space, effects):
     dt, vectors, h = space.step[0].dt, space.vectors, space.bristles
     c, r, near = GAMMA * dt, (1.0 - GAMMA) * dt, np.flatnonzero(space.bodies.near)
     rows = (6 * near.reshape(-1, 1) + np.arange(6)).ravel()
+    respond(space)
     answer = space.answer[rows]
     mobility = space.jacobian[rows] @ answer.T
-    v0, a = vectors[TWIST][rows], vectors[FREE][rows]
+    v0, a = vectors[TWIST][rows], vectors[FREE][rows] - product(answer, space.freedoms["pull"])
     base, one, f1, f2 = -0.5 * dt * v0, v0 + c * vectors[BEFORE][rows], np.zeros(len(v0)), np.zeros(len(v0))
     stage(space, effects, near, mobility, base, v0 + c * a, one, c, h[0], h[1], r / c, f1)
     two, start = v0 + (one - v0) / GAMMA, v0 + dt * a + r * product(mobility, f1)
