@@ -213,6 +213,8 @@ def _freedoms(mujoco: Any, model: Any) -> Any:
     freedoms["first"], freedoms["last"] = model.M_rowadr, model.M_rowadr + model.M_rownnz - 1
     freedoms["damping"] = model.dof_damping + _of_servos(model, 2)
     freedoms["stiffness"] = _of_servos(model, 1)
+    single = model.jnt_type >= 2  # mjJNT_SLIDE, mjJNT_HINGE
+    freedoms["stiffness"][model.jnt_dofadr[single]] += model.jnt_stiffness[single]
     if model.opt.integrator == which.mjINT_EULER:
         freedoms["implicit"] = model.dof_damping
     elif model.opt.integrator != which.mjINT_RK4:
