@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pickle
-import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -16,17 +15,15 @@ from footopt.errors import SettingError, needed
 from footopt.foot import Foot, Plates
 from footopt.mujoco.callback import ATTACHED, MOST, callback, compiled
 from footopt.mujoco.faces import COLUMNS
-from footopt.mujoco.intrusion import Grains, xi_of
 from footopt.mujoco.step import BODY, COUNTED, END, FREEDOM, MEAN, STEP, Workspace
 from footopt.sand import Sand
+from footopt.sand.intrusion import Grains, xi_of
+from footopt.sand.law import EARTH
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.prepare import world
-from footopt.walk.scene import EARTH, Scene
+from footopt.walk.scene import Scene
 
 Array = NDArray[np.float64]
-
-EXPLICIT = 0.25  # half of the limit beyond which the ankle of a standing foot swings (docs/mujoco.md)
-LOOSE = "dt kv / inertia of a servo is {:.2g}: from 0.25 on a standing foot may swing. Try implicitfast."
 
 #: Contacts in use by the address of their MjData: all that the callback reads has to stay where it is.
 _KEPT: dict[int, Contact] = {}
@@ -50,7 +47,7 @@ class Contact:
         By name of the body: a sole, whose ankle is the body's origin, x forward and z up, or the name of a
         mesh geom of this body.
     sand : Sand or Grains
-        Soles feel its planar law, meshes 3D-RFT (`footopt.mujoco.intrusion`).
+        Soles feel its planar law, meshes 3D-RFT (`footopt.sand.intrusion`).
     effects : sequence of Effect
         As in a `Scene`; a `Rest` says over which length the sand holds, and is there without being named.
     plates : int, 1
@@ -110,9 +107,10 @@ class Contact:
         step["rk4"] = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
         step["length"] = found.rest or Rest().length
         self._space = Workspace(
-            step, bodies, _freedoms(mujoco, model), model.M_colind[None].astype(np.int64), data.M[None], data.xpos, data.xmat.reshape(-1, 9), data.qvel[None], data.qfrc_passive[None],
+            step, bodies, _freedoms(mujoco, model), model.M_colind[None].astype(np.int64), data.M[None],
+            data.xpos, data.xmat.reshape(-1, 9), data.qvel[None], data.qfrc_passive[None],
             np.concatenate(tables)[None], np.zeros((3, 3 * first)), np.zeros((6, n)),
-            np.zeros((n, model.nv)), np.zeros((n, model.nv)), np.zeros((n // 6, 9)),
+            np.zeros((n, model.nv)), np.zeros((n // 6, 9)),
         )  # fmt: skip
         self.data, self.names, self._bodies = data, tuple(feet), bodies
         self.acting = found.loads, found.gates, found.pushes
@@ -122,9 +120,6 @@ class Contact:
             raise SettingError("data", f"number {MOST + 1}", f"at most {MOST} at once", "Detach one.")
         _KEPT[data._address] = self
         _install()
-        explicit = np.max(model.opt.timestep * _of_servos(model, 2) / model.dof_M0, initial=0.0)
-        if model.opt.integrator == mujoco.mjtIntegrator.mjINT_EULER and explicit > EXPLICIT:
-            warnings.warn(LOOSE.format(explicit), stacklevel=2)
 
     def detach(self) -> None:
         """Take the sand away from this MjData."""
@@ -201,10 +196,8 @@ def _mesh(mujoco: Any, model: Any, body: int, name: str) -> Array:
 def _of_servos(model: Any, term: int) -> Array:
     """Stiffness (term 1) or damping (2) of actuators on joints, by degree of freedom, (nv,)."""
     acts = np.flatnonzero((model.actuator_trntype == 0) & (model.actuator_biastype == 1))  # joint, affine
-    total, gear = np.zeros(model.nv), model.actuator_gear[acts, 0]
-    dofs = model.jnt_dofadr[model.actuator_trnid[acts, 0]]
-    np.add.at(total, dofs, -model.actuator_biasprm[acts, term] * gear**2)
-    return total
+    each = -model.actuator_biasprm[acts, term] * model.actuator_gear[acts, 0] ** 2
+    return np.bincount(model.jnt_dofadr[model.actuator_trnid[acts, 0]], each, model.nv)
 
 
 def _freedoms(mujoco: Any, model: Any) -> Any:
@@ -213,12 +206,11 @@ def _freedoms(mujoco: Any, model: Any) -> Any:
     freedoms["first"], freedoms["last"] = model.M_rowadr, model.M_rowadr + model.M_rownnz - 1
     freedoms["damping"] = model.dof_damping + _of_servos(model, 2)
     freedoms["stiffness"] = _of_servos(model, 1)
-    single = model.jnt_type >= 2  # mjJNT_SLIDE, mjJNT_HINGE
-    freedoms["stiffness"][model.jnt_dofadr[single]] += model.jnt_stiffness[single]
-    if model.opt.integrator == which.mjINT_EULER:
-        freedoms["implicit"] = model.dof_damping
-    elif model.opt.integrator != which.mjINT_RK4:
-        freedoms["implicit"] = freedoms["damping"]
+    turns = model.jnt_type >= 2  # hinges and slides, whose springs have one number
+    freedoms["stiffness"][model.jnt_dofadr[turns]] += model.jnt_stiffness[turns]
+    if model.opt.integrator != which.mjINT_RK4:
+        euler = model.opt.integrator == which.mjINT_EULER
+        freedoms["implicit"] = model.dof_damping if euler else freedoms["damping"]
     return freedoms
 
 

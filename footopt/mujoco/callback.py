@@ -14,7 +14,9 @@ from numba import carray, cfunc, njit, types
 from numba.extending import intrinsic
 
 from footopt.errors import needed
-from footopt.mujoco.step import BODY, FREEDOM, HOLD, MEAN, STEP, Workspace, align, begin, meaning_of, product, solve
+from footopt.mujoco import step as steps
+from footopt.mujoco.implicit import solve
+from footopt.mujoco.step import BODY, FREEDOM, HOLD, MEAN, STEP, Workspace, align, product
 
 MOST, ARRAYS = 256, len(Workspace._fields)  # models on sand at once in one process, and arrays of each
 #: What is attached: address of its MjData, of its `Contact.addresses`, and of its compiled step.
@@ -69,17 +71,17 @@ def compiled(effects: bytes) -> Any:
         space = Workspace(
             step, bodies, freedoms, columns, _numbers(table, 4), _numbers(table, 5), _numbers(table, 6),
             _numbers(table, 7), _numbers(table, 8), _numbers(table, 9), _numbers(table, 10),
-            _numbers(table, 11), _numbers(table, 12), _numbers(table, 13), _numbers(table, 14),
+            _numbers(table, 11), _numbers(table, 12), _numbers(table, 13),
         )  # fmt: skip
         get_state(_pointer(model), _pointer(data), time.ctypes, 1)  # mjSTATE_TIME
-        meaning = meaning_of(step[0], time[0])
+        meaning = steps.meaning_of(step[0], time[0])
         for b in range(len(bodies)):
             linear, angular = space.jacobian[6 * b : 6 * b + 3], space.jacobian[6 * b + 3 : 6 * b + 6]
-            row = np.int32(bodies[b].row)
-            jacobian_of(_pointer(model), _pointer(data), linear.ctypes, angular.ctypes, row)
+            body = np.int32(bodies[b].row)
+            jacobian_of(_pointer(model), _pointer(data), linear.ctypes, angular.ctypes, body)
         if meaning == HOLD:
             align(space)
-        elif begin(space, meaning):
+        elif steps.begin(space, meaning):
             solve(space, acting)
         space.passive[0] += product(space.jacobian.T, space.vectors[MEAN])
 

@@ -25,9 +25,9 @@ from footopt.foot.waypoints import written
 from footopt.report.numbers import change, percent, quantity, title
 from footopt.report.numbers import number as number
 from footopt.sand import GENERIC
+from footopt.sand.law import EARTH
 from footopt.walk import MEASURES, Scene, gain_shares
 from footopt.walk.audit import parameters
-from footopt.walk.scene import EARTH
 from footopt.walk.validity import Diagnostic
 
 HEADER = 8  # letters of a line of a number's header

@@ -22,6 +22,7 @@ from footopt.errors import check
 
 LARGEST = 1e4  # of a coefficient, N/cm^3; concrete has less
 PER_CM3 = 1e6  # N/cm^3 in N/m^3
+EARTH = 9.81  # m/s^2: g where stress maps are measured
 
 Array = NDArray[np.float64]
 

@@ -12,6 +12,7 @@ from footopt.effects.base import Effect, Scale, ordered
 from footopt.errors import SettingError, check, check_kind
 from footopt.gait import Gait
 from footopt.sand import Sand, alpha
+from footopt.sand.law import EARTH
 
 #: What a walker can be, from an insect to an excavator that walks, with room for limits taken on purpose.
 WALKERS = {
@@ -21,7 +22,6 @@ WALKERS = {
     "g": ("m/s^2", 1e-6, 1e6),
 }
 
-EARTH = 9.81  # m/s^2: g where stress maps are measured
 
 #: For estimates before a walk: a sole's area, m^2, a stride over the length of a leg, and phases of a stride.
 SOLE, STRIDE, PHASES = 0.026, 1.3, 241

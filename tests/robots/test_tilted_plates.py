@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import footopt as fo
 from footopt.mujoco.faces import planar
-from footopt.mujoco.intrusion import TABLE
+from footopt.sand.intrusion import TABLE
 from footopt.sand import alpha
 
 LAW = fo.Sand().stress_map.law

@@ -12,13 +12,12 @@ from footopt.foot.plates import CORNER, RULES
 from footopt.foot.waypoints import FINE, slope_matrix
 from footopt.gait import start
 from footopt.report.page.file import packed
-from footopt.sand.law import PER_CM3
+from footopt.sand.law import EARTH, PER_CM3
 from footopt.walk import Accuracy, Scene, newton, prepare
 from footopt.walk.adapt import adapted
 from footopt.walk.contact import BENT, SEEN, TURN
 from footopt.walk.loop import NEAR, PEAK
 from footopt.walk.objectives import FLOORS
-from footopt.walk.scene import EARTH
 from footopt.walk.simulate import MAX_REPEATS
 from footopt.walk.steppers import STEPPERS
 

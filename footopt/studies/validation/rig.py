@@ -20,6 +20,7 @@ from footopt.effects.shadowing import filler
 from footopt.foot import Foot, Plates
 from footopt.gait.gait import Pose
 from footopt.sand import Sand, StressMap, alpha
+from footopt.sand.intrusion import material_constant
 from footopt.sand.law import PER_CM3, by_angles
 from footopt.walk import Scene, prepare, simulate
 from footopt.walk.ground import grounded, pressed
@@ -232,12 +233,8 @@ def extraction(setup: Values, inputs: Values, effects: Sequence[Effect], fine: b
 
 
 def friction(setup: Values, inputs: Values, effects: Sequence[Effect], fine: bool) -> dict[str, Array]:
-    """zeta from density and angle of friction: rho g (894 mu^3 - 386 mu^2 + 89 mu) alpha_z of a level plate.
-
-    Agarwal, Goldman & Kamrin, PNAS 120 (2023), eq. 3, for 0.3 <= mu <= 0.9.
-    """
-    mu, rho = np.tan(np.radians(inputs["angle"])), np.asarray(inputs["density"], float)
-    scale = rho * 9.81 * (894.0 * mu**3 - 386.0 * mu**2 + 89.0 * mu)
+    """zeta from density and angle of friction: 3D-RFT's material constant times alpha_z of a level plate."""
+    scale = material_constant(np.asarray(inputs["density"], float), np.tan(np.radians(inputs["angle"])))
     _, level = alpha(0.0, np.pi / 2)
     return {"zeta": scale * setup["level"] / float(level)}
 

@@ -13,13 +13,13 @@ friction of the surface times the normal part.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from footopt.errors import check
-from footopt.sand import Sand
-from footopt.sand.law import PER_CM3
-from footopt.walk.scene import EARTH
+from footopt.sand.law import EARTH, PER_CM3
+from footopt.sand.media import Sand
 
 #: f1, f2 and f3 (the paper's table S1) in 1, x1, x2, x3, x1^2, x2^2, x3^2, x1 x2, x2 x3, x3 x1, x1^3, x2^3,
 #: x3^3, x1 x2^2, x2 x1^2, x2 x3^2, x3 x2^2, x3 x1^2, x1 x3^2, x1 x2 x3 with x1 = h.g, x2 = n.g, x3 = n.h.
@@ -66,14 +66,18 @@ class Grains:
 
     @property
     def xi(self) -> float:
-        """The material constant rho g (894 mu^3 - 386 mu^2 + 89 mu), N/m^3: the paper's fit."""
-        mu = self.friction
-        return self.density * EARTH * (894.0 * mu**3 - 386.0 * mu**2 + 89.0 * mu)
+        """The material constant, N/m^3."""
+        return float(material_constant(self.density, self.friction))
 
     @property
     def sand(self) -> Sand:
         """The planar map's sand on which a level plate that moves down feels the same."""
         return Sand(self.xi * DOWN / PER_CM3, name="grains")
+
+
+def material_constant(density: Any, mu: Any) -> Any:
+    """rho g (894 mu^3 - 386 mu^2 + 89 mu), N/m^3: the paper's eq. 3, fitted for friction mu of 0.3 to 0.9."""
+    return density * EARTH * (894.0 * mu**3 - 386.0 * mu**2 + 89.0 * mu)
 
 
 def xi_of(sand: Sand) -> float:
