@@ -193,7 +193,7 @@ def _mesh(mujoco: Any, model: Any, body: int, name: str) -> Array:
     return np.array([*(a + b + c).T / 3.0, area, *n, *np.zeros((COLUMNS - 7, len(area)))])
 
 
-def _of_servos(model: Any, term: int) -> Array:
+def _of_servos(model: Any, term: int) -> Any:
     """Stiffness (term 1) or damping (2) of actuators on joints, by degree of freedom, (nv,)."""
     acts = np.flatnonzero((model.actuator_trntype == 0) & (model.actuator_biastype == 1))  # joint, affine
     each = -model.actuator_biasprm[acts, term] * model.actuator_gear[acts, 0] ** 2

@@ -378,7 +378,25 @@ def test_stiff_robots_drawn_at_random_stay_stable_and_stand_still(request):
         settle(model, data, 2.0)
         assert np.isfinite(data.qpos).all()
         assert contact.counts["restarts"] == 1  # MuJoCo resets what diverges
+        assert contact.counts["failures"] == 0
+        assert contact.counts["evaluations"] < 4 * contact.counts["steps"]
         if data.xmat[1, 8] > 0.95:  # not toppled from its hump, or over on sand too soft
             stood += 1
             assert abs(data.qpos - before)[:3].max() < 1e-4 / 30
     assert stood >= 7
+
+
+@pytest.mark.slow
+def test_robots_that_flail_lying_on_sand_leave_no_stage_unsolved(request):
+    rng = np.random.default_rng(4)
+    for _ in range(6):
+        model, foot, sand = robots.draw(rng)
+        data = mujoco.MjData(model)
+        contact = attach(model, data, {"a_foot": foot, "b_foot": foot}, sand)
+        request.addfinalizer(contact.detach)
+        for _ in range(80):
+            data.ctrl[:] = rng.uniform(-1.0, 1.0, model.nu)
+            mujoco.mj_step(model, data, nstep=round(0.05 / model.opt.timestep))
+        assert contact.counts["failures"] == 0
+        assert contact.counts["evaluations"] < 8 * contact.counts["steps"]
+        assert max(contact.work.values()) < 0.0

@@ -183,7 +183,7 @@ def test_a_robot_that_diverges_says_nothing_but_what_mujoco_says(block, capfd, t
 
 LEG = """
 <mujoco>
-  <option timestep="0.002" integrator="{integrator}"/>
+  <option timestep="0.002" integrator="Euler"/>
   <worldbody>
     <body name="leg" pos="0 0 .5"><freejoint/><geom type="box" size=".05 .05 .2" mass="20"/>
       <body name="foot" pos="0 0 -.3"><joint name="ankle" axis="0 1 0"/>
@@ -191,29 +191,17 @@ LEG = """
       </body>
     </body>
   </worldbody>
-  <actuator><position joint="ankle" kp="2000" kv="{kv}"/></actuator>
+  <actuator><position joint="ankle" kp="300" kv="{kv}"/></actuator>
 </mujoco>
 """
 
 
-@pytest.mark.slow  # of compiling
-@pytest.mark.parametrize(("integrator", "kv", "warned"), [("Euler", 4, True), ("Euler", 0.3, False),
-                                                          ("implicitfast", 4, False)])  # fmt: skip
-def test_a_servo_too_stiff_for_eulers_method_is_warned_of(integrator, kv, warned, recwarn):
-    model = mujoco.MjModel.from_xml_string(LEG.format(integrator=integrator, kv=kv))
-    attach(model, mujoco.MjData(model), {"foot": fo.Foot.flat()}, HARD).detach()
-    assert bool(recwarn.list) == warned
-    if warned:
-        assert "implicitfast" in str(recwarn.list[0].message)
-
-
-def servo(foot_inertia_gain, held):
-    """Largest factor a step by which an ankle swings that sand holds, or nothing, with its servo explicit."""
-    g = foot_inertia_gain
-    return max(abs(np.roots([1.0, g, -g] if held else [1.0, g - 1.0])))
-
-
-def test_sand_halves_what_an_explicit_servo_may_damp():
-    # the sand answers the acceleration of the step before: v' = -g (v - v_before), g = dt kv / inertia
-    assert servo(0.49, held=True) < 1.0 < servo(0.51, held=True)
-    assert servo(1.99, held=False) < 1.0 < servo(2.01, held=False)
+@pytest.mark.parametrize("kv", [1.0, 3.0, 4.5])
+def test_sand_holds_an_ankle_whose_servo_is_explicit_as_long_as_it_is_stable_in_the_air(kv, request):
+    model = mujoco.MjModel.from_xml_string(LEG.format(kv=kv))
+    data = mujoco.MjData(model)
+    contact = attach(model, data, {"foot": fo.Foot.flat()}, HARD)
+    request.addfinalizer(contact.detach)
+    mujoco.mj_step(model, data, nstep=2000)
+    assert model.opt.timestep * kv / model.dof_M0[-1] > 0.35  # of 2
+    assert abs(data.qvel).max() < 1e-9
