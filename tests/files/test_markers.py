@@ -559,7 +559,7 @@ class TestShortTrials:
         t = np.linspace(0.0, 2.0, 101)
         swing, tremble = 30.0 * np.exp(-((t / 0.4) ** 2)), 4.0 * np.cos(8.0 * t)
         legs = [recording(np.array([t, side * (swing + tremble), 20.0 + tremble])) for side in (1.0, -1.0)]
-        with pytest.raises(Unusable, match="no stride closes"):
+        with pytest.raises(Unusable, match="no stride ends as it began"):
             cut(legs[0]._replace(other=legs[1]))
 
     def test_both_halves_of_it_meet(self):
@@ -572,7 +572,8 @@ class TestShortTrials:
 
     def test_less_is_refused(self):
         refused(
-            r"not one whole stride: in 0\.4\d* s no stride closes, and its ends differ by \d+ %", strides=0.4
+            r"not one whole stride: in 0\.4\d* s no stride ends as it began, and its ends differ by \d+ %",
+            strides=0.4,
         )
 
     @pytest.mark.parametrize("rows", [20, 101])

@@ -133,7 +133,7 @@ def _single(recording: Recording) -> Strides:
         return whole
     off = f"its ends differ by {100 * apart:.0f} % of the motion"
     raise Unusable(
-        f"not one whole stride: in {t[-1] - t[0]:.3g} s no stride closes, and "
+        f"not one whole stride: in {t[-1] - t[0]:.3g} s no stride ends as it began, and "
         f"{'in its middle the leg is where it began' if two else off}. Give one heel strike to the next, or "
         "several strides."
     )
