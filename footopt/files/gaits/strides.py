@@ -227,7 +227,7 @@ def _several(recording: Recording, begins: Array) -> Strides:
     note = f"{len(kept)} stride{'s' if len(kept) > 1 else ''} of {kept.mean():.3f} s"
     note += f", {kept.min():.3f} to {kept.max():.3f} s" if len(kept) > 1 else ""
     note += f"; {uneven} without one strike of the other foot left out" if uneven else ""
-    note += f"; {standing} from or to standing left out" if standing else ""
+    note += f"; {standing} from or to standing, or hesitating, left out" if standing else ""
     odd = np.sum(~good) - uneven - standing
     note += f"; {odd} of another length left out" if odd else ""
     return Strides(phase, curves, kept, (*recording.notes, note))
