@@ -65,7 +65,7 @@ def read_c3d(content: bytes, units: str | None = None) -> Markers:
     size, start = (4 if scale < 0 else 2), BLOCK * (data - 1)  # a negative scale means floats
     stride = (4 * many + analog) * size
     if not (many and any(names) and start >= BLOCK):
-        raise Unusable("cannot be read as C3D (it holds no markers).")
+        raise Unusable("holds no markers, and forces or other signals alone are no gait.")
     _check_long(content, start + (0 if last == LONG else (last - first + 1) * stride))
     frames = (len(content) - start) // stride
     stated = last - first + 1 if last != LONG else int(number("LONG_FRAMES", number("FRAMES", frames)))
