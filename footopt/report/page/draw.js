@@ -78,7 +78,9 @@ function drawTools(holder, now, show, settle) {
   };
   let held = -1, fresh = true;
   holder.addEventListener("pointerdown", (event) => {
-    held = +(event.target.closest("[data-waypoint]")?.dataset.waypoint ?? -1);
+    const aside = (grip) => { const { left, width } = grip.getBoundingClientRect(); return Math.abs(left + width / 2 - event.clientX); };
+    held = event.target.closest("[data-waypoint]") // grips cover each other on a narrow screen: the nearest is meant
+      ? +[...holder.querySelectorAll("[data-waypoint]")].reduce((a, b) => (aside(b) < aside(a) ? b : a)).dataset.waypoint : -1;
     fresh = true;
     if (held >= 0) holder.setPointerCapture(event.pointerId);
   });

@@ -108,9 +108,8 @@ function follow(explore, found) {
     const c = data.columns.findIndex((column) => column.name === data.objectives[0]);
     data.history.push({ evaluations: count, best: several ? hypervolume : values[data.best * WIDTH + c], median: null, front: front.size });
     found.draw();
-    if (count >= most) { status.textContent = `All ${count} designs are walked; the best are walked again, and the report is written.`; return; }
     const rate = (count - first) / (performance.now() - began), left = rate > 0 ? (most - count) / rate / 1000 : NaN;
-    status.textContent = `${count} of at most ${most} designs walked${Number.isFinite(left) ? `; at most ${left < 90 ? `${Math.ceil(left)} s` : `${Math.ceil(left / 60)} min`} left` : ""}.`;
+    status.textContent = `${count} of at most ${most} designs walked${count >= most ? "; the best are walked again and the report is written" : Number.isFinite(left) ? `; at most ${left < 90 ? `${Math.ceil(left)} s` : `${Math.ceil(left / 60)} min`} left` : ""}.`;
   }
   ask().catch(() => { status.textContent = `The search no longer answers: it has ended or was stopped. ${count} designs were walked.`; });
 }

@@ -260,4 +260,4 @@ function build() {
   if (data.live) follow(explore, found);
 }
 build();
-requestAnimationFrame(() => requestAnimationFrame(() => document.body.classList.add("built"))); // sections have their sizes then
+if (sketch) requestAnimationFrame(() => requestAnimationFrame(() => document.body.classList.add("built"))); // sections have their sizes then
