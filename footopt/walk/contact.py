@@ -23,6 +23,7 @@ from footopt.walk.surface import highest, over
 TURN = 0.25  # of the difference in speed along a turning plate, over which its direction is smoothed
 SEEN = 0.5  # of the same, over which a gate opens
 BENT = 0.75  # of the angle by which a plate is bent, over which a gate opens
+FOLLOWS = (0.0, 0.0, 0.0)  # which plates are hidden follows the velocity
 EDGE = 0.05  # n.h over which an effect's gate opens where bristles say how a plate moves
 
 
@@ -47,7 +48,7 @@ def motion(ankle, x, z):
 
 @inlined_fast
 def foot_force(
-    sole, law, loads, gates, pushes, hides, tangent, surface, first, last, ankle, creep, stage, h0
+    sole, law, loads, gates, pushes, hides, tangent, surface, first, last, ankle, creep, stage, h0, frozen
 ):
     """F = sum of f: the force on one foot by the paper's eq. 2, its power, and its derivatives.
 
@@ -61,8 +62,8 @@ def foot_force(
         The stress map times zeta, N/m^3.
     loads, gates, pushes : tuple or None
         The laws of the scene's effects (`World`).
-    hides : float or None
-        The part of a hidden plate's stress that it does not feel (`World`).
+    hides : tuple or None
+        Of one number: what a hidden plate does not feel of its stress (`World`).
     tangent : Tangent or None
         The sole's.
     surface : (2, plates) or None
@@ -71,6 +72,8 @@ def foot_force(
         In the world.
     creep, stage, h0
         As in `contact`; `h0` of this foot, (2, plates).
+    frozen : (float, float, float)
+        What to add to the plates' velocity where it says which of them are hidden, m/s, after whether to.
 
     Returns
     -------
@@ -91,7 +94,7 @@ def foot_force(
         along = ankle.rate * sole.span  # speeds along the normal that differ within a straight plate
         turning2 = eps2 + (SEEN * SEEN - TURN * TURN) * along * along  # eps2 has the part of TURN
     if hides is not None:
-        sight = tangent.horizon
+        part, sight = hides[0], tangent.horizon
         toe_cos, toe_sin, heel_cos = sight[0][first:last], sight[1][first:last], sight[2][first:last]
         heel_sin, wide = sight[3][first:last], sight[4][first:last]
     if surface is not None:
@@ -139,9 +142,19 @@ def foot_force(
             nx, nz = sin * tx[i] + cos * tz[i], sin * tz[i] - cos * tx[i]  # outward normal
             vn = vx * nx + vz * nz
         if hides is not None:
+            if h0 is None:
+                ahead_x, ahead_z = vx + frozen[1], vz + frozen[2]
+                ahead = rsqrt(ahead_x * ahead_x + ahead_z * ahead_z + eps2)
+                ahead_x, ahead_z = ahead_x * ahead, ahead_z * ahead
+            else:
+                ahead_x, ahead_z = hx + frozen[0] * (h0x[i] - hx), hz + frozen[0] * (h0z[i] - hz)
             seen, seen_x, seen_z, edge, edge_x, edge_z = hidden(
-                hides, toe_cos[i], toe_sin[i], heel_cos[i], heel_sin[i], wide[i], hx, hz, nx, nz
+                part, toe_cos[i], toe_sin[i], heel_cos[i], heel_sin[i], wide[i], ahead_x, ahead_z, nx, nz
             )
+            ex, ez, exx, exz, ezx, ezz = slid(law, ahead_x, ahead_z)
+            free = 1.0 - frozen[0]  # 0: what is hidden does not follow the velocity
+            seen_x, seen_z, edge_x, edge_z = free * seen_x, free * seen_z, free * edge_x, free * edge_z
+            exx, exz, ezx, ezz = free * exx, free * exz, free * ezx, free * ezz
             mxx, mxz = seen * mxx - px * seen_x, seen * mxz - px * seen_z
             mzx, mzz = seen * mzx - pz * seen_x, seen * mzz - pz * seen_z
             turned_x, turned_z = mxx * hx + mxz * hz, mzx * hx + mzz * hz
@@ -175,7 +188,6 @@ def foot_force(
                 kq *= share
             px, pz = share * px, share * pz
         if hides is not None:  # the pocket's edge moves along itself: n.v = 0
-            ex, ez, exx, exz, ezx, ezz = slid(law, hx, hz)
             flat = 1.0
             if gates is not None:
                 flat = effects.gate(gates, (1.0, 0.0), 0.0, EDGE)[0]
@@ -187,10 +199,8 @@ def foot_force(
                     held * (ezx * hx + ezz * hz),
                     flat * k * q,
                 )
-                jxx += kf * (exx - along_x * hx)
-                jxz += kf * (exz - along_x * hz)
-                jzx += kf * (ezx - along_z * hx)
-                jzz += kf * (ezz - along_z * hz)
+                jxx, jxz = jxx + kf * (exx - along_x * hx), jxz + kf * (exz - along_x * hz)
+                jzx, jzz = jzx + kf * (ezx - along_z * hx), jzz + kf * (ezz - along_z * hz)
             px, pz = px + flat * edge * ex, pz + flat * edge * ez
         if pushes is not None:
             push, push_by_vn, push_by_depth = effects.push(pushes, (0.0, 0.0, 0.0), vn, depth)
@@ -265,7 +275,7 @@ def _lowest(sole, block, cos, sin):
 
 
 @inlined
-def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, counts):
+def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, frozen, counts):
     """Force of the sand on both feet at the hip's place (m) and velocity (m/s).
 
     Parameters
@@ -283,6 +293,8 @@ def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, counts):
         derivatives out; they are then 0.
     h0 : (2 feet, 2, plates) or None
         Bristles at the beginning of that time.
+    frozen : (float, float, float)
+        Whether which plates are hidden is that of another velocity of the hip (1, or 0), and that, m/s.
     counts : record of `COUNTS`
         Of the walk; added to.
 
@@ -301,7 +313,7 @@ def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, counts):
             force = foot_force(
                 sole, world.law, world.loads, world.gates, world.pushes, world.hides, sole.tangent,
                 over(sole.ground, foot, sole, first, last, ankle), first, last, ankle,
-                _slip(creep, ankle.rate, sole.span, h0), stage, _of_foot(h0, foot),
+                _slip(creep, ankle.rate, sole.span, h0), stage, _of_foot(h0, foot), _behind(frozen, vx, vz),
             )  # fmt: skip
         left, right = right, force
     return Contact(left, right)
@@ -318,6 +330,12 @@ def _slip(creep, rate, span, h0):
         turn = TURN * rate * span
         return np.sqrt(creep * creep + turn * turn)
     return creep
+
+
+@inlined
+def _behind(frozen, vx, vz):
+    """What takes the hip's velocity to that by which plates are hidden."""
+    return frozen[0], frozen[0] * (frozen[1] - vx), frozen[0] * (frozen[2] - vz)
 
 
 @inlined

@@ -15,7 +15,7 @@ from numba import njit
 from footopt.compiled import cached_njit
 from footopt.effects import Laws
 from footopt.walk.bristles import bristles_at_start, record
-from footopt.walk.contact import contact
+from footopt.walk.contact import FOLLOWS, contact
 from footopt.walk.ground import footprint, on_ground
 from footopt.walk.metrics import no_extremes, raw_of, sample_of, sinkage_of, step_error, updated
 from footopt.walk.sources import source, users_own
@@ -150,7 +150,7 @@ def _compile_contact(source: str, compiler: Any):
     @compiler(error_model="numpy")
     def both(world, soles, poses, x, z, vx, vz, creep, stage, counts):
         source  # noqa: B018  a free variable is part of the cache's key
-        return contact(world, soles, poses, x, z, vx, vz, creep, stage, None, counts)
+        return contact(world, soles, poses, x, z, vx, vz, creep, stage, None, FOLLOWS, counts)
 
     return both
 

@@ -52,7 +52,7 @@ def world(scene: Scene, accuracy: Accuracy) -> World:
         gates=laws.gates,
         pushes=laws.pushes,
         prints=prints_of(scene.effects),
-        hides=hides,
+        hides=None if hides is None else (hides,),
     )
 
 

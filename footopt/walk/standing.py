@@ -78,7 +78,7 @@ def _seen_share(hides, tangent, i, cos, sin):
         return 1.0
     nx, nz = sin * tangent.x[i] + cos * tangent.z[i], sin * tangent.z[i] - cos * tangent.x[i]
     h = tangent.horizon
-    return hidden(hides, h[0, i], h[1, i], h[2, i], h[3, i], h[4, i], 0.0, -1.0, nx, nz)[0]
+    return hidden(hides[0], h[0, i], h[1, i], h[2, i], h[3, i], h[4, i], 0.0, -1.0, nx, nz)[0]
 
 
 @inlined

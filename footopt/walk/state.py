@@ -34,7 +34,7 @@ class World(NamedTuple):
     gates: tuple[Any, ...] | None
     pushes: tuple[Any, ...] | None
     prints: Prints | None  # the sand's surface as the feet leave it; None if it stays level
-    hides: float | None  # what a hidden plate does not feel of its stress; None if no plate is hidden
+    hides: tuple[float] | None  # what a hidden plate does not feel of its stress; None if none is hidden
 
 
 class Tangent(NamedTuple):

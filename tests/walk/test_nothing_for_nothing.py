@@ -18,6 +18,7 @@ from numba import njit
 import footopt as fo
 from footopt.effects import laws
 from footopt.walk import loop
+from footopt.walk.contact import FOLLOWS
 from footopt.walk.prepare import sole, world
 from footopt.walk.state import LANES, Contact, Force, Pose
 
@@ -48,7 +49,7 @@ def step(loop, *on):
     def both(sole, world, ankle, at):
         force = foot_force(
             sole, world.law, world.loads, world.gates, world.pushes, world.hides, sole.tangent, None, 0,
-            len(sole.x), ankle, world.creep, 1e-3, None,
+            len(sole.x), ankle, world.creep, 1e-3, None, FOLLOWS,
         )  # fmt: skip
         return force, acceleration(world, at)
 
