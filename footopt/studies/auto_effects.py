@@ -90,7 +90,7 @@ def choose_effects(study: Study, foot: Foot | None = None) -> Chosen:
     undecided += [v for v in VARIANTS.values() if any(type(v) is type(e) for e in undecided)]
     found: list[Audit] = []
     rivals: list[Effect] = []
-    with study.compiling("a walk for each effect"):
+    with study.compiling("a walk for each effect, minutes in all"):
         for effect in undecided:  # each where those that matter are on: inertia acts on faces that lead
             if any(type(effect) is type(e) for e in scene.effects):
                 rivals.append(effect)  # another law of one that matters

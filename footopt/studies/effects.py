@@ -33,7 +33,7 @@ def run(study: Study) -> None:
     called = calls(scene, soles(feet, space), limit)
     effects = to_audit(scene)
     found: list[Audit] = []
-    with study.compiling("a walk for each effect"):
+    with study.compiling("a walk for each effect, minutes in all"):
         for effect in effects:
             for walked in switched(effect, scene):
                 evaluate(feet[:1], walked, study.accuracy, space=space)
@@ -43,7 +43,7 @@ def run(study: Study) -> None:
             step(news=found[-1].name.replace("_", " "))
     # what goes into pairs may be true of any sand, or the scene has it
     together = [e for e in effects[: len(EFFECTS)] if isinstance(e, LITERATURE) or e in scene.effects]
-    with study.compiling("a walk for each pair of effects"):
+    with study.compiling("a walk for each pair of effects, minutes in all"):
         joints = interactions(together, scene, feet, study.accuracy, space)
     study.write_csv("effects.csv", HEADER, [_row(a) for a in found])
     study.write_csv("pairs.csv", PAIRS, [["+".join(j.names), *j.changes, *j.extra, j.lost] for j in joints])
