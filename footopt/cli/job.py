@@ -130,6 +130,12 @@ def one_ctrl_c(last_words: str) -> Iterator[None]:
         yield
         if heard:  # a library has caught what was raised, and lost it
             raise KeyboardInterrupt("when everything was done")
+    except ImportError:
+        if not heard:
+            raise
+        # what a library of compiled code makes of it; half loaded, it would abort Python's own end
+        os.write(2, f"{last_words}\n".encode())
+        os._exit(STOPPED)
     finally:
         sys.unraisablehook = unraisable
         if not heard and callable(before):

@@ -120,9 +120,23 @@ def test_signals_at_any_moment_change_no_result(seed, undisturbed, tmp_path):
     same(folder, undisturbed(solver))
 
 
-def test_ctrl_c_inside_code_that_a_library_makes_has_its_exit_code_too(tmp_path):
-    """Python -m would end itself by SIGINT once `exec` has been interrupted, whatever is done about it."""
-    (tmp_path / "made.py").write_text('exec("raise KeyboardInterrupt")')
+LOADING = """
+import signal, footopt.studies.simulate
+def run(study):
+    try:
+        signal.raise_signal(signal.SIGINT)
+    except KeyboardInterrupt:
+        raise ImportError("initialization failed")
+footopt.studies.simulate.run = run
+"""
+
+
+@pytest.mark.parametrize("code", ['exec("raise KeyboardInterrupt")', LOADING], ids=["exec", "loading"])
+def test_ctrl_c_inside_code_that_a_library_makes_has_its_exit_code_too(code, tmp_path):
+    """Python -m would end itself by SIGINT once `exec` has been interrupted, whatever is done about it, and
+    compiled code says only that it cannot be loaded.
+    """
+    (tmp_path / "made.py").write_text(code)
     done = program("study=simulate", "plugins=[made.py]", cwd=tmp_path)
     assert (done.returncode, done.stderr.partition(";")[0]) == (130, "footopt: stopped")
 
