@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.design.choice import Choice, excess
+from footopt.design.solvers import Solver
 from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Waypoints
 from footopt.walk.accuracy import Accuracy
@@ -137,7 +138,9 @@ class FootProblem:
         """What is walked through: a store keeps it with the designs."""
         return {"scene": self.scene}
 
-    def prepare(self, store: Any = None, executor: Any = None, progress: bool = False) -> None:
+    def prepare(
+        self, store: Any = None, executor: Any = None, progress: bool = False, solver: Solver | None = None
+    ) -> None:
         """Find out what has to be known before the first walk, which is nothing here; `search` calls it.
 
         Parameters
@@ -146,6 +149,8 @@ class FootProblem:
             As in `search`.
         progress : bool
             Whether to show on standard error how far it is.
+        solver : Solver, optional
+            Of dear walks, who is to have few of these, too.
         """
 
     def evaluate(self, k: Any) -> Evaluated:

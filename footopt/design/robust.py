@@ -15,7 +15,7 @@ from footopt.design.evaluator import Evaluator
 from footopt.design.exhaustive import BEATEN
 from footopt.design.problem import Array, FootProblem, Ints, Race, Words
 from footopt.design.search import search
-from footopt.design.solvers import EXHAUSTIVE
+from footopt.design.solvers import EXHAUSTIVE, Solver
 from footopt.design.store import Store
 from footopt.errors import FootoptError, SettingError, check
 from footopt.foot import Waypoints
@@ -87,11 +87,15 @@ class RobustProblem(FootProblem):
         return cast(Array, self._references)
 
     def prepare(
-        self, store: str | Path | None = None, executor: Executor | None = None, progress: bool = False
+        self,
+        store: str | Path | None = None,
+        executor: Executor | None = None,
+        progress: bool = False,
+        solver: Solver | None = None,
     ) -> None:
         """Search each scenario's own best, unless the references are known."""
         if self._references is None:
-            self._references = own_best(self, store, executor, progress)
+            self._references = own_best(self, store, executor, progress, solver)
 
     @property
     def conditions(self) -> dict[str, Any]:
@@ -179,10 +183,12 @@ def own_best(
     store: str | Path | None = None,
     executor: Executor | None = None,
     progress: bool = False,
+    solver: Solver | None = None,
 ) -> Array:
     """What `problem.guide` is of the best foot of each scenario alone, (scenarios,), as a search finds it.
 
-    It is the default search, or every sole of a space that has no more than that walks with.
+    It is the default search, or every sole of a space that has no more than that walks with; or a solver's of
+    dear walks, with as many as it has by default.
 
     Parameters
     ----------
@@ -194,6 +200,8 @@ def own_best(
         Who walks.
     progress : bool
         Whether to show on standard error how far it is.
+    solver : Solver, optional
+        Of dear walks.
 
     Raises
     ------
@@ -202,7 +210,8 @@ def own_best(
     KeyboardInterrupt
         It was interrupted. With the same store it goes on where it was.
     """
-    solver = EXHAUSTIVE if problem.space.K**problem.space.n <= FEW else None
+    few = problem.space.K**problem.space.n <= FEW
+    dear = None if solver is None else Solver(solver.name, seed=solver.seed)
     found = []
     for s in problem.scenarios:
         alone = FootProblem(s.scene, problem.guide, s.space(problem.space), problem.accuracy, problem.threads)
@@ -212,7 +221,7 @@ def own_best(
                     f"The best foot for {s.name} alone, to which {problem.guide} is relative:",
                     file=sys.stderr,
                 )
-            result = search(alone, solver, progress, store, executor)
+            result = search(alone, dear or (EXHAUSTIVE if few else None), progress, store, executor)
         except FootoptError as error:
             raise FootoptError(f"{s.name}: {error}") from None
         if result.interrupted:

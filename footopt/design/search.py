@@ -99,7 +99,8 @@ def search(
     elif budget:
         solver = replace(solver, **budget)
     solver = solver.fitting(problem.n_obj)
-    problem.prepare(None if isinstance(store, Store) else store, executor, progress is True)
+    dear = solver if solver.name in COARSELY else None
+    problem.prepare(None if isinstance(store, Store) else store, executor, progress is True, dear)
     opened = Store(store, problem) if isinstance(store, (str, Path)) else nullcontext(store)
     with opened as kept:
         evaluator = Evaluator(problem, kept, executor)
@@ -109,7 +110,7 @@ def search(
                 check(not given, name, name, "left out with solver=exhaustive: it walks with every design")
             return enumerate_space(problem, solver, tell, evaluator)
         first = None if start is None else problem.space.check(start)
-        with coarse_walks(problem, evaluator) if solver.name in COARSELY else nullcontext() as coarse:
+        with coarse_walks(problem, evaluator) if dear else nullcontext() as coarse:
             return ask_and_tell(
                 problem, solver, tell, evaluator, Stop() if stop is None else stop, first, coarse
             )
