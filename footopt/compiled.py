@@ -9,9 +9,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from numba import config, njit
+from llvmlite import ir
+from numba import config, njit, types
+from numba.core import cgutils
 from numba.core.caching import FunctionCache, IndexDataCacheFile, _cache_log
-from numba.extending import register_jitable
+from numba.core.ccallback import CFunc
+from numba.extending import intrinsic, register_jitable
 
 log = logging.getLogger("footopt")
 
@@ -32,6 +35,7 @@ INLINE = {
 }
 inlined = register_jitable(**INLINE)
 inlined_fast = register_jitable(fastmath=FAST, **INLINE)
+called_fast = register_jitable(fastmath=FAST, **{**INLINE, "forceinline": False})
 
 
 class _Files(IndexDataCacheFile):  # type: ignore[misc]  # numba has no types
@@ -127,6 +131,44 @@ def cached_njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
             return njit(**options)(function)
 
     return decorate
+
+
+def cached_cfunc(signature: Any) -> Callable[[Callable[..., Any]], Any]:
+    """`numba.cfunc(signature)`, kept as `cached_njit` keeps its code."""
+
+    def decorate(function: Callable[..., Any]) -> Any:
+        made: Any = CFunc(function, (signature.args, signature.return_type), {}, {"error_model": "numpy"})
+        try:
+            made._cache = _Cache(function)
+        except RuntimeError as error:  # numba: no locator available
+            _cannot_be_kept(error)
+        made.compile()
+        return made
+
+    return decorate
+
+
+@intrinsic  # type: ignore[untyped-decorator]  # numba has no types
+def pointer(typingctx: Any, address: Any) -> Any:
+    """A whole number as a pointer."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.inttoptr(args[0], ir.IntType(8).as_pointer())
+
+    return types.voidptr(address), generate
+
+
+@intrinsic  # type: ignore[untyped-decorator]  # numba has no types
+def call(typingctx: Any, function: Any, arguments: Any) -> Any:
+    """Call the function at an address with a tuple of whole numbers."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        given = cgutils.unpack_tuple(builder, args[1])
+        kind = ir.FunctionType(ir.VoidType(), [argument.type for argument in given])
+        builder.call(builder.inttoptr(args[0], kind.as_pointer()), given)
+        return context.get_dummy_value()
+
+    return types.void(function, arguments), generate
 
 
 def processor() -> tuple[str, int]:

@@ -13,7 +13,7 @@ from footopt.effects import Effect, Rest
 from footopt.effects.shadowing import filler
 from footopt.errors import SettingError, needed
 from footopt.foot import Foot, Plates
-from footopt.mujoco.callback import ATTACHED, MOST, callback, compiled
+from footopt.mujoco.callback import ATTACHED, MOST, callback, compiled, functions
 from footopt.mujoco.faces import COLUMNS
 from footopt.mujoco.step import BODY, COUNTED, END, FREEDOM, MEAN, STEP, Workspace
 from footopt.sand import Sand
@@ -115,7 +115,7 @@ class Contact:
         self.data, self.names, self._bodies = data, tuple(feet), bodies
         self.acting = found.loads, found.gates, found.pushes
         self._compiled = compiled(pickle.dumps(self.acting))
-        self.addresses = np.array([(a.ctypes.data, *a.shape, 0)[:3] for a in self._space])
+        self.addresses = np.array([*((a.ctypes.data, *a.shape, 0)[:3] for a in self._space), functions()])
         if data._address not in _KEPT and len(_KEPT) == MOST:
             raise SettingError("data", f"number {MOST + 1}", f"at most {MOST} at once", "Detach one.")
         _KEPT[data._address] = self

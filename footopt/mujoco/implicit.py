@@ -17,7 +17,7 @@ import math
 
 import numpy as np
 
-from footopt.compiled import FAST, cached_njit, inlined_fast
+from footopt.compiled import called_fast, inlined_fast
 from footopt.mujoco.faces import COLUMNS, cross, dot, forces, moved, plus
 from footopt.mujoco.step import BEFORE, END, FREE, GAINED, MEAN, TWIST, of_body, product
 from footopt.walk.contact import rsqrt
@@ -28,7 +28,7 @@ MAX_NEWTON = 100  # evaluations of one stage, line search included
 TIGHT = 1e-3  # last step of Newton's method over the speed of the feet; forces err by its square
 
 
-@cached_njit(nogil=True, error_model="numpy", fastmath=FAST)
+@called_fast
 def responses(space, jacobian):
     """inv(M + dt D) J', by L' L along the tree of joints (Featherstone 2008, section 6.5)."""
     freedoms, columns, m, x = space.freedoms, space.columns[0], space.inertia[0].copy(), jacobian.T.copy()
@@ -60,7 +60,7 @@ def surface_of(body, axes, way):
     return body.height + dot(up, (way[0], way[1], way[2])), plus(up, -1.0, cross(turned, up))
 
 
-@cached_njit(nogil=True, error_model="numpy", fastmath=FAST)
+@called_fast
 def solution(mobility, stiffness, c, x):
     """Solve (1 - c W dF/dV) y = x by elimination with pivots, which takes a quarter of LAPACK's time."""
     n, a = len(x), np.eye(len(x), len(x) + 1)
@@ -89,7 +89,7 @@ def solution(mobility, stiffness, c, x):
     return a[:, n]
 
 
-@cached_njit(nogil=True, error_model="numpy", fastmath=FAST)
+@called_fast
 def newton(space, effects, near, mobility, base, v0, v, c, turn, h0, f):
     """Solve v = v0 + c W f, f = F(v), for the near bodies' twists v and wrenches, from f; whether it can be.
 
@@ -145,7 +145,7 @@ def newton(space, effects, near, mobility, base, v0, v, c, turn, h0, f):
     return False
 
 
-@cached_njit(nogil=True, error_model="numpy", fastmath=FAST)
+@called_fast
 def stage(space, effects, near, mobility, base, v0, v, c, before, after, share, f):
     """Solve an implicit stage of length c; bend bristles from before to after by a share, 0 in the air."""
     turn = c / space.step[0].length
@@ -168,7 +168,7 @@ def stage(space, effects, near, mobility, base, v0, v, c, before, after, share, 
                 new[a, i] = inside * (h[a, i] + share * (bent[a] * q - h[a, i]))
 
 
-@cached_njit(nogil=True, error_model="numpy")
+@called_fast
 def solve(space, effects):
     """Find the mean wrenches of a step on the bodies."""
     dt, vectors, h = space.step[0].dt, space.vectors, space.bristles

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from footopt.compiled import FAST, cached_njit, inlined, inlined_fast
+from footopt.compiled import called_fast, inlined, inlined_fast
 from footopt.mujoco.faces import COLUMNS, X, Y, Z, cross, dot, plus
 from footopt.walk.state import write
 
@@ -127,7 +127,7 @@ def align(space):
                 rows[a, j] = dot((axes[a], axes[3 + a], axes[6 + a]), row)
 
 
-@cached_njit(nogil=True, error_model="numpy", fastmath=FAST)
+@called_fast
 def begin(space, meaning):
     """Begin a step, after a RESTART with all sunk straight down; whether a body may touch sand."""
     step, vectors, twist = space.step[0], space.vectors, product(space.jacobian, space.velocity[0])

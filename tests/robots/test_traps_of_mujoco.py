@@ -1,10 +1,13 @@
 """The traps that docs/mujoco.md names: the global callback, what is read once, pools, stops, the floor."""
 
+import pickle
+
 import numpy as np
 import pytest
 
 import footopt as fo
 from footopt.mujoco import attach
+from footopt.mujoco.callback import compiled
 
 mujoco = pytest.importorskip("mujoco")
 rollout = pytest.importorskip("mujoco.rollout")
@@ -205,3 +208,9 @@ def test_sand_holds_an_ankle_whose_servo_is_explicit_as_long_as_it_is_stable_in_
     mujoco.mj_step(model, data, nstep=2000)
     assert model.opt.timestep * kv / model.dof_M0[-1] > 0.35  # of 2
     assert abs(data.qvel).max() < 1e-9
+
+
+@pytest.mark.slow  # of compiling
+def test_what_is_compiled_for_an_effect_is_kept_and_that_for_another_beside_it(request):
+    acting = [pickle.dumps(shared.put_on_sand(request, effects=e)[2].acting) for e in ((), (fo.Inertia(),))]
+    assert [compiled.__wrapped__(each)._cache_hits for each in (*acting, *acting)] == [1, 1, 1, 1]
