@@ -190,12 +190,13 @@ function stage(holder, walk, { close, x, z, label, other = null, fixed = null, p
   const width = widthOf(holder), axis = 18;
   const height = Math.min(tall, (width / (x[1] - x[0])) * (z[1] - z[0]) + (close ? 0 : 60)), above = height - axis;
   const scale = Math.min(width / (x[1] - x[0]), above / (z[1] - z[0])), half = width / 2 / scale, scheme = PAINTS[paint];
+  redrawn(holder, [["svg", { viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": label }]]);
   const forces = close ? pairs(walk.arrows).map(size) : Array.from(walk.force, Math.abs), largest = forces.reduce((a, b) => Math.max(a, b), 1);
   const metres = (close ? 0.85 * (deepest(walk) - z[0]) : 0.35 * (z[1] - z[0])) / largest, round = 10 ** Math.floor(Math.log10(0.8 * largest));
   const newtons = [5, 2, 1].find((m) => m * round <= 0.8 * largest) * round, surface = walk.surface ?? printed(walk);
   const ends = scheme && range(Array.from({ length: 60 }, (_, i) => (i * walk.t.at(-1)) / 59).flatMap((t) => [LEFT, RIGHT].flatMap((foot) => scheme.of(walk, instant(walk, t), foot, t))), 0);
-  const key = scheme ? [...Array.from({ length: 30 }, (_, i) => svg("rect", { x: 8 + 4 * i, y: 8, width: 4.5, height: 8, fill: ramp(i / 29) })),
-    svg("text", { class: "halo", x: 8, y: 30 }, `${number(ends[0])} to ${number(ends[1])}: ${scheme.title}`)] : [];
+  const key = scheme ? [...Array.from({ length: 30 }, (_, i) => ["rect", { x: 8 + 4 * i, y: 8, width: 4.5, height: 8, fill: ramp(i / 29) }]),
+    ["text", { class: "halo", x: 8, y: 30, "text-anchor": "start" }, `${number(ends[0])} to ${number(ends[1])}: ${scheme.title}`]] : [];
   return (t) => {
     const now = instant(walk, t), middle = fixed?.x ?? (close ? now.com[0] : 0.5 * (x[0] + x[1]));
     const view = { left: middle - half, right: middle + half, low: z[0], high: z[0] + above / scale, unit: 6 / scale, metres, newtons, close };
@@ -210,12 +211,15 @@ function stage(holder, walk, { close, x, z, label, other = null, fixed = null, p
       const pieces = scheme.of(walk, now, foot, t).map((v, i) => ["paint", sole.slice(1).flatMap((p, j) => (walk.part[j] === i ? [sole[j], p, GAP] : [])), `stroke:${ramp((v - ends[0]) / (ends[1] - ends[0]))}`]);
       shapes.push(["edge", sole], ...pieces);
     });
-    update(holder, svg("svg", { viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": label },
-      ...shapes.map(([part, points, style]) => svg("path", { class: part, style, d: part === "hip" || part.endsWith("joints") ? points.map(([u, v]) => `M${X(u)} ${Z(v)}h.01`).join("") : line(points) })),
-      ...words.map(([u, v, text, anchor]) => svg("text", { class: "halo", x: X(u), y: Z(v) + 4, "text-anchor": anchor ?? "start" }, text)), ...key,
-      svg("rect", { x: 0, y: above, width, height: axis, fill: "var(--paper)" }),
-      ...ticks(view.left, view.right, width / 110).values.flatMap((v) => [svg("line", { class: "axis", x1: X(v), x2: X(v), y1: above, y2: above + 4 }),
-        ...(X(v) > 24 && X(v) < width - 24 ? [svg("text", { x: X(v), y: height - 2, "text-anchor": "middle" }, `${+v.toFixed(2)} m`.replace("-", "−"))] : [])])));
+    redrawn(holder.firstChild, [
+      ...shapes.map(([part, points, style = ""]) => ["path", { class: part, style, d: part === "hip" || part.endsWith("joints") ? points.map(([u, v]) => `M${X(u)} ${Z(v)}h.01`).join("") : line(points) }]),
+      ...key,
+      ["rect", { x: 0, y: above, width, height: axis, fill: "var(--paper)" }],
+      ...[...words.map(([u, v, text, anchor]) => [X(u), Z(v) + 4, text, anchor]), ...ticks(view.left, view.right, width / 110).values
+        .filter((v) => X(v) > 24 && X(v) < width - 24).map((v) => [X(v), height - 2, `${+v.toFixed(2)} m`.replace("-", "−"), "middle"])]
+        .map(([x, y, text, anchor = "start"]) => ["text", { class: "halo", x, y, "text-anchor": anchor }, text]),
+      ...ticks(view.left, view.right, width / 110).values.map((v) => ["line", { class: "axis", x1: X(v), x2: X(v), y1: above, y2: above + 4 }]),
+    ]);
   };
 }
 

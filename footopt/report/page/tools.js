@@ -42,6 +42,20 @@ const el = (name, attributes = {}, ...children) => make(null, name, attributes, 
 const svg = (name, attributes = {}, ...children) =>
   make("http://www.w3.org/2000/svg", name, attributes, children);
 
+/** Give a drawing parts [element, attributes, text], in its elements of before where they are alike. */
+function redrawn(drawing, parts) {
+  parts.forEach(([name, attributes, text = ""], i) => {
+    let made = drawing.childNodes[i];
+    if (made?.nodeName !== name) {
+      if (made) made.remove();
+      made = drawing.insertBefore(Object.assign(svg(name), { known: { text: "" } }), drawing.childNodes[i] ?? null);
+    }
+    for (const key in attributes) if (made.known[key] !== attributes[key]) made.setAttribute(key, (made.known[key] = attributes[key]) ?? "");
+    if (made.known.text !== text) made.textContent = made.known.text = text;
+  });
+  while (drawing.childNodes.length > parts.length) drawing.lastChild.remove();
+}
+
 /** Give a holder these children, in place where they are like those that it has: the rest is not laid out again. */
 function update(holder, ...parts) {
   const made = parts.filter(Boolean);
