@@ -84,14 +84,14 @@ def main() -> None:
                             writer.writeheader()
                         writer.writerow(row)
     tables(rows, best_by_scene(rows), (30,) if given.quick else tuple(sorted(WALKS.values())))
-    print("\n| optimiser | ms a dear walk | coarse walks a search | s a search | of these, choosing |")
-    print("| --- | --- | --- | --- | --- |")
+    print()
     for name in given.only:
         own = [row for row in rows if row["optimiser"] == name]
         total, share = (np.array([float(row[of]) for row in own]) for of in ("seconds", "choosing"))
-        each = 1e3 * (1.0 - share) * total / [int(row["walks"]) for row in own]
-        print(f"| {name} | {np.mean(each):.1f} | {np.mean([int(row['coarse']) for row in own]):,.0f} | "
-              f"{np.mean(total):.1f} | {np.mean(share * total):.1f} |")  # fmt: skip
+        each = 1e3 * np.mean((1.0 - share) * total / [int(row["walks"]) for row in own])
+        coarse = np.mean([int(row["coarse"]) for row in own])
+        print(f"{name}: {each:.1f} ms a dear walk, {coarse:,.0f} coarse walks a search, which takes "
+              f"{np.mean(total):.1f} s, {np.mean(share * total):.1f} of these to choose")  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -448,7 +448,7 @@ ROWS = {
     "other_optimisers.py": 2,
     "ablation.py": 5,
     "fronts.py": 5,
-    "dear_walks.py": 4,
+    "dear_walks.py": 2,
     "mujoco_steps.py": 4,
     "page.py": 1,
 }
