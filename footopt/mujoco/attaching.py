@@ -83,9 +83,7 @@ class Contact:
         if found.prints is not None:
             raise SettingError("effects", "footprints", "an effect without a changing surface")
         if found.hides is not None:
-            raise SettingError(
-                "effects.shadowing.hull", "motion", "sole: plates of a mesh do not hide others"
-            )
+            raise SettingError("effects.shadowing.hull", "motion", "sole", "Here no plate hides another.")
         bodies, tables, first = np.zeros(len(feet), BODY), [], 0
         for body, (name, foot) in zip(bodies, feet.items(), strict=True):
             row = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name)
