@@ -84,11 +84,11 @@ def run(study: Study) -> None:
         ("power_work", figures.power_work(shown), "Power and work of the sand, for each shape."),
     ):
         study.save(name, figure, caption)
-    title = f"Five shapes on {scene.sand.name} sand (zeta {scene.sand.zeta:g})"
+    heading = f"Five shapes on {scene.sand.name} sand (zeta {scene.sand.zeta:g})"
     warnings = _warnings(entries)
-    study.say(title, *(Text.assemble(("Warning:", "yellow"), f" {warning}") for warning in warnings))
+    study.say(heading, *(Text.assemble(("Warning:", "yellow"), f" {warning}") for warning in warnings))
     study.conclude(
-        title,
+        heading,
         [table(walks)],
         {"shapes": entries, **scene_entry(scene, accuracy, tuple(OBJECTIVES))},
         said=terminal.describe_model(entry["model_error"] for entry in entries.values()),

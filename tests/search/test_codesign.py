@@ -140,7 +140,7 @@ class TestStudy:
             ("study.speed=9", r"study\.speed = 9\.0: .* on soft sand at most 0\.\d+ m/s.* distance"),
             ("solver=exhaustive", "a solver that searches"),
             ("objective=pareto", "one objective"),
-            ("foot=ellipse", r"foot\.shape"),
+            ("foot=ellipse", "foot = 'ellipse'"),
         ],
     )
     def test_what_cannot_be_is_refused(self, tmp_path, setting, message):

@@ -93,7 +93,7 @@ class TestSetting:
     def test_labels_say_how_far_each_is_spread(self):
         s = setting(waypoint=1e-3, width=0.05, spread=fo.Spread())
         labels = [s.label(name) for name in ("zeta", "thigh", "ankle_x", "width", "waypoint 3")]
-        assert labels == ["zeta, 30 %", "thigh, 2°", "ankle x, 5 mm", "width, 5 %", "waypoint 3, 1 mm"]
+        assert labels == ["zeta, 30 %", "thigh, 2°", "ankle x, 5 mm", "width, 5 %", "k3, 1 mm"]
 
 
 class TestErrors:
