@@ -188,7 +188,7 @@ class TestStudy:
         (tmp_path / "multirun.yaml").touch()
         with pytest.raises(SettingError, match=r"one job of this multirun\. Such as run=.*/0$"):
             export.foot_of(tmp_path)
-        with pytest.raises(FileError, match="with one foot .there is no such folder"):
+        with pytest.raises(FileError, match=r"with one foot \(there is no such"):
             export.foot_of(tmp_path / "nowhere")
 
     def test_draws_the_dimensions_in_mm(self):
