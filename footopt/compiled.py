@@ -148,8 +148,7 @@ def cached_cfunc(signature: Any) -> Callable[[Callable[..., Any]], Any]:
     return decorate
 
 
-@intrinsic  # type: ignore[untyped-decorator]  # numba has no types
-def pointer(typingctx: Any, address: Any) -> Any:
+def _pointer(typingctx: Any, address: Any) -> Any:
     """A whole number as a pointer."""
 
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -158,8 +157,7 @@ def pointer(typingctx: Any, address: Any) -> Any:
     return types.voidptr(address), generate
 
 
-@intrinsic  # type: ignore[untyped-decorator]  # numba has no types
-def call(typingctx: Any, function: Any, arguments: Any) -> Any:
+def _call(typingctx: Any, function: Any, arguments: Any) -> Any:
     """Call the function at an address with a tuple of whole numbers."""
 
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -169,6 +167,10 @@ def call(typingctx: Any, function: Any, arguments: Any) -> Any:
         return context.get_dummy_value()
 
     return types.void(function, arguments), generate
+
+
+#: What compiled code may use: a whole number as a pointer, and the function at an address.
+pointer, call = intrinsic(_pointer), intrinsic(_call)
 
 
 def processor() -> tuple[str, int]:

@@ -39,11 +39,11 @@ def source(stepper: Any, laws: Sequence[Any]) -> str:
 def digest_of(functions: tuple[Any, ...], *more: Path) -> str:
     """A digest of footopt's sources, with a user's own functions: code cached of others is not used.
 
-    more: folders beside those of effects and of walks.
+    more: files, or folders beside those of effects and of walks.
     """
     digest = hashlib.sha256()
     for folder in (Path(str(effects.__file__)).parent, Path(__file__).parent, *more):  # no file is forgotten
-        for path in sorted(folder.rglob("*.py")):
+        for path in [folder] if folder.is_file() else sorted(folder.rglob("*.py")):
             digest.update(path.read_bytes())
     for function in functions:
         digest.update(text_of(function))
