@@ -169,8 +169,19 @@ def _call(typingctx: Any, function: Any, arguments: Any) -> Any:
     return types.void(function, arguments), generate
 
 
-#: What compiled code may use: a whole number as a pointer, and the function at an address.
-pointer, call = intrinsic(_pointer), intrinsic(_call)
+def _unowned(typingctx: Any, array: Any) -> Any:
+    """An array that does not know who owns its memory."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        view = context.make_array(signature.args[0])(context, builder, args[0])
+        view.meminfo = cgutils.get_null_value(view.meminfo.type)
+        return view._getvalue()
+
+    return array(array), generate
+
+
+#: What compiled code may use: a whole number as a pointer, the function at an address, and such an array.
+pointer, call, unowned = intrinsic(_pointer), intrinsic(_call), intrinsic(_unowned)
 
 
 def processor() -> tuple[str, int]:

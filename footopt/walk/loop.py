@@ -20,7 +20,7 @@ from footopt.walk.ground import footprint, on_ground
 from footopt.walk.metrics import no_extremes, raw_of, sample_of, sinkage_of, step_error, updated
 from footopt.walk.sources import source, users_own
 from footopt.walk.standing import static_height
-from footopt.walk.state import Integrals, Sole, State, World, sole_of, write
+from footopt.walk.state import Integrals, Sole, State, World, lent, sole_of, write
 from footopt.walk.steppers import STEPPERS, acceleration, advance, touch
 
 NEAR = 0.9  # of the largest |P| of a foot so far: from there a step may hold the peak of the whole walk
@@ -87,7 +87,7 @@ def _compile(source: str, compiler: Any):
                 stride = 1 << (finest - level)
                 h = (times[n + 1] - times[n]) / (1 << level)
                 index = (n << level) + place // stride
-                after = advance(method, world, sole, poses[level][index], state, h, count)
+                after = advance(method, world, sole, lent(poses[level])[index], state, h, count)
                 ax0, az0 = acceleration(world, state.contact)
                 ax1, az1 = acceleration(world, after.contact)
                 if control is not None:
