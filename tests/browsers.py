@@ -49,6 +49,7 @@ class Page:
 
     def __init__(self, driver, path):
         self.driver = driver
+        self.errors()  # those of the page before, which other tests may have left, are not this one's
         driver.get(path.as_uri())
 
     def __getitem__(self, selector):

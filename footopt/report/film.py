@@ -17,7 +17,8 @@ from footopt.errors import FileError, FootoptError, SettingError, check
 from footopt.files.run import write_whole
 from footopt.report.figures.walker import letters, view_of
 from footopt.report.numbers import sand_title, title
-from footopt.report.picture import Picture, View, draw, round_down
+from footopt.report.parts import View
+from footopt.report.picture import Picture, draw, round_down
 from footopt.report.style import PAGE, new_figure, styled
 from footopt.walk import Walk
 

@@ -59,8 +59,8 @@ def test_times_end_with_the_walk(walk):
 
 
 def line(axes, part):
-    """The points of a part of the picture on axes; of the forces the last ones: the first are the key."""
-    return [found.get_xydata() for found in axes.lines if found.get_label() == f"_{part}"][-1]
+    """The points of a part of the picture on axes."""
+    return next(found.get_xydata() for found in axes.lines if found.get_label() == f"_{part}")
 
 
 def test_a_frame_shows_legs_soles_force_and_time(walk):
@@ -72,7 +72,7 @@ def test_a_frame_shows_legs_soles_force_and_time(walk):
     for foot, side in enumerate(("left", "right")):
         assert np.array_equal(line(axes, f"{side}-leg"), placed.legs[0, foot])
         assert np.array_equal(line(axes, f"{side}-sole"), placed.sole[0, foot])
-    key, drawn = (found.get_xydata() for found in axes.lines if found.get_label() == "_force")
+    key, drawn = (line(axes, part) for part in ("key", "force"))
     newtons = float(next(text.get_text() for text in axes.texts).removesuffix(" N"))
     metres = (key[1, 0] - key[0, 0]) / newtons
     force = walk.force[np.searchsorted(walk.t, 1.15)]

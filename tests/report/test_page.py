@@ -423,12 +423,12 @@ class TestStage:
         walk = front[3]
         effects = (fo.Slope(8), fo.Patches((0.4,), (0.9,), (2.5,)), fo.Layers((0.03,), (0.3,)))
         content = page.walk_content(walk, {"accuracy": {"name": "draft"}, "scene": {"effects": {}}})
-        content["ground"] = ground(dataclasses.replace(walk.scene, effects=effects)).plain()
+        content["ground"] = ground(dataclasses.replace(walk.scene, effects=effects))
         shown = Page(browser, page.write(tmp_path / "page.html", content))
         for figure in shown.all("#design figure:last-of-type, #walk .wide figure"):
             assert figure.find_elements("css selector", ".gravity")
-            assert "g = 9.81 m/s², 8° uphill" in figure.text
-            assert {"layer × 0.3", "patch × 2.5"} <= set(figure.text.split("\n"))
+            words = {"g = 9.81 m/s²", "8° uphill", "layer × 0.3", "patch × 2.5"}
+            assert words <= set(figure.text.split("\n"))
         behind = shown.js(
             "[...document.querySelectorAll('svg .surface')].filter((print) => "
             "[...print.ownerSVGElement.querySelectorAll('text')].some((name) => "
@@ -436,7 +436,7 @@ class TestStage:
         )
         assert behind == 0  # a print hides no name
         shown.emulate(prefers_color_scheme="dark")  # white arrows on white sand would not be seen
-        strip = shown.js("getComputedStyle(document.querySelector('.strip')).filter")
+        strip = shown.js("getComputedStyle(document.querySelector('.layer')).filter")
         shown.emulate(prefers_color_scheme="light")
         assert strip == "brightness(0.32)"
 
@@ -448,7 +448,11 @@ class TestStage:
         middle, frames = len(walk.t) // 2, shown.js("Array.from(open(0).when)")
         index = np.append(middle, np.searchsorted(walk.t, np.subtract(frames[::25], 1e-6)))
         sand = walk.sand(index)
-        x, z = np.moveaxis(shown.js(f"{walk.t[index].tolist()}.map(open(0).surface)"), -1, 0)
+        x, z = np.moveaxis(
+            shown.js(f"{walk.t[index].tolist()}.map((t) => open(0).surface(t).map(({{ x, z }}) => [x, z]))"),
+            -1,
+            0,
+        )
         np.testing.assert_allclose(x, np.broadcast_to(sand.x, x.shape), atol=1e-9)
         # frames are rounded to 16 bits, and their times to 32
         np.testing.assert_allclose(z[1:], sand.height[1:], atol=3e-5 * np.ptp(sand.height))
@@ -467,7 +471,7 @@ class TestStage:
 
     def test_a_drawn_print_has_no_teeth(self, pages, browser):
         shown = Page(browser, pages["walk"])
-        z = np.array(shown.js("printed(open(0))(open(0).t.at(-1))"))[:, 1]
+        z = np.array(shown.js("printed(open(0))(open(0).t.at(-1)).map(({ z }) => z)"))
         turns = np.diff(np.sign(np.diff(z[z < 0])))
         assert z.min() < -0.01
         assert (turns != 0).sum() < 20  # one in a print or two, of four steps

@@ -9,7 +9,8 @@ from matplotlib.colors import same_color
 
 import footopt as fo
 from footopt.report import page, picture
-from footopt.report.picture import LOOKS, Picture, View
+from footopt.report.parts import LOOKS, View, shapes
+from footopt.report.picture import Picture
 from footopt.report.style import PALETTE, new_figure
 
 WORLDS = {
@@ -57,11 +58,13 @@ def test_the_page_draws_what_figures_and_films_draw(world, browser, tmp_path):
         for view in views(here.body.hip[i, 0]):
             mine, words = here.shapes(i, view)
             found = shown.js(
-                f"(() => {{ const walk = open(0); return picture(walk, instant(walk, {t}), "
-                f"(walk.surface ?? printed(walk))({t}), {page.file.json.dumps(view._asdict())}); }})()"
+                f"(() => {{ const walk = open(0), view = {page.file.json.dumps(view._asdict())}, "
+                f"top = (walk.surface ?? printed(walk))({t}); "
+                f"return picture(things(walk, instant(walk, {t}), top, view), view); }})()"
             )
-            assert [part for part, *_ in found["shapes"]] == [shape.part for shape in mine]
-            for (part, points, *_), shape in zip(found["shapes"], mine, strict=True):
+            assert [part["name"] for part, *_ in found["shapes"]] == [shape.part for shape in mine]
+            for (drawn, points, *_), shape in zip(found["shapes"], mine, strict=True):
+                part = drawn["name"]
                 points = np.array([[np.nan if v is None else v for v in p] for p in points]).reshape(-1, 2)
                 # two cells of a drawn print, which is steep at its ends
                 off = 8e-3 if part in ("print", "rim", "surface") else 2e-3
@@ -78,7 +81,7 @@ def test_the_page_has_the_looks_of_figures(browser, tmp_path):
     content = page.walk_content(walked("plain"), {"accuracy": {"name": "draft"}, "scene": {"effects": {}}})
     shown = Page(browser, page.write(tmp_path / "page.html", content))
     drawn = {p.get_attribute("class"): p for p in shown.all("#walk .wide svg path")}
-    assert set(drawn) == set(LOOKS) - {"strip", "ghost", "edge", "paint", "gravity"}
+    assert set(drawn) == set(LOOKS) - {"layer", "patch", "ghost", "edge", "paint", "gravity"}
     for part, element in drawn.items():
         look = LOOKS[part]
         for name, role in (("fill", look.fill), ("stroke", look.stroke)):
@@ -123,15 +126,14 @@ def test_a_drawn_print_is_as_deep_as_soles_were():
 
 
 def test_an_arrow_is_as_long_as_its_force():
-    at, along = (
-        np.array([[0.0, 0.0], [1.0, 2.0], [5.0, 5.0]]),
-        np.array([[3.0, 4.0], [0.0, 1e-9], [0.0, 2.0]]),
-    )
-    line = picture.arrows(at, along, 0.1)
+    rows = [(0.0, 0.0, 300.0, 400.0), (1.0, 2.0, 0.0, 1e-7), (5.0, 5.0, 0.0, 200.0)]
+    force = [dict(zip(("x", "z", "fx", "fz"), row, strict=True)) for row in rows]
+    view = View(-9.0, 9.0, -9.0, 9.0, unit=0.1, metres=0.01)
+    [[_, line, _]], _ = shapes({"force": force}, view)
     assert len(line) == 2 * 7  # one is too short to be seen
     assert line[:2].tolist() == [[0.0, 0.0], [3.0, 4.0]]
     assert np.isnan(line[2]).all()
-    tips = picture.arrows(at, along, 0.1, tip=True)
+    [[_, tips, _]], _ = shapes({"force": force}, view._replace(close=True))
     assert tips[:2].tolist() == [[-3.0, -4.0], [0.0, 0.0]]
     heads = np.linalg.norm(tips[[3, 5]] - tips[4], axis=1)
-    assert heads == pytest.approx(picture.HEAD * 0.1 * np.sqrt(1.25))
+    assert heads == pytest.approx(1.4 * 0.1 * np.sqrt(1.25))

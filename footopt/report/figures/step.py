@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from footopt.errors import check
 from footopt.gait.gait import RIGHT
 from footopt.report.figures.traces import walk_label
-from footopt.report.picture import Picture, View, draw, round_down
+from footopt.report.parts import View
+from footopt.report.picture import Picture, draw, round_down
 from footopt.report.style import PAGE, message, new_figure, styled
 from footopt.walk import Walk
 from footopt.walk.phases import stance
@@ -52,7 +53,8 @@ def steps(walks: Mapping[str, Walk], frames: int = 6) -> Figure:
     points = [step.points(metres) for step in found]
     span = max(float(np.ptp(p[:, 0])) for p in points) + 0.02
     low = min(float(p[:, 1].min()) for p in points) - 0.02
-    high = max(float(p[:, 1].max()) for p in points) + ABOVE
+    sloped = any(step.picture.ground["gravity"] for step in found)
+    high = max(float(p[:, 1].max()) for p in points) + (2.0 if sloped else 1.0) * ABOVE
     columns = min(frames, COLUMNS)
     rows = -(-frames // columns)
     width = (PAGE - 0.55) / COLUMNS - 0.08
@@ -70,7 +72,10 @@ def steps(walks: Mapping[str, Walk], frames: int = 6) -> Figure:
             newtons = round_down(0.8 * LONGEST / metres) if first else 0.0
             view = View(left, left + span, low, high, inch / 72 * 4.5, metres, newtons, close=True)
             shapes, labels = step.picture.shapes(j, view, [RIGHT])
-            draw(axes, shapes, labels if first else ())
+            if first:
+                draw(axes, shapes, labels)
+            else:
+                draw(axes, [shape for shape in shapes if shape.part != "gravity"])
             axes.set(xlim=view[:2], ylim=view[2:4], aspect="equal")
             axes.set_title(f"{step.since[j]:.2f} s", loc="left")
             axes.xaxis.set_major_locator(MaxNLocator(3))

@@ -9,7 +9,8 @@ from footopt.effects import Layers, Patches
 from footopt.report.body import Body, body, legs
 from footopt.report.figures.traces import walk_label
 from footopt.report.numbers import sand_title, title
-from footopt.report.picture import Picture, Shape, View, draw, ground, round_down
+from footopt.report.parts import View, shapes
+from footopt.report.picture import Picture, draw, ground, round_down, standing
 from footopt.report.style import PAGE, SIDES, Axes, as_text, legend_entry, message
 from footopt.walk import Scene, Walk
 
@@ -30,7 +31,7 @@ def draw_walk(axes: Axes, walk: Walk) -> None:
     index = np.unique(np.searchsorted(walk.t, np.linspace(begin, walk.t[-1], POSES)))
     picture = Picture(walk, walk.t[index])
     view = view_of(picture)
-    draw(axes, *picture.surface(-1, view))
+    draw(axes, *picture.shapes(-1, view, feet=()))
     for i in range(len(index)):
         draw(axes, *picture.shapes(i, view, ground=False))
     axes.plot(*walk.com.T, color="black", lw=0.8, label="path of the COM", zorder=3.5)
@@ -50,9 +51,8 @@ def draw_scene(axes: Axes, scene: Scene) -> None:
     right = max([1.7 * height, *(end + 0.15 for end in far)])
     low = -max([0.2 * height, *(2.0 * d for d in deep)])
     view = View(-0.5 * height, right, low, 1.12 * height, letters(right + 0.5 * height, 4.5))
-    draw(axes, *ground(scene).shapes(view))
-    for (side, _), leg in zip(SIDES, joints, strict=True):
-        draw(axes, [Shape(f"{side}-leg", leg), Shape(f"{side}-joints", leg[1:]), Shape("hip", leg[:1])])
+    feet = {side: [standing(side, leg)] for (side, _), leg in zip(SIDES, joints, strict=True)}
+    draw(axes, *shapes({**ground(scene), **feet, "hip": [{"x": 0.0, "z": height}]}, view))
     label_legs(axes)
     legend_entry(axes, f"COM, {scene.walker.mass:g} kg", color="black", ls="", marker="o", ms=8)
     axes.set(xlim=view[:2], ylim=view[2:4], aspect="equal")

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from footopt.files.run import plain, write_text
 from footopt.report.numbers import title
-from footopt.report.picture import css
+from footopt.report.parts import css, script
 from footopt.report.style import PALETTE
 
 STYLES = ("page.css",)
@@ -66,7 +66,7 @@ def text(content: dict[str, Any]) -> str:
         "STYLE": "\n".join([_roles(), *map(read, STYLES), css()]),
         # "</script>" in a name would end the element
         "DATA": data.replace("<", "\\u003c"),
-        "SCRIPT": "\n".join(map(read, SCRIPTS)),
+        "SCRIPT": "\n".join([script(), *map(read, SCRIPTS)]),
     }
     page = read("template.html")
     for name, value in filled.items():

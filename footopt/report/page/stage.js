@@ -24,7 +24,7 @@ function open(place) {
       walk[name] = raw[name] ? unpack(raw[name]) : [];
     if (raw.sand) {
       walk.sand = unpack(raw.sand.height);
-      walk.surface = (t) => at(walk, "sand", raw.sand.height.shape[1], t, walk.when).map((z, i) => [raw.sand.first + i * raw.sand.cell, z]);
+      walk.surface = (t) => at(walk, "sand", raw.sand.height.shape[1], t, walk.when).map((z, i) => ({ x: raw.sand.first + i * raw.sand.cell, z }));
     }
     opened.set(place, prepared(walk));
   }
@@ -107,9 +107,9 @@ const PAINTS = {
 
 /** The lowest that soles have been at each place so far: a print as it would stay if no sand fell back. */
 function printed(walk) {
-  const STEP = 0.004, [x0, x1] = range(walk.com.filter((_, i) => i % 2 === 0), 0), from = x0 - 1;
+  const { step: STEP, often } = data.print, [x0, x1] = range(walk.com.filter((_, i) => i % 2 === 0), 0), from = x0 - 1;
   const depth = new Float64Array(Math.ceil((x1 - x0 + 2) / STEP));
-  const points = walk.light.map(([u, v]) => [u - walk.ankle[0], v - walk.ankle[1]]), none = () => [NaN, NaN, NaN, NaN];
+  const points = walk.light.map(([u, v]) => [u - walk.ankle[0], v - walk.ankle[1]]), none = () => [NaN, NaN, NaN, NaN], reach = Math.max(...points.map(size));
   let done = -1, before = [none(), none()]; // heel and toe of both feet
   const dig = (xa, za, xb, zb) => {
     if (!(za < 0 || zb < 0)) return;
@@ -118,8 +118,9 @@ function printed(walk) {
   };
   return (t) => {
     if (t < done) { depth.fill(0); done = -1; before = [none(), none()]; }
-    for (let time = Math.max(done, 0); time <= t; time += 0.01) pose(walk, time).forEach(({ leg, c, s }, foot) => {
+    for (let time = Math.max(done, 0); time <= t; time += often) pose(walk, time).forEach(({ leg, c, s }, foot) => {
       const ends = before[foot], [ax, az] = leg[2];
+      if (az > reach) return;
       let x = NaN, z = NaN;
       points.forEach(([u, v], i) => { // no point is made of numbers here: a drag does this for every pixel
         const xb = ax + c * u - s * v, zb = az + s * u + c * v, end = i ? 2 : 0;
@@ -131,53 +132,26 @@ function printed(walk) {
       });
     });
     done = t;
-    return Array.from(depth, (z, j) => [from + j * STEP, z]);
+    return Array.from(depth, (z, j) => ({ x: from + j * STEP, z }));
   };
 }
 
-/** Arrows along [dx, dz] from places, or with their tips there, m: a line with gaps. */
-function arrows(places, along, unit, tip = false) {
-  return places.flatMap((place, i) => {
-    const [dx, dz] = along[i], long = size(along[i]), head = Math.min(data.head * unit, 0.6 * long) / long;
-    if (!(long > 0.2 * data.head * unit)) return [];
-    const begin = tip ? [place[0] - dx, place[1] - dz] : place, end = [begin[0] + dx, begin[1] + dz];
-    const barb = (turn) => [end[0] - head * (dx + turn * 0.5 * dz), end[1] - head * (dz - turn * 0.5 * dx)];
-    return [begin, end, GAP, barb(1), end, barb(-1), GAP];
-  });
-}
-const BEYOND = 0.05; // m, that the surface is drawn past the view
-const GAP = [NaN, NaN], box = (a, b, c, d) => [[a, c], [a, d], [b, d], [b, c]];
-
-/**
- * What is drawn of a walk at an instant, as report/picture.py finds it: [part, points (m), style], from behind to the
- * front, and words [x, z, text, anchor], in a view { left, right, low, high, unit, metres, newtons, close }.
- */
-function picture(walk, now, top, view) {
-  const { left, right, low, high, unit, metres, newtons, close } = view, words = [], { strips, gravity } = data.ground;
-  const shapes = [["sand", box(left, right, low, 0)]];
-  for (const s of strips) {
-    const a = Math.max(s.begin, left), b = Math.min(s.end, right), bottom = Math.max(s.bottom, low);
-    if (a >= b || bottom >= s.top) continue;
-    shapes.push(["strip", box(a, b, bottom, s.top), `fill:${s.colour}`]);
-    if (s.kind === "layer" || b - a >= unit * s.label.length) words.push(s.kind === "patch" ? [a + 0.6 * unit, Math.min(s.top - 1.6 * unit, low + 5.7 * unit), s.label] : [b - 0.6 * unit, Math.max(bottom + 1.3 * unit, s.top - 3 * unit), s.label, "end"]);
-  }
-  if (gravity) {
-    shapes.push(["gravity", arrows([[right - 9 * unit, high - 3.2 * unit]], [[6 * unit * gravity.x, 6 * unit * gravity.z]], unit)]);
-    words.push([right - unit, high - 1.5 * unit, gravity.text, "end"]);
-  }
-  const whole = [[left - BEYOND, 0], ...top.filter(([x]) => x > left - BEYOND && x < right + BEYOND), [right + BEYOND, 0]];
-  shapes.push(["print", whole.map(([x, z]) => [x, Math.min(z, 0)])], ["rim", whole.map(([x, z]) => [x, Math.max(z, 0)])], ["surface", whole],
-    ["force", arrows([[left + unit, low + 1.5 * unit]], [[newtons * metres, 0]], unit)]);
-  words.push([left + newtons * metres + 2 * unit, low + 1.5 * unit, `${newtons} N`]);
-  if (!walk.surface && close) words.push([right - unit, low + (right - left > 70 * unit ? 1.5 : 3.6) * unit, data.drawn, "end"]);
-  now.feet.forEach(({ leg, shape, sole }, foot) => {
-    const side = SIDES[foot];
-    shapes.push([`${side}-foot`, shape], [`${side}-leg`, leg], [`${side}-joints`, leg.slice(1)], [`${side}-sole`, sole]);
-    if (close) words.push([leg[2][0], leg[2][1] + 5.5 * unit, side, "middle"]);
-  });
+/** The things at an instant, by kind, as report/picture.py finds them; `top` is the sand's surface. */
+function things(walk, now, top, { close, newtons }) {
   const forces = now.feet.flatMap((foot) => (close ? foot.forces : [resultant(foot.forces)])).filter(({ at: place }) => place);
-  shapes.push(["force", arrows(forces.map((f) => f.at), forces.map(({ f }) => [metres * f[0], metres * f[1]]), unit, close)], ["hip", [now.com]]);
-  return { shapes, words };
+  const feet = now.feet.map(({ leg, shape, sole }, foot) => [SIDES[foot], [{ leg, outline: shape, sole, joints: leg.slice(1), x: leg[2][0], z: leg[2][1], text: SIDES[foot] }]]);
+  return { ...data.ground, surface: top, key: [{ text: `${newtons} N` }], drawn: walk.surface ? [] : [data.print], ...Object.fromEntries(feet),
+    force: forces.map(({ at: [x, z], f: [fx, fz] }) => ({ x, z, fx, fz })), hip: [{ x: now.com[0], z: now.com[1] }] };
+}
+
+/** What is drawn of things in a view, by PARTS and WORDS: [part, points (m), colour], from behind to the front, and [x, z, text, anchor]. */
+function picture(things, view) {
+  const shapes = PARTS.flatMap(({ of, points, ends, ...part }) => {
+    if (!ends) return (things[of] ?? []).map((thing) => [part, points(view, thing), thing.colour]).filter(([, line]) => line.length);
+    const all = ends(view, {});
+    return things[of]?.length ? [[part, [...all.slice(0, 1), ...things[of].flatMap((thing) => points(view, thing)), ...all.slice(1)]]] : [];
+  });
+  return { shapes, words: WORDS.flatMap(({ of, anchor, points }) => (things[of] ?? []).flatMap((thing) => points(view, thing).map(([x, z]) => [x, z, thing.text, anchor]))) };
 }
 
 /**
@@ -201,18 +175,20 @@ function stage(holder, walk, { close, x, z, label, other = null, fixed = null, p
     const now = instant(walk, t), middle = fixed?.x ?? (close ? now.com[0] : 0.5 * (x[0] + x[1]));
     const view = { left: middle - half, right: middle + half, low: z[0], high: z[0] + above / scale, unit: 6 / scale, metres, newtons, close };
     const X = (v) => (v - view.left) * scale, Z = (v) => above - (v - z[0]) * scale, line = (points) => path(points.map(([u, v]) => [X(u), Z(v)]));
-    const { shapes, words } = picture(walk, now, surface(t), view);
+    const there = things(walk, now, surface(t), view);
     if (other) {
       const behind = pose(other, Math.min(t, other.t.at(-1))), shift = fixed ? fixed.shift : now.com[0] - behind[0].leg[0][0];
       const ghosts = behind.flatMap(({ leg, carry }) => [[...carry(other.shape), carry(other.shape)[0]], ...(close ? [] : [leg])]);
-      shapes.splice(shapes.findIndex(([part]) => part === "left-foot"), 0, ...ghosts.map((points) => ["ghost", points.map(([u, v]) => [u + shift, v])]));
+      there.ghost = ghosts.map((points) => ({ line: points.map(([u, v]) => [u + shift, v]) }));
     }
-    if (scheme) now.feet.forEach(({ sole }, foot) => {
-      const pieces = scheme.of(walk, now, foot, t).map((v, i) => ["paint", sole.slice(1).flatMap((p, j) => (walk.part[j] === i ? [sole[j], p, GAP] : [])), `stroke:${ramp((v - ends[0]) / (ends[1] - ends[0]))}`]);
-      shapes.push(["edge", sole], ...pieces);
-    });
+    if (scheme) {
+      there.edge = now.feet.map(({ sole }) => ({ line: sole }));
+      there.paint = now.feet.flatMap(({ sole }, foot) => scheme.of(walk, now, foot, t).map((v, i) => ({ colour: ramp((v - ends[0]) / (ends[1] - ends[0])),
+        line: sole.slice(1).flatMap((p, j) => (walk.part[j] === i ? [sole[j], p, [NaN, NaN]] : [])) })));
+    }
+    const { shapes, words } = picture(there, view);
     redrawn(holder.firstChild, [
-      ...shapes.map(([part, points, style = ""]) => ["path", { class: part, style, d: part === "hip" || part.endsWith("joints") ? points.map(([u, v]) => `M${X(u)} ${Z(v)}h.01`).join("") : line(points) }]),
+      ...shapes.map(([{ name, dots, own }, points, colour]) => ["path", { class: name, style: colour ? `${own}:${colour}` : "", d: dots ? points.map(([u, v]) => `M${X(u)} ${Z(v)}h.01`).join("") : line(points) }]),
       ...key,
       ["rect", { x: 0, y: above, width, height: axis, fill: "var(--paper)" }],
       ...[...words.map(([u, v, text, anchor]) => [X(u), Z(v) + 4, text, anchor]), ...ticks(view.left, view.right, width / 110).values

@@ -16,7 +16,8 @@ from footopt.report.body import forces_along, groups
 from footopt.report.numbers import percent, sand_title, title
 from footopt.report.page.file import column, packed
 from footopt.report.page.physics import ARROWS, physics, refusal
-from footopt.report.picture import DRAWN, HEAD, ground
+from footopt.report.parts import DRAWN
+from footopt.report.picture import OFTEN, STEP, ground
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
 from footopt.walk import FIVE, MEASURES, Accuracy, Scene, Walk
 
@@ -208,9 +209,8 @@ def common(
     return {
         "columns": [column(name, MEASURES[name].unit, MEASURES[name].maximise) for name in names],
         "entry": {name: value for name, value in entry.items() if name not in ON_THE_PAGE},
-        "ground": ground(scene).plain(),
-        "drawn": DRAWN,
-        "head": HEAD,
+        "ground": ground(scene),
+        "print": {"step": STEP, "often": OFTEN, **DRAWN},
         "physics": physics(scene, accuracy, foot),
         "gait": {
             "end": scene.duration,
