@@ -37,5 +37,5 @@ def assert_same(a, b):
         if field.name not in ("problem", "solver", "history", "seconds", "reused", "interrupted", "choosing"):
             np.testing.assert_array_equal(getattr(a, field.name), getattr(b, field.name), err_msg=field.name)
     assert a.values.tobytes() == b.values.tobytes()
-    timeless = [[dataclasses.replace(g, seconds=0.0) for g in r.history] for r in (a, b)]
+    timeless = [[dataclasses.astuple(dataclasses.replace(g, seconds=0.0)) for g in r.history] for r in (a, b)]
     np.testing.assert_equal(*timeless)

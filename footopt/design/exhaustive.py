@@ -9,7 +9,9 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -24,6 +26,7 @@ from footopt.foot import Waypoints
 
 LIMIT = 20_000_000  # designs; two hours on two cores
 BEATEN = "beaten"  # the reason of a design whose walks were stopped because it could not be among the best
+MARGINS = ("margin", "seen", "room", "reached")
 KEPT = 1000  # of the best designs by a single objective; of several, the whole front is kept
 
 
@@ -38,10 +41,13 @@ class Enumeration(SearchResult):
     counts : dict
         Designs by reason, "" for the feasible; those outside their box are not walked.
     evaluations : int
-        Designs that were walked.
+        Designs that were walked, be it in part.
+    margins : dict, optional
+        Of a race: margin, seen, room and reached of `race.Race`.
     """
 
     counts: dict[str, int] = field(default_factory=dict)
+    margins: dict[str, float] | None = None
 
     @property
     def designs(self) -> int:
@@ -103,11 +109,12 @@ def enumerate_space(
     solver: Solver,
     progress: Callable[[Generation], object] | None,
     evaluator: Evaluator,
+    race: Any = None,
 ) -> Enumeration:
-    """Walk with every design of a space that is inside its box.
+    """Walk with every design of a space that is inside its box, or with a `race.Race` as far as it must.
 
     The solver's pop_size is the number of designs in memory at a time; `progress` is called after each
-    batch. The result is exact, unless `interrupted` or `stopped`.
+    batch. The result is exact, unless `interrupted` or `stopped`, and as far as the margins of a race are.
     """
     check_size(problem)
     started, space = time.perf_counter(), problem.space
@@ -118,7 +125,7 @@ def enumerate_space(
     interrupted, stopped = False, ""
     single = problem.n_obj == 1
     try:
-        with problem.race(evaluator) as walk:
+        with nullcontext(race) if race else problem.race(evaluator) as walk:
             for number, k in enumerate(batches(space, solver.size), start=1):
                 violation, median = space.box_violation(k), nan
                 inside = violation <= space.box_tolerance * space.H
@@ -149,6 +156,8 @@ def enumerate_space(
     except KeyboardInterrupt:
         interrupted = True
     if not len(best.k):
+        if race and interrupted:
+            raise KeyboardInterrupt("before the race met one of the best")
         raise nothing_feasible(counts, interrupted, hint="")
     best = best.take(np.argsort(problem.ranked(best.values), kind="stable"))
     return Enumeration(
@@ -165,4 +174,5 @@ def enumerate_space(
         reused=evaluator.reused,
         stopped=stopped,
         counts=dict(counts),
+        margins=None if race is None else {name: getattr(race, name) for name in MARGINS},
     )

@@ -15,9 +15,10 @@ from footopt.design.solvers import Solver
 from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Waypoints
 from footopt.walk.accuracy import Accuracy
+from footopt.walk.metrics import Ends
 from footopt.walk.objectives import FIVE, MEASURES, Objective, lookup
 from footopt.walk.scene import Scene
-from footopt.walk.simulate import evaluate, resolve
+from footopt.walk.simulate import NEVER, evaluate, resolve
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -121,6 +122,8 @@ class FootProblem:
         """Name of the value that ranks designs: the single objective, or J_W when there are several."""
         return self.objectives[0].name if self.n_obj == 1 else "efficiency"
 
+    ends: Ends = NEVER  # what stops its walks
+
     def coarser(self) -> FootProblem:
         """The same, walked as coarsely as still ranks soles much as here; `SettingError` if it is already."""
         accuracy = self.accuracy.coarser
@@ -162,7 +165,7 @@ class FootProblem:
 
     def walk(self, k: Ints) -> tuple[Array, Words]:
         """Walk with designs (designs, n): recorded values (designs, record), and why a walk failed."""
-        table = evaluate(k, self.scene, self.accuracy, self.record, self.space, self.threads)
+        table = evaluate(k, self.scene, self.accuracy, self.record, self.space, self.threads, ends=self.ends)
         return table.values, table.reasons
 
     def race(self, evaluator: Any) -> AbstractContextManager[Race]:

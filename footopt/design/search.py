@@ -20,6 +20,7 @@ from footopt.design.coarse import Coarse, coarse_walks
 from footopt.design.evaluator import Evaluator
 from footopt.design.exhaustive import enumerate_space
 from footopt.design.problem import FootProblem, Ints
+from footopt.design.race import Race
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import AUTO, EXHAUSTIVE, Solver
 from footopt.design.solvers.registry import COARSELY
@@ -27,7 +28,7 @@ from footopt.design.stop import Stop
 from footopt.design.store import Store
 from footopt.errors import check, check_kind
 
-BUDGET = ("walks", "pop_size", "n_gen", "seed", "operators")  # of a solver that is named
+BUDGET = ("walks", "pop_size", "n_gen", "seed", "operators", "race")  # of a solver that is named
 ENOUGH = "by the solver, which asked for nothing more"
 
 
@@ -108,7 +109,14 @@ def search(
         if solver.name == EXHAUSTIVE:
             for name, given in (("stop", stop not in (None, Stop())), ("start", start is not None)):
                 check(not given, name, name, "left out with solver=exhaustive: it walks with every design")
-            return enumerate_space(problem, solver, tell, evaluator)
+            if not solver.race:
+                return enumerate_space(problem, solver, tell, evaluator)
+            several = "false for several objectives, of which no design can be told to have lost"
+            check(problem.n_obj == 1, "solver.race", True, several)
+            found = ask_and_tell(problem, Solver("memetic", seed=solver.seed), None, evaluator, Stop())
+            if found.interrupted:
+                raise KeyboardInterrupt("in the search before the race")
+            return enumerate_space(problem, solver, tell, evaluator, Race(evaluator, found))
         first = None if start is None else problem.space.check(start)
         with coarse_walks(problem, evaluator) if dear else nullcontext() as coarse:
             return ask_and_tell(

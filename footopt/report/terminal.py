@@ -211,6 +211,19 @@ def describe_search(result: SearchResult) -> str:
         f"{result.solver.name}, seed {result.solver.seed}: {result.evaluations} evaluations of "
         f"{result.designs} designs{reused} in {time}, {bad} infeasible{why}"
         f"{f', {beaten} that could not win stopped before their last walk' if beaten else ''}{front}{stopped}"
+        f"{_raced(getattr(result, 'margins', None))}"
+    )
+
+
+def _raced(margins: dict[str, float] | None) -> str:
+    """What the result of a race rests on, a sentence of its own."""
+    if margins is None:
+        return ""
+    margin, seen, room, reached = (margins[name] for name in ("margin", "seen", "room", "reached"))
+    return (
+        f"\nNo sole of the space is better, unless one left out is more than {margin:.2%} better than "
+        f"its coarse walk ({seen:.2%} at most, of those that walked twice) or gets distance times height "
+        f"beyond {room:.4g} m^2 ({reached:.4g})"
     )
 
 

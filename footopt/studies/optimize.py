@@ -254,6 +254,7 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
         "search_time_s": result.seconds,
         "choosing_time_s": result.choosing,
         "coarse_walks": result.coarse,
+        "margins": getattr(result, "margins", None),
     }
 
 

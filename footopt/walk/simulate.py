@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -20,8 +21,8 @@ from footopt.foot.plates import RULES
 from footopt.walk import prepare
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.adapt import accuracies, adapted
-from footopt.walk.loop import BACKWARD, DIVERGED, OK, SUNK, walk_range
-from footopt.walk.metrics import RAW, TRACE, Sample
+from footopt.walk.loop import BACKWARD, BEATEN, DIVERGED, OK, SUNK, walk_range
+from footopt.walk.metrics import RAW, TRACE, Ends, Sample
 from footopt.walk.objectives import FIVE, Objective, by_name, lookup
 from footopt.walk.results import Table, Walk, joined
 from footopt.walk.scene import Scene
@@ -31,7 +32,8 @@ from footopt.walk.steppers import STEPPERS
 Array = NDArray[np.float64]
 
 #: Why a walk failed, by the loop's status.
-REASONS = {OK: "", SUNK: "sunk", BACKWARD: "backward", DIVERGED: "diverged"}
+REASONS = {OK: "", SUNK: "sunk", BACKWARD: "backward", DIVERGED: "diverged", BEATEN: "beaten"}
+NEVER = Ends()  # no walk is stopped
 
 SAFE = 2.0  # times the differences to two refined walks, see `estimated`
 
@@ -109,6 +111,7 @@ def evaluate(
     space: Waypoints | None = None,
     threads: int | None = None,
     errors: bool = False,
+    ends: Ends = NEVER,
 ) -> Table:
     """Walk through a scene with many feet, keeping objectives only: the fast path.
 
@@ -129,6 +132,8 @@ def evaluate(
     errors : bool
         Whether to estimate the values' errors, `Table.errors`, by two finer walks with each foot: about
         ten times the time.
+    ends : Ends
+        What stops a walk that has more of it: its reason is "beaten".
 
     Returns
     -------
@@ -141,8 +146,7 @@ def evaluate(
         The scene has no heel strike, an objective is not known, or there are no feet.
     """
     scene, accuracy = _scene(scene), resolve(accuracy)
-    if isinstance(feet, Foot):
-        feet = [feet]
+    feet = [feet] if isinstance(feet, Foot) else feet
     scene.need_heel_strike()
     lookup(objectives)
     check(not (errors and isinstance(feet, Plates)), "errors", True, "false where feet are plates")
@@ -151,11 +155,10 @@ def evaluate(
     parts, order = [], []
     for finely, index in accuracies(feet, scene, accuracy, space).items():
         some = feet if isinstance(feet, Plates) else [feet[i] for i in index]
-        part = _evaluated(some, scene, finely, objectives, space, threads)
+        asked = some, scene, finely, objectives, space, threads
+        part = _evaluated(*asked, ends)
         if errors:
-            part = replace(
-                part, errors=estimated(part.values, some, scene, finely, objectives, space, threads)
-            )
+            part = replace(part, errors=estimated(part.values, *asked))
         parts.append(part)
         order += index
     return joined(parts, np.argsort(order))
@@ -180,8 +183,7 @@ def estimated(
         (replace(scene, effects=finer_cells(scene.effects, times)), accuracy.refined(times))
         for times in (1, 2)
     ]
-    traced = any(measure.of == "walk" for measure in lookup(names))
-    too_long = prepare.too_long if traced else prepare.too_many_poses
+    too_long = prepare.too_long if any(m.of == "walk" for m in lookup(names)) else prepare.too_many_poses
     if any(too_long(scene, one) for _, one in finer):
         return np.full_like(values, np.nan)
     once, twice = (_evaluated(feet, *one, names, space, threads).values for one in finer)
@@ -195,11 +197,12 @@ def _evaluated(
     objectives: Sequence[str],
     space: Waypoints | None,
     threads: int | None,
+    ends: Ends = NEVER,
 ) -> Table:
     """`evaluate` at an accuracy that holds for all feet."""
     chosen, sink = lookup(objectives), "maximum_sinkage" in objectives
     chunks = _chunks(feet, scene, accuracy, space)
-    parts = [_walk(plates, scene, accuracy, sink, threads)[:3] for plates in chunks]
+    parts = [_walk(plates, scene, accuracy, sink, threads, ends=ends)[:3] for plates in chunks]
     raw, status, counts = (np.concatenate(column) for column in zip(*parts, strict=True))
     raw[status != OK] = np.nan
     if not sink:
@@ -298,18 +301,19 @@ def _walk(
     sink: bool,
     threads: int | None,
     traced: bool = False,
+    ends: Ends = NEVER,
 ) -> _Walked:
     """Run the compiled loop over a batch.
 
     Walks that diverge are repeated with a quarter of the time step, `MAX_REPEATS` times at most.
     """
-    walked = _run(plates, scene, accuracy, sink, threads, traced)
+    walked = _run(plates, scene, accuracy, sink, threads, traced, ends)
     for repeat in range(1, MAX_REPEATS + 1):
         again = np.flatnonzero(walked.status == DIVERGED)
         finer = replace(accuracy, dt=accuracy.dt / 4**repeat)
         if len(again) == 0 or prepare.pose_rows(scene, finer) > prepare.ROWS:
             break
-        shorter = _run(plates.take(again), scene, finer, sink, threads, traced)
+        shorter = _run(plates.take(again), scene, finer, sink, threads, traced, ends)
         walked.raw[again], walked.status[again] = shorter.raw, shorter.status
         for name in COUNTS.names or ():
             walked.counts[name][again] += shorter.counts[name]
@@ -319,7 +323,13 @@ def _walk(
 
 
 def _run(
-    plates: Plates, scene: Scene, accuracy: Accuracy, sink: bool, threads: int | None, traced: bool
+    plates: Plates,
+    scene: Scene,
+    accuracy: Accuracy,
+    sink: bool,
+    threads: int | None,
+    traced: bool,
+    ends: Ends,
 ) -> _Walked:
     """`_walk` once, with the given time step."""
     stepper, designs = STEPPERS[accuracy.stepper], len(plates.x)
@@ -336,15 +346,11 @@ def _run(
         end = min(begin + BLOCK, designs)
         walk_range(
             stepper.parameters, soles, constants, pose0, tables, times, accuracy.control,
-            scene.gait.heel_strike, begin, end, raw, status, counts, trace, bristle_trace, sink,
+            scene.gait.heel_strike, begin, end, raw, status, counts, trace, bristle_trace, sink, ends,
         )  # fmt: skip
 
-    workers = at_once(threads)
     blocks = range(0, designs, BLOCK)
-    if workers == 1 or len(blocks) == 1:
-        for begin in blocks:
-            run(begin)
-    else:
-        with ThreadPoolExecutor(min(workers, len(blocks))) as pool:
-            list(pool.map(run, blocks))
+    workers = min(at_once(threads), len(blocks))
+    with ThreadPoolExecutor(workers) if workers > 1 else nullcontext() as pool:
+        list((pool.map if pool else map)(run, blocks))
     return _Walked(raw, status, counts, trace, bristle_trace)

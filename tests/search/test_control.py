@@ -76,6 +76,10 @@ class TestStop:
     def test_an_enumeration_has_no_use_for_it(self):
         with pytest.raises(SettingError, match="left out with solver=exhaustive"):
             search(problem(), "exhaustive", stop=Stop(walks=3))
+        with pytest.raises(SettingError, match=r"solver\.race = True: .* several objectives"):
+            search(problem("pareto"), "exhaustive", race=True)
+        with pytest.raises(SettingError, match=r"solver\.race = True: .* solver=exhaustive"):
+            search(problem(), "ga", race=True)
 
 
 class TestStart:

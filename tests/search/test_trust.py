@@ -72,6 +72,21 @@ class TestExhaustive:
         r = search(problem(), "exhaustive", pop_size=30)
         np.testing.assert_array_equal(r.column("efficiency"), np.sort(values.efficiency[inside])[:5])
 
+    @pytest.mark.parametrize("objective", ["efficiency", "speed_loss"])
+    def test_a_race_has_the_same_best_and_goes_on_where_it_was_stopped(
+        self, objective, monkeypatch, tmp_path
+    ):
+        monkeypatch.setattr(exhaustive, "KEPT", 5)
+        p, asked = problem(objective), {"pop_size": 30, "race": True}
+        whole, raced = search(p, "exhaustive", pop_size=30), search(p, "exhaustive", **asked)
+        assert raced.beaten > 20
+        assert raced.margins["margin"] > raced.margins["seen"] > 0.0
+        np.testing.assert_array_equal(raced.k, whole.k)
+        np.testing.assert_array_equal(raced.values, whole.values)
+        part = search(p, "exhaustive", stop_after(7), tmp_path / "feet.sqlite", **asked)
+        assert part.interrupted
+        searching.assert_same(search(p, "exhaustive", store=tmp_path / "feet.sqlite", **asked), raced)
+
     def test_a_large_space_is_refused_with_its_size_and_time(self):
         with pytest.raises(SettingError, match=r"foot\.n = 11: .*10\^11 would take .* days here"):
             search(problem(space=fo.Waypoints()), "exhaustive")

@@ -66,6 +66,8 @@ class Solver:
         mutation in place of moves that suit a spline.
     walks : int, optional
         Different designs at most; where n_gen is not given 10,000 by default, and 300 of surrogate.
+    race : bool
+        Of exhaustive, for one objective: whether a sole's walk ends where it cannot be among the best.
     """
 
     name: str = AUTO
@@ -74,6 +76,7 @@ class Solver:
     seed: int = 1
     operators: Any = None
     walks: int | None = None
+    race: bool = False
 
     def __post_init__(self) -> None:
         self._check_name()
@@ -81,6 +84,9 @@ class Solver:
             value = getattr(self, name)
             allowed = f"null, or a whole number >= {low} and <= {high:,}"
             check(value is None or low <= value <= high, f"solver.{name}", value, allowed)
+        check(
+            not self.race or self.name == EXHAUSTIVE, "solver.race", True, "false without solver=exhaustive"
+        )
         check(0 <= self.seed < 2**32, "solver.seed", self.seed, "a whole number from 0 to 2^32 - 1")
 
     def _check_name(self) -> None:

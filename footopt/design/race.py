@@ -1,0 +1,107 @@
+"""A race through a small space: a sole whose coarse walk has lost does not walk as finely as a search does.
+
+The coarse walk (`FootProblem.coarser`) ends where it has lost: work, peak power and loss of speed only grow.
+Two margins, both of the soles that a search has found, say who may still be among the best: a sole is better
+than its coarse walk by at most `SAFETY` times what one of these was, and its distance times height is at most
+`FARTHER` times the largest. Soles that walk twice are held against both, so that a result can say how near
+they came.
+"""
+
+from __future__ import annotations
+
+from copy import copy
+
+import numpy as np
+
+from footopt.design import exhaustive
+from footopt.design.context import context, digest
+from footopt.design.evaluator import Evaluator
+from footopt.design.problem import Array, Ints, Words
+from footopt.design.result import SearchResult
+from footopt.effects import Inertia, Layers, LeadingEdge, Patches, Slope
+from footopt.files.tasks import Tasks
+from footopt.walk.metrics import Ends
+from footopt.walk.scene import Scene
+from footopt.walk.simulate import NEVER
+
+SAFETY, FARTHER = 2.0, 1.2
+TAKING = (Layers, Patches, LeadingEdge, Inertia, Slope)  # effects with which sand still gives no energy
+
+
+class Race:
+    """`problem.Race` of a problem of one objective.
+
+    Parameters
+    ----------
+    evaluator : Evaluator
+        Of the problem. A file beside its store keeps which soles of a batch were not beaten.
+    found : SearchResult
+        Of a search of the problem: its soles give the margins, and the first limit.
+
+    Attributes
+    ----------
+    margin, seen : float
+        What a sole may be better than coarsely, and what one was at most; relative.
+    room, reached : float
+        What distance times height may be, and was at most; m^2.
+    """
+
+    def __init__(self, evaluator: Evaluator, found: SearchResult) -> None:
+        self._evaluator, problem = evaluator, evaluator.problem
+        own = found.k[found.feasible], found.values[found.feasible]
+        f = problem.minimised(own[1])[:, 0]
+        self._first = (
+            float(np.partition(f, exhaustive.KEPT - 1)[exhaustive.KEPT - 1])
+            if len(f) >= exhaustive.KEPT
+            else np.inf
+        )
+        coarser = copy(problem) if problem.accuracy.coarser is None else problem.coarser()
+        coarsely = coarser.minimised(Evaluator(coarser, None, evaluator.executor)(own[0])[0])[:, 0]
+        self.seen = self.reached = 0.0
+        self._compare(coarsely, own[1])
+        self.margin, self.room = SAFETY * self.seen, FARTHER * self.reached
+        raced = copy(coarser)
+        raced.ends = self._ends(problem.guide, problem.scene)
+        self._coarsely = Evaluator(raced, None, evaluator.executor)
+        store = evaluator.store
+        self._done = Tasks(None if store is None else store.path.with_suffix(".raced.jsonl"))
+        self._name = digest([context(problem), problem.space.box_tolerance, self.margin, self.room])
+
+    def __call__(self, k: Ints, limit: float) -> tuple[Array, Words]:
+        limit = min(limit, self._first)
+        batch = [self._name, limit, k[0].tolist(), k[-1].tolist(), len(k)]
+        left, coarsely = self._done(batch, lambda: self._left(k, limit))
+        values = np.full((len(k), len(self._evaluator.problem.record)), np.nan)
+        reasons = np.full(len(k), exhaustive.BEATEN, dtype=object)
+        if left:
+            values[left], reasons[left] = self._evaluator(k[left])
+            self._compare(np.array(coarsely), values[left])
+        return values, reasons
+
+    def _left(self, k: Ints, limit: float) -> tuple[list[int], list[float]]:
+        """The places of those soles of a batch that may be within the limit, and what they are coarsely."""
+        values, reasons = self._coarsely(k)
+        f = self._evaluator.problem.minimised(values)[:, 0]
+        lost = (reasons == exhaustive.BEATEN) | ((reasons == "") & (f - self.margin * np.abs(f) > limit))
+        return np.flatnonzero(~lost).tolist(), f[~lost].tolist()
+
+    def _compare(self, coarsely: Array, values: Array) -> None:
+        """Take note of soles that have walked twice."""
+        problem = self._evaluator.problem
+        walked = np.isfinite(values[:, problem.record.index(problem.guide)]) & (
+            coarsely != problem.objectives[0].worst
+        )
+        f, values = coarsely[walked], values[walked]
+        if len(f):
+            better = (f - problem.minimised(values)[:, 0]) / np.abs(f)
+            far = values[:, problem.record.index("distance")] * values[:, problem.record.index("mean_height")]
+            self.seen, self.reached = max(self.seen, float(better.max())), max(self.reached, float(far.max()))
+
+    def _ends(self, guide: str, scene: Scene) -> Ends:
+        """What a coarse walk must not exceed, if it is to be within the first limit."""
+        takes = scene.sand.stress_map.dissipation() >= 0.0 and all(type(e) in TAKING for e in scene.effects)
+        if guide == "efficiency" and takes and self._first < 0.0:
+            return Ends(cost=-self.room * (1.0 + self.margin) / self._first)
+        if guide in ("peak_power", "speed_loss") or (guide == "work" and takes):
+            return NEVER._replace(**{guide: self._first / max(1.0 - self.margin, 1e-9)})
+        return NEVER
