@@ -77,7 +77,7 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
     )
     directed = effects.laws(scene.effects).directed
     plates = foot.plates(accuracy.plates, accuracy.rule, directed, filler(scene.effects))
-    walked = _walk(plates, scene, accuracy, sink=True, threads=1, traced=True)
+    walked = _walk(plates, scene, accuracy, _Asked(sink=True, threads=1, traced=True))
     bristles = walked.bristle_trace
     rows = 1 + np.flatnonzero(np.isfinite(walked.trace[1:]).all(axis=1))
     c: Any = Sample(*walked.trace[rows].T)  # columns
@@ -202,7 +202,7 @@ def _evaluated(
     """`evaluate` at an accuracy that holds for all feet."""
     chosen, sink = lookup(objectives), "maximum_sinkage" in objectives
     chunks = _chunks(feet, scene, accuracy, space)
-    parts = [_walk(plates, scene, accuracy, sink, threads, ends=ends)[:3] for plates in chunks]
+    parts = [_walk(plates, scene, accuracy, _Asked(sink, threads, ends=ends))[:3] for plates in chunks]
     raw, status, counts = (np.concatenate(column) for column in zip(*parts, strict=True))
     raw[status != OK] = np.nan
     if not sink:
@@ -284,6 +284,15 @@ def _chunks(feet: Any, scene: Scene, accuracy: Accuracy, space: Waypoints | None
     )
 
 
+class _Asked(NamedTuple):
+    """How the compiled loop walks with a batch; see `evaluate`."""
+
+    sink: bool  # whether to follow the maximum sinkage
+    threads: int | None
+    traced: bool = False
+    ends: Ends = NEVER
+
+
 class _Walked(NamedTuple):
     """What the compiled loop makes of a batch."""
 
@@ -294,26 +303,18 @@ class _Walked(NamedTuple):
     bristle_trace: NDArray[np.float32] | None  # (rows, 2 feet, 2, plates)
 
 
-def _walk(
-    plates: Plates,
-    scene: Scene,
-    accuracy: Accuracy,
-    sink: bool,
-    threads: int | None,
-    traced: bool = False,
-    ends: Ends = NEVER,
-) -> _Walked:
+def _walk(plates: Plates, scene: Scene, accuracy: Accuracy, asked: _Asked) -> _Walked:
     """Run the compiled loop over a batch.
 
     Walks that diverge are repeated with a quarter of the time step, `MAX_REPEATS` times at most.
     """
-    walked = _run(plates, scene, accuracy, sink, threads, traced, ends)
+    walked = _run(plates, scene, accuracy, asked)
     for repeat in range(1, MAX_REPEATS + 1):
         again = np.flatnonzero(walked.status == DIVERGED)
         finer = replace(accuracy, dt=accuracy.dt / 4**repeat)
         if len(again) == 0 or prepare.pose_rows(scene, finer) > prepare.ROWS:
             break
-        shorter = _run(plates.take(again), scene, finer, sink, threads, traced, ends)
+        shorter = _run(plates.take(again), scene, finer, asked)
         walked.raw[again], walked.status[again] = shorter.raw, shorter.status
         for name in COUNTS.names or ():
             walked.counts[name][again] += shorter.counts[name]
@@ -322,22 +323,14 @@ def _walk(
     return walked
 
 
-def _run(
-    plates: Plates,
-    scene: Scene,
-    accuracy: Accuracy,
-    sink: bool,
-    threads: int | None,
-    traced: bool,
-    ends: Ends,
-) -> _Walked:
+def _run(plates: Plates, scene: Scene, accuracy: Accuracy, asked: _Asked) -> _Walked:
     """`_walk` once, with the given time step."""
     stepper, designs = STEPPERS[accuracy.stepper], len(plates.x)
     times, pose0, tables = prepare.poses(scene, accuracy)
     soles = prepare.soles(plates)
     raw = np.empty((designs, len(RAW)))
     status, counts = np.empty(designs, np.int64), np.zeros(designs, COUNTS)
-    trace = np.full((len(tables[-1]) + 1 if traced else 0, len(TRACE)), np.nan)
+    trace = np.full((len(tables[-1]) + 1 if asked.traced else 0, len(TRACE)), np.nan)
     constants = prepare.world(scene, accuracy)
     shape = len(trace), 2, 2, soles.x.shape[1]
     bristle_trace = None if constants.rest is None else np.zeros(shape, np.float32)
@@ -346,11 +339,12 @@ def _run(
         end = min(begin + BLOCK, designs)
         walk_range(
             stepper.parameters, soles, constants, pose0, tables, times, accuracy.control,
-            scene.gait.heel_strike, begin, end, raw, status, counts, trace, bristle_trace, sink, ends,
+            scene.gait.heel_strike, begin, end, raw, status, counts, trace, bristle_trace, asked.sink,
+            asked.ends,
         )  # fmt: skip
 
     blocks = range(0, designs, BLOCK)
-    workers = min(at_once(threads), len(blocks))
+    workers = min(at_once(asked.threads), len(blocks))
     with ThreadPoolExecutor(workers) if workers > 1 else nullcontext() as pool:
         list((pool.map if pool else map)(run, blocks))
     return _Walked(raw, status, counts, trace, bristle_trace)
