@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 
 from matplotlib.axes import Axes as PlainAxes
 from matplotlib.figure import Figure
-from matplotlib.transforms import ScaledTranslation
 
 from footopt.errors import SettingError
 from footopt.report.figures.foot import draw_contour, foot_height
@@ -20,7 +19,8 @@ from footopt.report.figures.sand import draw_stress
 from footopt.report.figures.search import FRONT, draw_convergence, draw_parallel, history_label
 from footopt.report.figures.traces import COMPONENTS, draw_components
 from footopt.report.figures.walker import draw_scene, draw_walk, walk_height
-from footopt.report.style import COLUMN, PAGE, Axes, legend_above, legend_columns, new_figure, png, styled
+from footopt.report.labels import label_all
+from footopt.report.style import COLUMN, PAGE, Axes, new_figure, png, styled
 
 RESOLUTION = 160  # dots per inch of a picture in a notebook
 
@@ -131,21 +131,15 @@ def picture(thing: object, rows: Sequence[Sequence[str]]) -> Figure:
     sizes = [[found[name].size(thing) for name in row] for row in rows]
     heights = [max(height for _, height in row) for row in sizes]
     figure = new_figure(max(sum(width for width, _ in row) for row in sizes), sum(heights))
-    grid = figure.add_gridspec(len(rows), 1, height_ratios=heights)
+    grid, made = figure.add_gridspec(len(rows), 1, height_ratios=heights), []
     for i, row in enumerate(rows):
         parts = grid[i].subgridspec(1, len(row), width_ratios=[width for width, _ in sizes[i]])
         for j, name in enumerate(row):
             axes = figure.add_subplot(parts[j], axes_class=Panel)
             found[name].draw(axes, thing)
-            handles, labels = axes.get_legend_handles_labels()
-            if axes.get_legend() is not None or not handles:
-                continue
-            if len(rows) == len(row) == 1:
-                legend_above(figure, handles, labels)
-            else:
-                above = ScaledTranslation(0.0, 0.2 if axes.get_title() else 0.0, figure.dpi_scale_trans)
-                axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2,
-                            bbox_transform=axes.transAxes + above,
-                            ncols=legend_columns(labels, sizes[i][j][0] - 0.5))  # fmt: skip
+            made.append(axes)
+    for axes in made:
+        if axes.get_legend_handles_labels()[0]:
+            label_all(axes)
     figure.draw_without_rendering()  # a second pass of the layout, after which nothing moves
     return figure

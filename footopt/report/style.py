@@ -1,4 +1,4 @@
-"""The look of every figure: colours by role, fonts, widths, legends, and how a figure is made and saved.
+"""The look of every figure: colours by role, fonts, widths, and how a figure is made and saved.
 
 No pyplot and so no global figure state: figures can be drawn from any thread. Widths are a journal's
 column and page, fonts 8 pt; colours of roles are told apart by the
@@ -10,7 +10,7 @@ from __future__ import annotations
 import io
 import textwrap
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import wraps
 from pathlib import Path
@@ -21,9 +21,8 @@ import numpy as np
 from fontTools import subset
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.patheffects import withStroke
 from matplotlib.ticker import ScalarFormatter
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from footopt.files.run import write_bytes
 from footopt.report.numbers import number
@@ -46,6 +45,7 @@ SANDS = ("soft", "hard", "regular")
 SIDES = (("left", "#0072B2"), ("right", "#D55E00"))
 #: What is designed (the best foot, the chosen one), and the flat sole that it is compared with.
 BEST, FLAT, CHOSEN, DESIGNS = "#009E73", "#707070", "#882255", "#56B4E9"
+DARK = "#23709C"  # of words about designs: their own colour is too pale for letters
 SAND, SURFACE, STRONG_SAND = "#F3E9D2", "#E69F00", "#7A5230"
 #: A verdict that is good, bad, or none; its marks differ in shape, too.
 VERDICTS = ((BEST, "o"), ("#000000", "X"), (FLAT, "s"))
@@ -232,95 +232,6 @@ def look(name: str, i: int) -> dict[str, Any]:
 def marker(i: int) -> dict[str, Any]:
     """Colour and shape of the i-th kind of points."""
     return {"color": COLOURS[i % len(COLOURS)], "marker": MARKERS[i % len(MARKERS)], "ls": "", "mew": 0}
-
-
-def legend_above(
-    figure: Figure, handles: Sequence[Any], labels: Sequence[str], title: str | None = None
-) -> None:
-    """One legend above all axes, with as many columns as fit beside each other."""
-    short = wrapped(labels)
-    columns = legend_columns(short, figure.get_figwidth())
-    rows = -(-len(short) // columns) + (title is not None)
-    figure.set_figheight(figure.get_figheight() + 0.17 * rows)  # the legend takes nothing from the axes
-    figure.legend(handles, short, loc="outside upper center", ncols=columns, title=title)
-
-
-def wrapped(labels: Iterable[str]) -> list[str]:
-    """Labels of a legend, long ones in several lines."""
-    return [textwrap.fill(label, 40) for label in labels]
-
-
-def legend_width(labels: Sequence[str]) -> float:
-    """How wide a column of a legend with these labels is, inches."""
-    longest = max((len(part) for label in labels for part in label.split("\n")), default=0)
-    # an 8 pt letter is about 0.062 inches wide, a line and the gaps beside it 0.45
-    return 0.45 + 0.062 * longest
-
-
-def legend_columns(labels: Sequence[str], width: float) -> int:
-    """How many columns of a legend with these labels fit into a width, inches."""
-    return min(max(int(width / legend_width(labels)), 1), max(len(labels), 1))
-
-
-def legend_entry(axes: Axes, label: str, **looks: Any) -> None:
-    """An entry of the legend that is not drawn."""
-    axes.plot([], [], label=label, **looks)[0].set_in_layout(False)
-
-
-def label_lines(axes: Axes, lines: Mapping[str, ArrayLike], looks: Mapping[str, Mapping[str, Any]]) -> None:
-    """Name lines where each is farthest from the others, in its colour.
-
-    Parameters
-    ----------
-    axes : Axes
-        That the lines are drawn on, with limits that stay.
-    lines : mapping of str to (m, 2)
-        Points of each, by its name.
-    looks : mapping of str to dict
-        Of each, with its "color".
-    """
-    axes.figure.draw_without_rendering()  # places in pixels hold only in a laid-out figure
-    frame, point = axes.get_window_extent(), axes.figure.dpi / 72
-    at = {name: _dense(axes.transData.transform(np.asarray(points, float))) for name, points in lines.items()}
-    none, taken = np.full((1, 2), 1e6), [np.full((1, 2), 1e6)]
-    for name, own in at.items():
-        half = point * np.array([0.5 * 4.8 * len(name), 5.0])  # of the name's box
-        away = (half[1] + 2 * point) * np.array([1, -1, 2, -2, 4, -4, 6, -6])  # above the line, or below it
-        boxes = np.concatenate([np.add(own, [0.0, step]) for step in away])
-        far_off = np.repeat(abs(away), len(own))
-        low, high = np.array([[frame.x0, frame.y0], [frame.x1, frame.y1]])
-        inside = ((boxes - half >= low) & (boxes + half <= high)).all(axis=1)
-        if inside.any():
-            boxes, far_off = boxes[inside], far_off[inside]
-        rest = [none, *(points for other, points in at.items() if other != name)]
-        names, near, far = (
-            _apart(boxes, half, points).min(axis=1) for points in map(np.concatenate, (taken, [own], rest))
-        )
-        # off all names and its own line, far from all others, as near to the middle as that lets it
-        aside = abs(boxes[:, 0] - frame.x0 - frame.width / 2) / frame.width
-        score = 999 * names.clip(max=2 * point) + 99 * np.minimum(near, far).clip(max=1.5 * point)
-        score += far.clip(max=40 * point) - 8 * point * aside - 2 * far_off
-        place = boxes[int(score.argmax())]
-        taken.append(place + half * np.mgrid[-1:1:15j, -1:1:3j].reshape(2, -1).T)
-        axes.annotate(
-            as_text(name), axes.transData.inverted().transform(place), ha="center", va="center",
-            color=looks[name]["color"], zorder=8,
-            path_effects=[withStroke(linewidth=2.0, foreground="white")],
-        )  # fmt: skip
-
-
-def _apart(boxes: Array, half: Array, points: Array) -> Array:
-    """How far points are from boxes about places, (boxes, points)."""
-    away: Array = np.linalg.norm(np.maximum(abs(points - boxes[:, None]) - half, 0.0), axis=-1)
-    return away
-
-
-def _dense(points: Array) -> Array:
-    """Two hundred points at equal steps along a line, without those that are not finite."""
-    points = points[np.isfinite(points).all(axis=1)]
-    along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
-    at = np.linspace(0.0, along[-1], 200)
-    return np.stack([np.interp(at, along, part) for part in points.T], axis=-1)
 
 
 def message(axes: Axes, text: str) -> None:

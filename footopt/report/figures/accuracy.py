@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from footopt.report.style import COLOURS, GREY, GRID, PAGE, legend_above, marker, new_figure, styled
+from footopt.report.labels import label_all
+from footopt.report.style import COLOURS, GREY, GRID, PAGE, marker, new_figure, styled
 from footopt.walk import FIVE, STEPPERS
 from footopt.walk.accuracy import Accuracy
 
@@ -46,11 +46,11 @@ def work_precision(measured: Sequence[Any], presets: Sequence[Accuracy], default
     for axes, title, error in zip(grid.flat, titles, errors.T, strict=True):
         for name, looks in shown.items():
             seen = (np.array(found) == name) & (error > 0.0) & (error < 100.0)
-            axes.plot(ms[seen], error[seen], **looks, ms=3, alpha=0.7)
+            axes.plot(ms[seen], error[seen], **looks, ms=3, alpha=0.7, label=name.replace("_", " "))
         order = np.lexsort((error, ms))
         order = order[error[order] > 0.0]
         front = order[error[order] == np.minimum.accumulate(error[order])]
-        axes.plot(ms[front], error[front], color="black", lw=0.8)
+        axes.plot(ms[front], error[front], color="black", lw=0.8, label="none better in both")
         for name, i in marked.items():
             if error[i] > 0.0:
                 size = 9 if name == default else 6
@@ -68,16 +68,12 @@ def work_precision(measured: Sequence[Any], presets: Sequence[Accuracy], default
         axes.set_xlabel("time per design and core (ms)")
     for axes in grid[:, 0]:
         axes.set_ylabel("relative error (%)")
-    handles = [Line2D([], [], **looks, ms=4) for looks in shown.values()]
-    handles += [
-        Line2D([], [], color="black", lw=0.8),
-        Line2D([], [], ls="", marker="o", mfc="none", mec="black", ms=6),
-    ]
-    names = [name.replace("_", " ") for name in shown]
-    legend_above(figure, handles, [*names, "none better in both", "preset (default larger)"])
     figure.supxlabel(
-        "error not exceeded by 95 % of the feet, largest over soft, regular and hard sand", color=GREY
+        "error not exceeded by 95 % of the feet, largest over soft, regular and hard sand; "
+        "circles: presets, the default's is larger",
+        color=GREY,
     )
+    label_all(grid)
     return figure
 
 
@@ -97,13 +93,13 @@ def decision(presets: Sequence[Mapping[str, Any]]) -> Figure:
     parts = (
         ("search_s", "search", COLOURS[0]),
         ("confirm_s", "confirm", COLOURS[1]),
-        ("compile_s", "compile, once", "0.85"),
+        ("compile_s", "compile, once", GREY),
     )
     left = np.zeros(len(presets))
-    for name, label, colour in parts:
+    for name, _, colour in parts:
         width = np.nan_to_num(column[name])
         if width.any():
-            times.barh(places, width, left=left, color=colour, height=0.55, label=label)
+            times.barh(places, width, left=left, color=colour, height=0.55)
         left += width
     each = column["search_s"] + column["confirm_s"]
     for place, (end, seconds, once) in enumerate(zip(left, each, column["compile_s"], strict=True)):
@@ -112,9 +108,9 @@ def decision(presets: Sequence[Mapping[str, Any]]) -> Figure:
         ("wrong_finalists", "two finalists", COLOURS[0], -0.15),
         ("wrong_random", "two random feet", COLOURS[1], 0.15),
     )
-    for name, label, colour, shift in kinds:
+    for name, _, colour, shift in kinds:
         share = 100.0 * column[name]
-        pairs.barh(places + shift, share, color=colour, height=0.27, label=label)
+        pairs.barh(places + shift, share, color=colour, height=0.27)
         for place, value in zip(places + shift, share, strict=True):
             _beside(pairs, value, place, f"{value:.2g} %")
     for place, row in enumerate(presets):
@@ -122,8 +118,6 @@ def decision(presets: Sequence[Mapping[str, Any]]) -> Figure:
         losses.plot(lacks, np.full(len(lacks), place), "o", color=GREY, ms=3, mew=0, alpha=0.7)
         losses.plot(lacks.mean(), place, "D", color=COLOURS[0], ms=5, mew=0, clip_on=False)
         _beside(losses, lacks.max(), place, f" {lacks.mean():.2g} %")
-    losses.plot([], [], "D", color=COLOURS[0], ms=5, mew=0, ls="", label="mean")
-    losses.plot([], [], "o", color=GREY, ms=3, mew=0, ls="", label="a search")
     times.set(yticks=places, yticklabels=column["preset"], title="processor time to the answer (s)")
     times.invert_yaxis()
     pairs.set(title="pairs ranked wrongly (%)")
@@ -133,10 +127,17 @@ def decision(presets: Sequence[Mapping[str, Any]]) -> Figure:
         axes.grid(axis="x", color=GRID, lw=0.6)
         axes.set_axisbelow(True)
         axes.tick_params(axis="y", length=0)
-        axes.legend(
-            loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3, handlelength=1.0, columnspacing=1.0
-        )
+    _words(times, [(label, colour) for _, label, colour in parts])
+    _words(pairs, [(label, colour) for _, label, colour, _ in kinds])
+    _words(losses, [("diamond: mean", COLOURS[0]), ("a search", GREY)])
     return figure
+
+
+def _words(axes: Any, words: Sequence[tuple[str, Any]]) -> None:
+    """What colours are, in those colours, below the axes."""
+    for i, (text, colour) in enumerate(words):
+        place = ((i + 0.5) / len(words), -0.16)
+        axes.annotate(text, place, xycoords="axes fraction", color=colour, ha="center", va="top")
 
 
 def _beside(axes: Any, x: float, y: float, words: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
+from footopt.report.labels import label_all
 from footopt.report.style import COLUMN, GRID, PALE, marker, new_figure, styled
 from footopt.sand.calibration import Calibration
 
@@ -31,5 +32,5 @@ def calibration(found: Calibration) -> Figure:
     top = HIGHEST * max(found.zeta.value, float(found.zeta_at(depth).max()) / 1.5)
     deep.set_ylim(0.0, min(top, 1.1 * float(np.max(found.local))))
     deep.grid(color=GRID, lw=0.6)
-    deep.legend(loc="best")
+    label_all(deep)
     return figure

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from footopt.files.drawings import MM
 from footopt.foot import Foot, lower_hull
+from footopt.report.labels import label_all, legend_width, wrapped
 from footopt.report.style import (
     BEST,
     COLUMN,
@@ -20,12 +21,9 @@ from footopt.report.style import (
     PALE,
     Axes,
     as_text,
-    label_lines,
-    legend_width,
     look,
     new_figure,
     styled,
-    wrapped,
 )
 
 Array = NDArray[np.float64]
@@ -52,12 +50,11 @@ def contours(feet: Mapping[str, Foot]) -> Figure:
     beside = 0.0 if named else columns * legend_width(labels)
     figure = new_figure(PAGE, _height(np.concatenate([f.contour for f in feet.values()]), PAGE - beside))
     axes = figure.subplots()
-    looks = {label: look(label, i) for i, label in enumerate(feet)}
-    for text, label in zip(labels, feet, strict=True):
-        axes.plot(*(MM * feet[label].contour).T, **looks[label], label=text)
+    for i, (text, (label, foot)) in enumerate(zip(labels, feet.items(), strict=True)):
+        axes.plot(*(MM * foot.contour).T, **look(label, i), label=text)
     _label_axes(axes)
     if named:
-        label_lines(axes, {label: MM * foot.contour for label, foot in feet.items()}, looks)
+        label_all(axes)
     else:
         figure.legend(loc="outside right center", ncols=columns)
     return figure
@@ -104,22 +101,22 @@ def draw_contour(axes: Axes, foot: Foot) -> None:
         length, height = MM * foot.space.L, MM * foot.space.H
         axes.add_patch(Rectangle((-length, -height), 2 * length, height, color=PALE, lw=0))
         axes.annotate("box", (-length, 0.0), (0, 2), **near, color="0.4")
-    axes.plot(*(MM * foot.contour).T, color=BEST, label="sole", zorder=3)
+    axes.plot(*(MM * foot.contour).T, color=BEST, label="_sole", zorder=3)
     if foot.space is not None and foot.k is not None:
         points = foot.space.x, foot.space.heights(foot.k)[0]
-        axes.plot(*(MM * np.array(points)), "o", color=BEST, mfc="white", label="waypoint", zorder=4)
+        axes.plot(*(MM * np.array(points)), "o", color=BEST, mfc="white", label="_waypoint", zorder=4)
     ankle = MM * np.array(foot.ankle)
-    axes.plot(*ankle, **ANKLE, label="ankle", zorder=5)
+    axes.plot(*ankle, **ANKLE, zorder=5)
     axes.annotate("ankle", ankle, (4, 3), **near)
     hull, x, low, high = lower_hull(foot.contour)
     depth = MM * foot.hollow
     if depth >= HOLLOW:
-        axes.plot(*(MM * hull).T, ":", color="black", label="lower hull", zorder=2)
+        axes.plot(*(MM * hull).T, ":", color="black", label="_lower hull", zorder=2)
         _measure(axes, (MM * x, MM * high), (MM * x, MM * low), "black")
         # under the hull, where there is never a sole nor an ankle
         axes.annotate(f"hollow {depth:.1f} mm", (MM * x, MM * low), (0, -8), **near, ha="center", va="top")
-    else:
-        axes.set_title("no hollow", loc="right")
+    circles = ["circles: waypoints"] * (foot.k is not None)
+    axes.set_title("; ".join([*circles, "dotted: lower hull" if depth >= HOLLOW else "no hollow"]))
     axes.update_datalim(MM * _points(foot))
     _label_axes(axes)
 

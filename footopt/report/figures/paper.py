@@ -17,8 +17,9 @@ from footopt.report.figures.foot import contour, contours
 from footopt.report.figures.gait import draw_angles, draw_path
 from footopt.report.figures.step import steps
 from footopt.report.figures.traces import com, forces, power_work
+from footopt.report.labels import label_all
 from footopt.report.numbers import title
-from footopt.report.style import PAGE, SANDS, VERDICTS, legend_above, new_figure, styled
+from footopt.report.style import PAGE, SANDS, VERDICTS, new_figure, styled
 from footopt.walk import Walk, Walker
 
 
@@ -29,7 +30,7 @@ def gait(shown: Gait, walker: Walker) -> Figure:
     angles, path = figure.subplots(1, 2)
     draw_angles(angles, shown)
     draw_path(path, shown, walker)
-    legend_above(figure, *angles.get_legend_handles_labels())
+    label_all(angles)
     return figure
 
 
@@ -111,9 +112,8 @@ def claims(entries: Sequence[Mapping[str, Any]]) -> Figure:
     axes.set_yticks(range(len(entries)), [entry["says"] for entry in entries], fontsize=7)
     axes.set(ylim=(len(entries) - 0.4, -0.6), xlim=(-0.06, 1.4))
     axes.set_xticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0 %", "25 %", "50 %", "75 %", "100 %"])
-    axes.set_xlabel("share of the sweep in which it holds", x=0.56 / 1.46)
+    axes.set_xlabel("share of the sweep in which it holds; at the settings ● holds, ✖ does not", x=0.3)
     axes.tick_params(axis="y", length=0)
     axes.spines["bottom"].set_bounds(0.0, 1.0)
     axes.spines["left"].set_visible(False)
-    legend_above(figure, *axes.get_legend_handles_labels())
     return figure

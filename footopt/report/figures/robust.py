@@ -11,7 +11,8 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
 from footopt.report.figures.heat_map import ROW, draw_heat_map
-from footopt.report.style import BEST, COLUMN, FLAT, GREY, GRID, PAGE, legend_above, new_figure, styled
+from footopt.report.labels import label_all
+from footopt.report.style import BEST, COLUMN, FLAT, GREY, GRID, PAGE, new_figure, styled
 
 SHORT = 7  # letters that a column of a narrow table has room for
 
@@ -87,5 +88,5 @@ def hollows(
     panels[0].set_ylim(len(feet) - 0.5, -0.5)
     panels[0].set_ylabel("foot made for")
     figure.supxlabel(name)
-    legend_above(figure, *panels[0].get_legend_handles_labels())
+    label_all(panels)
     return figure

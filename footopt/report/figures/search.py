@@ -9,23 +9,21 @@ from typing import Any
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import check
+from footopt.report.labels import label_all
 from footopt.report.style import (
     BEST,
     COLUMN,
+    DARK,
     DESIGNS,
     FLAT,
     PAGE,
     Axes,
     as_text,
     formula,
-    label_lines,
-    legend_above,
-    legend_entry,
     marker,
     message,
     new_figure,
@@ -81,18 +79,16 @@ def draw_convergence(axes: Axes, history: Sequence[Any], label: str, base: float
         axes.tick_params(bottom=False, labelbottom=False)
         return
     last, scale = np.flatnonzero(np.isfinite(best))[-1], base or 1.0
-    lines = {"best": np.stack([evaluations, best / scale], axis=1)}
     # a best value holds until a better one is found
-    axes.plot(*lines["best"].T, color=BEST, drawstyle="steps-post", zorder=3)
-    axes.plot(*lines["best"][last], "o", color=BEST, zorder=3)
+    axes.plot(evaluations, best / scale, color=BEST, drawstyle="steps-post", zorder=3, label="best")
+    axes.plot(evaluations[last], best[last] / scale, "o", color=BEST, zorder=3)
     if np.isfinite(median).any():
-        lines["median of the generation"] = np.stack([evaluations, median / scale], axis=1)
-        axes.plot(*lines["median of the generation"].T, color=FLAT, ls="--")
+        axes.plot(evaluations, median / scale, color=FLAT, ls="--", label="median of\nthe generation")
     axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
     times = "" if base is None else f"× {best[last] / scale:.2f} of flat, "
     axes.set_title(f"best {times}{formula(best[last])}", loc="right")
     if len(history) > 1:
-        label_lines(axes, lines, {"best": {"color": BEST}, "median of the generation": {"color": "0.35"}})
+        label_all(axes)
 
 
 @styled
@@ -126,10 +122,16 @@ def scatter_matrix(
         if column > row:
             axes.set_axis_off()
             continue
-        for i, table in enumerate(tables.values()):
-            axes.plot(*table[:, [column, row + 1]].T, **_points(i, len(tables)) | {"ms": 2.5, "alpha": 0.6})
+        for i, (label, table) in enumerate(tables.items()):
+            looks = _points(i, len(tables)) | {
+                "ms": 2.5,
+                "alpha": 0.6,
+                "label": as_text(label) if len(tables) > 1 else None,
+            }
+            axes.plot(*table[:, [column, row + 1]].T, **looks)
         for name, values in found.items():
-            axes.plot(*values[[column, row + 1]], **MARKS[name] | {"clip_on": False, "mew": 0.6})
+            looks = MARKS[name] | {"clip_on": False, "mew": 0.6, "ls": "", "label": name}
+            axes.plot(*values[[column, row + 1]], **looks)
         axes.xaxis.set_major_locator(MaxNLocator(3))
         axes.yaxis.set_major_locator(MaxNLocator(3))
         axes.tick_params(labelbottom=row == n - 2, labelleft=column == 0)
@@ -138,13 +140,9 @@ def scatter_matrix(
         if column == 0:
             axes.set_ylabel(labels[row + 1])
     figure.align_labels()
-    looks = [_points(i, len(tables)) for i in range(len(tables))]
-    handles = [Line2D([], [], **own, label=as_text(label)) for own, label in zip(looks, tables, strict=True)]
-    handles += [Line2D([], [], **MARKS[name] | {"ls": "", "mew": 0.6}, label=name) for name in found]
-    if n > 2:
-        figure.legend(handles=handles, loc="upper right")
-    else:
-        grid[0, 0].legend(handles=handles, loc="best")
+    if len(tables) == 1:  # a cloud leaves no room beside it
+        grid[0, 0].set_title(as_text(next(iter(tables))), color=DARK)
+    label_all(grid[np.tril_indices(n - 1)])
     return figure
 
 
@@ -173,8 +171,7 @@ def parallel(
     """
     figure = new_figure(PAGE, 2.8)
     axes = figure.subplots()
-    title = draw_parallel(axes, values, names, marks, what)
-    legend_above(figure, *axes.get_legend_handles_labels(), title=title)
+    draw_parallel(axes, values, names, marks, what)
     return figure
 
 
@@ -184,16 +181,16 @@ def draw_parallel(
     names: Sequence[str],
     marks: Mapping[str, ArrayLike] | None = None,
     what: str = "designs",
-) -> str | None:
-    """Parallel coordinates on one axes, see `parallel`; returns how many designs, None if there are none."""
+) -> None:
+    """Parallel coordinates on one axes, see `parallel`."""
     table, objectives, found = _table(values, names), lookup(names), _marks(marks)
     failed = len(np.atleast_2d(values)) - len(table)
     axes.set_axis_off()
     n = len(objectives)
-    axes.set(xlim=(-0.35, n - 0.4), ylim=(-0.44, 1.16))
+    axes.set(xlim=(-0.55, n - 0.4), ylim=(-0.44, 1.16))
     if len(table) == 0:
         message(axes, f"no design to show: {failed} failed, not drawn")
-        return None
+        return
     sign = np.array([-o.sign for o in objectives])
     ends = sign * np.vstack([table, *found.values()])
     low, high = ends.min(axis=0), ends.max(axis=0)
@@ -212,19 +209,22 @@ def draw_parallel(
         axes.text(i, 1.07, formula(sign[i] * high[i]), ha="center", va="bottom")
         axes.text(i, -0.07, formula(sign[i] * low[i]), ha="center", va="top")
         axes.text(i, -0.2, _two_lines(o), ha="center", va="top")
-    legend_entry(axes, what, color=DESIGNS, lw=0.6)
+    highest = max((place(row)[0] for row in found.values()), default=0.0)
     for name, row in found.items():
         y = place(row)
         more = {"lw": 2, "mew": 0.6, "clip_on": False, "ls": "--" if name == "flat sole" else "-"}
         axes.plot(x, y, **MARKS[name] | more, label=name)
+        level = y[0] + 0.04 * (len(found) - 1) * (1 if y[0] == highest else -1)  # off the other's name
+        axes.text(-0.07, level, name, ha="right", va="center", color=MARKS[name]["color"], zorder=7)
         if name == "chosen":
             box = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": BEST, "lw": 0.5}
             for i in range(n):
                 axes.text(i + 0.06, y[i], formula(row[i]), va="center", bbox=box, zorder=7)
-    axes.annotate("", (-0.25, 0.2), (-0.25, 0.8), arrowprops={"arrowstyle": "<-", "lw": 0.8})
-    axes.text(-0.29, 0.5, "better", rotation=90, ha="right", va="center")
+    axes.annotate("", (-0.43, 0.2), (-0.43, 0.8), arrowprops={"arrowstyle": "<-", "lw": 0.8})
+    axes.text(-0.46, 0.5, "better", rotation=90, ha="right", va="center")
     left_out = [f"{failed} failed, not drawn"] * (failed > 0) + [f"1 of {every} is drawn"] * (every > 1)
-    return f"{len(table)} {what}" + (f" ({'; '.join(left_out)})" if left_out else "")
+    said = f" ({'; '.join(left_out)})" if left_out else ""
+    axes.set_title(f"{len(table)} {what}{said}", color=DARK)
 
 
 def _points(i: int, groups: int) -> dict[str, Any]:

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from footopt.report.labels import label_all
 from footopt.report.style import (
     COLOURS,
     GREY,
@@ -19,7 +19,6 @@ from footopt.report.style import (
     SIDES,
     Axes,
     as_text,
-    legend_above,
     look,
     message,
     new_figure,
@@ -82,10 +81,10 @@ def _panels(walks: Mapping[str, Walk], rows: Sequence[Sequence[Panel]], sharey: 
     for axes in grid[-1]:
         axes.set_xlabel("time $t$ (s)")
     figure.align_ylabels()
-    handles, labels = grid.flat[0].get_legend_handles_labels()
     if strikes:
-        handles, labels = [*handles, Line2D([], [], **STRIKE)], [*labels, "heel strike"]
-    legend_above(figure, handles, labels)
+        top = grid.flat[0].get_xaxis_transform()
+        grid.flat[0].text(strikes[0], 1.0, "heel strike", color=GREY, ha="center", va="bottom", transform=top)
+    label_all(grid)
     return figure
 
 

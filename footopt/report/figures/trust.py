@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from footopt.report.labels import label_all
 from footopt.report.style import GRID, PAGE, line, new_figure, styled
 
 
@@ -20,7 +21,7 @@ def trust(attempts: Mapping[str, Sequence[Any]], solvers: Sequence[str], walks: 
     attempts : mapping of str to sequence of footopt.design.truth.Attempt
         By what a panel is called.
     solvers : sequence of str
-        Names, in the legend's order.
+        Names, in the order of their colours.
     walks : int
         That each attempt had.
     """
@@ -42,7 +43,6 @@ def trust(attempts: Mapping[str, Sequence[Any]], solvers: Sequence[str], walks: 
                     ax.plot(*_hits(own, walks), **line(i), label=name, drawstyle="steps-post")
             ax.grid(color=GRID, lw=0.6)
         row[0].set_ylabel(title)
-        row[-1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5), borderaxespad=0.4)
     for ax, title in zip(axes[0], attempts, strict=True):
         ax.set_title(title)
     lines = [drawn.get_xydata() for ax in axes.flat for drawn in ax.lines]
@@ -50,6 +50,8 @@ def trust(attempts: Mapping[str, Sequence[Any]], solvers: Sequence[str], walks: 
     for ax in axes[-1]:
         ax.set_xlabel("walks")
         ax.set_xlim(0, min(1.08 * walks, 1.3 * settled))
+    for row in axes:
+        label_all(row)
     return figure
 
 

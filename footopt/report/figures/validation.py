@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from footopt.report.labels import label_all
 from footopt.report.style import (
     COLOURS,
     DASHES,
@@ -16,7 +17,6 @@ from footopt.report.style import (
     PAGE,
     PALE,
     VERDICTS,
-    legend_above,
     marker,
     new_figure,
     styled,
@@ -71,7 +71,7 @@ def experiment(found: Comparisons, x: str = "") -> Figure:
         ax.grid(color=GRID, lw=0.6)
         if draw is _against_x:
             ax.set_xlabel(x)
-    legend_above(figure, *axes[0].get_legend_handles_labels())
+    label_all(axes)
     return figure
 
 
@@ -142,13 +142,13 @@ def overview(found: Comparisons, titles: Mapping[str, str]) -> Figure:
     ax.set_xlim(FLOOR, 1200.0)
     ticks = [1, 3, 10, 30, 100, 300, 1000]
     ax.set_xticks(ticks, [f"≤ {FLOOR:g} %", *(f"{tick} %" for tick in ticks[1:])])
-    ax.set_xlabel("error (rms of S − D) over the scale of the data")
+    words = "● agrees, ✖ differs, ■ cannot be told; grey: 2 u"
+    ax.set_xlabel(f"error (rms of S − D) over the scale of the data; {words}")
     ax.set_yticks(rows, labels)
     ax.set_ylim(rows[-1] + 0.7, rows[0] - 1.7)
     ax.tick_params(axis="y", length=0)
     ax.tick_params(axis="x", which="minor", length=0)
     ax.grid(axis="x", color=GRID, lw=0.6)
-    legend_above(figure, *ax.get_legend_handles_labels())
     return figure
 
 

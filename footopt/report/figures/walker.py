@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,7 +14,7 @@ from footopt.report.figures.traces import walk_label
 from footopt.report.numbers import sand_title, title
 from footopt.report.parts import View, shapes
 from footopt.report.picture import Picture, draw, ground, round_down, standing
-from footopt.report.style import PAGE, SIDES, Axes, as_text, legend_entry, message
+from footopt.report.style import PAGE, SIDES, Axes, as_text, message
 from footopt.walk import Scene, Walk
 
 Array = NDArray[np.float64]
@@ -33,9 +36,9 @@ def draw_walk(axes: Axes, walk: Walk) -> None:
     view = view_of(picture)
     draw(axes, *picture.shapes(-1, view, feet=()))
     for i in range(len(index)):
-        draw(axes, *picture.shapes(i, view, ground=False))
+        drawn = draw(axes, *picture.shapes(i, view, ground=False))
     axes.plot(*walk.com.T, color="black", lw=0.8, label="path of the COM", zorder=3.5)
-    label_legs(axes)
+    label_legs(drawn)
     axes.set(xlim=view[:2], ylim=view[2:4], aspect="equal")
     step = f", every {walk.t[index[1]] - walk.t[index[0]]:.2g} s" if len(index) > 1 else ""
     axes.set_title(walk_label(f"{title(walk.foot.name)} on {sand_title(walk.scene.sand)}{step}", walk))
@@ -52,18 +55,18 @@ def draw_scene(axes: Axes, scene: Scene) -> None:
     low = -max([0.2 * height, *(2.0 * d for d in deep)])
     view = View(-0.5 * height, right, low, 1.12 * height, letters(right + 0.5 * height, 4.5))
     feet = {side: [standing(side, leg)] for (side, _), leg in zip(SIDES, joints, strict=True)}
-    draw(axes, *shapes({**ground(scene), **feet, "hip": [{"x": 0.0, "z": height}]}, view))
-    label_legs(axes)
-    legend_entry(axes, f"COM, {scene.walker.mass:g} kg", color="black", ls="", marker="o", ms=8)
+    drawn = draw(axes, *shapes({**ground(scene), **feet, "hip": [{"x": 0.0, "z": height}]}, view))
+    label_legs(drawn, f"COM, {scene.walker.mass:g} kg")
     axes.set(xlim=view[:2], ylim=view[2:4], aspect="equal")
     axes.set(xlabel="$x$ (m)", ylabel="$z$ (m)")
     axes.set_title(f"{as_text(scene.sand.name)} sand ($\\zeta$ = {scene.sand.zeta:g})")
 
 
-def label_legs(axes: Axes) -> None:
-    """Entries of the legend for both legs."""
-    for side, colour in SIDES:
-        legend_entry(axes, f"{side} leg", color=colour, lw=2)
+def label_legs(drawn: Iterable[Any], hip: str = "_hip") -> None:
+    """Give legs and hip labels of their own."""
+    labels = {"_left-leg": "left leg", "_right-leg": "right leg", "_hip": hip}
+    for artist in drawn:
+        artist.set_label(labels.get(artist.get_label(), artist.get_label()))
 
 
 def view_of(picture: Picture) -> View:
