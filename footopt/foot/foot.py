@@ -293,6 +293,6 @@ def as_plates(
         heights = np.atleast_2d(np.asarray(feet))
         space = space or Waypoints(n=heights.shape[-1])
         points = space.points(heights, plates * parts)
-        bodies = [space] * len(points)
+        bodies = [space]
     ankle, width, top = (np.array([getattr(b, n) for b in bodies], float) for n in ("ankle", "width", "top"))
     return Plates.from_points(points, ankle, width, rule, directed, top if bodies[0].closed else None, fill)

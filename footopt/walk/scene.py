@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -137,7 +138,7 @@ class Scene:
         """Gravity along the surface (None if it is level) and against its normal, m/s^2."""
         return slope.gravity(self.effects, self.walker.g)
 
-    @property
+    @cached_property
     def scale(self) -> Scale:
         """Rough numbers of the walk, from which effects estimate their size before anything walks."""
         zeta = self.zeta

@@ -154,7 +154,7 @@ def evaluate(
         feet = np.atleast_2d(np.asarray(feet))
     parts, order = [], []
     for finely, index in accuracies(feet, scene, accuracy, space).items():
-        some = feet if isinstance(feet, Plates) else [feet[i] for i in index]
+        some = feet if isinstance(feet, Plates) or len(index) == len(feet) else [feet[i] for i in index]
         asked = some, scene, finely, objectives, space, threads
         part = _evaluated(*asked, ends)
         if errors:
