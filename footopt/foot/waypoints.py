@@ -95,19 +95,19 @@ class Waypoints:
 
     def check(self, k: ArrayLike) -> Ints:
         """The heights as whole numbers, (designs, n); raises `SettingError` for what is none in the space."""
-        said = np.asarray(k).tolist()
-        given = np.atleast_2d(np.asarray(k))
+        said = np.asarray(k)
+        given = np.atleast_2d(said)
         if given.ndim != 2 or given.shape[1] != self.n:
             raise SettingError(
                 "foot.k",
-                said,
+                said.tolist(),
                 f"{self.n} heights a design (foot.n = {self.n})",
                 f"These are {given.shape[-1]}: give {self.n} of 1 to {self.K}, or change foot.n.",
             )
         try:
             as_float = given.astype(float)
         except (TypeError, ValueError):
-            raise SettingError("foot.k", said, f"whole numbers from 1 to {self.K}") from None
+            raise SettingError("foot.k", said.tolist(), f"whole numbers from 1 to {self.K}") from None
         bad = ~((as_float >= 1) & (as_float <= self.K) & (as_float == np.round(as_float)))
         if bad.any():
             row, column = map(int, np.argwhere(bad)[0])
@@ -139,8 +139,8 @@ class Waypoints:
     def box_violation(self, k: ArrayLike) -> Array:
         """How far each spline leaves the box [-H, 0], (designs,), m; 0 inside."""
         heights = self.heights(k)
-        z = _spline(heights, _slopes(heights))
-        out: Array = np.maximum(np.maximum(z.max(axis=1), -self.H - z.min(axis=1)), 0.0)
+        low, high = extremes(heights, _slopes(heights))
+        out: Array = np.maximum(np.maximum(high, -self.H - low), 0.0)
         return out
 
     def inside(self, k: ArrayLike) -> NDArray[np.bool_]:
@@ -240,6 +240,24 @@ def _spline(z: Array, slopes: Array) -> Array:
     s = np.arange(FINE + 1) / FINE
     value = z0 + s * (d0 + s * (quadratic + s * cubic))  # a piece's last point is the next one's first
     return np.concatenate([value[:, :, :-1].reshape(len(z), -1), value[:, -1, -1:]], axis=1)
+
+
+@cached_njit(nogil=True, error_model="numpy", fastmath={"nnan", "nsz"})
+def extremes(z, slopes):  # type: ignore[no-untyped-def]
+    """Least and largest of what `_spline` gives, (2, designs), m: the same numbers, several times faster."""
+    out = np.empty((2, len(z)))
+    for d in range(len(z)):
+        low, high = np.inf, -np.inf
+        for i in range(z.shape[1] - 1):
+            z0, d0, d1 = z[d, i], slopes[d, i], slopes[d, i + 1]
+            rise = z[d, i + 1] - z0
+            quadratic, cubic = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
+            for j in range(FINE + 1 if i == z.shape[1] - 2 else FINE):
+                s = j / FINE
+                value = z0 + s * (d0 + s * (quadratic + s * cubic))
+                low, high = min(low, value), max(high, value)
+        out[0, d], out[1, d] = low, high
+    return out
 
 
 @cached_njit(nogil=True, error_model="numpy")
