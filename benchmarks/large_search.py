@@ -33,7 +33,7 @@ class Cheap(fo.FootProblem):
         return signs * apart, np.full(len(k), "")
 
 
-def measured(evaluations: int, folder: Path) -> dict[str, object]:
+def measured(evaluations: int, folder: Path, solver: str = "nsga2") -> dict[str, object]:
     """Search, confirm and write; seconds a generation and MB at powers of two of the evaluations."""
     problem = Cheap(objective="pareto", space=fo.Waypoints(box_tolerance=np.inf))
     rows: list[dict[str, float]] = []
@@ -50,7 +50,7 @@ def measured(evaluations: int, folder: Path) -> dict[str, object]:
     before = _peak()
     generations = evaluations // SIZE
     result = search(
-        problem, "nsga2", note, folder / "designs.sqlite", pop_size=SIZE, n_gen=generations, seed=1
+        problem, solver, note, folder / "designs.sqlite", pop_size=SIZE, n_gen=generations, seed=1
     )
     searched = _peak()
     started = time.perf_counter()
@@ -78,4 +78,4 @@ if __name__ == "__main__":
         if "whole" in sys.argv:
             whole(int(sys.argv[1]), Path(place) / "run")
         else:
-            print(json.dumps(measured(int(sys.argv[1]), Path(place))))
+            print(json.dumps(measured(int(sys.argv[1]), Path(place), *sys.argv[2:3])))

@@ -13,12 +13,8 @@ from __future__ import annotations
 
 import os
 import sys
-from importlib import import_module
-from importlib.util import module_from_spec, spec_from_file_location
 
-TYPE_CHECKING = (
-    False  # typing and pathlib take the time in which Ctrl-C still falls before `footopt.__main__`
-)
+TYPE_CHECKING = False  # imports take time in which Ctrl-C still falls before `footopt.__main__`
 if TYPE_CHECKING:
     from typing import Any
 
@@ -85,6 +81,8 @@ __all__ = ["__version__", *sorted(_HOME)]
 def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module 'footopt' has no attribute {name!r}")
+    from importlib import import_module
+
     module = import_module(_HOME[name])
     value = module if name == "mujoco" else getattr(module, name)
     globals()[name] = value
@@ -97,9 +95,14 @@ def __dir__() -> list[str]:
 
 # Hydra looks for pkg://footopt.conf, which is inside this package in a wheel, and beside it in a checkout
 _here = os.path.dirname(__file__)
-_spec = spec_from_file_location("footopt.conf", os.path.join(os.path.dirname(_here), "conf", "__init__.py"))
-if _spec is not None and not os.path.isdir(os.path.join(_here, "conf")):
-    sys.modules["footopt.conf"] = module_from_spec(_spec)
+if not os.path.isdir(os.path.join(_here, "conf")):
+    from importlib.util import module_from_spec, spec_from_file_location
+
+    _spec = spec_from_file_location(
+        "footopt.conf", os.path.join(os.path.dirname(_here), "conf", "__init__.py")
+    )
+    if _spec is not None:
+        sys.modules["footopt.conf"] = module_from_spec(_spec)
 
 
 def load_ipython_extension(shell: Any) -> None:

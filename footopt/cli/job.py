@@ -98,23 +98,32 @@ def one_ctrl_c(last_words: str) -> Iterator[None]:
 
     A second `KeyboardInterrupt` would break into what cleans up after the first, and could be lost or
     leave a lock behind. All that is known is in the store by then, and workers end with their parent.
+    The first waits for the end of an import: a library of compiled code that is half loaded ends the process
+    in ways of its own.
     """
-    heard = False
+    heard = over = False
 
     def handle(signum: int, frame: FrameType | None) -> None:
         nonlocal heard
-        if heard:
+        if heard or over:
             os.write(2, f"{last_words}\n".encode())
             os._exit(STOPPED)
         heard = True
-        raise KeyboardInterrupt
+        if _imports(frame):
+            threading.Timer(0.02, again).start()
+        else:
+            raise KeyboardInterrupt
+
+    def again() -> None:
+        nonlocal heard
+        if not over:
+            heard = False
+            _thread.interrupt_main()
 
     def lost(what: Any) -> None:
         """Python has raised it where nobody can catch it, as in what garbage collection calls: try again."""
-        nonlocal heard
         if what.exc_type is KeyboardInterrupt:
-            heard = False
-            threading.Timer(0.05, _thread.interrupt_main).start()
+            threading.Timer(0.05, again).start()
         else:
             unraisable(what)
 
@@ -130,13 +139,17 @@ def one_ctrl_c(last_words: str) -> Iterator[None]:
         yield
         if heard:  # a library has caught what was raised, and lost it
             raise KeyboardInterrupt("when everything was done")
-    except ImportError:
-        if not heard:
-            raise
-        # what a library of compiled code makes of it; half loaded, it would abort Python's own end
-        os.write(2, f"{last_words}\n".encode())
-        os._exit(STOPPED)
     finally:
+        over = True
         sys.unraisablehook = unraisable
         if not heard and callable(before):
             signal.signal(signal.SIGINT, before)
+
+
+def _imports(frame: FrameType | None) -> bool:
+    """Whether a frame is at work for an import that a run has begun."""
+    while frame is not None and frame.f_code is not walk.__code__:
+        if frame.f_code.co_filename == "<frozen importlib._bootstrap>":
+            return True
+        frame = frame.f_back
+    return False

@@ -121,12 +121,12 @@ def test_signals_at_any_moment_change_no_result(seed, undisturbed, tmp_path):
 
 
 LOADING = """
-import signal, footopt.studies.simulate
+import pathlib, sys, time, footopt.studies.simulate
+pathlib.Path("half.py").write_text("import signal; signal.raise_signal(signal.SIGINT); print('whole')")
+sys.path.append(".")
 def run(study):
-    try:
-        signal.raise_signal(signal.SIGINT)
-    except KeyboardInterrupt:
-        raise ImportError("initialization failed")
+    import half
+    time.sleep(60.0)
 footopt.studies.simulate.run = run
 """
 
@@ -134,11 +134,12 @@ footopt.studies.simulate.run = run
 @pytest.mark.parametrize("code", ['exec("raise KeyboardInterrupt")', LOADING], ids=["exec", "loading"])
 def test_ctrl_c_inside_code_that_a_library_makes_has_its_exit_code_too(code, tmp_path):
     """Python -m would end itself by SIGINT once `exec` has been interrupted, whatever is done about it, and
-    compiled code says only that it cannot be loaded.
+    half a library of compiled code would abort it: an import is ended first.
     """
     (tmp_path / "made.py").write_text(code)
     done = program("study=simulate", "plugins=[made.py]", cwd=tmp_path)
     assert (done.returncode, done.stderr.partition(";")[0]) == (130, "footopt: stopped")
+    assert ("whole" in done.stdout) == (code == LOADING)
 
 
 @pytest.mark.parametrize("seed", seeds(1))
