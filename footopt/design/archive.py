@@ -11,11 +11,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.design.fronts import Volume, nondominated
+from footopt.design.fronts import Volume, enlarged
 from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import Solver
 from footopt.errors import FootoptError
+from footopt.foot.waypoints import keys
 from footopt.walk.objectives import MEASURES
 
 
@@ -70,7 +71,6 @@ class Archive:
         self._table, self.count = no_designs(problem), 0  # the table has room for more
         self._good = np.empty(0, np.bool_)  # which are feasible
         self._place: dict[bytes, int] = {}  # of a design in `designs`, by its heights
-        self._kind = np.min_scalar_type(problem.space.K)  # of heights in such a key
         self._latest = np.empty(0, np.int64)
         self._column = problem.record.index(problem.guide)
         self._sign = MEASURES[problem.guide].sign
@@ -78,6 +78,7 @@ class Archive:
         self._hypervolume = Volume()
         # at the end of a generation: generations, designs, and the front, what an interrupted search reports
         self._closed = (0, 0, np.empty(0, np.int64))
+        self._best = np.empty((0, problem.n_obj))  # objectives of that front, minimised
 
     @property
     def designs(self) -> Designs:
@@ -85,7 +86,7 @@ class Archive:
         return self._table.take(slice(self.count))
 
     def _keys(self, k: Ints) -> list[bytes]:
-        return [heights.tobytes() for heights in k.astype(self._kind)]
+        return keys(k, self.problem.space.K)
 
     def first(self, k: Ints, most: float) -> int:
         """How many of designs, from the first, there can be with at most so many different ones in all."""
@@ -122,7 +123,7 @@ class Archive:
         for column, added in zip(self._table, new, strict=True):
             column[start : self.count] = added
         self._good = np.append(self._good, (self._constraints(new) <= 0.0).all(axis=1))
-        self._place |= {h.tobytes(): start + i for i, h in enumerate(new.k.astype(self._kind))}
+        self._place |= zip(self._keys(new.k), range(start, self.count), strict=True)
 
     def close_generation(self, seconds: float) -> None:
         """Write the generation into the history."""
@@ -155,8 +156,7 @@ class Archive:
         if self._box is None:
             return math.nan
         worst, span = self._box
-        f = (self.problem.minimised(self._table.values[front]) - worst) / span
-        return self._hypervolume(f, front >= self._closed[1])
+        return self._hypervolume((self._best - worst) / span, front >= self._closed[1])
 
     def result(self, solver: Solver, seconds: float, interrupted: bool, reused: int) -> SearchResult:
         """Everything that was evaluated up to the last finished generation, and the best of it."""
@@ -187,9 +187,10 @@ class Archive:
     def _front(self) -> Ints:
         """The non-dominated of the last front and the newest feasible designs."""
         _, count, front = self._closed
-        pool = np.concatenate([front, count + np.flatnonzero(self._good[count:])])
-        if not len(pool):
-            return pool
-        f = self.problem.minimised(self._table.values[pool])
-        best: Ints = pool[nondominated(f)]
-        return best
+        new = count + np.flatnonzero(self._good[count:])
+        if not len(new):
+            return front
+        f = self.problem.minimised(self._table.values[new])
+        kept, stay = enlarged(self._best, f)
+        self._best = np.concatenate([self._best[kept], f[stay]])
+        return np.concatenate([front[kept], new[stay]])

@@ -53,6 +53,25 @@ def nondominated(F: Array) -> NDArray[np.bool_]:
     return np.asarray(is_nondominated(np.ascontiguousarray(F, float), keep_weakly=True))
 
 
+def enlarged(F: Array, new: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Which designs of a front F (designs, objectives) no new one dominates, and which new ones stay, too."""
+    blocks, stay = [F[start : start + BLOCK] for start in range(0, len(F), BLOCK)], nondominated(new)
+    for block in blocks:
+        stay[stay] = ~dominated(new[stay], block)
+    return ~np.concatenate([np.empty(0, bool), *(dominated(block, new[stay]) for block in blocks)]), stay
+
+
+def dominated(F: Array, by: Array) -> NDArray[np.bool_]:
+    """Which designs (designs, objectives) others dominate, (designs,)."""
+    as_good = np.ones((len(by), len(F)), bool)
+    for one, other in zip(by.T, F.T, strict=True):
+        as_good &= one[:, None] <= other
+    better, worse = np.nonzero(as_good)
+    found = np.zeros(len(F), bool)
+    found[worse[(by[better] < F[worse]).any(axis=1)]] = True
+    return found
+
+
 def thinned(f: Array) -> Ints:
     """The places of those designs of a front that keep `SHARE` of its hypervolume: all if most are needed.
 

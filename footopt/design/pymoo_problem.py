@@ -21,6 +21,7 @@ from footopt.design.result import SearchResult
 from footopt.design.solvers import Solver
 from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Waypoints
+from footopt.foot.waypoints import keys
 
 REPEATS = 10  # times as many generations as its walks need, where a solver asks for designs again
 
@@ -131,11 +132,11 @@ class Size(Problem):
 
     def seen(self, k: Ints) -> NDArray[np.bool_]:
         """Which designs have been asked for."""
-        return np.array([row.tobytes() in self._asked for row in k.astype(np.int64)], bool)
+        return np.array([key in self._asked for key in keys(k, self._space.K)], bool)
 
     def remember(self, k: Ints) -> None:
         """Note designs that are asked for."""
-        self._asked.update(row.tobytes() for row in k)
+        self._asked.update(keys(k, self._space.K))
 
     def __deepcopy__(self, memo: Any) -> Size:
         """Itself: pymoo copies what it holds in every generation."""

@@ -15,6 +15,7 @@ from pymoo.util.display.single import SingleObjectiveOutput
 from footopt.design.fronts import nondominated
 from footopt.design.solvers.moves import IDLE, RandomInside, allowed, exchanged, shifted, shifts
 from footopt.design.solvers.registry import QUICK, grown
+from footopt.foot.waypoints import keys
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -27,6 +28,7 @@ CROSSED = 0.4  # share of the others that have two parents
 TWICE = 0.2  # share of the rest that are shifted twice
 CHILDREN = 1000  # a generation, of which a model chooses
 LEARNT, TRAINED = 40, 300  # designs before there is a model, and that it knows at most
+REMEMBERED = 10_000  # of the newest designs, and parents of several objectives, once there are twice as many
 WIDTH, SMOOTHING = 0.7, 1e-3  # of the model: one over its length, in the range of heights
 WORSE = 1e100  # than any value, for a model of ranks: an infeasible design, the more it violates
 FEW = 100  # parents of several objectives
@@ -49,12 +51,15 @@ class Moves(Algorithm):
         self.pop_size = pop_size
         self.initialization = Initialization(RandomInside() if sampling is None else sampling)
         self.asked: set[bytes] = set()
-        self.known = self.front = Population.new()
+        self.front = Population.new()
         self.learnt: list[tuple[Array, Array]] = []  # heights and objectives of each generation
 
     def _setup(self, problem: Any, **kwargs: Any) -> None:
         if self.display.output is None:
             self.display.output = MultiObjectiveOutput() if problem.n_obj > 1 else SingleObjectiveOutput()
+
+    def _keys(self, X: Ints) -> list[bytes]:
+        return keys(X, int(np.max(self.problem.xu)))
 
     def _size(self) -> int:
         """Designs of the next generation."""
@@ -62,7 +67,8 @@ class Moves(Algorithm):
 
     def _initialize_infill(self) -> Any:
         drawn = self.initialization.do(self.problem, self._size(), random_state=self.random_state)
-        first = {x.tobytes(): x for x in np.round(drawn.get("X").astype(float)).astype(np.int64)}
+        X = np.round(drawn.get("X").astype(float)).astype(np.int64)
+        first = dict(zip(self._keys(X), X, strict=True))
         self.asked.update(first)  # outside its box, too, if a user begins with it
         return Population.new(X=np.array(list(first.values())))
 
@@ -89,14 +95,15 @@ class Moves(Algorithm):
 
     def _fresh(self, X: Ints) -> Ints:
         """What is allowed of some designs, was never asked for, and does not come twice."""
-        kept = {x.tobytes(): x for x in X[allowed(self.problem, X)]}
+        X = X[allowed(self.problem, X)]
+        kept = dict(zip(self._keys(X), X, strict=True))
         fresh = [x for key, x in kept.items() if key not in self.asked]
         return np.array(fresh, np.int64).reshape(-1, X.shape[1])
 
     def _new(self, X: Ints, count: int) -> Ints:
         """The first `count` fresh ones of some designs, which are asked for from now on."""
         fresh = self._fresh(X)[:count]
-        self.asked.update(x.tobytes() for x in fresh)
+        self.asked.update(self._keys(fresh))
         return fresh
 
     def _children(self, count: int) -> Ints:
@@ -114,7 +121,7 @@ class Moves(Algorithm):
 
     def _screened(self, X: Ints, count: int) -> Ints:
         """Of as many groups of children, the one in each that a model of the walks so far likes best."""
-        if len(self.known) < LEARNT or len(X) <= count:
+        if self.told < LEARNT or len(X) <= count:
             return X
         promise = self._promise(X)
         groups = np.array_split(self.random_state.permutation(len(X)), count)
@@ -128,11 +135,7 @@ class Moves(Algorithm):
         """
         from scipy.interpolate import RBFInterpolator
 
-        known, F = (np.concatenate(column) for column in zip(*self.learnt, strict=True))
-        if len(F) > TRAINED:
-            best = ranks(F).min(axis=1)[: -TRAINED // 2].argsort(kind="stable")[: TRAINED // 2]
-            chosen = np.concatenate([np.sort(best), np.arange(len(F) - TRAINED // 2, len(F))])
-            known, F = known[chosen], F[chosen]
+        known, F = self._kept(TRAINED // 2 if self.told > TRAINED else self.told)
         rank = ranks(F) / len(F)
         given: dict[str, Any] = {"kernel": "gaussian", "epsilon": WIDTH, "smoothing": SMOOTHING}
         top = float(np.max(self.problem.xu))
@@ -142,6 +145,18 @@ class Moves(Algorithm):
         for ahead in rank[nondominated(rank)]:
             np.minimum(promise, (ahead - expected).max(axis=1), out=promise)
         return promise
+
+    @property
+    def told(self) -> int:
+        """Designs that are remembered."""
+        return sum(len(F) for _, F in self.learnt)
+
+    def _kept(self, newest: int) -> tuple[Array, Array]:
+        """Heights and objectives of the best of the remembered designs, and of so many of the newest."""
+        X, F = (np.concatenate(column) for column in zip(*self.learnt, strict=True))
+        best = ranks(F).min(axis=1)[: len(F) - newest].argsort(kind="stable")[: TRAINED // 2]
+        chosen = np.concatenate([np.sort(best), np.arange(len(F) - newest, len(F))])
+        return X[chosen], F[chosen]
 
     def _parents(self, count: int) -> Ints:
         """Designs (count, n) that children are made of."""
@@ -155,11 +170,12 @@ class Moves(Algorithm):
     def advance(self, infills: Any = None, **kwargs: Any) -> Any:
         """Note what has been walked, and go on."""
         if infills is not None:
-            self.known = Population.merge(self.known, infills)
             F = infills.get("F").astype(float)
             violation = infills.get("CV")[:, 0]
             F[violation > 0.0] = WORSE * (1.0 + violation[violation > 0.0, None])
             self.learnt.append((infills.get("X").astype(float), F))
+            if self.told > 2 * REMEMBERED:
+                self.learnt = [self._kept(REMEMBERED)]
         return super().advance(infills=infills, **kwargs)
 
     def _propose(self, size: int) -> Ints:
@@ -218,17 +234,23 @@ class Archive(Moves):
     def _advance(self, infills: Any = None, **kwargs: Any) -> None:
         from pymoo.operators.survival.rank_and_crowding import RankAndCrowding
 
+        def survivors(pool: Any, most: int) -> Any:
+            survive = {"n_survive": min(most, len(pool)), "random_state": self.random_state}
+            return RankAndCrowding().do(self.problem, pool, **survive)
+
         self.front = front(Population.merge(self.front, infills))
-        pool = self.front if len(self.front) > FEW else Population.merge(self.pop, infills)
-        survive = {"n_survive": min(FEW, len(pool)), "random_state": self.random_state}
-        self.pop = RankAndCrowding().do(self.problem, pool, **survive)
+        if len(self.front) > REMEMBERED:
+            self.front = survivors(self.front, REMEMBERED // 2)
+        self.pop = survivors(
+            self.front if len(self.front) > FEW else Population.merge(self.pop, infills), FEW
+        )
 
     def _set_optimum(self) -> None:
         self.opt = self.front
 
     def _propose(self, size: int) -> Ints:
         """Of a small front in a quarter of a generation those neighbours that the model likes best."""
-        if len(self.front) > FEW or len(self.known) < LEARNT:
+        if len(self.front) > FEW or self.told < LEARNT:
             return super()._propose(size)
         X = self.front.get("X").astype(np.int64)
         near = (X[:, None] + shifts(X.shape[1])).reshape(-1, X.shape[1])

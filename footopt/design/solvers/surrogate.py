@@ -46,10 +46,12 @@ class Surrogate(Moves):
     def __init__(self, pop_size: int | None = None, **kwargs: Any) -> None:
         super().__init__(pop_size, sampling=_BestCoarsely(self), **kwargs)
         self.coarse: Any = None  # the search by coarse walks
+        self.known = self.coarsely = Population.new()  # what dear walks know, and coarse ones
         self.models: list[Any] = []  # of each objective and limit
         self.middle, self.scale = np.zeros(1), np.ones(1)  # of coarse values
 
     def _advance(self, infills: Any = None, **kwargs: Any) -> None:
+        self.known = Population.merge(self.known, infills)
         self.front = front(Population.merge(self.front, infills))
         self.pop = self.known[order(self.known)[:PARENTS]] if self.problem.n_obj == 1 else self.front
 
@@ -75,8 +77,8 @@ class Surrogate(Moves):
             seed = int(self.random_state.integers(2**31))
             self.coarse.setup(self.problem, termination=("n_gen", 10**9), seed=seed, verbose=False)
         else:  # all that it knows has other values now
-            found, none = self.coarse.known, Population.new()
-            self.coarse.known = self.coarse.pop = self.coarse.front = none
+            found, none = self.coarsely, Population.new()
+            self.coarsely = self.coarse.pop = self.coarse.front = none
             self.coarse.champion, self.coarse.learnt, self.coarse.pop_size = None, [], EACH
         while True:
             if len(found):
@@ -84,13 +86,14 @@ class Surrogate(Moves):
                 self.coarse.evaluator.skip_already_evaluated = False
                 self.coarse.evaluator.eval(StaticProblem(self.problem, F=F, G=G), found)
                 self.coarse.tell(infills=found)
+                self.coarsely = Population.merge(self.coarsely, found)
             if walks <= 0 or (found := self.coarse.ask()) is None:
                 return
             walks -= len(found)
 
     def candidates(self) -> Ints:
         """Designs without a dear walk that promise most, (candidates, n)."""
-        known, count = self.coarse.known, CANDIDATES + len(self.asked)
+        known, count = self.coarsely, CANDIDATES + len(self.asked)
         best = order(known)[:count] if self.problem.n_obj == 1 else leaders(known, count)
         return self._fresh(known[best].get("X").astype(np.int64))[:CANDIDATES]
 
