@@ -29,6 +29,7 @@ BEAT = 0.5  # s between two signs
 SILENT = 20  # checks, a second each, until a worker that has fallen silent is ended
 STARTING = 60  # the same, for one that has never been heard of
 ENGINES = ("local", "processes", "dask")
+FILES, EACH = 40, 20  # that a process opens for a cluster of its own, and for each worker of it
 SCHEMES = ("tcp", "tls", "ucx", "ws", "wss")
 
 
@@ -170,6 +171,8 @@ class Dask(Executor):
             ) from None
         if address is not None:
             check_address(address)
+        else:
+            _check_files(FILES + EACH * count, count)
         logging.getLogger("distributed").setLevel(logging.WARNING)
         self._timeout, self._cluster = timeout, None
         self._lost_errors = (OSError, RuntimeError, distributed.client.FutureCancelledError)
@@ -298,6 +301,18 @@ class Dask(Executor):
                 f"{self._name}: the connection to the scheduler is lost{cause}. What was walked in finished "
                 f"generations is kept: {'' if own else 'start it again, and '}resume."
             ) from None
+
+
+def _check_files(needed: int, workers: int) -> None:
+    """Raise where there are too few: dask then hangs, or fails wherever the next one is opened."""
+    if os.name == "posix":
+        import resource
+
+        if 0 <= (limit := resource.getrlimit(resource.RLIMIT_NOFILE)[0]) < needed:
+            raise FootoptError(
+                f"engine=dask: `ulimit -n` allows {limit} open files; {needed} are needed for {workers} "
+                "workers. Allow more, set engine.workers, or take engine=processes."
+            )
 
 
 def check_address(address: str) -> None:

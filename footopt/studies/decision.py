@@ -253,8 +253,8 @@ def orders(
 def table_of_presets(presets: Sequence[Any]) -> RichTable:
     """The presets as a decision, for the terminal."""
     shown = terminal.table(
-        ("preset", "evaluations", "plates in them", "ms", "random pairs wrong (%)", "finalists wrong (%)",
-         "search + confirm (s)", "J_W lost: mean, worst (%)"),
+        ("preset", "evaluations", "ms", "random pairs wrong (%)", "finalists wrong (%)", "search, confirmed (s)",
+         "J_W lost: mean, worst (%)"),
         words=("preset",),
         title="what an accuracy decides (pairs of feet that J_W ranks wrongly; whole searches)",
     )  # fmt: skip
@@ -262,10 +262,9 @@ def table_of_presets(presets: Sequence[Any]) -> RichTable:
         shown.add_row(
             row["preset"],
             f"{row['evaluations']:.0f}",
-            f"{row['plate_evaluations']:.0f}",
             f"{row['ms']:.3g}",
             *(f"{100 * row[name]:.2g}" for name in ("wrong_random", "wrong_finalists")),
-            f"{row['search_s']:.2g} + {row['confirm_s']:.2g}",
+            f"{row['search_s'] + row['confirm_s']:.2g}",
             f"{100 * row['loss_mean']:.2g}, {100 * row['loss_worst']:.2g}",
         )
     return shown

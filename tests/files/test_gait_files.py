@@ -264,6 +264,9 @@ class TestMot:
         path = write_mot(tmp_path / "walk.mot", HUMAN, ("tilt", "hip", "knee", "ankle"), tilt=0.0)
         with pytest.raises(FileError, match=r"no column for the hip; looked for hip_flexion_r.*names\.hip"):
             read_strides(path)
+        forces = write_mot(tmp_path / "grf.mot", HUMAN, [f"ground_force_{i}" for i in "xyzp"])
+        with pytest.raises(FileError, match="holds no angles, and forces alone are no gait"):
+            read_strides(forces)
         gait, said = assert_walk(path, names={"hip": "hip", "knee": "knee"})
         assert gait.foot is None
         assert "no pelvis_tilt" in said

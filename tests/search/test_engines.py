@@ -244,6 +244,12 @@ class TestSettings:
         ):
             Dask(workers=1)
 
+    def test_too_few_files_for_a_cluster_are_said_before_it_hangs(self, monkeypatch):
+        pytest.importorskip("distributed", reason="needs the extra footopt[dask]")
+        monkeypatch.setattr("resource.getrlimit", lambda kind: (79, 4096))
+        with pytest.raises(FootoptError, match="allows 79 open files; 80 are needed for 2 workers"):
+            make_executor("dask", workers=2)
+
     def test_a_missing_extra_is_named(self, monkeypatch):
         monkeypatch.setitem(sys.modules, "distributed", None)
         with pytest.raises(SettingError, match=r"pip install 'footopt\[dask\]'"):

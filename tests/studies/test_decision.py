@@ -1,9 +1,11 @@
 """What an accuracy decides: pairs that are ranked wrongly, right rankings, orders of convergence."""
 
+import io
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 import footopt as fo
 from footopt.report.figures.accuracy import decision as figure
@@ -54,6 +56,15 @@ def test_the_figure_says_every_number():
     drawn.draw_without_rendering()
     words = {text.get_text() for axes in drawn.axes for text in axes.texts}
     assert {"2.5 s\n+ 9", "10 %", "1 %"} <= words
+
+
+def test_no_number_of_the_table_is_cut_at_80_columns():
+    row = {"preset": "reference", "evaluations": 11600.0, "ms": 10.23, "wrong_random": 1.1e-3,
+           "wrong_finalists": 1.1e-3, "search_s": 0.124, "confirm_s": 0.00017, "loss_mean": 1.2e-6,
+           "loss_worst": 3.4e-6}  # fmt: skip
+    out = Console(file=io.StringIO(), width=80)
+    out.print(decision.table_of_presets([row]))
+    assert "0.12  0.00012, 0.00034" in out.file.getvalue()
 
 
 @pytest.mark.slow

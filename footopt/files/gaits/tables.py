@@ -68,6 +68,8 @@ def read_mot(text: str, names: Mapping[str, str], side: str | None, units: str |
 
     def need(what: str, *usual: str) -> Array:
         if (column := find(what, *usual)) is None:
+            if all(re.search("time|force|torque|moment", name) for name, _ in columns):
+                raise Unusable("holds no angles, and forces alone are no gait.")
             raise Unusable(
                 f"no column for the {what}; looked for {names.get(what, ', '.join(usual))}, the file has "
                 f"{', '.join(name for name, _ in columns)}. Name it with gait.names.{what}=..."

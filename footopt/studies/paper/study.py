@@ -68,10 +68,10 @@ def run(study: Study) -> None:
     for row in page.claim_rows(found):
         tables[0].add_row(*row)
     if config.study.samples:
-        head = ("claim", "first", "second", "third", "single changes that turn it")
+        head = ("claim", "setting, with its share", "single changes that turn it")
         tables.append(terminal.table(head, head, "Which setting decides"))
-        for row in page.decision_rows(found):
-            tables[1].add_row(*row)
+        for claim, *settings, changes in page.decision_rows(found):
+            tables[1].add_row(claim, ", ".join(s for s in settings if s != "-") or "none", changes)
     for sand in SANDS:
         study.say(f"The best foot for {sand} sand, on it:")
         terminal.print_validity(study.console, diagnose(evidence.optima[sand]))
