@@ -253,8 +253,8 @@ def orders(
 def table_of_presets(presets: Sequence[Any]) -> RichTable:
     """The presets as a decision, for the terminal."""
     shown = terminal.table(
-        ("preset", "evaluations", "ms", "random pairs wrong (%)", "finalists wrong (%)", "search, confirmed (s)",
-         "J_W lost: mean, worst (%)"),
+        ("preset", "evaluations", "ms", "random pairs wrong (%)", "finalists wrong (%)",
+         "search, confirmed (s)", "J_W lost: mean, worst (%)"),
         words=("preset",),
         title="what an accuracy decides (pairs of feet that J_W ranks wrongly; whole searches)",
     )  # fmt: skip
