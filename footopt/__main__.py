@@ -11,13 +11,12 @@ from footopt import TYPE_CHECKING, __version__
 if TYPE_CHECKING:
     from types import FrameType
 
+signal = sys.modules["_signal"]  # there before any import; `signal` itself first makes enumerations
 NEEDED = 700  # MB of address space, for the libraries and a small run
 
 
 def main() -> None:
     """Load the command line and run it. Before and after the run itself, Ctrl-C ends it at once."""
-    import signal
-
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # not where it is to be ignored
         signal.signal(signal.SIGINT, _stop)
     if os.name == "posix":

@@ -128,7 +128,7 @@ def _compare(folder: Path, runs: Sequence[Run], headline: str) -> None:
         if said := "; ".join(filter(None, [run.place, run.note])):
             out.print(f"{run.name}: {said}", soft_wrap=True)
     for words in describe_model((run.result or {}).get("model_error") for run in runs):
-        out.print(words, soft_wrap=True)
+        out.print(words)
     settings, found = sweeps.varied(runs), sweeps.fronts(runs)
     columns = {name: [run.objectives.get(name, math.nan) for run in runs] for name in names}
     columns |= _more_columns(runs, found)

@@ -25,6 +25,7 @@ from footopt.errors import FootoptError, SettingError, check
 from footopt.foot import Foot
 from footopt.gait.genes import GENES, values_of
 from footopt.report import figures, terminal
+from footopt.report.numbers import percent
 from footopt.report.progress import Step, report_generations
 from footopt.studies.accuracy import SANDS
 from footopt.studies.base import Study
@@ -201,8 +202,8 @@ def table(found: dict[str, Found]) -> RichTable:
     shown = terminal.table(columns, words=("sand",), title=title)
     for name, f in found.items():
         alone, both = f.guide[0], f.guide[3]
-        parts = (f"{share:.0%}" if math.isfinite(share) else "-" for share in f.shares)
-        numbers = (terminal.number(alone), terminal.number(both), f"{f.gain:+.1%}")
+        parts = (percent(share) if math.isfinite(share) else "-" for share in f.shares)
+        numbers = (terminal.number(alone), terminal.number(both), f"{100 * f.gain:+.1f} %")
         shown.add_row(name, *numbers, *parts, f"{f.speed:.3f}")
     shown.caption = "by the foot, by the gait: shares of the gain in ln of the objective"
     return shown
@@ -243,7 +244,8 @@ def describe(name: str, f: Found) -> str:
     if lost:
         most = max(lost, key=lambda gene: lost[gene])
         said += (
-            f"; {most.replace('_', ' ')} counts most of the gait: without its change {lost[most]:.0%} is lost"
+            f"; {most.replace('_', ' ')} counts most of the gait: "
+            f"without its change {percent(lost[most])} is lost"
         )
     own = values_of(f.problem.scene.gait, f.k[0, -len(GENES) :].tolist(), f.problem.space.K)
     ends = [gene for gene, value in f.genes.items() if value != own[gene] and GENES[gene].at_end(value)]

@@ -317,7 +317,7 @@ def _remarks(scenarios: list[str], compared: Comparison, fresh: Array | None) ->
         failed = f", {len(fresh) - len(gain)} with a failed walk" if len(gain) < len(fresh) else ""
         said.append(
             f"In {len(fresh)} fresh scenarios{failed} the robust foot is better than the median scene's in "
-            f"{np.mean(fresh < 0.0):.0%}: {np.median(gain):+.1f} % in the median, "
+            f"{100 * np.mean(fresh < 0.0):.0f} %: {np.median(gain):+.1f} % in the median, "
             f"{gain.min():+.1f} % to {gain.max():+.1f} %"
         )
     return said

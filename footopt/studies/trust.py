@@ -31,11 +31,13 @@ from footopt.design.truth import (
     judge_designs,
     walk_all,
 )
+from footopt.effects import name_of
 from footopt.errors import SettingError, check
 from footopt.files.tasks import Tasks
 from footopt.foot.waypoints import written
 from footopt.report import terminal
 from footopt.report.figures.trust import trust
+from footopt.report.numbers import percent
 from footopt.studies.accuracy import SANDS
 from footopt.studies.base import Study
 from footopt.studies.record import accuracy_entry
@@ -166,7 +168,7 @@ def answer(scenario: Scenario, single: Tabulated, several: Tabulated) -> dict[st
     scene, legs = scenario.scene, scenario.scene.walker.l1 + scenario.scene.walker.l2
     about = f"zeta {scene.sand.zeta:.3g}, {scene.walker.mass:.0f} kg, legs {legs:.2f} m, "
     about += f"stride {scene.gait.period:.2f} s, pitch {scene.gait.pitch}"
-    about += "".join(f", {type(effect).__name__}" for effect in scene.effects)
+    about += "".join(f", {name_of(effect).replace('_', ' ')}" for effect in scene.effects)
     return found | {"scene": about, "accuracy": accuracy_entry(single.accuracy, scene, single.space)}
 
 
@@ -201,12 +203,12 @@ def table(scores: list[Score], what: str, walks: int) -> RichTable:
     shown = terminal.table((*words, *numbers), words, title=f"{what}, {walks} walks")
     for i, s in enumerate(scores):
         expected = f"{s.expected:.0f}" if np.isfinite(s.expected) else "-"
-        front = "" if np.isnan(s.hypervolume) else f"{s.hypervolume:.1%}"
+        front = "" if np.isnan(s.hypervolume) else f"{100 * s.hypervolume:.1f} %"
         last = i + 1 < len(scores) and scores[i + 1].where != s.where
-        cells = (f"{s.found:.0%}", f"{s.regret:.2%}", expected, front)
+        cells = (percent(s.found), percent(s.regret), expected, front)
         shown.add_row(s.where, s.solver, *cells, end_section=last)
     shown.caption = (
-        f"expected: walks until J_W is within {WITHIN:.1%}, with restarts; walks are different designs; "
+        f"expected: walks until J_W is within {percent(WITHIN)}, with restarts; walks are different designs; "
         "-: in one scene or more no search came that near"
     )
     return shown
