@@ -35,13 +35,11 @@ def percent(share: float) -> str:
 
 
 def change(name: str, value: float, base: float) -> str:
-    """What became of an objective: a gain of J_W as a multiple of its base, "x 1.79", others as "-2.3 %"."""
+    """What became of an objective: of J_W the multiple of its base, "x 1.79", of others "-2.3 %"."""
     ratio = value / base if base else math.nan
     if not math.isfinite(ratio):
         return "-"
-    if name != "efficiency":
-        return f"{100 * (ratio - 1):+.1f} %"
-    return f"x {ratio:.2f}" if ratio >= 1.0 else f"{percent(1.0 - ratio)} worse"
+    return f"x {ratio:.2f}" if name == "efficiency" else f"{100 * (ratio - 1):+.1f} %"
 
 
 def duration(seconds: float) -> str:

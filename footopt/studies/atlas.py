@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -40,8 +41,9 @@ def run(study: Study) -> None:
     check(path.is_file(), "run", options.run, f"the folder of a run whose {path.name} is there", TRY)
     with Store(path, problem, options.reuse) as store:
         found = atlas(problem, store, options.descriptors, options.cells)
-    quality = quality_of(problem, found)
-    guide = problem.guide
+    quality, guide = quality_of(problem, found), problem.guide
+    flat = simulate(Foot.flat(problem.space), problem.scene, problem.accuracy).objectives.get(guide, math.nan)
+    base = flat if guide == "efficiency" and flat < 0.0 else None
     heights = [f"k{i + 1}" for i in range(problem.space.n)]
     rows = zip(*(part.tolist() for part in (found.cells, found.values, found.counts, found.k)), strict=True)
     study.write_csv(
@@ -53,11 +55,13 @@ def run(study: Study) -> None:
         found.edges,
         found.cells,
         list(problem.space.contour(found.k)),
-        quality,
+        quality if base is None else found.values[:, 0] / base,
         [MEASURES[n].label for n in found.names],
-        f"{MEASURES[guide].label}, relative to the best",
+        f"{MEASURES[guide].label}, relative to the best" if base is None else "$J_W$ (× of flat)",
     )
     caption = f"In every cell the sole with the best {guide.replace('_', ' ')}; its heights are enlarged."
+    if base is not None:
+        caption += f" The flat sole's J_W is {terminal.number(base)}."
     study.save("atlas", drawn, caption)
     filled, good = f"{len(found.cells)} of {options.cells**2}", int(found.counts.sum())
     going_by = " and ".join(name.replace("_", " ") for name in found.names)
@@ -66,7 +70,7 @@ def run(study: Study) -> None:
     model = model_error(walk, spread=searched.config.study.spread.zeta)
     study.conclude(
         "An atlas of feet",
-        [table(problem, found)],
+        [table(problem, found, base)],
         {
             "run": options.run,
             "atlas": {
@@ -100,11 +104,12 @@ def quality_of(problem: FootProblem, found: Atlas) -> Any:
     return values.min() / np.where(values > 0.0, values, 1.0)
 
 
-def table(problem: FootProblem, found: Atlas) -> RichTable:
+def table(problem: FootProblem, found: Atlas, base: float | None) -> RichTable:
     """The best of each column of the map."""
     along, across = (MEASURES[name] for name in found.names)
     guide = MEASURES[problem.guide]
-    columns = (_head(along), _head(guide), _head(across), "designs")
+    against = [] if base is None else ["J_W, x of flat"]
+    columns = (_head(along), *against, _head(guide), _head(across), "designs")
     title = f"The best sole for every {along.name.replace('_', ' ')}"
     shown = terminal.table((*columns, "k"), words=("k",), title=title)
     for column in np.unique(found.cells[:, 0]):
@@ -112,7 +117,8 @@ def table(problem: FootProblem, found: Atlas) -> RichTable:
         best = rows[(guide.sign * found.values[rows, 0]).argmin()]
         value, first, second = map(terminal.number, found.values[best].tolist())
         count = str(int(found.counts[rows].sum()))
-        shown.add_row(first, value, second, count, written(found.k[best]))
+        multiple = [] if base is None else [f"{found.values[best, 0] / base:.2f}"]
+        shown.add_row(first, *multiple, value, second, count, written(found.k[best]))
     return shown
 
 

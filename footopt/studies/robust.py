@@ -269,9 +269,14 @@ def _save_figures(
         caption = "What each foot's hollow is worth under each law: as it is, and with its hollows filled."
         guide = MEASURES[judge.guide]
         column, better = judge.record.index(guide.name), "more" if guide.maximise else "less"
-        label = f"{guide.label}: {better} is better"
-        filled = convex(judge, feet)[..., column]
-        drawn = robust_figures.hollows(compared.values[..., column], filled, compared.names, scenarios, label)
+        own, filled = compared.values[..., column], convex(judge, feet)[..., column]
+        label, laws = f"{guide.label}: {better} is better", scenarios
+        if guide.name == "efficiency":  # against the flat foot's under the same law
+            flat = judge.walk_each(np.full((1, judge.space.n), judge.space.K))[0][:, 0, column]
+            own, filled = own / flat[:, None], filled / flat[:, None]
+            label = "$J_W$ (× of the flat foot's under the same law, which is in the title)"
+            laws = [f"{law}\n{terminal.number(raw)}" for law, raw in zip(scenarios, flat, strict=True)]
+        drawn = robust_figures.hollows(own, filled, compared.names, laws, label)
         study.save("hollows", drawn, caption)
     if fresh is not None:
         caption = "Regret of the robust foot against the median scene's, in scenarios that neither knew."

@@ -57,6 +57,7 @@ def run(study: Study) -> None:
     scene.need_heel_strike()
     with study.compiling():
         walks = walk_shapes(feet, scene, accuracy)
+        flat = simulate(make_foot(replace(study.config.foot, shape="waypoints")), scene, accuracy)
     entries: dict[str, dict[str, Any]] = {}
     with study.progress(len(walks), "shape") as step:
         for name, walk in walks.items():
@@ -89,7 +90,7 @@ def run(study: Study) -> None:
     study.say(heading, *(Text.assemble(("Warning:", "yellow"), f" {warning}") for warning in warnings))
     study.conclude(
         heading,
-        [table(walks)],
+        [table(walks, flat)],
         {"shapes": entries, **scene_entry(scene, accuracy, tuple(OBJECTIVES))},
         said=terminal.describe_model(entry["model_error"] for entry in entries.values()),
         about=[terminal.describe_scene(scene)],
@@ -107,8 +108,8 @@ def _warnings(entries: Mapping[str, dict[str, Any]]) -> list[str]:
     return [f"{warning} ({', '.join(names)})." for warning, names in sorted(found.items())]
 
 
-def table(walks: Mapping[str, Walk]) -> RichTable:
-    """Objectives (rows) of walks (columns), with the best of each row marked."""
+def table(walks: Mapping[str, Walk], flat: Walk) -> RichTable:
+    """Objectives (rows) of walks (columns), the best of each row marked; J_W against the flat foot's, too."""
     titles = [title(name) for name in walks]
     shown = terminal.table(("objective", *titles), words=("objective",))
     for objective in OBJECTIVES.values():
@@ -118,5 +119,8 @@ def table(walks: Mapping[str, Walk]) -> RichTable:
         cells = [terminal.number(v) + ("*" if v == best else " ") for v in values]
         sense = "max" if objective.maximise else "min"
         unit = f", {objective.unit}" if objective.unit else ""
+        if objective.name == "efficiency" and (base := flat.objectives[objective.name]) < 0.0:
+            multiples = (terminal.number(round(value / base, 2)) for value in values)
+            shown.add_row("J_W, x of flat (max)", *(f"{text} " for text in multiples))
         shown.add_row(f"{objective.name.replace('_', ' ')}{unit} ({sense})", *cells)
     return shown

@@ -9,13 +9,14 @@ from pathlib import Path
 from rich.text import Text
 
 from footopt.files import run as files
+from footopt.foot import Foot
 from footopt.foot.export import write_all
 from footopt.report import figures, film, page, terminal
 from footopt.report.figures.gait import gait_fit
 from footopt.report.numbers import title
 from footopt.studies.auto_effects import choose_effects
 from footopt.studies.base import Study
-from footopt.studies.build import make_strides
+from footopt.studies.build import make_space, make_strides
 from footopt.studies.export import foot_of
 from footopt.studies.record import Answer, answer, foot_entry, scene_entry, validity_entry
 from footopt.studies.validation.model import model_error
@@ -35,8 +36,10 @@ def run(study: Study) -> Answer:
     study.say(terminal.describe_setup(scene, foot))
     with study.compiling():
         walk = simulate(foot, scene, accuracy)
+        level = Foot.flat(foot.space or make_space(study.config.foot))
+        flat = walk if level == foot else simulate(level, scene, accuracy)
     names = tuple(dict.fromkeys((*OBJECTIVES, *study.config.objective.names)))
-    values, errors = walk.judged(names), error_of(walk, names)
+    values, base, errors = walk.judged(names), flat.judged(names), error_of(walk, names)
     diagnostics = [*diagnose(walk), *resolution(walk, errors)]
     strides = make_strides(study.config.gait)
     read = [] if strides is None else [*strides.notes]
@@ -51,6 +54,7 @@ def run(study: Study) -> Answer:
             "feasible": walk.feasible,
             "reason": walk.reason,
             "objectives": values,
+            "flat": base,
             "error_estimate": errors,
             "model_error": (model := model_error(walk, chosen.left_out, study.options.spread.zeta)),
             **scene_entry(scene, walk.accuracy, names),
@@ -61,7 +65,7 @@ def run(study: Study) -> Answer:
         }
     )
     if study.reports:
-        page.write(study.folder / "report.html", page.walk_content(walk, record) | study.origin)
+        page.write(study.folder / "report.html", page.walk_content(walk, record, flat) | study.origin)
     write_film(study, walk)
 
     study.say(terminal.describe_foot(foot))
@@ -70,7 +74,8 @@ def run(study: Study) -> Answer:
         study.say(f"Gait from {study.config.gait.path}: {'; '.join(read)}. Misfit (rms, deg): {misfit}")
     if not walk.feasible:
         study.say(Text(f"The walk failed: {walk.reason} after {len(walk.t)} steps of time.", style="yellow"))
-    study.say(terminal.objective_table([(foot.name, values)], names, errors))
+    feet = [("this sole", values)] + [("flat", base)] * (flat is not walk)
+    study.say(terminal.objective_table(feet, names, errors, gain=len(feet) > 1))
     study.say(*terminal.describe_model([model]))
     terminal.print_validity(study.console, diagnostics)
     study.say(*notes)

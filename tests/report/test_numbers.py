@@ -34,7 +34,7 @@ def test_a_percentage_has_two_digits_and_its_zero(share, text):
 
 def test_a_change_of_j_w_is_a_multiple_and_others_are_percentages():
     assert change("efficiency", -2.527e-4, -1.413e-4) == "x 1.79"
-    assert change("efficiency", -0.969e-4, -1e-4) == "3.1 % worse"
+    assert change("efficiency", -0.969e-4, -1e-4) == "x 0.97"
     assert change("work", 90.0, 100.0) == "-10.0 %"
     assert change("work", 1.0, 0.0) == "-"
 

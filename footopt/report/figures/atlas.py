@@ -38,7 +38,7 @@ def atlas(
     soles : sequence of (points, 2)
         Their contours, all to one scale, heights enlarged.
     quality : (filled,)
-        Of each, for its colour: 1 is the best.
+        Of each, for its colour: more is better.
     labels : (str, str)
         Of the axes.
     legend : str
@@ -46,7 +46,8 @@ def atlas(
     """
     x, y = np.asarray(edges, float)
     at, good = np.asarray(cells), np.asarray(quality, float)
-    colours, norm = colormaps["YlGnBu"], Normalize(np.floor(10.0 * min(good.min(), 0.9)) / 10.0, 1.0)
+    low = np.floor(10.0 * min(good.min(), 0.9 * good.max())) / 10.0
+    colours, norm = colormaps["YlGnBu"], Normalize(low, good.max())
     figure = new_figure(PAGE, TALL)
     axes = figure.subplots()
     table = np.full((len(y) - 1, len(x) - 1), np.nan)

@@ -22,11 +22,11 @@ const flatOfRun = { ...entry.flat };
 function compareWith(design) {
   const same = design !== DRAWN || (sketch.zeta === P.sand.zeta && sketch.mass === P.walker.mass);
   sketch.flat = null;
-  if (!same && flatWalk()) {
+  if (!same && flatWalk() && P.space) {
     const flat = Array(P.space.n).fill(P.space.K), made = simulate(arcPoints(flat, P.accuracy.plates * P.accuracy.parts), sketch);
     sketch.flat = prepared({ ...made, points: flatWalk().points, top: own("top", DRAWN), label: "flat" });
   }
-  for (const name of Object.keys(flatOfRun)) entry.flat[name] = sketch.flat ? sketch.flat.objectives[name] ?? NaN : flatOfRun[name];
+  for (const name of Object.keys(flatOfRun)) entry.flat[name] = same ? flatOfRun[name] : sketch.flat?.objectives[name] ?? NaN;
 }
 
 /** Walk with what is sketch, and put its values into the design after the last. */

@@ -15,7 +15,7 @@ function headline() {
 function change(value, base, column) {
   const ratio = value / base;
   if (!Number.isFinite(ratio)) return "–";
-  if (column.name === "efficiency") return ratio >= 1 ? quantity(ratio, OF_FLAT) : `${percent(1 - ratio)} worse than flat`;
+  if (column.name === "efficiency") return quantity(ratio, OF_FLAT);
   return `${ratio >= 1 ? "+" : "−"}${Math.abs(100 * (ratio - 1)).toFixed(1)} %`;
 }
 

@@ -35,7 +35,7 @@ HOLLOW = 0.5e-3  # m; a smaller one is called none
 POSE_STEP = 0.01  # s, between the poses of the gait
 
 
-def walk_content(walk: Walk, entry: dict[str, Any]) -> dict[str, Any]:
+def walk_content(walk: Walk, entry: dict[str, Any], flat: Walk | None = None) -> dict[str, Any]:
     """The page of one walk.
 
     Parameters
@@ -44,7 +44,11 @@ def walk_content(walk: Walk, entry: dict[str, Any]) -> dict[str, Any]:
         What the page is about.
     entry : dict
         What result.json says of the run.
+    flat : Walk, optional
+        That of the flat sole, which it is compared with.
     """
+    others = [] if flat is None or flat is walk else [traces_of_flat(flat)]
+    entry = {name: value for name, value in entry.items() if others or name != "flat"}
     foot, values = walk.foot, entry.get("objectives", walk.objectives)
     if foot.space is not None and foot.k is not None:
         shape: dict[str, Any] = {"k": packed(np.array(foot.k))}
@@ -65,7 +69,7 @@ def walk_content(walk: Walk, entry: dict[str, Any]) -> dict[str, Any]:
             **shape,
         },
         "best": 0,
-        "walks": [{"design": 0, "label": title(foot.name), **_traces(walk, FINE_FRAMES)}],
+        "walks": [{"design": 0, "label": title(foot.name), **_traces(walk, FINE_FRAMES)}, *others],
     }
 
 
