@@ -58,7 +58,7 @@ def run(study: Study) -> None:
 
 def table(found: Calibration) -> Table:
     """Estimates for the terminal."""
-    shown = terminal.table(("of", "value", "from", "to"), words=("of",))
+    shown = terminal.table(("quantity", "value", "from", "to"), words=("quantity",))
     shown.title = (
         "95 % intervals over the repeats" if len(found.repeats) > 1 else "95 % intervals, one repeat"
     )
