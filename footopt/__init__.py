@@ -96,13 +96,7 @@ def __dir__() -> list[str]:
 # Hydra looks for pkg://footopt.conf, which is inside this package in a wheel, and beside it in a checkout
 _here = os.path.dirname(__file__)
 if not os.path.isdir(os.path.join(_here, "conf")):
-    from importlib.util import module_from_spec, spec_from_file_location
-
-    _spec = spec_from_file_location(
-        "footopt.conf", os.path.join(os.path.dirname(_here), "conf", "__init__.py")
-    )
-    if _spec is not None:
-        sys.modules["footopt.conf"] = module_from_spec(_spec)
+    __path__.append(os.path.dirname(_here))
 
 
 def load_ipython_extension(shell: Any) -> None:

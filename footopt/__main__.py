@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import os
 import sys
 
@@ -28,6 +27,8 @@ def main() -> None:
             )
     if "--version" in sys.argv[1:]:
         return print(f"footopt {__version__}")
+    import gc
+
     gc.set_threshold(100_000, 50, 50)  # a run makes few cycles: to look for them took a tenth of its time
     # figures are drawn without a backend, and matplotlib is not imported where it knows none of the name
     os.environ.pop("MPLBACKEND", None)
