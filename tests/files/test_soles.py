@@ -276,6 +276,21 @@ class TestDxf:
         assert "not its holes: a closed outline of 11.9" in note
         assert note.count("a closed outline of") == 3
 
+    @pytest.mark.parametrize("fill", ["black", "none"])
+    def test_the_inner_lines_of_one_filled_shape_are_holes_of_any_size(self, folder, fill):
+        shape = "M-100 20H100V-20H-100ZM-90 15V-15H90V15Z"
+        (folder / "a.svg").write_text(
+            '<svg xmlns="http://www.w3.org/2000/svg" width="300mm" height="300mm" viewBox="0 0 300 300">'
+            f'<path d="{shape}" fill="{fill}" fill-rule="evenodd" stroke="red"/></svg>'
+        )
+        if fill == "none":
+            with pytest.raises(FileError, match="it holds 2"):
+                read(folder / "a.svg")
+            return
+        foot = fo.Foot.from_file(folder / "a.svg")
+        same(foot.contour, [(-0.1, -0.02), (0.1, -0.02)])
+        assert "not its holes: a closed outline of 180 x 30 mm" in foot.notes[0]
+
     @pytest.mark.parametrize("inner", ["sole", "open"])
     def test_a_frame_round_a_sole_is_no_outline(self, dxf, inner):
         def draw(space):

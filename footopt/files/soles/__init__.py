@@ -135,9 +135,11 @@ def the_line(lines: Sequence[Line], name: str, layer: str | None = None) -> tupl
         raise SettingError("foot.layer", layer, "a layer with lines", f"{name} has {held}.")
     if layer is None and SOLE in layers:
         layer = SOLE
-    found = join([line for line in lines if layer in (None, line.layer)])
+    lines = [line for line in lines if layer in (None, line.layer)]
+    found = join([line for line in lines if not line.inner])
     if not found:
         raise Unusable("holds no line, arc, spline or polyline.")
+    found += [line for line in lines if line.inner]
     if len(found) > 1 and _has_holes(*found):
         told = ", ".join(_described(line) for line in found[1:6]) + (", ..." if len(found) > 6 else "")
         return found[0], (f"{name}: the outer line is read, {_described(found[0])}; not its holes: {told}",)
@@ -157,14 +159,17 @@ def the_line(lines: Sequence[Line], name: str, layer: str | None = None) -> tupl
 
 
 def _has_holes(outer: Line, *others: Line) -> bool:
-    """Whether a closed line holds all others, closed and much smaller: a frame round a sole is no outline."""
+    """Whether a closed line holds all others, closed and much smaller: a frame round a sole is no outline.
+
+    The inner lines of its own shape, which is filled between them, may be of any size.
+    """
     from shapely import Polygon
 
     if not (outer.closed and (body := Polygon(outer.points)).is_valid):
         return False
     length = HOLE * np.ptp(outer.points[:, 0])
     return all(
-        o.closed and np.ptp(o.points, axis=0).max() < length and body.contains(Polygon(o.points))
+        o.closed and (o.inner or np.ptp(o.points, axis=0).max() < length) and body.contains(Polygon(o.points))
         for o in others
     )
 

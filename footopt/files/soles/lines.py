@@ -26,6 +26,7 @@ class Line(NamedTuple):
     points: Array  # (m, 2), m; a closed one does not repeat its first
     closed: bool
     layer: str  # its layer (DXF) or the id of its group (SVG)
+    inner: bool = False  # whether a larger line bounds the same filled shape
 
 
 def unit_of(units: str | None, own: str | None) -> float:

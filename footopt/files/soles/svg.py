@@ -62,10 +62,16 @@ def read(path: Path, units: str | None, scale: float) -> Iterator[Line]:
                 # the library cannot turn or skew every shape: its points are
                 by = element.transform
                 turn = np.array([[by.a, by.c, by.e], [by.b, by.d, by.f]], float)
+                found = []
                 for piece in Curve(*element.segments(transformed=False)).as_subpaths():
                     line = _line(Curve(piece), unit * float(np.linalg.norm(turn[:, :2], 2)), layer)
                     turned = line.points @ turn[:, :2].T + turn[:, 2]
-                    yield line._replace(points=unit * turned * [1.0, -1.0])
+                    found.append(line._replace(points=unit * turned * [1.0, -1.0]))
+                sizes = [np.ptp(line.points, axis=0).max() for line in found if len(line.points)]
+                filled = element.fill.value is not None and all(line.closed for line in found)
+                for line in found:
+                    inner = filled and len(line.points) and np.ptp(line.points, axis=0).max() < max(sizes)
+                    yield line._replace(inner=bool(inner))
 
     yield from lines(SVG.parse(io.BytesIO(ElementTree.tostring(root)), reify=False), "")
 
