@@ -36,13 +36,13 @@ function bars(i, width) {
   const left = 70, right = 66, tall = 56, X = (v) => Math.min(Math.max(left + ((v - low) / (high - low || 1)) * (width - left - right), 0), width);
   const made = svg("svg", { id: "bars", viewBox: `0 0 ${width} ${rows.length * tall + 4}`, height: rows.length * tall + 4, role: "img",
     "aria-label": `Change against the flat foot: ${rows.map((row) => `${row.column.title} ${change(row.value, row.base, row.column)}`).join(", ")}` });
-  made.append(svg("line", { x1: X(0), x2: X(0), y1: 18, y2: rows.length * tall, stroke: "var(--ink)", "stroke-width": 1.2 }));
   rows.forEach(({ column, value, base, share, error, under, better }, r) => {
     const y = r * tall + 22, middle = y + 9, end = X(share), out = share < 0 ? -1 : 1;
     const ends = range([share, ...under.map((u) => u.share)], 0).map(X), past = out < 0 ? Math.min(...ends, end) : Math.max(...ends, end);
     made.append(
       svg("text", { class: "halo", x: 0, y: r * tall + 14 }, svg("tspan", { style: "font-weight:600" }, column.title),
         svg("tspan", { style: "fill:var(--grey)" }, `  ${quantity(value, column.unit)}${Number.isFinite(error) ? ` ± ${percent(Math.abs(error * base / value))}` : ""}, flat ${number(base)}`)),
+      svg("line", { x1: X(0), x2: X(0), y1: y - 3, y2: y + 21, stroke: "var(--ink)", "stroke-width": 1.2 }),
       svg("rect", { class: "bar-of-change", "data-name": column.name, x: Math.min(X(0), end), y, width: Math.max(Math.abs(end - X(0)), 1), height: 18,
         fill: better ? colour : "var(--paper)", stroke: colour, "stroke-width": 1.5, ...(better ? {} : { "stroke-dasharray": "4 3" }) }),
       ...(under.length ? [svg("line", { class: "laws", x1: ends[0], x2: ends[1], y1: middle, y2: middle, stroke: "var(--ink)", "stroke-width": 1 }),
@@ -190,15 +190,13 @@ function jobsSection(choose) {
 function tracesSection() {
   const jobs = data.traces.map((raw, i) => ({ label: data.designs.labels[raw.design], t: unpack(raw.t),
     ...Object.fromEntries(["height", "speed", "power", "work"].map((name) => [name, unpack(raw[name])])),
-    settings: data.jobs.find((job) => job.design === raw.design).settings,
     line: { stroke: COLOURS[i % COLOURS.length], "stroke-dasharray": [null, "7 3", "2 2", "9 3 2 3"][i % 4] } }));
   const titles = { height: "height of the COM (m)", speed: "forward speed (m/s)", power: "power of the sand, both feet (W)", work: "work of the sand, both feet (J)" };
   const plots = Object.keys(titles).map((name) => [name, el("div", { class: "plot" })]);
   const draw = () => plots.forEach(([name, holder]) => plot(holder, { x: range(jobs.flatMap((job) => [0, job.t.at(-1) ?? 0]), 0), xlabel: "time (s)", ylabel: titles[name],
-    height: 230, label: `${titles[name]} over time, of every job` }, jobs.map((job) => ({ x: job.t, y: job[name], "stroke-width": 1.5, ...job.line })),
+    height: 230, label: `${titles[name]} over time, of every job` }, jobs.map((job) => ({ x: job.t, y: job[name], name: job.label, ink: job.line.stroke, "stroke-width": 1.5, ...job.line })),
     (t) => [`${t.toFixed(2)} s`, ...jobs.filter((job) => t <= job.t.at(-1)).map((job) => `${job.label}: ${number(at(job, name, 1, t)[0])}`)].join("\n")));
   const section = el("section", { id: "traces" }, el("h2", {}, "Their walks"),
-    el("p", { class: "note" }, ...jobs.flatMap((job) => [key(job.line), ` ${[job.label, job.settings].filter(Boolean).join(": ")}  `])),
     el("div", { class: "grid plots", style: "--columns:2" }, ...plots.map(([, holder]) => el("figure", {}, holder))));
   return { section, draw };
 }

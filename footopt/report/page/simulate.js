@@ -153,14 +153,15 @@ function groups(count) {
   return { parts, of };
 }
 
-const TRACE = 13;
-/** Walk with plates: why it failed, its raw results, and rows of `TRACE` numbers and the forces along both soles. */
+const TRACE = 13, EVERY = 2; // steps: forces along soles cost as much as one of Newton's
+/** Walk with plates: why it failed, its raw results, rows of `TRACE` numbers, and the forces along both soles at some of their times. */
 function walkPlates(sole, zeta, mass, dt = P.accuracy.dt, repeat = 0) {
   const W = world(zeta, mass), { times, finest, tables, poses, pose0 } = motion(dt), { control } = P.accuracy;
   let [now, after] = [0, 1].map(() => ({ x: 0, z: 0, vx: 0, vz: 0, force: new Float64Array(14), sums: new Float64Array(4) }));
-  const { parts, of } = groups(sole.x.length), wide = TRACE + 4 * parts, rows = new Float64Array(wide * ((times.length - 1) << finest));
+  const { parts, of } = groups(sole.x.length), most = (times.length - 1) << finest, rows = new Float64Array(TRACE * most);
+  const when = [], arrows = new Float64Array(4 * parts * (Math.ceil(most / EVERY) + 1));
   const height = staticHeight(W, sole, pose0), strike = P.strike ?? Infinity;
-  const end = (reason, raw = null) => ({ reason, raw, rows, made, wide });
+  const end = (reason, raw = null) => ({ reason, raw, rows, made, when, arrows: arrows.subarray(0, 4 * parts * when.length) });
   let made = 0;
   if (!Number.isFinite(height)) return end("sunk");
   now.z = height;
@@ -190,10 +191,14 @@ function walkPlates(sole, zeta, mass, dt = P.accuracy.dt, repeat = 0) {
       n++;
       place = 0;
     }
-    for (const [samples, value] of [[lefts, left], [rights, right], [ends, t]]) {
-      samples.shift();
-      samples.push(value);
+    for (let s = 0; s < 3; s++) {
+      lefts[s] = lefts[s + 1];
+      rights[s] = rights[s + 1];
+      ends[s] = ends[s + 1];
     }
+    lefts[3] = left;
+    rights[3] = right;
+    ends[3] = t;
     if (t > strike - 1e-9) { // objectives that begin with the first heel strike
       if (speed === -Infinity) {
         const share = clip(1 - (t - strike) / h, 0, 1);
@@ -212,14 +217,15 @@ function walkPlates(sole, zeta, mass, dt = P.accuracy.dt, repeat = 0) {
     force = Math.max(force, F[1] + F[8]);
     deepest = Math.max(deepest, sinkage(sole, tables[level], p, after.z));
     [now, after] = [after, now];
-    rows.set([t, now.x, now.z, now.vx, now.vz, F[0], F[1], F[7], F[8], F[2], F[9], now.sums[0], now.sums[1]], wide * made);
-    for (const foot of [0, 1]) {
-      const from = wide * made + TRACE + 2 * parts * foot;
+    rows.set([t, now.x, now.z, now.vx, now.vz, F[0], F[1], F[7], F[8], F[2], F[9], now.sums[0], now.sums[1]], TRACE * made);
+    for (let foot = 0; foot < 2 && made % EVERY === 0; foot++) {
+      const from = 4 * parts * when.length + 2 * parts * foot;
       footForce(W, sole, tables[level], p + 14 + 7 * foot, now.x, now.z, now.vx, now.vz, P.accuracy.creep, 0, spare, 0, (i, fx, fz) => {
-        rows[from + 2 * of[i]] += fx;
-        rows[from + 2 * of[i] + 1] += fz;
+        arrows[from + 2 * of[i]] += fx;
+        arrows[from + 2 * of[i] + 1] += fz;
       });
     }
+    if (made % EVERY === 0) when.push(t);
     made++;
     if (control !== null && level > 0 && place % (2 * stride) === 0 && error < 0.1 * allowed) level--;
   }
@@ -244,18 +250,17 @@ function objectives(raw, mass) {
 
 /** A walk with a sole, points [x, z, x, z, ...] along its arc, as `open` gives those of the data, and its objectives. */
 function simulate(points, { zeta, mass }) {
-  const sole = plates(points, P.accuracy.parts), { reason, raw, rows, made, wide } = walkPlates(sole, zeta, mass);
+  const sole = plates(points, P.accuracy.parts), { reason, raw, rows, made, when, arrows } = walkPlates(sole, zeta, mass);
   const columns = (from, width) => {
     const found = new Float64Array(width * made);
-    for (let i = 0; i < made; i++) for (let j = 0; j < width; j++) found[width * i + j] = rows[wide * i + from + j];
+    for (let i = 0; i < made; i++) for (let j = 0; j < width; j++) found[width * i + j] = rows[TRACE * i + from + j];
     return found;
   };
   const { parts, of } = groups(sole.x.length), at = new Float64Array(2 * parts), size = new Float64Array(parts), area = new Float64Array(parts);
   of.forEach((j, i) => { at[2 * j] += sole.x[i]; at[2 * j + 1] += sole.z[i]; size[j]++; area[j] += sole.area[i]; });
   return {
-    reason, objectives: objectives(raw, mass), lowest: raw ? -raw.maximum_sinkage : undefined, ankle: P.foot.ankle, at: at.map((v, i) => v / size[i >> 1]), area, when: [],
+    reason, objectives: objectives(raw, mass), lowest: raw ? -raw.maximum_sinkage : undefined, ankle: P.foot.ankle, at: at.map((v, i) => v / size[i >> 1]), area, when, arrows,
     t: columns(0, 1), com: columns(1, 2), velocity: columns(3, 2), force: columns(5, 4), power: columns(9, 2), work: columns(11, 2),
-    arrows: columns(TRACE, 4 * parts),
   };
 }
 

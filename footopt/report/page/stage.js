@@ -73,7 +73,7 @@ function pose(walk, t) {
 
 /** Where everything is at a time, m and N. */
 function instant(walk, t) {
-  const parts = pairs(walk.at), times = walk.when.length ? walk.when : walk.t, arrows = at(walk, "arrows", 4 * parts.length, t, times);
+  const parts = pairs(walk.at), arrows = at(walk, "arrows", 4 * parts.length, t, walk.when);
   const feet = pose(walk, t).map(({ leg, turn, carry }, foot) => ({ leg, shape: carry(walk.shape), sole: carry(walk.light),
     forces: parts.map((p, i) => ({ at: turn(p), f: arrows.slice(2 * (foot * parts.length + i)).slice(0, 2) })) }));
   return { com: feet[0].leg[0], feet };

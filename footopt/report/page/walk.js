@@ -83,8 +83,7 @@ function walkSection() {
       el("figure", {}, whole, el("figcaption", {}, "The walker and the force of the sand on each foot, from where it acts.")),
       el("figure", {}, near, el("figcaption", {}, "Close-up; arrows: forces on parts of the sole, ending there."))),
     numbers,
-    el("p", { class: "note", id: "walk-key" }, key(LINES[LEFT]), " left foot, ", key(LINES[RIGHT]), " right foot",
-      ...(others.size > 1 ? [", ", key({ stroke: "var(--flat)" }), " compared with"] : []), "; dotted: heel strikes. ",
+    el("p", { class: "note" }, "Dotted: heel strikes. ",
       "Click or drag in a plot to go to an instant. Power and work are negative where the sand takes energy."),
     el("div", { class: "grid plots", style: "--columns:3" }, ...plots.map((plot) => el("figure", {}, plot))),
     samples);
@@ -193,8 +192,6 @@ function stepLoop(id = "step", tall = 300) {
   const take = (i) => { state.walk = walkOf(i); };
   return { figure, redraw, take, show: (i) => { take(i); redraw(); } };
 }
-
-const key = (line) => svg("svg", { width: 28, height: 8, "aria-hidden": "true" }, svg("line", { x2: 28, y1: 4, y2: 4, "stroke-width": 2.5, ...line }));
 
 function sampleTable(walk) {
   const every = Math.max(1, Math.floor(walk.t.length / 60));
