@@ -32,6 +32,7 @@ REMEMBERED = 10_000  # of the newest designs, and parents of several objectives,
 WIDTH, SMOOTHING = 0.7, 1e-3  # of the model: one over its length, in the range of heights
 WORSE = 1e100  # than any value, for a model of ranks: an infeasible design, the more it violates
 FEW = 100  # parents of several objectives
+ENDS = 0.2  # share of a generation that goes for the best by one objective alone
 FREE = 2 / 3  # share of their children that no model chooses, of a front up to FEW
 
 
@@ -128,7 +129,15 @@ class Moves(Algorithm):
         return X[[group[promise[group].argmax()] for group in groups]]
 
     def _promise(self, X: Ints) -> Array:
-        """How far designs (designs, n) should lie ahead of the best so far, in ranks, (designs,).
+        """How far designs (designs, n) should lie ahead of the best so far, in ranks, (designs,)."""
+        expected, known = self._expected(X)
+        promise = np.full(len(X), np.inf)
+        for ahead in known[nondominated(known)]:
+            np.minimum(promise, (ahead - expected).max(axis=1), out=promise)
+        return promise
+
+    def _expected(self, X: Ints) -> tuple[Array, Array]:
+        """Ranks of designs (designs, n) by each objective, as a model expects them; those of whom it knows.
 
         The model interpolates the ranks of known designs by Gaussians of their distance in heights and
         differences of neighbours (scipy's RBFInterpolator). It knows the newest designs and the best.
@@ -140,11 +149,7 @@ class Moves(Algorithm):
         given: dict[str, Any] = {"kernel": "gaussian", "epsilon": WIDTH, "smoothing": SMOOTHING}
         top = float(np.max(self.problem.xu))
         model = RBFInterpolator(steps(known) / top, rank, **given)
-        expected = np.round(model(steps(X) / top), 6)  # sums in another order must not lead elsewhere
-        promise = np.full(len(X), np.inf)
-        for ahead in rank[nondominated(rank)]:
-            np.minimum(promise, (ahead - expected).max(axis=1), out=promise)
-        return promise
+        return np.round(model(steps(X) / top), 6), rank  # sums in another order must not lead elsewhere
 
     @property
     def told(self) -> int:
@@ -249,14 +254,27 @@ class Archive(Moves):
         self.opt = self.front
 
     def _propose(self, size: int) -> Ints:
-        """Of a small front in a quarter of a generation those neighbours that the model likes best."""
-        if len(self.front) > FEW or self.told < LEARNT:
+        """A part for the ends of the front; of a small one in a quarter the neighbours of most promise."""
+        if self.told < LEARNT:
             return super()._propose(size)
+        ends = self._ends(int(ENDS * size))
+        if len(self.front) > FEW:
+            return ends
         X = self.front.get("X").astype(np.int64)
         near = (X[:, None] + shifts(X.shape[1])).reshape(-1, X.shape[1])
         X = self._fresh(self.random_state.permutation(near)[: 3 * CHILDREN])
         best = np.argsort(-self._promise(X), kind="stable") if len(X) else np.empty(0, np.int64)
-        return self._new(X[best], max(size // 4, 1))
+        return np.concatenate([ends, self._new(X[best], max(size // 4, 1))])
+
+    def _ends(self, count: int) -> Ints:
+        """Of children of the best by one objective, each in its turn, those that should be best by it."""
+        by, draw = len(self.learnt) % self.problem.n_obj, self.random_state
+        X, F = self._kept(self.told)
+        best = X[np.argsort(F[:, by], kind="stable")[:PARENTS]].astype(np.int64)
+        X, other = (best[draw.integers(len(best), size=CHILDREN)] for _ in range(2))
+        X = np.where((draw.random(CHILDREN) < CROSSED)[:, None], exchanged(X, other, draw), X)
+        X = self._fresh(shifted(X, draw))
+        return self._new(X[np.argsort(self._expected(X)[0][:, by], kind="stable")], count) if len(X) else X
 
     def _screened(self, X: Ints, count: int) -> Ints:
         free = int(FREE * count) if len(self.front) <= FEW else 0
