@@ -271,10 +271,12 @@ class Archive(Moves):
         by, draw = len(self.learnt) % self.problem.n_obj, self.random_state
         X, F = self._kept(self.told)
         best = X[np.argsort(F[:, by], kind="stable")[:PARENTS]].astype(np.int64)
-        X, other = (best[draw.integers(len(best), size=CHILDREN)] for _ in range(2))
-        X = np.where((draw.random(CHILDREN) < CROSSED)[:, None], exchanged(X, other, draw), X)
-        X = self._fresh(shifted(X, draw))
-        return self._new(X[np.argsort(self._expected(X)[0][:, by], kind="stable")], count) if len(X) else X
+        one, other = (best[draw.integers(len(best), size=CHILDREN)] for _ in range(2))
+        crossed = draw.random(CHILDREN) < CROSSED
+        children = self._fresh(shifted(np.where(crossed[:, None], exchanged(one, other, draw), one), draw))
+        if not len(children):
+            return children
+        return self._new(children[np.argsort(self._expected(children)[0][:, by], kind="stable")], count)
 
     def _screened(self, X: Ints, count: int) -> Ints:
         free = int(FREE * count) if len(self.front) <= FEW else 0
