@@ -32,7 +32,7 @@ REMEMBERED = 10_000  # of the newest designs, and parents of several objectives,
 WIDTH, SMOOTHING = 0.7, 1e-3  # of the model: one over its length, in the range of heights
 WORSE = 1e100  # than any value, for a model of ranks: an infeasible design, the more it violates
 FEW = 100  # parents of several objectives
-ENDS = 0.2  # share of a generation that goes for the best by one objective alone
+ENDS = 0.2  # share of a generation that goes for the best by one of three objectives or more alone
 FREE = 2 / 3  # share of their children that no model chooses, of a front up to FEW
 
 
@@ -257,7 +257,7 @@ class Archive(Moves):
         """A part for the ends of the front; of a small one in a quarter the neighbours of most promise."""
         if self.told < LEARNT:
             return super()._propose(size)
-        ends = self._ends(int(ENDS * size))
+        ends = self._ends(int(ENDS * size)) if self.problem.n_obj > 2 else super()._propose(size)
         if len(self.front) > FEW:
             return ends
         X = self.front.get("X").astype(np.int64)
