@@ -116,4 +116,5 @@ def check(condition: object, setting: str, value: object, allowed: str, hint: st
 
 def check_kind(value: object, kind: type, setting: str, hint: str) -> None:
     """Raise `SettingError` unless `value` is a `kind`: what is only used later would fail far from here."""
-    check(isinstance(value, kind), setting, value, f"a {kind.__name__}", hint)
+    article = "an" if kind.__name__[0] in "AEIOU" else "a"
+    check(isinstance(value, kind), setting, value, f"{article} {kind.__name__}", hint)

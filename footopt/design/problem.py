@@ -14,11 +14,11 @@ from footopt.design.choice import Choice, excess
 from footopt.design.solvers import Solver
 from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Waypoints
-from footopt.walk.accuracy import Accuracy
+from footopt.walk.accuracy import Accuracy, resolve
 from footopt.walk.metrics import Ends
 from footopt.walk.objectives import FIVE, MEASURES, Objective, lookup
 from footopt.walk.scene import Scene
-from footopt.walk.simulate import NEVER, evaluate, resolve
+from footopt.walk.simulate import NEVER, evaluate
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -17,9 +17,8 @@ from footopt.design.problem import Array, FootProblem, Ints
 from footopt.design.solvers import Solver
 from footopt.errors import check, needed
 from footopt.foot import Foot
-from footopt.walk.accuracy import Accuracy
+from footopt.walk.accuracy import Accuracy, resolve
 from footopt.walk.objectives import MEASURES
-from footopt.walk.simulate import resolve
 
 SHOWN = 5000  # designs of a front; of a larger one a part is walked finely, drawn, and on the page
 

@@ -29,7 +29,7 @@ from numba.extending import overload
 from numpy.typing import NDArray
 
 from footopt.compiled import FAST, INLINE
-from footopt.errors import SettingError
+from footopt.errors import SettingError, check
 
 Array = NDArray[np.float64]
 Hook = Callable[..., Any]
@@ -110,8 +110,12 @@ def ordered(effects: Sequence[Effect]) -> tuple[Effect, ...]:
     Raises
     ------
     SettingError
-        Two effects are of one kind.
+        They are no sequence of effects, or two are of one kind.
     """
+    given = isinstance(effects, (list, tuple)) and all(
+        hasattr(effect, "nothing") and not isinstance(effect, type) for effect in effects
+    )
+    check(given, "effects", effects, "a list of effects", "Try effects=[fo.Rest(), fo.LeadingEdge()]")
     kinds = [type(effect) for effect in effects]
     for kind in kinds:
         if kinds.count(kind) > 1:

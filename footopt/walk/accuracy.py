@@ -10,7 +10,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from footopt.errors import SettingError, check
+from footopt.errors import SettingError, check, check_kind
 from footopt.foot.plates import RULES
 from footopt.walk.steppers import STEPPERS
 
@@ -197,3 +197,10 @@ PRESETS: dict[str, Accuracy] = {
     **{name: replace(Accuracy.within(value), name=name) for name, value in TOLERANCES.items()},
     "reference": Accuracy("sdirk2", 2e-4, 400, 1e-5, "reference", adapt=True),
 }
+
+
+def resolve(accuracy: Accuracy | str) -> Accuracy:
+    """An accuracy, given itself or a preset's name."""
+    found = Accuracy.named(accuracy) if isinstance(accuracy, str) else accuracy
+    check_kind(found, Accuracy, "accuracy", 'Try "standard"')
+    return found

@@ -18,10 +18,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from footopt.effects import Effect, title_of
 from footopt.foot import Foot, Waypoints
-from footopt.walk.accuracy import Accuracy
+from footopt.walk.accuracy import Accuracy, resolve
 from footopt.walk.objectives import FIVE
 from footopt.walk.scene import Scene
-from footopt.walk.simulate import evaluate, resolve
+from footopt.walk.simulate import evaluate
 
 Array = NDArray[np.float64]
 

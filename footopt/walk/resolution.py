@@ -11,11 +11,11 @@ import numpy as np
 from footopt.effects.footprints import Footprints, finer_cells
 from footopt.foot import Foot
 from footopt.walk import prepare
-from footopt.walk.accuracy import TOLERANCES, Accuracy
+from footopt.walk.accuracy import TOLERANCES, Accuracy, resolve
 from footopt.walk.objectives import FIVE, FLOORS, OBJECTIVES
 from footopt.walk.results import Walk
 from footopt.walk.scene import Scene
-from footopt.walk.simulate import estimated, resolve, simulate
+from footopt.walk.simulate import estimated, simulate
 from footopt.walk.validity import Diagnostic
 
 #: A warning is due where the estimate is this many times what the accuracy promises.

@@ -19,7 +19,7 @@ from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Foot, Plates, Waypoints, as_plates
 from footopt.foot.plates import RULES
 from footopt.walk import prepare
-from footopt.walk.accuracy import Accuracy
+from footopt.walk.accuracy import Accuracy, resolve
 from footopt.walk.adapt import accuracies, adapted
 from footopt.walk.loop import BACKWARD, BEATEN, DIVERGED, OK, SUNK, walk_range
 from footopt.walk.metrics import RAW, TRACE, Ends, Sample
@@ -249,11 +249,6 @@ def _scene(scene: Scene | None) -> Scene:
     found = Scene() if scene is None else scene
     check_kind(found, Scene, "scene", "Try fo.Scene(sand=...)")
     return found
-
-
-def resolve(accuracy: Accuracy | str) -> Accuracy:
-    """An accuracy, given itself or a preset's name."""
-    return Accuracy.named(accuracy) if isinstance(accuracy, str) else accuracy
 
 
 def available_threads() -> int:
