@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.errors import check
+from footopt.kinds import says_kinds
 from footopt.walk.objectives import MEASURES
 
 Array = NDArray[np.float64]
@@ -22,6 +23,7 @@ WAYS = {
 }
 
 
+@says_kinds
 @dataclass(frozen=True)
 class Choice:
     """How one design of a front is chosen.

@@ -14,6 +14,7 @@ from footopt.design.choice import Choice, excess
 from footopt.design.solvers import Solver
 from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Waypoints
+from footopt.kinds import says_kinds
 from footopt.walk.accuracy import Accuracy, resolve
 from footopt.walk.metrics import Ends
 from footopt.walk.objectives import FIVE, MEASURES, Objective, lookup
@@ -51,6 +52,7 @@ class Evaluated(NamedTuple):
     violation: Array
 
 
+@says_kinds
 class FootProblem:
     """Find waypoint heights k, whole numbers from 1 to K, that make a good foot.
 

@@ -22,10 +22,12 @@ from footopt.design.solvers import Solver
 from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Waypoints
 from footopt.foot.waypoints import keys
+from footopt.kinds import says_kinds
 
 REPEATS = 10  # times as many generations as its walks need, where a solver asks for designs again
 
 
+@says_kinds
 class PymooProblem(Problem):
     """A `FootProblem` as pymoo's algorithms want it, for `pymoo.optimize.minimize`.
 

@@ -27,11 +27,13 @@ from footopt.design.solvers.registry import COARSELY
 from footopt.design.stop import Stop
 from footopt.design.store import Store
 from footopt.errors import check, check_kind
+from footopt.kinds import says_kinds
 
 BUDGET = ("walks", "pop_size", "n_gen", "seed", "operators", "race")  # of a solver that is named
 ENOUGH = "by the solver, which asked for nothing more"
 
 
+@says_kinds
 def search(
     problem: FootProblem,
     solver: Solver | str | Any = None,
@@ -89,6 +91,8 @@ def search(
         The store was opened for another problem.
     """
     check_kind(problem, FootProblem, "problem", "Try fo.FootProblem(scene)")
+    ends = stop is None or isinstance(stop, Stop) or hasattr(stop, "has_terminated")
+    check(ends, "stop", stop, "a Stop or a Termination of pymoo", "Try walks=1000")
     for name, value in budget.items():
         check(name in BUDGET, name, value, f"one of {', '.join(BUDGET)}, as a keyword")
     if not isinstance(solver, (Solver, str, NoneType)):

@@ -9,10 +9,12 @@ from numbers import Integral, Real
 
 from footopt.design.result import Generation
 from footopt.errors import check
+from footopt.kinds import says_kinds
 
 GAIN = 1e-3  # a smaller one is below the error of walks at the accuracy `standard`
 
 
+@says_kinds
 @dataclass(frozen=True)
 class Stop:
     """When a search ends before its last generation; what is None never ends it.

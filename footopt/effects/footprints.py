@@ -10,6 +10,7 @@ from typing import NamedTuple
 from footopt.effects.base import EFFECTS, Effect, Scale
 from footopt.effects.slope import Slope
 from footopt.errors import check
+from footopt.kinds import says_kinds
 
 LEAST = 5e-4  # m, of a cell: thinner ones take too long
 
@@ -24,6 +25,7 @@ class Prints(NamedTuple):
     own: bool
 
 
+@says_kinds
 @dataclass(frozen=True)
 class Footprints:
     """The sand's surface is a height field along x, and a plate feels its depth below that surface.

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from footopt.errors import check, one_line
 from footopt.files import bodies, drawings, soles
@@ -16,10 +16,12 @@ from footopt.foot import outline
 from footopt.foot.plates import RULES, Plates, Shading, along_arc
 from footopt.foot.shapes import shape
 from footopt.foot.waypoints import Waypoints, check_ankle, check_length, check_top, written
+from footopt.kinds import says_kinds
 
 Array = NDArray[np.float64]
 
 
+@says_kinds
 @dataclass(frozen=True, eq=False, repr=False)
 class Foot:
     """A sole in the foot frame: origin at the centre of the foot's box, x_p to the toe, z_p up.
@@ -264,8 +266,26 @@ class Foot:
         return None if self.space is None else float(self.space.box_violation(self.k)[0])  # type: ignore[arg-type]
 
 
+def as_feet(feet: Any) -> Any:
+    """Plates and feet as they are, one foot as a list of one, and anything else as heights (designs, n)."""
+    if isinstance(feet, Foot):
+        return [feet]
+    if isinstance(feet, Plates):
+        return feet
+    if isinstance(feet, Sequence) and any(isinstance(foot, Foot) for foot in feet):
+        check(all(isinstance(foot, Foot) for foot in feet), "feet", feet, "all Foot, or all waypoint heights")
+        return feet
+    try:
+        heights = np.atleast_2d(np.asarray(feet))
+    except ValueError:  # of different lengths
+        heights = np.empty(0, object)
+    allowed = "Foot, a list of these, or heights of waypoints (designs, n)"
+    check(heights.ndim == 2 and heights.dtype.kind in "iuf", "feet", feet, allowed)
+    return heights if heights.size else []
+
+
 def as_plates(
-    feet: Sequence[Foot] | Plates | ArrayLike,
+    feet: Any,
     plates: int,
     rule: str,
     space: Waypoints | None,
@@ -279,18 +299,18 @@ def as_plates(
     SettingError
         There are feet and other things among `feet`, or open and closed feet.
     """
+    feet = as_feet(feet)
     if isinstance(feet, Plates):
         return feet
     parts = RULES[rule]
     bodies: Sequence[Foot | Waypoints]
-    if isinstance(feet, Sequence) and any(isinstance(foot, Foot) for foot in feet):
-        bodies = whole = [foot for foot in feet if isinstance(foot, Foot)]
-        check(len(whole) == len(feet), "feet", "Foot and other things", "all Foot, or all waypoint heights")
-        closed = {foot.closed for foot in whole}
+    if isinstance(feet[0], Foot):
+        bodies = feet
+        closed = {foot.closed for foot in feet}
         check(len(closed) == 1, "foot.closed", "both in one batch", "the same for all feet of a batch")
-        points = np.stack([foot.points(plates, parts) for foot in whole])
+        points = np.stack([foot.points(plates, parts) for foot in feet])
     else:
-        heights = np.atleast_2d(np.asarray(feet))
+        heights = np.atleast_2d(feet)
         space = space or Waypoints(n=heights.shape[-1])
         points = space.points(heights, plates * parts)
         bodies = [space]

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from footopt.compiled import cached_njit
 from footopt.errors import SettingError, check
+from footopt.kinds import says_kinds
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -21,6 +22,7 @@ Ints = NDArray[np.int64]
 FINE = 32  # samples of the spline between two waypoints, for its arc length and its box violation
 
 
+@says_kinds
 @dataclass(frozen=True)
 class Waypoints:
     """A space of soles: n waypoints, uniform in x over [-L, L], at z_i = -k_i H / K.
@@ -95,7 +97,10 @@ class Waypoints:
 
     def check(self, k: ArrayLike) -> Ints:
         """The heights as whole numbers, (designs, n); raises `SettingError` for what is none in the space."""
-        said = np.asarray(k)
+        try:
+            said = np.asarray(k)
+        except ValueError:  # of different lengths
+            raise SettingError("foot.k", k, f"{self.n} heights a design (foot.n = {self.n})") from None
         given = np.atleast_2d(said)
         if given.ndim != 2 or given.shape[1] != self.n:
             raise SettingError(

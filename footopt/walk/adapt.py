@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from footopt.effects import Footprints, LeadingEdge, Patches, Rest, laws
 from footopt.effects import base as effects
 from footopt.effects.shadowing import filler, hidden_part
-from footopt.errors import SettingError, check_kind
+from footopt.errors import SettingError
 from footopt.foot import Foot, Plates, Waypoints
 from footopt.foot.plates import corners, turns_of
 from footopt.walk.accuracy import MOST_PLATES, Accuracy
@@ -107,7 +107,6 @@ def accuracies(
     found: dict[Accuracy, list[int]] = {}
     if isinstance(feet[0], Foot):
         for i, foot in enumerate(feet):
-            check_kind(foot, Foot, "feet", "Give all Foot, or all waypoint heights")
             found.setdefault(adapted(accuracy, scene, foot), []).append(i)
         return found
     return {adapted(accuracy, scene, space or Waypoints(n=len(feet[0]))): list(range(len(feet)))}

@@ -16,8 +16,9 @@ from footopt.effects import base as effects
 from footopt.effects.footprints import finer_cells
 from footopt.effects.shadowing import filler
 from footopt.errors import SettingError, check, check_kind
-from footopt.foot import Foot, Plates, Waypoints, as_plates
+from footopt.foot import Foot, Plates, Waypoints, as_feet, as_plates
 from footopt.foot.plates import RULES
+from footopt.kinds import says_kinds
 from footopt.walk import prepare
 from footopt.walk.accuracy import Accuracy, resolve
 from footopt.walk.adapt import accuracies, adapted
@@ -43,6 +44,7 @@ POINTS = 4_000_000  # along their soles, at most
 BLOCK = 16  # designs that a thread takes at a time
 
 
+@says_kinds
 def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = "standard") -> Walk:
     """Walk through a scene with one foot, keeping full traces.
 
@@ -103,6 +105,7 @@ def _pair(a: Array, b: Array) -> Array:
     return np.stack([a, b], axis=1)
 
 
+@says_kinds
 def evaluate(
     feet: Foot | Sequence[Foot] | Plates | ArrayLike,
     scene: Scene | None = None,
@@ -146,15 +149,15 @@ def evaluate(
         The scene has no heel strike, an objective is not known, or there are no feet.
     """
     scene, accuracy = _scene(scene), resolve(accuracy)
-    feet = [feet] if isinstance(feet, Foot) else feet
+    check_kind(ends, Ends, "ends", "Leave it out")
+    bodies = as_feet(feet)
     scene.need_heel_strike()
     lookup(objectives)
-    check(not (errors and isinstance(feet, Plates)), "errors", True, "false where feet are plates")
-    if not isinstance(feet, (Sequence, Plates)):
-        feet = np.atleast_2d(np.asarray(feet))
+    check(not (errors and isinstance(bodies, Plates)), "errors", True, "false where feet are plates")
     parts, order = [], []
-    for finely, index in accuracies(feet, scene, accuracy, space).items():
-        some = feet if isinstance(feet, Plates) or len(index) == len(feet) else [feet[i] for i in index]
+    for finely, index in accuracies(bodies, scene, accuracy, space).items():
+        whole = isinstance(bodies, Plates) or len(index) == len(bodies)
+        some = bodies if whole else [bodies[i] for i in index]
         asked = some, scene, finely, objectives, space, threads
         part = _evaluated(*asked, ends)
         if errors:

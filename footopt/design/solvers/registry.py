@@ -10,6 +10,7 @@ from typing import Any
 
 from footopt.errors import SettingError, check
 from footopt.foot import Waypoints
+from footopt.kinds import says_kinds
 
 #: Walks with every design of a small space, for any objectives: `footopt.design.exhaustive`.
 EXHAUSTIVE = "exhaustive"
@@ -45,6 +46,7 @@ WALKS, DEAR_WALKS = 10_000, 300  # of a solver without n_gen, and of one in COAR
 SIZE = 100  # of generations that do not grow
 
 
+@says_kinds
 @dataclass(frozen=True)
 class Solver:
     """A solver and its budget.
