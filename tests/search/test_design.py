@@ -142,9 +142,9 @@ class TestSearch:
     def test_no_design_is_walked_twice_and_the_history_counts_what_was_asked_for(self, monkeypatch):
         walked = []
 
-        def counted(k, *args):
+        def counted(k, *args, **named):
             walked.extend(map(tuple, k))
-            return fo.evaluate(k, *args)
+            return fo.evaluate(k, *args, **named)
 
         monkeypatch.setattr("footopt.design.problem.evaluate", counted)
         r = search(problem(), "ga", pop_size=12, n_gen=8, seed=1)
@@ -265,7 +265,7 @@ def test_what_is_of_another_kind_is_said_where_it_is_given(call, message):
 def test_an_unknown_budget_is_named():
     with pytest.raises(
         SettingError,
-        match=r"generations = 3: must be one of walks, pop_size, n_gen, seed, operators, as",
+        match=r"generations = 3: must be one of walks, pop_size, n_gen, seed, operators, race, as",
     ):
         search(problem(), generations=3)
 
