@@ -14,8 +14,11 @@ from pathlib import Path
 import numpy as np
 
 import footopt as fo
-from footopt.errors import SettingError
+from footopt.walk.adapt import adapted
+from footopt.walk.metrics import Sample
+from footopt.walk.simulate import REASONS, _Asked, _walk, resolve
 
+FOOT = fo.Foot.from_waypoints([1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 8])
 STILL = fo.Gait.human(start=math.inf)
 ZETAS = (0.05, 0.2, 1.0, 5.0, 50.0, 500.0)
 SLOPES = (0.0, 5.0, 15.0)  # deg; a level sole slides for ever from 19.9 on
@@ -36,13 +39,16 @@ def stand(zeta, slope, numerics, t_f=60.0):
     accuracy, delta = NUMERICS[numerics]
     effects = (fo.Rest(delta), *((fo.Slope(slope),) if slope else ()))
     scene = fo.Scene(sand=fo.Sand(zeta), gait=STILL, t_f=t_f, effects=effects)
-    try:
-        walk = fo.simulate(fo.Foot.from_waypoints([1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 8]), scene, accuracy)
-    except SettingError:  # so many plates, and each remembered at every step, would take too much memory
-        return numerics, slope, zeta, "refused", *[math.nan] * 4
-    late, carries = walk.com[walk.t > 0.5 * t_f], scene.walker.mass * scene.gravity[1]
-    load = abs(walk.force[-1, :, 1].sum() / carries - 1.0)
-    return numerics, slope, zeta, walk.reason, float(np.hypot(*np.ptp(late, axis=0))), *walk.com[-1], load
+    accuracy = adapted(resolve(accuracy), scene, FOOT)
+    # `fo.simulate` would keep what each plate remembers at every step: at `reference` up to 40 GB
+    asked = _Asked(sink=False, threads=1, traced=True, remembers=False)
+    walked = _walk(FOOT.plates(accuracy.plates, accuracy.rule), scene, accuracy, asked)
+    c = Sample(*walked.trace[np.isfinite(walked.trace).all(axis=1)].T)
+    com = np.stack([c.x, c.z], axis=1)
+    late, carries = com[c.t > 0.5 * t_f], scene.walker.mass * scene.gravity[1]
+    load = abs((c.fz_left[-1] + c.fz_right[-1]) / carries - 1.0)
+    reason = REASONS[int(walked.status[0])]
+    return numerics, slope, zeta, reason, float(np.hypot(*np.ptp(late, axis=0))), *com[-1], load
 
 
 def spread(places):

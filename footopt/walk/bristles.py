@@ -83,9 +83,12 @@ def next_step(bristles):
 
 @inlined
 def record(trace, row, bristles):
-    """Write the bristles at a step's beginning into a row of their trace, where there is one."""
+    """Write the bristles at a step's beginning into a row of their trace, where there is one.
+
+    A trace of one row holds the last ones.
+    """
     if bristles is not None:
-        now = bristles.now
+        now, row = bristles.now, row % len(trace)
         for foot in range(2):  # loops: numba takes 20 s to compile an assignment of arrays
             for i in range(now.shape[2]):
                 trace[row, foot, 0, i], trace[row, foot, 1, i] = now[foot, 0, i], now[foot, 1, i]

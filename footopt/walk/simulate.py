@@ -80,8 +80,7 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
     directed = effects.laws(scene.effects).directed
     plates = foot.plates(accuracy.plates, accuracy.rule, directed, filler(scene.effects))
     walked = _walk(plates, scene, accuracy, _Asked(sink=True, threads=1, traced=True))
-    bristles = walked.bristle_trace
-    rows = 1 + np.flatnonzero(np.isfinite(walked.trace[1:]).all(axis=1))
+    rows, h = 1 + np.flatnonzero(np.isfinite(walked.trace[1:]).all(axis=1)), walked.bristle_trace
     c: Any = Sample(*walked.trace[rows].T)  # columns
     return Walk(
         foot=foot,
@@ -93,7 +92,7 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
         force=np.stack([_pair(c.fx_left, c.fz_left), _pair(c.fx_right, c.fz_right)], axis=1),
         power=_pair(c.power_left, c.power_right),
         work=_pair(c.work_left, c.work_right),
-        bristles=None if bristles is None else np.moveaxis(bristles[rows][..., : plates.x.shape[1]], 2, 3),
+        bristles=None if h is None else np.moveaxis(h[rows][..., : plates.x.shape[1]], 2, 3),
         start=np.array(Sample(*walked.trace[0])[1:3]),
         reason=REASONS[int(walked.status[0])],
         totals=dict(zip(RAW, map(float, walked.raw[0]), strict=True)),
@@ -289,6 +288,7 @@ class _Asked(NamedTuple):
     threads: int | None
     traced: bool = False
     ends: Ends = NEVER
+    remembers: bool = True  # whether a trace has the bristles of every row, or the last
 
 
 class _Walked(NamedTuple):
@@ -330,7 +330,7 @@ def _run(plates: Plates, scene: Scene, accuracy: Accuracy, asked: _Asked) -> _Wa
     status, counts = np.empty(designs, np.int64), np.zeros(designs, COUNTS)
     trace = np.full((len(tables[-1]) + 1 if asked.traced else 0, len(TRACE)), np.nan)
     constants = prepare.world(scene, accuracy)
-    shape = len(trace), 2, 2, soles.x.shape[1]
+    shape = len(trace) if asked.remembers else 1, 2, 2, soles.x.shape[1]
     bristle_trace = None if constants.rest is None else np.zeros(shape, np.float32)
 
     def run(begin: int) -> None:
