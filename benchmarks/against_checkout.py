@@ -6,7 +6,8 @@ Each checkout walks in processes of its own. The same source compiled twice may 
 by how its machine code happens to lie; --processes many of each give the median.
 
 --errors adds both errors on the three sands (worst objective, 95 % of the feet, each against its own
-converged walks); --here DT CONTROL PLATES walks there with a setting in place of this checkout's `standard`.
+converged walks); --here DT CONTROL PLATES walks here with a setting in place of `standard`: given once, or
+for soft, regular and hard sand, so that both have the same error on each.
 """
 
 from __future__ import annotations
@@ -28,12 +29,13 @@ import numpy as np
 import footopt as fo
 
 feet = fo.Waypoints().random(int(sys.argv[1]), seed=7, inside=True)
-dt, control, plates = map(float, sys.argv[2].split()) if sys.argv[2] else (0, 0, 0)
-own = fo.Accuracy("sdirk2", dt, int(plates), control=control) if dt else "standard"
+given = [one.split() for one in sys.argv[2].split(",") if one]
+own = [fo.Accuracy("sdirk2", float(dt), int(n), control=float(held)) for dt, held, n in given]
+own = own * (3 // len(own)) if own else ["standard"] * 3
 sands = [fo.Scene(sand=fo.Sand.named(name)) for name in ("soft", "regular", "hard")]
 full = fo.Scene(sand=fo.Sand.named("regular"), effects=(fo.LeadingEdge(), fo.Inertia()))
 steppers = [fo.Accuracy(name, 1e-3, 64) for name in ("explicit_euler", "heun")]
-cases = [(scene, own) for scene in sands] + [(full, "standard")] + [(sands[1], a) for a in steppers]
+cases = list(zip(sands, own)) + [(full, "standard")] + [(sands[1], a) for a in steppers]
 
 def walk(scene, accuracy):
     started = time.thread_time()
@@ -45,9 +47,9 @@ for scene, accuracy in cases:  # compiled, poses made
 print("ready", flush=True)
 if sys.argv[3]:
     limit = fo.Accuracy("sdirk2", 2e-4, 400, 1e-5)
-    for scene in sands:
+    for scene, accuracy in cases[:3]:
         truth = fo.evaluate(feet, scene, limit).values
-        error = abs(fo.evaluate(feet, scene, own).values / truth - 1).max(axis=1)
+        error = abs(fo.evaluate(feet, scene, accuracy).values / truth - 1).max(axis=1)
         print(100 * np.percentile(error, 95), flush=True)
 for _ in sys.stdin:
     print(*(number for case in cases for number in walk(*case)), flush=True)
@@ -105,11 +107,12 @@ def main() -> None:
     parser.add_argument("folder", type=Path, help="the other checkout")
     parser.add_argument("--processes", type=int, default=3, help="pairs of processes")
     parser.add_argument("--errors", action="store_true", help="measure both errors, too")
-    parser.add_argument("--here", nargs=3, default=[], metavar=("DT", "CONTROL", "PLATES"), help="see above")
+    names = "DT", "CONTROL", "PLATES"
+    parser.add_argument("--here", nargs=3, default=[], action="append", metavar=names, help="see above")
     parser.add_argument("--quick", action="store_true", help="everything once and small: does it all run?")
     given = parser.parse_args()
     sizes = (2, 1) if given.quick else (60, 15)
-    folder, setting = given.folder.resolve(), " ".join(given.here)
+    folder, setting = given.folder.resolve(), ",".join(map(" ".join, given.here))
     pairs = [
         compare(folder, *sizes, setting, given.errors and pair == 0)
         for pair in range(1 if given.quick else given.processes)
