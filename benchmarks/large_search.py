@@ -1,8 +1,9 @@
 """How the memory of a search of five objectives, and the time of its generations, grow with evaluations.
 
 Walks cost nothing here: what is measured is the search around them. `python benchmarks/large_search.py
-1000000` searches by NSGA-II, keeps every design in a store, and writes and confirms the designs; with
-`whole` after the number the command footopt does it, with its figures and its page.
+1000000` searches by NSGA-II, or by the solver that is named after the number, keeps every design in a store,
+and writes and confirms the designs; with `whole` after the number the command footopt does it, with its
+figures and its page.
 """
 
 from __future__ import annotations
