@@ -263,6 +263,17 @@ def test_no_name_lies_on_a_line_though_the_median_dips_at_restarts(seed):
             assert len(points) == 1 or not LineString(points).intersects(box)
 
 
+def test_traces_have_their_names_beside_them_off_each_other_and_no_legend(flat_foot, hard):
+    flat = fo.simulate(flat_foot, fo.Scene(), "draft")
+    for figure in (draw({"best": hard, "flat": flat}) for draw in (figures.com, figures.forces)):
+        figure.draw_without_rendering()
+        assert not figure.legends
+        names = [text for axes in figure.axes for text in axes.texts if text.get_text() in ("best", "flat")]
+        assert len(names) == 2
+        boxes = [text.get_window_extent() for text in names]
+        assert not boxes[0].overlaps(boxes[1])
+
+
 def test_more_soles_than_can_be_named_have_a_legend_beside_them():
     feet = {f"no. {i}": fo.Foot.shape("ellipse") for i in range(8)}
     figure = figures.contours(feet)

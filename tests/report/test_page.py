@@ -460,6 +460,15 @@ class TestStage:
         assert near.mean() > 0.98  # between frames a heap slides at once; a frame later it is 0.97
         assert z[0].min() < -0.005 < 0.002 < z[0].max()  # a print and its rim
 
+    def test_one_walk_has_the_flat_foot_beside_it(self, front, browser, tmp_path):
+        best, flat = front[2:4]
+        entry = {"flat": flat.objectives, "accuracy": {"name": "standard"}, "scene": {"effects": {}}}
+        shown = Page(browser, page.write(tmp_path / "page.html", page.walk_content(best, entry, flat)))
+        times = best.objectives["efficiency"] / flat.objectives["efficiency"]
+        assert shown.text("#gain strong") == f"J_W x {times:.2f} of flat"
+        assert shown.all("#design svg .ghost")
+        assert not shown.errors()
+
     def test_a_sole_of_many_waypoints_is_as_smooth_on_the_stage(self, browser, tmp_path):
         space = fo.Waypoints(n=50, K=20)
         foot = fo.Foot.from_waypoints(space.random(1, seed=1)[0], space)

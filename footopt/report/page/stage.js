@@ -108,7 +108,7 @@ const PAINTS = {
 /** The lowest that soles have been at each place so far: a print as it would stay if no sand fell back. */
 function printed(walk) {
   const { step: STEP, often } = data.print, [x0, x1] = range(walk.com.filter((_, i) => i % 2 === 0), 0), from = x0 - 1;
-  const depth = new Float64Array(Math.ceil((x1 - x0 + 2) / STEP));
+  const depth = new Float64Array(Math.ceil((x1 - x0 + 2) / STEP)), cells = Array.from(depth, (_, j) => ({ x: from + j * STEP, z: 0 }));
   const points = walk.light.map(([u, v]) => [u - walk.ankle[0], v - walk.ankle[1]]), none = () => [NaN, NaN, NaN, NaN], reach = Math.max(...points.map(size));
   let done = -1, before = [none(), none()]; // heel and toe of both feet
   const dig = (xa, za, xb, zb) => {
@@ -132,15 +132,16 @@ function printed(walk) {
       });
     });
     done = t;
-    return Array.from(depth, (z, j) => ({ x: from + j * STEP, z }));
+    for (let j = 0; j < depth.length; j++) cells[j].z = depth[j];
+    return cells;
   };
 }
 
 /** The things at an instant, by kind, as report/picture.py finds them; `top` is the sand's surface. */
-function things(walk, now, top, { close, newtons }) {
+function things(walk, now, top, { left, right, close, newtons }) {
   const forces = now.feet.flatMap((foot) => (close ? foot.forces : [resultant(foot.forces)])).filter(({ at: place }) => place);
   const feet = now.feet.map(({ leg, shape, sole }, foot) => [SIDES[foot], [{ leg, outline: shape, sole, joints: leg.slice(1), x: leg[2][0], z: leg[2][1], text: SIDES[foot] }]]);
-  return { ...data.ground, surface: top, key: [{ text: `${newtons} N` }], drawn: walk.surface ? [] : [data.print], ...Object.fromEntries(feet),
+  return { ...data.ground, surface: top.filter(({ x }) => x > left - 0.1 && x < right + 0.1), key: [{ text: `${newtons} N` }], drawn: walk.surface ? [] : [data.print], ...Object.fromEntries(feet),
     force: forces.map(({ at: [x, z], f: [fx, fz] }) => ({ x, z, fx, fz })), hip: [{ x: now.com[0], z: now.com[1] }] };
 }
 
