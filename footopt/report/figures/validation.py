@@ -143,7 +143,7 @@ def overview(found: Comparisons, titles: Mapping[str, str]) -> Figure:
     ticks = [1, 3, 10, 30, 100, 300, 1000]
     ax.set_xticks(ticks, [f"≤ {FLOOR:g} %", *(f"{tick} %" for tick in ticks[1:])])
     words = "● agrees, ✖ differs, ■ cannot be told; grey: 2 u"
-    ax.set_xlabel(f"error (rms of S − D) over the scale of the data; {words}")
+    ax.set_xlabel(f"error (rms of S − D) over the scale of the data\n{words}")
     ax.set_yticks(rows, labels)
     ax.set_ylim(rows[-1] + 0.7, rows[0] - 1.7)
     ax.tick_params(axis="y", length=0)
