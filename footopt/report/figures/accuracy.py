@@ -121,7 +121,8 @@ def decision(presets: Sequence[Mapping[str, Any]]) -> Figure:
     times.set(yticks=places, yticklabels=column["preset"], title="processor time to the answer (s)")
     times.invert_yaxis()
     pairs.set(title="pairs ranked wrongly (%)")
-    losses.set(title="J_W lost in the answer (%)".replace("J_W", "$J_W$"))
+    losses.set(title="$J_W$ lost in the answer (%)")
+    losses.locator_params(axis="x", nbins=3)
     for axes in (times, pairs, losses):
         axes.set_xlim(0.0, 1.28 * max(axes.get_xlim()[1], 0.1))
         axes.grid(axis="x", color=GRID, lw=0.6)
