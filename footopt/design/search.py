@@ -91,8 +91,8 @@ def search(
         The store was opened for another problem.
     """
     check_kind(problem, FootProblem, "problem", "Try fo.FootProblem(scene)")
-    ends = stop is None or isinstance(stop, Stop) or hasattr(stop, "has_terminated")
-    check(ends, "stop", stop, "a Stop or a Termination of pymoo", "Try walks=1000")
+    ends = stop is None or isinstance(stop, (Stop, tuple)) or hasattr(stop, "has_terminated")
+    check(ends, "stop", stop, "a Stop or a termination of pymoo", 'Try ("n_gen", 50)')
     for name, value in budget.items():
         check(name in BUDGET, name, value, f"one of {', '.join(BUDGET)}, as a keyword")
     if not isinstance(solver, (Solver, str, NoneType)):

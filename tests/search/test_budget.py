@@ -32,7 +32,7 @@ class Ridge(Problem):
 
 for kind, n_obj in ((Memetic, 1), (Archive, 2)):
     r = minimize(Ridge(n_var=9, n_obj=n_obj, xl=1, xu=9), kind(), ("n_gen", 35), seed=1)
-    print(r.algorithm.known.get("X").tolist())
+    print(np.concatenate([x for x, _ in r.algorithm.learnt]).tolist())
 """
 GROWING = [("memetic", "efficiency"), ("archive", ["distance", "work"])]
 BY_MOVES = [*GROWING, ("nsga2", ["distance", "work"])]

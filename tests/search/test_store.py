@@ -41,9 +41,9 @@ def walked(monkeypatch):
     """The designs that are really walked, in order."""
     designs = []
 
-    def counted(k, *args):
+    def counted(k, *args, **named):
         designs.extend(map(tuple, k.tolist()))
-        return fo.evaluate(k, *args)
+        return fo.evaluate(k, *args, **named)
 
     monkeypatch.setattr("footopt.design.problem.evaluate", counted)
     return designs
