@@ -114,7 +114,7 @@ def _compare(folder: Path, runs: Sequence[Run], headline: str) -> None:
     fit = max((out.width - ROOM) // COLUMN, 1)  # numbers that were cut would tell nothing
     shown = table((first, *titles[:fit], "hollow (mm)"), words=(first,))
     for run in runs[:SHOWN]:
-        own = [override for override in run.overrides if override not in common]
+        own = [override for override in run.overrides if override not in common] or ["by default"]
         label = "\n  ".join([f"{run.name.partition(' ')[2]}: {''.join(own[:1])}", *own[1:]])
         values = [number(run.objectives.get(name, math.nan)) for name in names[:fit]]
         shown.add_row(label, *values, number(run.hollow))

@@ -132,3 +132,8 @@ def test_what_cannot_be_compared(runs, patterns, error, message):
     with pytest.raises(error, match=message):
         compare(runs / "here", *(pattern.format(runs=runs) for pattern in patterns))
     assert not (runs / "here" / "summary.csv").exists()
+
+
+def test_a_run_that_was_given_nothing_says_so(runs, capsys):
+    compare(runs / "here", f"{runs}/old/a", f"{runs}/old/broken")
+    assert ": by default " in " ".join(capsys.readouterr().out.split())
