@@ -648,3 +648,11 @@ def test_a_pdf_embeds_no_glyph_that_only_a_layout_table_asks_for(tmp_path, monke
         made.append(style.save(figure, tmp_path / without.__name__, "drawn")[1].read_bytes())
     assert len(made[0]) < len(made[1])
     assert subset.Options().drop_tables == before.drop_tables
+
+
+def test_a_hollow_s_depth_stands_above_the_axis_where_the_sole_is_at_the_floor_of_its_box():
+    figure = figures.foot.contour(fo.Foot.from_waypoints([10, 6, 2, 2, 2, 2, 2, 2, 2, 6, 10]))
+    figure.canvas.draw()
+    (axes,) = figure.axes
+    (words,) = (text for text in axes.texts if "hollow" in text.get_text())
+    assert words.get_window_extent().y0 > axes.get_window_extent().y0

@@ -131,8 +131,8 @@ def _points(foot: Foot) -> Array:
     boxes = [] if foot.space is None else [[[foot.space.L, 0.0], [-foot.space.L, -foot.space.H]]]
     points: Array = np.concatenate([foot.contour, [foot.ankle], *boxes])
     (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
-    room = 0.04 * (right - left)
-    return np.concatenate([points, [[left, low - room], [left, high + room]]])
+    room = 0.04 * (right - left)  # of a line of words; below, a gap is above it
+    return np.concatenate([points, [[left, low - 2.2 * room], [left, high + room]]])
 
 
 def _height(points: Array, width: float) -> float:
