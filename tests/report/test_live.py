@@ -201,6 +201,7 @@ class TestInABrowser:
 
     def test_a_search_grows_ends_in_its_own_page_and_rewinds(self, tmp_path, browser):
         words = [*BRIEF, "study.watch=true", "report=light", "hydra.run.dir=run", "solver.name=nsga2",
+                 "solver.n_gen=100", "accuracy.dt=2e-4",  # for some seconds
                  f"objective.names=[{','.join(FIVE[2:])}]"]  # fmt: skip
         run = started(*words, cwd=tmp_path)
         try:
@@ -208,7 +209,7 @@ class TestInABrowser:
                 if found := re.search(r"http://\S+", line):
                     break
             shown = Live(browser, found[0])
-            shown.until("of at most 400 designs walked")
+            shown.until("of at most 1600 designs walked")
             few = int(re.search(r"(\d+) of at most", shown.text("#live"))[1])
             while (more := re.search(r"(\d+) of at most", shown.text("#live"))) and int(more[1]) == few:
                 time.sleep(0.1)
