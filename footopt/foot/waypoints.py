@@ -253,7 +253,7 @@ def _spline(z: Array, slopes: Array) -> Array:
 
 
 @cached_njit(nogil=True, error_model="numpy", fastmath={"nnan", "nsz"})
-def extremes(z, slopes):  # type: ignore[no-untyped-def]
+def extremes(z, slopes):  # type: ignore[no-untyped-def]  # numba finds its types
     """Least and largest of what `_spline` gives, (2, designs), m: the same numbers, several times faster."""
     out = np.empty((2, len(z)))
     for d in range(len(z)):
@@ -271,7 +271,7 @@ def extremes(z, slopes):  # type: ignore[no-untyped-def]
 
 
 @cached_njit(nogil=True, error_model="numpy")
-def arc_points(z, slopes, spacing, steps):  # type: ignore[no-untyped-def]
+def arc_points(z, slopes, spacing, steps):  # type: ignore[no-untyped-def]  # numba finds its types
     """Points at equal steps along the arcs of splines z(u), (designs, steps + 1, 2), m.
 
     z and its slopes dz/du are (designs, n), m; u counts waypoints from 0, `spacing` is dx/du, m. The arc

@@ -130,7 +130,7 @@ def _place(axes: Axes, half: Array, own: Array, rest: Array, taken: Array) -> tu
     names, near, far = (_apart(boxes, half, points) / point for points in (taken, own, rest))
     # off all else, far from other things, near to its own, and not in a corner
     aside = abs(boxes - (low + high) / 2)[:, 0] / (high - low)[0]
-    score = 20 * np.minimum(near, far).clip(max=1.5) + far.clip(max=30) - 2 * far_off / point - 8 * aside
+    score = 10 * np.minimum(near, far).clip(max=4) + far.clip(max=30) - 2 * far_off / point - 8 * aside
     score[np.minimum(np.minimum(near, far), names - 3.0) < 0.7] = -np.inf
     best = int(score.argmax())
     return boxes[best], float(score[best])

@@ -173,7 +173,8 @@ def shapes(things: Things, view: View) -> tuple[list[Shape], list[Label]]:
 def _places(part: Part | Word, view: Mapping[str, Any], thing: Mapping[str, Any]) -> Sequence[Any]:
     """Where a part of a thing is, m; nothing where it is not seen."""
     if isinstance(part.points, str):
-        return thing[part.points]  # type: ignore
+        line: Sequence[Any] = thing[part.points]
+        return line
     names = {**view, **thing}
     for name, formula in part.let:
         names[name] = _value(formula, names)

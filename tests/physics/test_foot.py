@@ -311,3 +311,17 @@ class TestFoot:
     def test_a_contour_is_at_least_two_finite_points(self, contour):
         with pytest.raises(SettingError, match="at least two points"):
             fo.Foot(contour)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_how_far_soles_leave_their_box_is_what_their_contours_say(seed):
+    """To the bit, in spaces drawn at random: what is in the box is part of what a search finds."""
+    rng = np.random.default_rng(seed)
+    box = fo.Waypoints(
+        n=int(rng.integers(4, 40)), K=int(rng.integers(2, 200)), H=float(rng.uniform(0.005, 0.1))
+    )
+    k = rng.integers(1, box.K + 1, (300, box.n))
+    z = box.contour(k)[:, :, 1]
+    np.testing.assert_array_equal(
+        box.box_violation(k), np.maximum(np.maximum(z.max(axis=1), -box.H - z.min(axis=1)), 0.0)
+    )
