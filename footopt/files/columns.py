@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,11 +70,9 @@ def columns_of(
     Unusable
         It lacks a column or has it twice, or holds something that is not a number.
     """
-    lines = text.splitlines()
-    mark = next((mark for mark in (";", "\t") if lines and mark in lines[0]), ",")
-    reader = csv.reader(lines, skipinitialspace=True, delimiter=mark)
+    reader, mark = _reader(text)
     try:
-        header = next(reader, [])
+        header: list[str] = next(reader, [])
         rows = [(reader.line_num, row) for row in reader if row]
     except csv.Error:
         raise Unusable(f"not a table (line {reader.line_num}: is a quote not closed?).") from None
@@ -102,6 +101,21 @@ def columns_of(
         raise Unusable(f"not a table of numbers ({error}).") from None
     labels = ["" if words is None else row[words].strip() for _, row in rows]
     return dict(zip(names, table.T, strict=True)), labels
+
+
+def header_of(text: str) -> list[str]:
+    """The names of a table's columns."""
+    try:
+        return next(_reader(text)[0], [])
+    except csv.Error:
+        return []
+
+
+def _reader(text: str) -> tuple[Any, str]:
+    """A reader of a table's rows, and what stands between its cells."""
+    lines = text.splitlines()
+    mark = next((mark for mark in (";", "\t") if lines and mark in lines[0]), ",")
+    return csv.reader(lines, skipinitialspace=True, delimiter=mark), mark
 
 
 def to_numbers(rows: Iterable[tuple[int, Sequence[str]]], wide: int, gaps: bool) -> Array:

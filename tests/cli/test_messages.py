@@ -16,7 +16,7 @@ from footopt.cli.words import readable
 BAD = {
     "accuracy.plates=1": "accuracy.plates = 1: must be a whole number from 2 to 20000",
     "gait=file": "gait.path = None",
-    "gait=file gait.path=broken.csv": "the header lacks thigh, knee",
+    "gait=file gait.path=broken.csv": "no column for the knee; looked for knee, kn",
     "solver=ga objective=pareto": "solver = 'ga': must be a solver of several objectives",
     "hydra.run.dir=a_file": "a_file. Write to another folder with hydra.run.dir=FOLDER.",
     "gait=file gait.path=empty.trc": "gait.path = 'empty.trc': is empty.",

@@ -310,3 +310,67 @@ class TestCsv:
         with pytest.raises(FileError, match=r"the thigh moves by 0\.\d+ deg only: .*gait\.units=rad"):
             read_strides(path, names)
         assert_walk(path, names=names, units="rad")
+
+    @pytest.mark.parametrize(
+        ("header", "settings", "note"),
+        [
+            ("Time (s),Thigh angle (deg),Knee (deg),Foot pitch", {}, ""),
+            (
+                "time,hip_flexion_r,knee_angle_r,ankle_angle_r",
+                {},
+                "the thigh is hip_flexion_r from the pelvis",
+            ),
+            ("time_s,RightHipAngle[deg],RightKneeAngle[deg],", {"side": "right"}, "taken to be level"),
+            ("t,L Hip Angle,L Knee Angle,other", {}, "the thigh is L Hip Angle"),
+        ],
+    )
+    def test_of_any_dialect(self, tmp_path, header, settings, note):
+        rows = np.loadtxt(write_table(tmp_path / "a.csv", HUMAN, 4.4), delimiter=",", skiprows=1)
+        for sign in (1.0, -1.0) if note else (1.0,):  # OpenSim's knee bends below zero
+            rows[:, 2] *= sign
+            np.savetxt(tmp_path / "a.csv", rows, delimiter=",", header=header, comments="", fmt="%.6f")
+            _, said = assert_walk(tmp_path / "a.csv", **settings)
+            assert note in said
+            assert ("is turned round" in said) == (sign < 0.0)
+
+    @pytest.mark.parametrize(("name", "whole"), [("Phase", 1.0), ("% gait cycle", 100.0), ("percent", 100.0)])
+    def test_a_phase_is_a_time_that_is_not_known(self, tmp_path, name, whole):
+        rows = np.loadtxt(write_table(tmp_path / "a.csv", HUMAN, 1.0), delimiter=",", skiprows=1)
+        rows[:, 0] *= whole / rows[-1, 0]
+        rows[:, 1:] = np.radians(rows[:, 1:])
+        header = f"{name},thigh (rad),knee (rad),foot"
+        for strides in (1, 2):
+            table = np.concatenate([rows] * strides)
+            np.savetxt(tmp_path / "a.csv", table, delimiter=",", header=header, comments="", fmt="%.9f")
+            if strides == 1:
+                gait = fo.Gait.from_file(tmp_path / "a.csv")
+                assert gait.period == pytest.approx(1.2, rel=0.02)
+                assert misfit(gait) < 0.6
+                assert "of a stride of 1.2 s: gait.period sets it" in notes(tmp_path / "a.csv")
+            else:
+                with pytest.raises(FileError, match=rf"{name} begins again after row {len(rows)} of the"):
+                    read_strides(tmp_path / "a.csv")
+
+    @pytest.mark.parametrize(
+        ("header", "message"),
+        [
+            ("0,24.1,-3.9,1", "the first line must name the columns"),
+            (
+                "ankle_angle,knee_angle,hip_angle,foot",
+                "no column for the time; .* the file has ankle_angle, kn",
+            ),
+            ("time,theta1,knee,theta3", r"gait\.names\.thigh=\.\.\. \(or gait\.names\.hip"),
+            ("time,hip_x,hip_y,knee_x", "Markers are read from TRC and C3D"),
+        ],
+    )
+    def test_what_a_table_lacks(self, tmp_path, header, message):
+        (tmp_path / "a.csv").write_text(f"{header}\n" + "".join(f"{i},{i},{i},{i}\n" for i in range(9)))
+        with pytest.raises(FileError, match=message):
+            read_strides(tmp_path / "a.csv")
+
+    def test_the_angle_between_thigh_and_shank_is_no_flexion(self, tmp_path):
+        rows = np.loadtxt(write_table(tmp_path / "a.csv", HUMAN, 4.4), delimiter=",", skiprows=1)
+        rows[:, 2] = 170.0 - rows[:, 2]
+        np.savetxt(tmp_path / "a.csv", rows, delimiter=",", header="time,thigh,knee,foot", comments="")
+        with pytest.raises(FileError, match="is it the angle between thigh and shank"):
+            read_strides(tmp_path / "a.csv")

@@ -66,6 +66,6 @@ def _reader(
         if suffix in (".mot", ".sto"):
             return lambda side: read_mot(text, names, side, units)
         if suffix == ".csv" and not holds_markers(text):
-            return lambda _: read_csv(text, names, units)
+            return lambda side: read_csv(text, names, side, units)
         markers = read_trc(text, units) if suffix == ".trc" else read_capture(text, units)
     return lambda side: leg_angles(markers, names, side, max_gap)

@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 #: What a joint of a walker can do, deg; a table in other units or with other columns leaves it.
 LIMITS = {"thigh": (-90.0, 120.0), "knee": (-12.0, 170.0), "foot": (-120.0, 120.0)}
 LIES = 55.0  # deg, either way; even who walks crouched has a thigh at 30 in the mean
+INCLUDED = 90.0  # deg, of a knee in the mean: who walks so sits
 LEAST = 3.0  # range of the thigh in a walk, deg; in radians no walk reaches it
 PERIODS = (0.2, 5.0)  # of a stride, s: a sprinter's is 0.45; anything else is a mistake in the units
 JUMP, RARE = 5.0, 12.0  # deg from the mean of its neighbours, and so many times what is usual: a wrong value
@@ -148,10 +149,16 @@ def _check_joint(joint: str, t: Array, values: Array) -> None:
     if not (finite := np.isfinite(values)).all():
         row = int(np.argmin(finite))
         raise Unusable(f"row {row + 1} of the data, at {t[row]:.6g} s, has no finite angle of the {joint}.")
-    if joint == "thigh" and abs(mean := float(np.mean(values))) > LIES:
+    mean = float(np.mean(values))
+    if joint == "thigh" and abs(mean) > LIES:
         raise Unusable(
             f"the thigh points {mean:.0f} deg ahead of the vertical on average, and in a walk {LIES:g} at "
             "most: are the model's axes turned (pelvis_tilt), or the columns others?"
+        )
+    if joint == "knee" and mean > INCLUDED:
+        raise Unusable(
+            f"the knee is bent by {mean:.0f} deg on average: is it the angle between thigh and shank, 180 "
+            "of a straight leg? Give 180 less it."
         )
     check_angles({joint: values})
     share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])

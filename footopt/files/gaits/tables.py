@@ -8,8 +8,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.files.columns import columns_of, to_numbers
-from footopt.files.gaits.angles import Recording, climbing, recording, to_degrees
+from footopt.files.columns import columns_of, header_of, to_numbers
+from footopt.files.gaits.angles import LIMITS, Recording, climbing, recording, to_degrees
 from footopt.files.gaits.markers import differing
 from footopt.files.gaits.trc import cells_of
 from footopt.files.reading import Unusable
@@ -23,21 +23,116 @@ USUAL = {
     "knee": ("knee_angle", "knee_flexion", "knee_flex"),
     "ankle": ("ankle_angle", "ankle_flexion", "ankle_flex"),
 }
+#: Columns of CSV files by part, as `_plain` has them; the side, right or r, may stand before or after.
+CSV = {
+    "time": ("time", "t", "times", "timesec", "seconds"),
+    "percent": ("percent", "%", "phase", "cycle", "gaitcycle", "%gaitcycle", "gaitcycle%"),
+    "thigh": ("thigh", "thighangle"),
+    "hip": ("hipflexion", "hipflex", "hipangle", "hipflexionangle", "hip", "qhip"),
+    "knee": ("knee", "kneeangle", "kneeflexion", "kneeflex", "kneeflexionangle", "qknee"),
+    "foot": ("foot", "footangle", "footpitch"),
+    "ankle": ("ankleangle", "ankleflexion", "ankleflex", "ankleflexionangle", "ankle", "qankle"),
+    "pelvis": ("pelvistilt",),
+}
+SHOWN = {  # in a message
+    "time": "time, or a phase in percent",
+    "thigh": "thigh, or hip_flexion and hip_angle from the pelvis",
+    "knee": "knee, knee_angle, knee_flexion",
+}
+LEVEL = "no pelvis_tilt: the pelvis is taken to be level"
+UNTIMED = 1.2  # s; of a stride whose table has its phase only, as of the paper's
 
 
-def read_csv(text: str, names: Mapping[str, str], units: str | None = None) -> Recording:
-    """Read columns ``time`` (s), ``thigh``, ``knee`` and, optionally, ``foot`` (signs: `Recording`).
+def read_csv(
+    text: str, names: Mapping[str, str], side: str | None = None, units: str | None = None
+) -> Recording:
+    """Read the angles of a leg (`CSV`, signs: `Recording`), in s and deg unless a column's name says rad.
 
-    Angles are in deg unless `units` is "rad".
-
-    The table holds one stride from heel strike to heel strike, or several strides; `names` are its own names
-    of these columns, where they differ.
+    A thigh is from the vertical; of a hip's flexion it is found as in a MOT file. The time may be in % of a
+    stride. The table holds one stride from heel strike to heel strike, or several strides; `names` are its
+    own names of these columns, where they differ.
     """
-    own = [names.get(column, column) for column in ("time", "thigh", "knee", "foot")]
-    found, _ = columns_of(text, dict(zip(own, ("s", "deg", "deg"), strict=False)), own[3:])
-    rows = np.array([found[name] for name in own if name in found])
-    rows[1:] *= to_degrees(units or "deg")
-    return recording(rows)
+    header = header_of(text)
+    plain = {_plain(name): name for name in reversed(header)}
+
+    def named(part: str, leg: str) -> str | None:
+        if own := names.get(part):
+            return own if own in header else None
+        sides = (leg[0], leg, "") if part in (*LIMITS, *USUAL) else ("",)
+        usual = (f"{a}{name}{b}" for s in sides for name in CSV[part] for a, b in ((s, ""), ("", s)))
+        return next((plain[name] for name in usual if name in plain), None)
+
+    def leg_of(leg: str) -> tuple[Array, tuple[str, ...]]:
+        found = {part: name for part in CSV if (name := named(part, leg))}
+        for part, also in (("time", "percent"), ("thigh", "hip"), ("knee", "knee")):
+            if not {part, also} & found.keys():
+                raise Unusable(_lacks(header, part, names.get(part, SHOWN[part])))
+        columns, _ = columns_of(text, dict.fromkeys(found.values(), ""))
+        read = {part: columns[name] for part, name in found.items()}
+        knee, notes = _bent(read["knee"]), tuple[str, ...]()
+        if knee is not read["knee"]:
+            notes += (f"{found['knee']} is below 0 where the knee bends, and is turned round",)
+        if "thigh" in read:
+            angles = [read["thigh"], knee, *([read["foot"]] if "foot" in read else [])]
+        else:
+            angles = _put_together(read["hip"], knee, read.get("pelvis"), read.get("ankle"))
+            notes += (f"the thigh is {found['hip']} from the pelvis", *(() if "pelvis" in read else (LEVEL,)))
+        if "time" in read:
+            time = read["time"]
+        else:
+            time, more = _of_percent(read["percent"], found["percent"])
+            notes += (more,)
+        to_deg = to_degrees(units or ("rad" if "rad" in found["knee"].lower() else "deg"))
+        return np.array([time, *(to_deg * values for values in angles)]), notes
+
+    leg = side or next((s for s in SIDES if named("knee", s)), "right")
+    rows, notes = leg_of(leg)
+    own, second = recording(rows, notes), SIDES[leg == "right"]
+    if names.keys() & {"hip", "knee", "thigh"} or named("knee", second) == named("knee", leg):
+        return own
+    try:
+        return own._replace(other=recording(leg_of(second)[0]))
+    except Unusable:  # it is wanted for a check only
+        return own
+
+
+def _lacks(header: list[str], part: str, usual: str) -> str:
+    """What is said of a table whose header has no column for a part."""
+    if any(re.fullmatch(r"[-+\d.e]+", name) for name in header):
+        return (
+            "the first line must name the columns, such as time, thigh, knee (s, deg, deg), and has numbers."
+        )
+    said = f"no column for the {part}; looked for {usual}; the file has {', '.join(header)}. "
+    if sum(_plain(name)[-1:] in ("x", "y", "z") for name in header) > 2:
+        return said + "Markers are read from TRC and C3D files, and CSV as Nexus and Motive write them."
+    also = " (or gait.names.hip, if it is from the pelvis)" if part == "thigh" else ""
+    return said + f"Name it with gait.names.{part}=...{also}"
+
+
+def _plain(name: str) -> str:
+    """A column's name in small letters, without its unit and punctuation."""
+    return re.sub(r"(deg|rad)(rees|ians)?$", "", re.sub(r"\(.*?\)|\[.*?\]|[^a-z0-9%]", "", name.lower()))
+
+
+def _of_percent(share: Array, name: str) -> tuple[Array, str]:
+    """Times, s, of a column in % of a stride, or in parts of one, and a note."""
+    if len(share) > 1 and not (np.diff(share) > 0).all():
+        row = int(np.argmin(np.diff(share) > 0)) + 1
+        raise Unusable(f"{name} begins again after row {row} of the data: give one stride, of one subject.")
+    whole, unit = (100.0, "%") if share.max() > 2.0 else (1.0, "part")
+    note = f"{name} is taken for the {unit} of a stride of {UNTIMED:g} s: gait.period sets it"
+    return UNTIMED / whole * share, note
+
+
+def _bent(knee: Array) -> Array:
+    """A knee that bends above zero, because models differ in its sign."""
+    return knee if abs(np.max(knee)) >= abs(np.min(knee)) else -knee
+
+
+def _put_together(hip: Array, knee: Array, tilt: Array | None, ankle: Array | None) -> list[Array]:
+    """Thigh, knee and perhaps the foot's pitch, of the angles between pelvis, thigh, shank and foot."""
+    thigh = hip + (0.0 if tilt is None else tilt)
+    return [thigh, knee, *([] if ankle is None else [thigh - knee + ankle])]
 
 
 def read_mot(text: str, names: Mapping[str, str], side: str | None, units: str | None = None) -> Recording:
@@ -83,9 +178,7 @@ def read_mot(text: str, names: Mapping[str, str], side: str | None, units: str |
 
     def angles_of(leg: str) -> Array:
         hip, knee = (need(part, *usual_of(part, leg)) for part in ("hip", "knee"))
-        flexion = knee if abs(np.max(knee)) >= abs(np.min(knee)) else -knee
-        thigh, bend = hip + (0.0 if tilt is None else tilt), find("ankle", *usual_of("ankle", leg))
-        return np.array([thigh, flexion, *([] if bend is None else [thigh - flexion + bend])])
+        return np.array(_put_together(hip, _bent(knee), tilt, find("ankle", *usual_of("ankle", leg))))
 
     leg = side or next((s for s in SIDES if find("hip", *usual_of("hip", s)) is not None), "right")
     angles, stated = angles_of(leg), re.search(r"indegrees\s*=\s*(\w+)", head)
@@ -95,7 +188,7 @@ def read_mot(text: str, names: Mapping[str, str], side: str | None, units: str |
     to_deg = to_degrees(units or ("rad" if radians else "deg"))
     notes += (f"the {leg} leg; angles in {'deg' if to_deg == 1.0 else 'rad'}",)
     if tilt is None:
-        notes += ("no pelvis_tilt: the pelvis is taken to be level",)
+        notes += (LEVEL,)
     own = recording(np.array([time, *to_deg * angles]), notes + (() if height is None else climbing(height)))
     try:
         other = angles_of(SIDES[leg == "right"]) if not names.keys() & {"hip", "knee"} else None
