@@ -44,6 +44,7 @@ def main() -> None:
     try:
         run()
     finally:
+        gc.freeze()  # nor are there cycles to look for at its end, which took as long
         exec("")  # else Python ends by SIGINT, not the exit code, once Ctrl-C has fallen into any `exec`
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -95,9 +97,8 @@ def _run(study: Study, watching: ExitStack) -> Answer:
 
     if study.reports:
         files.write_designs(study.folder / "designs.csv", result.columns)
-    notes = write_walk(study, walk, {"best": walk, "flat": flat})
-    if study.draws:
-        _save_figures(study, result, int(confirmed.designs[0]), base)
+    drawings = _drawings(result, int(confirmed.designs[0]), base)
+    notes = write_walk(study, walk, {"best": walk, "flat": flat}, drawings)
     record = study.write_result(
         {
             "design": foot_entry(best),
@@ -258,22 +259,24 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
     }
 
 
-def _save_figures(study: Study, result: SearchResult, best: int, flat: dict[str, float]) -> None:
-    """The figures of a search, with its best design and the flat sole's values."""
-    problem = result.problem
+def _drawings(result: SearchResult, best: int, flat: dict[str, float]) -> dict[str, Callable[[], Any]]:
+    """What draws the figures of a search, by name: with its best design and the flat sole's values."""
+    problem, drawn = result.problem, dict[str, Callable[[], Any]]()
     if not isinstance(result, Enumeration):
         relative = problem.n_obj == 1 and problem.guide == "efficiency" and flat["efficiency"] < 0.0
         base = flat["efficiency"] if relative else None
-        study.save("convergence", figures.convergence(result.history, history_label(problem.names), base))
+        label = history_label(problem.names)
+        drawn["convergence"] = partial(figures.convergence, result.history, label, base)
     elif problem.n_obj == 1:
         leaders = enumerate(result.k[:LEADERS], start=1)
         soles = {f"no. {i}": Foot.from_waypoints(k, problem.space) for i, k in leaders}
-        study.save("contours", figures.contours(soles))
+        drawn["contours"] = partial(figures.contours, soles)
     if problem.n_obj > 1:
         columns = [problem.record.index(name) for name in problem.names]
         values = result.values[:, columns]
         front = values[result.shown]
         marks = {"chosen": values[best], "flat sole": [flat[name] for name in problem.names]}
         groups = {f"{len(front)} {FRONT}": front}
-        study.save("scatter_matrix", figures.scatter_matrix(groups, problem.names, marks))
-        study.save("parallel", figures.parallel(front, problem.names, marks, FRONT))
+        drawn["scatter_matrix"] = partial(figures.scatter_matrix, groups, problem.names, marks)
+        drawn["parallel"] = partial(figures.parallel, front, problem.names, marks, FRONT)
+    return drawn

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from rich.text import Text
 
@@ -45,9 +47,9 @@ def run(study: Study) -> Answer:
     read = [] if strides is None else [*strides.notes]
     if strides is not None and "foot" in strides.curves and scene.gait.foot is None:
         read.append("the foot's angle misses its Fourier series and is left out")
-    notes = [*foot.notes, *write_walk(study, walk, {title(foot.name): walk}), *_undefined(walk, values)]
-    if strides is not None and study.draws:
-        study.save("gait", gait_fit(strides, scene.gait))
+    others = {} if strides is None else {"gait": partial(gait_fit, strides, scene.gait)}
+    said = write_walk(study, walk, {title(foot.name): walk}, others)
+    notes = [*foot.notes, *said, *_undefined(walk, values)]
     record = study.write_result(
         {
             "design": foot_entry(foot),
@@ -93,7 +95,9 @@ def _undefined(walk: Walk, values: Mapping[str, float]) -> list[str]:
     return [f"There is no value of {', '.join(names)}: {why}."]
 
 
-def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]:
+def write_walk(
+    study: Study, walk: Walk, walks: Mapping[str, Walk], others: Mapping[str, Callable[[], Any]]
+) -> list[str]:
     """Leave a walk's traces, its foot for the workshop, and its figures, as far as `report` wants them.
 
     Parameters
@@ -104,6 +108,8 @@ def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]
         What the run is about.
     walks : mapping of str to Walk
         What the figures show side by side, by name.
+    others : mapping of str to function
+        What draws further figures of the study, by name.
 
     Returns
     -------
@@ -113,15 +119,17 @@ def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]
     if not study.reports:
         walk.foot.to_file(study.folder / "contour.csv")
         return []
-    files.write_walk(study.folder / "walk.nc", walk.variables, {"reason": walk.reason})
-    _, notes = write_all(walk.foot, study.folder, study.config.foot.block)
-    if study.draws:
-        study.save("contour", figures.contour(walk.foot))
-        study.save("com", figures.com(walks))
-        study.save("forces", figures.forces(walks))
-        study.save("power_work", figures.power_work(walks))
-        if stance(walk) is not None:  # of who stands there would be nothing on it
-            study.save("step", figures.step(walk))
+    drawings = {
+        "com": partial(figures.com, walks),
+        "forces": partial(figures.forces, walks),
+        "power_work": partial(figures.power_work, walks),
+        "contour": partial(figures.contour, walk.foot),
+    }
+    if stance(walk) is not None:  # of who stands there would be nothing on it
+        drawings["step"] = partial(figures.step, walk)
+    with study.drawing({**drawings, **others}):
+        files.write_walk(study.folder / "walk.nc", walk.variables, {"reason": walk.reason})
+        _, notes = write_all(walk.foot, study.folder, study.config.foot.block)
     return notes
 
 

@@ -13,6 +13,7 @@ import footopt as fo
 from footopt.errors import SettingError
 from footopt.foot import SHAPES, as_plates, hollow
 from footopt.foot.plates import RULES
+from footopt.foot.waypoints import slope_matrix
 
 SPACE = fo.Waypoints()
 HEIGHTS = st.lists(st.integers(1, SPACE.K), min_size=SPACE.n, max_size=SPACE.n)
@@ -52,6 +53,11 @@ class TestWaypoints:
     def test_the_sole_is_the_not_a_knot_cubic_spline(self, k):
         x, z = SPACE.contour(k)[0].T
         np.testing.assert_allclose(z, reference_spline(SPACE, k)(x), rtol=0, atol=1e-15)
+
+    @pytest.mark.parametrize("n", [4, 5, 6, 7, 20, 61, 200])
+    def test_slopes_are_those_of_scipys_spline(self, n):
+        spline = CubicSpline(np.arange(n), np.eye(n), bc_type="not-a-knot")
+        np.testing.assert_allclose(slope_matrix(n), spline(np.arange(n), 1), rtol=0, atol=2e-15)
 
     def test_points_lie_on_the_sole_from_heel_to_toe(self):
         k = [5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4]
