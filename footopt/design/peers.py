@@ -222,7 +222,8 @@ def deap_ga(value: Counted, seed: int) -> None:
     box = base.Toolbox()
     box.register("height", random.randint, 1, value.K)
     box.register("sole", tools.initRepeat, creator.Sole, box.height, value.n)
-    box.register("evaluate", lambda k: (float(value(k)[0]),))
+    box.register("evaluate", value)
+    box.register("map", lambda each, soles: [(float(f),) for f in each(soles)])  # all at once: quicker
     box.register("mate", tools.cxTwoPoint)
     box.register("mutate", tools.mutUniformInt, low=1, up=value.K, indpb=1.5 / value.n)
     box.register("select", tools.selTournament, tournsize=3)

@@ -178,9 +178,9 @@ class Algorithm:
         ends = copy.deepcopy(termination) or ("n_gen", most)
         try:
             self._algorithm.setup(self._size, termination=ends, seed=solver.seed, verbose=False)
-        except AssertionError as error:  # MOEA/D's way to say it
+        except AssertionError as error:  # their way to say it: MOEA/D, DNSGA2, KGB
             needs = "an algorithm that takes constraints: a walk may fail, and a sole leave its box"
-            hint = f"pymoo says: {error} Try solver=nsga3 in place of MOEA/D, or another."
+            hint = f"pymoo says: {error} Try solver=nsga3, or another."
             raise SettingError("solver", solver.name, needs, hint) from error
         self._asked: Any = None
         if start is not None:

@@ -7,7 +7,6 @@ from multiprocessing.pool import ThreadPool
 
 import numpy as np
 import pytest
-from pymoo.algorithms.moo.moead import MOEAD
 from pymoo.algorithms.moo.nsga2 import NSGA2
 from pymoo.algorithms.soo.nonconvex.ga import GA
 from pymoo.core.mixed import MixedVariableGA
@@ -27,65 +26,80 @@ from footopt.errors import SettingError
 
 WAYS = get_reference_directions("das-dennis", 2, n_partitions=11)
 #: Every algorithm of one objective, and of several, of pymoo 0.6.2 that takes constraints, at its defaults.
-SINGLE = {
-    "ga": "GA", "de": "DE", "pso": "PSO", "es": "ES", "cmaes": "CMAES", "nelder": "NelderMead",
-    "pattern": "PatternSearch", "brkga": "BRKGA", "g3pcx": "G3PCX", "isres": "ISRES", "sres": "SRES",
-    "direct": "DIRECT", "nrbo": "NRBO", "random_search": "RandomSearch",
-}  # fmt: skip
-SEVERAL = {
-    "nsga2": ("NSGA2", {}), "nsga3": ("NSGA3", {"ref_dirs": WAYS}), "unsga3": ("UNSGA3", {"ref_dirs": WAYS}),
-    "rnsga2": ("RNSGA2", {"ref_points": np.zeros((1, 2))}), "sms": ("SMSEMOA", {}), "spea2": ("SPEA2", {}),
-    "rvea": ("RVEA", {"ref_dirs": WAYS}), "ctaea": ("CTAEA", {"ref_dirs": WAYS}), "cmopso": ("CMOPSO", {}),
-    "mopso_cd": ("MOPSO_CD", {}),
-}  # fmt: skip
-COMPILED = {"age": ("AGEMOEA", {}), "age2": ("AGEMOEA2", {})}  # for many seconds, by pymoo
+SINGLE = (
+    "ga:GA de:DE pso:PSO pso_ep:EPPSO es:ES cmaes:CMAES cmaes:BIPOPCMAES cmaes:SimpleCMAES nelder:NelderMead "
+    "pattern:PatternSearch brkga:BRKGA g3pcx:G3PCX isres:ISRES sres:SRES direct:DIRECT nrbo:NRBO "
+    "random_search:RandomSearch ga_niching:NicheGA optuna:Optuna"
+)
+SEVERAL = (
+    "nsga2:NSGA2 nsga3:NSGA3 unsga3:UNSGA3 rnsga2:RNSGA2 rnsga3:RNSGA3 sms:SMSEMOA spea2:SPEA2 rvea:RVEA "
+    "ctaea:CTAEA cmopso:CMOPSO mopso_cd:MOPSO_CD gde3:GDE3 gde3:GDE32NN gde3:GDE3MNN gde3:GDE3PCD nsde:NSDE "
+    "nsder:NSDER omni:OmniOptimizer pinsga2:PINSGA2 age:AGEMOEA age2:AGEMOEA2"
+)
+UNCONSTRAINED = "moead:MOEAD moead:ParallelMOEAD dnsga2:DNSGA2 kgb:KGB"
+SLOW = ("optuna:Optuna", "age:AGEMOEA", "age2:AGEMOEA2")  # imported, or compiled, for many seconds
+POINTS = np.zeros((1, 2))
+ASKS = {  # what has no default
+    **{module: {"ref_dirs": WAYS} for module in ("nsga3", "unsga3", "rvea", "ctaea", "nsder", "moead")},
+    "rnsga2": {"ref_points": POINTS},
+    "rnsga3": {"ref_points": POINTS, "pop_per_ref_point": 20},
+}
+
+
+def each(paths):
+    """The parameters of a test: algorithms below a package of pymoo, those in SLOW marked."""
+    return [pytest.param(path, marks=[pytest.mark.slow] if path in SLOW else []) for path in paths.split()]
+
+
+def built(kind, path):
+    """The algorithm at a path below `pymoo.algorithms`, at its defaults."""
+    module, name = path.split(":")
+    if name == "Optuna":
+        pytest.importorskip("optuna")
+    return getattr(import_module(f"pymoo.algorithms.{kind}.{module}"), name)(**ASKS.get(module, {}))
 
 
 def check_found(p, x, f):
     """What an algorithm found has the values of the whole numbers that it stands for."""
+    x = list(x.values()) if isinstance(x, dict) else x  # of mixed variables
     k = np.clip(np.round(np.atleast_2d(x).astype(float)), 1, p.space.K)
     np.testing.assert_array_equal(p.minimised(p.evaluate(k).values), np.atleast_2d(f))
 
 
-@pytest.mark.parametrize("module", SINGLE)
-def test_an_algorithm_of_one_objective_works_at_its_defaults(module):
-    algorithm, p = (
-        getattr(import_module(f"pymoo.algorithms.soo.nonconvex.{module}"), SINGLE[module]),
-        problem(),
-    )
-    found = minimize(fo.PymooProblem(p), algorithm(), ("n_eval", 30), seed=1)
+@pytest.mark.parametrize("path", each(SINGLE))
+def test_an_algorithm_of_one_objective_works_at_its_defaults(path):
+    p, algorithm = problem(), built("soo.nonconvex", path)
+    found = minimize(fo.PymooProblem(p), algorithm, ("n_eval", 30), seed=1)
     check_found(p, found.X, found.F)
-    ours = search(p, algorithm(), walks=30, seed=1)
-    assert ours.solver.name == SINGLE[module]
+    ours = search(p, algorithm, walks=30, seed=1)
+    assert ours.solver.name == type(algorithm).__name__
     assert 0 < ours.designs <= 30
     check_found(p, ours.X, ours.F)
 
 
-@pytest.mark.parametrize(
-    "module", [*SEVERAL, *(pytest.param(name, marks=pytest.mark.slow) for name in COMPILED)]
-)
-def test_an_algorithm_of_several_objectives_works_at_its_defaults(module):
-    (name, options), p = (SEVERAL | COMPILED)[module], problem(["distance", "work"])
-    algorithm = getattr(import_module(f"pymoo.algorithms.moo.{module}"), name)
-    found = minimize(fo.PymooProblem(p), algorithm(**options), ("n_gen", 2), seed=1)
+@pytest.mark.parametrize("path", each(SEVERAL))
+def test_an_algorithm_of_several_objectives_works_at_its_defaults(path):
+    p, algorithm = problem(["distance", "work"]), built("moo", path)
+    found = minimize(fo.PymooProblem(p), algorithm, ("n_gen", 2), seed=1)
     check_found(p, found.X, found.F)
-    ours = search(p, algorithm(**options), n_gen=2, seed=1)
+    ours = search(p, algorithm, n_gen=2, seed=1)
     check_found(p, ours.X, ours.F)
 
 
-def test_moead_says_once_why_it_cannot_and_what_can_be_done():
-    p = problem(["distance", "work"])
-    with pytest.raises(SettingError, match=r"solver = 'MOEAD': must be .*constraints.*Try solver=nsga3"):
-        search(p, MOEAD(WAYS))
-    with pytest.raises(AssertionError, match="does not support any constraints"):  # pymoo's own
-        minimize(fo.PymooProblem(p), MOEAD(WAYS), ("n_gen", 2), seed=1)
+@pytest.mark.parametrize("path", each(UNCONSTRAINED))
+def test_one_without_constraints_says_once_why_it_cannot_and_what_can_be_done(path):
+    p, algorithm = problem(["distance", "work"]), built("moo", path)
+    with pytest.raises(SettingError, match=r"solver = '\w+': must be .*constraints.*Try solver=nsga3"):
+        search(p, algorithm)
+    with pytest.raises(AssertionError, match="constrain"):  # pymoo's own
+        minimize(fo.PymooProblem(p), algorithm, ("n_gen", 2), seed=1)
 
 
 def test_a_genetic_algorithm_of_mixed_variables_finds_integers():
     p = problem()
     found = minimize(fo.PymooProblem(p), MixedVariableGA(pop_size=10), ("n_gen", 3), seed=1)
     assert list(found.X) == ["k1", "k2", "k3", "k4", "k5"]
-    check_found(p, list(found.X.values()), found.F)
+    check_found(p, found.X, found.F)
     check_found(p, (ours := search(p, MixedVariableGA(pop_size=10), n_gen=3)).X, ours.F)
 
 
