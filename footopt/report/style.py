@@ -94,6 +94,9 @@ STYLE: dict[str, Any] = {
     "svg.hashsalt": "footopt",
 }
 
+#: What of a font draws its letters, and finds them by their code.
+FONT_TABLES = {"glyf", "head", "hhea", "hmtx", "loca", "maxp", "cvt ", "fpgm", "prep", "cmap", "GlyphOrder"}
+
 P = ParamSpec("P")
 R = TypeVar("R")
 _lock = threading.RLock()
@@ -175,7 +178,7 @@ def save(figure: Figure, folder: str | Path, name: str, svg: bool = False) -> tu
         figure.set_layout_engine(None)  # with "none" it would be drawn once more before each file
     dates = {"pdf": "CreationDate"} | ({"svg": "Date"} if svg else {})
     made = {}
-    with _without_layout_tables():
+    with _bare_fonts():
         for ending, date in dates.items():
             file = io.BytesIO()  # matplotlib's errors on a full disk are of many kinds
             figure.savefig(file, format=ending, metadata={date: None})
@@ -189,13 +192,14 @@ def save(figure: Figure, folder: str | Path, name: str, svg: bool = False) -> tu
 
 
 @contextmanager
-def _without_layout_tables() -> Iterator[None]:
-    """Leave out of fonts what places letters that are placed already: reading it is half of a PDF's time."""
+def _bare_fonts() -> Iterator[None]:
+    """Read of fonts what a PDF needs of them (ISO 32000-1, 9.9): the rest is half of a PDF's time."""
     load = subset.load_font
 
     def bare(*given: Any, **options: Any) -> Any:
         font = load(*given, **options)
-        for table in {"GDEF", "GPOS", "GSUB"} & set(font.keys()):
+        font.setGlyphOrder([f"g{i}" for i in range(font["maxp"].numGlyphs)])  # names are in a table left out
+        for table in {*font.keys()} - FONT_TABLES:
             del font[table]
         return font
 

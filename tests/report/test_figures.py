@@ -637,12 +637,12 @@ def test_of_two_objectives_a_line_shows_what_half_of_the_seeds_attain():
     assert {"ga: 2 seeds, hypervolume 60 %", "de: hypervolume 90 %"} <= set(texts(axes.figure))
 
 
-def test_a_pdf_embeds_no_glyph_that_only_a_layout_table_asks_for(tmp_path, monkeypatch):
+def test_a_pdf_embeds_no_table_or_glyph_that_it_does_not_need(tmp_path, monkeypatch):
     """matplotlib places letters itself, and asks for each outline that it draws."""
     before = subset.Options()
     made = []
-    for without in (style._without_layout_tables, nullcontext):
-        monkeypatch.setattr(style, "_without_layout_tables", without)
+    for without in (style._bare_fonts, nullcontext):
+        monkeypatch.setattr(style, "_bare_fonts", without)
         figure = style.new_figure(3.0, 2.0)
         figure.subplots().set(title="fine office $J_W$ (%)", xlabel="ankle")
         made.append(style.save(figure, tmp_path / without.__name__, "drawn")[1].read_bytes())
