@@ -23,6 +23,9 @@ Things = Mapping[str, Sequence[Mapping[str, Any]]]  # what is there, by kind: ea
 Formulas = tuple[tuple[str, str], ...]
 
 
+SHORTEST = 0.8  # arrow that is drawn, in half letters
+
+
 class View(NamedTuple):
     """What is seen, m, and how long forces are in it."""
 
@@ -83,14 +86,14 @@ def _foot(side: str) -> list[Part]:
 
 
 def _arrows(name: str, width: float, x: str, z: str, along: str, up: str) -> Part:
-    """Arrows as one line with gaps; their heads are as long as letters, or less."""
+    """Arrows as one line with gaps; short ones would be heads alone."""
     let = (("u", along), ("w", up), ("x0", x), ("z0", z), ("x1", "x0 + u"), ("z1", "z0 + w"),
-           ("long", "hypot(u, w)"), ("head", "min(1.4 * unit / max(long, unit), 0.6)"))  # fmt: skip
+           ("long", "hypot(u, w)"), ("head", "min(1.3 * unit / max(long, unit), 0.5)"))  # fmt: skip
     tip, gap = ("x1", "z1"), ("nan", "nan")
-    barbs = (("x1 - head * (u + w / 2)", "z1 - head * (w - u / 2)"), tip,
-             ("x1 - head * (u - w / 2)", "z1 - head * (w + u / 2)"))  # fmt: skip
+    barbs = (("x1 - head * (u + 0.4 * w)", "z1 - head * (w - 0.4 * u)"), tip,
+             ("x1 - head * (u - 0.4 * w)", "z1 - head * (w + 0.4 * u)"))  # fmt: skip
     points = (("x0", "z0"), tip, gap, *barbs, gap)
-    return Part(name, Look(stroke="ink", width=width), name, points, let, ("long > 0.28 * unit",), ())
+    return Part(name, Look(stroke="ink", width=width), name, points, let, (f"long > {SHORTEST} * unit",), ())
 
 
 _STRIP = (("a", "max(begin, left)"), ("b", "min(end, right)"), ("c", "max(bottom, low)"))

@@ -191,7 +191,7 @@ def _lines(out: Console, total: int, unit: str, pace: Pace) -> Iterator[Step]:
 
 
 def report_generations(
-    step: Step, guide: str, units: int = 1, about: str = "", scale: str = "", base: float | None = None
+    step: Step, guide: str, units: int = 1, about: str = "", base: float | None = None, scale: str = "flat"
 ) -> Callable[[Generation], None]:
     """What a search calls after each generation to show its best value.
 
@@ -205,17 +205,17 @@ def report_generations(
         That a generation counts as.
     about : str
         Which search it is.
-    scale : str
-        What the values are in, if not in the objective's own unit.
     base : float, optional
-        The flat foot's value: J_W is shown as a multiple of it.
+        Best values are shown as multiples of it.
+    scale : str
+        What it is the value of.
     """
 
     def show(g: Generation) -> None:
         if math.isfinite(g.best):
-            best = f"best {title(guide)} {number(g.best)}{scale}"
-            if guide == "efficiency" and base is not None and base < 0.0:
-                best = f"best J_W x {g.best / base:.2f} of flat"
+            best = f"best {title(guide)} {number(g.best)}"
+            if base and math.isfinite(base):
+                best = f"best {'J_W' if guide == 'efficiency' else title(guide)} x {g.best / base:.2f} of {scale}"
         else:
             best = f"hypervolume {number(g.hypervolume)}" if g.front else "none feasible yet"
         front = f", front {g.front}" if g.front > 1 else ""

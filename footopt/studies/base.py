@@ -27,7 +27,7 @@ from footopt.report.together import together
 from footopt.studies.build import make_accuracy, make_foot, make_scene, make_space
 from footopt.studies.identity import is_finished
 from footopt.studies.settings import REPORTS, Config, StudyConfig
-from footopt.walk import Accuracy, Scene
+from footopt.walk import Accuracy, Scene, simulate
 from footopt.walk.simulate import at_once
 
 
@@ -243,3 +243,11 @@ class Study:
         long = len(str(self.folder)) > self.console.width  # no line break in what is to be copied
         words = f"Everything is in {self.folder} ({self.seconds:.3g} s in all)"
         self.console.print(words, soft_wrap=long or not self.console.is_terminal)
+
+
+def flat_efficiency(problem: FootProblem) -> float | None:
+    """J_W of the flat foot; None where a problem seeks something else."""
+    if problem.guide != "efficiency":
+        return None
+    flat = simulate(Foot.flat(problem.space), problem.scene, problem.accuracy)
+    return float(flat.objectives[problem.guide])

@@ -28,7 +28,7 @@ from footopt.report import figures, terminal
 from footopt.report.numbers import percent
 from footopt.report.progress import Step, report_generations
 from footopt.studies.accuracy import SANDS
-from footopt.studies.base import Study
+from footopt.studies.base import Study, flat_efficiency
 from footopt.studies.build import check_searchable
 from footopt.studies.record import foot_entry, scene_entry
 from footopt.studies.validation.model import model_error
@@ -145,8 +145,9 @@ def _on(study: Study, scenario: Scenario, solver: Solver, executor: Executor | N
     lasting = scene.duration - scene.gait.start
     asked = {} if study.options.speed is None else {"distance": study.options.speed * lasting}
     alone = FootProblem(scene, objective, space, study.accuracy, study.threads, asked)
+    base = flat_efficiency(alone)
     try:
-        result = _search(study, alone, solver, f"{name}, foot", executor, step)
+        result = _search(study, alone, solver, f"{name}, foot", executor, step, base)
     except FootoptError as error:
         if not asked:
             raise
@@ -166,7 +167,7 @@ def _on(study: Study, scenario: Scenario, solver: Solver, executor: Executor | N
         scene, space, objective=objective, accuracy=study.accuracy, threads=study.threads, limits=asked
     )
     begin = np.append(own, both.space.own)
-    together = _search(study, both, solver, f"{name}, foot and gait", executor, step, begin[None])
+    together = _search(study, both, solver, f"{name}, foot and gait", executor, step, base, begin[None])
     best = together.k[confirm(together, finer, study.options.finalists).designs[0]]
     count = len(GENES)
     k = np.array([begin, [*own, *best[-count:]], [*best[:-count], *both.space.own], best])
@@ -177,12 +178,12 @@ def _on(study: Study, scenario: Scenario, solver: Solver, executor: Executor | N
 
 def _search(
     study: Study, problem: FootProblem, solver: Solver, name: str, executor: Executor | None, step: Step,
-    start: ArrayLike | None = None,
+    base: float | None, start: ArrayLike | None = None,
 ) -> SearchResult:  # fmt: skip
     """A search whose evaluations are kept; an interrupted one ends the study."""
     try:
         with study.store(problem) as store:
-            tell = report_generations(step, problem.guide, 1, f"{name}: ")
+            tell = report_generations(step, problem.guide, 1, f"{name}: ", base)
             result = search(problem, solver, tell, store, executor, start=start)
     except FootoptError as error:
         raise FootoptError(f"{name}: {error}") from None

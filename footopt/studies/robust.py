@@ -28,7 +28,7 @@ from footopt.report import figures, terminal
 from footopt.report.figures import robust as robust_figures
 from footopt.report.figures.search import FRONT, history_label
 from footopt.report.progress import Step, report_generations
-from footopt.studies.base import Study
+from footopt.studies.base import Study, flat_efficiency
 from footopt.studies.build import check_searchable, make_scene, make_spread
 from footopt.studies.record import accuracy_entry, foot_entry, scene_entry
 from footopt.studies.settings import Config
@@ -172,10 +172,11 @@ def _search(
     study: Study, problem: FootProblem, solver: Solver, name: str, executor: Executor | None, step: Step
 ) -> SearchResult:
     """A search whose evaluations are kept; an interrupted one ends the study."""
-    many = len(problem.scenarios) if isinstance(problem, RobustProblem) else 0
+    units, base, scale = 1, flat_efficiency(problem), "flat"
+    if isinstance(problem, RobustProblem):
+        units, base, scale = len(problem.scenarios), np.sign(problem.references[0]), "the specialist's"
     try:
-        scale = " of the specialist's" if many else ""
-        tell = report_generations(step, problem.guide, max(many, 1), f"{name}: ", scale)
+        tell = report_generations(step, problem.guide, units, f"{name}: ", base, scale)
         with study.store(problem) as store:
             result = search(problem, solver, tell, store, executor)
     except FootoptError as error:

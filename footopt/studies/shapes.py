@@ -120,7 +120,7 @@ def table(walks: Mapping[str, Walk], flat: Walk) -> RichTable:
         sense = "max" if objective.maximise else "min"
         unit = f", {objective.unit}" if objective.unit else ""
         if objective.name == "efficiency" and (base := flat.objectives[objective.name]) < 0.0:
-            multiples = (terminal.number(round(value / base, 2)) for value in values)
-            shown.add_row("J_W, x of flat (max)", *(f"{text} " for text in multiples))
+            multiples = (f"{v / base:.2f} " if v == v else f"{terminal.number(v)} " for v in values)
+            shown.add_row("J_W, x of flat (max)", *multiples)
         shown.add_row(f"{objective.name.replace('_', ' ')}{unit} ({sense})", *cells)
     return shown

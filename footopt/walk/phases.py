@@ -6,29 +6,32 @@ from typing import NamedTuple
 
 import numpy as np
 
-from footopt.gait import RIGHT
+from footopt.effects import Patches
+from footopt.gait import LEFT, RIGHT
 from footopt.walk.results import Walk
 
 STANDS = 1.0  # vertical force above which a foot stands on the sand, N
 
 
 class Stance(NamedTuple):
-    """The right foot's contact at the first heel strike, as samples of a walk."""
+    """A foot's contact at a heel strike, as samples of a walk."""
 
     first: int
     last: int
     dragged: bool  # the foot was in the sand long before, so that `first` is the heel strike
+    foot: int
 
 
-def stance(walk: Walk) -> Stance | None:
-    """From touch-down to push-off of the right foot's first step; None if it never stood.
+def stance(walk: Walk, step: int = 0) -> Stance | None:
+    """From touch-down to push-off of a step, the first of which is the right foot's; None if it never stood.
 
     The foot reaches the sand before the gait's nominal heel strike, so the contact is followed back
     from there. On soft sand, where a foot drags through its swing, there is no touch-down within a
     quarter of a stride, and the step begins at the heel strike.
     """
-    strike, quarter = walk.scene.gait.heel_strike, walk.scene.gait.period / 4.0
-    on = walk.force[:, RIGHT, 1] > STANDS
+    gait, foot = walk.scene.gait, LEFT if step % 2 else RIGHT
+    strike, quarter = gait.heel_strike + step * gait.period / 2.0, gait.period / 4.0
+    on = walk.force[:, foot, 1] > STANDS
     after = np.flatnonzero(on & (walk.t >= strike - 1e-9))
     if len(after) == 0:
         return None
@@ -38,4 +41,22 @@ def stance(walk: Walk) -> Stance | None:
     first = int(before[-1]) + 1 if len(before) else 0
     last = int(behind[0]) - 1 if len(behind) else len(on) - 1
     dragged = bool(walk.t[first] < strike - quarter)
-    return Stance(at if dragged else first, last, dragged)
+    return Stance(at if dragged else first, last, dragged, foot)
+
+
+def step_on_patch(walk: Walk) -> int:
+    """The first step in whose middle the foot is on a patch of other sand; 0 where there is none."""
+    patches = [
+        patch
+        for effect in walk.scene.effects
+        if isinstance(effect, Patches)
+        for patch in zip(effect.begins, effect.ends, strict=True)
+    ]
+    for step in range(len(walk.scene.gait.heel_strikes(walk.scene.duration)) if patches else 0):
+        if (contact := stance(walk, step)) is None:
+            continue
+        middle = np.array([(contact.first + contact.last) // 2])
+        x = walk.plates(middle).position[0, contact.foot, :, 0]
+        if any(begin < x.max() and x.min() < end for begin, end in patches):
+            return step
+    return 0

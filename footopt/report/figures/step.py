@@ -12,13 +12,12 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from footopt.errors import check
-from footopt.gait.gait import RIGHT
 from footopt.report.figures.traces import walk_label
-from footopt.report.parts import View
+from footopt.report.parts import SHORTEST, View
 from footopt.report.picture import Picture, draw, round_down
-from footopt.report.style import PAGE, message, new_figure, styled
+from footopt.report.style import PAGE, SIDES, message, new_figure, styled
 from footopt.walk import Walk
-from footopt.walk.phases import stance
+from footopt.walk.phases import stance, step_on_patch
 
 Array = NDArray[np.float64]
 
@@ -28,13 +27,14 @@ ABOVE = 0.05  # what is shown of the shank above the highest sole, m
 
 
 def step(walk: Walk, frames: int = 6) -> Figure:
-    """One step of the right foot from touch-down to push-off; see `steps`."""
-    return steps({"right foot": walk}, frames)
+    """The right foot's first step, or the first one on a patch of other sand; see `steps`."""
+    number = step_on_patch(walk)
+    return steps({f"{SIDES[1 - number % 2][0]} foot": walk}, frames, number)
 
 
 @styled
-def steps(walks: Mapping[str, Walk], frames: int = 6) -> Figure:
-    """The right foot's first step in walks by label: the sole in the sand and its forces.
+def steps(walks: Mapping[str, Walk], frames: int = 6, number: int = 0) -> Figure:
+    """A step, the right foot's first one, in walks by label: the sole in the sand and its forces.
 
     Snapshots at equal intervals, those of a walk all in the same place, and all in the same scale.
     Each arrow is the force on one of `body.ARROWS` parts of the sole and ends there; titles are times
@@ -46,7 +46,7 @@ def steps(walks: Mapping[str, Walk], frames: int = 6) -> Figure:
         There are no frames.
     """
     check(frames >= 1, "frames", frames, "a whole number >= 1")
-    found = [step for label, walk in walks.items() if (step := _snapshots(label, walk, frames))]
+    found = [step for label, walk in walks.items() if (step := _snapshots(label, walk, frames, number))]
     if not found:
         return _no_step(next(iter(walks.values())))
     metres = LONGEST / max(float(np.linalg.norm(step.force, axis=-1).max()) for step in found)  # per newton
@@ -71,7 +71,7 @@ def steps(walks: Mapping[str, Walk], frames: int = 6) -> Figure:
             first = j == 0 and step is found[0]  # which has all words
             newtons = round_down(0.8 * LONGEST / metres) if first else 0.0
             view = View(left, left + span, low, high, inch / 72 * 4.5, metres, newtons, close=True)
-            shapes, labels = step.picture.shapes(j, view, [RIGHT])
+            shapes, labels = step.picture.shapes(j, view, [step.foot])
             if first:
                 draw(axes, shapes, labels)
             else:
@@ -82,31 +82,33 @@ def steps(walks: Mapping[str, Walk], frames: int = 6) -> Figure:
             axes.yaxis.set_major_locator(MaxNLocator(4))
         part.supxlabel("$x$ (m)")
         part.supylabel("$z$ (m)")
-        part.suptitle(textwrap.fill(step.title, 125))
+        least = SHORTEST * view.unit / metres
+        part.suptitle(textwrap.fill(f"{step.title} of {least:.1g} N and more", 125))
     return figure
 
 
 class _Step(NamedTuple):
-    """The right foot at M instants of a walk: s since the step began."""
+    """A foot at M instants of a walk: s since the step began."""
 
     picture: Picture
+    foot: int
     since: Array  # (M,)
     title: str
 
     @property
     def force(self) -> Array:
         """On parts of its sole, (M, arrows, 2), N."""
-        return self.picture.forces.force[:, RIGHT]
+        return self.picture.forces.force[:, self.foot]
 
     def points(self, metres: float) -> Array:
         """The ends of soles and arrows, (m, 2), with arrows of so many metres per newton."""
-        tails = self.picture.forces.at[:, RIGHT] - metres * self.force
-        return np.concatenate([part.reshape(-1, 2) for part in (self.picture.body.outline[:, RIGHT], tails)])
+        tails = self.picture.forces.at[:, self.foot] - metres * self.force
+        return np.concatenate([part.reshape(-1, 2) for part in (self.picture.body.outline[:, self.foot], tails)])
 
 
-def _snapshots(label: str, walk: Walk, frames: int) -> _Step | None:
-    """Snapshots of the right foot's first step; None if it never stood."""
-    contact = stance(walk)
+def _snapshots(label: str, walk: Walk, frames: int, number: int) -> _Step | None:
+    """Snapshots of a step; None if the foot never stood."""
+    contact = stance(walk, number)
     if contact is None:
         return None
     begin, end = walk.t[contact.first], walk.t[contact.last]
@@ -117,8 +119,8 @@ def _snapshots(label: str, walk: Walk, frames: int) -> _Step | None:
     since = f"heel strike ({began}; dragged through the sand until then)"
     since = since if contact.dragged else f"touch-down ({began})"
     parts = picture.forces.at.shape[2]
-    title = f"{walk_label(label, walk)}, time since {since}; arrows: force on 1/{parts} of the sole"
-    return _Step(picture, walk.t[index] - begin, title)
+    title = f"{walk_label(label, walk)}, time since {since}; arrows: forces on 1/{parts} of the sole"
+    return _Step(picture, contact.foot, walk.t[index] - begin, title)
 
 
 def _no_step(walk: Walk) -> Figure:

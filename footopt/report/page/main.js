@@ -1,7 +1,5 @@
 // Puts the page together: what was found, the designs, the chosen sole, its walk, and how it was made.
 
-const flatEntry = entry.flat;
-
 /** The first lines: what this run is and what it found. */
 function headline() {
   const warnings = [...(entry.warnings ?? []).map((text) => `Outside what the theory is tested for: ${text}.`), ...(data.warnings ?? [])]
@@ -14,7 +12,7 @@ function headline() {
 /** What became of an objective: J_W as a multiple, others in %. */
 function change(value, base, column) {
   const ratio = value / base;
-  if (!Number.isFinite(ratio)) return "–";
+  if (!Number.isFinite(ratio) || Math.abs(base) < ROUNDING) return "–";
   if (column.name === "efficiency") return quantity(ratio, OF_FLAT);
   return `${ratio >= 1 ? "+" : "−"}${Math.abs(100 * (ratio - 1)).toFixed(1)} %`;
 }
@@ -26,19 +24,20 @@ const valueOf = (i, c) => (i === data.best && data.bestValues ? data.bestValues[
 function bars(i, width) {
   const laws = i === data.best ? entry.ranks?.laws ?? [] : [], colour = i === data.best ? "var(--best)" : "var(--chosen)";
   const rows = data.columns.flatMap((column, c) => {
-    const value = valueOf(i, c), base = flatEntry[column.name], share = value / base - 1;
-    if (column.name === "efficiency" || !Number.isFinite(share)) return [];
+    const value = valueOf(i, c), base = entry.flat[column.name], share = value / base - 1;
+    if (column.name === "efficiency" || !Number.isFinite(share) || Math.abs(base) < ROUNDING) return [];
     const error = i === data.best && entry.error_estimate ? Math.abs(entry.error_estimate[column.name] / base) : NaN;
     const under = laws.map((law) => ({ law: law.law, share: law.change?.[column.name] })).filter(({ share: s }) => Number.isFinite(s ?? NaN));
     return [{ column, value, base, share, error, under, better: (share > 0) === column.maximise }];
   });
-  const [low, high] = range(rows.flatMap((row) => [0, row.share, ...row.under.map((u) => u.share)]).map((v) => Math.min(v, 2)), 0);
+  const reach = ({ share, error, under }) => [share, ...(Number.isFinite(error) ? [share - error, share + error] : []), ...under.map((u) => u.share)];
+  const [low, high] = range([-0.005, 0.005, ...rows.flatMap(reach)].map((v) => clip(v, -1, 2)), 0); // 1 % at least
   const left = 70, right = 66, tall = 56, X = (v) => Math.min(Math.max(left + ((v - low) / (high - low || 1)) * (width - left - right), 0), width);
   const made = svg("svg", { id: "bars", viewBox: `0 0 ${width} ${rows.length * tall + 4}`, height: rows.length * tall + 4, role: "img",
     "aria-label": `Change against the flat foot: ${rows.map((row) => `${row.column.title} ${change(row.value, row.base, row.column)}`).join(", ")}` });
   rows.forEach(({ column, value, base, share, error, under, better }, r) => {
     const y = r * tall + 22, middle = y + 9, end = X(share), out = share < 0 ? -1 : 1;
-    const ends = range([share, ...under.map((u) => u.share)], 0).map(X), past = out < 0 ? Math.min(...ends, end) : Math.max(...ends, end);
+    const ends = range([share, ...under.map((u) => u.share)], 0).map(X), past = (out < 0 ? Math.min : Math.max)(...reach({ share, error, under }).map(X));
     made.append(
       svg("text", { class: "halo", x: 0, y: r * tall + 14 }, svg("tspan", { style: "font-weight:600" }, column.title),
         svg("tspan", { style: "fill:var(--grey)" }, `  ${quantity(value, column.unit)}${Number.isFinite(error) ? ` ± ${percent(Math.abs(error * base / value))}` : ""}, flat ${number(base)}`)),
@@ -55,20 +54,20 @@ function bars(i, width) {
 
 /** J_W against the flat foot's, with the raw values behind. */
 function gain(i) {
-  const c = data.columns.findIndex((column) => column.name === "efficiency"), base = flatEntry?.efficiency;
+  const c = data.columns.findIndex((column) => column.name === "efficiency"), base = entry.flat?.efficiency;
   if (c < 0 || !Number.isFinite(valueOf(i, c) / base)) return "";
   return el("p", { id: "gain" }, el("strong", {}, `J_W ${change(valueOf(i, c), base, data.columns[c])}`),
     el("span", { class: "note" }, ` (${number(valueOf(i, c))} against ${number(base)})`));
 }
 
 /** All values of a design, with their errors, beside those of the flat foot. */
-function valueTable(i) {
+function valueTable(i, flat = entry.flat) {
   const errors = i === data.best && entry.error_estimate;
-  return table(["", "this sole", ...(errors ? ["error"] : []), ...(flatEntry ? ["flat sole", "change"] : [])],
+  return table(["", "this sole", ...(errors ? ["error"] : []), ...(flat ? ["flat sole", "change"] : [])],
     data.columns.map((column, c) => {
-      const value = valueOf(i, c), base = flatEntry?.[column.name];
+      const value = valueOf(i, c), base = flat?.[column.name];
       return [`${column.title}${column.unit ? `, ${column.unit}` : ""} (${column.maximise ? "max" : "min"})`, number(value),
-        ...(errors ? [percent(Math.abs(errors[column.name] / value), value)] : []), ...(flatEntry ? [number(base), change(value, base, column)] : [])];
+        ...(errors ? [percent(Math.abs(errors[column.name] / value), value)] : []), ...(flat ? [number(base), change(value, base, column)] : [])];
     }));
 }
 
@@ -87,25 +86,27 @@ function designSection() {
   const section = el("section", { id: "design" }, title,
     el("div", { class: "grid wide" },
       el("div", {}, el("figure", {}, drawing), words, step?.figure ?? null),
-      el("div", {}, numbers, ...(flatEntry ? [exact] : []), el("div", { class: "bar" }, "Download it as", ...buttons, back), tools.section)));
+      el("div", {}, numbers, exact, el("div", { class: "bar" }, "Download it as", ...buttons, back), tools.section)));
   function model() {
     const errors = chosen === data.best && Object.entries(entry.model_error ?? {}).filter(([, error]) => Number.isFinite(error ?? NaN));
     return errors?.length ? el("p", { id: "model-error", class: "note" }, "Model error, from experiments on sand and the spread of zeta: ",
       errors.map(([name, error]) => `${name.replaceAll("_", " ")} ${error >= 0.1 ? `${(100 * error).toFixed(0)} %` : percent(error)}`).join(", "), ". Compare feet; do not read the values as measurements.") : "";
   }
   function redraw() {
-    const points = sole(chosen), k = heights(chosen), best = chosen === data.best, flat = data.walks && flatWalk();
+    const points = sole(chosen), k = heights(chosen), best = chosen === data.best, flat = data.walks && flatWalk(), same = flat && alike(points, flat.points);
     title.textContent = COUNT > 1 ? `The ${best ? "" : "chosen "}sole: ${label(chosen)}` : `The sole: ${label(chosen)}`;
     back.hidden = best || data.jobs !== undefined;
     words.textContent = [k ? `k = [${k.join(",")}]` : "", `hollow ${(MM * hollow(points)).toFixed(1)} mm`, generation && chosen !== DRAWN ? `generation ${generation[chosen]}` : "",
-      feasible[chosen] ? "" : `infeasible: ${reason(chosen)}`, chosen === DRAWN && feasible[chosen] ? sketch.reason : "", flat ? `dashed: the flat foot${flat.reason ? `, whose walk failed: ${flat.reason}` : ""}` : ""].filter(Boolean).join("; ");
+      feasible[chosen] ? "" : `infeasible: ${reason(chosen)}`, chosen === DRAWN && feasible[chosen] ? sketch.reason : "", same ? "this is the flat foot" : flat ? `dashed: the flat foot${flat.reason ? `, whose walk failed: ${flat.reason}` : ""}` : ""].filter(Boolean).join("; ");
     update(drawing, soleDrawing(points, { width: widthOf(drawing), k, top: own("top", chosen), colour: data.jobs ? COLOURS[chosen % COLOURS.length] : best ? "var(--best)" : "var(--chosen)",
-      ghost: flat?.points }));
+      ghost: same ? null : flat?.points }));
     const finer = best && data.bestValues, accuracy = data.jobs ? "" : `Walked at accuracy ${(finer ? entry.accuracy : entry.search_accuracy ?? entry.accuracy)?.name}. `;
-    update(numbers, ...(flatEntry && feasible[chosen] && !flat?.reason
+    const compared = entry.flat && feasible[chosen] && !flat?.reason && !same;
+    exact.hidden = !compared;
+    update(numbers, ...(compared
       ? [gain(chosen), bars(chosen, Math.max(widthOf(numbers), 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Ticks at the end of a bar: ± the numerical error.",
         best && entry.ranks?.laws?.some((law) => law.change) ? " Circles: under other laws of the sand." : "", ` ${accuracy}`, gain(chosen) && "J_W, which the paper minimises: −distance × mean height / (work × peak power × speed loss)."), model()]
-      : [scrolled("Values", valueTable(chosen)), el("p", { class: "note" }, accuracy), model()]));
+      : [scrolled("Values", valueTable(chosen, same ? null : entry.flat)), el("p", { class: "note" }, accuracy), model()]));
     exact.refresh();
     tools.redraw();
     step?.redraw();

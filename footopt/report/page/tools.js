@@ -200,7 +200,7 @@ function nameBeside(a, name, own, others, names, ink) {
   for (const [along, line] of own.filter((_, i) => i % Math.ceil(own.length / 24) === 0)) for (const away of [-12, 12, -20, 20, -34, 34]) {
     const x = clip(along, left + half, right - half), y = line + away;
     if (y < top || y > bottom - 9) continue;
-    const far = clear(taken, x, y, half, 6), score = 20 * Math.min(clear(own, x, y, half, 6), far, 2) + far + 4 * clear(others, along, line, 0, 0) - 0.3 * (Math.abs(away) + Math.abs(x - along));
+    const far = clear(taken, x, y, half, 6), score = 100 * Math.min(clear(own, x, y, half, 6), far, 2) + far + 4 * clear(others, along, line, 0, 0) - 0.3 * (Math.abs(away) + Math.abs(x - along));
     if (score > most) { most = score; place = [x, y]; }
   }
   if (!place) return;

@@ -100,7 +100,7 @@ function walkSection() {
     if (keep) keep.hidden = failed;
     if (failed) { stop(); return; }
     const com = pairs(walk.com), low = deepest(walk) - 0.05, x = range(com.map((p) => p[0]), 0);
-    const found = others.get(compare.value)?.(), other = found && found !== walk && found.t.length > 1 ? found : null;
+    const found = others.get(compare.value)?.(), other = found && found !== walk && found.t.length > 1 && !(found === flatWalk() && alike(found.points, walk.points)) ? found : null;
     const shared = { other, paint: paint.value };
     state.movers = [
       stage(whole, walk, { ...shared, x: [x[0] - 0.55, x[1] + 0.55], z: [Math.min(low, -0.16), Math.max(...com.map((p) => p[1])) + 0.12],
@@ -154,12 +154,12 @@ function walkSection() {
   return { section, show, redraw };
 }
 
-/** The first step of the right foot, close, over and over; `show(i)` takes that of another design. */
+/** A step, close, over and over: the first one, or the first on a patch; `show(i)` takes that of another design. */
 function stepLoop(id = "step", tall = 300) {
   const holder = el("div", { class: "plot", id }), still = matchMedia("(prefers-reduced-motion: reduce)").matches;
   const button = el("button", { type: "button", class: "loop", click: () => { state.playing = !state.playing; run(); } });
-  const figure = el("figure", {}, holder, el("figcaption", {}, button, " A step at a quarter of its speed, with the forces on parts of the sole", flatWalk() ? "; dashed: the flat foot in step." : "."));
-  const begin = gait.strikes[0], stride = 2 * ((gait.strikes[1] ?? NaN) - begin);
+  const beside = el("span"), figure = el("figure", {}, holder, el("figcaption", {}, button, " A step at a quarter of its speed, with the forces on parts of the sole", beside));
+  const begin = gait.strikes[gait.step], stride = 2 * ((gait.strikes[1] ?? NaN) - gait.strikes[0]), side = gait.step % 2 ? LEFT : RIGHT;
   const state = { walk: null, mover: null, t: begin + 0.1 * stride, playing: !still && Number.isFinite(stride), seen: true };
   new IntersectionObserver(([{ isIntersecting }]) => { state.seen = isIntersecting; run(); }).observe(holder);
   let before = 0, busy = false;
@@ -181,11 +181,12 @@ function stepLoop(id = "step", tall = 300) {
     figure.hidden = !walk || !(walk.t.at(-1) > begin + 0.3 * stride);
     state.mover = null;
     if (figure.hidden) return;
-    const flat = flatWalk(), other = flat && flat !== walk && flat.t.at(-1) > begin + 0.3 * stride ? flat : null;
+    const flat = flatWalk(), other = flat && !alike(flat.points, walk.points) && flat.t.at(-1) > begin + 0.3 * stride ? flat : null;
+    beside.textContent = other ? "; dashed: the flat foot in step." : ".";
     const low = deepest(walk, begin - 0.06 * stride, begin + 0.72 * stride);
-    const foot = (w) => pose(w, begin + 0.25 * stride)[RIGHT].leg[2][0];
+    const foot = (w) => pose(w, begin + 0.25 * stride)[side].leg[2][0];
     state.mover = stage(holder, walk, { close: true, other, tall, x: [-0.26, 0.26], z: [low - Math.max(0.07, 0.3 * (0.13 - low)), 0.13],
-      fixed: { x: foot(walk) + 0.03, shift: other ? foot(walk) - foot(other) : 0 }, label: "One step of the right foot in the sand, with the forces on its sole" });
+      fixed: { x: foot(walk) + 0.03, shift: other ? foot(walk) - foot(other) : 0 }, label: `One step of the ${SIDES[side]} foot in the sand, with the forces on its sole` });
     state.mover(state.t);
     run();
   }

@@ -20,6 +20,7 @@ from footopt.report.parts import DRAWN
 from footopt.report.picture import OFTEN, STEP, ground
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
 from footopt.walk import FIVE, MEASURES, Accuracy, Scene, Walk
+from footopt.walk.phases import step_on_patch
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -55,7 +56,7 @@ def walk_content(walk: Walk, entry: dict[str, Any], flat: Walk | None = None) ->
     else:
         shape = {"soles": [packed(foot.contour, exact=True)]}
     return {
-        **common(entry, walk.scene, tuple(values), walk.accuracy, foot),
+        **common(entry, walk.scene, tuple(values), walk.accuracy, foot, step_on_patch(walk)),
         "title": f"{title(foot.name)} on {sand_title(walk.scene.sand)}",
         "headline": [f"{describe_scene(walk.scene)}; {describe_foot(foot)}"],
         "space": splines(foot.space) if "k" in shape and foot.space else None,
@@ -124,7 +125,7 @@ def search_content(
     reasons = [*dict.fromkeys(map(str, result.reasons))]
     codes = np.array([reasons.index(str(r)) for r in result.reasons])
     return {
-        **common(entry, problem.scene, record, problem.accuracy, problem.space),
+        **common(entry, problem.scene, record, problem.accuracy, problem.space, step_on_patch(best)),
         "title": verdict(best, flat, problem.names),
         "headline": [
             f"Soles for {', '.join(map(title, problem.names))} on {describe_scene(problem.scene)}",
@@ -205,7 +206,12 @@ def successive_bests(result: SearchResult) -> list[int]:
 
 
 def common(
-    entry: dict[str, Any], scene: Scene, names: Sequence[str], accuracy: Accuracy, foot: Foot | Waypoints
+    entry: dict[str, Any],
+    scene: Scene,
+    names: Sequence[str],
+    accuracy: Accuracy,
+    foot: Foot | Waypoints,
+    step: int = 0,
 ) -> dict[str, Any]:
     """What every page of walks holds: the columns of values, the scene's gait, the run's own facts."""
     t = np.linspace(0.0, scene.duration, int(np.ceil(scene.duration / POSE_STEP)) + 1)
@@ -220,6 +226,7 @@ def common(
             "end": scene.duration,
             "angles": packed(np.stack([thigh, shank, pitch], axis=-1)),
             "strikes": scene.gait.heel_strikes(scene.duration),
+            "step": step,  # that is shown close
             "l1": scene.walker.l1,
             "l2": scene.walker.l2,
         },
