@@ -416,7 +416,7 @@ def test_many_lines_all_differ():
 
 
 def test_a_stance_is_the_contact_about_the_first_heel_strike(hard):
-    first, last, dragged = stance(hard)
+    first, last, dragged, _ = stance(hard)
     up = hard.force[:, RIGHT, 1]
     assert not dragged
     assert (up[first : last + 1] > 1.0).all()
@@ -426,7 +426,7 @@ def test_a_stance_is_the_contact_about_the_first_heel_strike(hard):
 
 
 def test_on_soft_sand_the_foot_drags_and_the_step_begins_at_the_heel_strike(soft):
-    first, last, dragged = stance(soft)
+    first, last, dragged, _ = stance(soft)
     assert dragged
     assert soft.t[first] == pytest.approx(1.1)
     assert soft.t[last] > 1.5
@@ -452,7 +452,7 @@ def arrows(axes):
 
 def test_arrows_carry_the_force_on_the_foot(hard):
     figure = figures.step(hard)
-    first, last, _ = stance(hard)
+    first, last, _, _ = stance(hard)
     times = hard.t[first] + (np.arange(6) + 0.5) / 6 * (hard.t[last] - hard.t[first])
     index = np.searchsorted(hard.t, times)
     (label,) = (text for text in figure.axes[0].texts if text.get_text().endswith(" N"))

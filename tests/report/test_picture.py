@@ -136,4 +136,4 @@ def test_an_arrow_is_as_long_as_its_force():
     [[_, tips, _]], _ = shapes({"force": force}, view._replace(close=True))
     assert tips[:2].tolist() == [[-3.0, -4.0], [0.0, 0.0]]
     heads = np.linalg.norm(tips[[3, 5]] - tips[4], axis=1)
-    assert heads == pytest.approx(1.4 * 0.1 * np.sqrt(1.25))
+    assert heads == pytest.approx(1.3 * 0.1 * np.sqrt(1.16))

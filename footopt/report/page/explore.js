@@ -222,6 +222,7 @@ function explorer(choose, beside, glimpse) {
         pen.beginPath();
         order.forEach((c, j) => pen.lineTo(X(j), Y(j, c.of(i))));
         pen.strokeStyle = style(i);
+        pen.setLineDash(data.jobs ? DASHES[i % 4]?.split(" ") ?? [] : []);
         pen.stroke();
       }
     };
@@ -231,6 +232,11 @@ function explorer(choose, beside, glimpse) {
     const known = order.filter((c) => Number.isFinite(c.flat));
     if (!data.jobs && known.length > 1 && known.length === order.length) {
       drawing.append(svg("path", { class: "ghost", d: line((c) => c.flat) }), svg("text", { class: "halo", x: X(order.length - 1) + 8, y: Y(order.length - 1, order.at(-1).flat) + 4, style: "fill:var(--grey)" }, "flat"));
+    }
+    if (data.jobs && state.passing.length <= 12) { // by their ends, off each other
+      const j = order.length - 1, ends_ = state.passing.map((i) => [Y(j, order[j].of(i)), i]).filter(([y]) => Number.isFinite(y)).sort((u, v) => u[0] - v[0]);
+      let last = top - 20;
+      for (const [y, i] of ends_) drawing.append(svg("text", { class: "halo", x: X(j) + 8, y: (last = Math.max(y, last + 14)) + 4, style: `fill:${COLOURS[i % COLOURS.length]}` }, label(i)));
     }
     overlay(a, wide, (i, stroke, thick) => [svg("path", { d: line((c) => c.of(i)), fill: "none", stroke, "stroke-width": thick })]);
     order.forEach((c, j) => {

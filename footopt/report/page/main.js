@@ -93,7 +93,7 @@ function designSection() {
       errors.map(([name, error]) => `${name.replaceAll("_", " ")} ${error >= 0.1 ? `${(100 * error).toFixed(0)} %` : percent(error)}`).join(", "), ". Compare feet; do not read the values as measurements.") : "";
   }
   function redraw() {
-    const points = sole(chosen), k = heights(chosen), best = chosen === data.best, flat = data.walks && flatWalk(), same = flat && alike(points, flat.points);
+    const points = sole(chosen), k = heights(chosen), best = chosen === data.best, flat = data.walks && flatWalk(), same = flat && isFlat(points);
     title.textContent = COUNT > 1 ? `The ${best ? "" : "chosen "}sole: ${label(chosen)}` : `The sole: ${label(chosen)}`;
     back.hidden = best || data.jobs !== undefined;
     words.textContent = [k ? `k = [${k.join(",")}]` : "", `hollow ${(MM * hollow(points)).toFixed(1)} mm`, generation && chosen !== DRAWN ? `generation ${generation[chosen]}` : "",
@@ -191,7 +191,7 @@ function jobsSection(choose) {
 function tracesSection() {
   const jobs = data.traces.map((raw, i) => ({ label: data.designs.labels[raw.design], t: unpack(raw.t),
     ...Object.fromEntries(["height", "speed", "power", "work"].map((name) => [name, unpack(raw[name])])),
-    line: { stroke: COLOURS[i % COLOURS.length], "stroke-dasharray": [null, "7 3", "2 2", "9 3 2 3"][i % 4] } }));
+    line: { stroke: COLOURS[i % COLOURS.length], "stroke-dasharray": DASHES[i % 4] } }));
   const titles = { height: "height of the COM (m)", speed: "forward speed (m/s)", power: "power of the sand, both feet (W)", work: "work of the sand, both feet (J)" };
   const plots = Object.keys(titles).map((name) => [name, el("div", { class: "plot" })]);
   const draw = () => plots.forEach(([name, holder]) => plot(holder, { x: range(jobs.flatMap((job) => [0, job.t.at(-1) ?? 0]), 0), xlabel: "time (s)", ylabel: titles[name],

@@ -26,9 +26,6 @@ function pairs(flat) {
   return found;
 }
 
-/** Whether two soles are one, to what is seen. */
-const alike = (a, b) => a.length === b.length && a.every(([x, z], j) => Math.abs(x - b[j][0]) + Math.abs(z - b[j][1]) < 1e-6);
-
 /** The sole with vertical sides and a flat top (z, m), counter-clockwise from the heel. */
 function outline(points, top) {
   const level = Math.max(top, ...points.map((p) => p[1])), SAME = 1e-7;

@@ -3,7 +3,7 @@
 const data = JSON.parse(document.getElementById("data").textContent);
 const entry = data.entry ?? {};
 /** Lines of jobs, in the order of the figures. */
-const COLOURS = Array.from({ length: 7 }, (_, i) => `var(--line-${i})`);
+const COLOURS = Array.from({ length: 7 }, (_, i) => `var(--line-${i})`), DASHES = [null, "7 3", "2 2", "9 3 2 3"];
 /** A colour by its role, for a canvas, which reads no variables. */
 const ink = (colour) => getComputedStyle(document.documentElement).getPropertyValue(colour.replace(/^var\(|\)$/g, "")).trim();
 /** From 0 to 1 in colours that the colour-blind can tell apart (viridis). */

@@ -43,6 +43,12 @@ function flatWalk() {
   return sketch?.flat ?? (place < 0 ? null : open(place));
 }
 
+/** Whether a sole is the flat one: level, as low and as long. */
+function isFlat(points) {
+  const flat = flatWalk()?.points, same = (a, b) => Math.abs(a - b) < 1e-5; // m
+  return Boolean(flat) && [0, -1].every((end) => same(points.at(end)[0], flat.at(end)[0])) && points.every(([, z]) => same(z, flat[0][1]));
+}
+
 /** In words that a walk made here hangs on its last digits; nothing where it does not. */
 function hangs(i) {
   const found = walked.has(i) && rounding(walked.get(i).arc, i === DRAWN ? sketch : { zeta: P.sand.zeta, mass: P.walker.mass });
@@ -100,7 +106,7 @@ function walkSection() {
     if (keep) keep.hidden = failed;
     if (failed) { stop(); return; }
     const com = pairs(walk.com), low = deepest(walk) - 0.05, x = range(com.map((p) => p[0]), 0);
-    const found = others.get(compare.value)?.(), other = found && found !== walk && found.t.length > 1 && !(found === flatWalk() && alike(found.points, walk.points)) ? found : null;
+    const found = others.get(compare.value)?.(), other = found && found !== walk && found.t.length > 1 && !(found === flatWalk() && isFlat(walk.points)) ? found : null;
     const shared = { other, paint: paint.value };
     state.movers = [
       stage(whole, walk, { ...shared, x: [x[0] - 0.55, x[1] + 0.55], z: [Math.min(low, -0.16), Math.max(...com.map((p) => p[1])) + 0.12],
@@ -181,7 +187,7 @@ function stepLoop(id = "step", tall = 300) {
     figure.hidden = !walk || !(walk.t.at(-1) > begin + 0.3 * stride);
     state.mover = null;
     if (figure.hidden) return;
-    const flat = flatWalk(), other = flat && !alike(flat.points, walk.points) && flat.t.at(-1) > begin + 0.3 * stride ? flat : null;
+    const flat = flatWalk(), other = flat && !isFlat(walk.points) && flat.t.at(-1) > begin + 0.3 * stride ? flat : null;
     beside.textContent = other ? "; dashed: the flat foot in step." : ".";
     const low = deepest(walk, begin - 0.06 * stride, begin + 0.72 * stride);
     const foot = (w) => pose(w, begin + 0.25 * stride)[side].leg[2][0];
