@@ -215,7 +215,8 @@ def report_generations(
         if math.isfinite(g.best):
             best = f"best {title(guide)} {number(g.best)}"
             if base and math.isfinite(base):
-                best = f"best {'J_W' if guide == 'efficiency' else title(guide)} x {g.best / base:.2f} of {scale}"
+                name = "J_W" if guide == "efficiency" else title(guide)
+                best = f"best {name} x {g.best / base:.2f} of {scale}"
         else:
             best = f"hypervolume {number(g.hypervolume)}" if g.front else "none feasible yet"
         front = f", front {g.front}" if g.front > 1 else ""

@@ -191,7 +191,8 @@ def _search(
         if known := store.describe():
             study.say(known)
         with study.progress(solver.generations(space), _unit(solver)) as step:
-            tell = report_generations(step, problem.names[0], base=base if problem.names[0] == "efficiency" else None)
+            guide = problem.names[0]
+            tell = report_generations(step, guide, base=base if guide == "efficiency" else None)
             start = _start(study.options.start, space)
             result = search(problem, solver, tell, store, executor, stop, start)
         finer, finalists = study.finer_accuracy, study.options.finalists

@@ -467,7 +467,19 @@ class TestStage:
         times = best.objectives["efficiency"] / flat.objectives["efficiency"]
         assert shown.text("#gain strong") == f"J_W x {times:.2f} of flat"
         assert shown.all("#design svg .ghost")
+        again = fo.simulate(fo.Foot.flat(), flat.scene, "draft")  # other values of the same sole are no gain
+        content = page.walk_content(again, entry, flat)
+        shown = Page(browser, page.write(tmp_path / "page.html", content))
+        assert "this is the flat foot" in shown.text("#design-words")
+        assert not shown.all("#bars, #gain, #design svg .ghost")
         assert not shown.errors()
+
+    def test_the_step_on_a_patch_is_the_one_that_is_shown(self, browser, tmp_path):
+        scene = fo.Scene(effects=(fo.Patches((0.9,), (1.5,), (0.2,)),))
+        content = page.walk_content(fo.simulate(fo.Foot.flat(), scene, "draft"), {"scene": {"effects": {}}})
+        shown = Page(browser, page.write(tmp_path / "page.html", content))
+        assert shown["#step svg"].get_attribute("aria-label").startswith("One step of the left foot")
+        assert "patch × 0.2" in shown.text("#step")
 
     def test_a_sole_of_many_waypoints_is_as_smooth_on_the_stage(self, browser, tmp_path):
         space = fo.Waypoints(n=50, K=20)

@@ -116,7 +116,11 @@ class TestALogFile:
         assert told(clock, 200, 0.9 * PATIENCE / 200) == []
 
     @pytest.mark.parametrize(
-        ("base", "best"), [(None, r"efficiency J_W -\S+"), (-1e-4, r"J_W x \d\.\d\d of flat")]
+        ("base", "best"),
+        [
+            *((unknown, r"efficiency J_W -\S+") for unknown in (None, np.nan)),
+            (-1e-4, r"J_W x \d\.\d\d of flat"),
+        ],
     )
     def test_a_search_tells_its_best_value(self, base, best, clock):
         file = io.StringIO()

@@ -24,7 +24,7 @@ def regrets(values: ArrayLike, feet: Sequence[str], scenarios: Sequence[str]) ->
     summary = np.stack([table.mean(axis=1), table.max(axis=1)], axis=1)
     many = len(scenarios) > 6
     longest = max(len(word) for name in scenarios for word in name.split())
-    width = PAGE if many else COLUMN + (1.2 if longest > SHORT else 0.0)
+    width = PAGE if many else COLUMN + (0.3 * len(scenarios) if longest > SHORT else 0.0)
     figure = new_figure(width, 0.95 + ROW * len(feet))
     left, right = figure.subplots(1, 2, sharey=True, width_ratios=[len(scenarios), 2])
     norm = Normalize(0.0, max(1.0, float(np.nanmax(table, initial=0.0))))

@@ -83,7 +83,7 @@ def steps(walks: Mapping[str, Walk], frames: int = 6, number: int = 0) -> Figure
         part.supxlabel("$x$ (m)")
         part.supylabel("$z$ (m)")
         least = SHORTEST * view.unit / metres
-        part.suptitle(textwrap.fill(f"{step.title} of {least:.1g} N and more", 125))
+        part.suptitle(textwrap.fill(f"{step.title}, from {least:.2g} N on", 125))
     return figure
 
 
@@ -103,7 +103,8 @@ class _Step(NamedTuple):
     def points(self, metres: float) -> Array:
         """The ends of soles and arrows, (m, 2), with arrows of so many metres per newton."""
         tails = self.picture.forces.at[:, self.foot] - metres * self.force
-        return np.concatenate([part.reshape(-1, 2) for part in (self.picture.body.outline[:, self.foot], tails)])
+        outline = self.picture.body.outline[:, self.foot]
+        return np.concatenate([part.reshape(-1, 2) for part in (outline, tails)])
 
 
 def _snapshots(label: str, walk: Walk, frames: int, number: int) -> _Step | None:
@@ -119,7 +120,7 @@ def _snapshots(label: str, walk: Walk, frames: int, number: int) -> _Step | None
     since = f"heel strike ({began}; dragged through the sand until then)"
     since = since if contact.dragged else f"touch-down ({began})"
     parts = picture.forces.at.shape[2]
-    title = f"{walk_label(label, walk)}, time since {since}; arrows: forces on 1/{parts} of the sole"
+    title = f"{walk_label(label, walk)}, time since {since}; arrows: force on 1/{parts} of the sole"
     return _Step(picture, contact.foot, walk.t[index] - begin, title)
 
 
