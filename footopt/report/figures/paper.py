@@ -112,7 +112,8 @@ def claims(entries: Sequence[Mapping[str, Any]]) -> Figure:
     axes.set_yticks(range(len(entries)), [entry["says"] for entry in entries], fontsize=7)
     axes.set(ylim=(len(entries) - 0.4, -0.6), xlim=(-0.06, 1.4))
     axes.set_xticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0 %", "25 %", "50 %", "75 %", "100 %"])
-    axes.set_xlabel("share of the sweep in which it holds; at the settings ● holds, ✖ does not", x=0.3)
+    settings = "at the settings: ● holds, ✖ does not"
+    axes.set_xlabel(f"share of the sweep in which it holds, and the setting that decides\n{settings}", x=0.4)
     axes.tick_params(axis="y", length=0)
     axes.spines["bottom"].set_bounds(0.0, 1.0)
     axes.spines["left"].set_visible(False)

@@ -3,7 +3,6 @@
 
 const P = data.physics ?? {};
 const [LEFT_POWER, RIGHT_POWER] = [2, 9]; // of both feet's forces: x, z, power, xx, xz, zx, zz of the left, then the right
-const clip = (v, low, high) => Math.min(Math.max(v, low), high);
 
 // --- the gait: footopt/gait ----------------------------------------------------------------------------------
 

@@ -100,7 +100,7 @@ function drawTools(holder, now, show, settle) {
     if (k) edit({ k });
   });
   document.addEventListener("keydown", (event) => {
-    if ((event.ctrlKey || event.metaKey) && event.key === "z" && sketch.past.length) { event.preventDefault(); undo(); }
+    if ((event.ctrlKey || event.metaKey) && event.key === "z" && sketch.past.length && event.target.type !== "number") { event.preventDefault(); undo(); }
   });
   /** A slider over a factor of 10 to either side, in equal steps of the logarithm. */
   const slider = (name, text, own) => {

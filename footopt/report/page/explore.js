@@ -153,34 +153,6 @@ function explorer(choose, beside, glimpse) {
     pen.scale(devicePixelRatio, devicePixelRatio);
     return pen;
   }
-  /** Tell a click from a drag. */
-  function gestures(a, { drag, click }) {
-    let from = null, box = null;
-    // a finger on an axis brushes, elsewhere it moves the page
-    a.svg.addEventListener("touchstart", (event) => event.target.classList.contains("grip") && event.preventDefault(), { passive: false });
-    a.svg.addEventListener("pointerdown", (event) => {
-      from = where(a, event);
-      a.svg.setPointerCapture(event.pointerId);
-    });
-    a.svg.addEventListener("pointermove", (event) => {
-      if (!from) return;
-      box?.remove();
-      tip.hidden = true;
-      box = drag(from, where(a, event), false);
-      if (box) a.svg.append(box);
-    });
-    a.svg.addEventListener("pointerup", (event) => {
-      if (!from) return;
-      const start = from, end = where(a, event);
-      from = null;
-      box?.remove();
-      if (Math.hypot(end[0] - start[0], end[1] - start[1]) < 4) click(end); else drag(start, end, true);
-    });
-    a.svg.addEventListener("pointercancel", () => { from = null; box?.remove(); });
-  }
-  const rectangle = (x0, y0, x1, y1) => svg("rect", { class: "brush", x: Math.min(x0, x1), y: Math.min(y0, y1),
-    width: Math.abs(x1 - x0), height: Math.abs(y1 - y0) });
-
   function redraw() {
     drawParallel();
     drawScatter();
@@ -233,10 +205,11 @@ function explorer(choose, beside, glimpse) {
     if (!data.jobs && known.length > 1 && known.length === order.length) {
       drawing.append(svg("path", { class: "ghost", d: line((c) => c.flat) }), svg("text", { class: "halo", x: X(order.length - 1) + 8, y: Y(order.length - 1, order.at(-1).flat) + 4, style: "fill:var(--grey)" }, "flat"));
     }
-    if (data.jobs && state.passing.length <= 12) { // by their ends, off each other
-      const j = order.length - 1, ends_ = state.passing.map((i) => [Y(j, order[j].of(i)), i]).filter(([y]) => Number.isFinite(y)).sort((u, v) => u[0] - v[0]);
-      let last = top - 20;
-      for (const [y, i] of ends_) drawing.append(svg("text", { class: "halo", x: X(j) + 8, y: (last = Math.max(y, last + 14)) + 4, style: `fill:${COLOURS[i % COLOURS.length]}` }, label(i)));
+    if (data.jobs && order.length && state.passing.length <= 12) { // named at their ends, off each other
+      const end = order.length - 1;
+      let y = top - 20;
+      for (const [at, i] of state.passing.map((i) => [Y(end, order[end].of(i)), i]).filter(([at]) => Number.isFinite(at)).sort(([a], [b]) => a - b))
+        drawing.append(svg("text", { class: "halo", x: X(end) + 8, y: (y = Math.max(at, y + 14)) + 4, style: `fill:${COLOURS[i % COLOURS.length]}` }, label(i)));
     }
     overlay(a, wide, (i, stroke, thick) => [svg("path", { d: line((c) => c.of(i)), fill: "none", stroke, "stroke-width": thick })]);
     order.forEach((c, j) => {
@@ -251,7 +224,7 @@ function explorer(choose, beside, glimpse) {
         svg("rect", { class: "grip", "data-grip": c.name, x: X(j) - 20, y: 0, width: 40, height }));
       const limit = state.limits.get(c.name);
       if (limit) {
-        const [y0, y1] = limit.map((v) => Math.min(Math.max(Y(j, v), top), bottom));
+        const [y0, y1] = limit.map((v) => clip(Y(j, v), top, bottom));
         drawing.append(rectangle(X(j) - 9, y0, X(j) + 9, y1));
       }
     });
@@ -260,7 +233,7 @@ function explorer(choose, beside, glimpse) {
     const under = ([x, y], most) => {
       let k = 0;
       while (k < order.length - 2 && X(k + 1) < x) k++;
-      const part = order.length > 1 ? Math.min(Math.max((x - X(k)) / (X(k + 1) - X(k)), 0), 1) : 0, next = Math.min(k + 1, order.length - 1);
+      const part = order.length > 1 ? clip((x - X(k)) / (X(k + 1) - X(k)), 0, 1) : 0, next = Math.min(k + 1, order.length - 1);
       return nearest((i) => Math.abs(Y(k, order[k].of(i)) * (1 - part) + Y(next, order[next].of(i)) * part - y), most);
     };
     gestures(a, {

@@ -21,11 +21,11 @@ const bestOf = (among) => among.reduce((best, i) => (best < 0 || (lead.of(i) - l
 
 /** Put the front and the best of some designs on the page; the drawing of the sole turns from one into the other. */
 let morphing = 0;
-function showBest(explore, last, among, front_ = several ? undominated(among) : []) {
+function showBest(explore, last, among, ranked = several ? undominated(among) : []) {
   front.clear();
-  front_.forEach((i) => front.add(i));
+  ranked.forEach((i) => front.add(i));
   explore.until(last);
-  const best = bestOf(several ? front_ : among), holder = document.querySelector("#design figure .plot"), before = shownBest;
+  const best = bestOf(several ? ranked : among), holder = document.querySelector("#design figure .plot"), before = shownBest;
   if (best < 0 || best === before) return best;
   shownBest = best;
   cancelAnimationFrame(morphing);

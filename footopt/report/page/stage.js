@@ -7,7 +7,7 @@ const gait = data.gait && { ...data.gait, angles: unpack(data.gait.angles) };
 
 /** Thigh, shank and pitch of a leg at a time, rad. */
 function legAngles(t, foot) {
-  const rows = gait.angles.length / 6, at = Math.min(Math.max(t / gait.end, 0), 1) * (rows - 1);
+  const rows = gait.angles.length / 6, at = clip(t / gait.end, 0, 1) * (rows - 1);
   const i = Math.min(Math.floor(at), rows - 2), part = at - i;
   return [0, 1, 2].map((joint) => {
     const j = 6 * i + 3 * foot + joint;
@@ -52,7 +52,7 @@ function at(walk, name, width, t, times = walk.t) {
     const middle = (low + high) >> 1;
     if (times[middle] <= t) low = middle; else high = middle;
   }
-  const part = Math.min(Math.max((t - times[low]) / (times[high] - times[low] || 1), 0), 1);
+  const part = clip((t - times[low]) / (times[high] - times[low] || 1), 0, 1);
   const values = walk[name];
   return Array.from({ length: width }, (_, i) => values[low * width + i] * (1 - part) + values[high * width + i] * part);
 }

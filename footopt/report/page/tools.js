@@ -6,10 +6,11 @@ const entry = data.entry ?? {};
 const COLOURS = Array.from({ length: 7 }, (_, i) => `var(--line-${i})`), DASHES = [null, "7 3", "2 2", "9 3 2 3"];
 /** A colour by its role, for a canvas, which reads no variables. */
 const ink = (colour) => getComputedStyle(document.documentElement).getPropertyValue(colour.replace(/^var\(|\)$/g, "")).trim();
+const clip = (v, low, high) => Math.min(Math.max(v, low), high);
 /** From 0 to 1 in colours that the colour-blind can tell apart (viridis). */
 function ramp(share) {
   const stops = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
-  const place = 4 * Math.min(Math.max(share || 0, 0), 1), i = Math.min(Math.floor(place), 3);
+  const place = 4 * clip(share || 0, 0, 1), i = Math.min(Math.floor(place), 3);
   return `rgb(${stops[i].map((v, c) => Math.round(v + (place - i) * (stops[i + 1][c] - v))).join(" ")})`;
 }
 
@@ -171,6 +172,34 @@ function hover(a, read) {
   });
   a.svg.addEventListener("pointerleave", () => { tip.hidden = true; read(NaN, NaN); });
 }
+
+/** Tell a click from a drag. */
+function gestures(a, { drag, click }) {
+  let from = null, box = null;
+  // a finger on an axis brushes, elsewhere it moves the page
+  a.svg.addEventListener("touchstart", (event) => event.target.classList.contains("grip") && event.preventDefault(), { passive: false });
+  a.svg.addEventListener("pointerdown", (event) => {
+    from = where(a, event);
+    a.svg.setPointerCapture(event.pointerId);
+  });
+  a.svg.addEventListener("pointermove", (event) => {
+    if (!from) return;
+    box?.remove();
+    tip.hidden = true;
+    box = drag(from, where(a, event), false);
+    if (box) a.svg.append(box);
+  });
+  a.svg.addEventListener("pointerup", (event) => {
+    if (!from) return;
+    const start = from, end = where(a, event);
+    from = null;
+    box?.remove();
+    if (Math.hypot(end[0] - start[0], end[1] - start[1]) < 4) click(end); else drag(start, end, true);
+  });
+  a.svg.addEventListener("pointercancel", () => { from = null; box?.remove(); });
+}
+const rectangle = (x0, y0, x1, y1) => svg("rect", { class: "brush", x: Math.min(x0, x1), y: Math.min(y0, y1),
+  width: Math.abs(x1 - x0), height: Math.abs(y1 - y0) });
 
 /** Points along a line of pixels, one in each cell of 5 x 5 of them. */
 function dense(points) {

@@ -120,7 +120,7 @@ function walkSection() {
     samples.refresh();
   }
   function move(t) {
-    state.t = Math.min(Math.max(t, 0), state.walk.t.at(-1));
+    state.t = clip(t, 0, state.walk.t.at(-1));
     state.movers.forEach((mover) => mover(state.t));
     scrubber.value = state.t;
     clock.textContent = `t = ${state.t.toFixed(2)} s of ${gait.end.toFixed(2)} s`;
