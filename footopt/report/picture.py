@@ -20,17 +20,20 @@ from footopt.walk import Scene, Walk
 Array = NDArray[np.float64]
 
 FAR = 1e6  # m, beyond any view
+TIMES = "\N{MULTIPLICATION SIGN}"
 BOTH = (0, 1)  # feet, the left one first
 STEP = 0.004  # m, between the places where the depth of a drawn print is known
 OFTEN = 0.005  # s, between the soles that it is drawn of
 
 
 def ground(scene: Scene) -> dict[str, Any]:
-    """Layers and patches of a scene, from the deepest upwards, and gravity where it is not straight down."""
+    """Layers of a scene, its patches, which go through them, and gravity where it is not straight down."""
     strips: dict[str, list[dict[str, Any]]] = {"layer": [], "patch": [], "gravity": [], "slope": []}
+    layers = [(0.0, -FAR, 1.0)]  # top, bottom, factor
 
-    def strip(kind: str, begin: float, end: float, top: float, bottom: float, factor: float) -> None:
-        text = f"{kind} \N{MULTIPLICATION SIGN} {factor:g}"
+    def strip(
+        kind: str, begin: float, end: float, top: float, bottom: float, factor: float, text: str
+    ) -> None:
         weight = float(np.clip(0.7 * np.log10(factor), -0.8, 0.6)) if factor > 0.0 else -0.8
         goal = np.array(to_rgb("white" if weight < 0 else STRONG_SAND))  # darker is stronger
         colour = to_hex((1.0 - abs(weight)) * np.array(to_rgb(SAND)) + abs(weight) * goal)
@@ -40,11 +43,15 @@ def ground(scene: Scene) -> dict[str, Any]:
     for effect in scene.effects:
         if isinstance(effect, Layers):
             ends = [*(-d for d in effect.depths), -FAR]
-            for top, bottom, factor in zip(ends, ends[1:], effect.factors, strict=False):
-                strip("layer", -FAR, FAR, top, bottom, factor)
+            layers = [*zip([0.0, *ends], ends, [1.0, *effect.factors], strict=False)]
+            for top, bottom, factor in layers[1:]:
+                strip("layer", -FAR, FAR, top, bottom, factor, f"layer {TIMES} {factor:g}")
+    for effect in scene.effects:
         if isinstance(effect, Patches):
             for begin, end, factor in zip(effect.begins, effect.ends, effect.factors, strict=True):
-                strip("patch", max(begin, -FAR), min(end, FAR), 0.0, -FAR, factor)
+                for top, bottom, there in layers:
+                    text = f"patch {TIMES} {factor:g}" * (top == 0.0)
+                    strip("patch", max(begin, -FAR), min(end, FAR), top, bottom, factor * there, text)
         if isinstance(effect, Slope):
             x, z = ((part or 0.0) / scene.walker.g for part in scene.gravity)
             way = "uphill" if effect.angle > 0 else "downhill"
