@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from footopt.report.numbers import sand_title
 from footopt.report.style import CHOSEN, GREY, GRID, PAGE, Axes, new_figure, styled
 from footopt.walk import FIVE
 from footopt.walk.audit import Audit, Joint
@@ -16,8 +17,10 @@ from footopt.walk.audit import Audit, Joint
 @styled
 def changes(audits: Sequence[Audit]) -> Figure:
     """A row for each effect and sand, a panel for each objective, a line where a change matters."""
-    labels = [f"{a.name.replace('_', ' ')}, {a.scene.sand.name} sand" for a in audits]
-    figure, axes = _rows(labels, np.array([a.changes for a in audits]), audits[0].tolerance, "change")
+    sands, labels = [sand_title(a.scene.sand) for a in audits], [a.name.replace("_", " ") for a in audits]
+    where = f" on {sands[0]}" if len(set(sands)) == 1 else ""
+    labels = [label if where else f"{label}, {sand}" for label, sand in zip(labels, sands, strict=True)]
+    figure, axes = _rows(labels, np.array([a.changes for a in audits]), audits[0].tolerance, f"change{where}")
     right = axes.secondary_yaxis("right")
     right.set_yticks(np.arange(len(audits)), [f"τ {a.tau:.2f}, time × {a.cost:.2g}" for a in audits])
     right.tick_params(length=0, colors="0.35")
@@ -44,6 +47,7 @@ def _rows(
             axes.plot(column[found], rows[found], "o", color=colour, ms=4)
         axes.axvline(limit, color="black", lw=0.8, ls="--")
         axes.set(xscale="log", title=name.replace("_", " "))
+        axes.margins(x=0.1)
         axes.grid(color=GRID, lw=0.6)
         axes.tick_params(axis="y", length=0)
     panels[0].set_yticks(rows, labels)

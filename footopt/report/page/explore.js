@@ -303,7 +303,7 @@ function explorer(choose, beside, glimpse) {
       nameAt(a, a.X(cx.of(i)), a.Y(cy.of(i)) - 8, text)] : []));
     if (!data.jobs && Number.isFinite(cx.flat) && Number.isFinite(cy.flat)) a.svg.append(
       svg("rect", { x: a.X(cx.flat) - 5, y: a.Y(cy.flat) - 5, width: 10, height: 10, fill: "var(--flat)", stroke: "var(--ink)" }),
-      nameAt(a, a.X(cx.flat), a.Y(cy.flat) + 4, "flat"));
+      nameAt(a, a.X(cx.flat), a.Y(cy.flat) + 12, "flat"));
     const limits = [cx, cy].map((c) => state.limits.get(c.name));
     if (limits.some(Boolean)) {
       const b = a.inside;
