@@ -154,13 +154,15 @@ def describe_scene(scene: Scene) -> str:
     if (g := scene.walker.g) != EARTH:
         words.append(f"gravity {g:g} m/s^2 (sand {g / EARTH:.3g} times as strong as on the Earth)")
     for effect in scene.effects:
-        values = ", ".join(_parameter(effect, name, value) for name, value in parameters(effect).items())
+        given = {name: value for name, value in parameters(effect).items() if value is not None}
+        values = ", ".join(_parameter(effect, name, value) for name, value in given.items())
         words.append(name_of(effect).replace("_", " ") + (f" ({values})" if values else ""))
     return ", ".join(words)
 
 
 def _parameter(effect: Effect, name: str, value: object) -> str:
-    unit = described(type(effect)).get(name, ("", ""))[0].partition(", ")[2]  # "1" is none
+    unit = described(type(effect)).get(name, ("", ""))[0].partition(", ")[2]
+    unit = unit.removesuffix("optional").rstrip(", ")  # "1" is none
     values = value if isinstance(value, (tuple, list)) else [value]
     listed = " and ".join(f"{v:g}" if isinstance(v, float) else str(v) for v in values)
     return f"{name} {listed}" + (f" {unit}" if unit not in ("", "1") else "")

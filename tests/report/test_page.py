@@ -623,6 +623,16 @@ class TestWalk:
         time.sleep(0.1)
         assert shown["#time"].get_property("value") == stands
 
+    def test_the_whole_walker_has_the_force_on_its_foot(self, front, pages, browser):
+        shown, walk = Page(browser, pages["front"]), front[2]
+        now = float(shown["#time"].get_property("value"))
+        line = shown["#walk figure .force"].get_attribute("d")
+        ends = np.array(re.findall(r"[\d.]+", line)[:4], float).reshape(2, 2)  # down is positive
+        x, z = np.diff(ends, axis=0)[0] * (1, -1)
+        fx, fz = walk.force[np.searchsorted(walk.t, now), 1]
+        assert z > 10  # pixels
+        assert np.arctan2(x, z) == pytest.approx(np.arctan2(fx, fz), abs=0.1)
+
     def test_arrows_in_the_close_up_are_seen_whole(self, pages, browser):
         shown = Page(browser, pages["front"])
         low, high = shown.js(

@@ -161,7 +161,7 @@ function picture(things, view) {
  * `close` draws soles and the forces on their parts, else the whole walker. The camera goes with the COM, or
  * looks at x = `fixed`. `other` is drawn behind as a ghost, in step: its COM, or its ankle at `fixed`, in the same place.
  */
-function stage(holder, walk, { close, x, z, label, other = null, fixed = null, paint = "side", tall = 330 }) {
+function stage(holder, walk, { close = false, x, z, label, other = null, fixed = null, paint = "side", tall = 330 }) {
   const width = widthOf(holder), axis = 18;
   const height = Math.min(tall, (width / (x[1] - x[0])) * (z[1] - z[0]) + (close ? 0 : 60)), above = height - axis;
   const scale = Math.min(width / (x[1] - x[0]), above / (z[1] - z[0])), half = width / 2 / scale, scheme = PAINTS[paint];
