@@ -126,8 +126,8 @@ PARTS = (
 
 WORDS = (
     Word("layer", (("b - 0.6 * unit", "max(c + 1.3 * unit, top - 3 * unit)"),), "end", _STRIP, _SEEN),
-    Word("patch", (("a + 0.6 * unit", "min(top - 1.6 * unit, low + (1.5 + 4.2 * close) * unit)"),), "start", _STRIP,
-         (*_SEEN, "letters * unit <= b - a")),  # where enough of it is seen for its name
+    Word("patch", (("a + 0.6 * unit", "min(top - 1.6 * unit, low + (1.5 + 4.2 * close) * unit)"),), "start",
+         _STRIP, (*_SEEN, "letters * unit <= b - a")),  # where enough of it is seen for its name
     Word("gravity", (("right - unit", "high - 1.5 * unit"),), "end"),
     Word("slope", (("right - unit", "high - 4 * unit"),), "end"),
     Word("key", (("left + metres * newtons + 2 * unit", "low + 1.5 * unit"),)),
