@@ -24,7 +24,7 @@ RING = 0.5 * np.array([[0, 1], [0, -1], [1, 0], [-1, 0], [0.7, 0.7], [0.7, -0.7]
 FAR = np.full((1, 2), 1e6)
 
 
-def label_all(panels: Axes | Iterable[Axes]) -> None:
+def label_all(panels: Axes | Iterable[Axes]) -> bool:
     """Name each thing that has a label once, in the panel where it is farthest from all else.
 
     Call it when the limits of the axes stay. Where a name finds no room, all are in a legend above.
@@ -33,6 +33,11 @@ def label_all(panels: Axes | Iterable[Axes]) -> None:
     ----------
     panels : Axes, or several of one figure
         What has the same label in several panels is the same thing.
+
+    Returns
+    -------
+    inside : bool
+        Whether all names are inside the panels, which lie where they lay when this began.
     """
     panels = list(np.ravel(np.asarray(panels, object)))
     figure = panels[0].get_figure(root=True)
@@ -59,11 +64,12 @@ def label_all(panels: Axes | Iterable[Axes]) -> None:
             for text in made:
                 text.remove()
             legend_above(figure, list(handles.values()), list(handles))
-            return
+            return False
         looks = {"ha": "center", "va": "center", "zorder": 8, "path_effects": HALO}
         x, z = panels[i].transData.inverted().transform(place)
         made.append(panels[i].text(x, z, label, color=_colour(handle), **looks))
         taken[i] = np.concatenate([taken[i], _inside(made[-1])])
+    return True
 
 
 def legend_above(figure: Figure, handles: Sequence[Any], labels: Sequence[str]) -> None:
