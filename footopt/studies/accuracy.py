@@ -22,6 +22,7 @@ from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
 from footopt.report.figures.accuracy import decision as decision_figure
 from footopt.report.figures.accuracy import work_precision
+from footopt.report.numbers import title
 from footopt.sand import Sand
 from footopt.studies import decision
 from footopt.studies.base import Study
@@ -172,7 +173,7 @@ def run(study: Study) -> None:
             "cheapest": {str(t): None if m is None else m.row for t, m in picks.items()},
         },
         said=[
-            "Measured order: " + ", ".join(f"{name} {value:.1f}" for name, value in orders.items()),
+            "Measured order: " + ", ".join(f"{title(name)} {value:.1f}" for name, value in orders.items()),
             *(f"Cheapest within {100 * t:g} %: {_describe(m)}" for t, m in picks.items()),
             _ranking(ranking),
             *terminal.describe_model(errors),
