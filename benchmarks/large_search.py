@@ -2,8 +2,8 @@
 
 Walks cost nothing here: what is measured is the search around them. `python benchmarks/large_search.py
 1000000` searches by NSGA-II, or by the solver that is named after the number, keeps every design in a store,
-and writes and confirms the designs; with `whole` after the number the command footopt does it, with its
-figures and its page.
+and writes and confirms the designs; with `whole` after them the command footopt does it, with its figures
+and its page.
 """
 
 from __future__ import annotations
@@ -64,20 +64,28 @@ def measured(evaluations: int, folder: Path, solver: str = "nsga2") -> dict[str,
     }  # fmt: skip
 
 
-def whole(evaluations: int, folder: Path) -> None:
+def whole(evaluations: int, folder: Path, solver: str = "nsga2") -> None:
     """The command with such walks, from its first word to its page."""
     from footopt.cli.main import main
 
     fo.FootProblem.walk = Cheap.walk
-    search_of = ["solver=nsga2", f"solver.pop_size={SIZE}", f"solver.walks={evaluations}", "objective=pareto"]
+    search_of = [
+        f"solver={solver}",
+        f"solver.pop_size={SIZE}",
+        f"solver.walks={evaluations}",
+        "objective=pareto",
+    ]
     sys.argv = ["footopt", *search_of, "foot.box_tolerance=1", "accuracy=draft", f"hydra.run.dir={folder}"]
     main()
+    for file in sorted(folder.rglob("*.*")):
+        print(f"{file.relative_to(folder)}: {file.stat().st_size / 1e6:.1f} MB")
     print(f"{_peak():.0f} MB, {time.process_time():.0f} s of processor time")
 
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as place:
+        named = [word for word in sys.argv[2:3] if word != "whole"]
         if "whole" in sys.argv:
-            whole(int(sys.argv[1]), Path(place) / "run")
+            whole(int(sys.argv[1]), Path(place) / "run", *named)
         else:
-            print(json.dumps(measured(int(sys.argv[1]), Path(place), *sys.argv[2:3])))
+            print(json.dumps(measured(int(sys.argv[1]), Path(place), *named)))

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.design.fronts import Volume, enlarged
+from footopt.design.known import Known
 from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import Solver
 from footopt.errors import FootoptError
-from footopt.foot.waypoints import keys
 from footopt.walk.objectives import MEASURES
 
 
@@ -70,7 +70,7 @@ class Archive:
         self.history: list[Generation] = []
         self._table, self.count = no_designs(problem), 0  # the table has room for more
         self._good = np.empty(0, np.bool_)  # which are feasible
-        self._place: dict[bytes, int] = {}  # of a design in `designs`, by its heights
+        self._known = Known(problem.space.K)  # where a design is in `designs`
         self._latest = np.empty(0, np.int64)
         self._column = problem.record.index(problem.guide)
         self._sign = MEASURES[problem.guide].sign
@@ -85,29 +85,22 @@ class Archive:
         """All so far, in order."""
         return self._table.take(slice(self.count))
 
-    def _keys(self, k: Ints) -> list[bytes]:
-        return keys(k, self.problem.space.K)
-
     def first(self, k: Ints, most: float) -> int:
         """How many of designs, from the first, there can be with at most so many different ones in all."""
-        new: set[bytes] = set()
-        for place, key in enumerate(self._keys(k)):
-            if key not in self._place and key not in new:
-                if self.count + len(new) >= most:
-                    return place
-                new.add(key)
-        return len(k)
+        fresh, room = self._known.fresh(k), most - self.count
+        return len(k) if len(fresh) <= room else int(fresh[int(room)])
 
     def evaluate(self, k: Ints) -> tuple[Array, Array]:
         """F and G of a generation, (designs, ...); designs seen before are not walked again."""
-        keys = self._keys(k)
-        new = k[list({key: i for i, key in enumerate(keys) if key not in self._place}.values())]
+        new = k[self._known.fresh(k)]
         if len(new):
             values, reasons = self._walk(new)
+            self._known.add(new)
             words = np.array([sys.intern(word) for word in reasons.tolist()], object)  # of any length
             generation = np.full(len(new), len(self.history) + 1)
-            self._add(Designs(new, values, words, self.problem.space.box_violation(new), generation))
-        self._latest = np.array([self._place[key] for key in keys])
+            small = new.astype(np.min_scalar_type(self.problem.space.K))
+            self._add(Designs(small, values, words, self.problem.space.box_violation(new), generation))
+        self._latest = self._known.places(k)
         asked = self._table.take(self._latest)
         return self.problem.minimised(asked.values), self._constraints(asked)
 
@@ -123,7 +116,6 @@ class Archive:
         for column, added in zip(self._table, new, strict=True):
             column[start : self.count] = added
         self._good = np.append(self._good, (self._constraints(new) <= 0.0).all(axis=1))
-        self._place |= zip(self._keys(new.k), range(start, self.count), strict=True)
 
     def close_generation(self, seconds: float) -> None:
         """Write the generation into the history."""
@@ -162,7 +154,7 @@ class Archive:
         """Everything that was evaluated up to the last finished generation, and the best of it."""
         generations, count, front = self._closed
         designs = self._table.take(slice(count))
-        designs = designs._replace(reasons=designs.reasons.astype(np.str_))
+        designs = designs._replace(k=designs.k.astype(np.int64), reasons=designs.reasons.astype(np.str_))
         reasons = self.problem.verdicts(designs.values, designs.reasons, designs.violation)
         if not len(front):
             raise nothing_feasible(Counter(reasons.tolist()), interrupted)

@@ -14,7 +14,7 @@ REFERENCE = 1.1  # of hypervolumes, where the merged front spans 0 to 1 in every
 EXACT = 1000  # designs of a front up to which its hypervolume is exact: the time grows with a power of them
 DIRECTIONS = 2048  # that a larger one is estimated in
 BLOCK = 256  # designs that are looked at together
-SHARE = 0.999  # of its hypervolume that a thinned front keeps
+SHARE = 0.999  # of its hypervolume that a thinned front keeps, if so many designs may stay
 
 
 class Volume:
@@ -72,35 +72,44 @@ def dominated(F: Array, by: Array) -> NDArray[np.bool_]:
     return found
 
 
-def thinned(f: Array) -> Ints:
-    """The places of those designs of a front that keep `SHARE` of its hypervolume: all if most are needed.
+def thinned(f: Array, most: int) -> tuple[Ints, float, float]:
+    """Designs that stand for a large front: those that reach farthest, each in some direction.
 
-    They are those that reach farthest, each in some direction, of more and more directions.
+    Of more and more directions, until they keep `SHARE` of the front's hypervolume or are as many as may be.
 
     Parameters
     ----------
     f : (designs, objectives)
         A front, minimised.
-    """
-    from moocore import hv_approx
+    most : int
+        How many at most.
 
+    Returns
+    -------
+    places : (kept,)
+        The best of each objective first.
+    share, error : float
+        Of the front's hypervolume that they keep, by Monte Carlo in other directions, and its standard error.
+    """
+    objectives = f.shape[1]
     span = np.ptp(f, axis=0)
     inward = REFERENCE - (f - f.min(axis=0)) / np.where(span > 0.0, span, 1.0)
-    rays = directions(f.shape[1], 16 * DIRECTIONS)
-    whole = hv_approx(-inward, ref=np.zeros(f.shape[1]))
-    kept, done = f.argmin(axis=0), 0
-    while done < len(rays):
+    rays, others = directions(objectives, 16 * DIRECTIONS), directions(objectives, 4 * DIRECTIONS, seed=1)
+    whole = reached(inward, others)[0] ** objectives
+    kept, done, share, error = f.argmin(axis=0), 0, 0.0, 0.0
+    while done < len(rays) and share < SHARE and len(kept) < most:
         more = max(2 * done, DIRECTIONS)
-        kept = np.union1d(kept, reached(inward, rays[done:more])[1])
-        if hv_approx(-inward[kept], ref=np.zeros(f.shape[1])) >= SHARE * whole:
-            return kept
-        done = more
-    return np.arange(len(f))
+        kept = np.concatenate([kept, reached(inward, rays[done:more])[1]])
+        kept = kept[np.sort(np.unique(kept, return_index=True)[1])][:most]
+        part = reached(inward[kept], others)[0] ** objectives
+        share, done = float(part.sum() / whole.sum()), more
+        error = float(np.sqrt(np.mean((part - share * whole) ** 2) / len(whole)) / whole.mean())
+    return kept, share, error
 
 
-def directions(objectives: int, count: int) -> Array:
+def directions(objectives: int, count: int, seed: int = 0) -> Array:
     """Unit vectors (count, objectives) of the positive orthant, uniform on the sphere, always the same."""
-    drawn = np.abs(np.random.default_rng(0).normal(size=(count, objectives)))
+    drawn = np.abs(np.random.default_rng(seed).normal(size=(count, objectives)))
     unit: Array = drawn / np.linalg.norm(drawn, axis=1, keepdims=True)
     return unit
 

@@ -16,12 +16,12 @@ from pymoo.core.variable import Integer
 from pymoo.problems.static import StaticProblem
 
 from footopt.design.coarse import Coarse
+from footopt.design.known import Known
 from footopt.design.problem import Array, FootProblem, Ints
 from footopt.design.result import SearchResult
 from footopt.design.solvers import Solver
 from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Waypoints
-from footopt.foot.waypoints import keys
 from footopt.kinds import says_kinds
 
 REPEATS = 10  # times as many generations as its walks need, where a solver asks for designs again
@@ -126,7 +126,7 @@ class Size(Problem):
             n, problem.n_obj, problem.n_constraints, xl=np.ones(n), xu=np.full(n, space.K), vtype=int
         )
         self.vars = variables(space)
-        self._space, self._asked, self.coarse = space, set[bytes](), coarse
+        self._space, self._asked, self.coarse = space, Known(space.K), coarse
 
     def inside(self, k: Ints) -> NDArray[np.bool_]:
         """Which designs are inside their box."""
@@ -134,11 +134,11 @@ class Size(Problem):
 
     def seen(self, k: Ints) -> NDArray[np.bool_]:
         """Which designs have been asked for."""
-        return np.array([key in self._asked for key in keys(k, self._space.K)], bool)
+        return np.asarray(self._asked.places(k) >= 0)
 
     def remember(self, k: Ints) -> None:
         """Note designs that are asked for."""
-        self._asked.update(keys(k, self._space.K))
+        self._asked.add(k[self._asked.fresh(k)])
 
     def __deepcopy__(self, memo: Any) -> Size:
         """Itself: pymoo copies what it holds in every generation."""

@@ -20,7 +20,7 @@ from footopt.foot import Foot
 from footopt.walk.accuracy import Accuracy, resolve
 from footopt.walk.objectives import MEASURES
 
-SHOWN = 5000  # designs of a front; of a larger one a part is walked finely, drawn, and on the page
+SHOWN = 5000  # designs of a front at most that are walked finely, drawn, and on the page; files have all
 
 
 @dataclass(frozen=True)
@@ -163,14 +163,22 @@ class SearchResult:
         chosen = rows[self.front]
         return chosen[0] if self.problem.n_obj == 1 else chosen
 
-    @cached_property
+    @property
     def shown(self) -> Ints:
-        """Indices of the front; of one beyond `SHOWN`, of designs that keep 99.9 % of its hypervolume."""
+        """Indices of the front; of one beyond `SHOWN`, of so many of its designs, which stand for it."""
+        return self._shown[0]
+
+    @property
+    def shown_share(self) -> tuple[float, float]:
+        """The part of the front's hypervolume that `shown` keeps, and its standard error."""
+        return self._shown[1:]
+
+    @cached_property
+    def _shown(self) -> tuple[Ints, float, float]:
         if len(self.front) <= SHOWN:
-            return self.front
-        few = thinned(self.problem.minimised(self.values[self.front]))
-        chosen: Ints = self.front[np.union1d([0], few)]
-        return chosen
+            return self.front, 1.0, 0.0
+        places, share, error = thinned(self.problem.minimised(self.values[self.front]), SHOWN - 1)
+        return self.front[np.union1d([0], places)], share, error
 
     @property
     def foot(self) -> Foot:

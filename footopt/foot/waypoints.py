@@ -186,11 +186,6 @@ class Waypoints:
         )
 
 
-def keys(k: Ints, K: int) -> list[bytes]:
-    """What designs (designs, n) of heights up to K are remembered by: small, for there may be millions."""
-    return [heights.tobytes() for heights in k.astype(np.min_scalar_type(K))]
-
-
 def written(k: ArrayLike) -> str:
     """Heights as every text has them, and the command line takes them: [5,8,9,8]."""
     return f"[{','.join(map(str, np.asarray(k).tolist()))}]"

@@ -204,7 +204,7 @@ def describe_search(result: SearchResult) -> str:
     bad, beaten = result.infeasible, getattr(result, "beaten", 0)
     why = f" ({causes(result.failures)})" if bad else ""
     reused = f", {result.reused} of them known" if result.reused else ""
-    front = f", {len(result.front)} on the front" if result.problem.n_obj > 1 else ""
+    front = f", {len(result.front)} on the front{_stands_for(result)}" if result.problem.n_obj > 1 else ""
     why_stopped = f" (stopped {result.stopped})" if result.stopped else ""
     stopped = " (interrupted)" if result.interrupted else why_stopped
     by = f", {result.choosing:.1f} s of these to choose them by {result.coarse} coarse walks"
@@ -215,6 +215,14 @@ def describe_search(result: SearchResult) -> str:
         f"{f', {beaten} that could not win stopped before their last walk' if beaten else ''}{front}{stopped}"
         f"{_raced(getattr(result, 'margins', None))}"
     )
+
+
+def _stands_for(result: SearchResult) -> str:
+    """How much of a large front is shown."""
+    if len(result.shown) == len(result.front):
+        return ""
+    share, error = (100.0 * part for part in result.shown_share)
+    return f" (shown by {len(result.shown)} with {share:.1f} +- {error:.1g} % of its hypervolume)"
 
 
 def _raced(margins: dict[str, float] | None) -> str:

@@ -8,7 +8,9 @@ from searching import SMALL, problem
 import footopt as fo
 from footopt.design.archive import Archive
 from footopt.design.fronts import EXACT, Volume, thinned
+from footopt.design.known import Known
 from footopt.design.solvers import memetic
+from footopt.report.terminal import describe_search
 
 
 def sphere(count, objectives, seed=1):
@@ -18,15 +20,18 @@ def sphere(count, objectives, seed=1):
 
 
 @pytest.mark.parametrize("objectives", [2, 3, 5])
-def test_a_thinned_front_keeps_its_ends_and_its_hypervolume(objectives):
+@pytest.mark.parametrize("most", [200, 800])
+def test_a_thinned_front_keeps_its_ends_and_says_what_of_its_hypervolume(objectives, most):
     """Half of its designs have a neighbour that is nearly the same."""
     f = sphere(400, objectives)
     f = np.concatenate([f, 0.9999 * f])
-    few = thinned(f)
-    assert len(few) < 700
+    few, share, error = thinned(f, most)
+    assert len(few) == len(set(few)) <= min(most, 700)
     assert set(f.argmin(axis=0)) <= set(few)
     kept, whole = (hypervolume(part, ref=np.full(objectives, 0.1)) for part in (f[few], f))
-    assert 0.998 * whole <= kept <= whole
+    assert error < 2e-3
+    assert kept / whole == pytest.approx(share, abs=4.0 * error + 1e-4)
+    assert share > 0.998 or len(few) == most
 
 
 @pytest.mark.parametrize("objectives", [2, 5])
@@ -89,4 +94,27 @@ def test_a_large_front_is_shown_in_part(monkeypatch):
     assert len(result.shown) < len(result.front)
     assert result.shown[0] == result.best
     assert set(result.shown) < set(result.front)
-    assert len(fo.design.confirm(result, "draft").designs) == len(result.shown)
+    assert len(fo.design.confirm(result, "draft").designs) == len(result.shown) <= 20
+    share, error = result.shown_share
+    words = f"{len(result.front)} on the front (shown by {len(result.shown)} with {100 * share:.1f} +-"
+    assert 0.5 < share < 1.0
+    assert 0.0 < error < 0.02
+    assert words in describe_search(result)
+
+
+@pytest.mark.parametrize("K", [4, 300, 70_000])
+def test_known_designs_have_their_places(monkeypatch, K):
+    """As a dictionary would have it; heights may have more than a byte, and end in 256."""
+    monkeypatch.setattr("footopt.design.known.NEWEST", 40)
+    draw, known, places = np.random.default_rng(K), Known(K), {}
+    for size in (0, 30, 1, 50, 200):
+        k = np.maximum(draw.choice([1, 2, 3, K, min(K, 256)], size=(size, 4)), 1)
+        rows = [tuple(row) for row in k.tolist()]
+        new = [i for i, row in enumerate(rows) if row not in rows[:i] and row not in places]
+        assert known.fresh(k).tolist() == new
+        known.add(k[new])
+        for i in new:
+            places[rows[i]] = len(places)
+        assert known.places(k).tolist() == [places[row] for row in rows]
+    assert len(known) == len(places)
+    assert known.places(np.full((2, 4), K - 1)).tolist() == [places.get((K - 1,) * 4, -1)] * 2

@@ -13,9 +13,9 @@ from pymoo.util.display.multi import MultiObjectiveOutput
 from pymoo.util.display.single import SingleObjectiveOutput
 
 from footopt.design.fronts import nondominated
+from footopt.design.known import Known
 from footopt.design.solvers.moves import IDLE, RandomInside, allowed, exchanged, shifted, shifts
 from footopt.design.solvers.registry import QUICK, grown
-from footopt.foot.waypoints import keys
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -51,16 +51,14 @@ class Moves(Algorithm):
         super().__init__(**kwargs)
         self.pop_size = pop_size
         self.initialization = Initialization(RandomInside() if sampling is None else sampling)
-        self.asked: set[bytes] = set()
+        self.asked = Known(1)
         self.front = Population.new()
         self.learnt: list[tuple[Array, Array]] = []  # heights and objectives of each generation
 
     def _setup(self, problem: Any, **kwargs: Any) -> None:
+        self.asked = Known(int(np.max(problem.xu)))
         if self.display.output is None:
             self.display.output = MultiObjectiveOutput() if problem.n_obj > 1 else SingleObjectiveOutput()
-
-    def _keys(self, X: Ints) -> list[bytes]:
-        return keys(X, int(np.max(self.problem.xu)))
 
     def _size(self) -> int:
         """Designs of the next generation."""
@@ -69,9 +67,9 @@ class Moves(Algorithm):
     def _initialize_infill(self) -> Any:
         drawn = self.initialization.do(self.problem, self._size(), random_state=self.random_state)
         X = np.round(drawn.get("X").astype(float)).astype(np.int64)
-        first = dict(zip(self._keys(X), X, strict=True))
-        self.asked.update(first)  # outside its box, too, if a user begins with it
-        return Population.new(X=np.array(list(first.values())))
+        X = X[self.asked.fresh(X)]
+        self.asked.add(X)  # outside its box, too, if a user begins with it
+        return Population.new(X=X)
 
     def _infill(self) -> Any:
         size = self._size()
@@ -97,14 +95,12 @@ class Moves(Algorithm):
     def _fresh(self, X: Ints) -> Ints:
         """What is allowed of some designs, was never asked for, and does not come twice."""
         X = X[allowed(self.problem, X)]
-        kept = dict(zip(self._keys(X), X, strict=True))
-        fresh = [x for key, x in kept.items() if key not in self.asked]
-        return np.array(fresh, np.int64).reshape(-1, X.shape[1])
+        return X[self.asked.fresh(X)].astype(np.int64)
 
     def _new(self, X: Ints, count: int) -> Ints:
         """The first `count` fresh ones of some designs, which are asked for from now on."""
         fresh = self._fresh(X)[:count]
-        self.asked.update(self._keys(fresh))
+        self.asked.add(fresh)
         return fresh
 
     def _children(self, count: int) -> Ints:
