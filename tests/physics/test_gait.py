@@ -295,7 +295,7 @@ class TestFromCsv:
         [
             (
                 lambda rows: [rows[0].replace("knee", "hip"), *rows[1:]],
-                r"lacks knee.*must be time, thigh, knee \(s, deg, deg\)",
+                r"no column for the knee.*the file has time, thigh, hip.*gait\.names\.knee=",
             ),
             (lambda rows: rows[:32], r"its ends differ by \d+ % of the motion"),
             (lambda rows: rows[:1] + rows[1::6], "at least 14 rows for 6 harmonics"),

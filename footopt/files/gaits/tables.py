@@ -69,6 +69,8 @@ def read_csv(
                 raise Unusable(_lacks(header, part, names.get(part, SHOWN[part])))
         columns, _ = columns_of(text, dict.fromkeys(found.values(), ""))
         read = {part: columns[name] for part, name in found.items()}
+        if not len(read["knee"]):
+            raise Unusable("there is no row of numbers below the names of its columns.")
         knee, notes = _bent(read["knee"]), tuple[str, ...]()
         if knee is not read["knee"]:
             notes += (f"{found['knee']} is below 0 where the knee bends, and is turned round",)
