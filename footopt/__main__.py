@@ -32,8 +32,10 @@ def main() -> None:
     gc.set_threshold(100_000, 50, 50)  # a run makes few cycles: to look for them took a tenth of its time
     # figures are drawn without a backend, and matplotlib is not imported where it knows none of the name
     os.environ.pop("MPLBACKEND", None)
-    epoch = os.environ.get("SOURCE_DATE_EPOCH") or "0"  # matplotlib puts it into PDFs
-    if not (epoch.isdecimal() and len(epoch) < 12):
+    epoch = os.environ.get("SOURCE_DATE_EPOCH", "0")  # matplotlib puts it into PDFs, and numpy reads it
+    if not epoch:
+        del os.environ["SOURCE_DATE_EPOCH"]
+    elif not (epoch.isdecimal() and len(epoch) < 12):
         sys.exit(f"footopt: error: SOURCE_DATE_EPOCH = {epoch!r}: must be a number of seconds, or unset.")
     try:
         from footopt.cli.main import main as run
