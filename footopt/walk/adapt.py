@@ -12,6 +12,8 @@ Some things make a walk harder than those, and each is a rule here:
 - Where effects ask for the plates' normals, or bristles remember their motion, a plate's mean is of a lower
   order: there are `NORMAL` times more plates, and `LEADING` times where only faces that lead feel sand.
 - A foot that sticks creeps. Over a stride it is to creep by at most `CREPT` of the depth to which it sinks.
+- A foot that is kept level strikes with its whole sole at once, and no turn of it smooths the direction of
+  motion. It has `EVENLY` times more plates and half the creep speed; with bristles, shorter steps, too.
 - Effects that change the force on a plate make blows short, as hard sand does, and bristles bend within them.
   Where there are such, or more plates than the preset's, steps are half as long and held to a quarter of the
   control.
@@ -34,6 +36,7 @@ from footopt.effects.shadowing import filler, hidden_part
 from footopt.errors import SettingError
 from footopt.foot import Foot, Plates, Waypoints
 from footopt.foot.plates import corners, turns_of
+from footopt.gait import Gait
 from footopt.walk.accuracy import MOST_PLATES, Accuracy
 from footopt.walk.scene import Scene, Walker
 from footopt.walk.state import LANES
@@ -51,9 +54,13 @@ NORMAL = 2.0  # ... where the force depends on their normals or on which are hid
 SLOWEST = 0.05  # times the creep speed, at least: evaluations double where it is a fifth and feet are level
 CREPT = 0.03  # of the depth to which a level foot sinks: on hard sand so much at `standard`
 SHORTER, CLOSER = 0.5, 0.25  # times the step, and its control, where blows are short
+LEVEL = 0.1  # rad by which a foot's pitch changes in a stride, at most, if it is kept level
+EVENLY, SLOWER = 1.5, 0.5  # times more plates, and times the creep speed, of such a foot
+SETTLING = 0.125  # times the control once more, in half the step again, where bristles hold such a foot
 PRINTED = 0.125  # times the step where feet leave prints
 MOST = 32  # times the preset's plates
 
+PHASES = 32  # of a stride, at which a foot's pitch is looked at
 PROBES = 3  # random soles that stand for a space
 PITCHES = np.radians([-20.0, -10.0, 0.0, 10.0, 20.0])
 POINTS = 200  # along a sole that stands
@@ -80,17 +87,20 @@ def adapted(accuracy: Accuracy, scene: Scene, sole: Foot | Waypoints) -> Accurac
     period = scene.gait.period / PERIOD
     legs = (scene.walker.l1 + scene.walker.l2) / LEG
     slower, shorter = min(legs / period, 1.0), min(period, 1.0)
-    needed, control = _needed(scene, sole), accuracy.control
+    level, control = _keeps_level(scene.gait), accuracy.control
+    needed = _needed(scene, sole) * (EVENLY if level else 1.0)
     kinds = {type(effect) for effect in scene.effects}
     blows = needed > 1.0 or Rest in kinds or any(laws(scene.effects)) or _hides(scene)
     step, held = (SHORTER, CLOSER) if blows else (1.0, 1.0)
+    if level and Rest in kinds:
+        step, held = SHORTER * step, SETTLING * held
     if Footprints in kinds:
         step = PRINTED
     return replace(
         accuracy,
         dt=step * shorter * accuracy.dt,
         control=None if control is None else held * slower * control,
-        creep=accuracy.creep * max(min(slower, _crept(scene, sole)), SLOWEST),
+        creep=accuracy.creep * max(min(slower, _crept(scene, sole)) * (SLOWER if level else 1.0), SLOWEST),
         plates=_blocks(accuracy.plates, min(_finer(scene) * needed, MOST)),
         adapt=False,
     )
@@ -110,6 +120,14 @@ def accuracies(
             found.setdefault(adapted(accuracy, scene, foot), []).append(i)
         return found
     return {adapted(accuracy, scene, space or Waypoints(n=len(feet[0]))): list(range(len(feet)))}
+
+
+@lru_cache(maxsize=64)
+def _keeps_level(gait: Gait) -> bool:
+    """Whether a foot hardly turns in a stride."""
+    walks = replace(gait, start=0.0)
+    t = walks.heel_strike + walks.period * np.arange(PHASES) / PHASES
+    return bool(np.ptp(walks.pose(t, LEG / 2, LEG / 2).pitch[:, 0]) < LEVEL)
 
 
 def _needed(scene: Scene, sole: Foot | Waypoints) -> float:

@@ -106,6 +106,19 @@ def test_effects_of_the_plates_normals_multiply_what_the_sole_needs(effects, tim
         assert finer.plates == pytest.approx(times * plain.plates, abs=8)
 
 
+def test_a_foot_that_is_kept_level_has_more_plates_and_creeps_less():
+    """It strikes with its whole sole at once; standing, it is as level as in walking."""
+    human = fo.Gait.human(pitch="measured")
+    level = replace(human, foot=type(human.thigh)(0.0, (0.0,), (0.0,)))
+    for gait in (level, replace(level, start=np.inf)):
+        found = adapted(STANDARD, fo.Scene(sand=fo.Sand(1.0), gait=gait, t_f=2.0), PAPER)
+        assert found.plates == 88  # 1.5 times 56, in blocks of eight
+        assert (found.creep, found.dt) == (STANDARD.creep / 2, STANDARD.dt / 2)
+    resting = fo.Scene(sand=fo.Sand(1.0), gait=level, effects=(fo.Rest(),))
+    assert adapted(STANDARD, resting, PAPER).control == STANDARD.control / 32
+    assert adapted(STANDARD, fo.Scene(gait=human), PAPER) == replace(STANDARD, adapt=False)
+
+
 def test_who_hardly_sinks_creeps_little():
     """In a stride by 3 % of the depth to which he sinks, on soft sand by the preset's own speed."""
     for zeta in (1.0, 5.0, 20.0, 100.0, 500.0):
