@@ -21,11 +21,11 @@ from footopt.design.fronts import nondominated
 from footopt.design.problem import FootProblem, Ints
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import Solver
+from footopt.design.store import BEATEN
 from footopt.errors import SettingError
 from footopt.foot import Waypoints
 
 LIMIT = 20_000_000  # designs; two hours on two cores
-BEATEN = "beaten"  # the reason of a design whose walks were stopped because it could not be among the best
 MARGINS = ("margin", "seen", "room", "reached")
 KEPT = 1000  # of the best designs by a single objective; of several, the whole front is kept
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from footopt.design.choice import Choice, excess
 from footopt.design.solvers import Solver
+from footopt.effects import Inertia, Layers, LeadingEdge, Patches, Slope
 from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Waypoints
 from footopt.kinds import says_kinds
@@ -29,6 +30,11 @@ Race = Callable[[Ints, float], tuple[Array, Words]]
 
 #: Objectives by the name of a set; any sequence of names from `MEASURES` will do as well.
 SETS: dict[str, tuple[str, ...]] = {"efficiency": ("efficiency",), "pareto": FIVE}
+
+TAKING = (Layers, Patches, LeadingEdge, Inertia, Slope)  # effects with which sand still gives no energy
+SPENT = (
+    1e-3  # of the work: at an instant of rest, a force that is not solved to rounding may give so little back
+)
 
 #: What is recorded of every design, whatever is optimised: the paper's five and J_W.
 RECORD = (*FIVE, "efficiency")
@@ -125,6 +131,30 @@ class FootProblem:
         return self.objectives[0].name if self.n_obj == 1 else "efficiency"
 
     ends: Ends = NEVER  # what stops its walks
+
+    def stopping(self, ends: Ends) -> FootProblem:
+        """The same, whose walks are stopped by these."""
+        stopping = copy(self)
+        stopping.ends = ends
+        return stopping
+
+    def lost(self, limit: float) -> Ends:
+        """What shows on the way that a walk will be beyond a limit, minimised; `NEVER` if nothing does.
+
+        Peak power and loss of speed only grow, and so does the work where the sand gives no energy. Distance
+        and height have no bound, and J_W has none: down a slope a walker slides as far as time allows.
+        """
+        if self.n_obj == 1 and (
+            self.guide in ("peak_power", "speed_loss") or (self.guide == "work" and self.takes)
+        ):
+            return NEVER._replace(**{self.guide: limit * (1.0 + (SPENT if self.guide == "work" else 0.0))})
+        return NEVER
+
+    @property
+    def takes(self) -> bool:
+        """Whether the sand gives no energy."""
+        effects = self.scene.effects
+        return self.scene.sand.stress_map.dissipation() >= 0.0 and all(type(e) in TAKING for e in effects)
 
     def coarser(self) -> FootProblem:
         """The same, walked as coarsely as still ranks soles much as here; `SettingError` if it is already."""

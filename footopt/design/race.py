@@ -16,16 +16,14 @@ import numpy as np
 from footopt.design import exhaustive
 from footopt.design.context import context, digest
 from footopt.design.evaluator import Evaluator
-from footopt.design.problem import Array, Ints, Words
+from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.result import SearchResult
-from footopt.effects import Inertia, Layers, LeadingEdge, Patches, Slope
+from footopt.design.store import BEATEN
 from footopt.files.tasks import Tasks
 from footopt.walk.metrics import Ends
-from footopt.walk.scene import Scene
 from footopt.walk.simulate import NEVER
 
 SAFETY, FARTHER = 2.0, 1.2
-TAKING = (Layers, Patches, LeadingEdge, Inertia, Slope)  # effects with which sand still gives no energy
 
 
 class Race:
@@ -60,8 +58,7 @@ class Race:
         self.seen = self.reached = 0.0
         self._compare(coarsely, own[1])
         self.margin, self.room = SAFETY * self.seen, FARTHER * self.reached
-        raced = copy(coarser)
-        raced.ends = self._ends(problem.guide, problem.scene)
+        raced = coarser.stopping(self._ends(problem))
         self._coarsely = Evaluator(raced, None, evaluator.executor)
         store = evaluator.store
         self._done = Tasks(None if store is None else store.path.with_suffix(".raced.jsonl"))
@@ -72,7 +69,7 @@ class Race:
         batch = [self._name, limit, k[0].tolist(), k[-1].tolist(), len(k)]
         left, coarsely = self._done(batch, lambda: self._left(k, limit))
         values = np.full((len(k), len(self._evaluator.problem.record)), np.nan)
-        reasons = np.full(len(k), exhaustive.BEATEN, dtype=object)
+        reasons = np.full(len(k), BEATEN, dtype=object)
         if left:
             values[left], reasons[left] = self._evaluator(k[left])
             self._compare(np.array(coarsely), values[left])
@@ -82,7 +79,7 @@ class Race:
         """The places of those soles of a batch that may be within the limit, and what they are coarsely."""
         values, reasons = self._coarsely(k)
         f = self._evaluator.problem.minimised(values)[:, 0]
-        lost = (reasons == exhaustive.BEATEN) | ((reasons == "") & (f - self.margin * np.abs(f) > limit))
+        lost = (reasons == BEATEN) | ((reasons == "") & (f - self.margin * np.abs(f) > limit))
         return np.flatnonzero(~lost).tolist(), f[~lost].tolist()
 
     def _compare(self, coarsely: Array, values: Array) -> None:
@@ -97,11 +94,8 @@ class Race:
             far = values[:, problem.record.index("distance")] * values[:, problem.record.index("mean_height")]
             self.seen, self.reached = max(self.seen, float(better.max())), max(self.reached, float(far.max()))
 
-    def _ends(self, guide: str, scene: Scene) -> Ends:
+    def _ends(self, problem: FootProblem) -> Ends:
         """What a coarse walk must not exceed, if it is to be within the first limit."""
-        takes = scene.sand.stress_map.dissipation() >= 0.0 and all(type(e) in TAKING for e in scene.effects)
-        if guide == "efficiency" and takes and self._first < 0.0:
-            return Ends(cost=-self.room * (1.0 + self.margin) / self._first)
-        if guide in ("peak_power", "speed_loss") or (guide == "work" and takes):
-            return NEVER._replace(**{guide: self._first / max(1.0 - self.margin, 1e-9)})
-        return NEVER
+        if problem.guide == "efficiency" and problem.takes and self._first < 0.0:
+            return NEVER._replace(cost=-self.room * (1.0 + self.margin) / self._first)
+        return problem.lost(self._first / max(1.0 - self.margin, 1e-9))

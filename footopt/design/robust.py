@@ -12,18 +12,18 @@ from typing import Any, cast
 import numpy as np
 
 from footopt.design.evaluator import Evaluator
-from footopt.design.exhaustive import BEATEN
 from footopt.design.problem import Array, FootProblem, Ints, Race, Words
 from footopt.design.search import search
 from footopt.design.solvers import EXHAUSTIVE, Solver
-from footopt.design.store import Store
+from footopt.design.store import BEATEN, Store
 from footopt.errors import FootoptError, SettingError, check
 from footopt.foot import Waypoints
 from footopt.kinds import says_kinds
 from footopt.walk.accuracy import Accuracy
+from footopt.walk.metrics import Ends
 from footopt.walk.objectives import MEASURES
 from footopt.walk.scenarios import Scenario, check_measure, measured
-from footopt.walk.simulate import evaluate
+from footopt.walk.simulate import NEVER, evaluate
 
 FEW = 10_000  # soles of a space that are all walked for a scenario's best one: no more than a search walks
 
@@ -134,6 +134,10 @@ class RobustProblem(FootProblem):
         ]
         total[[i is not None for i in first]] = np.nan
         return total, np.array(why, dtype=np.str_)
+
+    def lost(self, limit: float) -> Ends:
+        """Nothing: a walk in one scenario does not tell what the measure of all will be."""
+        return NEVER
 
     def race(self, evaluator: Evaluator) -> AbstractContextManager[Race]:
         """For "worst" of one objective: walk scenario by scenario, no further with designs that cannot win.

@@ -28,6 +28,7 @@ from footopt.design.stop import Stop
 from footopt.design.store import Store
 from footopt.errors import check, check_kind
 from footopt.kinds import says_kinds
+from footopt.walk.simulate import NEVER
 
 BUDGET = ("walks", "pop_size", "n_gen", "seed", "operators", "race")  # of a solver that is named
 ENOUGH = "by the solver, which asked for nothing more"
@@ -110,6 +111,10 @@ def search(
     with opened as kept:
         evaluator = Evaluator(problem, kept, executor)
         tell = _line(solver.generations(problem.space)) if progress is True else progress or None
+        if solver.race and solver.name != EXHAUSTIVE:
+            needs = f"false for {', '.join(problem.names)}, of which a part of a walk does not tell"
+            hint = "Of work, peak_power and speed_loss, in one scene, it does."
+            check(problem.lost(0.0) != NEVER, "solver.race", True, needs, hint)
         if solver.name == EXHAUSTIVE:
             for name, given in (("stop", stop not in (None, Stop())), ("start", start is not None)):
                 check(not given, name, name, "left out with solver=exhaustive: it walks with every design")
@@ -165,6 +170,8 @@ def ask_and_tell(
                 break
             first = archive.first(k, most)  # the last generation is cut where the walks end
             asked = time.perf_counter()
+            if solver.race:
+                evaluator.ends = problem.lost(algorithm.worst)
             found = archive.evaluate(k[:first])
             walking += time.perf_counter() - asked
             if first == len(k):

@@ -15,6 +15,9 @@ from footopt.kinds import says_kinds
 #: Walks with every design of a small space, for any objectives: `footopt.design.exhaustive`.
 EXHAUSTIVE = "exhaustive"
 
+#: Solvers whose walks may end before their time.
+RACES = (EXHAUSTIVE, "ga")
+
 #: Builders of pymoo algorithms by name: from a `Solver` and the number of objectives.
 SOLVERS: dict[str, Callable[[Solver, int], Any]] = {}
 
@@ -69,7 +72,8 @@ class Solver:
     walks : int, optional
         Different designs at most; where n_gen is not given 10,000 by default, and 300 of surrogate.
     race : bool
-        Of exhaustive, for one objective: whether a sole's walk ends where it cannot be among the best.
+        Of exhaustive, for one objective: whether a sole's walk ends where it cannot be among the best. Of ga,
+        for work, peak_power or speed_loss: whether it ends where the sole cannot survive its generation.
     """
 
     name: str = AUTO
@@ -87,7 +91,10 @@ class Solver:
             allowed = f"null, or a whole number >= {low} and <= {high:,}"
             check(value is None or low <= value <= high, f"solver.{name}", value, allowed)
         check(
-            not self.race or self.name == EXHAUSTIVE, "solver.race", True, "false without solver=exhaustive"
+            not self.race or self.name in RACES,
+            "solver.race",
+            True,
+            "false without solver=exhaustive or solver=ga",
         )
         check(0 <= self.seed < 2**32, "solver.seed", self.seed, "a whole number from 0 to 2^32 - 1")
 
