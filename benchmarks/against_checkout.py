@@ -6,8 +6,8 @@ Each checkout walks in processes of its own. The same source compiled twice may 
 by how its machine code happens to lie; --processes many of each give the median.
 
 --errors adds both errors on the three sands (worst objective, 95 % of the feet, each against its own
-converged walks); --here DT CONTROL PLATES walks here with a setting in place of `standard`: given once, or
-for soft, regular and hard sand, so that both have the same error on each.
+converged walks); --here DT CONTROL PLATES [CREEP] walks here with a setting in place of `standard`: given
+once, or for soft, regular and hard sand, so that both have the same error on each. --seed draws other feet.
 """
 
 from __future__ import annotations
@@ -28,9 +28,12 @@ import sys, time
 import numpy as np
 import footopt as fo
 
-feet = fo.Waypoints().random(int(sys.argv[1]), seed=7, inside=True)
+feet = fo.Waypoints().random(int(sys.argv[1]), seed=int(sys.argv[4]), inside=True)
 given = [one.split() for one in sys.argv[2].split(",") if one]
-own = [fo.Accuracy("sdirk2", float(dt), int(n), control=float(held)) for dt, held, n in given]
+own = [
+    fo.Accuracy("sdirk2", float(dt), int(n), *map(float, creep), control=float(held))
+    for dt, held, n, *creep in given
+]
 own = own * (3 // len(own)) if own else ["standard"] * 3
 sands = [fo.Scene(sand=fo.Sand.named(name)) for name in ("soft", "regular", "hard")]
 full = fo.Scene(sand=fo.Sand.named("regular"), effects=(fo.LeadingEdge(), fo.Inertia()))
@@ -60,9 +63,9 @@ NAMES = ("soft", "regular", "hard", "two effects", "explicit Euler", "Heun")
 class Walker:
     """A process that walks with one checkout's code."""
 
-    def __init__(self, folder: Path, feet: int, setting: str = "", errors: bool = False) -> None:
+    def __init__(self, folder: Path, feet: int, setting: str, errors: bool, seed: int) -> None:
         environment = os.environ | {"PYTHONPATH": str(folder)}
-        run = [sys.executable, "-c", WALKER, str(feet), setting, "errors" if errors else ""]
+        run = [sys.executable, "-c", WALKER, str(feet), setting, "errors" if errors else "", str(seed)]
         self.process = subprocess.Popen(
             run, env=environment, cwd=folder, text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE
         )
@@ -87,10 +90,15 @@ class Walker:
 
 
 def compare(
-    other: Path, feet: int = 60, repeats: int = 15, setting: str = "", errors: bool = False
+    other: Path,
+    feet: int = 60,
+    repeats: int = 15,
+    setting: str = "",
+    errors: bool = False,
+    seed: int = 7,
 ) -> tuple[np.ndarray, list[bool], list[list[float]]]:
     """Median ms per design, (here and there, cases), which cases' results are the same, and both errors."""
-    walkers = [Walker(HERE, feet, setting, errors), Walker(other, feet, "", errors)]
+    walkers = [Walker(HERE, feet, setting, errors, seed), Walker(other, feet, "", errors, seed)]
     found = [[walker.walk() for walker in walkers] for _ in range(repeats)]
     for walker in walkers:
         walker.close()
@@ -107,14 +115,14 @@ def main() -> None:
     parser.add_argument("folder", type=Path, help="the other checkout")
     parser.add_argument("--processes", type=int, default=3, help="pairs of processes")
     parser.add_argument("--errors", action="store_true", help="measure both errors, too")
-    names = "DT", "CONTROL", "PLATES"
-    parser.add_argument("--here", nargs=3, default=[], action="append", metavar=names, help="see above")
+    parser.add_argument("--here", nargs="+", default=[], action="append", metavar="DT", help="see above")
+    parser.add_argument("--seed", type=int, default=7, help="of the feet")
     parser.add_argument("--quick", action="store_true", help="everything once and small: does it all run?")
     given = parser.parse_args()
     sizes = (2, 1) if given.quick else (60, 15)
     folder, setting = given.folder.resolve(), ",".join(map(" ".join, given.here))
     pairs = [
-        compare(folder, *sizes, setting, given.errors and pair == 0)
+        compare(folder, *sizes, setting, given.errors and pair == 0, given.seed)
         for pair in range(1 if given.quick else given.processes)
     ]
     ratios = np.median([ms[0] / ms[1] for ms, _, _ in pairs], axis=0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from copy import copy
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ from footopt.effects import Inertia, Layers, LeadingEdge, Patches, Slope
 from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Waypoints
 from footopt.kinds import says_kinds
+from footopt.sand import StressMap
 from footopt.walk.accuracy import Accuracy, resolve
 from footopt.walk.metrics import Ends
 from footopt.walk.objectives import FIVE, MEASURES, Objective, lookup
@@ -38,6 +40,12 @@ SPENT = (
 
 #: What is recorded of every design, whatever is optimised: the paper's five and J_W.
 RECORD = (*FIVE, "efficiency")
+
+
+@lru_cache(maxsize=16)
+def _dissipates(stress: StressMap) -> bool:
+    """Whether sand never pushes a plate on."""
+    return stress.dissipation() >= 0.0
 
 
 class Evaluated(NamedTuple):
@@ -154,7 +162,7 @@ class FootProblem:
     def takes(self) -> bool:
         """Whether the sand gives no energy."""
         effects = self.scene.effects
-        return self.scene.sand.stress_map.dissipation() >= 0.0 and all(type(e) in TAKING for e in effects)
+        return _dissipates(self.scene.sand.stress_map) and all(type(e) in TAKING for e in effects)
 
     def coarser(self) -> FootProblem:
         """The same, walked as coarsely as still ranks soles much as here; `SettingError` if it is already."""

@@ -212,7 +212,7 @@ def describe_search(result: SearchResult) -> str:
     return (
         f"{result.solver.name}, seed {result.solver.seed}: {result.evaluations} evaluations of "
         f"{result.designs} designs{reused} in {time}, {bad} infeasible{why}"
-        f"{f', {beaten} that could not win stopped before their last walk' if beaten else ''}{front}{stopped}"
+        f"{f', {beaten} stopped that could not win' if beaten else ''}{front}{stopped}"
         f"{_raced(getattr(result, 'margins', None))}"
     )
 
