@@ -41,6 +41,7 @@ def together(jobs: Sequence[Job], most: int) -> Iterator[None]:
             jobs[number[0]]()
             here |= {*number}
     finally:
+        os.read(turns, 256)  # after an error, or Ctrl-C, nobody begins another job
         os.close(turns)
         failed = [copy for copy in copies if os.waitpid(copy, 0)[1]]
     for number in {*range(len(jobs))} - here if failed else ():

@@ -91,6 +91,18 @@ def test_an_error_of_a_copy_is_raised_here(tmp_path: Path) -> None:
         time.sleep(0.2)
 
 
+@pytest.mark.usefixtures("alone")
+def test_once_the_block_is_interrupted_no_job_is_begun(tmp_path: Path) -> None:
+    def slow(name: str) -> None:
+        note(tmp_path, name)
+        time.sleep(0.5)
+
+    jobs = [partial(slow, f"job {i}") for i in range(20)]
+    with pytest.raises(KeyboardInterrupt), together(jobs, 3):
+        raise KeyboardInterrupt
+    assert len(noted(tmp_path)) <= 2  # a copy's first
+
+
 @copies
 @pytest.mark.usefixtures("alone")
 def test_what_the_system_does_not_allow_is_done_here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
