@@ -112,7 +112,7 @@ def draw_contour(axes: Axes, foot: Foot) -> None:
     depth = MM * foot.hollow
     if depth >= HOLLOW:
         axes.plot(*(MM * hull).T, ":", color="black", label="_lower hull", zorder=2)
-        _measure(axes, (MM * x, MM * high), (MM * x, MM * low), "black")
+        _measure(axes, (MM * x, MM * high), (MM * x, MM * low), "black", min(0.6 * depth, 10.0))
         # under the hull, where there is never a sole nor an ankle
         axes.annotate(f"hollow {depth:.1f} mm", (MM * x, MM * low), (0, -8), **near, ha="center", va="top")
     circles = ["circles: waypoints"] * (foot.k is not None)
@@ -148,9 +148,10 @@ def _label_axes(axes: Axes) -> None:
     axes.margins(0.05, 0.2)
 
 
-def _measure(axes: Axes, start: Point, end: Point, colour: str) -> None:
+def _measure(axes: Axes, start: Point, end: Point, colour: str, heads: float = 10.0) -> None:
     """An arrow with two heads between two points."""
     looks = {"arrowstyle": "<->", "color": colour, "lw": 0.8, "shrinkA": 0, "shrinkB": 0}
+    looks["mutation_scale"] = heads
     axes.annotate("", end, start, arrowprops=looks, zorder=4)
 
 
