@@ -134,7 +134,8 @@ WORDS = (
     # beside the key, or above it
     Word("drawn", (("right - unit", "low + (1.5 + 2.1 * (right - left <= 70 * unit)) * unit"),), "end", (),
          ("close",)),
-    *(Word(side, (("x", "z + 5.5 * unit"),), "middle", (), ("close",)) for side, _ in SIDES),
+    *(Word(side, (("x", "z + 5.5 * unit"),), "middle", (),
+           ("close", "left + 3 * unit < x", "x < right - 3 * unit")) for side, _ in SIDES),
 )  # fmt: skip
 LOOKS = {part.name: part.look for part in PARTS}
 DRAWN = {"text": "print drawn, not computed"}
