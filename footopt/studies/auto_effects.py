@@ -126,7 +126,9 @@ def calls_table(found: Sequence[Call]) -> Table:
     """The numbers of a scene for the terminal."""
     words = ("effect", "number", "source", "verdict")
     shown = terminal.table(("effect", "number", "value", "limit", "source", "verdict"), words)
-    shown.title = "What the scene calls for, estimated before it is walked"
+    shown.title = (
+        "What the scene calls for, estimated before it is walked: numbers, and above which limit they matter"
+    )
     for c in found:
         values = (f"{c.value:.2g}", f"{c.threshold:g}")
         style = "yellow" if c.above and not c.on else ""

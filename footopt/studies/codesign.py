@@ -212,7 +212,8 @@ def table(found: dict[str, Found]) -> RichTable:
 
 def gaits(found: dict[str, Found]) -> RichTable:
     """The gait that was found on each sand, and the one that was given."""
-    shown = terminal.table(("sand", *map(_title, GENES)), words=("sand",), title="The gaits that were found")
+    what = "The gaits that were found; step and lift are times those of the gait as given"
+    shown = terminal.table(("sand", *map(_title, GENES)), words=("sand",), title=what)
     for name, f in found.items():
         shown.add_row(name, *(f"{value:.3g}" for value in f.genes.values()))
     own = values_of(f.problem.scene.gait, f.k[0, -len(GENES) :].tolist(), f.problem.space.K)
@@ -245,7 +246,7 @@ def describe(name: str, f: Found) -> str:
     if lost:
         most = max(lost, key=lambda gene: lost[gene])
         said += (
-            f"; {most.replace('_', ' ')} counts most of the gait: "
+            f"; of the gait its {most.replace('_', ' ')} counts most: "
             f"without its change {percent(lost[most])} is lost"
         )
     own = values_of(f.problem.scene.gait, f.k[0, -len(GENES) :].tolist(), f.problem.space.K)

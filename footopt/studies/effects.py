@@ -91,7 +91,8 @@ def table(found: Sequence[Audit]) -> Table:
     shown = terminal.table(
         ("effect", *(n.replace("_", " ") for n in FIVE), "tau", "time", "keep"),
         words=("effect",),
-        title="change that 95 % of the feet do not exceed (%), + or -: the median's sign",
+        title="change that 95 % of the feet do not exceed (%), + or -: the median's sign; tau: how alike "
+        "both rank the feet, 1 if the same; time: of a walk; keep: whether a change is above the tolerance",
     )
     for a in found:
         pairs = zip(a.changes, a.shifts, strict=True)

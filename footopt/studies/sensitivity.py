@@ -313,7 +313,8 @@ def table(found: Mapping[str, Indices], setting: Setting) -> RichTable:
     shown = terminal.table(
         (first, *(name.replace("_", " ") for name in NAMES)),
         words=(first,),
-        title=f"total Sobol index±half width of its {100 * CONFIDENCE:.0f} % interval",
+        title="total Sobol index: the part of an objective's variance in which a parameter has a share"
+        f"±half width of its {100 * CONFIDENCE:.0f} % interval",
     )
     for block in found.values():
         for parameter, total, error in zip(block.parameters, block.total, block.total_error, strict=True):

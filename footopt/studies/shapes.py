@@ -92,7 +92,10 @@ def run(study: Study) -> None:
         heading,
         [table(walks, flat)],
         {"shapes": entries, **scene_entry(scene, accuracy, tuple(OBJECTIVES))},
-        said=terminal.describe_model(entry["model_error"] for entry in entries.values()),
+        said=[
+            "* is the best of its line.",
+            *terminal.describe_model(e["model_error"] for e in entries.values()),
+        ],
         about=[terminal.describe_scene(scene)],
         warnings=warnings,
         footer={"error_estimate": {name: entry["error_estimate"] for name, entry in entries.items()}},
