@@ -32,7 +32,7 @@ REMEMBERED = 10_000  # of the newest designs, and parents of several objectives,
 WIDTH, SMOOTHING = 0.7, 1e-3  # of the model: one over its length, in the range of heights
 WORSE = 1e100  # than any value, for a model of ranks: an infeasible design, the more it violates
 FEW = 100  # parents of several objectives
-ENDS = 0.2  # share of a generation that goes for the best by one of three objectives or more alone
+ENDS = 0.2  # share of a generation that goes for the best by one of several objectives alone
 FREE = 2 / 3  # share of their children that no model chooses, of a front up to FEW
 
 
@@ -72,19 +72,21 @@ class Moves(Algorithm):
         return Population.new(X=X)
 
     def _infill(self) -> Any:
-        size = self._size()
+        found = self._found(self._size())
+        if not len(found):  # of a small space no more is found
+            self.termination.force_termination = True
+            return None
+        return Population.new(X=found)
+
+    def _found(self, size: int) -> Ints:
+        """New designs, as many if there are."""
         found = self._propose(size)
         idle = 0
         while (wanted := size - len(found)) and idle < IDLE:
             children = self._screened(self._fresh(self._children(max(CHILDREN, wanted))), wanted)
             found = np.concatenate([found, self._new(children, wanted)])
             idle = 0 if len(children) else idle + 1
-        if not len(found):
-            found = self._drawn(size)
-        if not len(found):  # of a small space no more is found
-            self.termination.force_termination = True
-            return None
-        return Population.new(X=found)
+        return found if len(found) else self._drawn(size)
 
     def _drawn(self, count: int) -> Ints:
         """New designs drawn at random."""
@@ -232,6 +234,11 @@ class Archive(Moves):
     2002). A model does not see where a rugged front goes on: of a small one it chooses the fewer children.
     """
 
+    def __init__(self, pop_size: int | None = None, **kwargs: Any) -> None:
+        super().__init__(pop_size, **kwargs)
+        self.alone: list[Memetic] = []  # who seek the best by one objective each
+        self.turn, self.sought = 0, 0  # who of them asked for how many of a generation, its first designs
+
     def _advance(self, infills: Any = None, **kwargs: Any) -> None:
         from pymoo.operators.survival.rank_and_crowding import RankAndCrowding
 
@@ -239,6 +246,9 @@ class Archive(Moves):
             survive = {"n_survive": min(most, len(pool)), "random_state": self.random_state}
             return RankAndCrowding().do(self.problem, pool, **survive)
 
+        if self.sought:
+            X, F, G = infills[: self.sought].get("X", "F", "G")
+            self.alone[self.turn]._advance(Population.new(X=X, F=F[:, [self.turn]], G=G))
         self.front = front(Population.merge(self.front, infills))
         if len(self.front) > REMEMBERED:
             self.front = survivors(self.front, REMEMBERED // 2)
@@ -251,9 +261,10 @@ class Archive(Moves):
 
     def _propose(self, size: int) -> Ints:
         """A part for the ends of the front; of a small one in a quarter the neighbours of most promise."""
+        self.sought = 0
         if self.told < LEARNT:
             return super()._propose(size)
-        ends = self._ends(int(ENDS * size)) if self.problem.n_obj > 2 else super()._propose(size)
+        ends = (self._ends if self.problem.n_obj > 2 else self._sought)(int(ENDS * size))
         if len(self.front) > FEW:
             return ends
         X = self.front.get("X").astype(np.int64)
@@ -273,6 +284,23 @@ class Archive(Moves):
         if not len(children):
             return children
         return self._new(children[np.argsort(self._expected(children)[0][:, by], kind="stable")], count)
+
+    def _sought(self, count: int) -> Ints:
+        """What a search for the best by one of two objectives alone asks for; each has its turn."""
+        self.alone = self.alone or [self._begun(by) for by in range(self.problem.n_obj)]
+        self.turn = by = (self.turn + 1) % len(self.alone)
+        self.alone[by].learnt = [(X, F[:, [by]]) for X, F in self.learnt]
+        found = self.alone[by]._found(max(count, 1))
+        self.sought = len(found)
+        return found
+
+    def _begun(self, by: int) -> Memetic:
+        """A search for the best by one objective, from the best by it so far."""
+        alone, (X, F) = Memetic(), self._kept(self.told)
+        alone.problem, alone.random_state, alone.asked = self.problem, self.random_state, self.asked
+        best = F[:, by].argsort(kind="stable")[:PARENTS]
+        alone.pop = Population.new(X=X[best], F=F[best][:, [by]])
+        return alone
 
     def _screened(self, X: Ints, count: int) -> Ints:
         free = int(FREE * count) if len(self.front) <= FEW else 0

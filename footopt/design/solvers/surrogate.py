@@ -80,6 +80,7 @@ class Surrogate(Moves):
             found, none = self.coarsely, Population.new()
             self.coarsely = self.coarse.pop = self.coarse.front = none
             self.coarse.champion, self.coarse.learnt, self.coarse.pop_size = None, [], EACH
+            self.coarse.alone = []
         while True:
             if len(found):
                 F, G = self._expected(found.get("X").astype(np.int64))
