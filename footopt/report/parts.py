@@ -101,8 +101,8 @@ _SEEN = ("a < b", "c < top")
 _LEFT, _RIGHT = "left - 0.05", "right + 0.05"  # the surface is drawn past the view
 
 
-def _surface(name: str, look: Look, z: str) -> Part:
-    ends = ((_LEFT, "0"), (_RIGHT, "0"))
+def _surface(name: str, look: Look, z: str, level: str = "0") -> Part:
+    ends = ((_LEFT, level), (_RIGHT, level))
     return Part(name, look, "surface", (("x", z),), (), (f"{_LEFT} < x", f"x < {_RIGHT}"), ends)
 
 
@@ -110,7 +110,7 @@ PARTS = (
     Part("sand", Look(fill="sand"), "view", _box("left", "right", "low", "0")),
     *(Part(kind, Look("sand", "surface", 0.4), kind, _box("a", "b", "c", "top"), _STRIP, _SEEN)
       for kind in ("layer", "patch")),
-    _surface("print", Look(fill="paper"), "min(z, 0)"),
+    _surface("print", Look(fill="paper"), "min(z, 0)", "0.1 * unit"),  # the edges of strips end at prints
     _surface("rim", Look(fill="sand"), "max(z, 0)"),
     _surface("surface", Look(stroke="surface", width=1.1), "z"),
     Part("ghost", Look(stroke="flat", width=1.2, dashes=(4, 3)), "ghost", "line"),
