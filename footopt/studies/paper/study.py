@@ -37,8 +37,8 @@ def run(study: Study) -> None:
     setup, solver = Setup(config), config.solver
     setup.scene("hard").need_heel_strike()
     study.say(
-        f"Searching feet for {', '.join(SANDS)} sand: {SOLVER}, {config.study.seeds} seeds of "
-        f"{solver.pop_size} x {solver.n_gen}"
+        f"Searching feet for {', '.join(SANDS)} sand: {SOLVER}, {config.study.seeds} times with "
+        f"{solver.n_gen} generations of {solver.pop_size} designs"
     )
     with study.compiling():
         setup.shapes()
@@ -64,7 +64,8 @@ def run(study: Study) -> None:
     study.save("claims", paper_figures.claims(found["claims"]), paper_figures.CAPTIONS["claims"])
     files.write_text(study.folder / "claims.md", page.markdown(found))
     head: tuple[str, ...] = ("figure", "claim", "margin", "share", "verdict")
-    tables = [terminal.table(head, ("figure", "claim", "verdict"), "What the paper says, and what comes out")]
+    what = "What the paper says, and what comes out (margin: holds if above 0; share: of settings that agree)"
+    tables = [terminal.table(head, ("figure", "claim", "verdict"), what)]
     for row in page.claim_rows(found):
         tables[0].add_row(*row)
     if config.study.samples:
