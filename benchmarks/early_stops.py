@@ -87,7 +87,7 @@ def main() -> None:
     names = ("work", "peak_power", "speed_loss")
     print("| ga | " + " | ".join(names) + " |\n" + "| --- " * (1 + len(names)) + "|")
     for sand in ("soft",) if quick else ("soft", "regular", "hard"):
-        rows = (saved(sand, name, 300 if quick else 10_000) for name in names)
+        rows = (saved(sand, name, 300 if quick else 4_000) for name in names)
         print(f"| {sand} | " + " | ".join(f"{percent:.1f} %" for percent in rows) + " |", flush=True)
     print("| sand | " + " | ".join(SOLVERS) + " |\n" + "| --- " * (1 + len(SOLVERS)) + "|")
     for sand in ("soft",) if quick else ("soft", "hard"):
