@@ -75,8 +75,7 @@ def varied(joint: Fourier | None, rng: np.random.Generator) -> Fourier | None:
 
 #: Optimisers, and at how many walks each is judged: those that take long for a design at the fewer only.
 RUNS = {"memetic": MANY, "ga": MANY} | {
-    name: {"smac": FIRST, "optuna_tpe": FEW, "optuna_cma": FEW, "nevergrad_ngopt": FEW}.get(name, MANY)
-    for name in PEERS
+    name: {"smac": FIRST, "optuna_tpe": FEW, "optuna_cma": FEW}.get(name, MANY) for name in PEERS
 }
 
 
