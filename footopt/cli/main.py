@@ -43,7 +43,9 @@ def main() -> None:
             Summary.failed = resume(given)
         else:
             check_dashes(given)
-            sys.argv[1:] = given = [readable(word) for word in given]
+            # what parses them takes no settings on both sides of a flag
+            first = ("-m", "--multirun")
+            sys.argv[1:] = given = sorted(map(readable, given), key=lambda word: word not in first)
             if text := help_text(given):
                 print(text, flush=True)
                 return

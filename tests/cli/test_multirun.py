@@ -22,7 +22,7 @@ from footopt.files import identity
 
 JOBS = [0.2, 0.3, 0.5, 1.0]  # sand.zeta
 SWEEP = [
-    *("-m", "study=simulate", "accuracy=draft", "report=light"),
+    *("study=simulate", "-m", "accuracy=draft", "report=light"),
     *(f"sand.zeta={','.join(map(str, JOBS))}", "sand=regular"),
 ]
 
