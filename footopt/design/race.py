@@ -47,12 +47,8 @@ class Race:
     def __init__(self, evaluator: Evaluator, found: SearchResult) -> None:
         self._evaluator, problem = evaluator, evaluator.problem
         own = found.k[found.feasible], found.values[found.feasible]
-        f = problem.minimised(own[1])[:, 0]
-        self._first = (
-            float(np.partition(f, exhaustive.KEPT - 1)[exhaustive.KEPT - 1])
-            if len(f) >= exhaustive.KEPT
-            else np.inf
-        )
+        f = np.sort(problem.minimised(own[1])[:, 0])
+        self._first = float(f[exhaustive.KEPT - 1]) if len(f) >= exhaustive.KEPT else np.inf
         coarser = copy(problem) if problem.accuracy.coarser is None else problem.coarser()
         coarsely = coarser.minimised(Evaluator(coarser, None, evaluator.executor)(own[0])[0])[:, 0]
         self.seen = self.reached = 0.0
