@@ -29,7 +29,8 @@ BEAT = 0.5  # s between two signs
 SILENT = 20  # checks, a second each, until a worker that has fallen silent is ended
 STARTING = 60  # the same, for one that has never been heard of
 ENGINES = ("local", "processes", "dask")
-FILES, EACH = 40, 20  # that a process opens for a cluster of its own, and for each worker of it
+#: Files that a process has open with workers of its own, and more for each of them.
+FILES = {"dask": (40, 20), "processes": (32, 2)}
 SCHEMES = ("tcp", "tls", "ucx", "ws", "wss")
 
 
@@ -62,7 +63,9 @@ def processes(workers: int | None = None) -> Renewing:
     workers : int, optional
         How many; by default as many as processors that this one may run on.
     """
-    return Renewing(partial(_Pool, at_once(workers, "engine.workers")), overhead=5e-4)
+    count = at_once(workers, "engine.workers")
+    _check_files("processes", count)
+    return Renewing(partial(_Pool, count), overhead=5e-4)
 
 
 class _Pool(ProcessPoolExecutor):
@@ -172,7 +175,7 @@ class Dask(Executor):
         if address is not None:
             check_address(address)
         else:
-            _check_files(FILES + EACH * count, count)
+            _check_files("dask", count)
         logging.getLogger("distributed").setLevel(logging.WARNING)
         self._timeout, self._cluster = timeout, None
         self._lost_errors = (OSError, RuntimeError, distributed.client.FutureCancelledError)
@@ -303,15 +306,17 @@ class Dask(Executor):
             ) from None
 
 
-def _check_files(needed: int, workers: int) -> None:
-    """Raise where there are too few: dask then hangs, or fails wherever the next one is opened."""
+def _check_files(engine: str, workers: int) -> None:
+    """Raise where there are too few: dask then hangs, and either fails wherever the next one is opened."""
     if os.name == "posix":
         import resource
 
+        own, each = FILES[engine]
+        needed = own + each * workers
         if 0 <= (limit := resource.getrlimit(resource.RLIMIT_NOFILE)[0]) < needed:
             raise FootoptError(
-                f"engine=dask: `ulimit -n` allows {limit} open files; {needed} are needed for {workers} "
-                "workers. Allow more, set engine.workers, or take engine=processes."
+                f"engine={engine}: `ulimit -n` allows {limit} open files; {needed} are needed for {workers} "
+                "workers. Allow more, set engine.workers, or take engine=local."
             )
 
 

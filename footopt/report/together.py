@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 
 Job = Callable[[], object]
+PATIENCE = 120  # s until a copy ends that hangs, as with a lock that a thread of the process held
 
 
 @contextmanager
@@ -59,6 +60,7 @@ def _copy(jobs: Sequence[Job], turns: int) -> int:
     status = 1
     try:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process itself says that it was stopped
+        signal.alarm(PATIENCE)
         while number := os.read(turns, 1):
             jobs[number[0]]()
         status = 0

@@ -82,6 +82,22 @@ def test_what_a_copy_cannot_do_is_done_here(tmp_path: Path) -> None:
     assert noted(tmp_path) == [f"{own}\n"] * 3
 
 
+@copies
+@pytest.mark.usefixtures("alone")
+def test_a_copy_that_hangs_is_done_without(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("footopt.report.together.PATIENCE", 1)
+    own = os.getpid()
+
+    def hangs_elsewhere() -> None:
+        while os.getpid() != own:
+            time.sleep(1.0)
+        note(tmp_path, "job")
+
+    with together([hangs_elsewhere, lambda: None], 2):
+        time.sleep(0.2)
+    assert noted(tmp_path) == [f"{own}\n"]
+
+
 @pytest.mark.usefixtures("alone")
 def test_an_error_of_a_copy_is_raised_here(tmp_path: Path) -> None:
     def fails() -> None:

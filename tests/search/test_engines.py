@@ -250,6 +250,11 @@ class TestSettings:
         with pytest.raises(FootoptError, match="allows 79 open files; 80 are needed for 2 workers"):
             make_executor("dask", workers=2)
 
+    def test_too_few_files_for_processes_are_said_before_one_cannot_start(self, monkeypatch):
+        monkeypatch.setattr("resource.getrlimit", lambda kind: (35, 4096))
+        with pytest.raises(FootoptError, match="allows 35 open files; 36 are needed for 2 workers"):
+            make_executor("processes", workers=2)
+
     def test_a_missing_extra_is_named(self, monkeypatch):
         monkeypatch.setitem(sys.modules, "distributed", None)
         with pytest.raises(SettingError, match=r"pip install 'footopt\[dask\]'"):
