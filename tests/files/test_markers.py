@@ -362,6 +362,14 @@ class TestNoWalk:
 
         refused("does not go on", wait, speed=1.2)
 
+    @pytest.mark.parametrize("side", ["left", "right"])
+    def test_to_the_side(self, side):
+        def aside(t, places):
+            for joint in JOINTS:  # one hip ahead of the other
+                places[f"L_{joint}"] += [0.2, -0.18, 0.0]
+
+        refused("steps to the side, and no walk ahead", aside, side=side)
+
     def test_backwards(self):
         refused(r"the hip goes \d\.\d\d m backwards", speed=-1.0)
 

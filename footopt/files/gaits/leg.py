@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 SEGMENT = (0.1, 0.9)  # length of a thigh, shank or foot, m; anything else is a mistake in the units
 STRETCH = 0.2  # of a segment's usual length that it may be longer or shorter: its markers are fixed to it
 WHOLE = 0.9  # of the time of a leg; a foot that is seen for less of it is left out
+APART, ASIDE = 0.08, 0.7  # m between hips that tell left from right, and how far along the swing they may lie
 BACKWARDS = 0.3  # m that the hip may go backwards, on a treadmill
 STIFF = 0.03  # m that the knee is ahead of hip and ankle, in the mean; where it is less, the toes say more
 PLANTED = 5e-3  # m rms; an ankle that moves by less stays where it is, and a hip that rises by less is still
@@ -65,6 +66,8 @@ def leg_angles(markers: Markers, names: Mapping[str, str], side: str | None, max
     up = _up(hip - ankle)
     _check_straight(markers.t, leg["hip"], None if other is None else other["hip"], up)
     forward = _forward(places, up)
+    if other is not None:
+        _check_ahead(leg["hip"] - other["hip"], forward, up)
     if (travelled := (hip[-1] - hip[0]) @ forward) < -BACKWARDS:
         raise Unusable(
             f"the hip goes {-travelled:.2f} m backwards while the knee bends forwards. "
@@ -224,6 +227,18 @@ def _check_straight(t: Array, hip: Array, other: Array | None, up: Array) -> Non
         raise Unusable(
             f"the subject turns by {turn:.0f} deg from {begin:.4g} to {end:.4g} s, and footopt walks "
             "straight ahead. Cut out a part that goes straight."
+        )
+
+
+def _check_ahead(across: Array, forward: Array, up: Array) -> None:
+    """Raise if the leg swings along the line between both hips, `across` (n, 3), m."""
+    seen = across[np.isfinite(across).all(axis=1)]
+    mean = seen.mean(axis=0) if len(seen) else np.zeros(3)
+    mean -= (mean @ up) * up
+    if (apart := float(np.linalg.norm(mean))) > APART and abs(mean @ forward) > ASIDE * apart:
+        raise Unusable(
+            "the ankle swings along the line between both hips: steps to the side, and no walk ahead; or one "
+            "of them is another marker (gait.names)."
         )
 
 

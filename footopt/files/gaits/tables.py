@@ -85,7 +85,9 @@ def read_csv(
             time, more = _of_percent(read["percent"], found["percent"])
             notes += (more,)
         to_deg = to_degrees(units or ("rad" if "rad" in found["knee"].lower() else "deg"))
-        return np.array([time, *(to_deg * values for values in angles)]), notes
+        rows = np.array([time, *(to_deg * values for values in angles)])
+        # at 100 % the stride is where it was at 0 %
+        return rows[:, : -1 if "time" not in read and np.isclose(np.ptp(time), UNTIMED) else None], notes
 
     leg = side or next((s for s in SIDES if named("knee", s)), "right")
     rows, notes = leg_of(leg)
