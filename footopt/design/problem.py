@@ -34,9 +34,8 @@ Race = Callable[[Ints, float], tuple[Array, Words]]
 SETS: dict[str, tuple[str, ...]] = {"efficiency": ("efficiency",), "pareto": FIVE}
 
 TAKING = (Layers, Patches, LeadingEdge, Inertia, Slope)  # effects with which sand still gives no energy
-SPENT = (
-    1e-3  # of the work: at an instant of rest, a force that is not solved to rounding may give so little back
-)
+#: Of the work: at an instant of rest, a force that is not solved to rounding may give so little back.
+SPENT = 1e-3
 
 #: What is recorded of every design, whatever is optimised: the paper's five and J_W.
 RECORD = (*FIVE, "efficiency")

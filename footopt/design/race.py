@@ -18,12 +18,25 @@ from footopt.design.context import context, digest
 from footopt.design.evaluator import Evaluator
 from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.result import SearchResult
+from footopt.design.solvers import EXHAUSTIVE, Solver
 from footopt.design.store import BEATEN
+from footopt.errors import check
 from footopt.files.tasks import Tasks
 from footopt.walk.metrics import Ends
 from footopt.walk.simulate import NEVER
 
 SAFETY, FARTHER = 2.0, 1.2
+
+
+def check_race(problem: FootProblem, solver: Solver) -> None:
+    """Raise a `SettingError` where nothing tells on the way that a solver's walk can end."""
+    if solver.race and solver.name == EXHAUSTIVE:
+        several = "false for several objectives, of which no design can be told to have lost"
+        check(problem.n_obj == 1, "solver.race", True, several)
+    elif solver.race:
+        needs = f"false for {', '.join(problem.names)}, of which a part of a walk does not tell"
+        hint = "Of work, peak_power and speed_loss, in one scene, it does."
+        check(problem.lost(0.0) != NEVER, "solver.race", True, needs, hint)
 
 
 class Race:

@@ -20,7 +20,7 @@ from footopt.design.coarse import Coarse, coarse_walks
 from footopt.design.evaluator import Evaluator
 from footopt.design.exhaustive import enumerate_space
 from footopt.design.problem import FootProblem, Ints
-from footopt.design.race import Race
+from footopt.design.race import Race, check_race
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import AUTO, EXHAUSTIVE, Solver
 from footopt.design.solvers.registry import COARSELY
@@ -28,7 +28,6 @@ from footopt.design.stop import Stop
 from footopt.design.store import Store
 from footopt.errors import check, check_kind
 from footopt.kinds import says_kinds
-from footopt.walk.simulate import NEVER
 
 BUDGET = ("walks", "pop_size", "n_gen", "seed", "operators", "race")  # of a solver that is named
 ENOUGH = "by the solver, which asked for nothing more"
@@ -105,23 +104,18 @@ def search(
     elif budget:
         solver = replace(solver, **budget)
     solver = solver.fitting(problem.n_obj)
+    check_race(problem, solver)
     dear = solver if solver.name in COARSELY else None
     problem.prepare(None if isinstance(store, Store) else store, executor, progress is True, dear)
     opened = Store(store, problem) if isinstance(store, (str, Path)) else nullcontext(store)
     with opened as kept:
         evaluator = Evaluator(problem, kept, executor)
         tell = _line(solver.generations(problem.space)) if progress is True else progress or None
-        if solver.race and solver.name != EXHAUSTIVE:
-            needs = f"false for {', '.join(problem.names)}, of which a part of a walk does not tell"
-            hint = "Of work, peak_power and speed_loss, in one scene, it does."
-            check(problem.lost(0.0) != NEVER, "solver.race", True, needs, hint)
         if solver.name == EXHAUSTIVE:
             for name, given in (("stop", stop not in (None, Stop())), ("start", start is not None)):
                 check(not given, name, name, "left out with solver=exhaustive: it walks with every design")
             if not solver.race:
                 return enumerate_space(problem, solver, tell, evaluator)
-            several = "false for several objectives, of which no design can be told to have lost"
-            check(problem.n_obj == 1, "solver.race", True, several)
             found = ask_and_tell(problem, Solver("memetic", seed=solver.seed), None, evaluator, Stop())
             if found.interrupted:
                 raise KeyboardInterrupt("in the search before the race")

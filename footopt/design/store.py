@@ -25,13 +25,15 @@ from footopt.design.context import CODE, canonical, context, differences, digest
 from footopt.design.problem import Array, FootProblem
 from footopt.errors import FileError
 from footopt.files.reading import named
+from footopt.walk import loop
 from footopt.walk.objectives import MEASURES
+from footopt.walk.simulate import REASONS
 
 APPLICATION = int.from_bytes(b"foot")  # marks the file as ours (SQLite's application_id)
 LAYOUT = 3  # of the tables below (SQLite's user_version)
 PATIENCE = 30.0  # s, for another process that writes
 ERROR = "error"  # the reason of a design that breaks the program
-BEATEN = "beaten"  # of one whose walk was stopped because it could not be among the best: it has no values
+BEATEN = REASONS[loop.BEATEN]  # of one that was stopped because it could not be among the best: no values
 
 TABLES = """
 CREATE TABLE context (id INTEGER PRIMARY KEY, digest TEXT NOT NULL UNIQUE, description TEXT NOT NULL);

@@ -60,6 +60,7 @@ def _copy(jobs: Sequence[Job], turns: int) -> int:
     status = 1
     try:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process itself says that it was stopped
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)
         signal.alarm(PATIENCE)
         while number := os.read(turns, 1):
             jobs[number[0]]()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,7 @@ from footopt.foot import Foot
 from footopt.foot.waypoints import written
 from footopt.report import terminal
 from footopt.report.figures.atlas import atlas as figure
-from footopt.studies.base import Study
+from footopt.studies.base import Study, flat_efficiency
 from footopt.studies.build import make_problem
 from footopt.studies.load import read
 from footopt.studies.record import accuracy_entry, scene_entry
@@ -42,8 +41,7 @@ def run(study: Study) -> None:
     with Store(path, problem, options.reuse) as store:
         found = atlas(problem, store, options.descriptors, options.cells)
     quality, guide = quality_of(problem, found), problem.guide
-    flat = simulate(Foot.flat(problem.space), problem.scene, problem.accuracy).objectives.get(guide, math.nan)
-    base = flat if guide == "efficiency" and flat < 0.0 else None
+    base = flat_efficiency(problem)
     heights = [f"k{i + 1}" for i in range(problem.space.n)]
     rows = zip(*(part.tolist() for part in (found.cells, found.values, found.counts, found.k)), strict=True)
     study.write_csv(

@@ -246,8 +246,9 @@ class Study:
 
 
 def flat_efficiency(problem: FootProblem) -> float | None:
-    """J_W of the flat foot; None where a problem seeks something else."""
+    """J_W of the flat foot, below 0; None where it has none, or a problem seeks something else."""
     if problem.guide != "efficiency":
         return None
     flat = simulate(Foot.flat(problem.space), problem.scene, problem.accuracy)
-    return float(flat.objectives[problem.guide])
+    value = float(flat.objectives[problem.guide])
+    return value if value < 0.0 else None

@@ -28,6 +28,7 @@ from footopt.design import (
 from footopt.design.certificate import Certificate, certified
 from footopt.design.choice import excess
 from footopt.design.exhaustive import Enumeration, check_size
+from footopt.design.race import check_race
 from footopt.design.result import check_finalists
 from footopt.errors import SettingError
 from footopt.files import run as files
@@ -71,6 +72,7 @@ def _run(study: Study, watching: ExitStack) -> Answer:
         check_size(problem)
     else:
         solver.build(problem.n_obj)
+    check_race(problem, solver)
     check_finalists(options.finalists)
     study.say(terminal.describe_setup(scene, problem.space))
     finer = study.finer_accuracy

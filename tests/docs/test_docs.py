@@ -451,6 +451,7 @@ ROWS = {
     "dear_walks.py": 2,
     "mujoco_steps.py": 4,
     "page.py": 1,
+    "command.py": 1,
 }
 #: Parts of benchmarks/report.py that are not a benchmark of their own.
 PARTS = ["paper", "euler", "absolute", "plates", "size", "start", "ga"]

@@ -1,7 +1,7 @@
 // A sole of one's own: waypoints to drag, sliders for sand and mass, the walk that follows, undo, and what to do with it.
 
-/** The sole that is sketch, the design after the last: its sand and mass, why it failed, and what it was before. */
-const sketch = P.sand ? { zeta: P.sand.zeta, mass: P.walker.mass, reason: "", flat: null, past: [] } : null;
+/** The sole that is sketch, the design after the last: its sand and mass, why it failed, what it was before, and the frame that is to show it. */
+const sketch = P.sand ? { zeta: P.sand.zeta, mass: P.walker.mass, reason: "", flat: null, past: [], frame: 0 } : null;
 if (sketch && !kOf) data.designs.soles.push(data.designs.soles[0]);
 
 const walked = new Map();
@@ -45,7 +45,7 @@ function drawTools(holder, now, show, settle) {
   const why = P.refusal ?? (sketch ? "" : null);
   if (why === null || data.jobs) return { section: el("div", {}), redraw: () => {} };
   if (why) return { section: el("p", { class: "note", id: "no-drawing" }, `No other sole can be drawn and walked here: ${why}.`), redraw: () => {} };
-  let frame = 0, rest = 0;
+  let rest = 0;
   const snapshot = () => ({ design: now(), k: heights(now()), zeta: sketch.zeta, mass: sketch.mass });
   const put = ({ k, zeta, mass }) => {
     if (k) kOf.set(k, DRAWN * space.n);
@@ -55,8 +55,8 @@ function drawTools(holder, now, show, settle) {
   function edit(change, remember = true) {
     if (remember) sketch.past.push(snapshot());
     put({ ...snapshot(), ...change });
-    frame ||= requestAnimationFrame(() => {
-      frame = 0;
+    sketch.frame ||= requestAnimationFrame(() => {
+      sketch.frame = 0;
       rewalk();
       show(DRAWN);
     });

@@ -175,7 +175,7 @@ function stepLoop(id = "step", tall = 300) {
     state.t += Math.min((now - before) / 1000, 0.1) / 4;
     if (state.t > begin + 0.72 * stride) state.t = begin - 0.06 * stride;
     before = now;
-    state.mover(state.t);
+    if (!sketch?.frame) state.mover(state.t); // else it is drawn anew in this frame
     requestAnimationFrame(tick);
   };
   function run() {
