@@ -92,10 +92,10 @@ class Accuracy:
 
     @classmethod
     def named(cls, name: str) -> Accuracy:
-        """A preset of `PRESETS` by its name."""
-        if name not in PRESETS:
-            raise SettingError("accuracy", name, f"one of {', '.join(PRESETS)}")
-        return PRESETS[name]
+        """One of `NAMED`."""
+        if name not in NAMED:
+            raise SettingError("accuracy", name, f"one of {', '.join(NAMED)}")
+        return NAMED[name]
 
     @classmethod
     def within(cls, tolerance: float) -> Accuracy:
@@ -199,6 +199,8 @@ PRESETS: dict[str, Accuracy] = {
     **{name: replace(Accuracy.within(value), name=name) for name, value in TOLERANCES.items()},
     "reference": Accuracy("sdirk2", 2e-4, 400, 1e-5, "reference", adapt=True),
 }
+
+NAMED = {**PRESETS, "coarse": COARSE}
 
 
 def resolve(accuracy: Accuracy | str) -> Accuracy:
