@@ -53,6 +53,14 @@ def nondominated(F: Array) -> NDArray[np.bool_]:
     return np.asarray(is_nondominated(np.ascontiguousarray(F, float), keep_weakly=True))
 
 
+def ranks(F: Array) -> Ints:
+    """Place of each design by each objective, (designs, objectives)."""
+    best = F.T.argsort(kind="stable")
+    place = np.empty_like(best)
+    np.put_along_axis(place, best, np.arange(len(F))[None], axis=1)
+    return place.T
+
+
 def enlarged(F: Array, new: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Which designs of a front F (designs, objectives) no new one dominates, and which new ones stay, too."""
     blocks, stay = [F[start : start + BLOCK] for start in range(0, len(F), BLOCK)], nondominated(new)

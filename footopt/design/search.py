@@ -14,6 +14,7 @@ from types import NoneType
 from typing import Any
 
 from numpy.typing import ArrayLike
+from threadpoolctl import threadpool_limits
 
 from footopt.design.archive import Archive
 from footopt.design.coarse import Coarse, coarse_walks
@@ -108,7 +109,8 @@ def search(
     dear = solver if solver.name in COARSELY else None
     problem.prepare(None if isinstance(store, Store) else store, executor, progress is True, dear)
     opened = Store(store, problem) if isinstance(store, (str, Path)) else nullcontext(store)
-    with opened as kept:
+    # what a solver computes is too little for threads, which would wait for each other
+    with opened as kept, threadpool_limits(1, "blas"):
         evaluator = Evaluator(problem, kept, executor)
         tell = _line(solver.generations(problem.space)) if progress is True else progress or None
         if solver.name == EXHAUSTIVE:

@@ -12,7 +12,7 @@ from pymoo.core.population import Population
 from pymoo.util.display.multi import MultiObjectiveOutput
 from pymoo.util.display.single import SingleObjectiveOutput
 
-from footopt.design.fronts import nondominated
+from footopt.design.fronts import nondominated, ranks
 from footopt.design.known import Known
 from footopt.design.solvers.moves import IDLE, RandomInside, allowed, exchanged, shifted, shifts
 from footopt.design.solvers.registry import QUICK, grown
@@ -54,6 +54,7 @@ class Moves(Algorithm):
         self.asked = Known(1)
         self.front = Population.new()
         self.learnt: list[tuple[Array, Array]] = []  # heights and objectives of each generation
+        self.model: tuple[Any, Array] | None = None  # of what is learnt, and its ranks
 
     def _setup(self, problem: Any, **kwargs: Any) -> None:
         self.asked = Known(int(np.max(problem.xu)))
@@ -129,9 +130,9 @@ class Moves(Algorithm):
     def _promise(self, X: Ints) -> Array:
         """How far designs (designs, n) should lie ahead of the best so far, in ranks, (designs,)."""
         expected, known = self._expected(X)
-        promise = np.full(len(X), np.inf)
+        by_objective, promise = np.ascontiguousarray(expected.T), np.full(len(X), np.inf)
         for ahead in known[nondominated(known)]:
-            np.minimum(promise, (ahead - expected).max(axis=1), out=promise)
+            np.minimum(promise, (ahead[:, None] - by_objective).max(axis=0), out=promise)
         return promise
 
     def _expected(self, X: Ints) -> tuple[Array, Array]:
@@ -142,11 +143,17 @@ class Moves(Algorithm):
         """
         from scipy.interpolate import RBFInterpolator
 
-        known, F = self._kept(TRAINED // 2 if self.told > TRAINED else self.told)
-        rank = ranks(F) / len(F)
-        given: dict[str, Any] = {"kernel": "gaussian", "epsilon": WIDTH, "smoothing": SMOOTHING}
         top = float(np.max(self.problem.xu))
-        model = RBFInterpolator(steps(known) / top, rank, **given)
+        if self.model is None:
+            known, F = self._kept(TRAINED // 2 if self.told > TRAINED else self.told)
+            rank = ranks(F) / len(F)
+            self.model = (
+                RBFInterpolator(
+                    steps(known) / top, rank, kernel="gaussian", epsilon=WIDTH, smoothing=SMOOTHING
+                ),
+                rank,
+            )
+        model, rank = self.model
         return np.round(model(steps(X) / top), 6), rank  # sums in another order must not lead elsewhere
 
     @property
@@ -177,6 +184,7 @@ class Moves(Algorithm):
             violation = infills.get("CV")[:, 0]
             F[violation > 0.0] = WORSE * (1.0 + violation[violation > 0.0, None])
             self.learnt.append((infills.get("X").astype(float), F))
+            self.model = None
             if self.told > 2 * REMEMBERED:
                 self.learnt = [self._kept(REMEMBERED)]
         return super().advance(infills=infills, **kwargs)
@@ -244,7 +252,10 @@ class Archive(Moves):
 
         def survivors(pool: Any, most: int) -> Any:
             survive = {"n_survive": min(most, len(pool)), "random_state": self.random_state}
-            return RankAndCrowding().do(self.problem, pool, **survive)
+            by_rank = RankAndCrowding()
+            if pool is self.front and pool[0].CV[0] <= 0.0:
+                by_rank.filter_infeasible = False  # like its first, all of it is feasible
+            return by_rank.do(self.problem, pool, **survive)
 
         if self.sought:
             X, F, G = infills[: self.sought].get("X", "F", "G")
@@ -289,7 +300,7 @@ class Archive(Moves):
         """What a search for the best by one of two objectives alone asks for; each has its turn."""
         self.alone = self.alone or [self._begun(by) for by in range(self.problem.n_obj)]
         self.turn = by = (self.turn + 1) % len(self.alone)
-        self.alone[by].learnt = [(X, F[:, [by]]) for X, F in self.learnt]
+        self.alone[by].learnt, self.alone[by].model = [(X, F[:, [by]]) for X, F in self.learnt], None
         found = self.alone[by]._found(max(count, 1))
         self.sought = len(found)
         return found
@@ -322,11 +333,6 @@ def like(X: Array, count: int, draw: Any) -> Ints:
 def steps(X: Any) -> Array:
     """Heights and differences of neighbours, (designs, 2 n - 1): few change where a run is shifted."""
     return np.concatenate([X, np.diff(X, axis=1)], axis=1).astype(float)
-
-
-def ranks(F: Array) -> Ints:
-    """Place of each design by each objective, (designs, objectives)."""
-    return F.argsort(axis=0, kind="stable").argsort(axis=0, kind="stable")
 
 
 def order(pop: Any) -> Ints:
