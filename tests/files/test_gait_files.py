@@ -351,6 +351,50 @@ class TestCsv:
                 with pytest.raises(FileError, match=rf"{name} begins again after row {len(rows)} of the"):
                     read_strides(tmp_path / "a.csv")
 
+    @staticmethod
+    def of_phase(tmp_path, phase, thigh=1.0):
+        """What is read of a table of whole degrees at phases in parts of a stride."""
+        rows = [np.degrees(joint.at(phase)[0]) for joint in (HUMAN.thigh, HUMAN.knee)]
+        table = np.array([phase, thigh * rows[0], rows[1]]).T
+        form = ["%.3f", "%.0f", "%.0f"]
+        np.savetxt(tmp_path / "a.csv", table, form, ",", header="phase,thigh,knee", comments="")
+        return fo.Gait.from_file(tmp_path / "a.csv")
+
+    @pytest.mark.parametrize("rows", [20, 25, 51])
+    @pytest.mark.parametrize("begin", [0.0, 0.5, 1.0])
+    def test_a_phase_says_where_the_stride_ends(self, tmp_path, rows, begin):
+        """Whichever of its rows is the first, and however few there are."""
+        gait = self.of_phase(tmp_path, (np.arange(rows) + begin) / rows)
+        assert gait.period == pytest.approx(1.2, rel=1e-9)
+        # phases begin at the table's first row
+        at = np.linspace(0.0, 1.0, 101)
+        off = gait.thigh.at(at)[0] - HUMAN.thigh.at(at + begin / rows)[0]
+        assert np.degrees(abs(off)).max() < 1.2
+
+    @pytest.mark.parametrize(
+        ("phase", "message"),
+        [
+            (np.arange(31) / 50, "the phase covers 62 % of one"),
+            (1.0 - np.arange(50) / 50, "begins again"),
+        ],
+    )
+    def test_a_part_of_a_stride_is_none(self, tmp_path, phase, message):
+        with pytest.raises(FileError, match=message):
+            self.of_phase(tmp_path, phase)
+
+    def test_the_sign_of_a_thigh_is_seen(self, tmp_path):
+        with pytest.raises(FileError, match=r"as in a walk backwards.*the sign of thigh or hip"):
+            self.of_phase(tmp_path, np.arange(50) / 50, thigh=-1.0)
+
+    def test_a_squat_of_one_leg_is_seen(self, tmp_path):
+        phase = np.arange(101)
+        down = np.sin(np.pi * phase / 100) ** 4
+        table = np.array([phase, 4.0 + 88.0 * down, 8.0 + 95.0 * np.roll(down, 1)]).T
+        header = "percent,hip_angle,knee_angle"
+        np.savetxt(tmp_path / "a.csv", table, delimiter=",", header=header, comments="")
+        with pytest.raises(FileError, match="a squat or sitting down, and no walk"):
+            read_strides(tmp_path / "a.csv")
+
     @pytest.mark.parametrize(
         ("header", "message"),
         [

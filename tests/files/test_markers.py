@@ -456,6 +456,15 @@ class TestStrides:
         with pytest.raises(Unusable, match=r"the other foot strikes at 0\.\d\d, .* of a stride.*no walk"):
             cut(angles(steady)._replace(other=twice))
 
+    def test_that_one_leg_makes_by_chance_are_none(self):
+        """It ends as it began; the other one starts from where it stands, and does not."""
+        own = angles(steady, 1.0, rate=100.0, apart=0.5)
+        share = np.linspace(0.0, 1.0, len(own.t)) ** 2
+        late = {j: (1.0 - share) * 12.0 + share * v for j, v in own.other.angles.items()}
+        assert cut(own).period == pytest.approx(HUMAN.period, rel=0.02)
+        with pytest.raises(Unusable, match="the other leg does not end as it began"):
+            cut(own._replace(other=own.other._replace(angles=late)))
+
     def test_of_another_length_are_left_out(self):
         """As where the subject hesitates: the fourth stride takes half as long again."""
         found = cut(angles(lambda t: 0.3 + np.interp(t, [0, 3.2, 5.0, 9.8], [0, 8 / 3, 11 / 3, 23 / 3]), 7.4))

@@ -434,7 +434,7 @@ class TestTheLine:
                 None,
                 "which end is the heel",
             ),
-            ([((-9, 0), (0, 990)), ((0, 990), (9, 0))], 4, None, "mm long|m high and reaches"),
+            ([((-9, 0), (0, 990)), ((0, 990), (9, 0))], 4, None, "m high, and a sole is drawn from the side"),
         ],
         ids=["units", "no units", "origin", "gap", "ends", "height"],
     )

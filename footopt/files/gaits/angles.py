@@ -39,6 +39,8 @@ class Recording(NamedTuple):
         The other leg, which a stride is checked by.
     way : (n,) array, m, optional
         How far forward the hip is, of markers.
+    stride : float, s, optional
+        After which a table over the phase of one stride begins again.
     """
 
     t: Array
@@ -46,6 +48,7 @@ class Recording(NamedTuple):
     notes: tuple[str, ...] = ()
     other: Recording | None = None
     way: Array | None = None
+    stride: float | None = None
 
 
 def recording(rows: Array, notes: tuple[str, ...] = ()) -> Recording:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.files.gaits.angles import PERIODS, Recording
-from footopt.files.gaits.windows import TIMES, closing, is_two, mirrored, one_row_short, open_by, steady
+from footopt.files.gaits.windows import BOTH, TIMES, closing, is_two, mirrored, one_row_short, open_by, steady
 from footopt.files.reading import Unusable
 
 Array = NDArray[np.float64]
@@ -27,6 +27,10 @@ UNEVEN = 0.3  # of a stride that the other foot's strike may be before or after 
 TOGETHER = 0.0  # correlation of both ankles' ways; in walks, runs and on stairs it is below -0.7, in squats 1
 SWING = 0.25  # of the way of a straight leg that turns with the thigh; in squats the ankle stays where it is
 SLOW, LONG = 0.15, 0.3  # of the ankle's largest speed, below which it rests; of half a stride, as in no walk
+BENDS, TIED, LOOP = 25.0, 0.95, 0.15  # deg of a knee; its correlation with the thigh in squats, in walks up
+# to 0.88; what their loop encloses of their ranges: 0.3 to 0.75 in walks and runs, nothing in squats
+PART = 0.1  # of a stride that a table over its phase may lack, or have more
+NEAR = 0.3  # of the motion that the first row of such a table may be off where it comes again
 REST, RESTING = 15.0, 0.3  # deg/s of thigh and knee below which a leg rests; share of time: no stride has it
 
 
@@ -75,8 +79,13 @@ def cut(recording: Recording) -> Strides:
         It is less than one, or no walk.
     """
     check_walk(recording)
-    begins = heel_strikes(recording)
-    return _single(recording) if len(begins) < 2 else _several(recording, begins)
+    if recording.stride is not None:
+        strides = _of_phase(recording, recording.stride)
+    else:
+        begins = heel_strikes(recording)
+        strides = _single(recording) if len(begins) < 2 else _several(recording, begins)
+    _check_way(strides)
+    return strides
 
 
 def check_walk(recording: Recording) -> None:
@@ -103,12 +112,52 @@ def check_walk(recording: Recording) -> None:
         )
 
 
+def _check_way(strides: Strides) -> None:
+    """Raise `Unusable` where thigh and knee go back as they came, or round as in a walk backwards."""
+    thigh, knee = (average(strides)[joint] for joint in ("thigh", "knee"))
+    if np.ptp(knee) < BENDS:  # a stiff knee says nothing
+        return
+    loop = 0.5 * np.sum(thigh[1:] * knee[:-1] - thigh[:-1] * knee[1:]) / (np.ptp(thigh) * np.ptp(knee))
+    tied = np.corrcoef(thigh, knee)[0, 1]
+    if abs(loop) < LOOP and tied > TIED:
+        raise Unusable(
+            f"thigh and knee bend and stretch together (they correlate at {tied:.2f}), and go back as they "
+            "came: a squat or sitting down, and no walk."
+        )
+    if loop < -LOOP:
+        raise Unusable(
+            "the knee bends while the thigh goes back, as in a walk backwards. If it is none, the sign of "
+            "thigh or hip is the other one (the knee ahead of the hip is +), or a column is another joint's."
+        )
+
+
+def _of_phase(recording: Recording, stride: float) -> Strides:
+    """A table over the phase of one stride, s, which says how long it is, wherever its rows begin and end."""
+    t, angles, notes = recording.t, recording.angles, recording.notes
+    held = (t[-1] - t[0] + float(np.median(np.diff(t)))) / stride
+    gap = min(open_by(recording), one_row_short(recording))
+    if held < 1.0 - PART or gap > NEAR:
+        off = f", and its ends differ by {100 * gap:.0f} % of the motion" if gap > NEAR else ""
+        raise Unusable(f"not one whole stride: the phase covers {100 * held:.0f} % of one{off}.")
+    what = "one stride by its phase, after which the first row comes again"
+    if gap > OPEN:
+        what += f", though it is {100 * gap:.0f} % of the motion off"
+    phase = np.append((t - t[0]) / stride, 1.0)
+    closed = {joint: np.append(values, values[0]) for joint, values in angles.items()}
+    phase, curves, more = _from_strike(phase, closed, LATE)
+    return Strides(phase, curves, np.array([stride]), (*notes, what, *more))
+
+
 def _single(recording: Recording) -> Strides:
     """A recording that is one stride, or holds one; it begins where the heel strikes."""
     t, angles, notes = recording.t, recording.angles, recording.notes
     _check_moving(recording)
     whole, apart = _closed(recording)
     two = apart <= MOST_OPEN and is_two(recording)
+    off = f"its ends differ by {100 * apart:.0f} % of the motion"
+    other = recording.other if apart <= MOST_OPEN else None
+    if other is not None and min(open_by(other), one_row_short(other)) > BOTH:
+        apart, off = np.inf, "the other leg does not end as it began"  # and this one by chance
     inside = closing(recording, False)
     longer = inside is not None and UNCLEAR * inside[2] < apart  # than one stride
     if apart <= OPEN and not (two or longer):
@@ -125,13 +174,12 @@ def _single(recording: Recording) -> Strides:
         else:
             curves = {j: np.interp(begin + (end - begin) * phase, t, a) for j, a in angles.items()}
             what, period = f"one stride of {end - begin:.3f} s", end - begin
-        off = f"its ends differ by {100 * gap:.1f} % of the motion"
-        notes += (f"{what}, from {begin:.3f} to {end:.3f} s: {off}",)
+        ends = f"its ends differ by {100 * gap:.1f} % of the motion"
+        notes += (f"{what}, from {begin:.3f} to {end:.3f} s: {ends}",)
         phase, curves, _ = _from_strike(phase, curves, 0.0)
         return Strides(phase, curves, np.array([period]), notes)
     if apart <= MOST_OPEN and not two:
         return whole
-    off = f"its ends differ by {100 * apart:.0f} % of the motion"
     raise Unusable(
         f"not one whole stride: in {t[-1] - t[0]:.3g} s no stride ends as it began, and "
         f"{'in its middle the leg is where it began' if two else off}. Give one heel strike to the next, or "

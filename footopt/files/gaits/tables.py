@@ -62,7 +62,7 @@ def read_csv(
         usual = (f"{a}{name}{b}" for s in sides for name in CSV[part] for a, b in ((s, ""), ("", s)))
         return next((plain[name] for name in usual if name in plain), None)
 
-    def leg_of(leg: str) -> tuple[Array, tuple[str, ...]]:
+    def leg_of(leg: str) -> Recording:
         found = {part: name for part in CSV if (name := named(part, leg))}
         for part, also in (("time", "percent"), ("thigh", "hip"), ("knee", "knee")):
             if not {part, also} & found.keys():
@@ -79,23 +79,25 @@ def read_csv(
         else:
             angles = _put_together(read["hip"], knee, read.get("pelvis"), read.get("ankle"))
             notes += (f"the thigh is {found['hip']} from the pelvis", *(() if "pelvis" in read else (LEVEL,)))
+        stride = None
         if "time" in read:
             time = read["time"]
         else:
             time, more = _of_percent(read["percent"], found["percent"])
-            notes += (more,)
+            stride, notes = UNTIMED if np.ptp(time) < 1.1 * UNTIMED else None, (*notes, more)
         to_deg = to_degrees(units or ("rad" if "rad" in found["knee"].lower() else "deg"))
         rows = np.array([time, *(to_deg * values for values in angles)])
         # at 100 % the stride is where it was at 0 %
-        return rows[:, : -1 if "time" not in read and np.isclose(np.ptp(time), UNTIMED) else None], notes
+        whole = stride is not None and np.ptp(time) > (1.0 - 1e-6) * UNTIMED
+        rows = rows[:, time < time[0] + (1.0 - 1e-6) * UNTIMED] if whole else rows
+        return recording(rows, notes)._replace(stride=stride)
 
     leg = side or next((s for s in SIDES if named("knee", s)), "right")
-    rows, notes = leg_of(leg)
-    own, second = recording(rows, notes), SIDES[leg == "right"]
+    own, second = leg_of(leg), SIDES[leg == "right"]
     if names.keys() & {"hip", "knee", "thigh"} or named("knee", second) == named("knee", leg):
         return own
     try:
-        return own._replace(other=recording(leg_of(second)[0]))
+        return own._replace(other=leg_of(second))
     except Unusable:  # it is wanted for a check only
         return own
 

@@ -199,10 +199,15 @@ def check_size(points: Array, origin: str) -> None:
             f"the sole would be {length:.4g} m long. Set foot.units to the unit of the file "
             f"({', '.join(UNITS)}), or foot.scale."
         )
-    if height > STEEPEST * length or (origin == "file" and far > 10.0 * length):
+    if height > STEEPEST * length:
         raise Unusable(
-            f"the line is {length:.4g} m long, {height:.4g} m high and reaches {far:.4g} m "
-            "from the origin's height, which no sole does. Is a point wrong, or the place of the origin?"
+            f"the line is {length:.4g} m long and {height:.4g} m high, and a sole is drawn from the side, "
+            "heel and toe left and right: is it a view from above, turned, or is a point wrong?"
+        )
+    if origin == "file" and far > 10.0 * length:
+        raise Unusable(
+            f"the line is {length:.4g} m long and reaches {far:.4g} m from the origin's height, which no "
+            "sole does. Is a point wrong, or the place of the origin?"
         )
     if len(points) > PIECES:
         raise Unusable(f"the line has {len(points)} points, and must have at most {PIECES}. Thin it out.")
