@@ -110,7 +110,7 @@ def _things(axes: Axes, grain: float) -> dict[Any, Array]:
         name = artist if label.startswith("_") else label
         size = RING * artist.get_markersize() * axes.figure.dpi / 72 if dots else None
         own = [
-            (points[:, None] + size).reshape(-1, 2) if dots else _dense(points, grain)
+            _sparse((points[:, None] + size).reshape(-1, 2), grain) if dots else _dense(points, grain)
             for points in known
             if len(points)
         ]
@@ -164,9 +164,15 @@ def _inside(text: Any) -> Array:
 
 
 def _dense(points: Array, grain: float) -> Array:
-    """Points along a line in steps of some pixels, one in each cell."""
+    """Points along a line in steps of some pixels."""
     steps = np.maximum(np.ceil(abs(np.diff(points, axis=0)).max(axis=1) / grain), 1.0)
     at = np.append(0.0, np.cumsum(steps))
     fine = np.arange(min(at[-1], 20_000) + 1)
     dense = np.stack([np.interp(fine, at, part) for part in points.T], axis=-1)
-    return dense[np.unique(np.round(dense / grain), axis=0, return_index=True)[1]]
+    return _sparse(dense, grain)
+
+
+def _sparse(points: Array, grain: float) -> Array:
+    """One of the points in each cell of some pixels."""
+    x, z = np.round(points / grain).T
+    return points[np.unique(x + 1j * z, return_index=True)[1]]

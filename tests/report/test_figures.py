@@ -17,6 +17,7 @@ import footopt as fo
 from footopt.errors import FileError, SettingError
 from footopt.gait.gait import RIGHT
 from footopt.report import figures, style
+from footopt.report import labels as naming
 from footopt.report.body import forces_along
 from footopt.report.figures import accuracy, fronts, paper, search
 from footopt.report.figures.search import history_label
@@ -599,6 +600,15 @@ def test_a_table_that_does_not_fit_its_names_is_refused(table):
             draw(table[:, :2], ["speed", "work"])
     with pytest.raises(SettingError, match="two objectives"):
         figures.scatter_matrix({"front": table[:, :1]}, FIVE[:1])
+    with pytest.raises(SettingError, match=r"marks = .* must be of chosen, flat sole"):
+        figures.scatter_matrix({"front": table}, FIVE, {"best": table[7]})
+
+
+def test_of_many_dots_a_name_looks_at_no_more_than_the_panel_has_places_for():
+    axes = figures.scatter_matrix({"a": np.random.default_rng(1).random((100_000, 2))}, FIVE[:2]).axes[0]
+    (dots,) = naming._things(axes, 5.0).values()
+    width, height = axes.get_window_extent().size
+    assert len(dots) < (width / 5 + 3) * (height / 5 + 3)
 
 
 # --- studies --------------------------------------------------------------------------------------

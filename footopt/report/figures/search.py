@@ -242,6 +242,7 @@ def _table(values: ArrayLike, names: Sequence[str]) -> Array:
 def _marks(marks: Mapping[str, ArrayLike] | None) -> dict[str, Array]:
     """The designs to point out that have all values."""
     rows = {name: np.asarray(row, float) for name, row in (marks or {}).items()}
+    check(set(rows) <= set(MARKS), "marks", sorted(rows), f"of {', '.join(MARKS)}")
     return {name: row for name, row in rows.items() if np.isfinite(row).all()}
 
 
