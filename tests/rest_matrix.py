@@ -9,6 +9,7 @@ import csv
 import itertools
 import math
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,9 @@ from footopt.walk.metrics import Sample
 from footopt.walk.simulate import REASONS, _Asked, _walk, resolve
 
 FOOT = fo.Foot.from_waypoints([1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 8])
+HOLLOW = fo.Foot.from_waypoints([8, 8, 4, 1, 1, 1, 1, 1, 4, 8, 8])
 STILL = fo.Gait.human(start=math.inf)
+LEVEL = replace(STILL, foot=type(STILL.thigh)(0.0, (0.0,), (0.0,)), pitch="measured")
 ZETAS = (0.05, 0.2, 1.0, 5.0, 50.0, 500.0)
 SLOPES = (0.0, 5.0, 15.0)  # deg; a level sole slides for ever from 19.9 on
 DELTA = 1e-6  # m
@@ -34,15 +37,15 @@ NUMERICS = {
 COLUMNS = ("numerics", "slope", "zeta", "reason", "drift", "x", "z", "load")
 
 
-def stand(zeta, slope, numerics, t_f=60.0):
+def stand(zeta, slope, numerics, t_f=60.0, foot=FOOT, gait=STILL):
     """A row: drift over the second half and last place of the hip (m), and the load's error as a share."""
     accuracy, delta = NUMERICS[numerics]
     effects = (fo.Rest(delta), *((fo.Slope(slope),) if slope else ()))
-    scene = fo.Scene(sand=fo.Sand(zeta), gait=STILL, t_f=t_f, effects=effects)
-    accuracy = adapted(resolve(accuracy), scene, FOOT)
+    scene = fo.Scene(sand=fo.Sand(zeta), gait=gait, t_f=t_f, effects=effects)
+    accuracy = adapted(resolve(accuracy), scene, foot)
     # `fo.simulate` would keep what each plate remembers at every step: at `reference` up to 40 GB
     asked = _Asked(sink=False, threads=1, traced=True, remembers=False)
-    walked = _walk(FOOT.plates(accuracy.plates, accuracy.rule), scene, accuracy, asked)
+    walked = _walk(foot.plates(accuracy.plates, accuracy.rule), scene, accuracy, asked)
     c = Sample(*walked.trace[np.isfinite(walked.trace).all(axis=1)].T)
     com = np.stack([c.x, c.z], axis=1)
     late, carries = com[c.t > 0.5 * t_f], scene.walker.mass * scene.gravity[1]
@@ -68,9 +71,10 @@ def table(rows):
         yield f"| {slope:g} deg | {cells} | {1e6 * max(float(row['drift']) for row in here):.1g} um |"
 
 
-def run(path):
+def run(path, *how):
     """Stand where a table has no row yet."""
     path, there = Path(path), set()
+    who = {"foot": HOLLOW if "hollow" in how else FOOT, "gait": LEVEL if "level" in how else STILL}
     if path.exists():
         with open(path, newline="") as file:
             there = {
@@ -82,11 +86,11 @@ def run(path):
             writer.writerow(COLUMNS)
         for numerics, slope, zeta in itertools.product(NUMERICS, SLOPES, ZETAS):
             if (numerics, slope, zeta) not in there:
-                writer.writerow(stand(zeta, slope, numerics))
+                writer.writerow(stand(zeta, slope, numerics, **who))
                 file.flush()
     with open(path, newline="") as file:
         print("\n".join(table(list(csv.DictReader(file)))))
 
 
 if __name__ == "__main__":
-    run(sys.argv[1])
+    run(*sys.argv[1:])
