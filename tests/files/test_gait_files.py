@@ -386,6 +386,23 @@ class TestCsv:
         with pytest.raises(FileError, match=r"as in a walk backwards.*the sign of thigh or hip"):
             self.of_phase(tmp_path, np.arange(50) / 50, thigh=-1.0)
 
+    def test_a_leg_that_trails_all_the_time_is_none(self, tmp_path):
+        phase = np.arange(50) / 50
+        rows = [np.degrees(joint.at(phase)[0]) for joint in (HUMAN.thigh, HUMAN.knee)]
+        table = np.array([phase, 0.5 * rows[0] - 30.0, 0.3 * rows[1] + 55.0]).T
+        np.savetxt(tmp_path / "a.csv", table, delimiter=",", header="phase,thigh,knee", comments="")
+        with pytest.raises(FileError, match=r"the ankle lies .* behind the hip on average.*the sign"):
+            read_strides(tmp_path / "a.csv")
+
+    def test_two_strides_that_are_not_alike_are_no_walk(self, tmp_path):
+        t = np.arange(0.0, 3.0, 0.01)
+        phase = np.interp(t, [0.0, 0.3, 1.1, 2.5, 3.0], [-0.3, 0.0, 1.0, 2.0, 2.4])
+        rows = [np.degrees(joint.at(phase)[0]) for joint in (HUMAN.thigh, HUMAN.knee)]
+        header = "time,thigh,knee"
+        np.savetxt(tmp_path / "a.csv", np.array([t, *rows]).T, delimiter=",", header=header, comments="")
+        with pytest.raises(FileError, match=r"its strides take .* s, no two of which are alike"):
+            read_strides(tmp_path / "a.csv")
+
     def test_a_squat_of_one_leg_is_seen(self, tmp_path):
         phase = np.arange(101)
         down = np.sin(np.pi * phase / 100) ** 4

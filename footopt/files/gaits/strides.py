@@ -30,6 +30,7 @@ SLOW, LONG = 0.15, 0.3  # of the ankle's largest speed, below which it rests; of
 BENDS, TIED, LOOP = 25.0, 0.95, 0.15  # deg of a knee; its correlation with the thigh in squats, in walks up
 # to 0.88; what their loop encloses of their ranges: 0.3 to 0.75 in walks and runs, nothing in squats
 PART = 0.1  # of a stride that a table over its phase may lack, or have more
+BEHIND = 40.0  # deg that the ankle may be behind the hip on average; of a crouched leg it is 22
 NEAR = 0.3  # of the motion that the first row of such a table may be off where it comes again
 REST, RESTING = 15.0, 0.3  # deg/s of thigh and knee below which a leg rests; share of time: no stride has it
 
@@ -113,8 +114,16 @@ def check_walk(recording: Recording) -> None:
 
 
 def _check_way(strides: Strides) -> None:
-    """Raise `Unusable` where thigh and knee go back as they came, or round as in a walk backwards."""
+    """Raise `Unusable` where a leg goes back as it came, or round as in a walk backwards, or stays behind."""
     thigh, knee = (average(strides)[joint] for joint in ("thigh", "knee"))
+    upper, lower = np.radians(thigh), np.radians(thigh - knee)
+    below = np.mean(L1 * np.cos(upper) + L2 * np.cos(lower))
+    behind = -np.degrees(np.arctan2(np.mean(_ankle_ahead(upper, upper - lower)), below))
+    if behind > BEHIND:
+        raise Unusable(
+            f"the ankle lies {behind:.0f} deg behind the hip on average, and in a walk below it: the sign of "
+            "thigh or hip is the other one (the knee ahead of the hip is +), or a column is another joint's."
+        )
     if np.ptp(knee) < BENDS:  # a stiff knee says nothing
         return
     loop = 0.5 * np.sum(thigh[1:] * knee[:-1] - thigh[:-1] * knee[1:]) / (np.ptp(thigh) * np.ptp(knee))
@@ -268,7 +277,11 @@ def _several(recording: Recording, begins: Array) -> Strides:
     if (good & ~stands).any():
         good &= ~stands
     standing = np.sum(~good) - uneven
-    good &= abs(lengths / np.median(lengths[good]) - 1.0) <= ODD
+    alike = abs(lengths / np.median(lengths[good]) - 1.0) <= ODD
+    if not (good & alike).any():
+        found = ", ".join(f"{x:.2f}" for x in lengths[good])
+        raise Unusable(f"its strides take {found} s, no two of which are alike. Give a steady walk.")
+    good &= alike
     kept, phase = lengths[good], np.arange(POINTS + 1) / POINTS
     times = begins[:-1][good][:, None] + kept[:, None] * phase
     curves = {joint: np.interp(times, recording.t, angle) for joint, angle in recording.angles.items()}
