@@ -333,6 +333,16 @@ class TestCsv:
             assert note in said
             assert ("is turned round" in said) == (sign < 0.0)
 
+    def test_whose_pelvis_leans_back_by_what_it_says(self, tmp_path):
+        rows = np.loadtxt(write_table(tmp_path / "a.csv", HUMAN, 4.4), delimiter=",", skiprows=1)
+        time, thigh, knee, _ = rows.T
+        tilt = -10.0 + np.sin(time)
+        header = "time,hip_flexion_r,knee_angle_r,pelvis_tilt"
+        table = np.stack([time, thigh - tilt, knee, tilt], axis=1)
+        np.savetxt(tmp_path / "a.csv", table, delimiter=",", header=header, comments="", fmt="%.6f")
+        _, said = assert_walk(tmp_path / "a.csv")
+        assert "pelvis_tilt is added to it, positive backwards as in OpenSim" in said
+
     @pytest.mark.parametrize(("name", "whole"), [("Phase", 1.0), ("% gait cycle", 100.0), ("percent", 100.0)])
     def test_a_phase_is_a_time_that_is_not_known(self, tmp_path, name, whole):
         rows = np.loadtxt(write_table(tmp_path / "a.csv", HUMAN, 1.0), delimiter=",", skiprows=1)
@@ -346,7 +356,7 @@ class TestCsv:
                 gait = fo.Gait.from_file(tmp_path / "a.csv")
                 assert gait.period == pytest.approx(1.2)  # the row at 100 % is that at 0 %
                 assert misfit(gait) < 0.6
-                assert "of a stride of 1.2 s: gait.period sets it" in notes(tmp_path / "a.csv")
+                assert "of a stride, of 1.2 s where gait.period is not given" in notes(tmp_path / "a.csv")
             else:
                 with pytest.raises(FileError, match=rf"{name} begins again after row {len(rows)} of the"):
                     read_strides(tmp_path / "a.csv")

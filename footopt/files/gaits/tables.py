@@ -40,6 +40,7 @@ SHOWN = {  # in a message
     "knee": "knee, knee_angle, knee_flexion",
 }
 LEVEL = "no pelvis_tilt: the pelvis is taken to be level"
+TILTED = "{} is added to it, positive backwards as in OpenSim (forwards in Plug-in Gait)"
 UNTIMED = 1.2  # s; of a stride whose table has its phase only, as of the paper's
 
 
@@ -78,7 +79,8 @@ def read_csv(
             angles = [read["thigh"], knee, *([read["foot"]] if "foot" in read else [])]
         else:
             angles = _put_together(read["hip"], knee, read.get("pelvis"), read.get("ankle"))
-            notes += (f"the thigh is {found['hip']} from the pelvis", *(() if "pelvis" in read else (LEVEL,)))
+            tilt = TILTED.format(found["pelvis"]) if "pelvis" in read else LEVEL
+            notes += (f"the thigh is {found['hip']} from the pelvis", tilt)
         stride = None
         if "time" in read:
             time = read["time"]
@@ -126,7 +128,7 @@ def _of_percent(share: Array, name: str) -> tuple[Array, str]:
         row = int(np.argmin(np.diff(share) > 0)) + 1
         raise Unusable(f"{name} begins again after row {row} of the data: give one stride, of one subject.")
     whole, unit = (100.0, "%") if share.max() > 2.0 else (1.0, "part")
-    note = f"{name} is taken for the {unit} of a stride of {UNTIMED:g} s: gait.period sets it"
+    note = f"{name} is taken for the {unit} of a stride, of {UNTIMED:g} s where gait.period is not given"
     return UNTIMED / whole * share, note
 
 
