@@ -64,7 +64,7 @@ def recording(rows: Array, notes: tuple[str, ...] = ()) -> Recording:
     many, more = in_time(rows[0])
     t, rows = rows[0, :many], rows[1:, :many]
     if many < 4:
-        raise Unusable(f"has {many} rows, and a walk needs at least 4.")
+        raise Unusable(f"has {many} row{'s' * (many != 1)}, and a walk needs at least 4.")
     steps = np.diff(t)
     longest, usual = int(np.argmax(steps)), float(np.median(steps))
     if steps[longest] > max(SKIP * usual, SPARSE):
