@@ -147,12 +147,8 @@ class Moves(Algorithm):
         if self.model is None:
             known, F = self._kept(TRAINED // 2 if self.told > TRAINED else self.told)
             rank = ranks(F) / len(F)
-            self.model = (
-                RBFInterpolator(
-                    steps(known) / top, rank, kernel="gaussian", epsilon=WIDTH, smoothing=SMOOTHING
-                ),
-                rank,
-            )
+            given: dict[str, Any] = {"kernel": "gaussian", "epsilon": WIDTH, "smoothing": SMOOTHING}
+            self.model = RBFInterpolator(steps(known) / top, rank, **given), rank
         model, rank = self.model
         return np.round(model(steps(X) / top), 6), rank  # sums in another order must not lead elsewhere
 
