@@ -8,17 +8,17 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
-from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from contextlib import AbstractContextManager, nullcontext, suppress
 from functools import partial
-from multiprocessing import resource_tracker
 from typing import Any
 from urllib.parse import urlsplit
 
 import numpy as np
 
-from footopt.design.executor import CANNOT_START, PASSING, PATIENCE, Renewing, handled, within
+from footopt.design.executor import CANNOT_START, PASSING, PATIENCE, Renewing, handled
+from footopt.design.starting import interrupt_held, within
 from footopt.errors import FootoptError, SettingError, check
 from footopt.walk.simulate import at_once
 
@@ -328,20 +328,3 @@ def check_address(address: str) -> None:
     except ValueError:  # a port that is no number
         known = False
     check(known, "engine.address", address, f"{SCHEMES[0]}://host:port (or {', '.join(SCHEMES[1:])})")
-
-
-@contextmanager
-def interrupt_held() -> Iterator[None]:
-    """Ctrl-C waits until the end, and processes and threads started in here never hear it.
-
-    A terminal sends it to all of them, but it is the search that has to stop.
-    """
-    if not hasattr(signal, "pthread_sigmask"):  # Windows
-        yield
-        return
-    resource_tracker.ensure_running()  # it would lift the mask if it were started below
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)

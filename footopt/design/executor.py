@@ -8,24 +8,22 @@ numbers refuses.
 
 from __future__ import annotations
 
-import _thread
 import math
 import os
 import pickle
-import signal
 import socket
 import time
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, wait
 from contextlib import suppress
 from functools import cached_property, lru_cache
-from multiprocessing import forkserver
-from typing import Any, NamedTuple, TypeVar, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
 from footopt.design.context import context, differences, digest, listed
 from footopt.design.problem import Array, FootProblem, Ints, Words
+from footopt.design.starting import end_fork_server, within
 from footopt.errors import FootoptError
 from footopt.walk.metrics import Ends
 from footopt.walk.simulate import available_threads
@@ -43,9 +41,6 @@ CANNOT_START = (
     'below `if __name__ == "__main__":`, as workers import it.'
 )
 PATIENCE = (15.0, 15.0, 60.0)  # s, for a new executor's first worker, each time that one is made
-
-
-Result = TypeVar("Result")
 
 
 class Walked(NamedTuple):
@@ -310,39 +305,3 @@ class Renewing(Executor):
         if self._executor is None:
             raise FootoptError(f"engine=processes: {CANNOT_START.format(why)}")
         return self._executor
-
-
-def end_fork_server() -> None:
-    """End the process that starts workers: if it is stopped, no worker ever starts; the next has another.
-
-    To other executors of this process their workers have died then. Only where none has started.
-    """
-    server: Any = forkserver
-    if pid := getattr(server._forkserver, "_forkserver_pid", None):  # the standard library has no name for it
-        with suppress(OSError):
-            os.kill(pid, signal.SIGKILL)
-
-
-def within(seconds: float, function: Callable[[], Result]) -> Result:
-    """What a function returns; `TimeoutError` if it does not in time.
-
-    Without memory, the standard library may wait for ever for a thread that could not begin. So the
-    thread of this one is a bare one, which nobody waits for.
-    """
-    outcome: list[Future[Result]] = []
-    ended = _thread.allocate_lock()
-
-    def call() -> None:
-        future: Future[Result] = Future()
-        try:
-            future.set_result(function())
-        except BaseException as error:
-            future.set_exception(error)
-        outcome.append(future)
-        ended.release()
-
-    ended.acquire()
-    _thread.start_new_thread(call, ())
-    if not ended.acquire(timeout=seconds):
-        raise TimeoutError
-    return outcome[0].result()

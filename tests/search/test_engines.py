@@ -30,6 +30,7 @@ from footopt import design
 from footopt.design import Dask, Evaluator, Renewing, Store, engines, make_executor, search
 from footopt.design import executor as executor_module
 from footopt.design.executor import EACH, LARGEST, Chunks, chunks, walk_chunk
+from footopt.design.starting import interrupt_held
 from footopt.errors import FootoptError, SettingError
 
 BUDGET = {"pop_size": 16, "n_gen": 6, "seed": 3}
@@ -389,6 +390,33 @@ class TestProcesses:
     def test_a_wrong_setting_is_no_bad_design(self, processes):
         with pytest.raises(FootoptError, match=r"^sand\.zeta = -1\.0: must be a number > 0"):
             search(like(Wrong, problem()), "ga", executor=processes, **BUDGET)
+
+    def test_are_started_whole_though_a_library_s_thread_hears_ctrl_c(self):
+        """BLAS has threads that do; Python interrupts the main one, whatever that has blocked."""
+        ended, reached = threading.Event(), []
+        other = threading.Thread(target=ended.wait)
+        heard, told = socket.socketpair()
+
+        def start():
+            with interrupt_held():
+                signal.pthread_kill(other.ident, signal.SIGINT)
+                heard.recv(1)
+                reached.append("the end")
+
+        other.start()
+        told.setblocking(False)
+        before = signal.set_wakeup_fd(told.fileno())
+        try:
+            with pytest.raises(KeyboardInterrupt):
+                start()
+        finally:
+            signal.set_wakeup_fd(before)
+            ended.set()
+            other.join()
+            heard.close()
+            told.close()
+        assert reached
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
     def test_interrupted_leave_what_was_found_and_go_on(self, processes, undisturbed):
         p = problem("pareto")
