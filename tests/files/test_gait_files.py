@@ -4,6 +4,7 @@ What markers and angles must be for a walk is in `test_markers`.
 """
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,7 @@ from footopt.errors import FileError, SettingError
 from footopt.files.gaits import read_strides
 from footopt.files.gaits.c3d import read_c3d
 from footopt.files.gaits.leg import leg_angles
+from footopt.gait import Fourier
 
 TREADMILL = Path(__file__).parents[2] / "examples" / "gait" / "treadmill.c3d"
 PATHS = tuple(
@@ -322,6 +324,7 @@ class TestCsv:
             ),
             ("time_s,RightHipAngle[deg],RightKneeAngle[deg],", {"side": "right"}, "taken to be level"),
             ("t,L Hip Angle,L Knee Angle,other", {}, "the thigh is L Hip Angle"),
+            ("timestamp,hip_flexion_ipsi,knee_flexion_ipsi_deg,", {}, "the thigh is hip_flexion_ipsi"),
         ],
     )
     def test_of_any_dialect(self, tmp_path, header, settings, note):
@@ -343,12 +346,14 @@ class TestCsv:
         _, said = assert_walk(tmp_path / "a.csv")
         assert "pelvis_tilt is added to it, positive backwards as in OpenSim" in said
 
-    @pytest.mark.parametrize(("name", "whole"), [("Phase", 1.0), ("% gait cycle", 100.0), ("percent", 100.0)])
+    @pytest.mark.parametrize(
+        ("name", "whole"), [("Phase", 1.0), ("% gait cycle", 100.0), ("phase_ipsi", 1.0)]
+    )
     def test_a_phase_is_a_time_that_is_not_known(self, tmp_path, name, whole):
         rows = np.loadtxt(write_table(tmp_path / "a.csv", HUMAN, 1.0), delimiter=",", skiprows=1)
         rows[:, 0] *= whole / rows[-1, 0]
         rows[:, 1:] = np.radians(rows[:, 1:])
-        header = f"{name},thigh (rad),knee (rad),foot"
+        header = f"{name},thigh (rad),knee_ipsi_rad,foot"
         for strides in (1, 2):
             table = np.concatenate([rows] * strides)
             np.savetxt(tmp_path / "a.csv", table, delimiter=",", header=header, comments="", fmt="%.9f")
@@ -430,6 +435,7 @@ class TestCsv:
                 "ankle_angle,knee_angle,hip_angle,foot",
                 "no column for the time; .* the file has ankle_angle, kn",
             ),
+            ("time,,knee,theta3", r"the file has time, knee, theta3\. "),
             ("time,theta1,knee,theta3", r"gait\.names\.thigh=\.\.\. \(or gait\.names\.hip"),
             ("time,hip_x,hip_y,knee_x", "Markers are read from TRC and C3D"),
         ],
@@ -438,6 +444,18 @@ class TestCsv:
         (tmp_path / "a.csv").write_text(f"{header}\n" + "".join(f"{i},{i},{i},{i}\n" for i in range(9)))
         with pytest.raises(FileError, match=message):
             read_strides(tmp_path / "a.csv")
+
+    def test_of_a_tenth_of_a_second_is_too_short_for_a_stride(self, tmp_path):
+        for begin in np.arange(20) / 20:
+            write_table(tmp_path / "a.csv", HUMAN, 0.09, phase=lambda t, begin=begin: begin + t)
+            with pytest.raises(FileError, match=r"its 6 rows are 0\.0833 s in all, too short for a stride"):
+                read_strides(tmp_path / "a.csv")
+
+    def test_that_was_read_in_radians_is_not_said_to_need_it(self, tmp_path):
+        still = replace(HUMAN, thigh=Fourier(0.1, (0.01,), (0.0,)))
+        path = write_mot(tmp_path / "a.mot", still, OPENSIM, degrees=False)
+        with pytest.raises(FileError, match=r"subject stands\. They are read in radians: gait\.units=deg"):
+            read_strides(path)
 
     def test_the_angle_between_thigh_and_shank_is_no_flexion(self, tmp_path):
         rows = np.loadtxt(write_table(tmp_path / "a.csv", HUMAN, 4.4), delimiter=",", skiprows=1)

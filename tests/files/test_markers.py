@@ -568,7 +568,8 @@ class TestShortTrials:
     @pytest.mark.parametrize("begin", [0.0, 0.3, 0.55, 0.8])
     def test_half_a_stride_of_both_legs_is_one_by_symmetry(self, begin):
         gait, notes = walk(strides=0.62, phase=begin)
-        assert "half a stride of each leg" in notes
+        assert "half a stride of each leg: 1.2" in notes
+        assert " s, up to 5 % off if steps differ (gait.period), from" in notes
         assert misfit(gait) < 4.0
         assert gait.period == pytest.approx(HUMAN.period, rel=0.05)
 

@@ -17,6 +17,7 @@ LIES = 55.0  # deg, either way; even who walks crouched has a thigh at 30 in the
 INCLUDED = 90.0  # deg, of a knee in the mean: who walks so sits
 LEAST = 3.0  # range of the thigh in a walk, deg; in radians no walk reaches it
 PERIODS = (0.2, 5.0)  # of a stride, s: a sprinter's is 0.45; anything else is a mistake in the units
+SHORT = 0.22  # s, less than half a sprinter's stride
 JUMP, RARE = 5.0, 12.0  # deg from the mean of its neighbours, and so many times what is usual: a wrong value
 FREQUENT = 0.02  # s; between rows farther apart a joint turns by more, as the square
 SKIP, SPARSE = 4.0, 0.05  # a step of time longer than so many usual ones, and than so many s, is a hole
@@ -51,8 +52,8 @@ class Recording(NamedTuple):
     stride: float | None = None
 
 
-def recording(rows: Array, notes: tuple[str, ...] = ()) -> Recording:
-    """Rows of time, thigh, knee and perhaps foot, (3 or 4, n), as a `Recording`.
+def recording(rows: Array, notes: tuple[str, ...] = (), unit: str = "deg") -> Recording:
+    """Rows of time, s, and thigh, knee and perhaps foot in a unit, (3 or 4, n), as a `Recording`.
 
     A foot that cannot be one is left out, with a note: it follows the shank unless gait.pitch=measured.
 
@@ -62,10 +63,15 @@ def recording(rows: Array, notes: tuple[str, ...] = ()) -> Recording:
         The rows are no walk, or have a hole or a wrong value.
     """
     many, more = in_time(rows[0])
-    t, rows = rows[0, :many], rows[1:, :many]
+    t, rows = rows[0, :many], to_degrees(unit) * rows[1:, :many]
     if many < 4:
         raise Unusable(f"has {many} row{'s' * (many != 1)}, and a walk needs at least 4.")
     steps = np.diff(t)
+    if t[-1] - t[0] + steps[-1] < SHORT:
+        raise Unusable(
+            f"its {many} rows are {t[-1] - t[0]:.3g} s in all, too short for a stride. Is the time in s? "
+            "Give one heel strike to the next, or several strides."
+        )
     longest, usual = int(np.argmax(steps)), float(np.median(steps))
     if steps[longest] > max(SKIP * usual, SPARSE):
         raise Unusable(
@@ -76,7 +82,7 @@ def recording(rows: Array, notes: tuple[str, ...] = ()) -> Recording:
     angles = {}
     for joint, values in zip(LIMITS, rows, strict=False):
         try:
-            _check_joint(joint, t, values)
+            _check_joint(joint, t, values, unit)
             angles[joint] = values
         except Unusable as why:
             if joint != "foot":
@@ -122,8 +128,8 @@ def to_degrees(unit: str) -> float:
     return float(np.degrees(1.0)) if unit == "rad" else 1.0
 
 
-def check_angles(angles: dict[str, Array]) -> None:
-    """Raise `Unusable` unless these are the angles of a walk, in degrees."""
+def check_angles(angles: dict[str, Array], unit: str = "deg") -> None:
+    """Raise `Unusable` unless these are the angles of a walk, in degrees; a file has them in a unit."""
     for joint, values in angles.items():
         least, most, (low, high) = values.min(), values.max(), LIMITS[joint]
         if not (low <= least and most <= high):
@@ -133,10 +139,12 @@ def check_angles(angles: dict[str, Array]) -> None:
             )
     moved = float(np.ptp(angles.get("thigh", [0.0, LEAST])))
     if moved < LEAST:
-        raise Unusable(
-            f"the thigh moves by {moved:.3g} deg only: the subject stands. Or a table has angles in radians: "
-            "gait.units=rad says so; of MOT and STO files, inDegrees."
+        other = (
+            "They are read in radians: gait.units=deg says otherwise."
+            if unit == "rad"
+            else "Or a table has angles in radians: gait.units=rad says so; of MOT and STO files, inDegrees."
         )
+        raise Unusable(f"the thigh moves by {moved:.3g} deg only: the subject stands. {other}")
 
 
 def check_period(period: float) -> None:
@@ -148,7 +156,7 @@ def check_period(period: float) -> None:
         )
 
 
-def _check_joint(joint: str, t: Array, values: Array) -> None:
+def _check_joint(joint: str, t: Array, values: Array, unit: str) -> None:
     if not (finite := np.isfinite(values)).all():
         row = int(np.argmin(finite))
         raise Unusable(f"row {row + 1} of the data, at {t[row]:.6g} s, has no finite angle of the {joint}.")
@@ -163,7 +171,7 @@ def _check_joint(joint: str, t: Array, values: Array) -> None:
             f"the knee is bent by {mean:.0f} deg on average: is it the angle between thigh and shank, 180 "
             "of a straight leg? Give 180 less it."
         )
-    check_angles({joint: values})
+    check_angles({joint: values}, unit)
     share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
     off = abs(values[1:-1] - (1.0 - share) * values[:-2] - share * values[2:])
     turn = JUMP * max(float(np.median(np.diff(t))) / FREQUENT, 1.0) ** 2

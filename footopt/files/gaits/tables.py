@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.files.columns import columns_of, header_of, to_numbers
-from footopt.files.gaits.angles import LIMITS, Recording, climbing, recording, to_degrees
+from footopt.files.gaits.angles import LIMITS, Recording, climbing, recording
 from footopt.files.gaits.markers import differing
 from footopt.files.gaits.trc import cells_of
 from footopt.files.reading import Unusable
@@ -25,7 +25,7 @@ USUAL = {
 }
 #: Columns of CSV files by part, as `_plain` has them; the side, right or r, may stand before or after.
 CSV = {
-    "time": ("time", "t", "times", "timesec", "seconds"),
+    "time": ("time", "t", "times", "timesec", "seconds", "timestamp", "timestamps"),
     "percent": ("percent", "%", "phase", "cycle", "gaitcycle", "%gaitcycle", "gaitcycle%"),
     "thigh": ("thigh", "thighangle"),
     "hip": ("hipflexion", "hipflex", "hipangle", "hipflexionangle", "hip", "qhip"),
@@ -87,12 +87,12 @@ def read_csv(
         else:
             time, more = _of_percent(read["percent"], found["percent"])
             stride, notes = UNTIMED if np.ptp(time) < 1.1 * UNTIMED else None, (*notes, more)
-        to_deg = to_degrees(units or ("rad" if "rad" in found["knee"].lower() else "deg"))
-        rows = np.array([time, *(to_deg * values for values in angles)])
+        unit = units or ("rad" if "rad" in found["knee"].lower() else "deg")
+        rows = np.array([time, *angles])
         # at 100 % the stride is where it was at 0 %
         whole = stride is not None and np.ptp(time) > (1.0 - 1e-6) * UNTIMED
         rows = rows[:, time < time[0] + (1.0 - 1e-6) * UNTIMED] if whole else rows
-        return recording(rows, notes)._replace(stride=stride)
+        return recording(rows, notes, unit)._replace(stride=stride)
 
     leg = side or next((s for s in SIDES if named("knee", s)), "right")
     own, second = leg_of(leg), SIDES[leg == "right"]
@@ -110,7 +110,7 @@ def _lacks(header: list[str], part: str, usual: str) -> str:
         return (
             "the first line must name the columns, such as time, thigh, knee (s, deg, deg), and has numbers."
         )
-    said = f"no column for the {part}; looked for {usual}; the file has {', '.join(header)}. "
+    said = f"no column for the {part}; looked for {usual}; the file has {', '.join(filter(None, header))}. "
     if sum(_plain(name)[-1:] in ("x", "y", "z") for name in header) > 2:
         return said + "Markers are read from TRC and C3D files, and CSV as Nexus and Motive write them."
     also = " (or gait.names.hip, if it is from the pelvis)" if part == "thigh" else ""
@@ -118,8 +118,9 @@ def _lacks(header: list[str], part: str, usual: str) -> str:
 
 
 def _plain(name: str) -> str:
-    """A column's name in small letters, without its unit and punctuation."""
-    return re.sub(r"(deg|rad)(rees|ians)?$", "", re.sub(r"\(.*?\)|\[.*?\]|[^a-z0-9%]", "", name.lower()))
+    """A column's name in small letters, without its unit and punctuation, or that it is of this leg."""
+    plain = re.sub(r"\(.*?\)|\[.*?\]|[^a-z0-9%]", "", name.lower())
+    return re.sub(r"(ipsi(lateral)?)?((deg|rad)(rees|ians)?)?$", "", plain)
 
 
 def _of_percent(share: Array, name: str) -> tuple[Array, str]:
@@ -175,7 +176,7 @@ def read_mot(text: str, names: Mapping[str, str], side: str | None, units: str |
                 raise Unusable("holds no angles, and forces alone are no gait.")
             raise Unusable(
                 f"no column for the {what}; looked for {names.get(what, ', '.join(usual))}, the file has "
-                f"{', '.join(name for name, _ in columns)}. Name it with gait.names.{what}=..."
+                f"{', '.join(name for name, _ in columns if name)}. Name it with gait.names.{what}=..."
             )
         return column
 
@@ -193,14 +194,15 @@ def read_mot(text: str, names: Mapping[str, str], side: str | None, units: str |
     if stated and stated[1] not in ("yes", "no") and units is None:
         raise Unusable(f"cannot be read as MOT/STO (inDegrees must be yes or no, and is {stated[1]}).")
     radians = stated[1] == "no" if stated else np.ptp(angles[1]) < np.pi
-    to_deg = to_degrees(units or ("rad" if radians else "deg"))
-    notes += (f"the {leg} leg; angles in {'deg' if to_deg == 1.0 else 'rad'}",)
+    unit = units or ("rad" if radians else "deg")
+    notes += (f"the {leg} leg; angles in {unit}",)
     if tilt is None:
         notes += (LEVEL,)
-    own = recording(np.array([time, *to_deg * angles]), notes + (() if height is None else climbing(height)))
+    notes += () if height is None else climbing(height)
+    own = recording(np.array([time, *angles]), notes, unit)
     try:
         other = angles_of(SIDES[leg == "right"]) if not names.keys() & {"hip", "knee"} else None
-        return own if other is None else own._replace(other=recording(np.array([time, *to_deg * other])))
+        return own if other is None else own._replace(other=recording(np.array([time, *other]), (), unit))
     except Unusable:  # it is wanted for a check only
         return own
 
