@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 
@@ -30,13 +31,10 @@ def main() -> None:
     import gc
 
     gc.set_threshold(100_000, 50, 50)  # a run makes few cycles: to look for them took a tenth of its time
-    # figures are drawn without a backend, and matplotlib is not imported where it knows none of the name
-    os.environ.pop("MPLBACKEND", None)
-    epoch = os.environ.get("SOURCE_DATE_EPOCH", "0")  # matplotlib puts it into PDFs, and numpy reads it
-    if not epoch:
-        del os.environ["SOURCE_DATE_EPOCH"]
-    elif not (epoch.isdecimal() and len(epoch) < 12):
-        sys.exit(f"footopt: error: SOURCE_DATE_EPOCH = {epoch!r}: must be a number of seconds, or unset.")
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # a terminal may lack the letters of a folder's name
+            stream.reconfigure(errors="backslashreplace")
+    _check_variables()
     try:
         from footopt.cli.main import main as run
     except (OSError, MemoryError, ImportError) as error:  # too few files, too little memory, a library gone
@@ -48,6 +46,21 @@ def main() -> None:
     finally:
         gc.freeze()  # nor are there cycles to look for at its end, which took as long
         exec("")  # else Python ends by SIGINT, not the exit code, once Ctrl-C has fallen into any `exec`
+
+
+def _check_variables() -> None:
+    """Mend or refuse variables of the environment with which a library could not be loaded, or would fail."""
+    # figures are drawn without a backend, and matplotlib is not imported where it knows none of the name
+    os.environ.pop("MPLBACKEND", None)
+    for name, least, most in (("SOURCE_DATE_EPOCH", 0, 10**11), ("NUMBA_NUM_THREADS", 1, 10**4)):
+        value = os.environ.get(name, "1")  # matplotlib puts the first into PDFs, and numpy reads it
+        if not value:
+            del os.environ[name]
+        elif not (value.isdecimal() and least <= int(value) <= most):
+            what = "a number of seconds" if least == 0 else "a whole number > 0"
+            sys.exit(f"footopt: error: {name} = {value!r}: must be {what}, or unset.")
+    if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
+        sys.exit("footopt: error: NUMBA_DISABLE_JIT is set, and the walk is always compiled. Unset it.")
 
 
 def _stop(signum: int, frame: FrameType | None) -> None:

@@ -10,7 +10,7 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -83,13 +83,18 @@ def walk(
 
 
 def tidy(folder: Path) -> None:
-    """Remove the folder of a run that was refused, if nothing has been found there."""
+    """Remove the folder of a run that was refused, if nothing has been found there, and empty ones above."""
     left = [path for path in folder.rglob("*") if path.is_file()]
     logs = [path for path in left if path.suffix == ".log"]
     if {*left} - {*logs} <= {folder / FILE} and not any(path.stat().st_size for path in logs):
         (folder / FILE).unlink(missing_ok=True)
         if folder != Path.cwd():
             shutil.rmtree(folder, ignore_errors=True)
+        above = folder.parent
+        if above.parent == Path.cwd() / "outputs":  # made for it, where nothing else is in them
+            with suppress(OSError):
+                above.rmdir()
+                above.parent.rmdir()
 
 
 @contextmanager

@@ -24,7 +24,7 @@ from footopt.studies.settings import known
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 NO_RIGHT = (errno.EACCES, errno.EROFS, errno.EPERM)
 NO_MEMORY = ("start new thread", "failed to map segment")  # in what Python and its libraries say
-NO_FOLDER = (errno.ENOENT, errno.ENOTDIR, errno.EEXIST)
+NO_FOLDER = (errno.ENOENT, errno.ENOTDIR, errno.EEXIST, errno.ENAMETOOLONG)
 FOLDERS = ("hydra.run.dir=", "hydra.sweep.dir=")
 QUOTES = "'\""
 MORE = "`footopt --help` lists all settings."
@@ -59,6 +59,8 @@ def explain(error: BaseException, words: Sequence[str] = ()) -> str:
             return f"a file cannot be written ({error.strerror}). Make room on the disk and run it again."
         said = f"{error.strerror or str(error) or type(error).__name__}: {error.filename or ''}".rstrip(": ")
         own = any(word.startswith(FOLDERS) for word in words) and error.errno in NO_FOLDER
+        if error.errno == errno.ENOENT and not error.filename:
+            return f"{said}. Is the working folder gone? Go to one that is there."
         if error.errno not in NO_RIGHT and not own:
             return said
         if any(word.startswith("resume=") for word in words):
@@ -152,6 +154,8 @@ def _unreadable(word: str, words: Sequence[str]) -> FootoptError:
     close = meant(word, owners)
     if word == "help":
         hint = "Try footopt --help"
+    elif word == "resume":
+        hint = "Try resume=FOLDER, of a run"
     elif word in choices:
         hint = f"Try {word}={later[0] if later and later[0] in choices[word] else choices[word][0]}"
     elif word in owners:

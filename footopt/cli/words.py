@@ -13,8 +13,9 @@ from footopt.cli.compose import groups
 from footopt.cli.paths import PATHS
 from footopt.errors import FootoptError
 
+FOLDERS = ("hydra.run.dir", "hydra.sweep.dir")
 #: Settings that name files or folders.
-FILES = (*PATHS, "study.video", "hydra.run.dir", "hydra.sweep.dir")
+FILES = (*PATHS, "study.video", *FOLDERS)
 LISTS = ("plugins", "study.runs")
 
 
@@ -35,6 +36,8 @@ def readable(word: str) -> str:
     """
     word = re.sub(r"([=,\[]-?)\.inf(?=[,\]]|$)", r"\1inf", word)
     name, equals, value = word.partition("=")
+    if name in FOLDERS and not value:
+        raise FootoptError(f"{word}: must be a folder, and is empty. {name}=. is the working folder.")
     if name == "run":
         return f"study.run={quoted(value)}"
     if name.lstrip("+") not in FILES or is_read(word):

@@ -78,6 +78,8 @@ def read_bytes(path: str | Path, kind: str, setting: str) -> bytes:
         There is no such file, it cannot be read, is empty, or too large.
     """
     try:
+        if Path(path).is_fifo():
+            raise OSError(0, "a pipe, and no file")  # to be waited for, perhaps for ever
         with open(path, "rb") as file:
             content = file.read(LIMITS[kind] + 1)
     except (OSError, ValueError) as error:  # a path with a NUL in it is a ValueError

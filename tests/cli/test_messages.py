@@ -52,7 +52,9 @@ def test_what_was_refused_leaves_no_folder_but_what_was_there_stays(tmp_path):
     for words in refused:
         assert footopt(*words.split(), cwd=tmp_path).returncode == 1
         assert footopt(*words.split(), "hydra.run.dir=mine", cwd=tmp_path).returncode == 1
-    assert not list(tmp_path.rglob("footopt.yaml"))
+    empty = footopt("study=simulate", "hydra.run.dir=", cwd=tmp_path)
+    assert "hydra.run.dir=: must be a folder, and is empty." in empty.stderr
+    assert not list(tmp_path.iterdir())
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "notes.txt").write_text("mine")
     assert footopt("foot.width=0", "hydra.run.dir=mine", cwd=tmp_path).returncode == 1
@@ -78,6 +80,7 @@ MISTAKES = {
     "sand soft": "sand: settings are given as name=value. Try sand=soft",
     "optimize": "optimize: settings are given as name=value. Try study=optimize",
     "help": "Try footopt --help",
+    "resume": "Try resume=FOLDER, of a run",
     "--sand.zeta=2": "--sand.zeta=2: settings have no dashes. Try sand.zeta=2",
     "sand.zeta=loose": "sand.zeta = 'loose': must be a number.",
     "sand.zeta=2,5": "sand.zeta = '2,5': must be without a comma. Try sand.zeta=2.5 for a number",
@@ -188,15 +191,37 @@ def test_an_address_space_in_which_libraries_would_hang_is_refused(tmp_path):
     assert done.stderr == "footopt: error: `ulimit -v` allows 500 MB of address space; 700 are needed.\n"
 
 
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("SOURCE_DATE_EPOCH", "abc", "SOURCE_DATE_EPOCH = 'abc': must be a number of seconds, or unset."),
+        ("NUMBA_NUM_THREADS", "0", "NUMBA_NUM_THREADS = '0': must be a whole number > 0, or unset."),
+        ("NUMBA_NUM_THREADS", "two", "NUMBA_NUM_THREADS = 'two': must be a whole number > 0, or unset."),
+        ("NUMBA_DISABLE_JIT", "1", "NUMBA_DISABLE_JIT is set, and the walk is always compiled. Unset it."),
+    ],
+)
+def test_variables_that_libraries_would_fail_by_are_refused(name, value, said, tmp_path):
+    done = program("study=simulate", cwd=tmp_path, **{name: value})
+    assert (done.returncode, done.stderr) == (1, f"footopt: error: {said}\n")
+
+
+def test_letters_that_a_terminal_lacks_are_no_bug(tmp_path):
+    words = ["study=simulate", "accuracy=draft", "report=none", "hydra.run.dir=\u6f22"]
+    done = program(*words, cwd=tmp_path, PYTHONIOENCODING="latin-1")
+    assert done.returncode == 0, done.stderr
+    assert "\\u6f22" in done.stdout
+
+
+def test_a_working_folder_that_is_gone_is_said_to_be():
+    assert "Is the working folder gone?" in explain(FileNotFoundError(2, "No such file or directory"))
+
+
 @pytest.mark.slow
 def test_variables_of_other_programs_are_no_bug(tmp_path):
-    """A backend of notebooks is not needed; a date that is none is named."""
+    """A backend of notebooks is not needed."""
     words = ["study=simulate", "accuracy=draft", "hydra.run.dir=run"]
     done = program(*words, cwd=tmp_path, drawn=True, MPLBACKEND="nonsense", SOURCE_DATE_EPOCH="")
     assert done.returncode == 0, done.stderr
-    done = program(*words, cwd=tmp_path, SOURCE_DATE_EPOCH="abc")
-    assert done.returncode == 1
-    assert done.stderr.startswith("footopt: error: SOURCE_DATE_EPOCH = 'abc': must be a number of seconds")
 
 
 def test_a_folder_that_may_not_be_written_is_told_what_to_do_about():

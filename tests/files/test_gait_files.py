@@ -3,6 +3,7 @@
 What markers and angles must be for a walk is in `test_markers`.
 """
 
+import os
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -456,6 +457,12 @@ class TestCsv:
         path = write_mot(tmp_path / "a.mot", still, OPENSIM, degrees=False)
         with pytest.raises(FileError, match=r"subject stands\. They are read in radians: gait\.units=deg"):
             read_strides(path)
+
+    @pytest.mark.skipif(os.name != "posix", reason="no pipe has a name there")
+    def test_a_pipe_is_not_waited_for(self, tmp_path):
+        os.mkfifo(tmp_path / "a.csv")
+        with pytest.raises(FileError, match=r"cannot be read \(a pipe, and no file\)"):
+            read_strides(tmp_path / "a.csv")
 
     def test_the_angle_between_thigh_and_shank_is_no_flexion(self, tmp_path):
         rows = np.loadtxt(write_table(tmp_path / "a.csv", HUMAN, 4.4), delimiter=",", skiprows=1)
