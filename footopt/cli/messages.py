@@ -26,6 +26,7 @@ NO_RIGHT = (errno.EACCES, errno.EROFS, errno.EPERM)
 NO_MEMORY = ("start new thread", "failed to map segment")  # in what Python and its libraries say
 NO_FOLDER = (errno.ENOENT, errno.ENOTDIR, errno.EEXIST, errno.ENAMETOOLONG)
 FOLDERS = ("hydra.run.dir=", "hydra.sweep.dir=")
+INTERVAL = re.compile(r"=(tag\(.*)?interval\(")
 QUOTES = "'\""
 MORE = "`footopt --help` lists all settings."
 
@@ -115,6 +116,8 @@ def refusal(error: BaseException, words: Sequence[str]) -> FootoptError | None:
         place = key or next((word for word in words if "${" in word), "")
         return FootoptError(f"{place}: {said}" if place else said)
     if isinstance(error, HydraException):
+        if "does not support sweep type" in said and (word := next(filter(INTERVAL.search, words), "")):
+            return FootoptError(f"{word}: a multirun needs single values. Try 1,2,3 or range(1,10,2)")
         lines = [line.strip() for line in str(error).partition("\nConfig search path:")[0].splitlines()]
         where = ("full_key", "reference_type", "object_type")
         return FootoptError(" ".join(line for line in lines if not line.startswith(where)))

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import inspect
 import math
+import os
 import re
+import sys
 import textwrap
 import threading
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -40,8 +42,16 @@ def console() -> Console:
     It has colours only on a terminal, and not with NO_COLOR or TERM=dumb. Brackets are no markup, because
     a user's names and folders may hold them.
     """
-    out = Console(highlight=False, markup=False)
-    return out if out.is_terminal else Console(highlight=False, soft_wrap=True, markup=False)
+    out = _Output(highlight=False, markup=False)
+    return out if out.is_terminal else _Output(highlight=False, soft_wrap=True, markup=False)
+
+
+class _Output(Console):
+    """Where nobody reads any more, as behind `| head`, a run goes on: what it finds is in files."""
+
+    def on_broken_pipe(self) -> None:
+        self.quiet = True
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def table(columns: Sequence[str], words: Collection[str] = (), title: str | None = None) -> RichTable:

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 from hydra.core.override_parser.overrides_parser import OverridesParser
-from running import footopt, program
+from running import footopt, program, started
 
 from footopt.cli.messages import explain
 from footopt.cli.words import readable
@@ -77,6 +77,7 @@ MISTAKES = {
     "sand=soft,hard": "sand = 'soft,hard': must be one choice. For a run of each: footopt -m sand=soft,hard",
     "effects=slope,inertia": "For both at once: effects=[slope,inertia]",
     "effects.slope.angle=5": "Try effects=slope effects.slope.angle=5",
+    "-m sand.zeta=interval(1,2)": "sand.zeta=interval(1,2): a multirun needs single values. Try 1,2,3 or",
     "sand soft": "sand: settings are given as name=value. Try sand=soft",
     "optimize": "optimize: settings are given as name=value. Try study=optimize",
     "help": "Try footopt --help",
@@ -210,6 +211,16 @@ def test_letters_that_a_terminal_lacks_are_no_bug(tmp_path):
     done = program(*words, cwd=tmp_path, PYTHONIOENCODING="latin-1")
     assert done.returncode == 0, done.stderr
     assert "\\u6f22" in done.stdout
+
+
+def test_a_run_goes_on_though_nobody_reads_any_more(tmp_path):
+    words = ["study=simulate", "accuracy=draft", "report=none", "hydra.run.dir=run"]
+    run = started(*words, cwd=tmp_path)
+    run.stdout.close()
+    with run.stderr:
+        assert run.stderr.read() == ""
+    assert run.wait(300) == 0
+    assert (tmp_path / "run" / "result.json").is_file()
 
 
 def test_a_working_folder_that_is_gone_is_said_to_be():
