@@ -90,6 +90,8 @@ def refusal(error: BaseException, words: Sequence[str]) -> FootoptError | None:
     said = str(cause).partition("\n")[0]
     path = getattr(cause, "full_key", None) or ""
     key = path.partition("[")[0]  # of a list, without the place in it
+    if word := next((word for word in words if word.startswith("=")), ""):
+        return FootoptError(f"{word}: settings are given as name=value. {MORE}")
     if isinstance(error, MissingConfigException) and "/" in (error.missing_cfg_file or ""):
         group, _, choice = str(error.missing_cfg_file).rpartition("/")
         return _no_choice(group, choice, error.options or groups().get(group, []), given.get(group, ""))
@@ -97,8 +99,7 @@ def refusal(error: BaseException, words: Sequence[str]) -> FootoptError | None:
         for group in given.keys() & groups().keys():
             if given[group] not in groups()[group]:
                 return _no_choice(group, given[group], groups()[group], given[group])
-        word = next((word for word in words if word.startswith("=")), "")
-        return FootoptError(f"{word}: settings are given as name=value. {MORE}" if word else said)
+        return FootoptError(said)
     if isinstance(error, OverrideParseException):
         return _unreadable(error.override, words)
     if ambiguous := re.match(r"Ambiguous value for argument '(.*)'", str(error)):

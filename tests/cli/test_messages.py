@@ -90,6 +90,7 @@ MISTAKES = {
     "foot.k=5": "foot.k = '5': must be a list in brackets. Try 'foot.k=[5]'",
     "foot.k=[1,2,3": "foot.k=[1,2,3: the list does not end. Try 'foot.k=[1,2,3]'",
     "constraint.speed=3": "Did you mean constraint.speed_loss=3?",
+    "=hard": "=hard: settings are given as name=value.",
     "=5": "=5: settings are given as name=value.",
     "resume=": "resume = '': must be the folder of a run.",
     "plugins=[1": "plugins=[1: the list does not end. Try 'plugins=[1]'",

@@ -138,3 +138,10 @@ def test_hard_cases_are_stable_with_each_effect(effect, case):
     base = Setup(fo.Foot.from_waypoints(K), scene, fo.Accuracy.named("standard"))
     (verdict,) = judge(chosen, base, ["sdirk2_control"])
     assert verdict.stable, verdict.measures
+
+
+def test_who_loses_no_speed_has_an_error_of_the_model_all_the_same():
+    giant = fo.Scene(walker=fo.Walker(l1=47.0, l2=45.0))
+    walk = fo.simulate(fo.Foot.from_waypoints(K), giant, "draft")
+    assert walk.objectives["speed_loss"] == 0.0
+    assert all(0.0 < error < 10.0 for error in model_error(walk).values())

@@ -84,7 +84,9 @@ def model_error(
     compared = walk.scene.duration > walk.scene.gait.heel_strike  # who stands cannot be
     for other in harder_and_softer(walk.scene, spread) if compared else ():
         values = evaluate([walk.foot], other.scene, walk.accuracy, JUDGED, threads=1).values[0]
-        changes = np.maximum(changes, np.nan_to_num(np.abs(values / own - 1.0), nan=1.0))
+        with np.errstate(divide="ignore", invalid="ignore"):  # who never brakes loses no speed
+            change = np.where(values == own, 0.0, np.abs(values / own - 1.0))
+        changes = np.maximum(changes, np.nan_to_num(change, nan=1.0, posinf=1.0))
     return {
         name: math.hypot(errors[name], change) for name, change in zip(JUDGED, changes.tolist(), strict=True)
     }
