@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Reals = NDArray[np.floating[Any]]
 
 REFERENCE = 1.1  # of hypervolumes, where the merged front spans 0 to 1 in every objective
 EXACT = 1000  # designs of a front up to which its hypervolume is exact: the time grows with a power of them
 DIRECTIONS = 2048  # that a larger one is estimated in
 BLOCK = 256  # designs that are looked at together
+FEW, TABLE = 16, 2**17  # rays, and rays by designs, that are not halved again
+SOUGHT = 2 ** np.arange(12, 21, 2)  # directions in which designs are sought that stand for a front
 SHARE = 0.999  # of its hypervolume that a thinned front keeps, if so many designs may stay
 
 
@@ -83,7 +87,8 @@ def dominated(F: Array, by: Array) -> NDArray[np.bool_]:
 def thinned(f: Array, most: int) -> tuple[Ints, float, float]:
     """Designs that stand for a large front: those that reach farthest, each in some direction.
 
-    Of more and more directions, until they keep `SHARE` of the front's hypervolume or are as many as may be.
+    Of more and more directions, until they keep `SHARE` of the front's hypervolume, by two standard errors
+    more, or are as many as may be, or there are no more directions (`SOUGHT`).
 
     Parameters
     ----------
@@ -95,23 +100,31 @@ def thinned(f: Array, most: int) -> tuple[Ints, float, float]:
     Returns
     -------
     places : (kept,)
-        The best of each objective first.
+        The best of each objective first; the first of them stand for the front as well as so few can.
     share, error : float
         Of the front's hypervolume that they keep, by Monte Carlo in other directions, and its standard error.
     """
     objectives = f.shape[1]
     span = np.ptp(f, axis=0)
     inward = REFERENCE - (f - f.min(axis=0)) / np.where(span > 0.0, span, 1.0)
-    rays, others = directions(objectives, 16 * DIRECTIONS), directions(objectives, 4 * DIRECTIONS, seed=1)
-    whole = reached(inward, others)[0] ** objectives
-    kept, done, share, error = f.argmin(axis=0), 0, 0.0, 0.0
-    while done < len(rays) and share < SHARE and len(kept) < most:
-        more = max(2 * done, DIRECTIONS)
-        kept = np.concatenate([kept, reached(inward, rays[done:more])[1]])
-        kept = kept[np.sort(np.unique(kept, return_index=True)[1])][:most]
-        part = reached(inward[kept], others)[0] ** objectives
-        share, done = float(part.sum() / whole.sum()), more
-        error = float(np.sqrt(np.mean((part - share * whole) ** 2) / len(whole)) / whole.mean())
+    inward = inward.astype(np.float32)
+    others, every = (
+        directions(objectives, count, seed).astype(np.float32)
+        for seed, count in enumerate((8 * DIRECTIONS, SOUGHT[-1]))
+    )
+    whole, far = reached(inward, others)[0] ** objectives, np.zeros(len(others))
+    kept, share, error = np.empty(0, np.int64), 0.0, 0.0
+    for rays in np.split(every, SOUGHT[:-1]):
+        found = np.concatenate([kept, f.argmin(axis=0), reached(inward, rays)[1]])
+        found = found[np.sort(np.unique(found, return_index=True)[1])][:most]
+        for start in range(len(kept), len(found), BLOCK):
+            kept = found[: start + BLOCK]
+            far = np.maximum(far, reached(inward[kept[start:]], others)[0])
+            share = float((far**objectives).sum() / whole.sum())
+            apart = far**objectives - share * whole
+            error = float(np.sqrt(np.mean(apart**2) / len(whole)) / whole.mean())
+            if share - 2.0 * error >= SHARE or len(kept) == most:
+                return kept, share, error
     return kept, share, error
 
 
@@ -122,19 +135,35 @@ def directions(objectives: int, count: int, seed: int = 0) -> Array:
     return unit
 
 
-def reached(inward: Array, rays: Array) -> tuple[Array, Ints]:
-    """How far a front reaches along each ray, and by which of its designs, (rays,) each; inward: -F."""
-    best, which = np.zeros(len(rays)), np.zeros(len(rays), np.int64)
-    for start in range(0, len(inward), BLOCK):
-        block = inward[start : start + BLOCK]
-        far = block[:, [0]] / rays[:, 0]
-        for j in range(1, rays.shape[1]):
-            np.minimum(far, block[:, [j]] / rays[:, j], out=far)
-        place = far.argmax(axis=0)
-        here = far[place, np.arange(len(rays))]
-        which = np.where(here > best, start + place, which)
-        best = np.maximum(best, here)
+def reached(inward: Reals, rays: Reals) -> tuple[Array, Ints]:
+    """How far a front reaches along each ray, and by which of its designs, (rays,) each; inward: -F.
+
+    Rays are halved into cones; along those of a cone only designs are looked at that reach as far along the
+    cone's farthest ray as some design does along all of them.
+    """
+    best, which, steep = np.zeros(len(rays)), np.zeros(len(rays), np.int64), 1.0 / rays
+    todo = [(np.arange(len(inward)), np.fmax(inward.T, 0.0), np.arange(len(rays)))]
+    while todo:
+        near, front, cone = todo.pop()
+        ends = steep[cone].min(axis=0), steep[cone].max(axis=0)
+        stay = np.flatnonzero(_least(front, ends[1]) >= _least(front, ends[0]).max())
+        near, front = near[stay], front[:, stay]
+        if len(cone) > FEW and len(cone) * len(near) > TABLE:
+            order = cone[rays[cone, np.ptp(rays[cone], axis=0).argmax()].argsort()]
+            todo += [(near, front, half) for half in np.array_split(order, 2)]
+            continue
+        far = _least(front, steep[cone].T[:, :, None])
+        place = far.argmax(axis=1)
+        best[cone], which[cone] = far[np.arange(len(cone)), place], near[place]
     return best, which
+
+
+def _least(front: Reals, steep: Reals) -> Reals:
+    """How far designs, (objectives, designs), reach along rays, by their inverses (objectives, ...)."""
+    far: Reals = front[0] * steep[0]
+    for one, other in zip(front[1:], steep[1:], strict=True):
+        np.minimum(far, one * other, out=far)
+    return far
 
 
 def hypervolume_shares(fronts: Sequence[Array]) -> list[float]:

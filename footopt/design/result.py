@@ -21,7 +21,8 @@ from footopt.foot import Foot
 from footopt.walk.accuracy import Accuracy, resolve
 from footopt.walk.objectives import MEASURES
 
-SHOWN = 5000  # designs of a front at most that are walked finely, drawn, and on the page; files have all
+WHOLE = 5000  # designs of a front up to which all of them are walked finely, drawn, and on the page
+SHOWN = 50_000  # of a larger one at most; designs.csv has all
 
 
 @dataclass(frozen=True)
@@ -171,7 +172,7 @@ class SearchResult:
 
     @property
     def shown(self) -> Ints:
-        """Indices of the front; of one beyond `SHOWN`, of so many of its designs, which stand for it."""
+        """Indices of the front; of one beyond `WHOLE`, of those of its designs that stand for it."""
         return self._shown[0]
 
     @property
@@ -181,7 +182,7 @@ class SearchResult:
 
     @cached_property
     def _shown(self) -> tuple[Ints, float, float]:
-        if len(self.front) <= SHOWN:
+        if len(self.front) <= WHOLE:
             return self.front, 1.0, 0.0
         places, share, error = thinned(self.problem.minimised(self.values[self.front]), SHOWN - 1)
         return self.front[np.union1d([0], places)], share, error

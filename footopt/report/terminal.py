@@ -21,6 +21,7 @@ from rich.text import Text
 
 from footopt.design import Confirmation, SearchResult
 from footopt.design.archive import causes
+from footopt.design.fronts import SHARE
 from footopt.effects import Effect, LeadingEdge, name_of
 from footopt.foot import Foot, Waypoints
 from footopt.foot.waypoints import written
@@ -228,11 +229,12 @@ def describe_search(result: SearchResult) -> str:
 
 
 def _stands_for(result: SearchResult) -> str:
-    """How much of a large front is shown."""
+    """How much of a large front is shown, and why it is not enough where it is not."""
     if len(result.shown) == len(result.front):
         return ""
     share, error = (100.0 * part for part in result.shown_share)
-    return f" (shown by {len(result.shown)} with {share:.1f} +- {error:.1g} % of its hypervolume)"
+    most = ", the most that are," if result.shown_share[0] < SHARE else ""
+    return f" (shown by {len(result.shown)}{most} with {share:.1f} +- {error:.1g} % of its hypervolume)"
 
 
 def _raced(margins: dict[str, float] | None) -> str:

@@ -233,7 +233,10 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
         "constraints": problem.limits,
         "hypervolume": result.history[-1].hypervolume,
         "front_size": len(result.front),
-        "front_shown": dict(zip(("hypervolume_share", "standard_error"), result.shown_share, strict=True)),
+        "front_shown": {
+            "designs": len(result.shown),
+            **dict(zip(("hypervolume_share", "standard_error"), result.shown_share, strict=True)),
+        },
         "search_accuracy": accuracy_entry(problem.accuracy, problem.scene, problem.space),
         "confirmed": {
             "k": result.k[confirmed.designs[:finalists]].tolist(),

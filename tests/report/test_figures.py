@@ -537,6 +537,12 @@ def test_a_scatter_matrix_shows_each_pair_once_and_what_stands_out(table):
     assert {"front", "other", "chosen", "flat sole"} <= set(texts(figure))
 
 
+def test_of_very_many_designs_a_scatter_matrix_draws_an_even_selection(table):
+    figure = figures.scatter_matrix({"front": np.resize(table, (12_000, len(FIVE)))}, FIVE)
+    assert len(figure.axes[0].get_lines()[0].get_xdata()) <= 5000
+    assert re.search(r"front \(1 of 3 is drawn\)", " ".join(texts(figure)))
+
+
 @pytest.mark.parametrize("name", OBJECTIVES)
 def test_labels_have_units_and_say_which_way_is_better(name):
     o = OBJECTIVES[name]

@@ -19,12 +19,14 @@ from study_pages import leave_job
 
 import footopt as fo
 from footopt.design import confirm
+from footopt.design.result import SHOWN
 from footopt.errors import FileError
 from footopt.foot.outline import closed_contour
 from footopt.report import figures, page, summary, terminal
 from footopt.report.numbers import number, title
 from footopt.report.page import walks
 from footopt.report.page.file import packed
+from footopt.report.page.file import text as page_text
 from footopt.report.picture import ground
 from footopt.report.runs import Run
 from footopt.studies.record import foot_entry, scene_entry
@@ -225,7 +227,7 @@ class TestExplorer:
         other = int(result.front[-1])
         place = shown.js(
             "(() => { const x = columnOf('distance'), y = columnOf('mean_height');"
-            "const all = [...data.front.map((i) => [x.of(i), y.of(i)]), [x.flat, y.flat]], i = "
+            "const all = [...[...front].map((i) => [x.of(i), y.of(i)]), [x.flat, y.flat]], i = "
             + str(other)
             + ";"
             "const part = (v, vs) => { const [a, b] = range(vs); return (v - a) / (b - a); };"
@@ -323,8 +325,11 @@ class TestAxes:
         shown['input[aria-label="largest k3"]'].send_keys(f"{middle}\t")
         assert shown.counts()[0] == (result.k[result.front, 2] <= middle).sum()
         depth = [1e3 * fo.Foot.from_waypoints(result.k[i]).hollow for i in result.front[:5]]
-        told = shown.js("data.front.slice(0, 5).map(columnOf('hollow').of)")
+        told = shown.js("[...front].slice(0, 5).map(columnOf('hollow').of)")
         np.testing.assert_allclose(told, depth, atol=0.02)
+        told = shown.js("[...front].map((i) => [numbers[i], generation[i], ...heights(i)])")
+        of_each = [result.front, result.generation[result.front], *result.k[result.front].T]
+        np.testing.assert_array_equal(told, np.transpose(of_each))
 
     def test_are_moved_from_the_keyboard_and_by_their_names(self, pages, browser):
         shown = Page(browser, pages["front"])
@@ -402,7 +407,7 @@ class TestStage:
             "The walk: "
         )
         assert not shown.all("#walk .ghost")  # a walk is not its own ghost
-        browser.execute_script("choose(data.front.find((i) => i !== data.best))")
+        browser.execute_script("choose([...front].find((i) => i !== data.best))")
         assert len(shown.all("#walk .ghost")) == 6  # soles and legs, and soles close
 
     def test_soles_are_coloured_by_stress_and_by_power(self, front, pages, browser):
@@ -836,8 +841,22 @@ class TestFile:
         assert line[-1] == result.best
         assert [g.best for g in result.history][-1] == values[-1]
 
-    def test_ten_thousand_designs_stay_small(self, ten_thousand):
-        assert ten_thousand.stat().st_size < LIMIT
+    def test_the_largest_page_stays_small(self, front, monkeypatch):
+        """As many of a front and beside it as there are at most; numbers at random, as none repeat."""
+        result, draw, count = front[0], np.random.default_rng(1), SHOWN + 2 * walks.DESIGNS
+        monkeypatch.setattr("footopt.design.result.WHOLE", SHOWN)
+        many = dataclasses.replace(
+            result,
+            k=draw.integers(1, 11, (count, result.problem.space.n)),
+            values=draw.normal(size=(count, result.values.shape[1])),
+            feasible=np.ones(count, bool),
+            reasons=np.full(count, ""),
+            generation=draw.integers(5000, size=count),
+            front=np.arange(SHOWN),
+        )
+        content = page.search_content(many, *front[1:])
+        assert SHOWN < content["designs"]["rows"]["shape"][0] <= SHOWN + walks.DESIGNS + 1
+        assert len(page_text(content)) < LIMIT
 
     @browser_needed
     def test_lines_of_ten_thousand_designs_are_neither_a_solid_block_nor_nothing(self, ten_thousand, browser):
@@ -857,7 +876,7 @@ class TestFile:
         content = page.search_content(*front)
         (count,) = content["designs"]["rows"]["shape"]
         assert len(result.front) <= count <= len(result.front) + 10 < result.designs
-        assert len(set(content["front"])) == len(result.front)
+        assert content["front"]["shape"] == (len(result.front),)
         assert f"{count} of the designs are on this page" in content["headline"]
 
     @pytest.mark.parametrize("exact", [True, False])
@@ -870,8 +889,10 @@ class TestFile:
         back = raw if exact else found["low"] + found["step"] * raw
         error = 1e-7 * np.abs(values).max() if exact else np.ptp(values) / 65535
         np.testing.assert_allclose(back.reshape(found["shape"]), values, rtol=0, atol=error)
-        whole = packed(np.arange(-5, 300))
-        assert (whole["low"], whole["step"]) == (-5, 1)
+        for last, kind in ((250, "u1"), (251, "<u2")):
+            whole = packed(np.arange(-5, last + 1))
+            kept = np.frombuffer(base64.b64decode(whole["data"]), kind)
+            assert (whole["low"], whole["step"], kept.tolist()) == (-5, 1, list(range(last + 6)))
         large = packed(np.array([1, 70_000, 99_999, 1_000_000]))  # heights of foot.K = 1e6
         kept = np.frombuffer(base64.b64decode(large["data"]), "<f4")
         assert (large["step"], kept.tolist()) == (0.0, [1, 70_000, 99_999, 1_000_000])

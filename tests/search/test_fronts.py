@@ -7,7 +7,7 @@ from searching import SMALL, problem
 
 import footopt as fo
 from footopt.design.archive import Archive
-from footopt.design.fronts import EXACT, Volume, thinned
+from footopt.design.fronts import EXACT, REFERENCE, SHARE, Volume, reached, thinned
 from footopt.design.known import Known
 from footopt.design.solvers import memetic
 from footopt.report.terminal import describe_search
@@ -32,6 +32,38 @@ def test_a_thinned_front_keeps_its_ends_and_says_what_of_its_hypervolume(objecti
     assert error < 2e-3
     assert kept / whole == pytest.approx(share, abs=4.0 * error + 1e-4)
     assert share > 0.998 or len(few) == most
+
+
+@pytest.mark.parametrize("objectives", [2, 3, 4, 5])
+@pytest.mark.parametrize("power", [0.5, 1.0, 3.0])
+def test_a_thinned_front_keeps_so_much_of_its_exact_hypervolume(objectives, power):
+    """Round, flat and hollow fronts of random designs, denser at their ends, in units of their own."""
+    f = -((sphere(4000, objectives) ** 2) ** power) * 10.0 ** np.arange(objectives)
+    few, share, error = thinned(f, len(f))
+    inward = (f - f.min(axis=0)) / np.ptp(f, axis=0)
+    kept, whole = (hypervolume(part, ref=np.full(objectives, REFERENCE)) for part in (inward[few], inward))
+    assert kept / whole > SHARE
+    assert share - 2.0 * error > SHARE
+    assert kept / whole == pytest.approx(share, abs=5.0 * error + 1e-4)
+    assert len(few) < len(f)
+
+
+def test_a_very_large_front_is_thinned_to_so_many():
+    f = sphere(200_000, 3)
+    few, share, _ = thinned(f, 1000)
+    assert len(few) == len(set(few)) == 1000
+    assert 0.95 < share < SHARE
+
+
+@pytest.mark.parametrize("kind", [float, np.float32])
+def test_how_far_a_front_reaches_is_that_of_its_farthest_design(kind):
+    """Designs beyond the corner reach nowhere; most are not looked at."""
+    inward, rays = sphere(3000, 4, seed=2) + 0.9, -sphere(2000, 4)
+    inward, rays = inward.astype(kind), rays.astype(kind)
+    far, which = reached(inward, rays)
+    each = np.maximum((inward[:, None] / rays).min(axis=2), 0.0)
+    np.testing.assert_allclose(far, each.max(axis=0), rtol=10 * np.finfo(kind).eps)
+    np.testing.assert_allclose(each[which, np.arange(len(rays))], far, rtol=10 * np.finfo(kind).eps)
 
 
 @pytest.mark.parametrize("objectives", [2, 5])
@@ -88,7 +120,8 @@ def test_the_default_solver_remembers_only_so_many(monkeypatch):
 
 
 def test_a_large_front_is_shown_in_part(monkeypatch):
-    monkeypatch.setattr("footopt.design.result.SHOWN", 20)
+    for name in ("WHOLE", "SHOWN"):
+        monkeypatch.setattr(f"footopt.design.result.{name}", 20)
     result = fo.search(problem("pareto"), "nsga2", pop_size=60, n_gen=3, seed=1)
     assert len(result.front) > 25
     assert len(result.shown) < len(result.front)
@@ -96,7 +129,8 @@ def test_a_large_front_is_shown_in_part(monkeypatch):
     assert set(result.shown) < set(result.front)
     assert len(fo.design.confirm(result, "draft").designs) == len(result.shown) <= 20
     share, error = result.shown_share
-    words = f"{len(result.front)} on the front (shown by {len(result.shown)} with {100 * share:.1f} +-"
+    words = f"{len(result.front)} on the front (shown by {len(result.shown)}, the most that are, with"
+    words += f" {100 * share:.1f} +-"
     assert 0.5 < share < 1.0
     assert 0.0 < error < 0.02
     assert words in describe_search(result)

@@ -35,6 +35,7 @@ Array = NDArray[np.float64]
 
 FRONT = "designs on the front"
 LINES = 1000  # parallel ones at most: more are a solid block, or too faint to be seen
+POINTS = 5000  # of a group in a panel at most
 #: Designs that stand out among the others.
 MARKS: dict[str, dict[str, Any]] = {
     "chosen": {"marker": "*", "ms": 11, "mfc": BEST, "color": BEST, "mec": "black", "zorder": 6},
@@ -100,7 +101,8 @@ def scatter_matrix(
     Parameters
     ----------
     groups : mapping of str to (designs, objectives)
-        By label, each in its own colour; rows with a NaN failed and are not drawn.
+        By label, each in its own colour; rows with a NaN failed and are not drawn. Of more than 5,000 an
+        even selection is drawn.
     names : sequence of str
         Of the objectives, two or more (`footopt.walk.objectives.OBJECTIVES`).
     marks : mapping of str to (objectives,), optional
@@ -111,7 +113,7 @@ def scatter_matrix(
     SettingError
         The values do not fit the names.
     """
-    tables = {label: _table(values, names) for label, values in groups.items()}
+    tables = dict(_drawn(label, _table(values, names)) for label, values in groups.items())
     check(len(names) > 1, "names", names, "two objectives or more")
     found, n = _marks(marks), len(names)
     size = min(PAGE, 1.6 * n + 1.0)
@@ -225,6 +227,12 @@ def draw_parallel(
     left_out = [f"{failed} failed, not drawn"] * (failed > 0) + [f"1 of {every} is drawn"] * (every > 1)
     said = f" ({'; '.join(left_out)})" if left_out else ""
     axes.set_title(f"{len(table)} {what}{said}", color=DARK)
+
+
+def _drawn(label: str, table: Array) -> tuple[str, Array]:
+    """A group's label and rows, or an even selection of them."""
+    every = -(-len(table) // POINTS)
+    return (f"{label} (1 of {every} is drawn)", table[::every]) if every > 1 else (label, table)
 
 
 def _points(i: int, groups: int) -> dict[str, Any]:

@@ -6,8 +6,8 @@ const generation = data.designs.generation && unpack(data.designs.generation);
 const feasible = [...(data.designs.feasible.data ? unpack(data.designs.feasible) : data.designs.feasible)];
 const reason = (i) => i === DRAWN ? sketch.reason : data.designs.reasons[data.designs.reason ? reasonCodes[i] : i];
 const reasonCodes = data.designs.reason && unpack(data.designs.reason);
-const front = new Set(data.front ?? []);
-const MOST = 1000; // parallel ones of a colour at most
+const front = new Set(data.front ? unpack(data.front) : []);
+const MOST = 1000, ROUND = 5000; // parallel ones of a colour at most; designs up to which a point is round
 
 /** What designs can be filtered and drawn by: the recorded values, when a search came to them, and what they are made of. */
 const COLUMNS = data.columns.map((column, c) => {
@@ -38,7 +38,9 @@ const tidy = (v) => (Number.isFinite(v) ? +v.toPrecision(5) : v);
 /** The explorer; `choose(i)` takes the design that is picked, `glimpse(i)` that under the pointer; `beside` is beside the scatter. */
 function explorer(choose, beside, glimpse) {
   let order = COLUMNS.filter((c) => !c.variable);
-  const every = Array.from({ length: COUNT }, (_, i) => i);
+  const every = Array.from({ length: COUNT }, (_, i) => i), passes = new Uint8Array(COUNT), ends = new Map();
+  /** The smallest and the largest of the designs that are shown, and of the flat foot. */
+  const endsOf = (c) => ends.get(c) ?? ends.set(c, range([...state.shown.map(c.of), data.jobs ? NaN : c.flat], 0)).get(c);
   const state = { until: Infinity, limits: new Map(), chosen: data.best, shown: [], passing: [], near: -1 };
   const wide = el("div", { class: "plot brush", id: "parallel" });
   const flat = el("div", { class: "plot brush", id: "scatter" });
@@ -103,7 +105,8 @@ function explorer(choose, beside, glimpse) {
     el("p", { class: "note" }, "Drag along an axis, or across the scatter, to set limits: both then show what is within them. ",
       "Click a line or a point to choose that design; drag a name to move its axis. Better is up on every axis of an objective.",
       numbers ? " A design's number is its row in designs.csv, from 0." : "",
-      COUNT > MOST ? ` Of more than ${MOST} lines an even selection is drawn.` : ""),
+      COUNT > MOST ? ` Of more than ${MOST} lines an even selection is drawn.` : "",
+      front.size && entry.front_size > front.size ? ` Of the ${entry.front_size} designs on the front ${front.size} are here, which keep ${(100 * entry.front_shown.hypervolume_share).toFixed(2)} % of its hypervolume.` : ""),
     el("div", { class: "bar" }, which.length > 1 ? el("label", {}, "designs", which) : null, el("label", {}, "colour by", shade), scale, clear, count),
     scrolled("Parallel axes", wide),
     axesBox,
@@ -111,24 +114,34 @@ function explorer(choose, beside, glimpse) {
       table(["", "from", "to"], COLUMNS.map((c) => [named(c), ...fields.get(c.name)]))),
     rows);
 
-  const leaders = (count) => state.passing.slice().sort((a, b) => (guide.of(a) - guide.of(b)) * (guide.maximise ? -1 : 1)).slice(0, count);
-  const within = (i) => {
-    for (const [name, [low, high]] of state.limits) {
-      const v = columnOf(name).of(i);
-      if (!(v >= low && v <= high)) return false;
+  function leaders(count) {
+    const found = [], sign = guide.maximise ? -1 : 1;
+    for (const i of state.passing) {
+      const cost = sign * guide.of(i);
+      if (found.length === count && !(cost < found.at(-1)[0])) continue;
+      found.splice(found.findLastIndex(([other]) => !(other > cost)) + 1, 0, [cost, i]);
+      found.length = Math.min(found.length, count);
     }
-    return true;
-  };
+    return found.map(([, i]) => i);
+  }
   function setLimit(name, low, high) {
     if (low === -Infinity && high === Infinity) state.limits.delete(name);
     else state.limits.set(name, [Math.min(low, high), Math.max(low, high)]);
-    filter();
+    filter(true);
     const best = leaders(1)[0]; // what was brushed is shown by its best
     if (best !== undefined && !state.passing.includes(state.chosen)) choose(best);
   }
-  function filter() {
-    state.shown = every.filter((i) => feasible[i] && !(generation?.[i] > state.until) && SETS[which.value].has(i));
-    state.passing = state.shown.filter(within);
+  /** Take what is within the limits, of the same designs as before or of those that are to be shown. */
+  function filter(same = false) {
+    if (!same) {
+      const { has } = SETS[which.value];
+      state.shown = every.filter((i) => feasible[i] && !(generation?.[i] > state.until) && has(i));
+      ends.clear();
+    }
+    const limits = [...state.limits].map(([name, pair]) => [columnOf(name).of, ...pair]);
+    state.passing = state.shown.filter((i) => limits.every(([of, low, high]) => of(i) >= low && of(i) <= high));
+    passes.fill(0);
+    for (const i of state.passing) passes[i] = 1;
     count.textContent = `${state.passing.length} of ${state.shown.length} designs within the limits`;
     for (const [name, pair] of fields) pair.forEach((field, end) => {
       const limit = state.limits.get(name)?.[end] ?? NaN;
@@ -179,12 +192,9 @@ function explorer(choose, beside, glimpse) {
     wide.replaceChildren(drawing);
     const pen = canvas(wide, a);
     const X = (c) => 70 + (c * (width - 140)) / Math.max(order.length - 1, 1);
-    const ends = order.map((c) => {
-      const [low, high] = range([...state.shown.map(c.of), data.jobs ? NaN : c.flat], 0);
-      return c.maximise ? [low, high] : [high, low]; // worst, best
-    });
-    const Y = (c, v) => { const [worst, best] = ends[c]; return best === worst ? (top + bottom) / 2 : bottom + ((v - worst) / (best - worst)) * (top - bottom); };
-    const fromY = (c, y) => { const [worst, best] = ends[c]; return worst + ((y - bottom) / (top - bottom)) * (best - worst); };
+    const scales = order.map((c) => (c.maximise ? endsOf(c) : endsOf(c).slice().reverse())); // worst, best
+    const Y = (c, v) => { const [worst, best] = scales[c]; return best === worst ? (top + bottom) / 2 : bottom + ((v - worst) / (best - worst)) * (top - bottom); };
+    const fromY = (c, y) => { const [worst, best] = scales[c]; return worst + ((y - bottom) / (top - bottom)) * (best - worst); };
     const line = (of) => path(order.map((c, j) => [X(j), Y(j, of(c))]));
     const lines = (all, style, thick) => { // more would be a solid block, or too faint to be seen
       const some = all.filter((_, n) => n % Math.ceil(all.length / MOST) === 0);
@@ -198,8 +208,8 @@ function explorer(choose, beside, glimpse) {
         pen.stroke();
       }
     };
-    const passing = new Set(state.passing), rest = ink("--line");
-    lines(state.shown.filter((i) => !passing.has(i)), () => rest, 0.7);
+    const rest = ink("--line");
+    lines(state.shown.filter((i) => !passes[i]), () => rest, 0.7);
     lines(state.passing, colour, data.jobs ? 1.8 : 0.9);
     const known = order.filter((c) => Number.isFinite(c.flat));
     if (!data.jobs && known.length > 1 && known.length === order.length) {
@@ -213,7 +223,7 @@ function explorer(choose, beside, glimpse) {
     }
     overlay(a, wide, (i, stroke, thick) => [svg("path", { d: line((c) => c.of(i)), fill: "none", stroke, "stroke-width": thick })]);
     order.forEach((c, j) => {
-      const [low, high] = ends[j].slice().sort((u, v) => u - v), marks = ticks(low, high, 5);
+      const [low, high] = scales[j].slice().sort((u, v) => u - v), marks = ticks(low, high, 5);
       const name = c.title.split(" ").reduce((rows, word) => ((rows.at(-1) + word).length > 13 ? [...rows, word] : [...rows.slice(0, -1), `${rows.at(-1)} ${word}`.trim()]), [""]).filter(Boolean);
       drawing.append(
         svg("line", { class: "axis", x1: X(j), x2: X(j), y1: top, y2: bottom, "data-axis": c.name }),
@@ -279,25 +289,27 @@ function explorer(choose, beside, glimpse) {
 
   function drawScatter() {
     const cx = columnOf(across.value), cy = columnOf(up.value);
-    const own = (c) => range([...state.shown.map(c.of), data.jobs ? NaN : c.flat]);
-    const a = axes(flat, { x: own(cx), y: own(cy),
+    const a = axes(flat, { x: range(endsOf(cx)), y: range(endsOf(cy)),
       xlabel: named(cx), ylabel: named(cy), height: 400, left: 72,
       label: `Scatter of ${state.shown.length} designs: ${named(cy)} over ${named(cx)}` });
     const pen = canvas(flat, a), colour = colours();
     a.svg.append(svg("rect", { class: "grip", x: a.inside.left, y: a.inside.top, width: a.inside.right - a.inside.left, height: a.inside.bottom - a.inside.top }));
+    const small = state.shown.length > ROUND && squares(pen), rest = ink("--line");
     const dot = (i, style, radius) => {
+      const x = a.X(cx.of(i)), y = a.Y(cy.of(i));
+      if (small) { small.square(x, y, style); return; }
       pen.beginPath();
-      pen.arc(a.X(cx.of(i)), a.Y(cy.of(i)), radius, 0, 7);
+      pen.arc(x, y, radius, 0, 7);
       pen.fillStyle = style;
       pen.fill();
     };
-    const passing = new Set(state.passing);
     pen.globalAlpha = 0.35;
-    for (const i of state.shown) if (!passing.has(i)) dot(i, ink("--line"), 1.8);
+    for (const i of state.shown) if (!passes[i]) dot(i, rest, 1.8);
     pen.globalAlpha = data.jobs ? 1 : state.passing.length > 2000 ? 0.35 : 0.65;
     for (const i of state.passing) dot(i, colour(i), data.jobs ? 5 : 2.5);
-    const places = state.shown.map((i) => [a.X(cx.of(i)), a.Y(cy.of(i))]), names = [];
-    if (data.jobs) places.forEach((place, n) => nameBeside(a, label(state.shown[n]), [place], places.filter((other) => other !== place), names));
+    if (small) small.show();
+    const places = data.jobs ? state.shown.map((i) => [a.X(cx.of(i)), a.Y(cy.of(i))]) : [], names = [];
+    places.forEach((place, n) => nameBeside(a, label(state.shown[n]), [place], places.filter((other) => other !== place), names));
     overlay(a, flat, (i, stroke, thick, text) => (Number.isFinite(cx.of(i) + cy.of(i)) ? [
       svg("circle", { cx: a.X(cx.of(i)), cy: a.Y(cy.of(i)), r: 6, fill: "none", "stroke-width": 2.5, stroke: data.jobs ? "var(--ink)" : stroke }),
       nameAt(a, a.X(cx.of(i)), a.Y(cy.of(i)) - 8, text)] : []));

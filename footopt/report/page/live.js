@@ -14,6 +14,20 @@ function undominated(among) {
   return kept;
 }
 
+/** In which generation each of some designs was found to be worse than another; never, if it is on the front at the end. */
+function surpassed(among) {
+  const at = among.slice().sort((a, b) => generation[a] - generation[b]), m = cost.length, found = new Float64Array(COUNT).fill(Infinity);
+  const f = Float64Array.from({ length: at.length * m }, (_, n) => cost[n % m](at[Math.floor(n / m)]));
+  at.forEach((i, own) => {
+    for (let j = 0; j < at.length && !front.has(i) && found[i] === Infinity; j++) {
+      let c = 0, less = false;
+      for (; c < m && f[j * m + c] <= f[own * m + c]; c++) less ||= f[j * m + c] < f[own * m + c];
+      if (c === m && less) found[i] = generation[at[j]];
+    }
+  });
+  return found;
+}
+
 const several = data.objectives?.length > 1;
 /** What a design of several objectives is the best by, until the run itself has chosen. */
 const lead = (several && columnOf("efficiency")) || guide;
@@ -49,13 +63,18 @@ function rewinding(explore, found) {
   const clock = el("output", { for: "rewind" });
   const slider = el("input", { id: "rewind", type: "range", min: 1, max: last, step: 1, value: last, "aria-label": "generation of the search", input: () => { stop(); to(+slider.value); } });
   const play = el("button", { id: "again", type: "button", click: () => (timer ? stop() : start()) }, "Search again");
-  let timer = 0;
+  let timer = 0, until = null;
   function to(g) {
     slider.value = g;
     clock.textContent = `generation ${g} of ${last}`;
     slider.setAttribute("aria-valuetext", clock.textContent);
     found.draw(g - 1);
-    if (g < last) { showBest(explore, g, every.filter((i) => generation[i] <= g)); return; }
+    if (g < last) {
+      const among = every.filter((i) => generation[i] <= g);
+      if (several) until ??= surpassed(every);
+      showBest(explore, g, among, several ? among.filter((i) => until[i] > g) : []);
+      return;
+    }
     cancelAnimationFrame(morphing);
     front.clear();
     atEnd.forEach((i) => front.add(i));

@@ -109,7 +109,7 @@ def live_content(problem: FootProblem, most: int, entry: dict[str, Any]) -> dict
         "guide": problem.names[0],
         "objectives": list(problem.names),
         "designs": {
-            "rows": packed(np.arange(room), exact=True),
+            "rows": packed(np.arange(room)),
             "values": packed(np.full((room, len(problem.record)), np.nan), exact=True),
             "k": packed(np.full((room, space.n), space.K)),
             "generation": packed(np.zeros(room, int)),
@@ -121,7 +121,6 @@ def live_content(problem: FootProblem, most: int, entry: dict[str, Any]) -> dict
         "top": space.top,
         "width": space.width,
         "best": 0,
-        "front": [],
         "walks": [traces_of_flat(flat)],
         "lineage": [],
         "history": [{"evaluations": 0, "best": None, "median": None, "front": 0}],

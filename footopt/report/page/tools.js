@@ -14,12 +14,12 @@ function ramp(share) {
   return `rgb(${stops[i].map((v, c) => Math.round(v + (place - i) * (stops[i + 1][c] - v))).join(" ")})`;
 }
 
-/** A flat array of numbers from base64: floats of 32 or 64 bits, or whole numbers of 16 bits and their scale. */
-function unpack({ low, step, data: text }) {
+/** A flat array of numbers from base64: floats of 32 or 64 bits, or whole numbers of 8 or 16 bits and their scale. */
+function unpack({ shape, low, step, data: text }) {
   const letters = atob(text), bytes = new Uint8Array(letters.length);
   for (let i = 0; i < letters.length; i++) bytes[i] = letters.charCodeAt(i);
   if (step <= 0) return step < 0 ? new Float64Array(bytes.buffer) : new Float32Array(bytes.buffer);
-  return Float64Array.from(new Uint16Array(bytes.buffer), (v) => low + step * v);
+  return Float64Array.from(bytes.length === shape.reduce((a, b) => a * b, 1) ? bytes : new Uint16Array(bytes.buffer), (v) => low + step * v);
 }
 
 /** Numbers with room for a row more, of NaN. */
@@ -148,6 +148,23 @@ function axes(holder, { x, y, xlabel, ylabel, height, label, left = 58 }) {
     svg("text", { x: (left + width - right) / 2, y: height - 5, "text-anchor": "middle" }, xlabel));
   holder.replaceChildren(drawing);
   return made;
+}
+
+/** Small squares on a canvas, pixel by pixel, as tens of thousands take milliseconds then: the last one's colour is seen. */
+function squares(pen) {
+  const { width, height } = pen.canvas, image = pen.createImageData(width, height), pixels = new Uint32Array(image.data.buffer), inks = new Map();
+  const side = Math.max(Math.round(2 * devicePixelRatio), 1);
+  const square = (x, y, style) => {
+    if (!inks.has(style)) {
+      pen.fillStyle = style;
+      const rgb = parseInt(pen.fillStyle.slice(1), 16);
+      inks.set(style, ((rgb & 255) << 16) | (rgb & 0xff00) | (rgb >> 16));
+    }
+    const ink = inks.get(style), clear = 1 - pen.globalAlpha, left = Math.round(x * devicePixelRatio - side / 2), top = Math.round(y * devicePixelRatio - side / 2);
+    for (let row = top; row < top + side; row++)
+      for (let at = row * width + left, end = at + side; at < end; at++) pixels[at] = ink | ((255 - (255 - (pixels[at] >>> 24)) * clear) << 24);
+  };
+  return { square, show: () => pen.putImageData(image, 0, 0) };
 }
 
 /** A name beside a point, on the side where it has room. */

@@ -138,7 +138,7 @@ def search_content(
         "choice": problem.choice.by if problem.n_obj > 1 else "best",
         "objectives": list(problem.names),
         "designs": {
-            "rows": packed(rows, exact=True),
+            "rows": packed(rows),
             "values": packed(result.values[rows], exact=True),
             "k": packed(result.k[rows]),
             "generation": None if exact else packed(result.generation[rows]),
@@ -151,7 +151,7 @@ def search_content(
         "width": problem.space.width,
         "best": place[chosen],
         "bestValues": confirmed.values[0],
-        "front": [place[i] for i in front],
+        "front": packed(np.array([place[i] for i in front], int)),
         "walks": [
             {"design": place[chosen], "label": "best", **_traces(best, FINE_FRAMES)},
             traces_of_flat(flat),
