@@ -35,6 +35,7 @@ INLINE = {
 }
 inlined = register_jitable(**INLINE)
 inlined_fast = register_jitable(fastmath=FAST, **INLINE)
+called = register_jitable(**{**INLINE, "forceinline": False})  # rounds alike wherever it is taken from
 called_fast = register_jitable(fastmath=FAST, **{**INLINE, "forceinline": False})
 
 

@@ -12,17 +12,18 @@ from footopt.effects.slope import Slope
 from footopt.errors import check
 from footopt.kinds import says_kinds
 
-LEAST = 5e-4  # m, of a cell: thinner ones take too long
+MOST = 4096  # cells along a foot: more take too long
 
 
 class Prints(NamedTuple):
     """What the loop over steps needs to know (`footopt.walk.ground`)."""
 
-    cell: float  # m
-    rise: float  # by which the surface rises at most from one cell to the next, m
-    fall: float  # by which it falls at most, m
-    side: float  # slope of what slides off to the sides
-    own: bool
+    cells: int  # along a foot
+    rise: float  # slope by which the surface rises at most
+    fall: float  # ... and by which it falls
+    side: float  # ... and that of what slides off to the sides
+    reaches: float  # when the right foot first reaches forward to come down, s; infinite for who stands
+    period: float  # of a stride, s; the left foot reaches half of it later
 
 
 @says_kinds
@@ -30,29 +31,28 @@ class Prints(NamedTuple):
 class Footprints:
     """The sand's surface is a height field along x, and a plate feels its depth below that surface.
 
-    A foot pushes the surface down to its sole. What is displaced by moving along, the share v_x^2/|v|^2,
-    goes to the next free sand that way; what is pressed down goes to the nearest edge of the foot's
+    A print is as deep as the sole has been. What a sole displaces by moving along, the share v_x^2/|v|^2,
+    goes to the next free sand that way; what it presses down goes to the nearest edge of the foot's
     rectangle, at an end or beside it. Slopes beyond the angle of repose slide, and so do heaps and prints
     whose sides cannot hold them. Area, with what has gone beside, is conserved to rounding.
 
-    A foot feels the sand that it found. What it moves itself it does not feel before it has been out of the
-    sand, or is more than three times its own reach away: the law's coefficients are measured on plates that
-    pile up sand as they move, and its sum over plates on legs and wheels that do.
+    A foot feels the sand onto which it comes down: as it lies when the ankle reaches furthest forward, once a
+    stride, with the print in which the other foot stands, and its own as far as it is out of the sand then.
+    The law's coefficients are measured on plates that pile up sand as they move, and its sum over plates on
+    legs and wheels that do.
 
     Source: height fields with displaced columns and a limited slope, Sumner, O'Brien & Hodgins, Computer
     Graphics Forum 18 (1999); under wheels, Krenn & Hirzinger, SCM, 11th European conference of the ISTVS
-    (2009). Range: both feet walk in one line, sand in a print is as loose as it was, and sand does not flow
-    back over a foot that it has closed over. So prints shallower than a foot is high. `Layers` lie below the
-    moved surface.
+    (2009). Range: both feet come down on one line and swing past each other; sand in a print is as loose as
+    it was, and does not flow back over a foot that it has closed over. So prints shallower than a foot is
+    high. `Layers` lie below the moved surface.
 
     Parameters
     ----------
     repose : float, deg
         Angle of repose: dry sand lies at about 30.
-    cell : float, m
-        Width of the field's cells, a numerical length: the error falls with it.
-    own : bool
-        Whether a foot feels at once what it moves itself, too. It counts a plate's own heap twice.
+    cells : int
+        Cells of the field along a foot, a number of the numerics: the more there are, the smaller the error.
 
     Raises
     ------
@@ -61,8 +61,7 @@ class Footprints:
     """
 
     repose: float = 30.0
-    cell: float = 0.005
-    own: bool = False
+    cells: int = 256
     law = None
     nothing = False
     number = "sand of the last print's rim in the next print / print"
@@ -73,11 +72,11 @@ class Footprints:
             1 <= self.repose <= 60, "effects.footprints.repose", self.repose, "an angle from 1 to 60, in deg"
         )
         check(
-            LEAST <= self.cell <= 0.02,
-            "effects.footprints.cell",
-            self.cell,
-            "a length from 0.0005 to 0.02, in m",
-            "Halve it to see what it changes.",
+            8 <= self.cells <= MOST,
+            "effects.footprints.cells",
+            self.cells,
+            f"a number from 8 to {MOST}",
+            "Double it to see what it changes.",
         )
 
     def estimate(self, scale: Scale) -> float:
@@ -93,14 +92,21 @@ class Footprints:
 
 
 def finer_cells(effects: Sequence[Effect], times: int = 1) -> tuple[Effect, ...]:
-    """A scene's effects, with the cells of its footprints halved so many times, down to `LEAST`."""
+    """A scene's effects, with the cells of its footprints halved so many times, up to `MOST` of them."""
     return tuple(
-        replace(e, cell=max(0.5**times * e.cell, LEAST)) if isinstance(e, Footprints) else e for e in effects
+        replace(e, cells=min(2**times * e.cells, MOST)) if isinstance(e, Footprints) else e for e in effects
     )
 
 
-def prints_of(effects: Sequence[Effect]) -> Prints | None:
+def prints_of(effects: Sequence[Effect], reaches: float, period: float) -> Prints | None:
     """A scene's footprints for the loop; None without them. On a slope, sand slides sooner downhill.
+
+    Parameters
+    ----------
+    effects : sequence of Effect
+        Of the scene.
+    reaches, period : float, s
+        As in `Prints`.
 
     Raises
     ------
@@ -117,9 +123,8 @@ def prints_of(effects: Sequence[Effect]) -> Prints | None:
                 f"more than the slope's {abs(slope):g} deg",
                 "A plane as steep as that slides as a whole. Try a smaller effects.slope.angle.",
             )
-            rise, fall = (math.tan(math.radians(effect.repose + turn)) for turn in (-slope, slope))
-            side = math.tan(math.radians(effect.repose))
-            return Prints(float(effect.cell), effect.cell * rise, effect.cell * fall, side, bool(effect.own))
+            rise, fall, side = (math.tan(math.radians(effect.repose + turn)) for turn in (-slope, slope, 0.0))
+            return Prints(int(effect.cells), rise, fall, side, reaches, period)
     return None
 
 

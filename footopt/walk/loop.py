@@ -73,7 +73,7 @@ def _compile(source: str, compiler: Any):
             z = static_height(world, sole, pose0)
             if not np.isfinite(z):
                 continue
-            sole = footprint(world.prints, sole, pose0, 0.0, z, 0.0, 0.0)
+            sole = footprint(world.prints, sole, pose0, 0.0, 0.0, 0.0, z, 0.0, 0.0)
             bristles = bristles_at_start(world.rest, len(sole.x))
             at = touch(world, sole, pose0, 0.0, z, 0.0, 0.0, bristles, 0.0, count)
             state = State(0.0, z, 0.0, 0.0, at, Integrals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), bristles, True)
@@ -120,7 +120,7 @@ def _compile(source: str, compiler: Any):
                     status[d] = BEATEN
                     break
                 at_end = poses[level][index, -1]
-                sole = footprint(world.prints, sole, at_end, state.x, state.z, state.vx, state.vz)
+                sole = footprint(world.prints, sole, at_end, t - h, t, state.x, state.z, state.vx, state.vz)
                 if traced:
                     write(trace[row], sample_of(t, state))
                     record(bristle_trace, row, state.bristles)

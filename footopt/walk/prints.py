@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.effects.footprints import Prints
-from footopt.walk.ground import FAR, replay
+from footopt.walk.ground import FAR, cell_of, replay
 from footopt.walk.state import Sole
 
 Array = NDArray[np.float64]
@@ -22,7 +22,7 @@ class MovedSand(NamedTuple):
     x : (cells,), m
         Of the cells' middles.
     height : (samples, cells), m
-        Over the undisturbed sand.
+        Over the undisturbed sand, as it would lie if both feet were lifted.
     beside : (samples,), m^2
         Area that has gone to the sides of the feet: with that of `height` it is 0.
     level : (samples, 2 feet, plates), m
@@ -36,7 +36,7 @@ class MovedSand(NamedTuple):
 
 
 def moved_sand(
-    prints: Prints, sole: Sole, poses: Array, motions: Array, index: NDArray[np.int64]
+    prints: Prints, sole: Sole, poses: Array, times: Array, motions: Array, index: NDArray[np.int64]
 ) -> MovedSand:
     """The sand that a sole moves, at some samples.
 
@@ -48,17 +48,20 @@ def moved_sand(
         Of both feet.
     poses : (T + 1, 2, 7)
         Both feet relative to the hip: at the start, then at each of T samples.
+    times : (T + 1,), s
+        Of the start, and of the samples.
     motions : (T + 1, 4), m and m/s
         The hip's x, z and velocity in x and z at the same times.
     index : (samples,), int
         Which samples, from 0 to T - 1.
     """
     margin = (FAR + 1.0) * float(sole.reach)
+    cell = cell_of(prints, sole)
     ankles = motions[:, :1] + poses[:, :, 0]
-    first, last = (int(np.floor(x / prints.cell)) for x in (ankles.min() - margin, ankles.max() + margin))
+    first, last = (int(np.floor(x / cell)) for x in (ankles.min() - margin, ankles.max() + margin))
     rows, back = np.unique(index, return_inverse=True)
     heights, beside = np.zeros((len(rows), last - first + 1)), np.zeros(len(rows))
     levels = np.zeros((len(rows), 2, len(sole.x)))
-    replay(prints, sole, poses, motions, first, rows, heights, beside, levels)
-    x = prints.cell * np.arange(first, last + 1, dtype=np.float64)
+    replay(prints, sole, poses, times, motions, first, rows, heights, beside, levels)
+    x = cell * np.arange(first, last + 1, dtype=np.float64)
     return MovedSand(x, heights[back], beside[back], levels[back])

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from footopt.effects.footprints import Footprints, finer_cells
+from footopt.effects.footprints import finer_cells
 from footopt.foot import Foot
 from footopt.kinds import says_kinds
 from footopt.walk import prepare
@@ -28,17 +28,15 @@ CAUSES = {
     "accuracy.dt": "the time step makes most of it; try accuracy=fine, or a smaller accuracy.dt",
     "accuracy.plates": "the plates make most of it; try accuracy=fine, or more accuracy.plates",
     "accuracy.creep": "the creep speed makes most of it; try accuracy=fine, or a smaller accuracy.creep",
-    "effects.footprints.cell": "the cells of the surface make most of it; halve effects.footprints.cell",
+    "effects.footprints.cells": "the cells of the surface make most of it; double effects.footprints.cells",
 }
-
-PRINTS = "; with effects=footprints no accuracy keeps its promise, so trust this estimate"
 
 
 def finer(scene: Scene, accuracy: Accuracy) -> dict[str, tuple[Scene, Accuracy]]:
     """A scene and an accuracy with one cause of errors refined, by the cause's setting.
 
     Half the time step (under control: an eighth of the error that a step may have), twice the plates,
-    half the creep speed, or half the width of the cells of footprints.
+    half the creep speed, or twice the cells of footprints.
     """
     fine = accuracy.refined()
     found = {
@@ -48,7 +46,7 @@ def finer(scene: Scene, accuracy: Accuracy) -> dict[str, tuple[Scene, Accuracy]]
     }
     cells = finer_cells(scene.effects)
     if cells != scene.effects:
-        found["effects.footprints.cell"] = replace(scene, effects=cells), accuracy
+        found["effects.footprints.cells"] = replace(scene, effects=cells), accuracy
     return found
 
 
@@ -93,8 +91,7 @@ def error_of(walk: Walk, names: Sequence[str] | None = None) -> dict[str, float]
 def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
     """Whether a walk's worst error estimate is far above what its accuracy promises; empty if it is not.
 
-    Where it is above `BEYOND` times the promise, or with footprints above the promise, a walk for each cause
-    finds out what causes it.
+    Where it is above `BEYOND` times the promise, a walk for each cause finds out what causes it.
 
     Parameters
     ----------
@@ -110,8 +107,7 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
         if math.isfinite(values[name]) and math.isfinite(errors.get(name, math.nan))
     }
     promise = TOLERANCES.get(walk.accuracy.name, PROMISE)
-    prints = any(isinstance(effect, Footprints) for effect in walk.scene.effects)
-    limit = promise if prints else BEYOND * promise  # no preset keeps its promise with them
+    limit = BEYOND * promise
     if not walk.feasible:
         return []
     if not shares:
@@ -126,7 +122,7 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
     }
     if not changes:
         return []
-    why = CAUSES[max(changes, key=lambda cause: changes[cause])] + PRINTS * prints
+    why = CAUSES[max(changes, key=lambda cause: changes[cause])]
     name = f"estimated error of {worst.replace('_', ' ')}"
     return [Diagnostic(name, 100.0 * shares[worst], "%", 100.0 * limit, why)]
 

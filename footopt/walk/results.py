@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.effects.footprints import prints_of
 from footopt.effects.shadowing import filler
 from footopt.errors import check, needed
 from footopt.foot import Foot, Plates
@@ -270,12 +269,12 @@ class Walk:
 
     def sand(self, index: ArrayLike) -> MovedSand | None:
         """The sand at some samples, as the feet have left it; None without `effects.Footprints`."""
-        prints = prints_of(self.scene.effects)
+        prints = prepare.prints(self.scene)
         if prints is None:
             return None
         t, gait, walker = np.concatenate([[0.0], self.t]), self.scene.gait, self.scene.walker
         motions = np.zeros((len(t), 4))
         motions[0, :2], motions[1:, :2], motions[1:, 2:] = self.start, self.com, self.velocity
         poses, plates = gait.pose(t, walker.l1, walker.l2).table(), self._plates
-        found = moved_sand(prints, prepare.sole(plates), poses, motions, np.asarray(index))
+        found = moved_sand(prints, prepare.sole(plates), poses, t, motions, np.asarray(index))
         return found._replace(level=found.level[..., : plates.x.shape[1]])

@@ -66,6 +66,7 @@ class Sole(NamedTuple):
     reach: Any  # the sole's largest distance from the ankle, m
     span: Any  # length along the sole for which a plate stands, m; 0 for chords
     tangent: Tangent | None  # where an effect needs the plates' normals
+    ends: Array  # (2, plates + 1): where plates begin and end, as they are
     ground: Any  # the sand under it, `ground.Ground`; None where it is level
 
 
@@ -165,6 +166,7 @@ def sole_of(soles, design):
         soles.reach[design],
         soles.span[design],
         _tangent_of(soles.tangent, design),
+        lent(soles.ends)[design],
         soles.ground,
     )
 

@@ -8,25 +8,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.compiled import inlined, inlined_fast
+from footopt.walk.state import lent
 
 Array = NDArray[np.float64]
 
 
 class Surface(NamedTuple):
-    """A height field; cell i has its middle at (first + i) * cell."""
+    """A height field; cell i has its middle at (first + i) / each."""
 
     first: int
-    cell: float  # m
+    each: float  # cells a metre
     height: Array  # (cells,), m
 
 
 @inlined_fast
 def surface_at(surface, x):
     """Height of a surface (m) at x, linear between the middles of its cells, and its slope."""
-    at = x / surface.cell - surface.first
-    i = min(max(int(np.floor(at)), 0), len(surface.height) - 2)
+    at = x * surface.each - surface.first
+    i = min(max(int(at), 0), len(surface.height) - 2)
     here, next_ = surface.height[i], surface.height[i + 1]
-    return here + (at - i) * (next_ - here), (next_ - here) / surface.cell
+    return here + (at - i) * (next_ - here), (next_ - here) * surface.each
 
 
 @inlined
@@ -34,7 +35,7 @@ def highest(ground, foot):
     """The highest sand that a foot may feel, m."""
     if ground is None:
         return 0.0
-    return ground.top[foot]
+    return lent(ground.top)[foot]
 
 
 @inlined
@@ -42,7 +43,7 @@ def found_by(ground, foot):
     """The surface that a foot found, or None where it is level."""
     if ground is None:
         return None
-    return Surface(ground.first, ground.cell, ground.found[foot])
+    return Surface(ground.first, 1.0 / ground.cell, lent(ground.found)[foot])
 
 
 @inlined
@@ -53,7 +54,7 @@ def over(ground, foot, sole, first, last, ankle):
     """
     if ground is None:
         return None
-    found, over = found_by(ground, foot), ground.over[foot]
+    found, over = found_by(ground, foot), lent(ground.over)[foot]
     for i in range(first, last):
         place = ankle.x + ankle.cos * sole.x[i] - ankle.sin * sole.z[i]
         over[0, i], over[1, i] = surface_at(found, place)

@@ -79,23 +79,6 @@ class TestComparison:
             assert (verdict == DIFFERS) == (c.says == f"differs by {abs(100 * error):.0f} %")
 
 
-@pytest.mark.slow  # of compiling footprints
-class TestHeapOfAWheel:
-    def wheel(self, own):
-        setup, zeta = ALL["wheel"].content["setup"], ALL["wheel"].content["inputs"]["zeta"]["value"]
-        few = dict(setup, slip=setup["slip"][::4], load=setup["load"][::4])
-        return rig.wheel(few, {"zeta": zeta}, (fo.LeadingEdge(), fo.Footprints(own=own)), False)["sinkage"]
-
-    def test_a_wheel_that_stays_in_the_sand_is_where_it_was_without_footprints(self):
-        bare = next(c for c in ALL["wheel"].compare(("leading_edge",)) if c.quantity == "sinkage")
-        np.testing.assert_allclose(1e3 * self.wheel(False), bare.simulated[::4], rtol=2e-3)
-
-    def test_the_docs_have_where_it_is_with_its_own_heap(self):
-        rows = {line.split(" | ")[0]: line for line in DOCS.read_text(encoding="utf-8").splitlines()}
-        said = [float(cell) for cell in rows["| the same, with its own heap"].strip("| ").split(" | ")[1:]]
-        np.testing.assert_allclose(1e3 * self.wheel(True), said[::4], atol=1.5)
-
-
 @pytest.mark.parametrize("e", ALL.values(), ids=list(ALL))
 class TestFiles:
     def test_a_file_says_where_its_numbers_are_from(self, e):
@@ -127,14 +110,7 @@ class TestFiles:
         )
 
 
-@pytest.mark.parametrize(
-    "e",
-    [
-        pytest.param(e, marks=pytest.mark.slow if "footprints" in sum(e.laws, ()) else ())  # of compiling
-        for e in ALL.values()
-    ],
-    ids=list(ALL),
-)
+@pytest.mark.parametrize("e", ALL.values(), ids=list(ALL))
 def test_numbers_are_good_enough_to_judge_and_docs_and_closing_lines_have_them(e):
     found = [c for law in e.laws for c in e.compare(law)]
     assert all(np.isfinite(c.error).all() and c.numerical.max() < 0.05 * c.scale for c in found)

@@ -1,14 +1,12 @@
 """What accuracies promise holds outside the examples, over random scenes and feet, and against a search."""
 
 import os
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from random_scenes import draw, judge, promises, run, scale_of
+from random_scenes import draw, judge, promises, run, shuffling
 
 import footopt as fo
-from footopt.walk.adapt import adapted
 from footopt.walk.objectives import SLOW, measure
 
 SCENES = int(os.environ.get("FOOTOPT_SCENES", "12"))  # 300 are the table of docs/accuracy.md
@@ -42,23 +40,17 @@ def test_a_table_of_a_sample_is_continued(tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_with_footprints_estimates_hold_the_error_of_steps_and_cells():
-    """The promise does not hold there (docs/accuracy.md); of 36 scenes the estimate of one was too small."""
-    held = []
-    for number in range(2, 2 + SCENES // 2):
-        drawn = draw(number)
-        gait = drawn.scene.gait
-        late = min(drawn.scene.duration, gait.heel_strike + gait.period)
-        scene, feet = replace(drawn.scene, effects=(fo.Footprints(),), t_f=late), [drawn.foot(0)]
-        own = fo.evaluate(feet, scene, errors=True)
-        finest = replace(adapted(fo.Accuracy.named("standard"), scene, feet[0]).refined(3), plates=512)
-        truth = fo.evaluate(feet, replace(scene, effects=(fo.Footprints(cell=1e-3),)), finest)
-        assert own.reasons[0] == truth.reasons[0]
-        if own.feasible[0]:
-            size = scale_of(truth.values)
-            error, estimate = (np.max(v / size) for v in (np.abs(own.values - truth.values), own.errors))
-            held.append(estimate >= error)
-    assert np.mean(held) >= 0.8
+@pytest.mark.parametrize(("least", "share"), [(1.0, 0.8), (0.1, 0.6)])
+def test_with_footprints_most_walks_keep_the_promise(least, share):
+    """By the gaits as they are drawn, and in steps of any length; docs/accuracy.md has larger samples."""
+    found = []
+    for number in range(100, 100 + SCENES // 2):
+        drawn = shuffling(draw(number), number, least)
+        found += judge(drawn.feet[:1], drawn.scene, space=drawn.space)
+    told = promises(found)
+    assert told["another outcome"] == 0
+    assert told["within 0.5 %"] >= share, told
+    assert told["covered"] >= 0.8, told
 
 
 @pytest.mark.slow

@@ -15,15 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.effects import Effect, Inertia
-from footopt.effects.footprints import Prints, prints_of
 from footopt.effects.shadowing import filler
 from footopt.foot import Foot, Plates
 from footopt.gait.gait import Pose
 from footopt.sand import Sand, StressMap, alpha
 from footopt.sand.intrusion import material_constant
 from footopt.sand.law import PER_CM3, by_angles
-from footopt.walk import Scene, prepare, simulate
-from footopt.walk.ground import grounded, pressed
+from footopt.walk import Scene, simulate
 from footopt.walk.plates import forces, plate_states
 
 Array = NDArray[np.float64]
@@ -87,55 +85,8 @@ def wheel(setup: Values, inputs: Values, effects: Sequence[Effect], fine: bool) 
     foot = Foot.shape("circle", length=np.pi * radius, width=setup["width"])
     velocity = np.stack([speed, np.zeros_like(speed)], axis=-1)
     scene, load, rate = scene_of(inputs["zeta"], effects), np.asarray(setup["load"], float), -rim / radius
-    prints = prints_of(scene.effects)
-    if prints is None:
-        sinkage, force = balanced(foot, scene, 1600 if fine else 400, load, velocity, rate, radius)
-    else:
-        cases = zip(load, velocity, rate, strict=True)
-        found = [driven(foot, scene, prints, 200 if fine else 100, *case, setup["way"]) for case in cases]
-        sinkage, force = (np.array(column) for column in zip(*found, strict=True))
+    sinkage, force = balanced(foot, scene, 1600 if fine else 400, load, velocity, rate, radius)
     return {"sinkage": sinkage, "drawbar": force[:, 0]}
-
-
-def driven(
-    foot: Foot,
-    scene: Scene,
-    prints: Prints,
-    plates: int,
-    load: float,
-    velocity: Array,
-    rate: float,
-    way: float,
-) -> tuple[float, Array]:
-    """Sinkage, m, and force, (2,), N, of a wheel at the end of a way, m, over sand that it moves as it goes.
-
-    It sinks until it is carried, a cell of the field at a time, and leaves the sand as a foot does.
-    """
-    cut = cut_for(foot, scene, plates)
-    steps = round(way / prints.cell)
-    sole = grounded(prints, prepare.sole(cut), -steps, 4 * steps)
-    level_pose = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0, rate]
-    poses = np.array([level_pose, [0.0, 10.0, *level_pose[2:]]])  # the other foot is in the air
-    none = np.zeros((1, 1))
-    pose = Pose(none, none, none, none, none, np.full((1, 1), rate))
-    touching = -float(foot.contour[:, 1].min())
-
-    def at(x: float, sinkage: float) -> Array:
-        found = sole.ground.found[0]
-        level = np.interp(x + cut.x[0], prints.cell * (sole.ground.first + np.arange(len(found))), found)
-        com = np.array([[x, touching - sinkage]])
-        states = plate_states(cut, pose, com, velocity[None], scene, CREEP, level=level)
-        return np.asarray(states.force.sum(axis=(0, 1, 2)))
-
-    for step in range(steps):
-        x = step * prints.cell
-        low, high = -touching, touching
-        for _ in range(BISECTIONS // 3):
-            middle = 0.5 * (low + high)
-            low, high = (low, middle) if at(x, middle)[1] >= load else (middle, high)
-        force = at(x, high)
-        sole = pressed(prints, sole, poses, x, touching - high, *velocity)
-    return high, force
 
 
 def pad(setup: Values, inputs: Values, effects: Sequence[Effect], fine: bool) -> dict[str, Array]:
