@@ -92,7 +92,7 @@ class Footprints:
 
 
 def finer_cells(effects: Sequence[Effect], times: int = 1) -> tuple[Effect, ...]:
-    """A scene's effects, with the cells of its footprints halved so many times, up to `MOST` of them."""
+    """A scene's effects, with the cells of its footprints doubled so many times, up to `MOST` of them."""
     return tuple(
         replace(e, cells=min(2**times * e.cells, MOST)) if isinstance(e, Footprints) else e for e in effects
     )

@@ -22,10 +22,9 @@ from footopt.walk.surface import Surface, found_by, surface_at
 
 Array = NDArray[np.float64]
 
-# in a foot's reach
-FAR = 4.0  # so far the field goes on around a foot
+FAR = 4.0  # of a foot's reach: so far the field goes on around it
 CLEAR = 0.05  # of a foot's length: so far out of the sand it takes in its own print as a whole
-ROOM = 3.0  # by which sand beside a print may slide
+ROOM = 3.0  # of a foot's width, to both sides of a print, where sand may slide
 CELLS = 2048  # of a field at first
 LATE = 1e-9  # s, of rounding in the end of a step
 

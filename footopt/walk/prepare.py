@@ -59,6 +59,8 @@ def world(scene: Scene, accuracy: Accuracy) -> World:
 
 def prints(scene: Scene) -> Prints | None:
     """The sand's surface as the feet of a scene leave it; None if it stays level."""
+    if not any(isinstance(effect, Footprints) for effect in scene.effects):
+        return None
     gait, phase = scene.gait, np.arange(PHASES) / PHASES
     (thigh, _), (shank, _), _ = gait.cycle(phase)
     ahead = phase[np.argmax(scene.walker.l1 * np.sin(thigh) + scene.walker.l2 * np.sin(shank))]

@@ -449,6 +449,7 @@ ROWS = {
     "ablation.py": 5,
     "fronts.py": 5,
     "dear_walks.py": 2,
+    "footprints.py": 4,
     "mujoco_steps.py": 4,
     "page.py": 1,
     "command.py": 1,

@@ -569,7 +569,7 @@ class TestShortTrials:
     def test_half_a_stride_of_both_legs_is_one_by_symmetry(self, begin):
         gait, notes = walk(strides=0.62, phase=begin)
         assert "half a stride of each leg: 1.2" in notes
-        assert " s, up to 5 % off if steps differ (gait.period), from" in notes
+        assert " s, some 5 % off if steps differ (gait.period), from" in notes
         assert misfit(gait) < 4.0
         assert gait.period == pytest.approx(HUMAN.period, rel=0.05)
 

@@ -179,7 +179,7 @@ def _single(recording: Recording) -> Strides:
         phase = np.arange(POINTS + 1) / POINTS
         if halves:
             curves, period = mirrored(recording, begin, end, phase), 2.0 * (end - begin)
-            what = f"half a stride of each leg: {period:.3f} s, up to 5 % off if steps differ (gait.period)"
+            what = f"half a stride of each leg: {period:.3f} s, some 5 % off if steps differ (gait.period)"
         else:
             curves = {j: np.interp(begin + (end - begin) * phase, t, a) for j, a in angles.items()}
             what, period = f"one stride of {end - begin:.3f} s", end - begin
