@@ -17,9 +17,9 @@ Some things make a walk harder than those, and each is a rule here:
 - Effects that change the force on a plate make blows short, as hard sand does, and bristles bend within them.
   Where there are such, or more plates than the preset's, steps are half as long and held to a quarter of the
   control.
-- With footprints blows are short, too, and the creep speed is `SLOWER` twice more. Where steps are so short
-  that a foot may come down on a print (`SHORT`) it touches heaps with few plates, and grazes them: there are
-  `HEAPED` times more, and time steps and their control are `GRAZING` times as large once more.
+- With footprints blows are short, too. A foot touches heaps with few plates and grazes them: there are `HEAPED`
+  times more, and the creep speed is `SLOWER` twice more. Where steps are so short that a foot may come down on
+  a print (`SHORT`), time steps and their control are `GRAZING` times as large once more.
 """
 
 from __future__ import annotations
@@ -53,8 +53,8 @@ BEND = 0.2  # rad by which a sole turns within a plate: five a waypoint of a rou
 TOUCHING, PIECE = 8, 4  # plates in the sand under who stands, and in each piece of the sole there
 LEADING = 4.0  # times more plates where only faces that lead feel sand
 NORMAL = 2.0  # ... where the force depends on their normals or on which are hidden, or bristles hold them
-HEAPED = 4.0  # ... where feet may come down on heaps and prints
-GRAZING = 0.25  # times the step, and its control once more, of such feet
+HEAPED = 4.0  # ... where there are heaps and prints
+GRAZING = 0.25  # times the step, and its control once more, of feet that may come down on these
 SHORT = 0.7  # of a step that the gait would make on firm ground: so far it slips
 SLOWEST = 0.05  # times the creep speed, at least: evaluations double where it is a fifth and feet are level
 CREPT = 0.03  # of the depth to which a level foot sinks: on hard sand so much at `standard`
@@ -107,7 +107,9 @@ def adapted(accuracy: Accuracy, scene: Scene, sole: Foot | Waypoints) -> Accurac
         dt=step * shorter * accuracy.dt,
         control=None if control is None else held * slower * control,
         creep=accuracy.creep * max(min(slower, _crept(scene, sole)) * slip, SLOWEST),
-        plates=_blocks(accuracy.plates, min(max(_finer(scene), HEAPED * heaps) * needed, MOST)),
+        plates=_blocks(
+            accuracy.plates, min(max(_finer(scene), HEAPED * (Footprints in kinds)) * needed, MOST)
+        ),
         adapt=False,
     )
 
