@@ -18,8 +18,8 @@ Some things make a walk harder than those, and each is a rule here:
   Where there are such, or more plates than the preset's, steps are half as long and held to a quarter of the
   control.
 - With footprints blows are short, too. A foot touches heaps with few plates and grazes them: there are
-  `HEAPED` times more, and the creep speed is `SLOWER` twice more. Where steps are so short that a foot may come
-  down on a print (`SHORT`), time steps and their control are `GRAZING` times as large once more.
+  `HEAPED` times more, and the creep speed is `SLOWER` twice more. Where steps are so short that a foot may
+  come down on a print (`SHORT`), time steps and their control are `GRAZING` times as large once more.
 """
 
 from __future__ import annotations
