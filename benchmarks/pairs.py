@@ -38,7 +38,7 @@ def rows(name):
     own = {name_of(effect) for effect in scene.effects if not isinstance(effect, LITERATURE)}
     for joint in interactions(effects, scene, space.random(FEET, seed=SEED, inside=True), space=space):
         names = ["own" if effect in own else effect.replace("_", " ") for effect in joint.names]
-        pair = "all" if len(names) > 2 else " + ".join(sorted(names, key="own".__ne__))
+        pair = "all" if len(names) > 2 else " + ".join(sorted(names, key=lambda name: (name != "own", name)))
         yield name, pair, max(joint.extra.tolist()), joint.worst, joint.lost
 
 
@@ -48,7 +48,7 @@ def table(made):
     names, pairs = (list(dict.fromkeys(part)) for part in zip(*every, strict=True))
     yield "| together | " + " | ".join(f"`{name}`" for name in names) + " |"
     yield "| --- " * (len(names) + 1) + "|"
-    for pair in pairs:
+    for pair in sorted(pairs, key=lambda pair: (pair == "all", pair.startswith("own"), pair)):
         cells = [
             percent(every[name, pair]).removesuffix(" %") if (name, pair) in every else "" for name in names
         ]
