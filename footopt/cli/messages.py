@@ -188,6 +188,8 @@ def _not_chosen(given: Mapping[str, str]) -> FootoptError:
     setting = next(
         n for n in given if n.startswith("effects.") and n.split(".")[1] not in given.get("effects", "")
     )
+    if setting not in known():
+        return _unknown(setting, given)
     value, effect = given[setting], setting.split(".")[1]
     hint = f"Try effects={effect} {setting}={value}"
     return SettingError(setting, value, f"given with the effect {effect}", hint)
@@ -207,7 +209,7 @@ def _unknown(key: str, given: Mapping[str, str]) -> FootoptError:
     close = meant(last, own) if own else ""
     if close:
         hint = f"Did you mean {own[close]}={value}?"
-    elif same:
+    elif same and not (own and "." in group):  # such as effects.slope: who knows it looks for one of its own
         hint = f"Did you mean {' or '.join(f'{name}={value}' for name in same)}?"
     elif own:
         hint = f"Those of {group}: {', '.join(own)}."

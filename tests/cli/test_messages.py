@@ -77,6 +77,8 @@ MISTAKES = {
     "sand=soft,hard": "sand = 'soft,hard': must be one choice. For a run of each: footopt -m sand=soft,hard",
     "effects=slope,inertia": "For both at once: effects=[slope,inertia]",
     "effects.slope.angle=5": "Try effects=slope effects.slope.angle=5",
+    "effects.slope.zeta=5": "effects.slope.zeta: there is no such setting. Those of effects.slope: angle.",
+    "effects=slope effects.slope.zeta=5": "Those of effects.slope: angle.",
     "-m sand.zeta=interval(1,2)": "sand.zeta=interval(1,2): a multirun needs single values. Try 1,2,3 or",
     "sand soft": "sand: settings are given as name=value. Try sand=soft",
     "optimize": "optimize: settings are given as name=value. Try study=optimize",
