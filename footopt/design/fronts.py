@@ -139,11 +139,11 @@ def reached(inward: Reals, rays: Reals) -> tuple[Array, Ints]:
     """How far a front reaches along each ray, and by which of its designs, (rays,) each; inward: -F.
 
     Rays are halved into cones; along those of a cone only designs are looked at that reach as far along the
-    cone's farthest ray as some design does along all of them.
+    cone's farthest ray as some design does along all of them. A front of no designs reaches 0.
     """
     best, which, steep = np.zeros(len(rays)), np.zeros(len(rays), np.int64), 1.0 / rays
     todo = [(np.arange(len(inward)), np.fmax(inward.T, 0.0), np.arange(len(rays)))]
-    while todo:
+    while todo and len(inward):
         near, front, cone = todo.pop()
         ends = steep[cone].min(axis=0), steep[cone].max(axis=0)
         stay = np.flatnonzero(_least(front, ends[1]) >= _least(front, ends[0]).max())
