@@ -16,7 +16,7 @@ from footopt.files.run import plain
 #: What a run may change when it goes on: how long, where and with what it ends, not what is searched.
 CHANGEABLE = (
     "solver.n_gen", "solver.walks", "stop", "engine", "report", "choose", "study.confirm", "study.finalists",
-    "study.store", "study.certify", "study.reuse", "study.video", "study.watch", "foot.block", "plugins",
+    "study.store", "study.certify", "study.reuse", "study.video", "foot.block", "plugins",
 )  # fmt: skip
 
 LOG = "footopt.log"  # Hydra's, of what is logged

@@ -5,9 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable
-from contextlib import ExitStack
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -36,7 +34,6 @@ from footopt.foot import Foot, Waypoints
 from footopt.report import figures, page, terminal
 from footopt.report.figures.search import FRONT, history_label
 from footopt.report.numbers import objective_quantity
-from footopt.report.page.live import watched
 from footopt.report.progress import report_generations
 from footopt.studies import ranks
 from footopt.studies.auto_effects import choose_effects
@@ -54,12 +51,6 @@ LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
 
 def run(study: Study) -> Answer:
     """Search, then walk with the best foot and leave everything about it; returns its objectives."""
-    with ExitStack() as watching:
-        return _run(study, watching)
-
-
-def _run(study: Study, watching: ExitStack) -> Answer:
-    """`run`, watched until its page is written."""
     config, options = study.config, study.options
     check_searchable(config.foot)
     check_film(study)
@@ -78,12 +69,6 @@ def _run(study: Study, watching: ExitStack) -> Answer:
     finer = study.finer_accuracy
     with study.compiling():
         flat = simulate(Foot.flat(problem.space), scene, finer)
-    server = None
-    if options.watch:
-        entry = {"settings": study.settings, **scene_entry(scene, problem.accuracy, problem.record)}
-        most = int(min(solver.designs, problem.space.K**problem.space.n))
-        store = Path(options.store or study.folder / "designs.sqlite")
-        server = watching.enter_context(watched(study.folder, store, problem, most, entry, study.say))
     result, confirmed, certificate = _search(study, problem, solver, stop, flat.objectives["efficiency"])
     k = result.k[confirmed.designs[0]]
     best = dataclasses.replace(Foot.from_waypoints(k, problem.space), name=f"best of {solver.name}")
@@ -125,8 +110,6 @@ def _run(study: Study, watching: ExitStack) -> Answer:
         )
         shown = page.search_content(result, confirmed, walk, flat, others, record)
         page.write(study.folder / "report.html", shown | study.origin)
-    if server is not None:
-        server.end()
     write_film(study, walk)
 
     several = problem.n_obj > 1

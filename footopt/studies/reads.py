@@ -30,7 +30,7 @@ SEARCH = (*SPACE, "foot.shape", "foot.k", "accuracy", "objective", "solver", "en
 READS: dict[str, tuple[str, ...]] = {
     "optimize": (
         *SCENE, *SEARCH, "choose", "stop", "foot.block",
-        *(f"study.{n}" for n in ("video", "start", "certify", "watch", "spread.zeta")),
+        *(f"study.{n}" for n in ("video", "start", "certify", "spread.zeta")),
     ),
     "simulate": (*SCENE, "foot", "accuracy", "objective.names", "study.run", "study.video", ZETA),
     "accuracy": (*WORLD, *SPACE, "solver.seed", "study.feet", "study.quick", ZETA),
@@ -63,7 +63,6 @@ READS: dict[str, tuple[str, ...]] = {
     "validate": ("study.cases",),
     "calibrate": ("study.tests", "sand.name", "sand.coefficients", "sand.table"),
     "credibility": (),
-    "watch": ("study.run",),
 }  # fmt: skip
 
 #: Studies that walk with one foot, of any shape.

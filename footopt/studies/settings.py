@@ -85,7 +85,6 @@ class StudyConfig:
     confirm: str | None = setting(
         "fine", "Accuracy at which finalists are walked again; null: the search's, under no other law."
     )
-    watch: bool = setting(False, "Whether a browser on this machine shows the search while it runs.")
     start: list[int] | None = setting(
         None, "Heights of the sole that a search begins with, or of several in a row."
     )

@@ -55,7 +55,6 @@ SMALL = {
     "calibrate": {},
     "atlas": {"study.cells": "2"},
     "credibility": {},
-    "watch": {},
     "shapes": {"accuracy": "draft"},
     "accuracy": {"study.feet": "2", "study.quick": "true"},
     "stability": {"study.cases": "['standing, zeta 5','2 kg']", "study.methods": "[sdirk2,explicit_euler]"},
@@ -253,7 +252,7 @@ class TestSettings:
 
 def only_composed(arguments):
     """Whether a command is not run: it needs Slurm or a search that runs, or is not all there."""
-    clusters = ("study=watch", "hydra/launcher=submitit_slurm", "hydra/launcher=cluster", "engine=dask")
+    clusters = ("hydra/launcher=submitit_slurm", "hydra/launcher=cluster", "engine=dask")
     return arguments[-1:] == ("...",) or any(word in clusters for word in arguments)
 
 
@@ -313,12 +312,6 @@ def place(tmp_path_factory):
     return folder
 
 
-@pytest.fixture(autouse=True)
-def _no_browser(monkeypatch):
-    """A search that is watched opens none."""
-    monkeypatch.setattr("webbrowser.open", bool)
-
-
 @pytest.fixture
 def c3d(place):
     """walk.c3d: the built-in gait as a camera system records it."""
@@ -369,8 +362,7 @@ RUN = chosen()
 def test_every_study_is_run_and_a_multirun():
     """Each has to leave report.html there."""
     studies = {word.partition("=")[2] for arguments in RUN for word in arguments if word.startswith("study=")}
-    # the one that needs no name, and the one that needs a search that runs
-    assert studies | {"optimize", "watch"} == {*STUDIES}
+    assert studies | {"optimize"} == {*STUDIES}
     assert any("-m" in arguments for arguments in RUN)
 
 

@@ -41,7 +41,7 @@ function explorer(choose, beside, glimpse) {
   const every = Array.from({ length: COUNT }, (_, i) => i), passes = new Uint8Array(COUNT), ends = new Map();
   /** The smallest and the largest of the designs that are shown, and of the flat foot. */
   const endsOf = (c) => ends.get(c) ?? ends.set(c, range([...state.shown.map(c.of), data.jobs ? NaN : c.flat], 0)).get(c);
-  const state = { until: Infinity, limits: new Map(), chosen: data.best, shown: [], passing: [], near: -1 };
+  const state = { limits: new Map(), chosen: data.best, shown: [], passing: [], near: -1 };
   const wide = el("div", { class: "plot brush", id: "parallel" });
   const flat = el("div", { class: "plot brush", id: "scatter" });
   const count = el("p", { id: "count", role: "status" });
@@ -61,9 +61,9 @@ function explorer(choose, beside, glimpse) {
     walked: { title: "those whose walk is on this page", has: (i) => walked.has(i) },
   };
   const which = el("select", { id: "which", change: () => filter() }, ...Object.entries(SETS)
-    .filter(([name]) => (name !== "front" || front.size || data.live) && (name !== "walked" || (walked.size && !P.sand)))
+    .filter(([name]) => (name !== "front" || front.size) && (name !== "walked" || (walked.size && !P.sand)))
     .map(([value, { title }]) => el("option", { value }, title)));
-  if (front.size || (data.live && data.objectives.length > 1)) which.value = "front";
+  if (front.size) which.value = "front";
   const clear = el("button", { type: "button", id: "clear", click: () => { state.limits.clear(); filter(); } }, "Clear limits");
   const fields = new Map(COLUMNS.map((c) => [c.name, [0, 1].map((end) => el("input", {
     type: "number", step: "any", "aria-label": `${end ? "largest" : "smallest"} ${named(c)}`,
@@ -135,7 +135,7 @@ function explorer(choose, beside, glimpse) {
   function filter(same = false) {
     if (!same) {
       const { has } = SETS[which.value];
-      state.shown = every.filter((i) => feasible[i] && !(generation?.[i] > state.until) && has(i));
+      state.shown = every.filter((i) => feasible[i] && has(i));
       ends.clear();
     }
     const limits = [...state.limits].map(([name, pair]) => [columnOf(name).of, ...pair]);
@@ -178,7 +178,7 @@ function explorer(choose, beside, glimpse) {
       ...(data.jobs || state.chosen === data.best ? [] : [[data.best, "var(--best)", 2.5, BEST]]),
       data.jobs ? [state.chosen, COLOURS[state.chosen % COLOURS.length], 4, ""] : state.chosen === data.best ? [data.best, "var(--best)", 3, BEST] : [state.chosen, "var(--chosen)", 3, "chosen"],
       [state.near, "var(--ink)", 1.5, ""],
-    ].flatMap(([i, ...more]) => (feasible[i] && !(generation?.[i] > state.until) ? marks(i, ...more) : []))));
+    ].flatMap(([i, ...more]) => (feasible[i] ? marks(i, ...more) : []))));
     overlays.get(holder)();
   }
   const mark = () => overlays.forEach((draw) => draw());
@@ -338,10 +338,5 @@ function explorer(choose, beside, glimpse) {
     });
   }
   section.addEventListener("keydown", (event) => event.key === "Escape" && clear.click());
-  /** Show what was there at the end of a generation. */
-  function until(last) {
-    state.until = last;
-    filter();
-  }
-  return { section, filter, until, redraw, mark: (i) => { state.chosen = i; mark(); } };
+  return { section, filter, redraw, mark: (i) => { state.chosen = i; mark(); } };
 }

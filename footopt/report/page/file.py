@@ -25,7 +25,7 @@ from footopt.report.style import PALETTE
 STYLES = ("page.css",)
 SCRIPTS = (  # in this order: each uses those before it
     "tools.js", "soles.js", "contact.js", "simulate.js", "stage.js", "walk.js", "explore.js",
-    "draw.js", "live.js", "main.js",
+    "draw.js", "main.js",
 )  # fmt: skip
 
 

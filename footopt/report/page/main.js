@@ -140,12 +140,12 @@ function glance() {
 /** How a search got there: convergence, and each design that was the best for a while. */
 function searchSection(choose) {
   const holder = el("div", { class: "plot" }), several = data.objectives.length > 1;
-  const draw = (now = Infinity) => {
+  const draw = () => {
     const shown = several ? (v) => v ?? NaN : (v) => guide.show(v ?? NaN);
     const rows = data.history, at = rows.map((r) => r.evaluations), bests = rows.map((r) => shown(r.best)), last = bests.at(-1);
     const steps = (all) => all.flatMap((v, i) => (i ? [all[i - 1], v] : [v])), ends = at.flatMap((v, i) => (i ? [v, v] : [v]));
     const a = plot(holder, { x: [0, at.at(-1)], xlabel: "evaluations", height: 260, left: 84, label: "Convergence of the search; the table below has the numbers",
-      ylabel: several ? `hypervolume (1: box of the first ${data.live ? "designs" : "generation"})` : `${named(guide)}: best so far` }, [
+      ylabel: several ? `hypervolume (1: box of the first generation)` : `${named(guide)}: best so far` }, [
       { x: at, y: rows.map((r) => shown(r.median)), name: "median of the generation", ink: "var(--grey)", stroke: "var(--flat)", "stroke-dasharray": "6 4" },
       { x: ends, y: steps(bests), name: several ? "hypervolume" : "best so far", stroke: "var(--best)", "stroke-width": 2.2 },
     ], (x) => {
@@ -153,7 +153,6 @@ function searchSection(choose) {
       return r ? `${r.evaluations} evaluations: ${number(shown(r.best))}${Number.isFinite(r.median ?? NaN) ? `, median ${number(shown(r.median))}` : ""}` : null;
     });
     if (Number.isFinite(last)) a.svg.append(svg("circle", { cx: a.X(at.at(-1)), cy: a.Y(last), r: 3.5, fill: "var(--best)" }));
-    if (now < rows.length) a.svg.append(svg("line", { class: "cursor", x1: a.X(at[now]), x2: a.X(at[now]), y1: a.inside.top, y2: a.inside.bottom }));
   };
   const buttons = data.lineage.map((i) => el("button", { type: "button", "aria-pressed": String(i === data.best), "data-design": i, click: () => choose(i) },
     soleDrawing(sole(i), { width: 136, height: 32, plain: true }),
@@ -255,8 +254,6 @@ function build() {
   if (COUNT) { choose(data.best); drawings.push(design.redraw); }
   if (walks) drawings.push(walks.redraw);
   if (small) drawings.push(() => small.show());
-  if (generation && explore && data.history?.length > 1) rewinding(explore, found);
-  if (data.live) follow(explore, found);
 }
 build();
 if (sketch) requestAnimationFrame(() => requestAnimationFrame(() => document.body.classList.add("built"))); // sections have their sizes then
