@@ -30,6 +30,8 @@ EFFECTS = {
     "slope": (fo.Slope(),),
     "all": (fo.Layers(), fo.Patches(), fo.LeadingEdge(), fo.Inertia(), fo.Slope()),
 }
+#: Effects that are walked in three sands, at two presets, by fewer feet.
+FEWER = {"rest": (fo.Rest(),), "shadowing": (fo.Shadowing(hull="sole"),)}
 #: How many of the 200 feet walk at each preset: the finer, the fewer.
 FEET = {"draft": 200, "standard": 200, "fine": 40, "reference": 2}
 STEPPERS = {
@@ -68,6 +70,9 @@ def cases():
         yield f"{sand}, a light walker", feet[:40], light, "standard"
         closed = fo.Foot.shape("circle", closed=True)
         yield f"{sand}, a closed circle", [closed], replace(scene, effects=(fo.LeadingEdge(),)), "standard"
+        for effects, chosen in FEWER.items():
+            for preset in ("draft", "standard"):
+                yield f"{sand}, {effects}, {preset}", feet[:40], replace(scene, effects=chosen), preset
 
 
 def measured(feet, scene, accuracy):
