@@ -52,7 +52,6 @@ READS: dict[str, tuple[str, ...]] = {
         *(f"study.{n}" for n in ("scenarios", "draws", "measure", "tail", "spread", "quick")),
     ),
     "codesign": (*WORLD, *SEARCH, "study.speed", "study.quick", ZETA),
-    "atlas": ("study.run", "study.reuse", "study.descriptors", "study.cells"),
     "sensitivity": (
         *SCENE, "foot", "accuracy", "solver.seed",
         *(f"study.{n}" for n in ("samples", "spread", "foot_spread", "quick")),

@@ -123,10 +123,6 @@ class StudyConfig:
         "What counts of the loss over the scenarios: worst, mean, or tail (of the worst share).",
     )
     tail: float = setting(default(RobustProblem, "tail"), "The share of study.measure=tail.")
-    descriptors: list[str] = setting(
-        ["hollow", "maximum_sinkage"], "What a map of soles goes by, along and across: two measures."
-    )
-    cells: int = setting(10, "How many cells the map has along each of the two.")
     speed: float | None = setting(
         None, "Speed that a walk has to reach, m/s; null: that of the gait as given."
     )

@@ -53,7 +53,6 @@ SMALL = {
     "compare": {},
     "doctor": {},
     "calibrate": {},
-    "atlas": {"study.cells": "2"},
     "credibility": {},
     "shapes": {"accuracy": "draft"},
     "accuracy": {"study.feet": "2", "study.quick": "true"},
