@@ -1,6 +1,6 @@
 """What each part of the default search is worth: `memetic` without one after the other, counted in walks.
 
-`python benchmarks/ablation.py` searches the scenes of `other_optimisers.py`, and keeps its rows in the same
+`python benchmarks/ablation.py` searches the scenes of `solvers.py`, and keeps its rows in the same
 file, `outputs/optimisers.csv`, so that all are judged by the same best known soles. With --quick: one scene,
 one seed, 100 walks.
 """
@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from other_optimisers import BASE, MANY, main
+from solvers import main
 
 from footopt.design import SINGLE, SOLVERS
 from footopt.design.solvers.memetic import CROSSED, NORMAL, TWICE, Memetic, like
@@ -71,4 +71,4 @@ if __name__ == "__main__":
     for name, solver in VARIANTS.items():
         SOLVERS[name] = lambda given, n_obj, solver=solver: solver(given.pop_size)
         SINGLE.append(name)
-    main(dict.fromkeys((BASE, *VARIANTS), MANY), __doc__)
+    main(("memetic", *VARIANTS), __doc__)

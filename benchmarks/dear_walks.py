@@ -16,7 +16,8 @@ from pathlib import Path
 
 import numpy as np
 from measure import arguments
-from other_optimisers import best_by_scene, draw, improvements, tables
+from solvers import draw, improvements
+from solvers import table as printed
 
 import footopt as fo
 
@@ -83,7 +84,8 @@ def main() -> None:
                         if new:
                             writer.writeheader()
                         writer.writerow(row)
-    tables(rows, best_by_scene(rows), (30,) if given.quick else tuple(sorted(WALKS.values())))
+    for walks in (30,) if given.quick else sorted(WALKS.values()):
+        printed(rows, walks)
     print()
     for name in given.only:
         own = [row for row in rows if row["optimiser"] == name]

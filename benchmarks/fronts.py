@@ -1,4 +1,4 @@
-"""Which solver covers most of a front? On the scenes of `other_optimisers.py`.
+"""Which solver covers most of a front? On the scenes of `solvers.py`.
 
 `python benchmarks/fronts.py` gives every solver 2,500 walks in each of ten random scenes that none was tuned
 on: of the five objectives, or with `--objectives 2` or `3` of as many, drawn for each scene. Each front is a
@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 from measure import arguments
-from other_optimisers import FIRST_SCENE, draw
+from solvers import FIRST_SCENE, draw
 
 import footopt as fo
 from footopt.design.fronts import hypervolume_shares

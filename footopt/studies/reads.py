@@ -43,10 +43,6 @@ READS: dict[str, tuple[str, ...]] = {
         *(f"study.{n}" for n in ("seeds", "samples", "shape_sand", "mount", "peak_power", "speed_loss",
                                  "leading_edge", "shadowing", "footprints", "confirm", "quick")),
     ),
-    "trust": (
-        *WORLD, *SPACE, "accuracy", "solver.pop_size", "solver.seed", "study.seeds", "study.solvers",
-        "study.budget", "study.scenes", "study.quick",
-    ),
     "robust": (
         *SCENE, *SEARCH,
         *(f"study.{n}" for n in ("scenarios", "draws", "measure", "tail", "spread", "quick")),

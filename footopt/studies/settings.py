@@ -113,9 +113,6 @@ class StudyConfig:
         None, "Which hull hides what lies in a groove: sole, motion (effects.shadowing.hull); null: none."
     )
     footprints: bool = setting(False, "Whether feet meet sand that others have moved.")
-    solvers: list[str] | None = setting(None, "Names of the solvers that are compared; null: all.")
-    budget: int = setting(3000, "Walks of each search: different designs.")
-    scenes: int = setting(10, "How many scenes are drawn at random.")
     scenarios: str = setting("sands", "What one foot is for: sands, laws, or drawn about the scene.")
     draws: int = setting(16, "How many scenarios are drawn.")
     measure: str = setting(

@@ -15,14 +15,14 @@ from itertools import zip_longest
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.effects import Effect, Inertia, LeadingEdge, Shadowing, Slope
+from footopt.effects import Effect, LeadingEdge, Shadowing
 from footopt.errors import check
 from footopt.foot import Waypoints
 from footopt.gait import Gait
 from footopt.gait.fourier import Fourier
 from footopt.kinds import says_kinds
 from footopt.sand import Sand
-from footopt.walk.scene import Scene, Walker
+from footopt.walk.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -183,32 +183,6 @@ def draw(scene: Scene, spread: Spread, count: int, seed: int = 1) -> tuple[Scena
     strata = np.stack([rng.permutation(count) for _ in COLUMNS], axis=1)
     normals = ndtri((strata + rng.random(strata.shape)) / count)
     return tuple(vary(scene, spread, row, f"draw {i}") for i, row in enumerate(normals, start=1))
-
-
-def anything(seed: int, name: str = "random") -> Scenario:
-    """A scene that was chosen by nobody: gait, walker, sand and effects drawn at random.
-
-    The gait is the built-in one with other angles (4 deg at every phase), swing (15 %) and period (15 %); the
-    foot turns with the shank, or as measured. The mass is from 25 to 120 kg, the legs are 0.7 to 1.2 times as
-    long as the default ones, zeta is from 0.3 to 20. Inertia, leading edge, shadowing and a slope from -8 to
-    8 deg are there or not, each by the toss of a coin.
-
-    Parameters
-    ----------
-    seed : int
-        The same seed draws the same scene.
-    name : str
-        Of the scenario.
-    """
-    rng = np.random.default_rng(seed)
-    wide = Spread(zeta=0.0, mass=0.0, period=0.15, stride=0.15, angles=4.0, ankle_x=0.0, ankle_z=0.0)
-    gait = Gait.human(pitch=str(rng.choice(["shank", "measured"])))
-    legs, mass, zeta = rng.uniform(0.7, 1.2), 25.0 * 4.8 ** rng.random(), 0.3 * 66.7 ** rng.random()
-    pool: tuple[Effect, ...] = (Inertia(), LeadingEdge(), Shadowing(), Slope(float(rng.uniform(-8.0, 8.0))))
-    effects = tuple(effect for effect, on in zip(pool, rng.integers(0, 2, len(pool)), strict=True) if on)
-    walker = Walker(mass=mass, l1=0.47 * legs, l2=0.45 * legs)
-    scene = Scene(Sand(float(zeta)), gait, walker, effects=effects)
-    return vary(scene, wide, rng.normal(size=len(COLUMNS)), name)
 
 
 def vary(scene: Scene, spread: Spread, normals: Array, name: str = "varied") -> Scenario:

@@ -42,7 +42,7 @@ ENGINES = {
 }
 HERE = ["engine=local", "engine.workers=null"]
 #: A space that is walked whole takes other words.
-WHOLE = [*(w for w in BRIEF if not w.startswith(("foot", "solver"))), "foot=small", "foot.n=4", "foot.K=4",
+WHOLE = [*(w for w in BRIEF if not w.startswith(("foot", "solver"))), "foot.n=4", "foot.K=4",
          "solver.pop_size=16"]  # fmt: skip
 
 pytestmark = pytest.mark.slow

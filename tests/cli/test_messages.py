@@ -263,7 +263,6 @@ UNREAD = {
     "engine.timeout=3": "It is read by engine=dask.",
     "study=robust study.tail=.3": "It is read by study.measure=tail.",
     "study=robust sand=soft": "It is read by study.scenarios=drawn, laws.",
-    "study=trust solver=ga": "solver.name = 'ga': must be left out",
     "study=doctor planet=moon": "walker.g = 1.62: must be left out: study=doctor does not read it",
 }
 

@@ -7,10 +7,10 @@ import engines
 import large_search
 import numpy as np
 import numpy_walk
-import other_optimisers
 import overhead
 import plate_loop
 import pytest
+import solvers
 from measure import feet, scene
 
 import footopt as fo
@@ -44,19 +44,19 @@ def test_the_c_loop_gives_the_same_sums(library, jacobian):
 @pytest.mark.parametrize("name", ["memetic", "ga", "pymoo_de"])
 def test_a_search_has_its_walks_and_no_more(name):
     problem = fo.FootProblem(accuracy=fo.Accuracy(dt=1e-2, plates=20))
-    bests = other_optimisers.searched(name, problem, 60, 1, -1.0)
+    bests = solvers.searched(name, problem, 60, 1)
     few = 30 if name == "ga" else 60  # it counts soles outside their box, too
     assert few <= len(bests) <= 60
     assert bests == sorted(bests, reverse=True)
 
 
 def test_expected_walks_are_those_of_searches_begun_anew():
-    improved = other_optimisers.improvements([-1.0, -1.0, -3.0, -3.0])
+    improved = solvers.improvements([-1.0, -1.0, -3.0, -3.0])
     assert improved == "1:-1.0 3:-3.0"
-    assert [other_optimisers.hit(improved, -3.0, walks) for walks in (2, 3)] == [None, 3]
-    assert other_optimisers.regret(improved, -4.0, 4) == 0.25
-    assert other_optimisers.expected([3, None, 5], 100) == 54.0
-    assert other_optimisers.expected([None], 100) == 200.0
+    assert [solvers.of_best(improved, -3.0, walks)[0] for walks in (2, 3)] == [None, 3]
+    assert solvers.of_best(improved, -4.0, 4) == (None, 0.25)
+    assert solvers.expected([3, None, 5], 100) == 54.0
+    assert solvers.expected([None], 100) == 200.0
 
 
 def test_the_shares_of_a_search_add_up():

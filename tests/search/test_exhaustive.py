@@ -1,4 +1,4 @@
-"""The true optimum: every design of a small space, moves that suit a spline, and solvers judged by both."""
+"""The true optimum: every design of a small space, and moves that suit a spline."""
 
 from functools import partial
 
@@ -12,11 +12,9 @@ from searching import QUICK, stop_after
 import footopt as fo
 from footopt.design import Solver, exhaustive, search
 from footopt.design.exhaustive import batches
-from footopt.design.peers import PEERS, asked_by
 from footopt.design.pymoo_problem import PymooProblem
 from footopt.design.solvers.moves import ExchangeRun, ShiftRun, shifts
-from footopt.design.truth import Attempt, Tabulated, expected_walks, judge, judge_designs, walk_all
-from footopt.errors import FootoptError, MissingError, SettingError
+from footopt.errors import FootoptError, SettingError
 from footopt.walk.scenarios import sands
 
 SPACE = fo.Waypoints(n=4, K=4)
@@ -165,85 +163,6 @@ class TestMemetic:
         known = p.minimised(p.evaluate([best]).values)[0, 0]
         found = search(p, seed=1)
         assert found.column("efficiency")[found.best] <= 0.999 * known
-
-
-class TestTruth:
-    @pytest.fixture(scope="class")
-    @classmethod
-    def truths(cls):
-        walked = walk_all(problem("pareto"))
-        return [Tabulated(problem("pareto"), walked, name) for name in ("efficiency", "pareto")]
-
-    @pytest.mark.parametrize(("which", "name"), [(0, "ga"), (1, "nsga2")])
-    def test_a_solver_finds_the_same_in_the_table_as_by_walking(self, truths, which, name):
-        a = search(truths[which], name, pop_size=12, n_gen=5, seed=2)
-        b = search(problem(truths[which].names), name, pop_size=12, n_gen=5, seed=2)
-        np.testing.assert_array_equal(a.k, b.k)
-        np.testing.assert_array_equal(a.values, b.values)
-        np.testing.assert_array_equal(a.front, b.front)
-
-    def test_the_optimum_is_that_of_the_enumeration(self, truths):
-        r = search(problem(), "exhaustive")
-        assert truths[0].optimum == r.column("efficiency")[0]
-        assert truths[0].best_k.tolist() == r.k[0].tolist()
-        assert truths[0].feasible == r.evaluations
-
-    def test_the_exact_front_has_all_of_its_hypervolume_and_a_part_less(self, truths):
-        truth = truths[1]
-        found = truth.evaluate(EVERYTHING)
-        f = truth.minimised(found.values)[(truth.constraints(*found) <= 0).all(axis=1)]
-        assert truth.hypervolume(f) == pytest.approx(1)
-        assert 0 < truth.hypervolume(f[:20]) < 1
-        assert truth.front.min() == 0.0
-        assert truth.front.max() == 1.0
-
-    def test_a_run_that_sees_everything_has_no_regret_and_the_whole_front(self, truths):
-        single = judge(search(truths[0], "memetic", pop_size=40, n_gen=100, seed=1), truths[0])
-        assert single.hit
-        assert 1 <= single.within_at <= single.walks <= 256
-        assert single.checkpoints == ()
-        several = judge(search(truths[1], "nsga2", pop_size=40, n_gen=30, seed=1), truths[1])
-        shares = [share for _, share in several.checkpoints]
-        assert shares == sorted(shares)
-        assert several.hypervolume == shares[-1] > 0.9
-
-    def test_a_poor_run_has_a_regret(self, truths):
-        poor = judge(search(truths[0], "ga", pop_size=4, n_gen=1, seed=3), truths[0])
-        assert not poor.hit
-        assert poor.regret > 0
-        assert np.isnan(poor.within_at)
-
-    def test_designs_that_are_asked_for_again_are_no_walks(self, truths):
-        result = search(truths[1], "nsga2", pop_size=40, n_gen=30, seed=1)
-        attempt = judge(result, truths[1])
-        assert attempt.walks == len(np.unique(result.k, axis=0)) < 40 * 30
-        assert attempt.checkpoints[-1][0] == attempt.walks
-
-    def test_the_expected_walks_are_those_of_runs_that_start_again(self, truths):
-        """Two runs of 100 walks each, one with a hit after 40: it takes 140 walks a hit."""
-        hit = Attempt("a", 1, walks=100, regret=0.0, within_at=40.0)
-        miss = Attempt("a", 2, walks=100, regret=0.1, within_at=np.nan)
-        assert expected_walks([hit, miss]) == 140
-        assert expected_walks([hit]) == 40
-        assert expected_walks([miss]) == np.inf
-
-    @pytest.mark.slow
-    @pytest.mark.filterwarnings("ignore")  # the other libraries' own
-    @pytest.mark.parametrize("name", PEERS)
-    def test_peers_ask_for_different_designs_in_their_box_within_their_budget(self, truths, name):
-        try:
-            found, again = (asked_by(name, truths[0], 40, 1) for _ in range(2))
-        except MissingError as error:
-            pytest.skip(str(error))
-        k = np.array(found.designs)
-        assert len(np.unique(k, axis=0)) == len(k) == len(found.bests) <= 40
-        assert len(k) >= 30  # a swarm asks for the same again and again
-        assert SPACE.inside(k).all()
-        np.testing.assert_array_equal(k, again.designs)
-
-    def test_a_peer_that_has_everything_has_found_the_best(self, truths):
-        assert judge_designs("everything", 1, EVERYTHING, truths[0]).regret == 0.0
-        assert min(asked_by("random", truths[0], 10**4, 1).bests) == truths[0].optimum
 
 
 def test_every_sole_is_kept_and_read_again(tmp_path):
