@@ -5,17 +5,14 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from concurrent.futures import Executor
-from functools import partial
-from typing import Any
 
 import numpy as np
 
 from footopt.design.executor import Chunks, Failed, Walked, attempt
 from footopt.design.problem import Array, FootProblem, Ints, Words
-from footopt.design.store import BEATEN, ERROR, Evaluation, Store
+from footopt.design.store import ERROR, Evaluation, Store
 from footopt.errors import FootoptError
 from footopt.foot.waypoints import written
-from footopt.walk.metrics import Ends
 
 log = logging.getLogger("footopt")
 
@@ -64,9 +61,7 @@ class Evaluator:
     Attributes
     ----------
     reused : int
-        Designs that were read. One that had broken the program, or was stopped, is walked again.
-    ends : Ends or None
-        What stops walks from now on, in place of what the problem says.
+        Designs that were read. One that had broken the program is walked again.
     """
 
     def __init__(
@@ -75,14 +70,13 @@ class Evaluator:
         if store is not None and store.problem is not problem:
             raise ValueError("the store was opened for another problem than the one that is searched")
         self.problem, self.store, self.executor, self.reused = problem, store, executor, 0
-        self._batch: Callable[..., Any] = self._here if executor is None else Chunks(problem, executor)
-        self.ends: Ends | None = None
+        self._batch: Batch = self._here if executor is None else Chunks(problem, executor)
         self._works = False  # whether a design has been walked without breaking the program
 
     def __call__(self, k: Ints) -> tuple[Array, Words]:
         """Recorded values (designs, record) and why each walk failed, or "", of designs (designs, n)."""
         known = [None] * len(k) if self.store is None else self.store.get(k.tolist())
-        found = {i: e for i, e in enumerate(known) if e is not None and e.reason not in (ERROR, BEATEN)}
+        found = {i: e for i, e in enumerate(known) if e is not None and e.reason != ERROR}
         self.reused += len(found)
         if unknown := [i for i in range(len(k)) if i not in found]:
             walked = self._walk(k[unknown])
@@ -93,13 +87,11 @@ class Evaluator:
             [found[i].reason for i in range(len(k))]
         )
 
-    def _here(self, k: Ints, ends: Ends | None) -> list[tuple[Ints, Walked | Failed]]:
-        return [(np.arange(len(k)), attempt(self.problem, k, ends))]
+    def _here(self, k: Ints) -> list[tuple[Ints, Walked | Failed]]:
+        return [(np.arange(len(k)), attempt(self.problem, k))]
 
     def _walk(self, k: Ints) -> list[Evaluation]:
-        values, reasons, messages = walk_safely(
-            partial(self._batch, ends=self.ends), k, len(self.problem.record)
-        )
+        values, reasons, messages = walk_safely(self._batch, k, len(self.problem.record))
         if len(messages) == len(k) and not (self._works or self.reused):
             raise FootoptError(
                 f"All {len(k)} designs of the first generation break the program ({messages[0]}). "

@@ -25,7 +25,6 @@ from footopt.design.context import context, differences, digest, listed
 from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.starting import end_fork_server, within
 from footopt.errors import FootoptError
-from footopt.walk.metrics import Ends
 from footopt.walk.simulate import available_threads
 
 OVERHEAD = 1e-3  # s that a chunk costs whoever hands it out, whatever it holds; an executor may know better
@@ -64,10 +63,10 @@ class Refused(NamedTuple):
     message: str
 
 
-def attempt(problem: FootProblem, k: Ints, ends: Ends | None = None) -> Walked | Failed:
+def attempt(problem: FootProblem, k: Ints) -> Walked | Failed:
     """Walk with designs (designs, n) in this process; raise what is no design's fault."""
     try:
-        return Walked(*(problem if ends is None else problem.stopping(ends)).walk(k))
+        return Walked(*problem.walk(k))
     except FootoptError:
         raise
     except (OSError, MemoryError) as error:
@@ -87,7 +86,7 @@ def machine_failed(error: Exception, when: str) -> FootoptError:
 handled = [0, 0]  # chunks that this process, a worker, has begun and ended
 
 
-def walk_chunk(name: str, content: bytes, k: Ints, ends: Ends | None = None) -> Walked | Failed | Refused:
+def walk_chunk(name: str, content: bytes, k: Ints) -> Walked | Failed | Refused:
     """What a worker does with a chunk: heights k, and the pickled problem, known by its context's digest.
 
     Errors are returned: not all of them survive being raised from one process to another.
@@ -96,7 +95,7 @@ def walk_chunk(name: str, content: bytes, k: Ints, ends: Ends | None = None) -> 
     try:
         problem = _loaded(name, content)
         started = time.perf_counter()
-        outcome = attempt(problem, k, ends)
+        outcome = attempt(problem, k)
     except FootoptError as error:
         return Refused(str(error))
     finally:
@@ -137,7 +136,7 @@ class Chunks:
         self.problem, self.executor = problem, executor
         self._cost = 0.0  # s a design, as the last batch took
 
-    def __call__(self, k: Ints, ends: Ends | None = None) -> list[tuple[Ints, Walked | Failed]]:
+    def __call__(self, k: Ints) -> list[tuple[Ints, Walked | Failed]]:
         """What became of which designs of a batch, by their places in it; raise if none is at fault.
 
         Those that were lost when an executor broke are one entry: which of them broke it is not known.
@@ -150,7 +149,7 @@ class Chunks:
         gone = False  # with the workers that had them
         try:
             for part in parts:  # one by one: what is under way is cancelled if another cannot be
-                futures.append(self.executor.submit(walk_chunk, name, content, k[part], ends))  # noqa: PERF401
+                futures.append(self.executor.submit(walk_chunk, name, content, k[part]))  # noqa: PERF401
             while wait(futures, timeout=1.0).not_done:
                 if gone := getattr(self.executor, "check", bool)():
                     break

@@ -9,9 +9,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
-from contextlib import nullcontext
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -21,12 +19,10 @@ from footopt.design.fronts import nondominated
 from footopt.design.problem import FootProblem, Ints
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import Solver
-from footopt.design.store import BEATEN
 from footopt.errors import SettingError
 from footopt.foot import Waypoints
 
 LIMIT = 20_000_000  # designs; two hours on two cores
-MARGINS = ("margin", "seen", "room", "reached")
 KEPT = 1000  # of the best designs by a single objective; of several, the whole front is kept
 
 
@@ -41,13 +37,10 @@ class Enumeration(SearchResult):
     counts : dict
         Designs by reason, "" for the feasible; those outside their box are not walked.
     evaluations : int
-        Designs that were walked, be it in part.
-    margins : dict, optional
-        Of a race: margin, seen, room and reached of `race.Race`.
+        Designs that were walked.
     """
 
     counts: dict[str, int] = field(default_factory=dict)
-    margins: dict[str, float] | None = None
 
     @property
     def designs(self) -> int:
@@ -56,18 +49,13 @@ class Enumeration(SearchResult):
 
     @property
     def infeasible(self) -> int:
-        """How many failed or leave their box, as far as is known."""
-        return self.designs - self.counts.get("", 0) - self.beaten
-
-    @property
-    def beaten(self) -> int:
-        """How many could not be among the best, and were not walked to the end (`FootProblem.race`)."""
-        return self.counts.get(BEATEN, 0)
+        """How many failed or leave their box, in all."""
+        return self.designs - self.counts.get("", 0)
 
     @property
     def failures(self) -> dict[str, int]:
         """How many designs are infeasible, by reason."""
-        return {reason: count for reason, count in self.counts.items() if reason not in ("", BEATEN)}
+        return {reason: count for reason, count in self.counts.items() if reason}
 
 
 def batches(space: Waypoints, size: int) -> Iterator[Ints]:
@@ -109,12 +97,11 @@ def enumerate_space(
     solver: Solver,
     progress: Callable[[Generation], object] | None,
     evaluator: Evaluator,
-    race: Any = None,
 ) -> Enumeration:
-    """Walk with every design of a space that is inside its box, or with a `race.Race` as far as it must.
+    """Walk with every design of a space that is inside its box.
 
     The solver's pop_size is the number of designs in memory at a time; `progress` is called after each
-    batch. The result is exact, unless `interrupted` or `stopped`, and as far as the margins of a race are.
+    batch. The result is exact, unless `interrupted` or `stopped`.
     """
     check_size(problem)
     started, space = time.perf_counter(), problem.space
@@ -125,39 +112,35 @@ def enumerate_space(
     interrupted, stopped = False, ""
     single = problem.n_obj == 1
     try:
-        with nullcontext(race) if race else problem.race(evaluator) as walk:
-            for number, k in enumerate(batches(space, solver.size), start=1):
-                violation, median = space.box_violation(k), nan
-                inside = violation <= space.box_tolerance * space.H
-                reasons = np.full(len(k), "box", dtype=object)
-                if inside.any():
-                    full = single and len(best.k) == KEPT
-                    values, why = walk(k[inside], problem.minimised(best.values)[-1, 0] if full else np.inf)
-                    reasons[inside] = verdicts = problem.verdicts(values, why, violation[inside])
-                    walked = Designs(k[inside], values, why, violation[inside], np.full(inside.sum(), number))
-                    feasible = walked.take(verdicts == "")
-                    best = best_of(best.joined(feasible), problem)
-                    if single and len(feasible.k):
-                        median = float(np.median(feasible.values[:, column]))
-                counts.update(reasons)
-                history.append(
-                    Generation(
-                        generation=number,
-                        evaluations=counts.total() - counts["box"],
-                        best=float(best.values[0, column]) if single and len(best.k) else nan,
-                        median=median,
-                        front=min(len(best.k), 1) if single else len(best.k),
-                        seconds=time.perf_counter() - started,
-                    )
+        for number, k in enumerate(batches(space, solver.size), start=1):
+            violation, median = space.box_violation(k), nan
+            inside = violation <= space.box_tolerance * space.H
+            reasons = np.full(len(k), "box", dtype=object)
+            if inside.any():
+                values, why = evaluator(k[inside])
+                reasons[inside] = verdicts = problem.verdicts(values, why, violation[inside])
+                walked = Designs(k[inside], values, why, violation[inside], np.full(inside.sum(), number))
+                feasible = walked.take(verdicts == "")
+                best = best_of(best.joined(feasible), problem)
+                if single and len(feasible.k):
+                    median = float(np.median(feasible.values[:, column]))
+            counts.update(reasons)
+            history.append(
+                Generation(
+                    generation=number,
+                    evaluations=counts.total() - counts["box"],
+                    best=float(best.values[0, column]) if single and len(best.k) else nan,
+                    median=median,
+                    front=min(len(best.k), 1) if single else len(best.k),
+                    seconds=time.perf_counter() - started,
                 )
-                if progress is not None and progress(history[-1]) is True:
-                    stopped = "by its progress"
-                    break
+            )
+            if progress is not None and progress(history[-1]) is True:
+                stopped = "by its progress"
+                break
     except KeyboardInterrupt:
         interrupted = True
     if not len(best.k):
-        if race and interrupted:
-            raise KeyboardInterrupt("before the race met one of the best")
         raise nothing_feasible(counts, interrupted, hint="")
     best = best.take(np.argsort(problem.ranked(best.values), kind="stable"))
     return Enumeration(
@@ -174,5 +157,4 @@ def enumerate_space(
         reused=evaluator.reused,
         stopped=stopped,
         counts=dict(counts),
-        margins=None if race is None else {name: getattr(race, name) for name in MARGINS},
     )

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Mapping, Sequence
 from copy import copy
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,38 +11,23 @@ from numpy.typing import NDArray
 
 from footopt.design.choice import Choice, excess
 from footopt.design.solvers import Solver
-from footopt.effects import Inertia, Layers, LeadingEdge, Patches, Slope
 from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Waypoints
 from footopt.kinds import says_kinds
-from footopt.sand import StressMap
 from footopt.walk.accuracy import Accuracy, resolve
-from footopt.walk.metrics import Ends
 from footopt.walk.objectives import FIVE, MEASURES, Objective, lookup
 from footopt.walk.scene import Scene
-from footopt.walk.simulate import NEVER, evaluate
+from footopt.walk.simulate import evaluate
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Words = NDArray[np.str_]
-#: Values (designs, record) and reasons of designs (designs, n), walked no further than the limit asks.
-Race = Callable[[Ints, float], tuple[Array, Words]]
 
 #: Objectives by the name of a set; any sequence of names from `MEASURES` will do as well.
 SETS: dict[str, tuple[str, ...]] = {"efficiency": ("efficiency",), "pareto": FIVE}
 
-TAKING = (Layers, Patches, LeadingEdge, Inertia, Slope)  # effects with which sand still gives no energy
-#: Of the work: at an instant of rest, a force that is not solved to rounding may give so little back.
-SPENT = 1e-3
-
 #: What is recorded of every design, whatever is optimised: the paper's five and J_W.
 RECORD = (*FIVE, "efficiency")
-
-
-@lru_cache(maxsize=16)
-def _dissipates(stress: StressMap) -> bool:
-    """Whether sand never pushes a plate on."""
-    return stress.dissipation() >= 0.0
 
 
 class Evaluated(NamedTuple):
@@ -137,32 +120,6 @@ class FootProblem:
         """Name of the value that ranks designs: the single objective, or J_W when there are several."""
         return self.objectives[0].name if self.n_obj == 1 else "efficiency"
 
-    ends: Ends = NEVER  # what stops its walks
-
-    def stopping(self, ends: Ends) -> FootProblem:
-        """The same, whose walks are stopped by these."""
-        stopping = copy(self)
-        stopping.ends = ends
-        return stopping
-
-    def lost(self, limit: float) -> Ends:
-        """What shows on the way that a walk will be beyond a limit, minimised; `NEVER` if nothing does.
-
-        Peak power and loss of speed only grow, and so does the work where the sand gives no energy. Distance
-        and height have no bound, and J_W has none: down a slope a walker slides as far as time allows.
-        """
-        if self.n_obj == 1 and (
-            self.guide in ("peak_power", "speed_loss") or (self.guide == "work" and self.takes)
-        ):
-            return NEVER._replace(**{self.guide: limit * (1.0 + (SPENT if self.guide == "work" else 0.0))})
-        return NEVER
-
-    @property
-    def takes(self) -> bool:
-        """Whether the sand gives no energy."""
-        effects = self.scene.effects
-        return _dissipates(self.scene.sand.stress_map) and all(type(e) in TAKING for e in effects)
-
     def coarser(self) -> FootProblem:
         """The same, walked as coarsely as still ranks soles much as here; `SettingError` if it is already."""
         accuracy = self.accuracy.coarser
@@ -204,20 +161,8 @@ class FootProblem:
 
     def walk(self, k: Ints) -> tuple[Array, Words]:
         """Walk with designs (designs, n): recorded values (designs, record), and why a walk failed."""
-        table = evaluate(k, self.scene, self.accuracy, self.record, self.space, self.threads, ends=self.ends)
+        table = evaluate(k, self.scene, self.accuracy, self.record, self.space, self.threads)
         return table.values, table.reasons
-
-    def race(self, evaluator: Any) -> AbstractContextManager[Race]:
-        """Walk with designs that are given with a limit: the largest value, minimised, that still counts.
-
-        Here every walk goes to its end, whatever the limit; a problem of several walks may stop earlier.
-
-        Parameters
-        ----------
-        evaluator : Evaluator
-            Who walks.
-        """
-        return nullcontext(lambda k, limit: evaluator(k))
 
     def minimised(self, values: Array) -> Array:
         """F (designs, objectives) of values (designs, record); each objective's worst for a failed walk."""

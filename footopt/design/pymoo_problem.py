@@ -196,14 +196,6 @@ class Algorithm:
         ending = self._algorithm.termination
         return bool(ending.has_terminated() and not ending.force_termination)
 
-    @property
-    def worst(self) -> float:
-        """The largest objective with which a design can still survive the generation that was asked for."""
-        parents = self._algorithm.pop
-        if parents is None or len(parents) < self._algorithm.pop_size or (parents.get("CV") > 0.0).any():
-            return np.inf
-        return float(parents.get("F").max())
-
     def ask(self) -> Ints | None:
         """The next generation, (designs, n) heights; None when the budget or the space is used up."""
         self._asked = self._algorithm.ask() if self._algorithm.has_next() else None

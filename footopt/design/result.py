@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from footopt.design.fronts import nondominated, thinned
 from footopt.design.problem import Array, FootProblem, Ints
 from footopt.design.solvers import Solver
-from footopt.design.store import BEATEN
 from footopt.errors import check, needed
 from footopt.foot import Foot
 from footopt.walk.accuracy import Accuracy, resolve
@@ -134,12 +133,7 @@ class SearchResult:
     @property
     def infeasible(self) -> int:
         """How many of them failed or leave their box."""
-        return len(self.k) - int(self.feasible.sum()) - self.beaten
-
-    @property
-    def beaten(self) -> int:
-        """How many could not survive, and were not walked to the end (`Solver.race`)."""
-        return int((self.reasons == BEATEN).sum())
+        return len(self.k) - int(self.feasible.sum())
 
     @property
     def X(self) -> Ints:
@@ -224,7 +218,7 @@ class SearchResult:
     @property
     def failures(self) -> dict[str, int]:
         """How many designs are infeasible, by reason, the most frequent first."""
-        return dict(Counter(map(str, self.reasons[~np.isin(self.reasons, ("", BEATEN))])).most_common())
+        return dict(Counter(map(str, self.reasons[self.reasons != ""])).most_common())
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,27 +3,23 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor
-from contextlib import AbstractContextManager, ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 
-from footopt.design.evaluator import Evaluator
-from footopt.design.problem import Array, FootProblem, Ints, Race, Words
+from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.search import search
 from footopt.design.solvers import EXHAUSTIVE, Solver
-from footopt.design.store import BEATEN, Store
 from footopt.errors import FootoptError, SettingError, check
 from footopt.foot import Waypoints
 from footopt.kinds import says_kinds
 from footopt.walk.accuracy import Accuracy
-from footopt.walk.metrics import Ends
 from footopt.walk.objectives import MEASURES
 from footopt.walk.scenarios import Scenario, check_measure, measured
-from footopt.walk.simulate import NEVER, evaluate
+from footopt.walk.simulate import evaluate
 
 FEW = 10_000  # soles of a space that are all walked for a scenario's best one: no more than a search walks
 
@@ -134,54 +130,6 @@ class RobustProblem(FootProblem):
         ]
         total[[i is not None for i in first]] = np.nan
         return total, np.array(why, dtype=np.str_)
-
-    def lost(self, limit: float) -> Ends:
-        """Nothing: a walk in one scenario does not tell what the measure of all will be."""
-        return NEVER
-
-    def race(self, evaluator: Evaluator) -> AbstractContextManager[Race]:
-        """For "worst" of one objective: walk scenario by scenario, no further with designs that cannot win.
-
-        The worst of some scenarios is no better than that of all, so that who is beyond it in those walked so
-        far has lost: its reason is `BEATEN`, its values are NaN. All other values are those of `walk`, to the
-        last bit. Walks are kept as those of each scenario alone, where a search of it finds them, too.
-        """
-        raced = self.n_obj == 1 and self.measure == "worst"
-        return self._raced(evaluator) if raced else super().race(evaluator)
-
-    @contextmanager
-    def _raced(self, evaluator: Evaluator) -> Iterator[Race]:
-        alone = [
-            FootProblem(s.scene, self.names, s.space(self.space), self.accuracy, self.threads)
-            for s in self.scenarios
-        ]
-        guide, scale = self.record.index(self.guide), np.abs(self.references)
-        sign, store = MEASURES[self.guide].sign, evaluator.store
-        with ExitStack() as stack:
-            stores = [None if store is None else stack.enter_context(Store(store.path, p)) for p in alone]
-            walkers = [Evaluator(p, s, evaluator.executor) for p, s in zip(alone, stores, strict=True)]
-
-            def walk(k: Ints, limit: float) -> tuple[Array, Words]:
-                shape = len(alone), len(k)
-                values, reasons = (
-                    np.full((*shape, len(self.record)), np.nan),
-                    np.full(shape, "", dtype=object),
-                )
-                running, beaten = np.arange(len(k)), np.zeros(len(k), bool)
-                before = sum(w.reused for w in walkers)
-                for i, walker in enumerate(walkers):
-                    if not len(running):
-                        break
-                    values[i, running], reasons[i, running] = walker(k[running])
-                    now = sign * values[i, running, guide] / scale[i]
-                    beaten[running] = now > limit
-                    running = running[(reasons[i, running] == "") & ~beaten[running]]
-                evaluator.reused += sum(w.reused for w in walkers) - before
-                reasons[0, beaten] = BEATEN
-                total, why = self._measured(values, reasons)
-                return total, np.where(beaten, BEATEN, why)
-
-            yield walk
 
 
 def own_best(

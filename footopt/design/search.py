@@ -21,7 +21,6 @@ from footopt.design.coarse import Coarse, coarse_walks
 from footopt.design.evaluator import Evaluator
 from footopt.design.exhaustive import enumerate_space
 from footopt.design.problem import FootProblem, Ints
-from footopt.design.race import Race, check_race
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import AUTO, EXHAUSTIVE, Solver
 from footopt.design.solvers.registry import COARSELY
@@ -30,7 +29,7 @@ from footopt.design.store import Store
 from footopt.errors import check, check_kind
 from footopt.kinds import says_kinds
 
-BUDGET = ("walks", "pop_size", "n_gen", "seed", "operators", "race")  # of a solver that is named
+BUDGET = ("walks", "pop_size", "n_gen", "seed", "operators")  # of a solver that is named
 ENOUGH = "by the solver, which asked for nothing more"
 
 
@@ -105,7 +104,6 @@ def search(
     elif budget:
         solver = replace(solver, **budget)
     solver = solver.fitting(problem.n_obj)
-    check_race(problem, solver)
     dear = solver if solver.name in COARSELY else None
     problem.prepare(None if isinstance(store, Store) else store, executor, progress is True, dear)
     opened = Store(store, problem) if isinstance(store, (str, Path)) else nullcontext(store)
@@ -116,12 +114,7 @@ def search(
         if solver.name == EXHAUSTIVE:
             for name, given in (("stop", stop not in (None, Stop())), ("start", start is not None)):
                 check(not given, name, name, "left out with solver=exhaustive: it walks with every design")
-            if not solver.race:
-                return enumerate_space(problem, solver, tell, evaluator)
-            found = ask_and_tell(problem, Solver("memetic", seed=solver.seed), None, evaluator, Stop())
-            if found.interrupted:
-                raise KeyboardInterrupt("in the search before the race")
-            return enumerate_space(problem, solver, tell, evaluator, Race(evaluator, found))
+            return enumerate_space(problem, solver, tell, evaluator)
         first = None if start is None else problem.space.check(start)
         with coarse_walks(problem, evaluator) if dear else nullcontext() as coarse:
             return ask_and_tell(
@@ -166,8 +159,6 @@ def ask_and_tell(
                 break
             first = archive.first(k, most)  # the last generation is cut where the walks end
             asked = time.perf_counter()
-            if solver.race:
-                evaluator.ends = problem.lost(algorithm.worst)
             found = archive.evaluate(k[:first])
             walking += time.perf_counter() - asked
             if first == len(k):

@@ -25,15 +25,12 @@ from footopt.design.context import CODE, canonical, context, differences, digest
 from footopt.design.problem import Array, FootProblem
 from footopt.errors import FileError
 from footopt.files.reading import named
-from footopt.walk import loop
 from footopt.walk.objectives import MEASURES
-from footopt.walk.simulate import REASONS
 
 APPLICATION = int.from_bytes(b"foot")  # marks the file as ours (SQLite's application_id)
 LAYOUT = 3  # of the tables below (SQLite's user_version)
 PATIENCE = 30.0  # s, for another process that writes
 ERROR = "error"  # the reason of a design that breaks the program
-BEATEN = REASONS[loop.BEATEN]  # of one that was stopped because it could not be among the best: no values
 
 TABLES = """
 CREATE TABLE context (id INTEGER PRIMARY KEY, digest TEXT NOT NULL UNIQUE, description TEXT NOT NULL);
@@ -52,7 +49,7 @@ CREATE TABLE design (
 ADD = f"""
 INSERT INTO design VALUES (?, ?, ?, ?, ?, ?, ?) ON CONFLICT (context, k) DO UPDATE
 SET record = excluded.record, reason = excluded.reason, message = excluded.message, seal = excluded.seal
-WHERE reason IN ('{ERROR}', '{BEATEN}')
+WHERE reason = '{ERROR}'
 """
 
 #: What SQLite's errors mean to a user, and what to do about them, by their primary code.
@@ -144,17 +141,15 @@ class Store:
             return [self._read(*known[key]) if key in known else None for key in keys]
 
     def everything(self) -> tuple[list[list[int]], list[Evaluation]]:
-        """All designs whose walks have ended, in the order of their heights, and what is known of them."""
+        """All designs, in the order of their heights, and what is known of them."""
         marks = ", ".join("?" * len(self._read_from))
-        query = (
-            f"SELECT DISTINCT k FROM design WHERE context IN ({marks}) AND reason != '{BEATEN}' ORDER BY k"
-        )
+        query = f"SELECT DISTINCT k FROM design WHERE context IN ({marks}) ORDER BY k"
         with self._explained() as connection:
             k = [json.loads(key) for (key,) in connection.execute(query, self._read_from).fetchall()]
         return k, [known for known in self.get(k) if known is not None]
 
     def add(self, k: Sequence[Sequence[int]], evaluations: Sequence[Evaluation]) -> None:
-        """Keep designs, all or none; what is known stays, unless it had broken the program or was stopped.
+        """Keep designs, all or none; what is known stays, unless it had broken the program.
 
         Raises
         ------

@@ -212,7 +212,7 @@ def describe_setup(scene: Scene, foot: Foot | Waypoints) -> str:
 
 def describe_search(result: SearchResult) -> str:
     """What a search did, in one line."""
-    bad, beaten = result.infeasible, getattr(result, "beaten", 0)
+    bad = result.infeasible
     why = f" ({causes(result.failures)})" if bad else ""
     reused = f", {result.reused} of them known" if result.reused else ""
     front = f", {len(result.front)} on the front{_stands_for(result)}" if result.problem.n_obj > 1 else ""
@@ -223,8 +223,7 @@ def describe_search(result: SearchResult) -> str:
     return (
         f"{result.solver.name}, seed {result.solver.seed}: {result.evaluations} evaluations of "
         f"{result.designs} designs{reused} in {time}, {bad} infeasible{why}"
-        f"{f', {beaten} stopped that could not win' if beaten else ''}{front}{stopped}"
-        f"{_raced(getattr(result, 'margins', None))}"
+        f"{front}{stopped}"
     )
 
 
@@ -235,18 +234,6 @@ def _stands_for(result: SearchResult) -> str:
     share, error = (100.0 * part for part in result.shown_share)
     most = ", the most that are," if result.shown_share[0] < SHARE else ""
     return f" (shown by {len(result.shown)}{most} with {share:.1f} +- {error:.1g} % of its hypervolume)"
-
-
-def _raced(margins: dict[str, float] | None) -> str:
-    """What the result of a race rests on, a sentence of its own."""
-    if margins is None:
-        return ""
-    margin, seen, room, reached = (margins[name] for name in ("margin", "seen", "room", "reached"))
-    return (
-        f"\nNo sole of the space is better, unless one left out is more than {margin:.2%} better than "
-        f"its coarse walk ({seen:.2%} at most, of those that walked twice) or gets distance times height "
-        f"beyond {room:.4g} m^2 ({reached:.4g})"
-    )
 
 
 def describe_confirmation(confirmed: Confirmation) -> str:

@@ -26,7 +26,6 @@ from footopt.design import (
 from footopt.design.certificate import Certificate, certified
 from footopt.design.choice import excess
 from footopt.design.exhaustive import Enumeration, check_size
-from footopt.design.race import check_race
 from footopt.design.result import check_finalists
 from footopt.errors import SettingError
 from footopt.files import run as files
@@ -63,7 +62,6 @@ def run(study: Study) -> Answer:
         check_size(problem)
     else:
         solver.build(problem.n_obj)
-    check_race(problem, solver)
     check_finalists(options.finalists)
     study.say(terminal.describe_setup(scene, problem.space))
     finer = study.finer_accuracy
@@ -245,7 +243,6 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
         "search_time_s": result.seconds,
         "choosing_time_s": result.choosing,
         "coarse_walks": result.coarse,
-        "margins": getattr(result, "margins", None),
     }
 
 

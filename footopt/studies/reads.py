@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from footopt.design import EXHAUSTIVE
-from footopt.design.solvers.registry import RACES
 from footopt.errors import SettingError
 from footopt.foot import SHAPES, Waypoints
 from footopt.studies.settings import SEARCHES, Config
@@ -139,12 +138,10 @@ def _conditions(config: Config) -> Iterator[tuple[tuple[str, ...], str, str]]:
         yield RECORDED, "a gait without recorded strides", "gait=file gait.path=walk.trc"
     if not config.effects.auto and study.name != "effects":
         yield ("effects.tolerance",), "effects that are named", "effects=auto"
-    if config.solver.name not in RACES:
-        yield ("solver.race",), "a solver whose walks all count", "solver=exhaustive, ga"
     if config.solver.name == EXHAUSTIVE and study.name in SEARCHES:
         yield ("solver.n_gen", "solver.walks"), "solver=exhaustive", "the other solvers"
         yield ("study.certify",), "solver=exhaustive, whose best is that of all soles,", "the other solvers"
-        if not (config.solver.race or config.effects.auto or study.scenarios == "drawn"):
+        if not (config.effects.auto or study.scenarios == "drawn"):
             yield ("solver.seed",), "solver=exhaustive", "the other solvers"
     if len(config.objective.names) == 1:
         yield ("choose",), "a search for one objective", "objective=pareto, or a list of several"

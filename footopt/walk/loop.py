@@ -17,7 +17,7 @@ from footopt.effects import Laws
 from footopt.walk.bristles import bristles_at_start, record
 from footopt.walk.contact import FOLLOWS, contact
 from footopt.walk.ground import footprint, on_ground
-from footopt.walk.metrics import beaten, no_extremes, raw_of, sample_of, sinkage_of, step_error, updated
+from footopt.walk.metrics import no_extremes, raw_of, sample_of, sinkage_of, step_error, updated
 from footopt.walk.sources import source, users_own
 from footopt.walk.standing import static_height
 from footopt.walk.state import Integrals, Sole, State, World, lent, sole_of, write
@@ -26,7 +26,7 @@ from footopt.walk.steppers import STEPPERS, acceleration, advance, touch
 NEAR = 0.9  # of the largest |P| of a foot so far: from there a step may hold the peak of the whole walk
 PEAK = 0.1  # of its control is what such a step is held to: the peak follows the speed's error at one instant
 
-OK, SUNK, BACKWARD, DIVERGED, BEATEN = range(5)
+OK, SUNK, BACKWARD, DIVERGED = range(4)
 
 
 @lru_cache(maxsize=8)
@@ -49,14 +49,13 @@ def _compile(source: str, compiler: Any):
         trace,
         bristle_trace,
         sink,
-        ends,
     ):
         """Walk the designs begin..end of a population.
 
         soles: `Sole` of all designs. times: (steps + 1,), s, the first is 0. pose0: (2, 7) at t = 0.
         poses: a table for whole steps, (steps, nodes, 2, 7), then for halves, quarters, ... of them.
         control: the largest `step_error`, m/s, or None for steps that are never shortened.
-        strike: first heel strike, s. sink: whether to follow the maximum sinkage. ends: `metrics.Ends`.
+        strike: first heel strike, s. sink: whether to follow the maximum sinkage.
         Filled: raw (designs, len(RAW)), status (designs,), counts (designs,) of `COUNTS`, and trace
         (shortest steps + 1, len(TRACE)) for one design: its row 0 is the start, rows inside longer steps
         are left as they were; without rows, nothing is traced. bristle_trace: the bristles of each row,
@@ -116,9 +115,6 @@ def _compile(source: str, compiler: Any):
                 depth = sinkage_of(sole, poses[level][index, -1], after.z) if sink else 0.0
                 extremes = updated(extremes, state, after, ax0, ax1, t, h, strike, depth)
                 state = after
-                if beaten(ends, state.integrals, extremes):
-                    status[d] = BEATEN
-                    break
                 at_end = poses[level][index, -1]
                 sole = footprint(world.prints, sole, at_end, t - h, t, state.x, state.z, state.vx, state.vz)
                 if traced:

@@ -47,15 +47,6 @@ class Sample(NamedTuple):
 RAW, TRACE = Raw._fields, Sample._fields
 
 
-class Ends(NamedTuple):
-    """What ends a walk before its time: more than one of these, which only grow where the sand dissipates."""
-
-    work: float = np.inf  # |W|, J
-    peak_power: float = np.inf  # W
-    speed_loss: float = np.inf  # m/s
-    cost: float = np.inf  # their product, the denominator of J_W
-
-
 class Four(NamedTuple):
     """A quantity at the ends of the last four steps."""
 
@@ -184,15 +175,6 @@ def sinkage_of(sole, poses, z):
             for i in range(len(sole.x)):
                 depth = max(depth, -(za + pose.sin * sole.x[i] + pose.cos * sole.z[i]))
     return depth
-
-
-@inlined
-def beaten(ends, sums, extremes):
-    """Whether a walk has more than one of its ends."""
-    work, power, fall = abs(sums.work_left + sums.work_right), extremes.power, extremes.fall
-    if work > ends.work or power > ends.peak_power or fall > ends.speed_loss:
-        return True
-    return work * power * fall > ends.cost
 
 
 @inlined

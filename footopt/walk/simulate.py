@@ -22,8 +22,8 @@ from footopt.kinds import says_kinds
 from footopt.walk import prepare
 from footopt.walk.accuracy import Accuracy, resolve
 from footopt.walk.adapt import accuracies, adapted
-from footopt.walk.loop import BACKWARD, BEATEN, DIVERGED, OK, SUNK, walk_range
-from footopt.walk.metrics import RAW, TRACE, Ends, Sample
+from footopt.walk.loop import BACKWARD, DIVERGED, OK, SUNK, walk_range
+from footopt.walk.metrics import RAW, TRACE, Sample
 from footopt.walk.objectives import FIVE, Objective, by_name, lookup
 from footopt.walk.results import Table, Walk, joined
 from footopt.walk.scene import Scene
@@ -33,8 +33,7 @@ from footopt.walk.steppers import STEPPERS
 Array = NDArray[np.float64]
 
 #: Why a walk failed, by the loop's status.
-REASONS = {OK: "", SUNK: "sunk", BACKWARD: "backward", DIVERGED: "diverged", BEATEN: "beaten"}
-NEVER = Ends()  # no walk is stopped
+REASONS = {OK: "", SUNK: "sunk", BACKWARD: "backward", DIVERGED: "diverged"}
 
 SAFE = 2.0  # times the differences to two refined walks, see `estimated`
 
@@ -113,7 +112,6 @@ def evaluate(
     space: Waypoints | None = None,
     threads: int | None = None,
     errors: bool = False,
-    ends: Ends = NEVER,
 ) -> Table:
     """Walk through a scene with many feet, keeping objectives only: the fast path.
 
@@ -134,8 +132,6 @@ def evaluate(
     errors : bool
         Whether to estimate the values' errors, `Table.errors`, by two finer walks with each foot: about
         ten times the time.
-    ends : Ends
-        What stops a walk that has more of it: its reason is "beaten".
 
     Returns
     -------
@@ -148,7 +144,6 @@ def evaluate(
         The scene has no heel strike, an objective is not known, or there are no feet.
     """
     scene, accuracy = _scene(scene), resolve(accuracy)
-    check_kind(ends, Ends, "ends", "Leave it out")
     bodies = as_feet(feet)
     scene.need_heel_strike()
     lookup(objectives)
@@ -158,7 +153,7 @@ def evaluate(
         whole = isinstance(bodies, Plates) or len(index) == len(bodies)
         some = bodies if whole else [bodies[i] for i in index]
         asked = some, scene, finely, objectives, space, threads
-        part = _evaluated(*asked, ends)
+        part = _evaluated(*asked)
         if errors:
             part = replace(part, errors=estimated(part.values, *asked))
         parts.append(part)
@@ -199,12 +194,11 @@ def _evaluated(
     objectives: Sequence[str],
     space: Waypoints | None,
     threads: int | None,
-    ends: Ends = NEVER,
 ) -> Table:
     """`evaluate` at an accuracy that holds for all feet."""
     chosen, sink = lookup(objectives), "maximum_sinkage" in objectives
     chunks = _chunks(feet, scene, accuracy, space)
-    parts = [_walk(plates, scene, accuracy, _Asked(sink, threads, ends=ends))[:3] for plates in chunks]
+    parts = [_walk(plates, scene, accuracy, _Asked(sink, threads))[:3] for plates in chunks]
     raw, status, counts = (np.concatenate(column) for column in zip(*parts, strict=True))
     raw[status != OK] = np.nan
     if not sink:
@@ -287,7 +281,6 @@ class _Asked(NamedTuple):
     sink: bool  # whether to follow the maximum sinkage
     threads: int | None
     traced: bool = False
-    ends: Ends = NEVER
     remembers: bool = True  # whether a trace has the bristles of every row, or the last
 
 
@@ -338,7 +331,6 @@ def _run(plates: Plates, scene: Scene, accuracy: Accuracy, asked: _Asked) -> _Wa
         walk_range(
             stepper.parameters, soles, constants, pose0, tables, times, accuracy.control,
             scene.gait.heel_strike, begin, end, raw, status, counts, trace, bristle_trace, asked.sink,
-            asked.ends,
         )  # fmt: skip
 
     blocks = range(0, designs, BLOCK)

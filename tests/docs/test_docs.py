@@ -431,7 +431,6 @@ def other(*words):
 #: The rows that a benchmark's table has at least.
 ROWS = {
     "report.py": 20,
-    "early_stops.py": 1,
     "engines.py": 5,
     "effects.py": 4,
     "solvers.py": 9,

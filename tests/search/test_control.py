@@ -1,16 +1,13 @@
 """A search can be stopped, begun with designs, told how to mate, and watched."""
 
 import math
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from typing import ClassVar
 
 import numpy as np
 import pytest
-from searching import SMALL, assert_same, objective_of, problem, stop_after
+from searching import SMALL, assert_same, objective_of, problem
 
-import footopt as fo
-from footopt.design import FootProblem, Solver, Stop, Store, search
+from footopt.design import FootProblem, Solver, Stop, search
 from footopt.design.result import Generation
 from footopt.design.stop import GAIN
 from footopt.errors import SettingError
@@ -79,55 +76,6 @@ class TestStop:
     def test_an_enumeration_has_no_use_for_it(self):
         with pytest.raises(SettingError, match="left out with solver=exhaustive"):
             search(problem(), "exhaustive", stop=Stop(walks=3))
-        with pytest.raises(SettingError, match=r"solver\.race = True: .* several objectives"):
-            search(problem("pareto"), "exhaustive", race=True)
-        with pytest.raises(SettingError, match=r"solver\.race = True: .* solver=exhaustive"):
-            search(problem(), "memetic", race=True)
-        with pytest.raises(
-            SettingError, match=r"solver\.race = True: .* efficiency, of which .* does not tell"
-        ):
-            search(problem(), "ga", race=True)
-
-
-class TestOffspringThatCannotSurvive:
-    """A walk of ga may end as soon as it is worse than all parents: `solver.race`."""
-
-    ASKED: ClassVar = {"pop_size": 20, "n_gen": 15, "seed": 2}
-    WIDE = fo.Waypoints(n=7, K=6)
-
-    @pytest.mark.parametrize("objective", ["peak_power", "speed_loss", "work"])
-    def test_nothing_else_changes_to_the_last_bit(self, objective):
-        p = problem(objective, space=self.WIDE)
-        whole, raced = search(p, "ga", **self.ASKED), search(p, "ga", race=True, **self.ASKED)
-        stopped = raced.reasons == "beaten"
-        assert raced.beaten == stopped.sum() > 10
-        np.testing.assert_array_equal(raced.k, whole.k)
-        np.testing.assert_array_equal(raced.values[~stopped], whole.values[~stopped])
-        assert np.isnan(raced.values[stopped]).all()
-        assert raced.best == whole.best
-        assert [g.best for g in raced.history] == [g.best for g in whole.history]
-        last = np.sort(whole.column(objective)[whole.feasible])[19]  # the worst survivor at the end
-        assert np.nanmin(whole.column(objective)[stopped]) > last
-
-    def test_a_store_has_them_without_values_and_nobody_takes_them_for_walks(self, tmp_path):
-        p, path = problem("peak_power", space=self.WIDE), tmp_path / "feet.sqlite"
-        raced = search(p, "ga", race=True, **self.ASKED)
-        assert search(p, "ga", stop_after(8), path, race=True, **self.ASKED).interrupted
-        assert_same(search(p, "ga", store=path, race=True, **self.ASKED), raced)
-        with Store(path, p) as store:
-            assert len(store) - len(store.everything()[0]) == raced.beaten
-        whole = search(p, "ga", **self.ASKED)
-        assert_same(search(p, "ga", store=path, **self.ASKED), whole)
-        with Store(path, p) as store:
-            assert len(store) == len(store.everything()[0])
-
-    def test_other_processes_stop_the_same(self):
-        p = problem("peak_power", space=self.WIDE)
-        with ThreadPoolExecutor(2) as two:
-            assert_same(
-                search(p, "ga", executor=two, race=True, **self.ASKED),
-                search(p, "ga", race=True, **self.ASKED),
-            )
 
 
 class TestStart:

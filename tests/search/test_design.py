@@ -265,7 +265,7 @@ def test_what_is_of_another_kind_is_said_where_it_is_given(call, message):
 def test_an_unknown_budget_is_named():
     with pytest.raises(
         SettingError,
-        match=r"generations = 3: must be one of walks, pop_size, n_gen, seed, operators, race, as",
+        match=r"generations = 3: must be one of walks, pop_size, n_gen, seed, operators, as",
     ):
         search(problem(), generations=3)
 

@@ -70,21 +70,6 @@ class TestExhaustive:
         r = search(problem(), "exhaustive", pop_size=30)
         np.testing.assert_array_equal(r.column("efficiency"), np.sort(values.efficiency[inside])[:5])
 
-    @pytest.mark.parametrize("objective", ["efficiency", "speed_loss"])
-    def test_a_race_has_the_same_best_and_goes_on_where_it_was_stopped(
-        self, objective, monkeypatch, tmp_path
-    ):
-        monkeypatch.setattr(exhaustive, "KEPT", 5)
-        p, asked = problem(objective), {"pop_size": 30, "race": True}
-        whole, raced = search(p, "exhaustive", pop_size=30), search(p, "exhaustive", **asked)
-        assert raced.beaten > 20
-        assert raced.margins["margin"] > raced.margins["seen"] > 0.0
-        np.testing.assert_array_equal(raced.k, whole.k)
-        np.testing.assert_array_equal(raced.values, whole.values)
-        part = search(p, "exhaustive", stop_after(7), tmp_path / "feet.sqlite", **asked)
-        assert part.interrupted
-        searching.assert_same(search(p, "exhaustive", store=tmp_path / "feet.sqlite", **asked), raced)
-
     def test_a_large_space_is_refused_with_its_size_and_time(self):
         with pytest.raises(SettingError, match=r"foot\.n = 11: .*10\^11 would take .* days here"):
             search(problem(space=fo.Waypoints()), "exhaustive")
@@ -177,7 +162,6 @@ def test_every_sole_is_kept_and_read_again(tmp_path):
 
 @pytest.mark.parametrize("kind", [fo.FootProblem, fo.RobustProblem])
 def test_an_enumeration_that_was_stopped_goes_on_to_the_same_end(kind, tmp_path):
-    """Also where it races, whose limit is that of the designs before."""
     scene = fo.Scene() if kind is fo.FootProblem else sands(fo.Scene())
     problem = kind(scene, space=fo.Waypoints(n=4, K=3), accuracy=QUICK)
     whole = fo.search(problem, "exhaustive", pop_size=20)
@@ -188,13 +172,3 @@ def test_an_enumeration_that_was_stopped_goes_on_to_the_same_end(kind, tmp_path)
     assert again.reused >= part.evaluations
     assert again.counts == whole.counts
     searching.assert_same(again, whole)
-
-
-def test_a_problem_of_one_scene_races_to_the_end_of_every_walk():
-    """`exhaustive` asks any problem for its race: there is no special case for one that can stop early."""
-    problem = fo.FootProblem(space=fo.Waypoints(n=4, K=3), accuracy=QUICK)
-    k = problem.space.random(5, seed=1)
-    with problem.race(problem.walk) as walk:
-        values, reasons = walk(k, -np.inf)
-    np.testing.assert_array_equal(values, problem.walk(k)[0])
-    assert "beaten" not in reasons

@@ -11,7 +11,7 @@ from searching import QUICK as COARSE
 from searching import SMALL
 
 import footopt as fo
-from footopt.design import Solver, Store, confirm, exhaustive, search
+from footopt.design import Solver, Store, confirm, search
 from footopt.design.context import context, differences, digest
 from footopt.design.problem import FootProblem
 from footopt.design.robust import own_best, regret
@@ -201,34 +201,6 @@ class TestRobustProblem:
         assert 1 + robust.column("efficiency")[0] == pytest.approx(worst.min())
         specialists = every[j[..., 0].argmin(axis=1)]
         assert 0 < worst.min() < (1 + together.walk(specialists)[0][:, 5]).min()
-
-    @pytest.mark.parametrize("kept", [1, 20])
-    def test_who_cannot_win_is_stopped_and_the_result_is_the_same(self, kept, monkeypatch, tmp_path):
-        """A walk through every scenario with every sole has the same best ones, to the last bit."""
-        monkeypatch.setattr(exhaustive, "KEPT", kept)
-        space = fo.Waypoints(n=4, K=4)
-        p = fo.RobustProblem(SANDS, space=space, accuracy=COARSE)
-        raced = search(p, "exhaustive", pop_size=30, store=tmp_path / "s.sqlite")
-        every = np.indices((4,) * 4).reshape(4, -1).T + 1
-        every = every[space.box_violation(every) <= space.box_tolerance * space.H]
-        values, _ = p.walk(every)
-        order = np.argsort(values[:, 5], kind="stable")[:kept]
-        np.testing.assert_array_equal(raced.k, every[order])
-        np.testing.assert_array_equal(raced.values, values[order])
-        assert raced.beaten > 0
-        assert raced.designs == 256
-        assert raced.counts["box"] == raced.infeasible == 256 - len(every)
-        again = search(p, "exhaustive", pop_size=30, store=tmp_path / "s.sqlite")
-        np.testing.assert_array_equal(again.values, raced.values)
-        assert len(every) < again.reused < 3 * len(every)
-        alone = fo.FootProblem(SANDS[0].scene, space=space, accuracy=COARSE)
-        with Store(tmp_path / "s.sqlite", alone) as store:
-            assert len(store) == len(every)
-
-    def test_only_the_worst_of_one_objective_can_be_told_before_the_last_walk(self):
-        space = fo.Waypoints(n=4, K=3)
-        p = fo.RobustProblem(SANDS, space=space, accuracy=COARSE, measure="mean")
-        assert search(p, "exhaustive").beaten == 0
 
     def test_values_as_they_are_choose_the_specialist_of_the_softest_sand(self):
         """Which is why references are each scenario's own best by default."""

@@ -13,7 +13,7 @@ import footopt as fo
 from footopt.errors import SettingError
 from footopt.gait import LEFT, RIGHT
 from footopt.walk import FIVE, OBJECTIVES, gain_shares
-from footopt.walk.metrics import RAW, Ends, Four, hermite, hermite_extreme, no_extremes, peak, updated
+from footopt.walk.metrics import RAW, Four, hermite, hermite_extreme, no_extremes, peak, updated
 from footopt.walk.objectives import FLOORS, by_name, lookup
 
 STRIKE = 1.1  # s, the first heel strike
@@ -162,20 +162,6 @@ class TestTable:
 
     def test_sinkage_is_followed_only_where_it_is_asked_for(self, ramp_foot, regular):
         assert np.isnan(fo.evaluate([ramp_foot], regular).column("maximum_sinkage")).all()
-
-    @pytest.mark.parametrize("name", Ends._fields)
-    def test_a_walk_that_has_more_than_its_end_is_stopped(self, name, regular):
-        feet = fo.Waypoints().random(40, seed=3)
-        table = fo.evaluate(feet, regular, "draft")
-        cost = table.column("work") * table.column("peak_power") * table.column("speed_loss")
-        value = cost if name == "cost" else table.column(name)
-        end = float(np.median(value))
-        stopped = fo.evaluate(feet, regular, "draft", ends=Ends(**{name: end}))
-        assert (stopped.reasons[value > end * (1 + 1e-12)] == "beaten").all()
-        assert (stopped.reasons[value < end * (1 - 1e-12)] == "").all()
-        assert np.isnan(stopped.values[stopped.reasons == "beaten"]).all()
-        np.testing.assert_array_equal(stopped.values[stopped.feasible], table.values[stopped.feasible])
-        assert stopped.evaluations.sum() < table.evaluations.sum()
 
     def test_a_walk_without_a_heel_strike_is_not_compared(self, ramp_foot):
         short = fo.Scene(t_f=1.0)

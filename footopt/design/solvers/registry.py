@@ -15,9 +15,6 @@ from footopt.kinds import says_kinds
 #: Walks with every design of a small space, for any objectives: `footopt.design.exhaustive`.
 EXHAUSTIVE = "exhaustive"
 
-#: Solvers whose walks may end before their time.
-RACES = (EXHAUSTIVE, "ga")
-
 #: Builders of pymoo algorithms by name: from a `Solver` and the number of objectives.
 SOLVERS: dict[str, Callable[[Solver, int], Any]] = {}
 
@@ -71,9 +68,6 @@ class Solver:
         mutation in place of moves that suit a spline.
     walks : int, optional
         Different designs at most; where n_gen is not given 10,000 by default, and 300 of surrogate.
-    race : bool
-        Of exhaustive, for one objective: whether a sole's walk ends where it cannot be among the best. Of ga,
-        for work, peak_power or speed_loss: whether it ends where the sole cannot survive its generation.
     """
 
     name: str = AUTO
@@ -82,7 +76,6 @@ class Solver:
     seed: int = 1
     operators: Any = None
     walks: int | None = None
-    race: bool = False
 
     def __post_init__(self) -> None:
         self._check_name()
@@ -90,12 +83,6 @@ class Solver:
             value = getattr(self, name)
             allowed = f"null, or a whole number >= {low} and <= {high:,}"
             check(value is None or low <= value <= high, f"solver.{name}", value, allowed)
-        check(
-            not self.race or self.name in RACES,
-            "solver.race",
-            True,
-            "false without solver=exhaustive or solver=ga",
-        )
         check(0 <= self.seed < 2**32, "solver.seed", self.seed, "a whole number from 0 to 2^32 - 1")
 
     def _check_name(self) -> None:
