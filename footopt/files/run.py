@@ -8,7 +8,6 @@ import json
 import math
 import os
 import platform
-import secrets
 import subprocess
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -73,13 +72,13 @@ def write_whole(path: Path) -> Iterator[Path]:
     """A path to write to: it replaces the file at the end; what breaks off leaves the file as it was.
 
     What was written is on the disk before it replaces anything, so that a loss of power leaves one of both.
-    The path is of a new file beside, of the same ending: no link that was put there is followed.
+    The path is of a new file beside, of the same ending: what a killed run has left of it is replaced.
 
     Raises `FileError` if the file cannot be written.
     """
-    new = path.with_name(f".{path.stem}.{secrets.token_hex(4)}{path.suffix}")
+    new = path.with_name(f".{path.stem}.new{path.suffix}")
     try:
-        new.touch(exist_ok=False)
+        new.unlink(missing_ok=True)
         yield new
         _sync(new, os.O_RDWR)
         os.replace(new, path)

@@ -7,7 +7,7 @@ import shlex
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -23,12 +23,10 @@ from footopt.files import run as files
 from footopt.foot import Foot, Waypoints
 from footopt.report import figures, page, terminal
 from footopt.report.progress import Step, progress
-from footopt.report.together import together
 from footopt.studies.build import make_accuracy, make_foot, make_scene, make_space
 from footopt.studies.identity import is_finished
 from footopt.studies.settings import REPORTS, Config, StudyConfig
 from footopt.walk import Accuracy, Scene, simulate
-from footopt.walk.simulate import at_once
 
 
 class Study:
@@ -169,10 +167,10 @@ class Study:
         if caption:
             self._captions[name] = caption
 
-    def drawing(self, drawings: Mapping[str, Callable[[], Any]]) -> AbstractContextManager[None]:
-        """Draw and `save` figures without captions: on other processors while a block runs, and after it."""
-        jobs = [partial(lambda name, draw: self.save(name, draw()), *one) for one in drawings.items()]
-        return together(jobs if self.draws else [], at_once(self.threads))
+    def draw(self, drawings: Mapping[str, Callable[[], Any]]) -> None:
+        """Draw and `save` figures without captions, if wanted."""
+        for name, figure in drawings.items() if self.draws else ():
+            self.save(name, figure())
 
     def write_result(self, content: Mapping[str, Any]) -> dict[str, Any]:
         """Write result.json: the content between the study's name and how it was made.

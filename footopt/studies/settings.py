@@ -271,7 +271,7 @@ class EngineConfig:
     """Where designs are evaluated: see `footopt.design.make_executor`; threads are of this process."""
 
     name: str = setting(default(make_executor, "name"), "Where designs are walked: local, processes, dask.")
-    threads: int | None = setting(None, "Threads that walk, processes that draw; null: all processors.")
+    threads: int | None = setting(None, "Threads of this process; null: all processors.")
     workers: int | None = setting(None, "Processes; null: as many as processors.")
     address: str | None = setting(None, "Of a dask scheduler; null: one is started here.")
     timeout: float = setting(

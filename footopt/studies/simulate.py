@@ -127,9 +127,9 @@ def write_walk(
     }
     if stance(walk) is not None:  # of who stands there would be nothing on it
         drawings["step"] = partial(figures.step, walk)
-    with study.drawing({**drawings, **others}):
-        files.write_walk(study.folder / "walk.nc", walk.variables, {"reason": walk.reason})
-        _, notes = write_all(walk.foot, study.folder, study.config.foot.block)
+    files.write_walk(study.folder / "walk.nc", walk.variables, {"reason": walk.reason})
+    _, notes = write_all(walk.foot, study.folder, study.config.foot.block)
+    study.draw({**drawings, **others})
     return notes
 
 
