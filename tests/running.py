@@ -49,7 +49,7 @@ QUICK = ["accuracy=draft", "solver.pop_size=10", "solver.n_gen=3"]
 #: About a second of search, so that a signal has something to hit.
 BRIEF = ["accuracy=custom", "accuracy.dt=1e-3", "study.confirm=null", "foot.n=7", "engine.threads=1",
          "solver.pop_size=16", "solver.n_gen=25"]  # fmt: skip
-TIMES = ("wall_time_s", "search_time_s", "choosing_time_s", "reused")  # what a resumed run may have otherwise
+TIMES = ("wall_time_s", "search_time_s", "reused")  # what a resumed run may have otherwise
 
 
 def _of_its_own(self, delegate):

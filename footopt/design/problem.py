@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from copy import copy
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from footopt.design.choice import Choice, excess
-from footopt.design.solvers import Solver
-from footopt.errors import SettingError, check, check_kind
+from footopt.errors import check, check_kind
 from footopt.foot import Waypoints
 from footopt.kinds import says_kinds
 from footopt.walk.accuracy import Accuracy, resolve
@@ -120,26 +118,12 @@ class FootProblem:
         """Name of the value that ranks designs: the single objective, or J_W when there are several."""
         return self.objectives[0].name if self.n_obj == 1 else "efficiency"
 
-    def coarser(self) -> FootProblem:
-        """The same, walked as coarsely as still ranks soles much as here; `SettingError` if it is already."""
-        accuracy = self.accuracy.coarser
-        if accuracy is None:
-            needs = "finer than coarse, by whose walks solver=surrogate chooses"
-            raise SettingError(
-                "accuracy", self.accuracy.name, needs, "Try accuracy=standard, or solver=auto."
-            )
-        coarser = copy(self)
-        coarser.accuracy = accuracy
-        return coarser
-
     @property
     def conditions(self) -> dict[str, Any]:
         """What is walked through: a store keeps it with the designs."""
         return {"scene": self.scene}
 
-    def prepare(
-        self, store: Any = None, executor: Any = None, progress: bool = False, solver: Solver | None = None
-    ) -> None:
+    def prepare(self, store: Any = None, executor: Any = None, progress: bool = False) -> None:
         """Find out what has to be known before the first walk, which is nothing here; `search` calls it.
 
         Parameters
@@ -148,8 +132,6 @@ class FootProblem:
             As in `search`.
         progress : bool
             Whether to show on standard error how far it is.
-        solver : Solver, optional
-            Of dear walks, who is to have few of these, too.
         """
 
     def evaluate(self, k: Any) -> Evaluated:

@@ -15,7 +15,6 @@ from pymoo.core.sampling import Sampling
 from pymoo.core.variable import Integer
 from pymoo.problems.static import StaticProblem
 
-from footopt.design.coarse import Coarse
 from footopt.design.known import Known
 from footopt.design.problem import Array, FootProblem, Ints
 from footopt.design.result import SearchResult
@@ -120,13 +119,13 @@ def as_solver(algorithm: Any, budget: dict[str, Any]) -> Solver:
 class Size(Problem):
     """What an algorithm knows of a `FootProblem` that it asks for designs of: no walks, the box, a memory."""
 
-    def __init__(self, problem: FootProblem, coarse: Coarse | None = None) -> None:
+    def __init__(self, problem: FootProblem) -> None:
         n, space = problem.space.n, problem.space
         super().__init__(
             n, problem.n_obj, problem.n_constraints, xl=np.ones(n), xu=np.full(n, space.K), vtype=int
         )
         self.vars = variables(space)
-        self._space, self._asked, self.coarse = space, Known(space.K), coarse
+        self._space, self._asked = space, Known(space.K)
 
     def inside(self, k: Ints) -> NDArray[np.bool_]:
         """Which designs are inside their box."""
@@ -170,10 +169,9 @@ class Algorithm:
         solver: Solver,
         start: Ints | None = None,
         termination: Any = None,
-        coarse: Coarse | None = None,
     ) -> None:
         self._algorithm = solver.build(problem.n_obj)
-        self._size = Size(problem, coarse)
+        self._size = Size(problem)
         most = solver.n_gen or REPEATS * solver.generations(problem.space)
         ends = copy.deepcopy(termination) or ("n_gen", most)
         try:

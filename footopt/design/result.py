@@ -94,10 +94,6 @@ class SearchResult:
         Designs that were read from the store, not walked.
     stopped : str
         Why it ended before its last generation: what `Stop` says, or "by its progress"; "" if it did not.
-    coarse : int
-        Designs that it walked with coarsely, to choose those that were worth a dear walk.
-    choosing : float, s
-        What of `seconds` the solver took to choose designs, coarse walks among it.
     """
 
     problem: FootProblem
@@ -116,8 +112,6 @@ class SearchResult:
     interrupted: bool
     reused: int = 0
     stopped: str = ""
-    coarse: int = 0
-    choosing: float = 0.0
 
     def __repr__(self) -> str:
         best = zip(self.problem.record, self.values[self.best], strict=True)

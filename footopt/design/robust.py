@@ -12,7 +12,7 @@ import numpy as np
 
 from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.search import search
-from footopt.design.solvers import EXHAUSTIVE, Solver
+from footopt.design.solvers import EXHAUSTIVE
 from footopt.errors import FootoptError, SettingError, check
 from footopt.foot import Waypoints
 from footopt.kinds import says_kinds
@@ -89,11 +89,10 @@ class RobustProblem(FootProblem):
         store: str | Path | None = None,
         executor: Executor | None = None,
         progress: bool = False,
-        solver: Solver | None = None,
     ) -> None:
         """Search each scenario's own best, unless the references are known."""
         if self._references is None:
-            self._references = own_best(self, store, executor, progress, solver)
+            self._references = own_best(self, store, executor, progress)
 
     @property
     def conditions(self) -> dict[str, Any]:
@@ -137,12 +136,10 @@ def own_best(
     store: str | Path | None = None,
     executor: Executor | None = None,
     progress: bool = False,
-    solver: Solver | None = None,
 ) -> Array:
     """What `problem.guide` is of the best foot of each scenario alone, (scenarios,), as a search finds it.
 
-    It is the default search, or every sole of a space that has no more than that walks with; or a solver's of
-    dear walks, with as many as it has by default.
+    It is the default search, or every sole of a space that has no more than that walks with.
 
     Parameters
     ----------
@@ -154,8 +151,6 @@ def own_best(
         Who walks.
     progress : bool
         Whether to show on standard error how far it is.
-    solver : Solver, optional
-        Of dear walks.
 
     Raises
     ------
@@ -165,7 +160,6 @@ def own_best(
         It was interrupted. With the same store it goes on where it was.
     """
     few = problem.space.K**problem.space.n <= FEW
-    dear = None if solver is None else Solver(solver.name, seed=solver.seed)
     found = []
     for s in problem.scenarios:
         alone = FootProblem(s.scene, problem.guide, s.space(problem.space), problem.accuracy, problem.threads)
@@ -175,7 +169,7 @@ def own_best(
                     f"The best foot for {s.name} alone, to which {problem.guide} is relative:",
                     file=sys.stderr,
                 )
-            result = search(alone, dear or (EXHAUSTIVE if few else None), progress, store, executor)
+            result = search(alone, EXHAUSTIVE if few else None, progress, store, executor)
         except FootoptError as error:
             raise FootoptError(f"{s.name}: {error}") from None
         if result.interrupted:

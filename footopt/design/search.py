@@ -17,13 +17,11 @@ from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
 from footopt.design.archive import Archive
-from footopt.design.coarse import Coarse, coarse_walks
 from footopt.design.evaluator import Evaluator
 from footopt.design.exhaustive import enumerate_space
 from footopt.design.problem import FootProblem, Ints
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import AUTO, EXHAUSTIVE, Solver
-from footopt.design.solvers.registry import COARSELY
 from footopt.design.stop import Stop
 from footopt.design.store import Store
 from footopt.errors import check, check_kind
@@ -104,8 +102,7 @@ def search(
     elif budget:
         solver = replace(solver, **budget)
     solver = solver.fitting(problem.n_obj)
-    dear = solver if solver.name in COARSELY else None
-    problem.prepare(None if isinstance(store, Store) else store, executor, progress is True, dear)
+    problem.prepare(None if isinstance(store, Store) else store, executor, progress is True)
     opened = Store(store, problem) if isinstance(store, (str, Path)) else nullcontext(store)
     # what a solver computes is too little for threads, which would wait for each other
     with opened as kept, threadpool_limits(1, "blas"):
@@ -116,10 +113,7 @@ def search(
                 check(not given, name, name, "left out with solver=exhaustive: it walks with every design")
             return enumerate_space(problem, solver, tell, evaluator)
         first = None if start is None else problem.space.check(start)
-        with coarse_walks(problem, evaluator) if dear else nullcontext() as coarse:
-            return ask_and_tell(
-                problem, solver, tell, evaluator, Stop() if stop is None else stop, first, coarse
-            )
+        return ask_and_tell(problem, solver, tell, evaluator, Stop() if stop is None else stop, first)
 
 
 def _line(generations: int) -> Callable[[Generation], None]:
@@ -141,16 +135,15 @@ def ask_and_tell(
     evaluator: Evaluator,
     stop: Stop | Any,
     start: Ints | None = None,
-    coarse: Coarse | None = None,
 ) -> SearchResult:
     """Ask the solver for a generation, walk what is new of it, tell the solver, and so on."""
     from footopt.design.pymoo_problem import Algorithm
 
     termination, stop = (None, stop) if isinstance(stop, Stop) else (stop, Stop())
-    algorithm = Algorithm(problem, solver, start, termination, coarse)
+    algorithm = Algorithm(problem, solver, start, termination)
     archive = Archive(problem, evaluator)
     most = math.inf if termination is not None and not solver.walks else solver.most
-    started, interrupted, stopped, walking = time.perf_counter(), False, "", 0.0
+    started, interrupted, stopped = time.perf_counter(), False, ""
     try:
         while archive.count < most:
             if (k := algorithm.ask()) is None:
@@ -158,9 +151,7 @@ def ask_and_tell(
                 stopped = "" if ended else ENOUGH
                 break
             first = archive.first(k, most)  # the last generation is cut where the walks end
-            asked = time.perf_counter()
             found = archive.evaluate(k[:first])
-            walking += time.perf_counter() - asked
             if first == len(k):
                 algorithm.tell(*found)
             archive.close_generation(time.perf_counter() - started)
@@ -173,5 +164,4 @@ def ask_and_tell(
         interrupted = True
     seconds = time.perf_counter() - started
     result = archive.result(solver, seconds, interrupted, evaluator.reused)
-    coarsely = 0 if coarse is None else len(coarse)
-    return replace(result, stopped=stopped, coarse=coarsely, choosing=seconds - walking)
+    return replace(result, stopped=stopped)

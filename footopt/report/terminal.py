@@ -218,11 +218,9 @@ def describe_search(result: SearchResult) -> str:
     front = f", {len(result.front)} on the front{_stands_for(result)}" if result.problem.n_obj > 1 else ""
     why_stopped = f" (stopped {result.stopped})" if result.stopped else ""
     stopped = " (interrupted)" if result.interrupted else why_stopped
-    by = f", {result.choosing:.1f} s of these to choose them by {result.coarse} coarse walks"
-    time = f"{result.seconds:.1f} s{by if result.coarse else ''}"
     return (
         f"{result.solver.name}, seed {result.solver.seed}: {result.evaluations} evaluations of "
-        f"{result.designs} designs{reused} in {time}, {bad} infeasible{why}"
+        f"{result.designs} designs{reused} in {result.seconds:.1f} s, {bad} infeasible{why}"
         f"{front}{stopped}"
     )
 

@@ -27,7 +27,7 @@ from footopt.studies.settings import (
     SandConfig,
 )
 from footopt.walk import Accuracy, Scene, Spread, Walker
-from footopt.walk.accuracy import NAMED
+from footopt.walk.accuracy import PRESETS
 
 
 def load_plugins(plugins: Sequence[str]) -> None:
@@ -247,12 +247,12 @@ def make_problem(config: Config, scene: Scene) -> FootProblem:
 
 def make_accuracy(config: AccuracyConfig) -> Accuracy:
     """The accuracy of the settings: a preset or a tolerance, and what is set by hand over it."""
-    names = (*NAMED, "custom")
+    names = (*PRESETS, "custom")
     check(config.name in names, "accuracy.name", config.name, f"one of {', '.join(names)}")
     if config.tolerance is not None:
         accuracy = Accuracy.within(config.tolerance)
     else:
-        accuracy = NAMED.get(config.name, Accuracy())
+        accuracy = PRESETS.get(config.name, Accuracy())
     parts = {name: value for name, value in vars(config).items() if name not in ("name", "tolerance")}
     by_hand = {name: value for name, value in parts.items() if value is not None}
     return replace(accuracy, **by_hand, name="custom", adapt=False) if by_hand else accuracy

@@ -241,8 +241,6 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
         "interrupted": result.interrupted,
         "stopped": result.stopped,
         "search_time_s": result.seconds,
-        "choosing_time_s": result.choosing,
-        "coarse_walks": result.coarse,
     }
 
 

@@ -92,10 +92,10 @@ class Accuracy:
 
     @classmethod
     def named(cls, name: str) -> Accuracy:
-        """One of `NAMED`."""
-        if name not in NAMED:
-            raise SettingError("accuracy", name, f"one of {', '.join(NAMED)}")
-        return NAMED[name]
+        """One of `PRESETS`."""
+        if name not in PRESETS:
+            raise SettingError("accuracy", name, f"one of {', '.join(PRESETS)}")
+        return PRESETS[name]
 
     @classmethod
     def within(cls, tolerance: float) -> Accuracy:
@@ -142,19 +142,10 @@ class Accuracy:
             name="refined",
         )
 
-    @property
-    def coarser(self) -> Accuracy | None:
-        """Of walks that rank soles much as these do, for far less; None where these are as coarse."""
-        plates = min(self.plates, COARSE.plates)
-        return replace(COARSE, plates=plates) if self.dt < COARSE.dt or plates < self.plates else None
-
     def steps(self, t_f: float) -> int:
         """Number of equal steps from 0 to t_f."""
         return max(1, math.ceil(t_f / self.dt - 1e-9))
 
-
-#: For solvers, not for numbers: ranks of J_W correlate with those of standard by 0.998 or more.
-COARSE = Accuracy(dt=0.02, plates=32, name="coarse")
 
 #: The table that `footopt study=accuracy` wrote: every setting's error and cost.
 TABLE = Path(__file__).parent / "accuracy.csv"
@@ -199,8 +190,6 @@ PRESETS: dict[str, Accuracy] = {
     **{name: replace(Accuracy.within(value), name=name) for name, value in TOLERANCES.items()},
     "reference": Accuracy("sdirk2", 2e-4, 400, 1e-5, "reference", adapt=True),
 }
-
-NAMED = {**PRESETS, "coarse": COARSE}
 
 
 def resolve(accuracy: Accuracy | str) -> Accuracy:

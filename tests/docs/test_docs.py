@@ -436,7 +436,6 @@ ROWS = {
     "solvers.py": 9,
     "ablation.py": 5,
     "fronts.py": 5,
-    "dear_walks.py": 2,
     "footprints.py": 4,
     "mujoco_steps.py": 4,
     "page.py": 1,

@@ -11,11 +11,8 @@ from searching import assert_same, problem
 
 import footopt as fo
 from footopt.design import EXHAUSTIVE, SOLVERS, Solver, search
-from footopt.design.fronts import hypervolume_shares
 from footopt.design.solvers.memetic import Memetic
 from footopt.design.solvers.moves import shifts
-from footopt.errors import SettingError
-from footopt.walk.accuracy import COARSE
 
 SEVEN = fo.Waypoints(n=7)
 #: A script that prints all that a search asks for, with walks that cost nothing.
@@ -159,34 +156,7 @@ def test_operators_that_are_given_take_the_place_of_moves():
     moves, textbook = (search(p, "nsga2", walks=60, seed=1, operators=given) for given in (None, {}))
     assert "box" not in moves.reasons
     assert "box" in textbook.reasons
-    assert set(SOLVERS) >= {"memetic", "archive", "surrogate", "ga", "nsga2"}
-
-
-@pytest.mark.parametrize("objective", ["efficiency", ["distance", "work"]])
-def test_a_surrogate_needs_few_walks_and_goes_on_bit_by_bit(objective, tmp_path):
-    """With a seventh of the 731 soles inside their box."""
-    p, store = problem(objective), tmp_path / "feet.sqlite"
-    search(p, "surrogate", pop_size=20, walks=40, seed=1, store=store)
-    r = search(p, "surrogate", pop_size=20, walks=100, seed=1, store=store)
-    assert r.reused == 40
-    assert r.coarse > r.designs
-    assert_same(r, search(p, "surrogate", pop_size=20, walks=100, seed=1))
-    exact = search(p, EXHAUSTIVE)
-    if p.n_obj == 1:
-        assert r.F[0] <= 0.95 * exact.F[0] < 0.0
-    else:
-        assert hypervolume_shares([r.F, exact.F])[0] > 0.95
-
-
-def test_a_surrogate_needs_a_quarter_of_the_dear_walks():
-    """And no coarse walk is one of them; where walks are as coarse there is nothing to choose by."""
-    for zeta in (0.5, 2.0, 8.0):
-        p = problem(zeta=zeta, space=SEVEN, accuracy=fo.Accuracy.named("draft"))
-        dear, quick = search(p, "surrogate", walks=20, seed=1), search(p, "memetic", walks=80, seed=1)
-        assert dear.designs == 20
-        assert dear.F[0] <= quick.F[0] < 0.0
-    with pytest.raises(SettingError, match="accuracy = 'coarse': must be finer"):
-        search(problem(accuracy=COARSE), "surrogate")
+    assert set(SOLVERS) >= {"memetic", "archive", "ga", "nsga2"}
 
 
 @pytest.mark.slow
@@ -195,4 +165,3 @@ def test_tight_limits_are_met_within_three_hundred_walks():
     scene, limits = fo.Scene(sand=fo.Sand.named("hard")), {"peak_power": 200.0, "work": 180.0}
     problem = fo.FootProblem(scene, accuracy="draft", limits=limits)
     assert all(fo.search(problem, "memetic", walks=300, seed=seed).feasible.any() for seed in range(10))
-    assert all(fo.search(problem, "surrogate", walks=20, seed=seed).feasible.any() for seed in range(3))

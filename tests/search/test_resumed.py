@@ -20,7 +20,6 @@ SEARCHES = {
     "memetic": ([["efficiency"], ["peak_power"]], 260),
     "archive": ([TWO, THREE], 120),
     "agemoea2": ([THREE, "pareto"], 120),
-    "surrogate": ([["efficiency"], TWO], 50),
     "auto": ([["efficiency"], TWO], 120),
     "codesign": ([["efficiency"], TWO], 60),
 }
@@ -56,7 +55,7 @@ def test_a_search_that_dies_anywhere_ends_as_one_that_did_not(name, seed, tmp_pa
     zeta, walks = float(np.exp(draw.uniform(-1.0, 2.0))), int(draw.integers(most // 2, most))
     budget = {"walks": walks, "seed": int(draw.integers(100))}
     if name != "auto":
-        low, high = {"memetic": (4, 7), "surrogate": (12, 25)}.get(name, (4, 21))  # memetic: it begins anew
+        low, high = (4, 7) if name == "memetic" else (4, 21)  # memetic: it begins anew
         budget["pop_size"] = int(draw.integers(low, high))
     solver = "auto" if name == "codesign" else name
     if name == "codesign":

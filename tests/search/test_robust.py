@@ -225,17 +225,6 @@ class TestRobustProblem:
         with pytest.raises(FootoptError, match=r"quicksand: No feasible design"):
             own_best(problem([fo.Scenario("quicksand", fo.Scene(sand=fo.Sand(1e-3)))]))
 
-    def test_references_for_dear_walks_are_searched_with_few_of_these(self, tmp_path):
-        p = fo.RobustProblem(SANDS[:2], space=fo.Waypoints(n=5, K=4), accuracy="draft")
-        r = search(p, "surrogate", walks=30, store=tmp_path / "s.sqlite")
-        for scenario, best in zip(p.scenarios, p.references, strict=True):
-            alone = fo.FootProblem(scenario.scene, space=p.space, accuracy="draft")
-            with Store(tmp_path / "s.sqlite", alone) as store:
-                assert len(store) <= 300
-            assert best == search(alone, "exhaustive").F[0]  # of 731 soles
-        robust = fo.RobustProblem(SANDS[:2], space=p.space, accuracy="draft", references=p.references)
-        assert r.F[0] == search(robust, "exhaustive").F[0]
-
     def test_the_search_of_references_is_shown_and_goes_on_where_it_was_interrupted(
         self, tmp_path, capsys, monkeypatch
     ):

@@ -7,7 +7,7 @@ import pytest
 
 import footopt as fo
 from footopt.errors import SettingError
-from footopt.walk.accuracy import NAMED
+from footopt.walk.accuracy import PRESETS
 from footopt.walk.prepare import long_pose_tables, pose_rows, pose_tables, poses
 
 
@@ -43,7 +43,7 @@ class TestSettings:
         assert all(map(math.isnan, fo.estimate_error(ramp_foot, accuracy="draft").values()))
 
     def test_presets_know_their_names(self):
-        assert all(fo.Accuracy.named(name).name == name for name in NAMED)
+        assert all(fo.Accuracy.named(name).name == name for name in PRESETS)
 
     @pytest.mark.parametrize("setting", ["mass", "l1", "l2", "g"])
     @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])

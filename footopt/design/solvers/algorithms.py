@@ -7,8 +7,7 @@ from functools import partial
 from importlib import import_module
 from typing import Any
 
-from footopt.design.solvers.registry import DEAR, GROWING, QUICK, Solver, register
-from footopt.errors import needed
+from footopt.design.solvers.registry import Solver, register
 
 single = partial(register, single=True)
 
@@ -41,18 +40,6 @@ def archive(solver: Solver, n_obj: int) -> Any:
     from footopt.design.solvers.memetic import Archive
 
     return Archive(solver.pop_size)
-
-
-@register
-def surrogate(solver: Solver, n_obj: int) -> Any:
-    """Coarse walks and Gaussian processes choose what is worth a dear walk; of one objective or several."""
-    from footopt.design.solvers.surrogate import Surrogate
-
-    needed("sklearn", "solver=surrogate", "surrogate")
-    return Surrogate(solver.pop_size)
-
-
-GROWING |= {"memetic": QUICK, "archive": QUICK, "surrogate": DEAR}
 
 
 @single

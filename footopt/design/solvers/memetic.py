@@ -15,7 +15,7 @@ from pymoo.util.display.single import SingleObjectiveOutput
 from footopt.design.fronts import nondominated, ranks
 from footopt.design.known import Known
 from footopt.design.solvers.moves import IDLE, RandomInside, allowed, exchanged, shifted, shifts
-from footopt.design.solvers.registry import QUICK, grown
+from footopt.design.solvers.registry import grown
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -45,8 +45,6 @@ class Moves(Algorithm):
         Designs a generation; by default they grow (`grown`).
     """
 
-    growth = QUICK
-
     def __init__(self, pop_size: int | None = None, sampling: Any = None, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         self.pop_size = pop_size
@@ -63,7 +61,7 @@ class Moves(Algorithm):
 
     def _size(self) -> int:
         """Designs of the next generation."""
-        return self.pop_size or grown(len(self.asked), *self.growth)
+        return self.pop_size or grown(len(self.asked))
 
     def _initialize_infill(self) -> Any:
         drawn = self.initialization.do(self.problem, self._size(), random_state=self.random_state)

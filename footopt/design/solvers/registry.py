@@ -18,12 +18,8 @@ EXHAUSTIVE = "exhaustive"
 #: Builders of pymoo algorithms by name: from a `Solver` and the number of objectives.
 SOLVERS: dict[str, Callable[[Solver, int], Any]] = {}
 
-#: Solvers of one objective; the others want two or more, but for those of any number.
+#: Solvers of one objective; the others want two or more.
 SINGLE: list[str] = []
-ANY = ("surrogate",)
-
-#: Solvers that choose by coarse walks which designs are worth a dear one.
-COARSELY = ("surrogate",)
 
 #: What operators can be told, by solver; a solver of one's own may add its own words.
 GENETIC = ("crossover_prob", "crossover_eta", "mutation_prob", "mutation_eta")
@@ -36,13 +32,11 @@ OPERATORS: dict[str, tuple[str, ...]] = {
 #: The best for one objective, and for several (docs/solvers.md).
 AUTO, BEST = "auto", ("memetic", "archive")
 
-#: Solvers whose generations grow, without pop_size: from a first size, by a share of all designs so far, to
-#: MOST.
-GROWING: dict[str, tuple[int, float]] = {}
-QUICK, DEAR = (10, 0.05), (5, 0.05)  # first size and share, of quick walks and of dear ones
-MOST = 100
+#: Solvers whose generations grow, without pop_size: a share of all designs so far, within bounds.
+GROWING = BEST
+SHARE, FIRST, MOST = 0.05, 10, 100
 
-WALKS, DEAR_WALKS = 10_000, 300  # of a solver without n_gen, and of one in COARSELY
+WALKS = 10_000  # of a solver without n_gen
 SIZE = 100  # of generations that do not grow
 
 
@@ -56,7 +50,7 @@ class Solver:
     name : str
         Who searches; auto: who is best for the number of objectives (see `fitting`).
     pop_size : int, optional
-        Designs a generation; by default it grows from 10 to 100 (from 5, of surrogate), a twentieth of all
+        Designs a generation; by default it grows from 10 to 100, a twentieth of all
         designs so far, and is 100 for solvers whose population has a fixed size.
     n_gen : int, optional
         Generations at most.
@@ -67,7 +61,7 @@ class Solver:
         With them, {} too, a solver of several objectives has simulated binary crossover and polynomial
         mutation in place of moves that suit a spline.
     walks : int, optional
-        Different designs at most; where n_gen is not given 10,000 by default, and 300 of surrogate.
+        Different designs at most; where n_gen is not given 10,000 by default.
     """
 
     name: str = AUTO
@@ -96,7 +90,7 @@ class Solver:
     @property
     def most(self) -> float:
         """Different designs at most; infinity where generations alone end it."""
-        return self.walks or (math.inf if self.n_gen else DEAR_WALKS if self.name in COARSELY else WALKS)
+        return self.walks or (math.inf if self.n_gen else WALKS)
 
     @property
     def grows(self) -> bool:
@@ -112,7 +106,7 @@ class Solver:
         """Designs of each generation, without end."""
         asked = 0
         while True:
-            yield (size := grown(asked, *GROWING.get(self.name, QUICK)) if self.grows else self.size)
+            yield (size := grown(asked) if self.grows else self.size)
             asked += size
 
     def generations(self, space: Waypoints) -> int:
@@ -143,11 +137,11 @@ class Solver:
                 f"a solver of several objectives ({many}) for {n_obj} objectives",
                 "Or minimise the scalar J_W: objective=efficiency.",
             )
-        if not single and n_obj < 2 and name not in ANY:
+        if not single and n_obj < 2:
             raise SettingError(
                 "solver",
                 name,
-                f"a solver of one objective ({', '.join((*SINGLE, *ANY))}) for one objective",
+                f"a solver of one objective ({', '.join(SINGLE)}) for one objective",
                 "Or ask for several: objective=pareto.",
             )
         known, given = OPERATORS.get(name, ()), self.operators or {}
@@ -178,6 +172,6 @@ def register(build: Callable[[Solver, int], Any], single: bool = False) -> Calla
     return build
 
 
-def grown(asked: int, first: int, share: float) -> int:
+def grown(asked: int) -> int:
     """Designs of a generation after so many."""
-    return min(max(int(share * asked), first), MOST)
+    return min(max(int(SHARE * asked), FIRST), MOST)
