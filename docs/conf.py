@@ -40,7 +40,7 @@ numpydoc_show_class_members = False
 CONTENTS = {
     "Start": ("docs/getting-started", "docs/commands", "docs/settings", "docs/reference", "docs/files",
               "docs/project", "examples/README", "docs/troubleshooting"),
-    "Believe": ("docs/physics", "docs/objectives", "docs/validation", "docs/credibility",
+    "Believe": ("docs/physics", "docs/objectives", "docs/validation",
                 "outputs/reference/validation/validation", "docs/claims", "outputs/reference/paper/claims",
                 "docs/gallery", "docs/benchmarks"),
     "Choose": ("docs/accuracy", "docs/effects", "docs/solvers", "docs/robust", "docs/codesign"),

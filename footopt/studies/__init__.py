@@ -16,7 +16,7 @@ STUDIES: dict[str, Callable[[Any], Any] | None] = dict.fromkeys(
     (
         "optimize", "simulate", "accuracy", "stability", "effects", "shapes", "paper", "robust",
         "sensitivity", "export", "compare", "doctor", "validate", "calibrate",
-        "credibility", "codesign",
+        "codesign",
     )
 )  # fmt: skip
 

@@ -56,7 +56,6 @@ READS: dict[str, tuple[str, ...]] = {
     "doctor": (),
     "validate": ("study.cases",),
     "calibrate": ("study.tests", "sand.name", "sand.coefficients", "sand.table"),
-    "credibility": (),
 }  # fmt: skip
 
 #: Studies that walk with one foot, of any shape.

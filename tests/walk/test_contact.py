@@ -144,7 +144,7 @@ class TestStaticHeight:
 
 
 def test_python_can_hold_the_compiled_contact_against_the_readable_law(ramp_foot):
-    """As study=stability and study=credibility do."""
+    """As study=stability does."""
     motion = (0.3, -0.4, 1.0)
     compiled, readable, size = contact_forces(ramp_foot, fo.Scene(), 50, motion, 1e-4, angles=True)
     np.testing.assert_allclose(compiled, readable, rtol=0, atol=1e-12 * size)

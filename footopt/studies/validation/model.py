@@ -41,11 +41,6 @@ def found() -> dict[tuple[str, str, tuple[str, ...]], float]:
     return {(e["experiment"], e["quantity"], tuple(e["law"])): e["error"] for e in kept()}
 
 
-def verdicts() -> list[str]:
-    """Verdict of every comparison."""
-    return [e["verdict"] for e in kept()]
-
-
 def model_error(
     walk: Walk, left_out: Mapping[str, float] | None = None, spread: float = Spread.zeta
 ) -> dict[str, float]:
