@@ -15,7 +15,7 @@ from footopt.studies.settings import SEARCHES, Config
 STUDIES: dict[str, Callable[[Any], Any] | None] = dict.fromkeys(
     (
         "optimize", "simulate", "accuracy", "stability", "effects", "shapes", "paper", "robust",
-        "sensitivity", "export", "compare", "doctor", "validate", "calibrate",
+        "export", "compare", "doctor", "validate", "calibrate",
         "codesign",
     )
 )  # fmt: skip

@@ -28,7 +28,6 @@ from footopt.walk.simulate import available_threads
 
 #: Packages that footopt works without: the extra that brings them, and what for.
 EXTRAS = {
-    "SALib": ("sensitivity", "study=sensitivity"),
     "cadquery-ocp-novtk": ("cad", "soles as STEP files"),
     "pandas": ("pandas", "to_frame()"),
     "xarray": ("xarray", "to_dataset()"),

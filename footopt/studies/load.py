@@ -68,7 +68,7 @@ class Run:
     def best(self) -> dict[str, float]:
         """Objectives of its foot by name, natural signs; empty if it has none."""
         found = self.result.get("objectives") if "design" in self.result else None
-        return dict(found) if isinstance(found, Mapping) else {}  # study=sensitivity lists their names
+        return dict(found or {})
 
     @cached_property
     def foot(self) -> Foot:

@@ -47,10 +47,6 @@ READS: dict[str, tuple[str, ...]] = {
         *(f"study.{n}" for n in ("scenarios", "draws", "measure", "tail", "spread", "quick")),
     ),
     "codesign": (*WORLD, *SEARCH, "study.speed", "study.quick", ZETA),
-    "sensitivity": (
-        *SCENE, "foot", "accuracy", "solver.seed",
-        *(f"study.{n}" for n in ("samples", "spread", "foot_spread", "quick")),
-    ),
     "export": ("foot.k", "foot.block", "study.run", "export.mujoco"),
     "compare": ("study.runs",),
     "doctor": (),
@@ -59,7 +55,7 @@ READS: dict[str, tuple[str, ...]] = {
 }  # fmt: skip
 
 #: Studies that walk with one foot, of any shape.
-ONE_FOOT = ("simulate", "stability", "sensitivity")
+ONE_FOOT = ("simulate", "stability")
 #: Those that leave it for the workshop.
 MAKES = ("simulate",)
 

@@ -69,15 +69,6 @@ else:
 
 
 @dataclass
-class FootSpreadConfig:
-    """How far feet lie apart that were to be the same: see `footopt.studies.sensitivity`."""
-
-    waypoint: float = setting(0.001, "One standard deviation of a waypoint's height, m.")
-    width: float = setting(0.05, "One standard deviation of the logarithm of the width.")
-    creep: float = setting(0.7, "One standard deviation of the logarithm of the creep speed.")
-
-
-@dataclass
 class StudyConfig:
     """Which question is asked, and what only one study or the other needs to know."""
 
@@ -99,7 +90,7 @@ class StudyConfig:
     cases: list[str] | None = setting(None, "Names of the cases; null: all.")
     methods: list[str] | None = setting(None, "Names of the steppers that are tried; null: all.")
     seeds: int = setting(5, "How many searches, each with its own seed.")
-    samples: int = setting(48, "Combinations of what the paper leaves open; samples of Sobol's indices.")
+    samples: int = setting(48, "Combinations of what the paper leaves open.")
     shape_sand: str = setting("regular", "Sand on which the paper's five shapes walk.")
     mount: str = setting("centre", "Where the shank meets a shape: its centre, or its top.")
     peak_power: str = setting(
@@ -124,7 +115,6 @@ class StudyConfig:
         None, "Speed that a walk has to reach, m/s; null: that of the gait as given."
     )
     spread: SpreadConfig = field(default_factory=SpreadConfig)
-    foot_spread: FootSpreadConfig = field(default_factory=FootSpreadConfig)
     run: str | None = setting(None, "Folder of the run whose foot is meant.")
     runs: list[str] = setting([], "Folders of the runs that are compared; * and ** as in a shell.")
     video: str | None = setting(None, "Name of a film of the walk, .gif or .mp4; null: none.")

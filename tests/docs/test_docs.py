@@ -60,7 +60,6 @@ SMALL = {
     "validate": {"study.cases": "[growth,friction]"},
     "robust": {k: v for k, v in SEARCH.items() if k != "study.finalists"} | {"study.quick": "true"},
     "codesign": SEARCH | {"study.quick": "true", "foot.n": "4", "foot.K": "4"},
-    "sensitivity": {"study.samples": "2", "accuracy": "draft"},
     "paper": {"study.quick": "true", "study.samples": "0", "solver.pop_size": "8", "solver.n_gen": "2",
               "accuracy": "draft", "study.confirm": "draft"},
     "resume": {"solver.n_gen": "3"},
@@ -451,7 +450,7 @@ def test_a_script_runs_and_prints_its_table(words):
     if path.name not in ROWS:
         # others run these: `test_custom`, `test_biped`, `test_promises`, `test_rest`
         long = "large_search", "pairs"
-        assert path.stem in long or path.parent.name in ("custom", "mujoco", "tests")
+        assert path.stem in long or path.parent.name in ("custom", "examples", "mujoco", "tests")
         return
     said, _ = other(*words[1:], "--quick", *(PARTS if path.name == "report.py" else []))
     lines = [line for line in said.splitlines() if line.startswith("|")]

@@ -919,7 +919,7 @@ class TestFile:
             assert not browser.find_elements("css selector", "[src=x]")
 
     def test_a_multirun_of_a_study_without_one_best_foot_has_a_page_too(self, tmp_path):
-        results = {"shapes": {}, "sensitivity": {"design": {"k": None}, "objectives": ["work"]}}
+        results = {"effects": {}, "stability": {}}
         for i, (name, more) in enumerate(results.items()):
             (tmp_path / str(i)).mkdir()
             (tmp_path / str(i) / "result.json").write_text(json.dumps({"study": name, **more}))

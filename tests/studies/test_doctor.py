@@ -134,7 +134,7 @@ def test_a_program_that_breaks_is_a_finding_and_the_rest_is_said(tmp_path, monke
     monkeypatch.setattr(doctor, "evaluate", broken)
     with pytest.raises(FootoptError, match=r"self test: RuntimeError: no such symbol\. Try to install"):
         examine(tmp_path)
-    assert "SALib" in findings(tmp_path)
+    assert "xarray" in findings(tmp_path)
 
 
 @pytest.mark.usefixtures("one_sand")

@@ -142,12 +142,6 @@ class TestLoad:
         with pytest.raises(SystemExit, match="run"):
             _ = fo.load(folder, trust=True).scene
 
-    def test_a_study_that_lists_the_names_of_objectives_has_no_best(self, made, tmp_path):
-        folder = tmp_path / "sensitivity"
-        shutil.copytree(made[2].folder, folder)
-        (folder / "result.json").write_text('{"design": [1], "objectives": ["distance"]}')
-        assert fo.load(folder).best == {}
-
     def test_a_folder_without_a_run_is_refused(self, tmp_path):
         with pytest.raises(FileError, match="not the folder of a run"):
             fo.load(tmp_path)
