@@ -14,7 +14,7 @@ from footopt.studies.settings import SEARCHES, Config
 #: Studies by name: each is the function `run` of the module of that name. A plugin adds its own function.
 STUDIES: dict[str, Callable[[Any], Any] | None] = dict.fromkeys(
     (
-        "optimize", "simulate", "accuracy", "stability", "effects", "shapes", "paper", "robust",
+        "optimize", "simulate", "accuracy", "stability", "effects", "paper", "robust",
         "export", "compare", "doctor", "validate", "calibrate",
         "codesign",
     )

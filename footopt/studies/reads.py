@@ -35,7 +35,6 @@ READS: dict[str, tuple[str, ...]] = {
     "accuracy": (*WORLD, *SPACE, "solver.seed", "study.feet", "study.quick", ZETA),
     "stability": (*SCENE, "foot", "accuracy", "study.cases", "study.methods"),
     "effects": (*SCENE, *SPACE, "accuracy", "solver.seed", "study.feet"),
-    "shapes": (*SCENE, *FIVE, "foot.k", "accuracy", "study.mount", ZETA),
     "paper": (
         *WORLD, *SPACE, *FIVE, "foot.shape", "foot.k", "accuracy", "solver.pop_size", "solver.n_gen",
         "solver.seed",

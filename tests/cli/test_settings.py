@@ -296,7 +296,7 @@ HUGE = [
     ("simulate", "accuracy.dt=1e-8"), ("simulate", "accuracy.plates=1000000000"),
     ("simulate", "scene.t_f=1e6"), ("simulate", "gait.period=1e6"), ("simulate", "foot.n=1000000"),
     ("optimize", "foot.K=1000000000000"), ("optimize", "engine.threads=1000000000"),
-    ("shapes", "foot.length=1e9"), ("robust", "study.spread.zeta=1e9"),
+    ("paper", "foot.length=1e9"), ("robust", "study.spread.zeta=1e9"),
 ]  # fmt: skip
 
 

@@ -53,7 +53,6 @@ SMALL = {
     "compare": {},
     "doctor": {},
     "calibrate": {},
-    "shapes": {"accuracy": "draft"},
     "accuracy": {"study.feet": "2", "study.quick": "true"},
     "stability": {"study.cases": "['standing, zeta 5','2 kg']", "study.methods": "[sdirk2,explicit_euler]"},
     "effects": {"study.feet": "2", "accuracy": "draft"},

@@ -138,7 +138,7 @@ def pages(front, single, tmp_path_factory):
 #: The figures of a page of a study, its table, and what result.json says.
 SAYS = {"contour": 'A flat sole, and a "quoted" <word>.', "wide": "Forces of a walk."}
 STUDY = {
-    "study": "shapes",
+    "study": "effects",
     "seed": 7,
     "wall_time_s": 12.3,
     "settings": {"solver": {"seed": 7}, "sand": {"zeta": 5.0}},

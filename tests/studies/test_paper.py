@@ -17,7 +17,6 @@ import footopt as fo
 from footopt.errors import SettingError
 from footopt.foot import SHAPES
 from footopt.report.figures.paper import CAPTIONS
-from footopt.studies import shapes as shapes_study
 from footopt.studies.base import Study
 from footopt.studies.build import make_space
 from footopt.studies.paper import page, run, setup
@@ -26,6 +25,7 @@ from footopt.studies.paper.claims import CLAIMS, SANDS
 from footopt.studies.paper.judge import VERDICTS, chance, judge, sensitivity, verdict
 from footopt.studies.paper.readings import read
 from footopt.studies.paper.setup import Setup, changed
+from footopt.studies.paper.shapes import make_shapes
 from footopt.studies.paper.sweep import FACTORS, Plan, combinations, sweep
 from footopt.studies.settings import Config
 
@@ -231,29 +231,12 @@ def test_bad_settings_are_refused_before_anything_is_searched(settings, message,
 
 class TestShapes:
     def test_they_hang_from_their_centre_or_their_top(self):
-        centre = shapes_study.make_shapes(config())
-        top = shapes_study.make_shapes(config(study__mount="top", foot__ankle=[-0.03, 0.01]))
+        centre = make_shapes(config())
+        top = make_shapes(config(study__mount="top", foot__ankle=[-0.03, 0.01]))
         assert list(centre) == list(SHAPES)
         for name, foot in centre.items():
             low = foot.contour[:, 1].min()
             assert foot.ankle == (0.0, 0.0)
             assert top[name].ankle == pytest.approx((-0.03, 0.01 - low))
         with pytest.raises(SettingError, match=r"study\.mount = 'side': must be one of centre, top"):
-            shapes_study.make_shapes(config(study__mount="side"))
-
-    def test_they_do_not_take_heights(self, tmp_path):
-        with pytest.raises(SettingError, match=r"foot\.k"):
-            shapes_study.run(Study(config(foot__k=[1] * 11), tmp_path, {}))
-
-    @pytest.mark.slow
-    def test_their_study_is_what_the_library_computes(self, tmp_path, monkeypatch):
-        unrender(monkeypatch)
-        settings = config(sand__zeta=0.2, foot__length=0.2, accuracy__name="draft", study__name="shapes")
-        shapes_study.run(Study(settings, tmp_path, {}))
-        result = json.loads((tmp_path / "result.json").read_text())
-        assert list(result["shapes"]) == list(SHAPES)
-        for name, entry in result["shapes"].items():
-            walk = fo.simulate(fo.Foot.shape(name, 0.2), fo.Scene(sand=fo.Sand.named("soft")), "draft")
-            assert entry["objectives"] == walk.objectives
-            assert fo.Accuracy(**entry["accuracy"]) == walk.accuracy
-        check_page(tmp_path)
+            make_shapes(config(study__mount="side"))

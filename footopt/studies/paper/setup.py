@@ -19,8 +19,8 @@ from footopt.studies import build
 from footopt.studies.paper.claims import SANDS, Evidence
 from footopt.studies.paper.quantities import filled
 from footopt.studies.paper.readings import Readings, ReadProblem
+from footopt.studies.paper.shapes import make_shapes
 from footopt.studies.settings import Config
-from footopt.studies.shapes import make_shapes, walk_shapes
 from footopt.walk import Accuracy, Scene, Walk, simulate
 
 SOLVER = "ga"  # the paper's
@@ -92,7 +92,8 @@ class Setup:
     def shapes(self) -> dict[str, Walk]:
         """Walk with the five shapes."""
         scene = self.scene(self.config.study.shape_sand)
-        return walk_shapes(make_shapes(self.config), scene, self.accuracy)
+        feet = make_shapes(self.config)
+        return {name: simulate(foot, scene, self.accuracy) for name, foot in feet.items()}
 
     def problem(self, sand: str) -> ReadProblem:
         """Return what the GA searches for a sand."""
