@@ -43,7 +43,7 @@ CONTENTS = {
     "Believe": ("docs/physics", "docs/objectives", "docs/validation",
                 "outputs/reference/validation/validation", "docs/claims", "outputs/reference/paper/claims",
                 "docs/gallery", "docs/benchmarks"),
-    "Choose": ("docs/accuracy", "docs/effects", "docs/solvers", "docs/robust", "docs/codesign"),
+    "Choose": ("docs/accuracy", "docs/effects", "docs/solvers", "docs/robust"),
     "Use": ("docs/python", "docs/mujoco", "docs/cluster", "docs/api"),
     "Develop": ("docs/extending", "CONTRIBUTING", "VISION", "CHANGELOG"),
     "All pages": ("docs/README",),

@@ -24,7 +24,7 @@ PACKAGE = Path(__file__).parent.parent
 #: The sources that a stored value depends on: rooms and files.
 SOURCES = (
     "compiled.py", "sand", "effects", "foot", "gait", "walk",
-    *(f"design/{name}.py" for name in ("problem", "robust", "codesign", "evaluator", "executor")),
+    *(f"design/{name}.py" for name in ("problem", "robust", "evaluator", "executor")),
 )  # fmt: skip
 #: Of a context, what no setting says: the same settings may be walked by other code, on another machine.
 CODE = ("own", "sources", "versions", "machine")

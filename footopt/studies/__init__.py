@@ -16,7 +16,6 @@ STUDIES: dict[str, Callable[[Any], Any] | None] = dict.fromkeys(
     (
         "optimize", "simulate", "accuracy", "stability", "effects", "paper", "robust",
         "export", "compare", "doctor", "validate", "calibrate",
-        "codesign",
     )
 )  # fmt: skip
 

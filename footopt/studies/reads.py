@@ -45,7 +45,6 @@ READS: dict[str, tuple[str, ...]] = {
         *SCENE, *SEARCH,
         *(f"study.{n}" for n in ("scenarios", "draws", "measure", "tail", "spread", "quick")),
     ),
-    "codesign": (*WORLD, *SEARCH, "study.speed", "study.quick", ZETA),
     "export": ("foot.k", "foot.block", "study.run", "export.mujoco"),
     "compare": ("study.runs",),
     "doctor": (),

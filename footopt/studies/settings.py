@@ -24,7 +24,7 @@ from footopt.walk import MEASURES, PRESETS, Accuracy, Spread, Walker
 REPORTS = ("none", "light", "full")
 
 #: Studies that search: they walk where engine says, keep what they evaluate, and go on where they stopped.
-SEARCHES = ("optimize", "robust", "codesign")
+SEARCHES = ("optimize", "robust")
 
 
 def parameters(kind: type, null: tuple[str, ...] = ()) -> Any:
@@ -111,9 +111,6 @@ class StudyConfig:
         "What counts of the loss over the scenarios: worst, mean, or tail (of the worst share).",
     )
     tail: float = setting(default(RobustProblem, "tail"), "The share of study.measure=tail.")
-    speed: float | None = setting(
-        None, "Speed that a walk has to reach, m/s; null: that of the gait as given."
-    )
     spread: SpreadConfig = field(default_factory=SpreadConfig)
     run: str | None = setting(None, "Folder of the run whose foot is meant.")
     runs: list[str] = setting([], "Folders of the runs that are compared; * and ** as in a shell.")

@@ -58,7 +58,6 @@ SMALL = {
     "effects": {"study.feet": "2", "accuracy": "draft"},
     "validate": {"study.cases": "[growth,friction]"},
     "robust": {k: v for k, v in SEARCH.items() if k != "study.finalists"} | {"study.quick": "true"},
-    "codesign": SEARCH | {"study.quick": "true", "foot.n": "4", "foot.K": "4"},
     "paper": {"study.quick": "true", "study.samples": "0", "solver.pop_size": "8", "solver.n_gen": "2",
               "accuracy": "draft", "study.confirm": "draft"},
     "resume": {"solver.n_gen": "3"},

@@ -1,9 +1,13 @@
 """The examples that are Python programs, run small."""
 
 import runpy
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
+
+import footopt as fo
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -19,3 +23,19 @@ def test_sobol_indices_of_a_linear_model_are_those_of_its_coefficients():
     walked = example["walk"](np.zeros(len(example["COLUMNS"])))
     assert np.isfinite(walked).all()
     assert walked[-1] < -2e-4
+
+
+def test_foot_and_gait_together_are_no_worse_than_the_foot_alone():
+    example = runpy.run_path(str(EXAMPLES / "codesign.py"))
+    scene, space = fo.Scene(), fo.Waypoints(n=5, K=5)
+    own = np.array([*space.random(1, seed=1, inside=True)[0], 3, 3, 3, 3])
+    values = example["genes"](own[5:], 5)
+    table = fo.evaluate([own[:5]], scene, "draft", ("efficiency", "distance"), space)
+    before, distance = table.values[0]
+    given = fo.evaluate([own[:5]], replace(scene, gait=example["varied"](scene.gait, values)), "draft",
+                        ("efficiency",), space).values[0, 0]  # fmt: skip
+    assert given == pytest.approx(before, rel=1e-6)
+    problem = example["FootAndGait"](scene, space, "draft", 0.99 * distance)
+    found = example["together"](problem, own[:5], 2)
+    assert found.F[0] < before
+    assert found.G.max() <= 0.0

@@ -8,11 +8,9 @@ from contextlib import suppress
 import numpy as np
 import pytest
 from running import tries
-from searching import QUICK, SMALL, assert_same, problem
+from searching import assert_same, problem
 
-import footopt as fo
 from footopt.design import Store, search
-from footopt.design.codesign import CoDesign
 
 TWO, THREE = ["distance", "work"], ["distance", "work", "peak_power"]
 #: Of each solver: objectives to choose from, and walks that it has at most.
@@ -21,7 +19,6 @@ SEARCHES = {
     "archive": ([TWO, THREE], 120),
     "agemoea2": ([THREE, "pareto"], 120),
     "auto": ([["efficiency"], TWO], 120),
-    "codesign": ([["efficiency"], TWO], 60),
 }
 
 
@@ -57,16 +54,12 @@ def test_a_search_that_dies_anywhere_ends_as_one_that_did_not(name, seed, tmp_pa
     if name != "auto":
         low, high = (4, 7) if name == "memetic" else (4, 21)  # memetic: it begins anew
         budget["pop_size"] = int(draw.integers(low, high))
-    solver = "auto" if name == "codesign" else name
-    if name == "codesign":
-        p = CoDesign(fo.Scene(sand=fo.Sand(zeta)), SMALL, objective=objective, accuracy=QUICK)
-    else:
-        p = problem(objective, zeta)
-    whole = search(p, solver, **budget)
+    p = problem(objective, zeta)
+    whole = search(p, name, **budget)
     path = tmp_path / "feet.sqlite"
     for _ in range(draw.integers(1, 4)):
         with Store(path, p) as store, suppress(Killed):  # it may have too few batches left to die
-            search(p, solver, store=dying(store, draw.integers(1, 3), draw.random() < 0.5), **budget)
-    r = search(p, solver, store=path, **budget)
+            search(p, name, store=dying(store, draw.integers(1, 3), draw.random() < 0.5), **budget)
+    r = search(p, name, store=path, **budget)
     assert r.evaluations >= walks or "nothing more" in r.stopped
     assert_same(r, whole)

@@ -84,7 +84,7 @@ def test_every_study_says_what_it_reads_of_settings_that_there_are():
 
 
 def test_the_spread_of_zeta_is_read_where_a_model_error_is_shown_and_no_other_spread_is():
-    for study in ("optimize", "simulate", "accuracy", "codesign", "robust"):
+    for study in ("optimize", "simulate", "accuracy", "robust"):
         config = composed(f"study={study}")
         check_read(config, ["study.spread.zeta=0.1"])
         with pytest.raises(SettingError, match=r"study\.spread\.mass = 0\.1: must be left out"):
