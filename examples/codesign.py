@@ -3,8 +3,8 @@
 `python examples/codesign.py` searches the best foot for the built-in gait, then foot and gait together, with
 as many evaluations again, beginning with that foot. Four numbers of the gait join the heights of the
 waypoints as whole numbers from 1 to K: the first and the last level are the ends of a range, the middle one
-is the gait as it is given. No walk may be slower than that of the first foot: without that, a search slows down,
-as speed is what costs. `python examples/codesign.py soft 100` takes soft sand and 100 generations.
+is the gait as it is given. No walk may be slower than that of the first foot: without that, a search slows
+down, as speed is what costs. `python examples/codesign.py soft 100` takes soft sand and 100 generations.
 
 The ranges are assumed for an adult, not measured. Danion et al. (Gait & Posture 18, 2003) had people walk
 with stride times from 0.79 to 1.25 s and steps 22 % longer and shorter; an ankle bends from 20 deg down to
