@@ -36,10 +36,8 @@ READS: dict[str, tuple[str, ...]] = {
     "stability": (*SCENE, "foot", "accuracy", "study.cases", "study.methods"),
     "effects": (*SCENE, *SPACE, "accuracy", "solver.seed", "study.feet"),
     "paper": (
-        *WORLD, *SPACE, *FIVE, "foot.shape", "foot.k", "accuracy", "solver.pop_size", "solver.n_gen",
-        "solver.seed",
-        *(f"study.{n}" for n in ("seeds", "samples", "shape_sand", "mount", "peak_power", "speed_loss",
-                                 "leading_edge", "shadowing", "footprints", "confirm", "quick")),
+        *WORLD, *SPACE, *FIVE, "foot.shape", "foot.k", "accuracy", "solver",
+        *(f"study.{n}" for n in ("cases", "shape_sand", "mount", "peak_power", "speed_loss", "confirm")),
     ),
     "robust": (
         *SCENE, *SEARCH,

@@ -87,10 +87,10 @@ class StudyConfig:
     reuse: bool = setting(False, "Whether to read what other code has walked from the store.")
     feet: int = setting(40, "How many random soles are walked.")
     quick: bool = setting(False, "Whether a first look is enough.")
-    cases: list[str] | None = setting(None, "Names of the cases; null: all.")
+    cases: list[str] | None = setting(
+        None, "Names of the cases, or of what the paper leaves open; null: all."
+    )
     methods: list[str] | None = setting(None, "Names of the steppers that are tried; null: all.")
-    seeds: int = setting(5, "How many searches, each with its own seed.")
-    samples: int = setting(48, "Combinations of what the paper leaves open.")
     shape_sand: str = setting("regular", "Sand on which the paper's five shapes walk.")
     mount: str = setting("centre", "Where the shank meets a shape: its centre, or its top.")
     peak_power: str = setting(
@@ -99,11 +99,6 @@ class StudyConfig:
     speed_loss: str = setting(
         "walk", "When dV_x is taken: walk, all of it; window, narrow: 1/4, 1/8 stride about strikes."
     )
-    leading_edge: bool = setting(False, "Whether faces that trail feel no sand.")
-    shadowing: str | None = setting(
-        None, "Which hull hides what lies in a groove: sole, motion (effects.shadowing.hull); null: none."
-    )
-    footprints: bool = setting(False, "Whether feet meet sand that others have moved.")
     scenarios: str = setting("sands", "What one foot is for: sands, laws, or drawn about the scene.")
     draws: int = setting(16, "How many scenarios are drawn.")
     measure: str = setting(

@@ -58,8 +58,8 @@ SMALL = {
     "effects": {"study.feet": "2", "accuracy": "draft"},
     "validate": {"study.cases": "[growth,friction]"},
     "robust": {k: v for k, v in SEARCH.items() if k != "study.finalists"} | {"study.quick": "true"},
-    "paper": {"study.quick": "true", "study.samples": "0", "solver.pop_size": "8", "solver.n_gen": "2",
-              "accuracy": "draft", "study.confirm": "draft"},
+    "paper": {"study.cases": "[]", "solver.pop_size": "8", "solver.n_gen": "2", "accuracy": "draft",
+              "study.confirm": "draft"},
     "resume": {"solver.n_gen": "3"},
 }  # fmt: skip
 #: Besides, whatever the study: an enumerated space of 3^5 soles, and two workers of the many.

@@ -620,17 +620,14 @@ def test_of_many_dots_a_name_looks_at_no_more_than_the_panel_has_places_for():
 # --- studies --------------------------------------------------------------------------------------
 
 
-def test_claims_say_whether_they_hold_apart_from_how_often():
-    entry = {"says": "it holds", "holds_at_the_settings": True, "share_of_sweep": 0.19, "decides": "x.y"}
-    never = {**entry, "says": "never", "holds_at_the_settings": False, "share_of_sweep": None}
-    figure = paper.claims([entry, never])
-    (axes,) = figure.axes
-    assert {"19 %  x.y", "not swept", "it holds", "never"} <= set(texts(figure))
-    drawn = lines(axes)
-    assert drawn["holds at the settings"].get_ydata().tolist() == [0]
-    assert drawn["does not hold at the settings"].get_ydata().tolist() == [1]
-    assert len({patch.get_facecolor() for patch in axes.patches}) == 1
-    assert axes.spines["bottom"].get_bounds() == (0.0, 1.0)
+def test_claims_say_where_they_hold():
+    entry = {"says": "it holds", "margin": 0.1, "changed": {"foot.width=0.05": -0.2, "foot.apex=toe": None}}
+    (axes,) = paper.claims([entry, {**entry, "says": "never", "margin": -1.0}]).axes
+    assert {"it holds", "never", "the settings", "foot.apex=toe"} <= set(texts(axes.figure))
+    holds, not_, undecided = axes.images[0].get_array()[0]
+    assert np.allclose(axes.images[0].get_array()[1, 0], not_)
+    assert not np.allclose(holds, not_)
+    assert np.allclose(undecided, 1.0)
 
 
 def test_a_stepper_keeps_its_colour_and_ticks_do_not_overprint():

@@ -9,17 +9,21 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from footopt.files.drawings import MM
 from footopt.gait import Gait
 from footopt.report.figures.foot import contour, contours
 from footopt.report.figures.gait import draw_angles, draw_path
+from footopt.report.figures.heat_map import draw_heat_map
+from footopt.report.figures.stability import VERDICTS
 from footopt.report.figures.step import steps
 from footopt.report.figures.traces import com, forces, power_work
 from footopt.report.labels import label_all
 from footopt.report.numbers import title
-from footopt.report.style import PAGE, SANDS, VERDICTS, new_figure, styled
+from footopt.report.style import PAGE, SANDS, new_figure, styled
 from footopt.walk import Walk, Walker
 
 
@@ -48,7 +52,7 @@ CAPTIONS = {
     "fig8a_sands_states": "Position and velocity of the COM on each sand, best foot (figure 8a).",
     "fig8b_sands_forces": "Vertical and forward force of each foot on each sand (figure 8b).",
     "fig8c_sands_power_work": "Power and work on each sand, best foot (figure 8c).",
-    "claims": "Every claim: whether it holds at the settings, and in which share of the combinations.",
+    "claims": "Every claim: whether it holds at the settings, and with each open choice made otherwise.",
 }
 
 
@@ -89,32 +93,22 @@ def all_figures(
 
 @styled
 def claims(entries: Sequence[Mapping[str, Any]]) -> Figure:
-    """Every claim with the share of the sweep in which it holds, and the setting that decides it.
+    """Every claim, and whether it holds at the settings and with each open choice made otherwise.
 
     Parameters
     ----------
     entries : sequence of dict
-        The claims as in result.json, by `says`, `holds_at_the_settings`, `share_of_sweep` (None: not swept)
-        and `decides`.
+        The claims as in result.json, by `says`, `margin` and `changed`; a margin that is None is white.
     """
-    figure = new_figure(PAGE, 0.6 + 0.17 * len(entries))
+    figure = new_figure(PAGE, 1.6 + 0.17 * len(entries))
     axes = figure.subplots()
-    shares = [entry["share_of_sweep"] for entry in entries]
-    axes.barh(range(len(entries)), [share or 0.0 for share in shares], color="0.8")
-    for i, (entry, share) in enumerate(zip(entries, shares, strict=True)):
-        text = "not swept" if share is None else f"{100 * share:.0f} %"
-        decides = entry["decides"] if 0.0 < (share or 0.0) < 1.0 else ""
-        axes.text((share or 0.0) + 0.01, i, f"{text}  {decides}".rstrip(), va="center", fontsize=7)
-    for holds, name, (colour, mark) in zip((True, False), ("holds", "does not hold"), VERDICTS, strict=False):
-        mine = [i for i, entry in enumerate(entries) if entry["holds_at_the_settings"] is holds]
-        look: dict[str, Any] = {"color": colour, "marker": mark, "mew": 0, "ls": "", "clip_on": False}
-        axes.plot([-0.03] * len(mine), mine, **look, label=f"{name} at the settings")
-    axes.set_yticks(range(len(entries)), [entry["says"] for entry in entries], fontsize=7)
-    axes.set(ylim=(len(entries) - 0.4, -0.6), xlim=(-0.06, 1.4))
-    axes.set_xticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0 %", "25 %", "50 %", "75 %", "100 %"])
-    settings = "at the settings: ● holds, ✖ does not"
-    axes.set_xlabel(f"share of the sweep in which it holds, and the setting that decides\n{settings}", x=0.4)
-    axes.tick_params(axis="y", length=0)
-    axes.spines["bottom"].set_bounds(0.0, 1.0)
-    axes.spines["left"].set_visible(False)
+    columns = ["the settings", *entries[0]["changed"]]
+    margins = np.array([[e["margin"], *e["changed"].values()] for e in entries], float)
+    holds = np.where(np.isfinite(margins), margins > 0.0, np.nan)
+    blank = [[""] * len(columns)] * len(entries)
+    names = [entry["says"] for entry in entries]
+    draw_heat_map(axes, holds, names, columns, blank, Normalize(0.0, 1.0), VERDICTS)
+    axes.tick_params(axis="x", rotation=90)
+    axes.tick_params(axis="y", labelsize=7)
+    figure.supxlabel("blue: the claim holds; orange: it does not")
     return figure

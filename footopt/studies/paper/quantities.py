@@ -1,4 +1,4 @@
-"""Numbers taken from a walk or a sole that claims are measured by; NaN where the walk failed."""
+"""Numbers taken from a finished walk or from a sole, by which the claims are measured."""
 
 from __future__ import annotations
 
@@ -17,54 +17,45 @@ Array = NDArray[np.float64]
 NAN = float("nan")
 
 
-# --- a walk from the first heel strike on ---------------------------------------------------------
+def walking(walk: Walk) -> NDArray[np.bool_]:
+    """Return the samples from the first heel strike on, (T,)."""
+    return np.asarray(walk.t >= walk.scene.gait.heel_strike)
 
 
-def _mean(walk: Walk, trace: Array) -> float:
-    """Mean over time of a trace, (T,)."""
-    if not walk.feasible:
-        return NAN
-    after = walk.t >= walk.scene.gait.heel_strike
-    t = walk.t[after]
-    return float(np.trapezoid(trace[after], t) / (t[-1] - t[0]))
+def mean(walk: Walk, trace: Array) -> float:
+    """Return the mean over time of a trace, (T,), from the first heel strike on."""
+    t = walk.t[walking(walk)]
+    return float(np.trapezoid(trace[walking(walk)], t) / (t[-1] - t[0]))
 
 
 def mean_speed(walk: Walk) -> float:
     """Return the mean V_x, m/s."""
-    return _mean(walk, walk.velocity[:, 0])
+    return mean(walk, walk.velocity[:, 0])
 
 
 def mean_drag(walk: Walk, way: int) -> float:
     """Return the mean over time of the forward (1) or backward (-1) part of both feet's f_x, N."""
-    return _mean(walk, np.maximum(way * walk.force[..., 0], 0.0).sum(axis=1))
+    return mean(walk, np.maximum(way * walk.force[..., 0], 0.0).sum(axis=1))
 
 
 def peak_drag(walk: Walk, way: int) -> float:
     """Return the largest f_x of one foot, forwards (1) or backwards (-1), N."""
-    after = walk.t >= walk.scene.gait.heel_strike
-    return float((way * walk.force[after, :, 0]).max()) if walk.feasible else NAN
+    return float((way * walk.force[walking(walk), :, 0]).max())
 
 
 def contact_share(walk: Walk) -> float:
-    """Return the share of the time that a foot carries something, mean of both feet."""
-    return _mean(walk, (walk.force[..., 1] > STANDS).mean(axis=1))
-
-
-# --- a whole walk ---------------------------------------------------------------------------------
+    """Return the share of the time that a foot is in contact, mean of both feet."""
+    return mean(walk, (walk.force[..., 1] > STANDS).mean(axis=1))
 
 
 def time_to_speed(walk: Walk, speed: float) -> float:
     """Return the time at which V_x first reaches a speed (m/s), s; t_f if it never does."""
-    if not walk.feasible:
-        return NAN
     fast = np.flatnonzero(walk.velocity[:, 0] >= speed)
     return float(walk.t[fast[0]]) if len(fast) else walk.scene.duration
 
 
 def work_after_three_steps(walk: Walk) -> float:
     """Return |W| of both feet half a stride after the third heel strike, or at t_f if that is sooner, J."""
-    if not walk.feasible:
-        return NAN
     end = walk.scene.gait.heel_strike + 1.5 * walk.scene.gait.period
     return abs(float(np.interp(end, walk.t, walk.work.sum(axis=1))))
 
@@ -76,91 +67,61 @@ def vertical_parting(walks: list[Walk]) -> float:
     scene = walks[0].scene
     t = np.linspace(scene.gait.start, scene.duration, 1000)
     curves = np.array([np.interp(t, walk.t, walk.velocity[:, 1]) for walk in walks])
-    mean = curves.mean(axis=0)
-    parted = np.sqrt(np.mean((curves - mean) ** 2, axis=1))
-    return float(parted.max() / np.sqrt(np.mean(mean**2)))
+    middle = curves.mean(axis=0)
+    parted = np.sqrt(np.mean((curves - middle) ** 2, axis=1))
+    return float(parted.max() / np.sqrt(np.mean(middle**2)))
 
 
-# --- the right foot's first step ------------------------------------------------------------------
-
-
-class Step(NamedTuple):
-    """The right foot's first step, as M samples of a walk.
-
-    Parameters
-    ----------
-    first : int
-        The first sample.
-    t : (M,), s
-        Time since touch-down.
-    lasts : (M,), s
-        Length of the time step before each sample; they are not equally long.
-    force : (M, 2), N
-        Force on the foot.
-    """
-
-    first: int
-    t: Array
-    lasts: Array
-    force: Array
-
-
-def one_step(walk: Walk) -> Step | None:
-    """Return the right foot's first step, None if there is none."""
+def first_step(walk: Walk) -> slice | None:
+    """Return the samples of the right foot's first step, None if there is none."""
     found = stance(walk) if walk.feasible else None
-    if found is None:
-        return None
-    part = slice(found.first, found.last + 1)
-    t, lasts = walk.t[part] - walk.t[found.first], np.diff(walk.t, prepend=0.0)[part]
-    return Step(found.first, t, lasts, walk.force[part, RIGHT])
+    return slice(found.first, found.last + 1) if found else None
+
+
+def _forward(walk: Walk, step: slice) -> tuple[Array, Array]:
+    """Return the forward force of the right foot in a step, and how long each sample of it lasts."""
+    return np.maximum(walk.force[step, RIGHT, 0], 0.0), np.diff(walk.t, prepend=0.0)[step]
 
 
 def push_time(walk: Walk) -> float:
     """Return how long the sand pushes the right foot forwards in its first step, s."""
-    step = one_step(walk)
-    return float(step.lasts[step.force[:, 0] > 0.0].sum()) if step else NAN
+    step = first_step(walk)
+    if step is None:
+        return NAN
+    force, lasts = _forward(walk, step)
+    return float(lasts[force > 0.0].sum())
 
 
 def push_share(walk: Walk, begin: float) -> float:
     """Return the share of the step's forward impulse that comes later than `begin` (s) after touch-down."""
-    step = one_step(walk)
+    step = first_step(walk)
     if step is None:
         return NAN
-    forward = step.lasts * np.maximum(step.force[:, 0], 0.0)
-    return float(forward[step.t >= begin].sum() / forward.sum())
+    impulse, t = np.multiply(*_forward(walk, step)), walk.t[step]
+    return float(impulse[t - t[0] >= begin].sum() / impulse.sum())
 
 
 class Zone(NamedTuple):
-    """What of a sole is in the sand, mean over a step.
+    """What of a sole is in the sand, mean over a step."""
 
-    Parameters
-    ----------
-    whole, middle : float
-        Share of the plates, and of those in the middle third of the sole.
-    centre : float, m
-        x_p where the vertical force acts.
-    """
-
-    whole: float = NAN
-    middle: float = NAN
-    centre: float = NAN
+    whole: float = NAN  # share of the plates
+    middle: float = NAN  # share of the plates of the sole's middle third
+    centre: float = NAN  # x_p where the vertical force acts, m
 
 
 def contact_zone(walk: Walk, instants: int = 100) -> Zone:
     """Return the zone of the right foot's first step, from so many instants of it."""
-    step = one_step(walk)
+    step = first_step(walk)
     if step is None:
         return Zone()
-    states = walk.plates(step.first + np.searchsorted(step.t, np.linspace(0.0, step.t[-1], instants)))
+    t = walk.t[step] - walk.t[step.start]
+    states = walk.plates(step.start + np.searchsorted(t, np.linspace(0.0, t[-1], instants)))
     x = walk.foot.plates(walk.accuracy.plates, walk.accuracy.rule).x[0] + walk.foot.ankle[0]
     heel, toe = walk.foot.contour[:, 0].min(), walk.foot.contour[:, 0].max()
     middle = np.abs(x - 0.5 * (toe + heel)) <= (toe - heel) / 6.0
     inside = states.position[:, RIGHT, :, 1] < 0.0
     up = states.force[:, RIGHT, :, 1]
     return Zone(float(inside.mean()), float(inside[:, middle].mean()), float((up @ x).sum() / up.sum()))
-
-
-# --- a sole ---------------------------------------------------------------------------------------
 
 
 def filled(foot: Foot) -> Foot:

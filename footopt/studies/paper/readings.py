@@ -1,21 +1,17 @@
-"""The meanings that the paper's p_max and dV_x may have: walks read that way, and a search that ranks so."""
+"""The meanings that the paper's p_max and dV_x may have, and walks read that way."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.design import FootProblem
 from footopt.errors import check
-from footopt.foot import Foot
 from footopt.studies.settings import StudyConfig
-from footopt.walk import Walk, simulate
-
-Array = NDArray[np.float64]
+from footopt.walk import OBJECTIVES, Walk
+from footopt.walk.objectives import SLOW
 
 PEAK_POWER = ("stance", "single")
 #: dV_x by name: how long about each heel strike a fall counts, in strides; None is the whole walk.
@@ -28,15 +24,10 @@ SWITCHES = 3  # stance switches that the paper names: t = 1.1, 1.7, 2.3 s
 class Readings(NamedTuple):
     """How two quantities that the paper does not define are read.
 
-    Parameters
-    ----------
-    peak_power : {"stance", "single"}
-        p_max from any instant after the first heel strike; or only from those at which the other foot
-        carries less than `LIFTED` of the weight.
-    speed_loss : {"walk", "window", "narrow"}
-        dV_x as the largest fall below the running maximum from the first heel strike to t_f; or as the
-        largest one within a quarter, or an eighth, of a stride about a heel strike. An eighth is about as
-        long as both feet stand.
+    p_max is taken at any instant after the first heel strike ("stance"); or only while the other foot
+    carries less than `LIFTED` of the weight ("single"). dV_x is the largest fall below the running maximum
+    from the first heel strike to t_f ("walk"); or the largest one within a quarter of a stride about a heel
+    strike ("window"), or an eighth ("narrow"), which is about as long as both feet stand.
     """
 
     peak_power: str = "stance"
@@ -49,6 +40,19 @@ class Readings(NamedTuple):
             value = getattr(config, name)
             check(value in allowed, f"study.{name}", value, f"one of {', '.join(allowed)}")
         return cls(config.peak_power, config.speed_loss)
+
+    def objective(self) -> str:
+        """Return the name of J_W as it is read; other readings than the library's own need every trace."""
+        if self == Readings():
+            return "efficiency"
+        name = f"efficiency_{self.peak_power}_{self.speed_loss}"
+        SLOW[name] = replace(
+            OBJECTIVES["efficiency"],
+            name=name,
+            value=lambda walk: read(walk, self).objectives["efficiency"],
+            of="walk",
+        )
+        return name
 
 
 def read(walk: Walk, readings: Readings) -> Walk:
@@ -69,12 +73,11 @@ def read(walk: Walk, readings: Readings) -> Walk:
 def single_stance_power(walk: Walk) -> float:
     """Return the largest |sum f.v| of a foot that stands alone, W; NaN if none ever does."""
     after = walk.t >= walk.scene.gait.heel_strike
-    up = walk.force[after, :, 1]
-    alone = np.abs(up[:, ::-1]) < LIFTED * walk.scene.walker.weight
-    return float(np.abs(walk.power[after])[alone].max(initial=-np.inf)) if alone.any() else float("nan")
+    alone = np.abs(walk.force[after, ::-1, 1]) < LIFTED * walk.scene.walker.weight
+    return float(np.abs(walk.power[after])[alone].max()) if alone.any() else float("nan")
 
 
-def switch_losses(walk: Walk, readings: Readings) -> Array:
+def switch_losses(walk: Walk, readings: Readings) -> NDArray[np.float64]:
     """Return the fall of V_x about each of the paper's three switches, (3,), m/s; NaN where there is none.
 
     The fall is that within the window of the reading; for "walk", from a quarter of a stride before the heel
@@ -86,46 +89,11 @@ def switch_losses(walk: Walk, readings: Readings) -> Array:
 
 
 def _falls(walk: Walk, before: float, behind: float) -> list[float]:
-    """Fall of V_x about each heel strike, from and to so many strides of it, m/s."""
-    period = walk.scene.gait.period
-    return [_fall(walk, h - before * period, h + behind * period) for h in _strikes(walk)]
-
-
-def _strikes(walk: Walk) -> Iterator[float]:
-    """Heel strikes that the walk goes on after, s."""
-    if not walk.feasible:
-        return
-    yield from (float(h) for h in walk.scene.gait.heel_strikes(walk.scene.duration) if h < walk.t[-1])
-
-
-def _fall(walk: Walk, begin: float, end: float) -> float:
-    inside = (walk.t >= begin) & (walk.t <= end)
-    speed = walk.velocity[inside, 0]
-    return float((np.maximum.accumulate(speed) - speed).max(initial=0.0))
-
-
-class ReadProblem(FootProblem):
-    """A `FootProblem` on J_W with p_max and dV_x as they are read.
-
-    Other readings than the library's need the traces of every design, which takes about twice the time.
-    """
-
-    def __init__(self, readings: Readings, **parameters: Any) -> None:
-        super().__init__(**parameters)
-        self.readings = readings
-
-    @property
-    def conditions(self) -> dict[str, Any]:
-        """What is walked through, and how it is read."""
-        return {**super().conditions, "readings": self.readings}
-
-    def walk(self, k: NDArray[np.int64]) -> tuple[Array, NDArray[np.str_]]:
-        """Recorded values as they are read, (designs, record), and why a walk failed."""
-        values, reasons = super().walk(k)
-        if self.readings == Readings():
-            return values, reasons
-        for row, heights in enumerate(k):
-            walk = simulate(Foot.from_waypoints(heights, self.space), self.scene, self.accuracy)
-            objectives = read(walk, self.readings).objectives
-            values[row] = [objectives[name] for name in self.record]
-        return values, reasons
+    """Return the fall of V_x from and to so many strides about each heel strike, m/s."""
+    gait, losses = walk.scene.gait, []
+    for strike in gait.heel_strikes(walk.scene.duration) if walk.feasible else ():
+        since, until = strike - before * gait.period, strike + behind * gait.period
+        speed = walk.velocity[(walk.t >= since) & (walk.t <= until), 0]
+        if strike < walk.t[-1]:
+            losses.append(float((np.maximum.accumulate(speed) - speed).max(initial=0.0)))
+    return losses

@@ -2,106 +2,161 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Mapping, Sequence
+from importlib.resources import files
+from math import isfinite, nan
+from typing import Any
 
-from footopt.errors import check
-from footopt.files import run as files
+from footopt.errors import FootoptError
+from footopt.files.run import plain, write_text
 from footopt.files.tasks import Tasks
 from footopt.foot import Foot
+from footopt.foot.waypoints import written
 from footopt.report import terminal
-from footopt.report.figures import paper as paper_figures
+from footopt.report.figures import paper as figures
+from footopt.report.numbers import number
 from footopt.studies.base import Study
-from footopt.studies.paper import page
-from footopt.studies.paper.claims import CLAIMS, SANDS, measure
-from footopt.studies.paper.judge import judge, summary
-from footopt.studies.paper.readings import read
-from footopt.studies.paper.setup import SOLVER, Setup, affordable
-from footopt.studies.paper.sweep import Plan, sweep
-from footopt.studies.record import scene_entry
-from footopt.studies.validation.model import model_error
-from footopt.walk import OBJECTIVES, Walk
-from footopt.walk.simulate import at_once
+from footopt.studies.build import check_searchable
+from footopt.studies.paper.claims import CLAIMS, SANDS, Evidence, measure
+from footopt.studies.paper.walks import changes, evidence
+from footopt.studies.record import foot_entry, scene_entry
+from footopt.studies.validation.model import JUDGED, model_error
+from footopt.walk import OBJECTIVES, Walk, simulate
 from footopt.walk.validity import diagnose
+
+Entry = Mapping[str, Any]
+VERDICTS = ("holds", "does not hold", "hangs on a choice", "undecided")
+WORDS = ("figure", "claim", "verdict", "sand", "k", "shape")  # columns of words
+
+ABOUT = (
+    "A margin is positive where a claim holds at the settings. A claim hangs on what the paper leaves open "
+    "where another choice turns it; choices are made otherwise one at a time, and feet are searched again "
+    "for each."
+)
 
 
 def run(study: Study) -> None:
-    """Repeat the paper: search its feet, draw its figures, judge its claims here and in a sweep."""
-    config = affordable(study.config)
-    for name, own in (("shape", "waypoints"), ("k", None)):
-        value = getattr(config.foot, name)
-        check(
-            value == own, f"foot.{name}", value, f"{own}: the study chooses its feet", "Use study=simulate."
-        )
-    setup, solver = Setup(config), config.solver
-    setup.scene("hard").need_heel_strike()
-    study.say(
-        f"Searching feet for {', '.join(SANDS)} sand: {SOLVER}, {config.study.seeds} times with "
-        f"{solver.n_gen} generations of {solver.pop_size} designs"
-    )
+    """Repeat the paper: search its feet, draw its figures, judge its claims."""
+    config = study.config
+    check_searchable(config.foot)
+    done, others = Tasks(study.folder / "tasks.jsonl"), dict(changes(config))
+    study.say(f"Searching feet for {', '.join(SANDS)} sand, {1 + len(others)} times")
     with study.compiling():
-        setup.shapes()
-    plan = Plan.of(config)
-    threads = at_once(study.threads)
-    with study.progress(len(SANDS) * config.study.seeds + len(plan.changes), "task") as step:
-        done = Tasks(study.folder / "tasks.jsonl")
-        runs = optimise(setup, step, done)
-        for sand, walks in runs.items():
-            study.say(f"{sand:8s} {terminal.describe_foot(walks[0].foot)}")
-        feet = {sand: dataclasses.replace(walks[0].foot, name=sand) for sand, walks in runs.items()}
-        evidence = setup.evidence(feet)
-        drawn = paper_figures.all_figures(evidence.shapes, evidence.optima, evidence.crossed)
-        for name, figure in drawn.items():
-            study.save(name, figure, paper_figures.CAPTIONS[name])
-        swept = sweep(plan, feet, threads, partial(step, "sweep"), done)
-
-    judged = {
-        name: judge(float(margin), column, plan, CLAIMS[name].about)
-        for name, margin, column in zip(CLAIMS, measure(evidence), swept.T, strict=True)
-    }
-    found = page.content(evidence, plan, judged, runs)
-    study.save("claims", paper_figures.claims(found["claims"]), paper_figures.CAPTIONS["claims"])
-    files.write_text(study.folder / "claims.md", page.markdown(found))
-    head: tuple[str, ...] = ("figure", "claim", "margin", "share", "verdict")
-    what = "What the paper says, and what comes out (margin: holds if above 0; share: of settings that agree)"
-    tables = [terminal.table(head, ("figure", "claim", "verdict"), what)]
-    for row in page.claim_rows(found):
-        tables[0].add_row(*row)
-    if config.study.samples:
-        head = ("claim", "setting, with its share", "single changes that turn it")
-        tables.append(terminal.table(head, head, "Which setting decides"))
-        for claim, *settings, changes in page.decision_rows(found):
-            tables[1].add_row(claim, ", ".join(s for s in settings if s != "-") or "none", changes)
-    for sand in SANDS:
+        simulate(Foot.flat(), study.scene, study.accuracy)
+    margins = {}
+    with study.progress(1 + len(others), "choice") as step:
+        own = evidence(config, done)
+        step(news="the settings")
+        for name, figure in figures.all_figures(own.shapes, own.optima, own.crossed).items():
+            study.save(name, figure, figures.CAPTIONS[name])
+        for name, other in others.items():
+            try:
+                margins[name] = measure(evidence(other, done))
+            except FootoptError:  # a search found no foot at all
+                margins[name] = dict.fromkeys(CLAIMS, nan)
+            step(news=name)
+    found = content(own, margins)
+    study.save("claims", figures.claims(found["claims"]), figures.CAPTIONS["claims"])
+    write_text(study.folder / "claims.md", markdown(found))
+    shown = []
+    for title, head, rows in tables(found):
+        shown.append(terminal.table(head, WORDS, title))
+        for row in rows:
+            shown[-1].add_row(*row)
+    for sand, walk in own.optima.items():
         study.say(f"The best foot for {sand} sand, on it:")
-        terminal.print_validity(study.console, diagnose(evidence.optima[sand]))
+        terminal.print_validity(study.console, diagnose(walk))
     study.conclude(
         "The paper, judged",
-        tables,
+        shown,
         {
             "seed": config.solver.seed,
             **found,
-            **scene_entry(setup.scene(config.study.shape_sand), setup.accuracy, tuple(OBJECTIVES)),
-            "readings": setup.readings._asdict(),
+            **scene_entry(own.hard.scene, own.hard.accuracy, tuple(OBJECTIVES)),
+            "readings": own.readings._asdict(),
         },
         said=(
-            f"{summary([j.verdict for j in judged.values()])}.",
-            *terminal.describe_model(model_error(walk) for walk in evidence.optima.values()),
-            "The page claims.md has all of it in words, with the feet and the errata.",
+            f"{summary(found)}.",
+            *terminal.describe_model(model_error(walk) for walk in own.optima.values()),
+            "The page claims.md has all of it in words, with the errata.",
         ),
     )
 
 
-def optimise(setup: Setup, step: Callable[[str], None], done: Tasks) -> dict[str, list[Walk]]:
-    """Return for each sand a walk with the best foot of each seed, best first by J_W as it is read."""
-    space = setup.problem(SANDS[0]).space
-    found, first = {}, setup.config.solver.seed
-    for sand in SANDS:
-        walks = []
-        for seed in range(first, first + setup.config.study.seeds):
-            k = done((setup.named(sand), seed), partial(setup.heights, sand, seed))
-            walks.append(setup.walk(Foot.from_waypoints(k, space), sand))
-            step(f"searched for {sand} sand, seed {seed}")
-        found[sand] = sorted(walks, key=lambda walk: read(walk, setup.readings).objectives["efficiency"])
-    return found
+# --- the judgement, as result.json has it ---------------------------------------------------------
+
+
+def judge(margin: float, changed: Mapping[str, float]) -> dict[str, Any]:
+    """Judge a claim by its margin at the settings and with each open choice made otherwise.
+
+    Returns
+    -------
+    judgement : dict
+        Its margin, the verdict, the changes that turn it, and the margins with every change. Where a walk
+        failed, nothing is decided and nothing turns.
+    """
+    turned = [name for name, m in changed.items() if isfinite(m + margin) and (m > 0.0) != (margin > 0.0)]
+    own = (0 if margin > 0.0 else 1) if isfinite(margin) else 3
+    verdict = VERDICTS[2 if turned else own]
+    return {"margin": margin, "verdict": verdict, "hangs_on": turned, "changed": dict(changed)}
+
+
+def content(own: Evidence, margins: Mapping[str, Mapping[str, float]]) -> dict[str, Any]:
+    """Return what result.json holds, in JSON's own types; `margins`: of each claim by each change."""
+    claims = []
+    for name, margin in measure(own).items():
+        judged = judge(margin, {change: found[name] for change, found in margins.items()})
+        claims.append({"id": name, **CLAIMS[name].words, **judged})
+    feet = {sand: foot_entry(walk.foot) | _walk_entry(walk) for sand, walk in own.optima.items()}
+    shapes = {name: _walk_entry(walk) for name, walk in own.shapes.items()}
+    return dict(plain({"claims": claims, "optima": feet, "shapes": shapes}))
+
+
+def _walk_entry(walk: Walk) -> dict[str, Any]:
+    return {"reason": walk.reason, "objectives": {name: walk.objectives[name] for name in JUDGED}}
+
+
+def summary(found: Entry) -> str:
+    """Return how many claims hold, in one line."""
+    verdicts = [claim["verdict"] for claim in found["claims"]]
+    hold, fail, depend, _ = map(verdicts.count, VERDICTS)
+    return f"{len(verdicts)} claims: {hold} hold, {fail} do not hold, {depend} hang on a choice"
+
+
+# --- claims.md ------------------------------------------------------------------------------------
+
+
+def tables(found: Entry) -> list[tuple[str, Sequence[str], list[list[str]]]]:
+    """Return the tables of the terminal and of claims.md from `content`: a title, a head and rows each."""
+    measures = ("distance (m)", "mean height (m)", "work (J)", "peak power (W)", "speed loss (m/s)", "J_W")
+    feet = [
+        [sand, written(foot["k"]), number(foot["hollow_mm"]), *_cells(foot)]
+        for sand, foot in found["optima"].items()
+    ]
+    shapes = [[name, *_cells(shape)] for name, shape in found["shapes"].items()]
+    return [
+        ("Claims", ("figure", "claim", "margin", "verdict"), [claim_row(c) for c in found["claims"]]),
+        ("The best foot of each sand, on that sand", ("sand", "k", "hollow (mm)", *measures), feet),
+        ("The five shapes", ("shape", *measures), shapes),
+    ]
+
+
+def claim_row(claim: Entry) -> list[str]:
+    """Return the figure, the words, the margin of a claim, and its verdict with what it hangs on."""
+    margin, verdict, turned = claim["margin"], claim["verdict"], ", ".join(claim["hangs_on"])
+    if turned:
+        verdict = f"holds, but not with {turned}" if margin > 0.0 else f"holds only with {turned}"
+    shown = "-" if margin is None else f"{margin:+.3g} {claim['unit']}".rstrip()
+    return [claim["place"], claim["says"], shown, verdict]
+
+
+def _cells(walk: Entry) -> list[str]:
+    return [walk["reason"] or "-" if v is None else number(v) for v in walk["objectives"].values()]
+
+
+def markdown(found: Entry) -> str:
+    """Return the page claims.md: `content`, as result.json has it, in words, and the errata."""
+    page = f"# The paper, claim by claim\n\n{summary(found)}. {ABOUT}\n"
+    for title, head, rows in tables(found):
+        page += f"\n## {title}\n\n{terminal.markdown_rows([head, ['---'] * len(head), *rows])}\n"
+    return f"{page}\n#{files(__package__).joinpath('errata.md').read_text(encoding='utf-8')}"
