@@ -16,7 +16,7 @@ from omegaconf.errors import OmegaConfBaseException
 from footopt.cli.job import walk
 from footopt.cli.messages import explain
 from footopt.cli.words import readable
-from footopt.design import AUTO, EXHAUSTIVE, SOLVERS, Solver
+from footopt.design import AUTO, SOLVERS, Solver
 from footopt.errors import ERROR_FILE, FileError, FootoptError, SettingError, check
 from footopt.files import identity
 from footopt.files.lock import Occupied, locked
@@ -208,5 +208,5 @@ def _asked(found: Mapping[str, Any] | None, budget: Mapping[str, Any] | None = N
 
 def _solver(saved: Mapping[str, Any]) -> Solver:
     """A saved solver; one of a plugin, which is not loaded yet, is taken for one that does not grow."""
-    known = saved["name"] in (AUTO, EXHAUSTIVE, *SOLVERS)
+    known = saved["name"] in (AUTO, *SOLVERS)
     return Solver(**{**saved, "name": saved["name"] if known else "ga"})

@@ -170,6 +170,7 @@ class Algorithm:
         start: Ints | None = None,
         termination: Any = None,
     ) -> None:
+        solver.check_space(problem.space)
         self._algorithm = solver.build(problem.n_obj)
         self._size = Size(problem)
         most = solver.n_gen or REPEATS * solver.generations(problem.space)

@@ -18,7 +18,6 @@ from threadpoolctl import threadpool_limits
 
 from footopt.design.archive import Archive
 from footopt.design.evaluator import Evaluator
-from footopt.design.exhaustive import enumerate_space
 from footopt.design.problem import FootProblem, Ints
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import AUTO, EXHAUSTIVE, Solver
@@ -108,10 +107,6 @@ def search(
     with opened as kept, threadpool_limits(1, "blas"):
         evaluator = Evaluator(problem, kept, executor)
         tell = _line(solver.generations(problem.space)) if progress is True else progress or None
-        if solver.name == EXHAUSTIVE:
-            for name, given in (("stop", stop not in (None, Stop())), ("start", start is not None)):
-                check(not given, name, name, "left out with solver=exhaustive: it walks with every design")
-            return enumerate_space(problem, solver, tell, evaluator)
         first = None if start is None else problem.space.check(start)
         return ask_and_tell(problem, solver, tell, evaluator, Stop() if stop is None else stop, first)
 
@@ -148,7 +143,7 @@ def ask_and_tell(
         while archive.count < most:
             if (k := algorithm.ask()) is None:
                 ended = algorithm.terminated or len(archive.history) == solver.n_gen
-                stopped = "" if ended else ENOUGH
+                stopped = "" if ended or solver.name == EXHAUSTIVE else ENOUGH
                 break
             first = archive.first(k, most)  # the last generation is cut where the walks end
             found = archive.evaluate(k[:first])

@@ -25,7 +25,6 @@ from footopt.design import (
 )
 from footopt.design.certificate import Certificate, certified
 from footopt.design.choice import excess
-from footopt.design.exhaustive import Enumeration, check_size
 from footopt.design.result import check_finalists
 from footopt.errors import SettingError
 from footopt.files import run as files
@@ -58,10 +57,8 @@ def run(study: Study) -> Answer:
     scene = chosen.scene
     problem = make_problem(config, scene)
     choice, solver = problem.choice, solver.fitting(problem.n_obj)
-    if solver.name == EXHAUSTIVE:  # what does not fit is refused before the search
-        check_size(problem)
-    else:
-        solver.build(problem.n_obj)
+    solver.build(problem.n_obj)  # what does not fit is refused before the search
+    solver.check_space(problem.space)
     check_finalists(options.finalists)
     study.say(terminal.describe_setup(scene, problem.space))
     finer = study.finer_accuracy
@@ -82,7 +79,7 @@ def run(study: Study) -> Answer:
 
     if study.reports:
         files.write_designs(study.folder / "designs.csv", result.columns)
-    drawings = _drawings(result, int(confirmed.designs[0]), base)
+    drawings = _drawings(result, confirmed.designs[:LEADERS], base)
     notes = write_walk(study, walk, {"best": walk, "flat": flat}, drawings)
     record = study.write_result(
         {
@@ -182,7 +179,7 @@ def _search(
         if result.interrupted:
             study.say("Stopped: reporting what was found so far (Ctrl-C again: not even that)")
         asked, several = study.options.certify, problem.n_obj > 1
-        if result.interrupted or several or isinstance(result, Enumeration) or asked is False:
+        if result.interrupted or several or solver.name == EXHAUSTIVE or asked is False:
             return result, confirm(result, finer, finalists), None
         most = math.inf if asked else result.designs
         return certified(result, finer, finalists, Evaluator(problem, store, executor), most)
@@ -244,23 +241,23 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
     }
 
 
-def _drawings(result: SearchResult, best: int, flat: dict[str, float]) -> dict[str, Callable[[], Any]]:
-    """What draws the figures of a search, by name: with its best design and the flat sole's values."""
+def _drawings(result: SearchResult, leaders: Any, flat: dict[str, float]) -> dict[str, Callable[[], Any]]:
+    """What draws the figures of a search, by name: with its best designs and the flat sole's values."""
     problem, drawn = result.problem, dict[str, Callable[[], Any]]()
-    if not isinstance(result, Enumeration):
+    if result.solver.name != EXHAUSTIVE:
         relative = problem.n_obj == 1 and problem.guide == "efficiency" and flat["efficiency"] < 0.0
         base = flat["efficiency"] if relative else None
         label = history_label(problem.names)
         drawn["convergence"] = partial(figures.convergence, result.history, label, base)
     elif problem.n_obj == 1:
-        leaders = enumerate(result.k[:LEADERS], start=1)
+        leaders = enumerate(result.k[leaders], start=1)
         soles = {f"no. {i}": Foot.from_waypoints(k, problem.space) for i, k in leaders}
         drawn["contours"] = partial(figures.contours, soles)
     if problem.n_obj > 1:
         columns = [problem.record.index(name) for name in problem.names]
         values = result.values[:, columns]
         front = values[result.shown]
-        marks = {"chosen": values[best], "flat sole": [flat[name] for name in problem.names]}
+        marks = {"chosen": values[leaders[0]], "flat sole": [flat[name] for name in problem.names]}
         groups = {f"{len(front)} {FRONT}": front}
         drawn["scatter_matrix"] = partial(figures.scatter_matrix, groups, problem.names, marks)
         drawn["parallel"] = partial(figures.parallel, front, problem.names, marks, FRONT)

@@ -86,8 +86,8 @@ def run(study: Study) -> None:
         options.tail, references=np.ones(len(scenarios)),
     )  # fmt: skip
     solver = solver.fitting(judge.n_obj)
-    if solver.name != EXHAUSTIVE:  # a solver that does not fit is refused before anything is walked
-        solver.build(judge.n_obj)
+    solver.build(judge.n_obj)  # what does not fit is refused before anything is walked
+    solver.check_space(judge.space)
 
     owners = (*scenarios, Scenario(MEDIAN, scene)) if options.scenarios == "drawn" else scenarios
     feet: Heights = {}

@@ -98,7 +98,7 @@ def test_generations_grow_from_ten_to_a_hundred():
         (Solver("memetic", n_gen=3), 30, 3),
         (Solver("memetic", pop_size=50, walks=120), 120, 3),
         (Solver("memetic", n_gen=7, walks=50), 50, 5),
-        (Solver(EXHAUSTIVE, pop_size=4096), 10_000, 2442),
+        (Solver(EXHAUSTIVE), float("inf"), 2442),
     ],
 )
 def test_generations_follow_from_walks_and_walks_from_generations(solver, designs, generations):

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from searching import QUICK, stop_after
 
 import footopt as fo
-from footopt.design import Solver, exhaustive, search
-from footopt.design.exhaustive import batches
+from footopt.design import Solver, search
 from footopt.design.pymoo_problem import PymooProblem
+from footopt.design.solvers.exhaustive import batches
 from footopt.design.solvers.moves import ExchangeRun, ShiftRun, shifts
 from footopt.errors import FootoptError, SettingError
 from footopt.walk.scenarios import sands
@@ -35,7 +35,7 @@ def table():
 class TestExhaustive:
     @given(st.integers(4, 6), st.integers(1, 4), st.integers(1, 700))
     def test_batches_hold_every_design_once(self, n, K, size):
-        parts = list(batches(fo.Waypoints(n=n, K=K), size))
+        parts = list(batches(n, K, size))
         k = np.concatenate(parts)
         assert max(map(len, parts)) <= size
         assert len(np.unique(k, axis=0)) == len(k) == K**n
@@ -43,15 +43,14 @@ class TestExhaustive:
         assert k.max() == K
 
     @pytest.mark.parametrize("size", [7, 1000])
-    def test_one_objective_gives_the_best_designs_in_order(self, table, size):
+    def test_every_design_inside_its_box_is_walked_once_and_the_best_is_that_of_all(self, table, size):
         values, inside = table
         r = search(problem(), "exhaustive", pop_size=size)
-        expected = np.sort(values.efficiency[inside])
-        np.testing.assert_array_equal(r.column("efficiency"), expected)
-        assert r.designs == len(EVERYTHING) == r.infeasible + inside.sum()
-        assert r.evaluations == inside.sum()
-        assert (r.best, list(r.front)) == (0, [0])
-        assert len(r.history) == Solver("exhaustive", size).generations(SPACE) == -(-256 // size)
+        np.testing.assert_array_equal(r.k, EVERYTHING[inside])
+        np.testing.assert_array_equal(r.values[:, :5], values.values[inside])
+        assert r.column("efficiency")[r.best] == values.efficiency[inside].min()
+        assert (r.designs, r.evaluations, r.stopped) == (inside.sum(), inside.sum(), "")
+        assert len(r.history) <= Solver("exhaustive", size).generations(SPACE) == -(-256 // size)
         assert [g.best for g in r.history] == sorted((g.best for g in r.history), reverse=True)
 
     @pytest.mark.parametrize("size", [7, 1000])
@@ -62,28 +61,22 @@ class TestExhaustive:
         r = search(problem("pareto"), "exhaustive", pop_size=size)
         exact = EVERYTHING[inside][~np.array(dominated)]
         assert sorted(map(tuple, r.k[r.front])) == sorted(map(tuple, exact))
-        assert (np.diff(r.problem.ranked(r.values)) >= 0).all()
 
-    def test_only_the_best_are_kept(self, table, monkeypatch):
-        monkeypatch.setattr(exhaustive, "KEPT", 5)
-        values, inside = table
-        r = search(problem(), "exhaustive", pop_size=30)
-        np.testing.assert_array_equal(r.column("efficiency"), np.sort(values.efficiency[inside])[:5])
-
-    def test_a_large_space_is_refused_with_its_size_and_time(self):
-        with pytest.raises(SettingError, match=r"foot\.n = 11: .*10\^11 would take .* days here"):
-            search(problem(space=fo.Waypoints()), "exhaustive")
-        with pytest.raises(SettingError, match=r"100\^200"):
-            search(problem(space=fo.Waypoints(n=200, K=100)), "exhaustive")
+    @pytest.mark.parametrize(
+        ("space", "count"), [({}, "100,000,000,000"), ({"n": 200, "K": 100}, "more than")]
+    )
+    def test_a_space_of_more_than_a_million_is_refused(self, space, count):
+        with pytest.raises(SettingError, match=rf"foot\.n = .* at most 1,000,000 soles.* {count}.*foot\.n=5"):
+            search(problem(space=fo.Waypoints(**space)), "exhaustive")
 
     def test_nothing_feasible_says_so(self):
-        with pytest.raises(FootoptError, match=r"No feasible design among 256: .*sunk"):
+        with pytest.raises(FootoptError, match=r"No feasible design among \d+: \d+ sunk"):
             search(problem(zeta=1e-3), "exhaustive")
 
     def test_interrupted_it_returns_what_it_has(self):
         r = search(problem(), "exhaustive", progress=stop_after(2), pop_size=64)
         assert r.interrupted
-        assert r.designs == 128
+        assert len(r.history) == 2
 
 
 class TestMemetic:
@@ -170,5 +163,4 @@ def test_an_enumeration_that_was_stopped_goes_on_to_the_same_end(kind, tmp_path)
     assert part.interrupted
     again = fo.search(problem, "exhaustive", pop_size=20, store=path)
     assert again.reused >= part.evaluations
-    assert again.counts == whole.counts
     searching.assert_same(again, whole)

@@ -79,17 +79,6 @@ class TestLimits:
         j = kept.column("efficiency")
         assert j[kept.best] == j[good].min() >= free.column("efficiency")[free.best]
 
-    def test_are_kept_by_an_enumeration(self):
-        limits = {"peak_power": 210.0}
-        p = problem()
-        all_of_it = search(p, "exhaustive", pop_size=512)
-        limited = search(
-            fo.FootProblem(p.scene, space=SMALL, accuracy=QUICK, limits=limits), "exhaustive", pop_size=512
-        )
-        good = all_of_it.column("peak_power") <= 210.0
-        assert limited.k[0].tolist() == all_of_it.k[good][0].tolist()
-        assert limited.counts["peak_power"] > 0
-
     def test_nobody_keeps_those_that_cannot_be(self):
         p = fo.FootProblem(space=SMALL, accuracy=QUICK, limits={"distance": 50.0})
         with pytest.raises(fo.FootoptError, match=r"No feasible design among 8: .*8 distance|wider limits"):

@@ -197,8 +197,8 @@ class TestRobustProblem:
         together = fo.RobustProblem(SANDS, space=space, accuracy=COARSE)  # against each scenario's own best
         robust = search(together, "exhaustive")
         np.testing.assert_array_equal(together.references, j.min(axis=1)[:, 0])
-        np.testing.assert_array_equal(robust.k[0], every[worst.argmin()])
-        assert 1 + robust.column("efficiency")[0] == pytest.approx(worst.min())
+        np.testing.assert_array_equal(robust.X, every[worst.argmin()])
+        assert 1 + robust.F[0] == pytest.approx(worst.min())
         specialists = every[j[..., 0].argmin(axis=1)]
         assert 0 < worst.min() < (1 + together.walk(specialists)[0][:, 5]).min()
 
@@ -207,10 +207,10 @@ class TestRobustProblem:
         space = fo.Waypoints(n=4, K=4)
         absolute = fo.RobustProblem(SANDS, space=space, accuracy=COARSE, references=np.ones(3))
         soft = fo.FootProblem(SANDS[0].scene, space=space, accuracy=COARSE)
-        chosen = search(absolute, "exhaustive").k[0]
-        np.testing.assert_array_equal(chosen, search(soft, "exhaustive").k[0])
+        chosen = search(absolute, "exhaustive").X
+        np.testing.assert_array_equal(chosen, search(soft, "exhaustive").X)
         relative = fo.RobustProblem(SANDS, space=space, accuracy=COARSE)
-        loss = 1 + relative.walk(np.array([chosen, search(relative, "exhaustive").k[0]]))[0][:, 5]
+        loss = 1 + relative.walk(np.array([chosen, search(relative, "exhaustive").X]))[0][:, 5]
         assert loss[1] < 0.8 * loss[0]
 
     def test_own_bests_are_kept_in_a_store_and_sent_with_the_problem(self, tmp_path):

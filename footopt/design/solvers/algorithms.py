@@ -104,3 +104,11 @@ def rvea(solver: Solver, n_obj: int) -> Any:
     from footopt.design.solvers.operators import reference_directions
 
     return genetic(solver, "moo.rvea:RVEA", ref_dirs=reference_directions(n_obj, solver.size))
+
+
+@register
+def exhaustive(solver: Solver, n_obj: int) -> Any:
+    """Every design of a small space, in batches."""
+    from footopt.design.solvers.exhaustive import Exhaustive
+
+    return Exhaustive(solver.size)

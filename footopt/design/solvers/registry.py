@@ -12,7 +12,7 @@ from footopt.errors import SettingError, check
 from footopt.foot import Waypoints
 from footopt.kinds import says_kinds
 
-#: Walks with every design of a small space, for any objectives: `footopt.design.exhaustive`.
+#: Walks with every design of a small space, for one objective or several.
 EXHAUSTIVE = "exhaustive"
 
 #: Builders of pymoo algorithms by name: from a `Solver` and the number of objectives.
@@ -37,7 +37,8 @@ GROWING = BEST
 SHARE, FIRST, MOST = 0.05, 10, 100
 
 WALKS = 10_000  # of a solver without n_gen
-SIZE = 100  # of generations that do not grow
+LIMIT = 1_000_000  # designs of a space that exhaustive takes, whether inside their box or not
+SIZE, BATCH = 100, 4096  # of generations that do not grow, and of exhaustive
 
 
 @says_kinds
@@ -51,7 +52,7 @@ class Solver:
         Who searches; auto: who is best for the number of objectives (see `fitting`).
     pop_size : int, optional
         Designs a generation; by default it grows from 10 to 100, a twentieth of all
-        designs so far, and is 100 for solvers whose population has a fixed size.
+        designs so far, and is 100 for solvers whose population has a fixed size, 4096 for exhaustive.
     n_gen : int, optional
         Generations at most.
     seed : int
@@ -80,7 +81,7 @@ class Solver:
         check(0 <= self.seed < 2**32, "solver.seed", self.seed, "a whole number from 0 to 2^32 - 1")
 
     def _check_name(self) -> None:
-        names = (AUTO, *SOLVERS, EXHAUSTIVE)
+        names = (AUTO, *SOLVERS)
         check(self.name in names, "solver.name", self.name, f"one of {', '.join(names)}")
 
     def fitting(self, n_obj: int) -> Solver:
@@ -90,7 +91,16 @@ class Solver:
     @property
     def most(self) -> float:
         """Different designs at most; infinity where generations alone end it."""
-        return self.walks or (math.inf if self.n_gen else WALKS)
+        return self.walks or (math.inf if self.n_gen or self.name == EXHAUSTIVE else WALKS)
+
+    def check_space(self, space: Waypoints) -> None:
+        """Raise a `SettingError` if every design is to be walked of a space that has too many."""
+        total = space.K**space.n
+        if self.name == EXHAUSTIVE and total > LIMIT:
+            count = f"{total:,}" if total < 10**15 else "more than 10^15"
+            allowed = f"small enough that foot.K^foot.n is at most {LIMIT:,} soles, to walk with all of them"
+            hint = f"{space.K}^{space.n} soles are {count}. Try foot.n=5 or foot.K=4, or solver=memetic."
+            raise SettingError("foot.n", space.n, allowed, hint)
 
     @property
     def grows(self) -> bool:
@@ -100,7 +110,7 @@ class Solver:
     @property
     def size(self) -> int:
         """Designs of a generation that does not grow."""
-        return self.pop_size or SIZE
+        return self.pop_size or (BATCH if self.name == EXHAUSTIVE else SIZE)
 
     def sizes(self) -> Iterator[int]:
         """Designs of each generation, without end."""
@@ -137,11 +147,11 @@ class Solver:
                 f"a solver of several objectives ({many}) for {n_obj} objectives",
                 "Or minimise the scalar J_W: objective=efficiency.",
             )
-        if not single and n_obj < 2:
+        if not single and n_obj < 2 and name != EXHAUSTIVE:
             raise SettingError(
                 "solver",
                 name,
-                f"a solver of one objective ({', '.join(SINGLE)}) for one objective",
+                f"a solver of one objective ({', '.join((*SINGLE, EXHAUSTIVE))}) for one objective",
                 "Or ask for several: objective=pareto.",
             )
         known, given = OPERATORS.get(name, ()), self.operators or {}

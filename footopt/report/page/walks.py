@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.design import Confirmation, SearchResult
-from footopt.design.exhaustive import Enumeration
+from footopt.design import EXHAUSTIVE, Confirmation, SearchResult
 from footopt.foot import Foot, Waypoints
 from footopt.report.body import forces_along, groups
 from footopt.report.numbers import percent, sand_title, title
@@ -86,7 +85,7 @@ def walked_designs(result: SearchResult, confirmed: Confirmation) -> list[int]:
     if problem.n_obj > 1:
         chosen = _spread(result.shown.tolist(), WALKS)
     else:
-        chosen = successive_bests(result) or list(range(min(LEADERS, len(result.k))))
+        chosen = successive_bests(result) or confirmed.designs[:LEADERS].tolist()
     return [i for i in chosen if i != confirmed.designs[0]]
 
 
@@ -119,7 +118,7 @@ def search_content(
     record, chosen = problem.record, int(confirmed.designs[0])
     front = result.shown.tolist() if problem.n_obj > 1 else []
     lineage = successive_bests(result)
-    exact = isinstance(result, Enumeration)
+    exact = result.solver.name == EXHAUSTIVE
     rows = np.unique([*front, *lineage, chosen, *_spread(list(range(len(result.k))), DESIGNS)])
     place = {row: i for i, row in enumerate(rows.tolist())}
     reasons = [*dict.fromkeys(map(str, result.reasons))]
@@ -196,7 +195,7 @@ def successive_bests(result: SearchResult) -> list[int]:
 
     None for several objectives, and for a space that was enumerated: no search came to its designs.
     """
-    if result.problem.n_obj > 1 or isinstance(result, Enumeration):
+    if result.problem.n_obj > 1 or result.solver.name == EXHAUSTIVE:
         return []
     f = np.where(result.feasible, result.problem.minimised(result.values)[:, 0], np.inf)
     before = np.concatenate([[np.inf], np.minimum.accumulate(f)[:-1]])

@@ -1,0 +1,55 @@
+"""Every design of a small space: the exact best, or the exact front."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pymoo.core.algorithm import Algorithm
+from pymoo.core.population import Population
+
+from footopt.design.solvers.moves import allowed
+
+Ints = NDArray[np.int64]
+
+
+def batches(n: int, K: int, size: int) -> Iterator[Ints]:
+    """Every row of n whole numbers from 1 to K, `size` at a time; the last number counts fastest."""
+    total, powers = K**n, K ** np.arange(n)[::-1]
+    for begin in range(0, total, size):
+        yield 1 + np.arange(begin, min(begin + size, total))[:, None] // powers % K
+
+
+class Exhaustive(Algorithm):
+    """Ask for every design that is inside its box, in order.
+
+    Parameters
+    ----------
+    pop_size : int
+        Designs a generation, at most: those of so many rows that are inside their box.
+    """
+
+    def __init__(self, pop_size: int, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        self.pop_size = pop_size
+        self._left: Iterator[Ints] = iter(())
+
+    def _setup(self, problem: Any, **kwargs: Any) -> None:
+        self._left = batches(problem.n_var, int(problem.xu[0]), self.pop_size)
+
+    def _infill(self) -> Any:
+        for k in self._left:
+            if len(inside := k[allowed(self.problem, k)]):
+                return Population.new(X=inside)
+        self.termination.force_termination = True
+        return None
+
+    _initialize_infill = _infill
+
+    def _advance(self, infills: Any = None, **kwargs: Any) -> None:
+        self.pop = infills  # what is best of all is the archive's to say
+
+    def _initialize_advance(self, infills: Any = None, **kwargs: Any) -> None:
+        self._advance(infills)
