@@ -26,7 +26,6 @@ from footopt.cli.compose import CONF, groups
 from footopt.cli.messages import explain
 from footopt.cli.words import readable
 from footopt.design import Solver, make_executor
-from footopt.design.exhaustive import check_size
 from footopt.effects import EFFECTS
 from footopt.errors import FootoptError, SettingError
 from footopt.sand import MEDIA
@@ -245,7 +244,8 @@ def used(*overrides):
     if config.foot.shape == "waypoints":
         space = build.make_space(config.foot)
         problem = fo.FootProblem(scene, config.objective.names, space, accuracy, engine.threads)
-        check_size(problem) if solver.name == "exhaustive" else solver.build(problem.n_obj)
+        solver.build(problem.n_obj)
+        solver.check_space(space)
     if engine.name != "dask":
         with make_executor(engine.name, engine.workers, engine.address, engine.timeout):
             pass
