@@ -59,7 +59,7 @@ def _check_variables() -> None:
         elif not (value.isdecimal() and least <= int(value) <= most):
             what = "a number of seconds" if least == 0 else "a whole number > 0"
             sys.exit(f"footopt: error: {name} = {value!r}: must be {what}, or unset.")
-    if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0") and "study=doctor" not in sys.argv:
+    if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
         sys.exit("footopt: error: NUMBA_DISABLE_JIT is set, and the walk is always compiled. Unset it.")
 
 

@@ -215,7 +215,7 @@ KEYS = {key[:end] for key in known() for end in (*(i for i, c in enumerate(key) 
 
 
 class TestSettings:
-    @pytest.mark.parametrize("page", TEXTS)
+    @pytest.mark.parametrize("page", sorted({*TEXTS} - {"CHANGELOG.md"}))  # it tells of settings that went
     def test_every_setting_exists(self, page):
         own = set(re.findall(r"(?:scene|sand|gait)/(\w+)\.yaml", TEXTS[page]))
         own |= {path.stem for path in (ROOT / "examples").rglob("*.yaml")}
