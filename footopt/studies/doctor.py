@@ -39,7 +39,7 @@ def run(study: Study) -> None:
     table = terminal.table(("", "found"), ("", "found"))
     for row in found.items():
         table.add_row(*row)
-    said = [] if wrong else ["All is as it should be."]
-    study.conclude("Is the installation sound?", [table], {"findings": found}, said=said, warnings=wrong)
+    verdict = [] if wrong else ["All is as it should be."]
+    study.conclude("Is the installation sound?", [table], {"findings": found}, said=verdict, warnings=wrong)
     if wrong:
         raise FootoptError(f"study=doctor: {' '.join(wrong)}")
