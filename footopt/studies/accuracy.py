@@ -1,16 +1,16 @@
 """What does accuracy cost in time? A work-precision study of steppers, time steps, plates and creep.
 
 Random feet walk on the three sands at many settings; the error of a setting is measured against the
-limit of many plates and small steps, its cost on one thread. The presets and `accuracy.tolerance` come
-from the table that this study writes (`footopt/walk/accuracy.csv` is one such table).
+limit of many plates and small steps, its cost on one thread, and what it decides by the share of pairs
+of feet that J_W ranks wrongly. The presets and `accuracy.tolerance` come from the table that this study
+writes (`footopt/walk/accuracy.csv` is one such table).
 """
 
 from __future__ import annotations
 
 import itertools
-import math
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,11 +20,9 @@ from rich.table import Table as RichTable
 from footopt.errors import check
 from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
-from footopt.report.figures.accuracy import decision as decision_figure
 from footopt.report.figures.accuracy import work_precision
 from footopt.report.numbers import title
 from footopt.sand import Sand
-from footopt.studies import decision
 from footopt.studies.base import Study
 from footopt.studies.validation.model import model_error
 from footopt.walk import FIVE, Accuracy, Scene, evaluate, simulate
@@ -36,11 +34,11 @@ Array = NDArray[np.float64]
 
 SANDS = ("soft", "regular", "hard")
 QUANTILE = 95.0  # of the feet: the error that this share of them does not exceed, %
+ASKED = ("draft", "standard", "fine")  # presets whose wrong pairs are told
 TOLERANCES = (0.02, 0.005, 0.0005)  # that the cheapest setting is told for
 LIMIT = Accuracy("sdirk2", 1e-4, 800, 1e-5, "limit")
 QUICK_LIMIT = Accuracy("sdirk2", 5e-4, 256, 1e-4, "limit")
 PLATES = 64  # of settings that differ in time only
-ORDER_FEET = 20  # on which orders of convergence are observed
 
 IMPLICIT_DT = (
     2e-2, 1.25e-2, 1e-2, 8e-3, 7e-3, 6.25e-3, 5.5e-3, 5e-3, 4e-3, 2.5e-3, 1.6e-3, 1e-3, 5e-4, 2.5e-4,
@@ -57,12 +55,6 @@ MEASURED = (*FIVE, "efficiency")
 CAPTION = (
     "Error of the worst objective, for 95 % of the feet, against the time that a design takes, for every "
     "stepper, time step and number of plates; the presets are marked."
-)
-
-
-DECISION = (
-    "Processor time until a search has its answer, how often two of its finalists, or two random feet, are "
-    "ranked wrongly by J_W, and what the answer lacks of the best J_W: at three presets, on three sands."
 )
 
 
@@ -85,8 +77,8 @@ class Measurement:
         Of the contact, and of plates in it; per design, mean over the sands.
     ms : float
         Per design on one thread, mean over the sands.
-    wrong_random, wrong_finalists : float
-        Share of pairs of random feet, and of a search's finalists, that J_W ranks wrongly; the sands' mean.
+    wrong : (sands,)
+        Share of pairs of feet that J_W ranks wrongly.
     """
 
     accuracy: Accuracy
@@ -96,8 +88,7 @@ class Measurement:
     evaluations: float
     plate_evaluations: float
     ms: float
-    wrong_random: float
-    wrong_finalists: float
+    wrong: Array
 
     @property
     def error(self) -> float:
@@ -124,62 +115,54 @@ def run(study: Study) -> None:
     study.say(about)
     limits = (limit, replace(limit, plates=PLATES, creep=1e-4))
     how: dict[str, Any] = {"space": space, "threads": study.threads}
-    seeds, budget = (decision.SEEDS[:1], {"pop_size": 8, "n_gen": 2}) if quick else (decision.SEEDS, {})
     truths: list[list[Array]] = []
     measured = []
     with study.compiling("every stepper"):
         for stepper in STEPPERS:
             evaluate(feet[:1], scenes[0], Accuracy(stepper), space=space, threads=1)
-    with study.progress(len(decision.ASKED) * len(seeds) * len(scenes), "search") as step:
-        found = decision.searches(scenes, space, study.threads, seeds, step, **budget)
-    finalists = decision.finalists_of(found, scenes)
-    every = [np.concatenate([feet, k]) for k in finalists]
     with study.progress(len(grid) + 2 * len(scenes), "measurement") as step:
         for accuracy in limits:
             truths.append([])
-            for scene, k in zip(scenes, every, strict=True):
-                truths[-1].append(evaluate(k, scene, accuracy, MEASURED, **how).values)
+            for scene in scenes:
+                truths[-1].append(evaluate(feet, scene, accuracy, MEASURED, **how).values)
                 step("the limit of small steps and many plates")
         for accuracy in grid:
-            measured.append(measure(accuracy, count, every, scenes, space, *truths))
+            measured.append(measure(accuracy, feet, scenes, space, *truths))
             step(f"{accuracy.stepper}, dt {1e3 * accuracy.dt:g} ms, {accuracy.plates} plates")
     write_table(study, measured)
     study.save("accuracy", work_precision(measured, list(PRESETS.values())), CAPTION)
     orders = {name: order(measured, name) for name in STEPPERS}
-    knobs = 3 if quick else 4  # without the elastic length, which compiles another walk
-    with study.compiling("the walk with bristles"), study.progress(knobs * len(scenes), "order") as step:
-        falls = decision.orders(scenes, feet[:ORDER_FEET], space, study.threads, not quick, step)
-    flat = Foot.flat(space)
-    errors = [
-        model_error(simulate(flat, scene, "fine"), spread=study.options.spread.zeta) for scene in scenes
-    ]
-    loss = decision.lost(found, scenes, limit, **how)
-    presets = decision.rows(measured, found, loss, math.nan if quick else decision.compile_seconds())
-    study.save("decision", decision_figure(presets), DECISION)
-    ranking = decision.right_ranking(measured)
+    flat, spread = Foot.flat(space), study.options.spread.zeta
+    errors = [model_error(simulate(flat, scene, "fine"), spread=spread) for scene in scenes]
     picks = {tolerance: cheapest(measured, tolerance) for tolerance in TOLERANCES}
+    own = {m.accuracy: m for m in measured}
+    presets = {name: own[nameless(name)] for name in ASKED}
     study.conclude(
         "What accuracy costs",
-        [decision.table_of_presets(presets), table(pareto(measured)), decision.table_of_orders(falls)],
+        [table_of_presets(presets), table(pareto(measured))],
         {
             "seed": study.seed,
             "feet": feet.tolist(),
-            "model_error": {scene.sand.name: own for scene, own in zip(scenes, errors, strict=True)},
+            "model_error": dict(zip(SANDS, errors, strict=True)),
             "orders": orders,
-            "presets": presets,
-            "convergence": [asdict(fall) for fall in falls],
-            "finalists": {scene.sand.name: k.tolist() for scene, k in zip(scenes, finalists, strict=True)},
-            "right_ranking": ranking and {**ranking[0].row, "seconds": ranking[1]},
+            "presets": [
+                {"preset": name, **m.row, "wrong": dict(zip(SANDS, m.wrong.tolist(), strict=True))}
+                for name, m in presets.items()
+            ],
             "cheapest": {str(t): None if m is None else m.row for t, m in picks.items()},
         },
         said=[
             "Measured order: " + ", ".join(f"{title(name)} {value:.1f}" for name, value in orders.items()),
             *(f"Cheapest within {100 * t:g} %: {_describe(m)}" for t, m in picks.items()),
-            _ranking(ranking),
             *terminal.describe_model(errors),
         ],
         about=[about],
     )
+
+
+def nameless(preset: str) -> Accuracy:
+    """A preset as a setting among others, as it is for the paper's walk."""
+    return replace(Accuracy.named(preset), name=Accuracy().name, adapt=False)
 
 
 def full_grid() -> list[Accuracy]:
@@ -197,7 +180,7 @@ def full_grid() -> list[Accuracy]:
     grid += [Accuracy(name, dt, PLATES) for name in explicit for dt in EXPLICIT_DT]
     grid += [Accuracy("sdirk2", 2.5e-3, n, rule="chord") for n in CHORD_PLATES]
     grid += [Accuracy("sdirk2", 1e-3, 192, creep) for creep in CREEPS]
-    return list(dict.fromkeys([*grid, *map(decision.nameless, decision.ASKED)]))
+    return list(dict.fromkeys([*grid, *map(nameless, ASKED)]))
 
 
 def quick_grid() -> list[Accuracy]:
@@ -205,14 +188,13 @@ def quick_grid() -> list[Accuracy]:
     grid = [Accuracy("sdirk2", dt, n) for dt in (1e-2, 5e-3, 2.5e-3) for n in (32, PLATES)]
     grid += [Accuracy(name, dt, PLATES) for name in STEPPERS if name != "sdirk2" for dt in (2e-3, 1e-3)]
     grid += [Accuracy("sdirk2", 1e-2, PLATES, control=3e-4)]
-    grid += map(decision.nameless, decision.ASKED)
+    grid += map(nameless, ASKED)
     return [*grid, Accuracy("sdirk2", 2.5e-3, 50, rule="chord")]
 
 
 def measure(
     accuracy: Accuracy,
-    count: int,
-    feet: Sequence[NDArray[np.int64]],
+    feet: NDArray[np.int64],
     scenes: Sequence[Scene],
     space: Waypoints,
     limits: Sequence[Array],
@@ -224,10 +206,8 @@ def measure(
     ----------
     accuracy : Accuracy
         The setting.
-    count : int
-        Feet of each scene that are random: of these are the errors. The others are a search's finalists.
-    feet : sequence of (feet, n)
-        Heights of soles of the `space`, for each scene.
+    feet : (feet, n)
+        Heights of soles of the `space`.
     scenes : sequence of Scene
         One on each sand.
     space : Waypoints
@@ -235,27 +215,38 @@ def measure(
     limits, same_plates : sequences of (feet, `MEASURED`)
         The right values in each scene: of many plates, and of small steps with `PLATES` plates.
     """
-    errors, worst, in_time, counts, pairs, seconds = [], [], [], [], [], 0.0
-    evaluate(feet[0][:1], scenes[0], accuracy, space=space, threads=1)  # compiled, pose table made
-    for k, scene, limit, other in zip(feet, scenes, limits, same_plates, strict=True):
+    errors, worst, in_time, counts, wrong, seconds = [], [], [], [], [], 0.0
+    evaluate(feet[:1], scenes[0], accuracy, space=space, threads=1)  # compiled, pose table made
+    for scene, limit, other in zip(scenes, limits, same_plates, strict=True):
         started = own_time()
-        found = evaluate(k, scene, accuracy, MEASURED, space=space, threads=1)
+        found = evaluate(feet, scene, accuracy, MEASURED, space=space, threads=1)
         seconds += own_time() - started
-        error, j = _error(found.values, limit)[:count, : len(FIVE)], MEASURED.index("efficiency")
+        error, j = _error(found.values, limit)[:, : len(FIVE)], MEASURED.index("efficiency")
         counts.append((found.evaluations.mean(), found.plates.mean()))
-        parts = slice(count), slice(count, None)
-        pairs.append([decision.wrong(found.values[part, j], limit[part, j]) for part in parts])
+        wrong.append(wrong_pairs(found.values[:, j], limit[:, j]))
         errors.append(np.percentile(error, QUANTILE, axis=0))
         worst.append(np.percentile(error.max(axis=1), QUANTILE))
-        in_time.append(np.percentile(_error(found.values, other)[:count, : len(FIVE)].max(axis=1), QUANTILE))
+        in_time.append(np.percentile(_error(found.values, other)[:, : len(FIVE)].max(axis=1), QUANTILE))
     time_only = accuracy == Accuracy(accuracy.stepper, accuracy.dt, PLATES, 1e-4)
-    ms = 1e3 * seconds / sum(map(len, feet))
-    time_error = float(max(in_time)) if time_only else float("nan")
     evaluations, plates = np.mean(counts, axis=0).tolist()
-    wrong = np.mean(pairs, axis=0).tolist()
     return Measurement(
-        accuracy, np.array(errors), np.array(worst), time_error, evaluations, plates, ms, *wrong
+        accuracy,
+        np.array(errors),
+        np.array(worst),
+        float(max(in_time)) if time_only else float("nan"),
+        evaluations,
+        plates,
+        1e3 * seconds / (len(feet) * len(scenes)),
+        np.array(wrong),
     )
+
+
+def wrong_pairs(values: Array, truth: Array) -> float:
+    """Share of all pairs of feet that values (feet,) rank otherwise than the truth; NaN for no pair."""
+    first, second = np.triu_indices(len(truth), 1)
+    with np.errstate(invalid="ignore"):
+        turned = np.sign(values[first] - values[second]) != np.sign(truth[first] - truth[second])
+    return float(turned.mean()) if len(first) else float("nan")
 
 
 def _error(values: Array, reference: Array) -> Array:
@@ -291,13 +282,10 @@ def order(measured: Sequence[Measurement], stepper: str) -> float:
 
 def write_table(study: Study, measured: Sequence[Measurement]) -> None:
     """All settings with their errors (fractions) and cost (ms per design and core)."""
-    header = [*TABLE_COLUMNS, "wrong_random", "wrong_finalists", *(f"error_{s}" for s in SANDS)]
+    header = [*TABLE_COLUMNS, *(f"wrong_{s}" for s in SANDS), *(f"error_{s}" for s in SANDS)]
     header += [f"error_{s}_{name}" for s in SANDS for name in FIVE]
     rows = (
-        [
-            *m.row.values(),
-            *(float(f"{e:.3g}") for e in (m.wrong_random, m.wrong_finalists, *m.worst, *m.errors.ravel())),
-        ]
+        [*m.row.values(), *(float(f"{e:.3g}") for e in (*m.wrong, *m.worst, *m.errors.ravel()))]
         for m in sorted(measured, key=lambda m: m.ms)
     )
     study.write_csv("accuracy.csv", header, rows)
@@ -318,12 +306,16 @@ def table(best: Sequence[Measurement]) -> RichTable:
     return shown
 
 
-def _ranking(found: tuple[Measurement, float] | None) -> str:
-    """What a right ranking of the finalists takes."""
-    share = f"{decision.FINALISTS} finalists with at most {100 * decision.RIGHT:g} % of their pairs wrong"
-    if found is None:
-        return f"No setting ranks {share}."
-    return f"Cheapest that ranks {share}: {_describe(found[0])}, {found[1]:.2g} s for all of them"
+def table_of_presets(presets: Mapping[str, Measurement]) -> RichTable:
+    """Presets with what they decide wrongly, for the terminal."""
+    shown = terminal.table(
+        ("preset", "error (%)", "ms", *(f"{sand}: pairs wrong (%)" for sand in SANDS)),
+        words=("preset",),
+        title="pairs of random feet that J_W ranks wrongly",
+    )
+    for name, m in presets.items():
+        shown.add_row(name, f"{100 * m.error:.2g}", f"{m.ms:.3g}", *(f"{100 * w:.2g}" for w in m.wrong))
+    return shown
 
 
 def _describe(m: Measurement | None) -> str:

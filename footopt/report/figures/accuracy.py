@@ -1,8 +1,8 @@
-"""The figures of study=accuracy: what a smaller error costs, an objective a panel, and what it decides."""
+"""The figure of study=accuracy: what a smaller error costs, an objective a panel."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from footopt.report.labels import label_all
-from footopt.report.style import COLOURS, GREY, GRID, PAGE, marker, new_figure, styled
+from footopt.report.style import GREY, GRID, PAGE, marker, new_figure, styled
 from footopt.walk import FIVE, STEPPERS
 from footopt.walk.accuracy import Accuracy
 
@@ -75,75 +75,6 @@ def work_precision(measured: Sequence[Any], presets: Sequence[Accuracy], default
     )
     label_all(grid)
     return figure
-
-
-@styled
-def decision(presets: Sequence[Mapping[str, Any]]) -> Figure:
-    """Time to a search's answer, feet ranked wrongly, and what the answer lacks, by preset.
-
-    Parameters
-    ----------
-    presets : sequence of mapping
-        Of `footopt.studies.decision.rows`.
-    """
-    figure = new_figure(PAGE, 0.9 + 0.42 * len(presets))
-    times, pairs, losses = figure.subplots(1, 3, sharey=True)
-    places = np.arange(len(presets))
-    column = {name: np.array([row[name] for row in presets]) for name in presets[0] if name != "losses"}
-    parts = (
-        ("search_s", "search", COLOURS[0]),
-        ("confirm_s", "confirm", COLOURS[1]),
-        ("compile_s", "compile, once", GREY),
-    )
-    left = np.zeros(len(presets))
-    for name, _, colour in parts:
-        width = np.nan_to_num(column[name])
-        if width.any():
-            times.barh(places, width, left=left, color=colour, height=0.55)
-        left += width
-    each = column["search_s"] + column["confirm_s"]
-    for place, (end, seconds, once) in enumerate(zip(left, each, column["compile_s"], strict=True)):
-        _beside(times, end, place, f"{seconds:.2g} s" + (f"\n+ {once:.2g}" if once > 0.0 else ""))
-    kinds = (
-        ("wrong_finalists", "two finalists", COLOURS[0], -0.15),
-        ("wrong_random", "two random feet", COLOURS[1], 0.15),
-    )
-    for name, _, colour, shift in kinds:
-        share = 100.0 * column[name]
-        pairs.barh(places + shift, share, color=colour, height=0.27)
-        for place, value in zip(places + shift, share, strict=True):
-            _beside(pairs, value, place, f"{value:.2g} %")
-    for place, row in enumerate(presets):
-        lacks = 100.0 * np.array(row["losses"])
-        losses.plot(lacks, np.full(len(lacks), place), "o", color=GREY, ms=3, mew=0, alpha=0.7)
-        losses.plot(lacks.mean(), place, "D", color=COLOURS[0], ms=5, mew=0, clip_on=False)
-        _beside(losses, lacks.max(), place, f" {lacks.mean():.2g} %")
-    times.set(yticks=places, yticklabels=column["preset"], title="processor time to the answer (s)")
-    times.invert_yaxis()
-    pairs.set(title="pairs ranked wrongly (%)")
-    losses.set(title="$J_W$ lost in the answer (%)")
-    losses.locator_params(axis="x", nbins=3)
-    for axes in (times, pairs, losses):
-        axes.set_xlim(0.0, 1.28 * max(axes.get_xlim()[1], 0.1))
-        axes.grid(axis="x", color=GRID, lw=0.6)
-        axes.set_axisbelow(True)
-        axes.tick_params(axis="y", length=0)
-    _words(times, [(label, colour) for _, label, colour in parts])
-    _words(pairs, [(label, colour) for _, label, colour, _ in kinds])
-    _words(losses, [("diamond: mean", COLOURS[0]), ("a search", GREY)])
-    return figure
-
-
-def _words(axes: Any, words: Sequence[tuple[str, Any]]) -> None:
-    """What colours are, in those colours, below the axes."""
-    for i, (text, colour) in enumerate(words):
-        place = ((i + 0.5) / len(words), -0.16)
-        axes.annotate(text, place, xycoords="axes fraction", color=colour, ha="center", va="top")
-
-
-def _beside(axes: Any, x: float, y: float, words: str) -> None:
-    """Words to the right of a bar's end."""
-    axes.annotate(words, (x, y), xytext=(3, 0), textcoords="offset points", va="center", fontsize=7)
 
 
 def _name(axes: Any, name: str, place: tuple[float, float]) -> None:
