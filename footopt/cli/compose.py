@@ -12,7 +12,7 @@ from hydra import compose, initialize_config_dir
 from hydra.core.config_store import ConfigStore
 from omegaconf import OmegaConf, open_dict
 
-from footopt.studies.settings import CHOICES, Config
+from footopt.studies.settings import CHOICES, GLOBAL_CHOICES, Config
 
 PACKAGE = Path(__file__).parents[1]
 #: conf/ inside the installed package, or at the top of a checkout.
@@ -23,11 +23,14 @@ STORE.store(name="footopt_schema", node=Config)
 for _group, _choices in CHOICES.items():
     for _name, _node in _choices.items():
         STORE.store(group=_group, name=_name, node=_node)
+for _group, _choices in GLOBAL_CHOICES.items():
+    for _name, _node in _choices.items():
+        STORE.store(group=_group, name=_name, node=_node, package="_global_")
 
 
 def groups() -> dict[str, list[str]]:
     """Names of the choices of every group: those of conf/ and those that the library knows."""
-    found = {group: set(choices) for group, choices in CHOICES.items()}
+    found = {group: {*choices, *GLOBAL_CHOICES.get(group, ())} for group, choices in CHOICES.items()}
     for path in CONF.glob("*/*.yaml"):
         found.setdefault(path.parent.name, set()).add(path.stem)
     return {group: sorted(found[group]) for group in sorted(found)}

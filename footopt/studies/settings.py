@@ -10,11 +10,22 @@ from __future__ import annotations
 from dataclasses import MISSING, dataclass, field, fields, make_dataclass
 from typing import TYPE_CHECKING, Any, get_type_hints
 
-from footopt.design import WAYS, Choice, RobustProblem, Solver, Stop, make_executor
+from footopt.design import (
+    EXHAUSTIVE,
+    SINGLE,
+    SOLVERS,
+    WAYS,
+    Choice,
+    RobustProblem,
+    Solver,
+    Stop,
+    make_executor,
+)
 from footopt.design.problem import SETS
+from footopt.design.solvers.registry import AUTO
 from footopt.effects import EFFECTS
 from footopt.files import soles
-from footopt.foot import Foot, Waypoints, shapes
+from footopt.foot import SHAPES, Foot, Waypoints, shapes
 from footopt.gait import Gait
 from footopt.sand import MEDIA, Sand, StressMap
 from footopt.studies.fields import default, leaves, setting
@@ -22,6 +33,9 @@ from footopt.walk import MEASURES, PRESETS, Accuracy, Spread, Walker
 
 #: How much a run leaves: result.json, contour.csv and what it is resumed from; all but figures; everything.
 REPORTS = ("none", "light", "full")
+
+#: Solvers of several objectives.
+SEVERAL = [name for name in SOLVERS if name not in (*SINGLE, EXHAUSTIVE)]
 
 #: Studies that search: they walk where engine says, keep what they evaluate, and go on where they stopped.
 SEARCHES = ("optimize", "robust")
@@ -310,8 +324,17 @@ def known() -> list[str]:
 #: Choices of groups that the library knows by name: what each sets. Those in conf/ join them.
 CHOICES: dict[str, dict[str, dict[str, Any]]] = {
     "sand": {name: {"name": name, "zeta": zeta} for name, zeta in MEDIA.items()},
+    "foot": {name: {"shape": name} for name in SHAPES},
     "effects": {name: {name: {}} for name in EFFECTS},
     "accuracy": {name: {"name": name} for name in (*PRESETS, "custom")},
     "objective": {name: {"names": list(names)} for name, names in SETS.items()},
     "choose": {name: {"name": name} for name in WAYS},
+    "solver": {name: {"name": name} for name in (AUTO, *SOLVERS) if name not in SEVERAL},
+}
+
+#: Choices that change another group, too: a solver for several objectives searches the paper's five.
+GLOBAL_CHOICES: dict[str, dict[str, dict[str, Any]]] = {
+    "solver": {
+        name: {"defaults": [{"override /objective": "pareto"}], "solver": {"name": name}} for name in SEVERAL
+    }
 }
