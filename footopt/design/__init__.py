@@ -4,10 +4,10 @@
 before a search begins.
 """
 
-from footopt.design.choice import WAYS, Choice
 from footopt.design.engines import ENGINES, Dask, make_executor, processes
 from footopt.design.evaluator import Evaluator
 from footopt.design.executor import Renewing
+from footopt.design.fronts import WAYS, Choice
 from footopt.design.problem import Evaluated, FootProblem
 from footopt.design.result import Confirmation, Generation, SearchResult, confirm
 from footopt.design.robust import RobustProblem, own_best

@@ -70,7 +70,7 @@ class Archive:
         self.history: list[Generation] = []
         self._table, self.count = no_designs(problem), 0  # the table has room for more
         self._good = np.empty(0, np.bool_)  # which are feasible
-        self._known = Known(problem.space.K)  # where a design is in `designs`
+        self._known = Known()  # where a design is in `designs`
         self._latest = np.empty(0, np.int64)
         self._column = problem.record.index(problem.guide)
         self._sign = MEASURES[problem.guide].sign

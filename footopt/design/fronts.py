@@ -1,24 +1,32 @@
-"""Fronts: their hypervolume, also of large ones, what few designs stand for them, and what half attain."""
+"""Fronts: which designs are on them, their hypervolume, what half attain, and which design is the answer."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from footopt.errors import check
+from footopt.kinds import says_kinds
+from footopt.walk.objectives import MEASURES
+
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Reals = NDArray[np.floating[Any]]
 
 REFERENCE = 1.1  # of hypervolumes, where the merged front spans 0 to 1 in every objective
 EXACT = 1000  # designs of a front up to which its hypervolume is exact: the time grows with a power of them
 DIRECTIONS = 2048  # that a larger one is estimated in
 BLOCK = 256  # designs that are looked at together
-FEW, TABLE = 16, 2**17  # rays, and rays by designs, that are not halved again
-SOUGHT = 2 ** np.arange(12, 21, 2)  # directions in which designs are sought that stand for a front
-SHARE = 0.999  # of its hypervolume that a thinned front keeps, if so many designs may stay
+
+#: Ways to choose, in words.
+WAYS = {
+    "knee": "the design nearest to the ideal point, with objectives scaled to the front",
+    "weights": "the design whose worst weighted distance from the ideal point is least",
+    "limits": "the best in the first objective of those within the limits",
+    "efficiency": "the best in J_W",
+}
 
 
 class Volume:
@@ -42,11 +50,11 @@ class Volume:
             return float(hypervolume(f, ref=np.zeros(objectives)))
         rays = directions(objectives, DIRECTIONS)
         if not len(self._reach):
-            self._reach = reached(-f, rays)[0]
+            self._reach = reached(-f, rays)
             exact = float(hypervolume(f, ref=np.zeros(objectives)))
             self._constant = exact / float((self._reach**objectives).mean())
         else:
-            self._reach = np.maximum(self._reach, reached(-f[new], rays)[0])
+            self._reach = np.maximum(self._reach, reached(-f[new], rays))
         return self._constant * float((self._reach**objectives).mean())
 
 
@@ -84,50 +92,6 @@ def dominated(F: Array, by: Array) -> NDArray[np.bool_]:
     return found
 
 
-def thinned(f: Array, most: int) -> tuple[Ints, float, float]:
-    """Designs that stand for a large front: those that reach farthest, each in some direction.
-
-    Of more and more directions, until they keep `SHARE` of the front's hypervolume, by two standard errors
-    more, or are as many as may be, or there are no more directions (`SOUGHT`).
-
-    Parameters
-    ----------
-    f : (designs, objectives)
-        A front, minimised.
-    most : int
-        How many at most.
-
-    Returns
-    -------
-    places : (kept,)
-        The best of each objective first; the first of them stand for the front as well as so few can.
-    share, error : float
-        Of the front's hypervolume that they keep, by Monte Carlo in other directions, and its standard error.
-    """
-    objectives = f.shape[1]
-    span = np.ptp(f, axis=0)
-    inward = REFERENCE - (f - f.min(axis=0)) / np.where(span > 0.0, span, 1.0)
-    inward = inward.astype(np.float32)
-    others, every = (
-        directions(objectives, count, seed).astype(np.float32)
-        for seed, count in enumerate((8 * DIRECTIONS, SOUGHT[-1]))
-    )
-    whole, far = reached(inward, others)[0] ** objectives, np.zeros(len(others))
-    kept, share, error = np.empty(0, np.int64), 0.0, 0.0
-    for rays in np.split(every, SOUGHT[:-1]):
-        found = np.concatenate([kept, f.argmin(axis=0), reached(inward, rays)[1]])
-        found = found[np.sort(np.unique(found, return_index=True)[1])][:most]
-        for start in range(len(kept), len(found), BLOCK):
-            kept = found[: start + BLOCK]
-            far = np.maximum(far, reached(inward[kept[start:]], others)[0])
-            share = float((far**objectives).sum() / whole.sum())
-            apart = far**objectives - share * whole
-            error = float(np.sqrt(np.mean(apart**2) / len(whole)) / whole.mean())
-            if share - 2.0 * error >= SHARE or len(kept) == most:
-                return kept, share, error
-    return kept, share, error
-
-
 def directions(objectives: int, count: int, seed: int = 0) -> Array:
     """Unit vectors (count, objectives) of the positive orthant, uniform on the sphere, always the same."""
     drawn = np.abs(np.random.default_rng(seed).normal(size=(count, objectives)))
@@ -135,34 +99,14 @@ def directions(objectives: int, count: int, seed: int = 0) -> Array:
     return unit
 
 
-def reached(inward: Reals, rays: Reals) -> tuple[Array, Ints]:
-    """How far a front reaches along each ray, and by which of its designs, (rays,) each; inward: -F.
-
-    Rays are halved into cones; along those of a cone only designs are looked at that reach as far along the
-    cone's farthest ray as some design does along all of them. A front of no designs reaches 0.
-    """
-    best, which, steep = np.zeros(len(rays)), np.zeros(len(rays), np.int64), 1.0 / rays
-    todo = [(np.arange(len(inward)), np.fmax(inward.T, 0.0), np.arange(len(rays)))]
-    while todo and len(inward):
-        near, front, cone = todo.pop()
-        ends = steep[cone].min(axis=0), steep[cone].max(axis=0)
-        stay = np.flatnonzero(_least(front, ends[1]) >= _least(front, ends[0]).max())
-        near, front = near[stay], front[:, stay]
-        if len(cone) > FEW and len(cone) * len(near) > TABLE:
-            order = cone[rays[cone, np.ptp(rays[cone], axis=0).argmax()].argsort()]
-            todo += [(near, front, half) for half in np.array_split(order, 2)]
-            continue
-        far = _least(front, steep[cone].T[:, :, None])
-        place = far.argmax(axis=1)
-        best[cone], which[cone] = far[np.arange(len(cone)), place], near[place]
-    return best, which
-
-
-def _least(front: Reals, steep: Reals) -> Reals:
-    """How far designs, (objectives, designs), reach along rays, by their inverses (objectives, ...)."""
-    far: Reals = front[0] * steep[0]
-    for one, other in zip(front[1:], steep[1:], strict=True):
-        np.minimum(far, one * other, out=far)
+def reached(inward: Array, rays: Array) -> Array:
+    """How far a front reaches along each ray, (rays,); inward: -F. A front of no designs reaches 0."""
+    far = np.zeros(len(rays))
+    for begin in range(0, len(inward), BLOCK):
+        least = np.full((min(BLOCK, len(inward) - begin), len(rays)), np.inf)
+        for values, ray in zip(inward[begin : begin + BLOCK].T, (1.0 / rays).T, strict=True):
+            np.minimum(least, np.fmax(values, 0.0)[:, None] * ray, out=least)
+        far = np.maximum(far, least.max(axis=0))
     return far
 
 
@@ -186,3 +130,81 @@ def median_attainment(fronts: Sequence[Array]) -> Array:
 
     sets = np.repeat(np.arange(len(fronts)), [len(front) for front in fronts])
     return np.asarray(eaf(np.concatenate(fronts), sets, percentiles=[50])[:, :2])
+
+
+@says_kinds
+@dataclass(frozen=True)
+class Choice:
+    """How one design of a front is chosen.
+
+    Parameters
+    ----------
+    by : str
+        A name of `WAYS`. "knee" is compromise programming with equal weights (Zeleny 1973), "weights" an
+        achievement scalarising function (Wierzbicki 1980).
+    weights : dict of str to float
+        Of the objectives, for "weights": the more, the nearer to its best; 1 for those not named.
+    limits : dict of str to float
+        Of the objectives, for "limits": the largest of one that is minimised, the smallest of another.
+
+    Raises
+    ------
+    SettingError
+        There is no such way, a number is not allowed, or what a way needs is missing or not read by it.
+    """
+
+    by: str = "knee"
+    weights: Mapping[str, float] = field(default_factory=dict)
+    limits: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        check(self.by in WAYS, "choose", self.by, f"one of {', '.join(WAYS)}")
+        for name in ("weights", "limits"):
+            given, setting, needed = getattr(self, name), f"choose.{name}", self.by == name
+            hint = f"Try choose={name} 'choose.{name}={{work:2}}'"
+            allowed = f"{'' if needed else 'not '}given with choose={self.by}"
+            check(bool(given) == needed, setting, dict(given), allowed, hint)
+        for key, value in self.weights.items():
+            good = isinstance(value, (int, float)) and 0 < value < np.inf
+            check(good, f"choose.weights.{key}", value, "a number > 0")
+
+    def check_names(self, names: Sequence[str]) -> None:
+        """Raise a `SettingError` unless weights and limits are of these objectives, and can be kept."""
+        for setting, given in (("weights", self.weights), ("limits", self.limits)):
+            for name in given:
+                check(name in names, f"choose.{setting}", name, f"one of {', '.join(names)}")
+                if setting == "limits":
+                    MEASURES[name].check_limit(f"choose.limits.{name}", given[name])
+
+    def scores(self, f: Array, values: Array, names: Sequence[str], record: Sequence[str]) -> Array:
+        """How far designs are from the choice, (designs,): the least is chosen.
+
+        Parameters
+        ----------
+        f : (designs, objectives)
+            All minimised.
+        values : (designs, record)
+            Recorded values, natural signs.
+        names, record : sequence of str
+            Of the columns.
+        """
+        if self.by == "efficiency":
+            return np.asarray(values[:, list(record).index("efficiency")])
+        low, span = f.min(axis=0), np.ptp(f, axis=0)
+        scaled = (f - low) / np.where(span > 0.0, span, 1.0)
+        if self.by == "knee":
+            return np.asarray(np.sqrt((scaled**2).sum(axis=1)))
+        if self.by == "weights":
+            weighted = scaled * [self.weights.get(name, 1.0) for name in names]
+            return np.asarray(weighted.max(axis=1) + 1e-4 * weighted.sum(axis=1))
+        beyond = np.zeros(len(f))
+        for name, limit in self.limits.items():
+            beyond += np.maximum(excess(name, limit, values[:, list(record).index(name)]), 0.0)
+        return np.asarray(np.where(beyond > 0.0, 2.0 + beyond, scaled[:, 0]))
+
+
+def excess(name: str, limit: float, values: Array) -> Array:
+    """How far values are beyond a limit, relative to it; at most 0 within it, 1 for no value."""
+    scale = abs(limit) or 1.0
+    over = MEASURES[name].sign * (values - limit) / scale
+    return np.asarray(np.where(np.isfinite(over), over, 1.0))

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.design.choice import Choice, excess
+from footopt.design.fronts import Choice, excess
 from footopt.errors import check, check_kind
 from footopt.foot import Waypoints
 from footopt.kinds import says_kinds

@@ -125,7 +125,7 @@ class Size(Problem):
             n, problem.n_obj, problem.n_constraints, xl=np.ones(n), xu=np.full(n, space.K), vtype=int
         )
         self.vars = variables(space)
-        self._space, self._asked = space, Known(space.K)
+        self._space, self._asked = space, Known()
 
     def inside(self, k: Ints) -> NDArray[np.bool_]:
         """Which designs are inside their box."""

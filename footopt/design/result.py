@@ -6,13 +6,12 @@ import math
 from collections import Counter
 from copy import copy
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.design.fronts import nondominated, thinned
+from footopt.design.fronts import nondominated
 from footopt.design.problem import Array, FootProblem, Ints
 from footopt.design.solvers import Solver
 from footopt.errors import check, needed
@@ -20,8 +19,7 @@ from footopt.foot import Foot
 from footopt.walk.accuracy import Accuracy, resolve
 from footopt.walk.objectives import MEASURES
 
-WHOLE = 5000  # designs of a front up to which all of them are walked finely, drawn, and on the page
-SHOWN = 50_000  # of a larger one at most; designs.csv has all
+SHOWN = 10_000  # designs of a front that are walked finely, drawn, and on the page; designs.csv has all
 
 
 @dataclass(frozen=True)
@@ -160,20 +158,14 @@ class SearchResult:
 
     @property
     def shown(self) -> Ints:
-        """Indices of the front; of one beyond `WHOLE`, of those of its designs that stand for it."""
-        return self._shown[0]
+        """Indices of the front, of which a large one is an even selection of `SHOWN`, the best first."""
+        return _evenly(self.front, SHOWN)
 
-    @property
-    def shown_share(self) -> tuple[float, float]:
-        """The part of the front's hypervolume that `shown` keeps, and its standard error."""
-        return self._shown[1:]
-
-    @cached_property
-    def _shown(self) -> tuple[Ints, float, float]:
-        if len(self.front) <= WHOLE:
-            return self.front, 1.0, 0.0
-        places, share, error = thinned(self.problem.minimised(self.values[self.front]), SHOWN - 1)
-        return self.front[np.union1d([0], places)], share, error
+    def selected(self, most: int) -> Ints:
+        """Indices of so many designs at most: the front, and an even selection of the others, in order."""
+        front = _evenly(self.front, min(most, SHOWN))
+        others = np.setdiff1d(np.arange(self.designs), front)
+        return np.union1d(front, _evenly(others, most - len(front)))
 
     @property
     def foot(self) -> Foot:
@@ -213,6 +205,13 @@ class SearchResult:
     def failures(self) -> dict[str, int]:
         """How many designs are infeasible, by reason, the most frequent first."""
         return dict(Counter(map(str, self.reasons[self.reasons != ""])).most_common())
+
+
+def _evenly(places: Ints, most: int) -> Ints:
+    """At most so many of some places, evenly spread, the first and the last among them."""
+    if len(places) <= most:
+        return places
+    return places[np.linspace(0, len(places) - 1, most).astype(np.int64)]
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,6 @@ from rich.text import Text
 
 from footopt.design import Confirmation, SearchResult
 from footopt.design.archive import causes
-from footopt.design.fronts import SHARE
 from footopt.effects import Effect, LeadingEdge, name_of
 from footopt.foot import Foot, Waypoints
 from footopt.foot.waypoints import written
@@ -215,7 +214,8 @@ def describe_search(result: SearchResult) -> str:
     bad = result.infeasible
     why = f" ({causes(result.failures)})" if bad else ""
     reused = f", {result.reused} of them known" if result.reused else ""
-    front = f", {len(result.front)} on the front{_stands_for(result)}" if result.problem.n_obj > 1 else ""
+    shown = f" ({len(result.shown)} of them shown)" if len(result.shown) < len(result.front) else ""
+    front = f", {len(result.front)} on the front{shown}" if result.problem.n_obj > 1 else ""
     why_stopped = f" (stopped {result.stopped})" if result.stopped else ""
     stopped = " (interrupted)" if result.interrupted else why_stopped
     return (
@@ -223,15 +223,6 @@ def describe_search(result: SearchResult) -> str:
         f"{result.designs} designs{reused} in {result.seconds:.1f} s, {bad} infeasible{why}"
         f"{front}{stopped}"
     )
-
-
-def _stands_for(result: SearchResult) -> str:
-    """How much of a large front is shown, and why it is not enough where it is not."""
-    if len(result.shown) == len(result.front):
-        return ""
-    share, error = (100.0 * part for part in result.shown_share)
-    most = ", the most that are," if result.shown_share[0] < SHARE else ""
-    return f" (shown by {len(result.shown)}{most} with {share:.1f} +- {error:.1g} % of its hypervolume)"
 
 
 def describe_confirmation(confirmed: Confirmation) -> str:

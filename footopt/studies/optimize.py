@@ -24,7 +24,7 @@ from footopt.design import (
     search,
 )
 from footopt.design.certificate import Certificate, certified
-from footopt.design.choice import excess
+from footopt.design.fronts import excess
 from footopt.design.result import check_finalists
 from footopt.errors import SettingError
 from footopt.files import run as files
@@ -211,10 +211,6 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
         "constraints": problem.limits,
         "hypervolume": result.history[-1].hypervolume,
         "front_size": len(result.front),
-        "front_shown": {
-            "designs": len(result.shown),
-            **dict(zip(("hypervolume_share", "standard_error"), result.shown_share, strict=True)),
-        },
         "search_accuracy": accuracy_entry(problem.accuracy, problem.scene, problem.space),
         "confirmed": {
             "k": result.k[confirmed.designs[:finalists]].tolist(),

@@ -844,7 +844,6 @@ class TestFile:
     def test_the_largest_page_stays_small(self, front, monkeypatch):
         """As many of a front and beside it as there are at most; numbers at random, as none repeat."""
         result, draw, count = front[0], np.random.default_rng(1), SHOWN + 2 * walks.DESIGNS
-        monkeypatch.setattr("footopt.design.result.WHOLE", SHOWN)
         many = dataclasses.replace(
             result,
             k=draw.integers(1, 11, (count, result.problem.space.n)),
@@ -855,7 +854,8 @@ class TestFile:
             front=np.arange(SHOWN),
         )
         content = page.search_content(many, *front[1:])
-        assert SHOWN < content["designs"]["rows"]["shape"][0] <= SHOWN + walks.DESIGNS + 1
+        assert content["front"]["shape"] == (SHOWN,)
+        assert SHOWN <= content["designs"]["rows"]["shape"][0] <= SHOWN + 1
         assert len(page_text(content)) < LIMIT
 
     @browser_needed

@@ -49,13 +49,13 @@ class Moves(Algorithm):
         super().__init__(**kwargs)
         self.pop_size = pop_size
         self.initialization = Initialization(RandomInside() if sampling is None else sampling)
-        self.asked = Known(1)
+        self.asked = Known()
         self.front = Population.new()
         self.learnt: list[tuple[Array, Array]] = []  # heights and objectives of each generation
         self.model: tuple[Any, Array] | None = None  # of what is learnt, and its ranks
 
     def _setup(self, problem: Any, **kwargs: Any) -> None:
-        self.asked = Known(int(np.max(problem.xu)))
+        self.asked = Known()
         if self.display.output is None:
             self.display.output = MultiObjectiveOutput() if problem.n_obj > 1 else SingleObjectiveOutput()
 

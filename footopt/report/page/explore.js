@@ -106,7 +106,7 @@ function explorer(choose, beside, glimpse) {
       "Click a line or a point to choose that design; drag a name to move its axis. Better is up on every axis of an objective.",
       numbers ? " A design's number is its row in designs.csv, from 0." : "",
       COUNT > MOST ? ` Of more than ${MOST} lines an even selection is drawn.` : "",
-      front.size && entry.front_size > front.size ? ` Of the ${entry.front_size} designs on the front ${front.size} are here, which keep ${(100 * entry.front_shown.hypervolume_share).toFixed(2)} % of its hypervolume.` : ""),
+      front.size && entry.front_size > front.size ? ` Of the ${entry.front_size} designs on the front ${front.size} are here.` : ""),
     el("div", { class: "bar" }, which.length > 1 ? el("label", {}, "designs", which) : null, el("label", {}, "colour by", shade), scale, clear, count),
     scrolled("Parallel axes", wide),
     axesBox,

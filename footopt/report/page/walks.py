@@ -24,7 +24,7 @@ from footopt.walk.phases import step_on_patch
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-DESIGNS = 20_000  # besides the front that are on the page
+DESIGNS = 10_000  # on the page, the front first
 LEADERS = 20  # best designs of an enumerated space whose walks are on the page
 WALKS = 200  # designs of a front whose walks are on the page
 BEND = 0.004  # of a trace's range: as far as straight lines between its samples may be from it
@@ -119,7 +119,7 @@ def search_content(
     front = result.shown.tolist() if problem.n_obj > 1 else []
     lineage = successive_bests(result)
     exact = result.solver.name == EXHAUSTIVE
-    rows = np.unique([*front, *lineage, chosen, *_spread(list(range(len(result.k))), DESIGNS)])
+    rows = np.union1d(result.selected(max(DESIGNS, len(front))), [*lineage, chosen])
     place = {row: i for i, row in enumerate(rows.tolist())}
     reasons = [*dict.fromkeys(map(str, result.reasons))]
     codes = np.array([reasons.index(str(r)) for r in result.reasons])
