@@ -20,7 +20,6 @@ from rich.table import Table as RichTable
 from footopt.design import EXHAUSTIVE, FootProblem, SearchResult, Solver, confirm, make_executor, search
 from footopt.design.result import check_finalists
 from footopt.design.robust import RobustProblem, regret
-from footopt.effects import Shadowing
 from footopt.errors import FootoptError, SettingError, check
 from footopt.files import run as files
 from footopt.foot import Foot, Waypoints
@@ -196,20 +195,6 @@ def compare(judge: RobustProblem, feet: Heights) -> Comparison:
     return Comparison(tuple(feet), values, reasons, references, regrets)
 
 
-def convex(judge: RobustProblem, feet: Heights) -> Array:
-    """Values (scenarios, feet, record) of the feet with their hollows filled to their convex hulls."""
-    hull = [
-        dataclasses.replace(
-            s.scene,
-            effects=(*(e for e in s.scene.effects if not isinstance(e, Shadowing)), Shadowing(0.0)),
-        )
-        for s in judge.scenarios
-    ]
-    scenarios = [Scenario(s.name, scene) for s, scene in zip(judge.scenarios, hull, strict=True)]
-    problem = RobustProblem(scenarios, judge.names, judge.space, judge.accuracy, judge.threads)
-    return problem.walk_each(np.array(list(feet.values())))[0]
-
-
 def held_out_regret(study: Study, scene: Scene, judge: RobustProblem, feet: Heights) -> Array:
     """Regret of the robust foot against the median scene's in fresh scenarios; NaN if one fails."""
     count = QUICK_HELD_OUT if study.options.quick else HELD_OUT
@@ -266,19 +251,6 @@ def _save_figures(
     caption = "The robust search: the best so far over its evaluations."
     label = f"{judge.measure} regret (%)" if judge.n_obj == 1 else history_label(judge.names)
     study.save("convergence", figures.convergence(history, label), caption)
-    if study.options.scenarios == "laws":
-        caption = "What each foot's hollow is worth under each law: as it is, and with its hollows filled."
-        guide = MEASURES[judge.guide]
-        column, better = judge.record.index(guide.name), "more" if guide.maximise else "less"
-        own, filled = compared.values[..., column], convex(judge, feet)[..., column]
-        label, laws = f"{guide.label}: {better} is better", scenarios
-        if guide.name == "efficiency":  # against the flat foot's under the same law
-            flat = judge.walk_each(np.full((1, judge.space.n), judge.space.K))[0][:, 0, column]
-            own, filled = own / flat[:, None], filled / flat[:, None]
-            label = "$J_W$ (× of the flat foot's under the same law, which is in the title)"
-            laws = [f"{law}\n{terminal.number(raw)}" for law, raw in zip(scenarios, flat, strict=True)]
-        drawn = robust_figures.hollows(own, filled, compared.names, laws, label)
-        study.save("hollows", drawn, caption)
     if fresh is not None:
         caption = "Regret of the robust foot against the median scene's, in scenarios that neither knew."
         study.save("held_out", robust_figures.held_out(fresh), caption)

@@ -7,12 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
 from footopt.report.figures.heat_map import ROW, draw_heat_map
-from footopt.report.labels import label_all
-from footopt.report.style import BEST, COLUMN, FLAT, GREY, GRID, PAGE, new_figure, styled
+from footopt.report.style import BEST, COLUMN, GREY, PAGE, new_figure, styled
 
 SHORT = 7  # letters that a column of a narrow table has room for
 
@@ -52,41 +50,4 @@ def held_out(values: ArrayLike) -> Figure:
     axes.step(loss, 100.0 * np.arange(1, len(loss) + 1) / len(loss), where="post", color=BEST)
     axes.set(ylim=(0, 100), ylabel=f"share of {len(loss)} scenarios (%)")
     axes.set_xlabel("loss against the median scene's foot (%)\n\N{LEFTWARDS ARROW} robust foot better")
-    return figure
-
-
-@styled
-def hollows(
-    values: ArrayLike, filled: ArrayLike, feet: Sequence[str], laws: Sequence[str], name: str
-) -> Figure:
-    """What the hollow of each foot (row) is worth under each law (panel).
-
-    Parameters
-    ----------
-    values : (laws, feet)
-        Of the objective, as the feet are.
-    filled : (laws, feet)
-        Where they are convex: their hollows hold sand that moves with them.
-    feet, laws : sequence of str
-        Their names.
-    name : str
-        Of the objective, with its unit.
-    """
-    hollow, convex = np.asarray(values, float), np.asarray(filled, float)
-    figure = new_figure(PAGE, 0.95 + 0.22 * len(feet))
-    panels = figure.subplots(1, len(laws), sharex=True, sharey=True, squeeze=False)[0]
-    rows = np.arange(len(feet))
-    for axes, law, before, after in zip(panels, laws, hollow, convex, strict=True):
-        axes.hlines(rows, before, after, color=GREY, lw=1.0)
-        axes.plot(before, rows, "o", color=BEST, label="as it is")
-        axes.plot(after, rows, "s", color=FLAT, mfc="none", ms=6.5, label="its hollows filled")
-        axes.set_title(law)
-        axes.xaxis.set_major_locator(MaxNLocator(20 // len(laws)))
-        axes.grid(color=GRID, lw=0.6)
-        axes.tick_params(axis="y", length=0)
-    panels[0].set_yticks(rows, feet)
-    panels[0].set_ylim(len(feet) - 0.5, -0.5)
-    panels[0].set_ylabel("foot made for")
-    figure.supxlabel(name)
-    label_all(panels)
     return figure
