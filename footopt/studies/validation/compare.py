@@ -30,37 +30,26 @@ UNITS = {"mm": 1e-3, "N": 1.0, "N/cm3": 1e6, "1": 1.0, "body weights": 1.0}
 AGREES, DIFFERS, OPEN = "agrees", "differs", "cannot be told"
 
 
+def rms(values: Array) -> float:
+    """Return the root mean square."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """One quantity of an experiment under one law, at M points, in the quantity's unit.
-
-    Parameters
-    ----------
-    experiment, quantity, unit : str
-        The experiment's name, and what is compared.
-    law : tuple of str
-        The effects that are on.
-    points : sequence
-        What tells the points apart: numbers of the experiment's x, or names.
-    simulated, measured : (M,)
-        S and D.
-    numerical, inputs, experimental : (M,)
-        The three parts of u.
-    scale : float
-        To which errors are related: the rms of D, or what the file states.
-    """
+    """One quantity of an experiment under one law, at M points, in the quantity's unit."""
 
     experiment: str
     quantity: str
     unit: str
-    law: tuple[str, ...]
-    points: Sequence[Any]
-    simulated: Array
-    measured: Array
-    numerical: Array
+    law: tuple[str, ...]  # the effects that are on
+    points: Sequence[Any]  # what tells the points apart: numbers of the experiment's x, or names
+    simulated: Array  # (M,), S
+    measured: Array  # (M,), D
+    numerical: Array  # (M,), and the next two: the parts of u
     inputs: Array
     experimental: Array
-    scale: float
+    scale: float  # to which errors are related: the rms of D, or what the file states
 
     @property
     def error(self) -> Array:
@@ -95,7 +84,7 @@ class Comparison:
     @property
     def spread(self) -> Array:
         """`COVERAGE` times what the prediction may be off for its inputs and numbers, (M,)."""
-        return np.asarray(COVERAGE * np.sqrt(self.numerical**2 + self.inputs**2))
+        return COVERAGE * np.hypot(self.numerical, self.inputs)
 
     @property
     def verdict(self) -> str:
@@ -103,13 +92,6 @@ class Comparison:
         if self.size > self.band:
             return DIFFERS
         return OPEN if self.band > COARSE * self.scale else AGREES
-
-    @property
-    def says(self) -> str:
-        """The verdict in words, with the error's size."""
-        if self.verdict != DIFFERS:
-            return self.verdict
-        return f"differs by {100.0 * self.size / self.scale:.0f} %"
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,75 +101,43 @@ class Experiment:
     name: str
     content: dict[str, Any]
 
-    @property
-    def title(self) -> str:
-        """For figures and tables."""
-        return str(self.content["title"])
+    def compare(self, law: Sequence[str]) -> list[Comparison]:
+        """Repeat it under a law: the names of the effects that are on."""
+        content, setup, inputs = self.content, self.content.get("setup", {}), self.content.get("inputs", {})
+        own = content.get("effects", {})
+        effects = [VARIANTS.get(name) or EFFECTS[name](**own.get(name, {})) for name in law]
 
-    @property
-    def laws(self) -> list[tuple[str, ...]]:
-        """The sets of effects that it is compared under, the plain law first."""
-        return [tuple(law) for law in self.content["laws"]]
+        def run(fine: bool, changed: dict[str, Any]) -> dict[str, Array]:
+            given = {name: np.asarray(part["value"], float) for name, part in inputs.items()}
+            return rig.RIGS[content["rig"]](setup, given | changed, effects, fine)
 
-    def compare(self, law: tuple[str, ...]) -> list[Comparison]:
-        """Repeat it under a law."""
-        content, given_effects = self.content, self.content.get("effects", {})
-        effects = [VARIANTS.get(name) or EFFECTS[name](**given_effects.get(name, {})) for name in law]
-        setup, given = content.get("setup", {}), content.get("inputs", {})
-        nominal = {name: part["value"] for name, part in given.items()}
-
-        def run(fine: bool, **changed: Any) -> dict[str, Array]:
-            return rig.RIGS[content["rig"]](setup, as_arrays(nominal | changed), effects, fine)
-
-        coarse, fine = run(False), run(True)
-        spans = [
-            (run(False, **{name: part["low"]}), run(False, **{name: part["high"]}))
-            for name, part in given.items()
-        ]
-        other = rig.measured_map(setup) if content["rig"] == "plate" else {}
-        points = list(setup[content["x"]]) if "x" in content else [""]
+        coarse, fine = run(False, {}), run(True, {})
+        spans = [[run(False, {name: np.asarray(part[end], float)}) for end in ("low", "high")]
+                 for name, part in inputs.items()]  # fmt: skip
+        published, points = {}, setup[content["x"]] if "x" in content else [""]
         if content["rig"] == "plate":
+            published = rig.measured_map(setup)
             points = [f"beta {b:.0f}, gamma {g:.0f}" for b, g in np.degrees(rig.angles(setup)).T]
         found = []
         for q in content["quantities"]:
             name, unit = q["name"], UNITS[q["unit"]]
-            measured = np.asarray(other[name] / unit if name in other else q["measured"], float)
-            halves = [0.5 * (high[name] - low[name]) / unit for low, high in spans]
+            measured = np.asarray(published[name] / unit if published else q["measured"], float)
             scale = float(q.get("scale", rms(measured)))
-            spread = np.asarray(q["uncertainty"], float) * (scale if q.get("relative") else 1.0)
-            found.append(
-                Comparison(
-                    experiment=self.name,
-                    quantity=name,
-                    unit=q["unit"],
-                    law=law,
-                    points=points,
-                    simulated=fine[name] / unit,
-                    measured=measured,
-                    numerical=np.abs(fine[name] - coarse[name]) / unit,
-                    inputs=np.sqrt(np.sum(np.square(halves), axis=0)) + 0.0 * measured,
-                    experimental=np.broadcast_to(spread, measured.shape),
-                    scale=scale,
-                )
-            )
+            halves = [0.5 * (high[name] - low[name]) / unit for low, high in spans]
+            parts = {
+                "numerical": np.abs(fine[name] - coarse[name]) / unit,
+                "inputs": np.sqrt(np.sum(np.square(halves), axis=0)) + np.zeros(len(measured)),
+                "experimental": np.full(len(measured), q["uncertainty"])
+                * (scale if q.get("relative") else 1.0),
+            }
+            what = (self.name, name, q["unit"], tuple(law), points)
+            found.append(Comparison(*what, fine[name] / unit, measured, **parts, scale=scale))
         return found
 
 
-def rms(values: Array) -> float:
-    """Root mean square."""
-    return float(np.sqrt(np.mean(np.square(values))))
-
-
-def as_arrays(inputs: dict[str, Any]) -> dict[str, Any]:
-    """Inputs with lists as arrays."""
-    return {name: np.asarray(v, float) if isinstance(v, list) else v for name, v in inputs.items()}
-
-
-def experiments() -> list[Experiment]:
-    """All experiments of this folder, in the order that their files state."""
-    found = []
-    for path in files(__package__).iterdir():
-        if path.name.endswith(".toml"):
-            content = tomllib.loads(path.read_text(encoding="utf-8"))
-            found.append(Experiment(path.name.removesuffix(".toml"), content))
-    return sorted(found, key=lambda e: e.content["order"])
+def experiments() -> dict[str, Experiment]:
+    """Return all experiments of this folder by name, in the order that their files state."""
+    paths = [path for path in files(__package__).iterdir() if path.name.endswith(".toml")]
+    texts = {path.name.removesuffix(".toml"): path.read_text(encoding="utf-8") for path in paths}
+    found = [Experiment(name, tomllib.loads(text)) for name, text in texts.items()]
+    return {e.name: e for e in sorted(found, key=lambda e: e.content["order"])}

@@ -27,18 +27,13 @@ JUDGED = (*FIVE, "efficiency")
 
 
 @cache
-def kept() -> list[dict[str, Any]]:
-    """Errors and verdicts of all comparisons, as the last study=validate found them.
+def found() -> dict[tuple[str, str, tuple[str, ...]], dict[str, Any]]:
+    """Return the error over the scale and the verdict of each comparison by experiment, quantity and law.
 
-    They are kept beside this file, and a test holds them to the experiments.
+    They are those of the last study=validate, kept beside this file; a test holds them to the experiments.
     """
-    text = files(__package__).joinpath("results.json").read_text(encoding="utf-8")
-    return list(json.loads(text))
-
-
-def found() -> dict[tuple[str, str, tuple[str, ...]], float]:
-    """Errors over the scale by experiment, quantity and law."""
-    return {(e["experiment"], e["quantity"], tuple(e["law"])): e["error"] for e in kept()}
+    entries = json.loads(files(__package__).joinpath("results.json").read_text(encoding="utf-8"))
+    return {(e["experiment"], e["quantity"], tuple(e["law"])): e for e in entries}
 
 
 def model_error(
@@ -66,10 +61,9 @@ def model_error(
     """
     if not walk.feasible:
         return {}
-    edge = name_of(LeadingEdge())
-    law = (edge,) if any(isinstance(effect, LeadingEdge) for effect in walk.scene.effects) else ()
-    known = found()
-    errors = {name: known[(*nearest, law)] for name, nearest in NEAREST.items()}
+    edge = any(isinstance(effect, LeadingEdge) for effect in walk.scene.effects)
+    law = (name_of(LeadingEdge()),) if edge else ()
+    errors = {name: found()[(*nearest, law)]["error"] for name, nearest in NEAREST.items()}
     sinkage, height = (walk.objectives[name] for name in ("maximum_sinkage", "mean_height"))
     errors["mean_height"] *= sinkage / height
     errors = {name: error + (left_out or {}).get(name, 0.0) for name, error in errors.items()}
