@@ -5,11 +5,10 @@ from __future__ import annotations
 import _thread
 import os
 import shlex
-import shutil
 import signal
 import sys
 import threading
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FrameType
@@ -82,19 +81,22 @@ def walk(
         raise
 
 
-def tidy(folder: Path) -> None:
-    """Remove the folder of a run that was refused, if nothing has been found there, and empty ones above."""
-    left = [path for path in folder.rglob("*") if path.is_file()]
-    logs = [path for path in left if path.suffix == ".log"]
-    if {*left} - {*logs} <= {folder / FILE} and not any(path.stat().st_size for path in logs):
-        (folder / FILE).unlink(missing_ok=True)
-        if folder != Path.cwd():
-            shutil.rmtree(folder, ignore_errors=True)
-        above = folder.parent
-        if above.parent == Path.cwd() / "outputs":  # made for it, where nothing else is in them
+def tidier(folder: Path) -> Callable[[], None]:
+    """What removes all that a run has made if it is refused: its settings, its folder, those above it.
+
+    Nothing is removed that was there before, and nothing once the run has left anything else.
+    """
+    folder = folder.absolute()
+    made = [path for path in (folder / FILE, folder, *folder.parents) if not path.exists()]
+    before = {*folder.iterdir()} if folder.is_dir() else set()
+
+    def tidy() -> None:
+        if folder.is_dir() and {*folder.iterdir()} - before <= {folder / FILE}:
             with suppress(OSError):
-                above.rmdir()
-                above.parent.rmdir()
+                for path in made:
+                    path.rmdir() if path.is_dir() else path.unlink(missing_ok=True)
+
+    return tidy
 
 
 @contextmanager

@@ -16,7 +16,7 @@ from omegaconf import DictConfig
 from omegaconf.errors import OmegaConfBaseException
 
 from footopt.cli.compose import CONF, help_text
-from footopt.cli.job import STOPPED, resolved, tidy, walk
+from footopt.cli.job import STOPPED, resolved, walk
 from footopt.cli.messages import explain
 from footopt.cli.paths import set_by_files, typed
 from footopt.cli.resume import resume
@@ -84,7 +84,8 @@ def _job(settings: DictConfig) -> Any:
         if here.mode != RunMode.MULTIRUN:
             if _wants_traceback:
                 raise
-            tidy(folder)
+            if not isinstance(error, Occupied):  # the folder is another's then
+                Summary.tidy()
             sys.exit(f"footopt: error: {explain(error, words)}")
         # the other jobs go on; `Summary` reports this one at the end
         log.error("job %s failed: %s", here.job.num, explain(error))

@@ -11,7 +11,7 @@ from omegaconf import open_dict
 from omegaconf.errors import OmegaConfBaseException
 
 from footopt.cli.compose import CONF
-from footopt.cli.job import resolved, tidy, walk
+from footopt.cli.job import resolved, tidier, walk
 from footopt.cli.messages import refusal
 from footopt.cli.paths import set_by_files
 from footopt.cli.resume import MULTIRUN, resume
@@ -66,11 +66,12 @@ def run(words: Sequence[str] = (), folder: str | Path | None = None) -> Run:
             raise
         raise refused from None
     place = Path(os.path.abspath(place))
+    tidy = tidier(place)
     try:
         walk(plain, place, [word for word in given if not word.startswith("hydra.")], files=files)
     except Occupied:
         raise
     except (FootoptError, OmegaConfBaseException) as error:
-        tidy(place)
+        tidy()
         raise refusal(error, given) or error from None
     return load(place, trust=True)

@@ -6,7 +6,7 @@ import copy
 import os
 import shlex
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,7 @@ from hydra.experimental.callback import Callback
 from omegaconf import DictConfig, OmegaConf, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
-from footopt.cli.job import resolved
+from footopt.cli.job import resolved, tidier
 from footopt.cli.paths import absolute, typed
 from footopt.errors import ERROR_FILE, FootoptError
 from footopt.files import identity
@@ -36,6 +36,11 @@ class Summary(Callback):
     failed = 0
     folder = ""  # of the multirun
     held = ExitStack()  # its lock
+    tidy: Callable[[], None] = staticmethod(lambda: None)  # after a single run that was refused
+
+    def on_run_start(self, config: DictConfig, **kwargs: Any) -> None:
+        """See what is there before Hydra makes a folder: no other one is removed if the run is refused."""
+        Summary.tidy = staticmethod(tidier(Path(config.hydra.run.dir)))
 
     def on_multirun_start(self, config: DictConfig, **kwargs: Any) -> None:
         """Refuse the folder of another multirun; leave in each job's folder what the job is."""

@@ -1,0 +1,31 @@
+"""What is refused leaves nothing behind, and takes nothing away."""
+
+import pytest
+from running import footopt
+
+REFUSED = ["study=simulate", "foot.width=-1"]
+
+
+def refused(*words, cwd):
+    done = footopt(*words, cwd=cwd)
+    assert done.returncode != 0
+    assert done.stderr.startswith("footopt: error: ")
+    return done.stderr
+
+
+@pytest.mark.parametrize("place", ["results", "..", ".", "results/deep"])
+def test_a_refused_run_removes_no_folder_that_was_there(place, tmp_path):
+    """Not even one with nothing in it but folders and links."""
+    here = tmp_path / "above" / "here"
+    for folder in ("results/empty", "results/deep", "linked"):
+        (here / folder).mkdir(parents=True)
+    (here / "results" / "link").symlink_to(here / "linked")
+    before = sorted(tmp_path.rglob("*"))
+    assert "foot.width" in refused(*REFUSED, f"hydra.run.dir={place}", cwd=here)
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.parametrize("place", [[], ["hydra.run.dir=a/b/c"]])
+def test_a_refused_run_leaves_no_folder(place, tmp_path):
+    refused(*REFUSED, *place, cwd=tmp_path)
+    assert not list(tmp_path.iterdir())
