@@ -46,8 +46,7 @@ def compiled(effects: bytes) -> Any:
     """The step with some effects, a pickled tuple of loads, gates and pushes, which is compiled once."""
     acting = pickle.loads(effects)
     laws = STEPPERS["sdirk2"].parameters, [law for laws in acting for law in laws or ()]
-    house = Path(__file__).parents[1]
-    source = digest_of((), house / "mujoco", house / "sand", house / "compiled.py")
+    source = digest_of((), Path(__file__).parent)
 
     def passive(model, data, address):
         source  # noqa: B018  a free variable is part of the cache's key

@@ -14,6 +14,8 @@ from typing import Any
 from footopt.effects import base as effects
 from footopt.walk import steppers
 
+#: What every walk is compiled from: rooms and files.
+COMPILED = ("compiled.py", "sand", "effects", "walk")
 #: Where types and functions come from that every process can import.
 HOME = ("footopt.", __name__.rpartition(".")[0] + ".")
 
@@ -39,10 +41,11 @@ def source(stepper: Any, laws: Sequence[Any]) -> str:
 def digest_of(functions: tuple[Any, ...], *more: Path) -> str:
     """A digest of footopt's sources, with a user's own functions: code cached of others is not used.
 
-    more: files, or folders beside those of effects and of walks.
+    more: files, or folders beside those that every walk is compiled from.
     """
     digest = hashlib.sha256()
-    for folder in (Path(str(effects.__file__)).parent, Path(__file__).parent, *more):  # no file is forgotten
+    house = Path(__file__).parents[1]
+    for folder in (*(house / name for name in COMPILED), *more):  # no file is forgotten
         for path in [folder] if folder.is_file() else sorted(folder.rglob("*.py")):
             digest.update(path.read_bytes())
     for function in functions:

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from running import tries
 
+import footopt
 from footopt import compiled
 
 KEPT = """
@@ -91,6 +92,24 @@ def test_a_users_own_functions_are_part_of_what_compiled_code_is_cached_by(tmp_p
     typed = [eval(f"lambda a: {n} * a") for n in (1, 2)]
     digests = {digest_of(()), first, second, *(digest_of((f,)) for f in typed)}
     assert len(digests) == 5
+
+
+def test_a_walk_is_compiled_again_once_any_module_that_it_is_compiled_from_has_changed():
+    """Every module of footopt that the compiled loop names is part of its key; messages are not compiled."""
+    from footopt.walk import loop, sources
+
+    house = Path(footopt.__file__).parent
+    keyed = {path for name in sources.COMPILED for path in [house / name, *(house / name).rglob("*.py")]}
+    walked, left = set(), [loop]
+    while left:
+        module = left.pop()
+        if module not in walked:
+            walked.add(module)
+            homes = (sys.modules.get(getattr(thing, "__module__", "")) for thing in vars(module).values())
+            left += [home for home in homes if home and home.__name__.startswith("footopt.")]
+    found = {Path(module.__file__) for module in walked} - {house / "errors.py", house / "kinds.py"}
+    assert house / "walk" / "contact.py" in found
+    assert found <= keyed, found - keyed
 
 
 @pytest.mark.slow
