@@ -45,7 +45,9 @@ def main() -> None:
             check_dashes(given)
             # what parses them takes no settings on both sides of a flag
             first = ("-m", "--multirun")
-            sys.argv[1:] = given = sorted(map(readable, given), key=lambda word: word not in first)
+            several = any(word in first for word in given)
+            given = [readable(word, several) for word in given]
+            sys.argv[1:] = given = sorted(given, key=lambda word: word not in first)
             if text := help_text(given):
                 print(text, flush=True)
                 return

@@ -6,6 +6,7 @@ import logging
 import math
 import sys
 from collections.abc import Mapping, Sequence
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -24,10 +25,10 @@ from footopt.files.run import write_text
 from footopt.studies.identity import CHANGEABLE, check_same, finished, is_finished, may_change, result_of
 from footopt.studies.settings import REPORTS, SEARCHES, Config
 
-TRUST = "--trust"
+TRUST, FORCE = "--trust", "--force"
 MULTIRUN = "multirun.yaml"
-#: Settings by which a folder could have a program run, or a file written elsewhere, that nobody asked for.
-TRUSTED = ("plugins", "engine.address", "study.video")
+#: Settings by which a folder could have code run that nobody asked for, and files that a run writes.
+CODE, WRITTEN = ("plugins", "engine.address"), ("study.store", "study.video")
 
 #: Settings that may make a search longer.
 BUDGETS = ("solver.walks", "solver.n_gen")
@@ -45,7 +46,9 @@ def resume(given: Sequence[str]) -> int:
     Parameters
     ----------
     given : sequence of str
-        The words of the command line: resume=FOLDER, --trust, and settings that are `CHANGEABLE`.
+        The words of the command line: resume=FOLDER, --trust (the folder may have code run, and files
+        written elsewhere), --force (to go on with the run of another version), and settings that are
+        `CHANGEABLE`.
 
     Returns
     -------
@@ -59,7 +62,8 @@ def resume(given: Sequence[str]) -> int:
     """
     folders = [word.removeprefix("resume=") for word in given if word.startswith("resume=")]
     check(folders[-1] != "", "resume", "", "the folder of a run")
-    new = [word for word in given if not word.startswith("resume=") and word != TRUST]
+    new = [word for word in given if not word.startswith("resume=") and word not in (TRUST, FORCE)]
+    new += ["study.reuse=true"] * (FORCE in given)
     folder, trusted = Path(folders[-1]).expanduser().absolute(), TRUST in given
     logging.basicConfig(level=logging.WARNING, stream=sys.stdout, format="[%(levelname)s] %(message)s")
     changes = [_change(readable(word)) for word in new]
@@ -99,15 +103,19 @@ def _resume_run(
     trusted: bool,
 ) -> None:
     """Go on with one run, which has left such a result."""
-    run = identity.read(folder)
-    settings, named = _structured(folder, run.settings), [name for name, _ in changes]
+    run, named = identity.read(folder), [name for name, _ in changes]
+    if run.version != version("footopt") and ("study.reuse", True) not in changes:
+        allowed = f"a run of footopt {version('footopt')}, which this is, not of {run.version}"
+        hint = f"Start a new run; or add {FORCE}, if you know that the walks are the same."
+        raise SettingError("resume", str(folder), allowed, hint)
+    settings = _structured(folder, run.settings)
     study = settings.study.name
     if finished(found) and study not in SEARCHES:
         raise SettingError("resume", str(folder), f"a run of study={', '.join(SEARCHES)}, not {study}")
     check_same(folder, run.settings, found)
-    for name in () if trusted else TRUSTED:
-        value = OmegaConf.select(settings, name)
-        if not value or name in named or "engine" in named or not _reaches_out(name, value):
+    for name in () if trusted else (*CODE, *WRITTEN):
+        value, own = OmegaConf.select(settings, name), {name, name.partition(".")[0]} & {*named}
+        if not value or own or (name in WRITTEN and (folder / value).resolve().parent == folder.resolve()):
             continue
         raise SettingError(
             name, value, f"trusted: it comes from {folder}", f"Add {TRUST} if you know it, or give your own."
@@ -135,11 +143,6 @@ def _structured(folder: Path, saved: Mapping[str, Any]) -> Any:
         allowed = f"a run with the settings of this version of footopt ({why})"
         raise SettingError("resume", str(folder), allowed, "Start a new run.")
     return settings
-
-
-def _reaches_out(name: str, value: Any) -> bool:
-    """Whether a film is to be written outside of the run's folder; the others reach out in any case."""
-    return name != "study.video" or Path(value).name != value
 
 
 def _check_no_less(found: Mapping[str, Any], settings: Mapping[str, Any]) -> None:

@@ -28,18 +28,18 @@ def check_dashes(words: Sequence[str]) -> None:
             raise FootoptError(f"{word}: settings have no dashes. Try {tried}")
 
 
-def readable(word: str) -> str:
+def readable(word: str, several: bool = False) -> str:
     """A setting that names files or folders, with quotes about those names that Hydra could not read.
 
     ``run=FOLDER`` becomes the setting that it is short for, ``~`` the user's own folder, and ``.inf`` of
-    YAML the ``inf`` of Hydra's grammar.
+    YAML the ``inf`` of Hydra's grammar. In a multirun, `several`, a comma is between the names of jobs.
     """
     word = re.sub(r"([=,\[]-?)\.inf(?=[,\]]|$)", r"\1inf", word)
     name, equals, value = word.partition("=")
     if name in FOLDERS and not value:
         raise FootoptError(f"{word}: must be a folder, and is empty. {name}=. is the working folder.")
     if name == "run":
-        return f"study.run={quoted(value)}"
+        return f"study.run={','.join(map(quoted, value.split(',') if several else [value]))}"
     if name.lstrip("+") not in FILES or is_read(word):
         return word
     listed = value.startswith("[") and value.endswith("]")

@@ -32,10 +32,13 @@ class Identity(NamedTuple):
         All settings in YAML's types.
     words : tuple of str
         What was given on the command line, to tell runs apart in tables.
+    version : str
+        Of the footopt that has written it.
     """
 
     settings: Mapping[str, Any]
     words: tuple[str, ...]
+    version: str
 
 
 def write(folder: Path, settings: Mapping[str, Any], words: Sequence[str]) -> None:
@@ -67,7 +70,9 @@ def read(folder: Path, setting: str = "resume") -> Identity:
     try:
         content = yaml.safe_load(read_text(path, "settings", setting))
         sound = content.pop("digest") == _digest(content) and "${" not in json.dumps(content)
-        found = Identity(dict(content["settings"]), tuple(map(str, content["words"])))
+        found = Identity(
+            dict(content["settings"]), tuple(map(str, content["words"])), str(content["footopt"])
+        )
     except FileError:
         raise
     except Exception:  # whatever can be wrong with a file that somebody has changed

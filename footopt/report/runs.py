@@ -111,7 +111,7 @@ def read_run(folder: Path, name: str, key: str, place: str = "") -> Run:
     What is damaged is said in its note, and it has no result then.
     """
     try:
-        settings, words = identity.read(folder)
+        settings, words, _ = identity.read(folder)
     except FileError:  # it has not said what it is
         settings, words = {}, ()
     own = (name, key, place, folder, words, settings)

@@ -174,7 +174,7 @@ def load(folder: str | Path, trust: bool = False) -> Run:
 def read(folder: str | Path, setting: str, trust: bool = False) -> Run:
     """`load`, whose errors name the setting that the folder is of."""
     path = Path(folder).expanduser()
-    return Run(path, *identity.read(path, setting), trusted=trust)
+    return Run(path, *identity.read(path, setting)[:2], trusted=trust)
 
 
 def load_all(pattern: str | Path) -> Any:

@@ -91,7 +91,7 @@ class TestResume:
         assert found(stopped) == found(whole)
 
     def test_a_job_that_failed_is_tried_again_and_told(self, stopped):
-        settings, words = identity.read(stopped / "3")
+        settings, words, _ = identity.read(stopped / "3")
         settings["foot"]["width"] = -1.0
         identity.write(stopped / "3", settings, words)
         done = footopt("resume=sweep", cwd=stopped.parent)

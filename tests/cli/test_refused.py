@@ -29,3 +29,10 @@ def test_a_refused_run_removes_no_folder_that_was_there(place, tmp_path):
 def test_a_refused_run_leaves_no_folder(place, tmp_path):
     refused(*REFUSED, *place, cwd=tmp_path)
     assert not list(tmp_path.iterdir())
+
+
+def test_folders_of_runs_with_a_comma_between_them_are_two_jobs(tmp_path):
+    done = footopt("-m", "study=simulate", "run=a,b", "hydra.sweep.dir=sweep", cwd=tmp_path)
+    assert done.returncode == 1
+    said = [(tmp_path / "sweep" / job / "error.txt").read_text() for job in "01"]
+    assert ["run = 'a'" in said[0], "run = 'b'" in said[1]] == [True, True]

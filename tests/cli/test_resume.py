@@ -119,7 +119,7 @@ BAD = {
 
 def film(run):
     """Let a run have left a film."""
-    settings, words = identity.read(run)
+    settings, words, _ = identity.read(run)
     settings["study"]["video"] = "a.gif"
     identity.write(run, settings, words)
     result = json.loads((run / "result.json").read_text())
@@ -151,14 +151,25 @@ class TestIdentity:
         [("sand.zeta", 4.0), ("solver.seed", 2)],
     )
     def test_settings_that_are_not_those_of_the_result_are_refused(self, name, value, run, tmp_path):
-        settings, words = identity.read(run)
+        settings, words, _ = identity.read(run)
         group, _, last = name.partition(".")
         settings[group][last] = value
         identity.write(run, settings, words)  # with a digest that fits
         refused("resume=run", cwd=tmp_path, says=f"is that of another run: {name} differ")
 
+    def test_a_run_of_another_version_is_told_as_such_and_goes_on_by_force(self, run, tmp_path, monkeypatch):
+        monkeypatch.setattr(identity, "version", lambda _: "0.0.9")
+        identity.write(run, *identity.read(run)[:2])
+        monkeypatch.undo()
+        refused(
+            "resume=run", cwd=tmp_path, says="which this is, not of 0.0.9. Start a new run; or add --force"
+        )
+        done = footopt("resume=run", "--force", "solver.n_gen=4", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert json.loads((run / "result.json").read_text())["reused"] == 30
+
     def test_settings_of_another_version_are_refused(self, begun, tmp_path):
-        settings, words = identity.read(begun)
+        settings, words, _ = identity.read(begun)
         for text, says in (({"sand": {}}, "sand.name"), ({"shoe": 1}, "Key 'shoe'")):
             identity.write(begun, settings | text, words)
             refused(
@@ -209,7 +220,7 @@ class TestIdentity:
     def test_no_word_of_a_folder_is_run(self, begun, tmp_path, monkeypatch):
         (tmp_path / "evil.py").write_text("open('made', 'w')\n")
         (tmp_path / "evil.yaml").write_text("x: 1\n")
-        settings, words = identity.read(begun)
+        settings, words, _ = identity.read(begun)
         wrong = ["--experimental-rerun=evil.pickle", "hydra.run.dir=elsewhere", "plugins=[evil.py]"]
         identity.write(begun, settings, [*words, *wrong])
         (begun / ".hydra").mkdir()
@@ -225,12 +236,16 @@ class TestIdentity:
                 "engine.address = 'tcp://there:1'",
             ),
             ({"study": settings["study"] | {"video": "/tmp/x.gif"}}, "study.video = '/tmp/x.gif'"),
+            (
+                {"study": settings["study"] | {"store": "/tmp/x.db"}},
+                "study.store = '/tmp/x.db': must be trusted",
+            ),
         ):
             identity.write(begun, settings | change, words)
             refused("resume=begun", cwd=tmp_path, says=says)
             assert footopt("resume=begun", "--trust", cwd=tmp_path).returncode == 0
             assert str(ran[-1][0]).count(says.split("'")[1]) == 1
-        assert len(ran) == 4
+        assert len(ran) == 5
         identity.write(begun, settings | {"plugins": ["evil.py"]}, words)
         assert footopt("resume=begun", "plugins=[mine.py]", cwd=tmp_path).returncode == 0
         assert ran[-1][0].plugins == ["mine.py"]
@@ -312,7 +327,7 @@ class TestResume:
         assert "40 designs of this search are known" in done.stdout
 
     def test_with_another_engine_which_does_not_read_what_was_given_for_the_first(self, begun, tmp_path):
-        settings, words = identity.read(begun)
+        settings, words, _ = identity.read(begun)
         settings["engine"] |= {"name": "dask", "timeout": 60.0}
         identity.write(begun, settings, [*words, "engine=dask", "engine.timeout=60"])
         done = footopt("resume=begun", "engine=local", cwd=tmp_path)
@@ -420,7 +435,7 @@ class TestSharedStore:
             assert shared[0] | {"settings": 0} == alone[0] | {"settings": 0}
             assert shared[1:] == alone[1:]
             assert not (tmp_path / solver / "designs.sqlite").exists()
-        done = footopt("resume=ga", cwd=tmp_path)
+        done = footopt("resume=ga", "--trust", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         result = json.loads((tmp_path / "ga" / "result.json").read_text())
         assert result["reused"] == result["designs"]

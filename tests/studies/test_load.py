@@ -133,7 +133,7 @@ class TestLoad:
     def test_code_that_its_settings_name_is_run_only_for_who_trusts_it(self, made, tmp_path):
         folder = tmp_path / "plugged"
         shutil.copytree(made[2].folder, folder)
-        settings, words = identity.read(folder)
+        settings, words, _ = identity.read(folder)
         (tmp_path / "mine.py").write_text("raise SystemExit('run')\n")
         settings = {**settings, "plugins": [str(tmp_path / "mine.py")]}
         identity.write(folder, settings, words)
