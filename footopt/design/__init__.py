@@ -13,7 +13,6 @@ from footopt.design.result import Confirmation, Generation, SearchResult, confir
 from footopt.design.robust import RobustProblem, own_best
 from footopt.design.search import search
 from footopt.design.solvers import AUTO, EXHAUSTIVE, SINGLE, SOLVERS, WALKS, Solver
-from footopt.design.stop import Stop
 from footopt.design.store import Evaluation, Store
 
 __all__ = [
@@ -36,7 +35,6 @@ __all__ = [
     "RobustProblem",
     "SearchResult",
     "Solver",
-    "Stop",
     "Store",
     "confirm",
     "make_executor",

@@ -91,7 +91,7 @@ class SearchResult:
     reused : int
         Designs that were read from the store, not walked.
     stopped : str
-        Why it ended before its last generation: what `Stop` says, or "by its progress"; "" if it did not.
+        Why it ended before its last generation: "after 60 s", "by its progress"; "" if it did not.
     """
 
     problem: FootProblem

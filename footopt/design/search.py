@@ -21,12 +21,11 @@ from footopt.design.evaluator import Evaluator
 from footopt.design.problem import FootProblem, Ints
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import AUTO, EXHAUSTIVE, Solver
-from footopt.design.stop import Stop
 from footopt.design.store import Store
 from footopt.errors import check, check_kind
 from footopt.kinds import says_kinds
 
-BUDGET = ("walks", "pop_size", "n_gen", "seed", "operators")  # of a solver that is named
+BUDGET = ("walks", "pop_size", "n_gen", "seconds", "seed", "operators")  # of a solver that is named
 ENOUGH = "by the solver, which asked for nothing more"
 
 
@@ -37,7 +36,7 @@ def search(
     progress: Callable[[Generation], object] | bool | None = None,
     store: Store | str | Path | None = None,
     executor: Executor | None = None,
-    stop: Stop | Any = None,
+    stop: Any = None,
     start: ArrayLike | None = None,
     **budget: Any,
 ) -> SearchResult:
@@ -60,13 +59,12 @@ def search(
     executor : concurrent.futures.Executor, optional
         Who walks: threads, processes, a dask client's executor, MPI. By default this process does. The
         result is the same, to the last bit.
-    stop : Stop or pymoo.core.termination.Termination, optional
-        Ends it before its last generation: after a time, so many walks, or so long without progress. One
-        of pymoo's, or its short form ("n_gen", 50), takes the place of walks and n_gen.
+    stop : pymoo.core.termination.Termination, optional
+        Ends it before its last generation, in place of walks and n_gen; its short form ("n_gen", 50) will do.
     start : (designs, n), optional
         Heights of designs to begin with, in place of as many of the random first generation.
     **budget : int
-        walks, pop_size, n_gen, seed and operators of the solver.
+        walks, pop_size, n_gen, seconds, seed and operators of the solver.
 
     Returns
     -------
@@ -88,8 +86,8 @@ def search(
         The store was opened for another problem.
     """
     check_kind(problem, FootProblem, "problem", "Try fo.FootProblem(scene)")
-    ends = stop is None or isinstance(stop, (Stop, tuple)) or hasattr(stop, "has_terminated")
-    check(ends, "stop", stop, "a Stop or a termination of pymoo", 'Try ("n_gen", 50)')
+    ends = stop is None or isinstance(stop, tuple) or hasattr(stop, "has_terminated")
+    check(ends, "stop", stop, "a termination of pymoo", 'Try ("n_gen", 50)')
     for name, value in budget.items():
         check(name in BUDGET, name, value, f"one of {', '.join(BUDGET)}, as a keyword")
     if not isinstance(solver, (Solver, str, NoneType)):
@@ -108,7 +106,7 @@ def search(
         evaluator = Evaluator(problem, kept, executor)
         tell = _line(solver.generations(problem.space)) if progress is True else progress or None
         first = None if start is None else problem.space.check(start)
-        return ask_and_tell(problem, solver, tell, evaluator, Stop() if stop is None else stop, first)
+        return ask_and_tell(problem, solver, tell, evaluator, stop, first)
 
 
 def _line(generations: int) -> Callable[[Generation], None]:
@@ -128,13 +126,12 @@ def ask_and_tell(
     solver: Solver,
     progress: Callable[[Generation], object] | None,
     evaluator: Evaluator,
-    stop: Stop | Any,
+    termination: Any,
     start: Ints | None = None,
 ) -> SearchResult:
     """Ask the solver for a generation, walk what is new of it, tell the solver, and so on."""
     from footopt.design.pymoo_problem import Algorithm
 
-    termination, stop = (None, stop) if isinstance(stop, Stop) else (stop, Stop())
     algorithm = Algorithm(problem, solver, start, termination)
     archive = Archive(problem, evaluator)
     most = math.inf if termination is not None and not solver.walks else solver.most
@@ -152,7 +149,8 @@ def ask_and_tell(
             archive.close_generation(time.perf_counter() - started)
             if progress is not None and progress(archive.history[-1]) is True:
                 stopped = "by its progress"
-            stopped = stopped or stop.reason(archive.history, archive.count)
+            if solver.seconds is not None and archive.history[-1].seconds >= solver.seconds:
+                stopped = stopped or f"after {solver.seconds:g} s"
             if stopped:
                 break
     except KeyboardInterrupt:

@@ -15,8 +15,8 @@ from footopt.files.run import plain
 
 #: What a run may change when it goes on: how long, where and with what it ends, not what is searched.
 CHANGEABLE = (
-    "solver.n_gen", "solver.walks", "stop", "engine", "report", "choose", "study.confirm", "study.finalists",
-    "study.store", "study.certify", "study.reuse", "study.video", "foot.block", "plugins",
+    "solver.n_gen", "solver.walks", "solver.seconds", "engine", "report", "choose", "study.confirm",
+    "study.finalists", "study.store", "study.certify", "study.reuse", "study.video", "foot.block", "plugins",
 )  # fmt: skip
 
 LOG = "footopt.log"  # Hydra's, of what is logged

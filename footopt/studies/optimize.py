@@ -18,7 +18,6 @@ from footopt.design import (
     FootProblem,
     SearchResult,
     Solver,
-    Stop,
     confirm,
     make_executor,
     search,
@@ -52,7 +51,7 @@ def run(study: Study) -> Answer:
     config, options = study.config, study.options
     check_searchable(config.foot)
     check_film(study)
-    solver, stop = Solver(**vars(config.solver)), Stop(**vars(config.stop))
+    solver = Solver(**vars(config.solver))
     chosen = choose_effects(study)
     scene = chosen.scene
     problem = make_problem(config, scene)
@@ -64,7 +63,7 @@ def run(study: Study) -> Answer:
     finer = study.finer_accuracy
     with study.compiling():
         flat = simulate(Foot.flat(problem.space), scene, finer)
-    result, confirmed, certificate = _search(study, problem, solver, stop, flat.objectives["efficiency"])
+    result, confirmed, certificate = _search(study, problem, solver, flat.objectives["efficiency"])
     k = result.k[confirmed.designs[0]]
     best = dataclasses.replace(Foot.from_waypoints(k, problem.space), name=f"best of {solver.name}")
     walk = simulate(best, scene, finer)
@@ -156,7 +155,7 @@ def _unit(solver: Solver) -> str:
 
 
 def _search(
-    study: Study, problem: FootProblem, solver: Solver, stop: Stop, base: float
+    study: Study, problem: FootProblem, solver: Solver, base: float
 ) -> tuple[SearchResult, Confirmation, Certificate | None]:
     """Search where `engine` says, keep every walk in the run's store, and confirm what was found."""
     e, space = study.config.engine, problem.space
@@ -174,7 +173,7 @@ def _search(
             guide = problem.names[0]
             tell = report_generations(step, guide, base=base if guide == "efficiency" else None)
             start = _start(study.options.start, space)
-            result = search(problem, solver, tell, store, executor, stop, start)
+            result = search(problem, solver, tell, store, executor, start=start)
         finer, finalists = study.finer_accuracy, study.options.finalists
         if result.interrupted:
             study.say("Stopped: reporting what was found so far (Ctrl-C again: not even that)")

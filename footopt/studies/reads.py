@@ -28,7 +28,7 @@ SEARCH = (*SPACE, "foot.shape", "foot.k", "accuracy", "objective", "solver", "en
 #: What each study reads of the settings, a name or a group each. A plugin's study reads what it likes.
 READS: dict[str, tuple[str, ...]] = {
     "optimize": (
-        *SCENE, *SEARCH, "choose", "stop", "foot.block",
+        *SCENE, *SEARCH, "choose", "foot.block",
         *(f"study.{n}" for n in ("video", "start", "certify", "spread.zeta")),
     ),
     "simulate": (*SCENE, "foot", "accuracy", "objective.names", "study.run", "study.video", ZETA),

@@ -14,7 +14,7 @@ from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import reduce
 from typing import Any
 
-from footopt.design import Solver, Stop
+from footopt.design import Solver
 from footopt.design.result import check_finalists
 from footopt.effects import EFFECTS
 from footopt.errors import SettingError
@@ -53,7 +53,6 @@ MADE: dict[str, Callable[[Any], object]] = {
     "choose": build.make_choice,
     "constraint": _limits,
     "solver": lambda c: Solver(**vars(c.solver)),
-    "stop": lambda c: Stop(**vars(c.stop)),
     "study": _study,
 }
 

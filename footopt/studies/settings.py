@@ -18,7 +18,6 @@ from footopt.design import (
     Choice,
     RobustProblem,
     Solver,
-    Stop,
     make_executor,
 )
 from footopt.design.problem import SETS
@@ -70,14 +69,13 @@ def importable(made: type) -> Any:
 
 if TYPE_CHECKING:
     from footopt.design import Solver as SolverConfig
-    from footopt.design import Stop as StopConfig
     from footopt.foot import Waypoints as SpaceConfig
     from footopt.sand import StressMap as CoefficientsConfig
     from footopt.walk import Spread as SpreadConfig
     from footopt.walk import Walker as WalkerConfig
 else:
-    SolverConfig, StopConfig, SpaceConfig, CoefficientsConfig, WalkerConfig = map(
-        parameters, (Solver, Stop, Waypoints, StressMap, Walker)
+    SolverConfig, SpaceConfig, CoefficientsConfig, WalkerConfig = map(
+        parameters, (Solver, Waypoints, StressMap, Walker)
     )
     SpreadConfig = parameters(Spread, null=("period", "angles"))  # measured from the strides of gait.path
 
@@ -305,7 +303,6 @@ class Config:
         "Limit: the largest of what is minimised, the smallest of what is maximised; null: none.",
     )
     solver: SolverConfig = field(default_factory=SolverConfig)
-    stop: StopConfig = field(default_factory=StopConfig)
     engine: EngineConfig = field(default_factory=EngineConfig)
     export: ExportConfig = field(default_factory=ExportConfig)
 

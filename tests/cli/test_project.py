@@ -76,7 +76,7 @@ class TestUnread:
 
     def test_what_another_study_reads_is_no_mistake(self, robot):
         path = robot / "conf" / "robot.yaml"
-        more = {"solver": {"pop_size": 8}, "study": {"finalists": 3}, "stop": {"stall": 9}}
+        more = {"solver": {"pop_size": 8}, "study": {"finalists": 3}}
         path.write_text(yaml.safe_dump(yaml.safe_load(path.read_text()) | more, sort_keys=False))
         done = walked(robot / "conf", cwd=robot)
         assert done.returncode == 0, done.stderr

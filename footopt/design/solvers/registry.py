@@ -61,6 +61,8 @@ class Solver:
         Of crossover and mutation: crossover_prob, crossover_eta, mutation_prob, mutation_eta; CR and F of de.
         With them, {} too, a solver of several objectives has simulated binary crossover and polynomial
         mutation in place of moves that suit a spline.
+    seconds : float, s, optional
+        Once it has taken so long it ends, after the generation that is under way.
     walks : int, optional
         Different designs at most; where n_gen is not given 10,000 by default.
     """
@@ -71,6 +73,7 @@ class Solver:
     seed: int = 1
     operators: Any = None
     walks: int | None = None
+    seconds: float | None = None
 
     def __post_init__(self) -> None:
         self._check_name()
@@ -78,6 +81,8 @@ class Solver:
             value = getattr(self, name)
             allowed = f"null, or a whole number >= {low} and <= {high:,}"
             check(value is None or low <= value <= high, f"solver.{name}", value, allowed)
+        good = self.seconds is None or self.seconds > 0
+        check(good, "solver.seconds", self.seconds, "null, or a number > 0")
         check(0 <= self.seed < 2**32, "solver.seed", self.seed, "a whole number from 0 to 2^32 - 1")
 
     def _check_name(self) -> None:
