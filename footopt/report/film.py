@@ -17,8 +17,7 @@ from footopt.errors import FileError, FootoptError, SettingError, check
 from footopt.files.run import write_whole
 from footopt.report.figures.walker import letters, view_of
 from footopt.report.numbers import sand_title, title
-from footopt.report.parts import View
-from footopt.report.picture import Picture, draw, round_down
+from footopt.report.stage import Stage, View, round_down
 from footopt.report.style import PAGE, new_figure, styled
 from footopt.walk import Walk
 
@@ -145,13 +144,13 @@ def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], N
 
     Above is the walker with the whole force on each foot, below its feet, close, with the forces along them.
     """
-    picture = Picture(walk, t)
-    far = view_of(picture)
+    stage = Stage(walk, t)
+    far = view_of(stage)
     left, right, low, high = far[:4]
     wide = min(right - left, WIDEST * (high - low))
     far = far._replace(unit=letters(wide, PAGE))
-    deep = min(float(picture.body.sole[..., 1].min()), 0.0) - 1.1 * LONGEST
-    reach, largest = 0.5 * CLOSE, max(float(np.linalg.norm(picture.forces.force, axis=-1).max()), 1e-9)
+    deep = min(float(stage.body.sole[..., 1].min()), 0.0) - 1.1 * LONGEST
+    reach, largest = 0.5 * CLOSE, max(float(np.linalg.norm(stage.forces.force, axis=-1).max()), 1e-9)
     sizes = letters(CLOSE, PAGE), LONGEST / largest, round_down(0.8 * largest)
     near = View(0.0, 0.0, deep, deep + CLOSE * NEAR, *sizes, close=True)
     tall = (PAGE - 0.6) * (high - low) / wide
@@ -170,14 +169,14 @@ def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], N
     def show(i: int) -> None:
         while shown:
             shown.pop().remove()
-        hip = float(picture.body.hip[i, 0])
+        hip = float(stage.body.hip[i, 0])
         middle = float(np.clip(hip, left + 0.5 * wide, right - 0.5 * wide))
         views = (
             far._replace(left=middle - 0.5 * wide, right=middle + 0.5 * wide),
             near._replace(left=hip - reach, right=hip + reach),
         )
         for axes, view in zip((whole, close), views, strict=True):
-            shown.extend(draw(axes, *picture.shapes(i, view)))
+            shown.extend([*stage.draw_ground(axes, i, view), *stage.draw_feet(axes, i, view)])
             axes.set_xlim(view[:2])
         ended = f", failed: {walk.reason}" if walk.reason and t[i] >= walk.t[-1] else ""
         clock.set_text(f"{t[i]:.2f} s{ended}")

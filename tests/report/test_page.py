@@ -27,7 +27,7 @@ from footopt.report.numbers import number, title
 from footopt.report.page import walks
 from footopt.report.page.file import packed
 from footopt.report.page.file import text as page_text
-from footopt.report.picture import ground
+from footopt.report.stage import ground
 from footopt.report.runs import Run
 from footopt.studies.record import foot_entry, scene_entry
 from footopt.walk import FIVE, OBJECTIVES

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from footopt.errors import check
 from footopt.report.figures.traces import walk_label
-from footopt.report.parts import SHORTEST, View
-from footopt.report.picture import Picture, draw, round_down
+from footopt.report.stage import SHORTEST, Stage, View, round_down
 from footopt.report.style import PAGE, SIDES, message, new_figure, styled
 from footopt.walk import Walk
 from footopt.walk.phases import stance, step_on_patch
@@ -53,7 +52,7 @@ def steps(walks: Mapping[str, Walk], frames: int = 6, number: int = 0) -> Figure
     points = [step.points(metres) for step in found]
     span = max(float(np.ptp(p[:, 0])) for p in points) + 0.02
     low = min(float(p[:, 1].min()) for p in points) - 0.02
-    sloped = any(step.picture.ground["gravity"] for step in found)
+    sloped = any(step.stage.ground["gravity"] for step in found)
     high = max(float(p[:, 1].max()) for p in points) + (2.0 if sloped else 1.0) * ABOVE
     columns = min(frames, COLUMNS)
     rows = -(-frames // columns)
@@ -71,11 +70,8 @@ def steps(walks: Mapping[str, Walk], frames: int = 6, number: int = 0) -> Figure
             first = j == 0 and step is found[0]  # which has all words
             newtons = round_down(0.8 * LONGEST / metres) if first else 0.0
             view = View(left, left + span, low, high, inch / 72 * 4.5, metres, newtons, close=True)
-            shapes, labels = step.picture.shapes(j, view, [step.foot])
-            if first:
-                draw(axes, shapes, labels)
-            else:
-                draw(axes, [shape for shape in shapes if shape.part != "gravity"])
+            step.stage.draw_ground(axes, j, view, words=first)
+            step.stage.draw_feet(axes, j, view, [step.foot])
             axes.set(xlim=view[:2], ylim=view[2:4], aspect="equal")
             axes.set_title(f"{step.since[j]:.2f} s", loc="left")
             axes.xaxis.set_major_locator(MaxNLocator(3))
@@ -90,7 +86,7 @@ def steps(walks: Mapping[str, Walk], frames: int = 6, number: int = 0) -> Figure
 class _Step(NamedTuple):
     """A foot at M instants of a walk: s since the step began."""
 
-    picture: Picture
+    stage: Stage
     foot: int
     since: Array  # (M,)
     title: str
@@ -98,12 +94,12 @@ class _Step(NamedTuple):
     @property
     def force(self) -> Array:
         """On parts of its sole, (M, arrows, 2), N."""
-        return self.picture.forces.force[:, self.foot]
+        return self.stage.forces.force[:, self.foot]
 
     def points(self, metres: float) -> Array:
         """The ends of soles and arrows, (m, 2), with arrows of so many metres per newton."""
-        tails = self.picture.forces.at[:, self.foot] - metres * self.force
-        outline = self.picture.body.outline[:, self.foot]
+        tails = self.stage.forces.at[:, self.foot] - metres * self.force
+        outline = self.stage.body.outline[:, self.foot]
         return np.concatenate([part.reshape(-1, 2) for part in (outline, tails)])
 
 
@@ -115,13 +111,13 @@ def _snapshots(label: str, walk: Walk, frames: int, number: int) -> _Step | None
     begin, end = walk.t[contact.first], walk.t[contact.last]
     share = (np.arange(frames) + 0.5) / frames  # at its very ends a contact carries no force
     index = np.searchsorted(walk.t, begin + share * (end - begin))  # steps of time are not equally long
-    picture = Picture(walk, walk.t[index])
+    stage = Stage(walk, walk.t[index])
     began = f"t = {begin:.2f} s"
     since = f"heel strike ({began}; dragged through the sand until then)"
     since = since if contact.dragged else f"touch-down ({began})"
-    parts = picture.forces.at.shape[2]
+    parts = stage.forces.at.shape[2]
     title = f"{walk_label(label, walk)}, time since {since}; arrows: force on 1/{parts} of the sole"
-    return _Step(picture, contact.foot, walk.t[index] - begin, title)
+    return _Step(stage, contact.foot, walk.t[index] - begin, title)
 
 
 def _no_step(walk: Walk) -> Figure:

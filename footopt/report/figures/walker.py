@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,9 +9,8 @@ from footopt.effects import Layers, Patches
 from footopt.report.body import Body, body, legs
 from footopt.report.figures.traces import walk_label
 from footopt.report.numbers import sand_title, title
-from footopt.report.parts import View, shapes
-from footopt.report.picture import Picture, draw, ground, round_down, standing
-from footopt.report.style import PAGE, SIDES, Axes, as_text, message
+from footopt.report.stage import Stage, View, draw_ground, draw_hip, draw_leg, ground, round_down
+from footopt.report.style import PAGE, Axes, as_text, message
 from footopt.walk import Scene, Walk
 
 Array = NDArray[np.float64]
@@ -32,13 +28,12 @@ def draw_walk(axes: Axes, walk: Walk) -> None:
         return
     begin = min(max(walk.scene.gait.start, walk.t[0]), walk.t[-1])
     index = np.unique(np.searchsorted(walk.t, np.linspace(begin, walk.t[-1], POSES)))
-    picture = Picture(walk, walk.t[index])
-    view = view_of(picture)
-    draw(axes, *picture.shapes(-1, view, feet=()))
+    stage = Stage(walk, walk.t[index])
+    view = view_of(stage)
+    stage.draw_ground(axes, -1, view)
     for i in range(len(index)):
-        drawn = draw(axes, *picture.shapes(i, view, ground=False))
+        stage.draw_feet(axes, i, view, label=i == len(index) - 1)
     axes.plot(*walk.com.T, color="black", lw=0.8, label="path of the COM", zorder=3.5)
-    label_legs(drawn)
     axes.set(xlim=view[:2], ylim=view[2:4], aspect="equal")
     step = f", every {walk.t[index[1]] - walk.t[index[0]]:.2g} s" if len(index) > 1 else ""
     axes.set_title(walk_label(f"{title(walk.foot.name)} on {sand_title(walk.scene.sand)}{step}", walk))
@@ -54,25 +49,19 @@ def draw_scene(axes: Axes, scene: Scene) -> None:
     right = max([1.7 * height, *(end + 0.15 for end in far)])
     low = -max([0.2 * height, *(2.0 * d for d in deep)])
     view = View(-0.5 * height, right, low, 1.12 * height, letters(right + 0.5 * height, 4.5))
-    feet = {side: [standing(side, leg)] for (side, _), leg in zip(SIDES, joints, strict=True)}
-    drawn = draw(axes, *shapes({**ground(scene), **feet, "hip": [{"x": 0.0, "z": height}]}, view))
-    label_legs(drawn, f"COM, {scene.walker.mass:g} kg")
+    draw_ground(axes, ground(scene), view, np.empty(0), np.empty(0))
+    for foot, leg in enumerate(joints):
+        draw_leg(axes, foot, leg, label=True)
+    draw_hip(axes, (0.0, height), f"COM, {scene.walker.mass:g} kg")
     axes.set(xlim=view[:2], ylim=view[2:4], aspect="equal")
     axes.set(xlabel="$x$ (m)", ylabel="$z$ (m)")
     axes.set_title(f"{as_text(scene.sand.name)} sand ($\\zeta$ = {scene.sand.zeta:g})")
 
 
-def label_legs(drawn: Iterable[Any], hip: str = "_hip") -> None:
-    """Give legs and hip labels of their own."""
-    labels = {"_left-leg": "left leg", "_right-leg": "right leg", "_hip": hip}
-    for artist in drawn:
-        artist.set_label(labels.get(artist.get_label(), artist.get_label()))
-
-
-def view_of(picture: Picture) -> View:
+def view_of(stage: Stage) -> View:
     """All of a walk, with whole forces on the feet."""
-    left, right, low, high = bounds(picture.body)
-    newtons = round_down(max(0.5 * float(np.abs(picture.walk.force).max()), 1e-9))
+    left, right, low, high = bounds(stage.body)
+    newtons = round_down(max(0.5 * float(np.abs(stage.walk.force).max()), 1e-9))
     return View(left, right, low, high, letters(right - left, PAGE), ARROW * high / newtons, newtons)
 
 

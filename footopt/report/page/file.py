@@ -19,7 +19,6 @@ from numpy.typing import ArrayLike
 
 from footopt.files.run import plain, write_text
 from footopt.report.numbers import title
-from footopt.report.parts import css, script
 from footopt.report.style import PALETTE
 
 STYLES = ("page.css",)
@@ -63,10 +62,10 @@ def text(content: dict[str, Any]) -> str:
     data = json.dumps(plain(content), separators=(",", ":"), allow_nan=False)
     filled = {
         "TITLE": html.escape(content["title"]),
-        "STYLE": "\n".join([_roles(), *map(read, STYLES), css()]),
+        "STYLE": "\n".join([_roles(), *map(read, STYLES)]),
         # "</script>" in a name would end the element
         "DATA": data.replace("<", "\\u003c"),
-        "SCRIPT": "\n".join([script(), *map(read, SCRIPTS)]),
+        "SCRIPT": "\n".join(map(read, SCRIPTS)),
     }
     page = read("template.html")
     for name, value in filled.items():

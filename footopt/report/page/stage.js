@@ -22,10 +22,6 @@ function open(place) {
     const raw = data.walks[place], walk = { ...raw, points: raw.sole ? pairs(unpack(raw.sole)) : sole(raw.design) };
     for (const name of ["t", "com", "velocity", "force", "power", "work", "at", "when", "area", "arrows"])
       walk[name] = raw[name] ? unpack(raw[name]) : [];
-    if (raw.sand) {
-      walk.sand = unpack(raw.sand.height);
-      walk.surface = (t) => at(walk, "sand", raw.sand.height.shape[1], t, walk.when).map((z, i) => ({ x: raw.sand.first + i * raw.sand.cell, z }));
-    }
     opened.set(place, prepared(walk));
   }
   return opened.get(place);
@@ -107,7 +103,7 @@ const PAINTS = {
 
 /** The lowest that soles have been at each place so far: a print as it would stay if no sand fell back. */
 function printed(walk) {
-  const { step: STEP, often } = data.print, [x0, x1] = range(walk.com.filter((_, i) => i % 2 === 0), 0), from = x0 - 1;
+  const STEP = 0.004, often = 0.005, [x0, x1] = range(walk.com.filter((_, i) => i % 2 === 0), 0), from = x0 - 1;
   const depth = new Float64Array(Math.ceil((x1 - x0 + 2) / STEP)), cells = Array.from(depth, (_, j) => ({ x: from + j * STEP, z: 0 }));
   const points = walk.light.map(([u, v]) => [u - walk.ankle[0], v - walk.ankle[1]]), none = () => [NaN, NaN, NaN, NaN], reach = Math.max(...points.map(size));
   let done = -1, before = [none(), none()]; // heel and toe of both feet
@@ -137,22 +133,48 @@ function printed(walk) {
   };
 }
 
-/** The things at an instant, by kind, as report/picture.py finds them; `top` is the sand's surface. */
-function things(walk, now, top, { left, right, close, newtons }) {
-  const forces = now.feet.flatMap((foot) => (close ? foot.forces : [resultant(foot.forces)])).filter(({ at: place }) => place);
-  const feet = now.feet.map(({ leg, shape, sole }, foot) => [SIDES[foot], [{ leg, outline: shape, sole, joints: leg.slice(1), x: leg[2][0], z: leg[2][1], text: SIDES[foot] }]]);
-  return { ...data.ground, surface: top.filter(({ x }) => x > left - 0.1 && x < right + 0.1), key: [{ text: `${newtons} N` }], drawn: walk.surface ? [] : [data.print], ...Object.fromEntries(feet),
-    force: forces.map(({ at: [x, z], f: [fx, fz] }) => ({ x, z, fx, fz })), hip: [{ x: now.com[0], z: now.com[1] }] };
+/** Arrows [x, z, u, w] as one line with gaps; short ones would be heads alone. */
+const arrows = (unit, all) => all.flatMap(([x, z, u, w]) => {
+  const long = Math.hypot(u, w), head = Math.min((1.3 * unit) / Math.max(long, unit), 0.5), tip = [x + u, z + w];
+  if (!(long > 0.8 * unit)) return [];
+  return [[x, z], tip, GAP, [tip[0] - head * (u + 0.4 * w), tip[1] - head * (w - 0.4 * u)], tip, [tip[0] - head * (u - 0.4 * w), tip[1] - head * (w + 0.4 * u)], GAP];
+});
+const GAP = [NaN, NaN];
+
+/** Sand with its strips and its surface `top`, gravity and the key of arrows: [class, points (m), style] from behind to the front, and [x, z, text, anchor]. */
+function groundPicture(top, { left, right, low, high, unit, metres, newtons, close }) {
+  const { strips, gravity } = data.ground, words = [["key", left + metres * newtons + 2 * unit, low + 1.5 * unit, `${newtons} N`]];
+  const box = (a, b, c, d) => [[a, c], [a, d], [b, d], [b, c]], shapes = [["sand", box(left, right, low, 0)]];
+  for (const { kind, begin, end, top: upper, bottom, colour, text } of strips) {
+    const a = Math.max(begin, left), b = Math.min(end, right), c = Math.max(bottom, low);
+    if (!(a < b && c < upper)) continue;
+    shapes.push([kind, box(a, b, c, upper), `fill:${colour}`]);
+    if (kind === "layer") words.push([kind, b - 0.6 * unit, Math.max(c + 1.3 * unit, upper - 3 * unit), text, "end"]);
+    else if (text.length * unit <= b - a) words.push([kind, a + 0.6 * unit, Math.min(upper - 1.6 * unit, low + (close ? 5.7 : 1.5) * unit), text]);
+  }
+  const line = [[left - 0.05, 0], ...top.filter(({ x }) => x > left - 0.05 && x < right + 0.05).map(({ x, z }) => [x, z]), [right + 0.05, 0]];
+  shapes.push(["print", [[left - 0.05, 0.1 * unit], ...line, [right + 0.05, 0.1 * unit]]], ["surface", line]); // the edges of strips end at prints
+  for (const { x, z, words: [g, angle] } of gravity) {
+    shapes.push(["gravity", arrows(unit, [[right - 4 * unit, high - 5.4 * unit, 6 * unit * x, 6 * unit * z]])]);
+    words.push(["gravity", right - unit, high - 1.5 * unit, g, "end"], ["slope", right - unit, high - 4 * unit, angle, "end"]);
+  }
+  shapes.push(["key", arrows(unit, [[left + unit, low + 1.5 * unit, metres * newtons, 0]])]);
+  if (close) words.push(["drawn", right - unit, low + (right - left <= 70 * unit ? 3.6 : 1.5) * unit, "print drawn, not computed", "end"]);
+  return { shapes, words: words.map(([, ...word]) => word) };
 }
 
-/** What is drawn of things in a view, by PARTS and WORDS: [part, points (m), colour], from behind to the front, and [x, z, text, anchor]. */
-function picture(things, view) {
-  const shapes = PARTS.flatMap(({ of, points, ends, ...part }) => {
-    if (!ends) return (things[of] ?? []).map((thing) => [part, points(view, thing), thing.colour]).filter(([, line]) => line.length);
-    const all = ends(view, {});
-    return things[of]?.length ? [[part, [...all.slice(0, 1), ...things[of].flatMap((thing) => points(view, thing)), ...all.slice(1)]]] : [];
+/** Feet with their legs and forces and the hip, as `groundPicture` gives them. */
+function bodyPicture(now, { left, right, unit, metres, close }, ghosts, painted) {
+  const shapes = ghosts.map((points) => ["ghost", points]), words = [];
+  now.feet.forEach(({ leg, shape, sole }, foot) => {
+    const side = SIDES[foot], [x, z] = leg[2];
+    shapes.push([`${side}-foot`, shape], [`${side}-leg`, leg], [`${side}-joints dots`, leg.slice(1)], [`${side}-sole`, sole]);
+    if (close && x > left + 3 * unit && x < right - 3 * unit) words.push([x, z + 5.5 * unit, side, "middle"]);
   });
-  return { shapes, words: WORDS.flatMap(({ of, anchor, points }) => (things[of] ?? []).flatMap((thing) => points(view, thing).map(([x, z]) => [x, z, thing.text, anchor]))) };
+  const forces = now.feet.flatMap((foot) => (close ? foot.forces : [resultant(foot.forces)])).filter(({ at: place }) => place);
+  const drawn = forces.map(({ at: [x, z], f: [fx, fz] }) => [x - close * metres * fx, z - close * metres * fz, metres * fx, metres * fz]);
+  shapes.push(...painted, ["force", arrows(unit, drawn)], ["hip dots", [now.com]]);
+  return { shapes, words };
 }
 
 /**
@@ -168,7 +190,7 @@ function stage(holder, walk, { close = false, x, z, label, other = null, fixed =
   redrawn(holder, [["svg", { viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": label }]]);
   const forces = close ? pairs(walk.arrows).map(size) : Array.from(walk.force, Math.abs), largest = forces.reduce((a, b) => Math.max(a, b), 1);
   const metres = (close ? 0.85 * (deepest(walk) - z[0]) : 0.35 * (z[1] - z[0])) / largest, round = 10 ** Math.floor(Math.log10(0.8 * largest));
-  const newtons = [5, 2, 1].find((m) => m * round <= 0.8 * largest) * round, surface = walk.surface ?? printed(walk);
+  const newtons = [5, 2, 1].find((m) => m * round <= 0.8 * largest) * round, surface = printed(walk);
   const ends = scheme && range(Array.from({ length: 60 }, (_, i) => (i * walk.t.at(-1)) / 59).flatMap((t) => [LEFT, RIGHT].flatMap((foot) => scheme.of(walk, instant(walk, t), foot, t))), 0);
   const key = scheme ? [...Array.from({ length: 30 }, (_, i) => ["rect", { x: 8 + 4 * i, y: 8, width: 4.5, height: 8, fill: ramp(i / 29) }]),
     ["text", { class: "halo", x: 8, y: 30, "text-anchor": "start" }, `${number(ends[0])} to ${number(ends[1])}: ${scheme.title}`]] : [];
@@ -176,20 +198,20 @@ function stage(holder, walk, { close = false, x, z, label, other = null, fixed =
     const now = instant(walk, t), middle = fixed?.x ?? (close ? now.com[0] : 0.5 * (x[0] + x[1]));
     const view = { left: middle - half, right: middle + half, low: z[0], high: z[0] + above / scale, unit: 6 / scale, metres, newtons, close };
     const X = (v) => (v - view.left) * scale, Z = (v) => above - (v - z[0]) * scale, line = (points) => path(points.map(([u, v]) => [X(u), Z(v)]));
-    const there = things(walk, now, surface(t), view);
+    const ghosts = [], painted = [];
     if (other) {
       const behind = pose(other, Math.min(t, other.t.at(-1))), shift = fixed ? fixed.shift : now.com[0] - behind[0].leg[0][0];
-      const ghosts = behind.flatMap(({ leg, carry }) => [[...carry(other.shape), carry(other.shape)[0]], ...(close ? [] : [leg])]);
-      there.ghost = ghosts.map((points) => ({ line: points.map(([u, v]) => [u + shift, v]) }));
+      for (const { leg, carry } of behind) for (const points of [[...carry(other.shape), carry(other.shape)[0]], ...(close ? [] : [leg])])
+        ghosts.push(points.map(([u, v]) => [u + shift, v]));
     }
     if (scheme) {
-      there.edge = now.feet.map(({ sole }) => ({ line: sole }));
-      there.paint = now.feet.flatMap(({ sole }, foot) => scheme.of(walk, now, foot, t).map((v, i) => ({ colour: ramp((v - ends[0]) / (ends[1] - ends[0])),
-        line: sole.slice(1).flatMap((p, j) => (walk.part[j] === i ? [sole[j], p, [NaN, NaN]] : [])) })));
+      painted.push(...now.feet.map(({ sole }) => ["edge", sole]));
+      now.feet.forEach(({ sole }, foot) => scheme.of(walk, now, foot, t).forEach((v, i) => painted.push(["paint",
+        sole.slice(1).flatMap((p, j) => (walk.part[j] === i ? [sole[j], p, GAP] : [])), `stroke:${ramp((v - ends[0]) / (ends[1] - ends[0]))}`])));
     }
-    const { shapes, words } = picture(there, view);
+    const sand = groundPicture(surface(t), view), body = bodyPicture(now, view, ghosts, painted), words = [...sand.words, ...body.words];
     redrawn(holder.firstChild, [
-      ...shapes.map(([{ name, dots, own }, points, colour]) => ["path", { class: name, style: colour ? `${own}:${colour}` : "", d: dots ? points.map(([u, v]) => `M${X(u)} ${Z(v)}h.01`).join("") : line(points) }]),
+      ...[...sand.shapes, ...body.shapes].filter(([, points]) => points.length).map(([name, points, style = ""]) => ["path", { class: name, style, d: name.endsWith("dots") ? points.map(([u, v]) => `M${X(u)} ${Z(v)}h.01`).join("") : line(points) }]),
       ...key,
       ["rect", { x: 0, y: above, width, height: axis, fill: "var(--paper)" }],
       ...[...words.map(([u, v, text, anchor]) => [X(u), Z(v) + 4, text, anchor]), ...ticks(view.left, view.right, width / 110).values

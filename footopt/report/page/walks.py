@@ -15,8 +15,7 @@ from footopt.report.body import forces_along, groups
 from footopt.report.numbers import percent, sand_title, title
 from footopt.report.page.file import column, packed
 from footopt.report.page.physics import ARROWS, physics, refusal
-from footopt.report.parts import DRAWN
-from footopt.report.picture import OFTEN, STEP, ground
+from footopt.report.stage import ground
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
 from footopt.walk import FIVE, MEASURES, Accuracy, Scene, Walk
 from footopt.walk.phases import step_on_patch
@@ -219,7 +218,6 @@ def common(
         "columns": [column(name, MEASURES[name].unit, MEASURES[name].maximise) for name in names],
         "entry": {name: value for name, value in entry.items() if name not in ON_THE_PAGE},
         "ground": ground(scene),
-        "print": {"step": STEP, "often": OFTEN, **DRAWN},
         "physics": physics(scene, accuracy, foot),
         "gait": {
             "end": scene.duration,
@@ -286,15 +284,7 @@ def _traces(walk: Walk, frames: int) -> dict[str, Any]:
         "area": packed(np.add.reduceat(sole.area[0], begin), exact=True),
         "when": packed(walk.t[even], exact=True),
         "arrows": packed(forces_along(walk, even, ARROWS).force),
-        "sand": _sand(walk, even) if frames == FINE_FRAMES else None,
     }
-
-
-def _sand(walk: Walk, index: Ints) -> dict[str, Any] | None:
-    """The sand's surface at samples of a walk, where its scene has footprints."""
-    if (sand := walk.sand(index)) is None:
-        return None
-    return {"first": sand.x[0], "cell": sand.x[1] - sand.x[0], "height": packed(sand.height)}
 
 
 def _bends(t: Array, columns: Array) -> Ints:

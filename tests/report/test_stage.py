@@ -1,0 +1,87 @@
+"""The stage: prints as deep as soles were, arrows as long as forces; the page draws what figures draw."""
+
+import numpy as np
+import pytest
+from browsers import Page, browser_needed
+
+import footopt as fo
+from footopt.report import page, stage
+from footopt.report.page.walks import ARROWS
+from footopt.report.stage import Stage, View
+from footopt.report.style import new_figure
+
+WORLD = (fo.Slope(5), fo.Patches((0.4,), (0.9,), (2.5,)), fo.Layers((0.03,), (0.3,)))
+
+
+def walked(effects=()):
+    foot = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
+    return fo.simulate(foot, fo.Scene(effects=effects), "draft")
+
+
+def lines(axes, name):
+    """The points of a part of the picture."""
+    return [found.get_xydata() for found in axes.lines if found.get_label() == f"_{name}"]
+
+
+@pytest.mark.parametrize("effects", [(), WORLD], ids=["plain", "slope, patch and layer"])
+@browser_needed
+def test_the_page_draws_what_figures_and_films_draw(effects, browser, tmp_path):
+    walk = walked(effects)
+    content = page.walk_content(walk, {"accuracy": {"name": "draft"}, "scene": {"effects": {}}})
+    shown = Page(browser, page.write(tmp_path / "page.html", content))
+    times = walk.t[np.searchsorted(walk.t, np.subtract(shown.js("Array.from(open(0).when)"), 1e-6))[40::60]]
+    here = Stage(walk, times, ARROWS)
+    for i, t in enumerate(times):
+        hip = here.body.hip[i, 0]
+        for view in (View(-0.5, 3.0, -0.2, 1.2, 0.03, 4e-4, 500.0),
+                     View(hip - 0.4, hip + 0.4, -0.2, 0.2, 0.007, 8e-4, 50.0, True)):  # fmt: skip
+            axes = new_figure(7.0, 3.0).subplots()
+            here.draw_ground(axes, i, view)
+            here.draw_feet(axes, i, view)
+            code = (
+                f"(() => {{ const walk = open(0), view = {page.file.json.dumps(view._asdict())}, "
+                f"ground = groundPicture(printed(walk)({t}), view), "
+                f"body = bodyPicture(instant(walk, {t}), view, [], []); "
+                "return [[...ground.shapes, ...body.shapes], [...ground.words, ...body.words]]; })()"
+            )  # fmt: skip
+            shapes, words = shown.js(code)
+            found = {name.removesuffix(" dots"): np.array(points, float) for name, points, *_ in shapes}
+            for name in ("left-leg", "right-sole", "force", "key", *["gravity"] * bool(effects)):
+                (drawn,) = lines(axes, name)
+                assert np.shape(found[name])[1] == 2
+                if name == "right-sole":  # the page has fewer points of it
+                    assert found[name][[0, -1]] == pytest.approx(drawn[[0, -1]], abs=2e-3)
+                else:
+                    assert found[name] == pytest.approx(drawn, abs=2e-3, nan_ok=True)
+            x, z = np.array(found["surface"]).T
+            (surface,) = lines(axes, "surface")
+            off = np.abs(np.interp(surface[:, 0], x, z) - surface[:, 1])
+            assert np.median(off) < 5e-4
+            texts = {text.get_text(): text.get_position() for text in axes.texts}
+            assert {word[2] for word in words} == set(texts)
+
+
+def test_a_drawn_print_is_as_deep_as_soles_were():
+    walk = walked()
+    _, z = stage.printed(walk, np.array([0.1, 1.5, walk.t[-1]]))
+    assert np.all(np.diff(z, axis=0) <= 0.0)  # it never fills
+    low = Stage(walk, np.linspace(walk.t[0], walk.t[-1], 400)).body.sole[..., 1].min()
+    assert z[-1].min() == pytest.approx(low, abs=1e-3)
+    turns = np.diff(np.sign(np.diff(z[-1][z[-1] < 0.0])))
+    assert (turns != 0).sum() < 30  # no teeth: a few in each print
+
+
+def test_an_arrow_is_as_long_as_its_force_and_has_a_head():
+    axes = new_figure(3.0, 3.0).subplots()
+    begin, along = (
+        np.array([[0.0, 0.0], [1.0, 2.0], [5.0, 5.0]]),
+        np.array([[3.0, 4.0], [0.0, 1e-9], [0.0, 2.0]]),
+    )
+    stage.draw_arrows(axes, begin, along, View(-9.0, 9.0, -9.0, 9.0, unit=0.1), "force")
+    (drawn,) = lines(axes, "force")
+    assert len(drawn) == 2 * 7  # one is too short to be seen
+    assert drawn[:2].tolist() == [[0.0, 0.0], [3.0, 4.0]]
+    assert np.isnan(drawn[2]).all()
+    heads = np.linalg.norm(drawn[[3, 5]] - drawn[4], axis=1)
+    assert heads == pytest.approx(1.3 * 0.1 * np.sqrt(1.16))
+    assert (drawn[3] - drawn[5]) @ [3.0, 4.0] == pytest.approx(0.0)  # across the arrow
