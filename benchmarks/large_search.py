@@ -19,7 +19,7 @@ from growth import _peak
 
 import footopt as fo
 from footopt.design import confirm, search
-from footopt.files.run import write_designs
+from footopt.files.io import write_designs
 
 SIZE = 200  # designs a generation
 

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import settings
 
 import footopt as fo
-from footopt.files import run
+from footopt.files import io
 from footopt.walk.reference import RAMP
 
 # a shell that starts the tests in the background has them ignore Ctrl-C, and what they start inherits that
@@ -67,21 +67,21 @@ def schema():
     """What validates a result.json, and the studies that it is for."""
     from jsonschema import Draft202012Validator
 
-    content = json.loads((Path(run.__file__).parent / "result.schema.json").read_text(encoding="utf-8"))
+    content = json.loads((Path(io.__file__).parent / "result.schema.json").read_text(encoding="utf-8"))
     return Draft202012Validator(content), content["properties"]["study"]["enum"]
 
 
 @pytest.fixture(scope="session", autouse=True)
 def every_result_json_is_as_its_schema_says():
     """Of all that these tests write in this process; studies of plugins have entries of their own."""
-    text = run.json_text
+    text = io.json_text
 
     def validated(content):
         validator, studies = schema()
         if content.get("study") in studies and content.get("settings"):  # some tests write a part only
-            validator.validate(run.plain(content))
+            validator.validate(io.plain(content))
         return text(content)
 
-    run.json_text = validated
+    io.json_text = validated
     yield
-    run.json_text = text
+    io.json_text = text

@@ -3,7 +3,8 @@
 import json
 import re
 
-from footopt.files import run as files
+from footopt.files import identity
+from footopt.files import io as files
 from footopt.walk import OBJECTIVES
 
 
@@ -44,6 +45,6 @@ def leave_job(folder, walk):
         "units": {name: OBJECTIVES[name].unit for name in walk.objectives},
         "design": {"k": walk.foot.k, "hollow_mm": 0.0},
         "settings": {"foot": {"top": walk.foot.top, "width": walk.foot.width}},
-        "versions": files.versions(),
+        "versions": identity.versions(),
     }
     files.write_json(folder / "result.json", result)

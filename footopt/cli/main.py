@@ -23,8 +23,8 @@ from footopt.cli.resume import resume
 from footopt.cli.sweep import Summary
 from footopt.cli.words import check_dashes, readable
 from footopt.errors import ERROR_FILE, FootoptError
-from footopt.files.lock import Occupied
-from footopt.files.run import write_text
+from footopt.files.identity import Occupied
+from footopt.files.io import write_text
 from footopt.studies.identity import result_of
 
 log = logging.getLogger("footopt")

@@ -20,8 +20,8 @@ from footopt.cli.words import readable
 from footopt.design import AUTO, SOLVERS, Solver
 from footopt.errors import ERROR_FILE, FileError, FootoptError, SettingError, check
 from footopt.files import identity
-from footopt.files.lock import Occupied, locked
-from footopt.files.run import write_text
+from footopt.files.identity import Occupied, locked
+from footopt.files.io import write_text
 from footopt.studies.identity import CHANGEABLE, check_same, finished, is_finished, may_change, result_of
 from footopt.studies.settings import REPORTS, SEARCHES, Config
 
@@ -174,7 +174,7 @@ def _resume_jobs(
 
     budget = {name.partition(".")[2]: value for name, value in changes if name in BUDGETS}
     busy = 0
-    with locked(folder, shared=True):
+    with locked(folder):
         for job in identity.jobs(folder):
             name, reason = job.relative_to(folder), job / ERROR_FILE
             if reason.is_file() and not (job / identity.FILE).exists():  # refused, before it had settings

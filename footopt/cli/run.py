@@ -17,7 +17,7 @@ from footopt.cli.paths import set_by_files
 from footopt.cli.resume import MULTIRUN, resume
 from footopt.cli.words import readable
 from footopt.errors import FootoptError, check
-from footopt.files.lock import Occupied
+from footopt.files.identity import Occupied
 from footopt.studies.load import Run, load
 
 

@@ -26,8 +26,8 @@ from footopt.cli.job import resolved, tidier
 from footopt.cli.paths import absolute, typed
 from footopt.errors import ERROR_FILE, FootoptError
 from footopt.files import identity
-from footopt.files.lock import Occupied, locked
-from footopt.files.run import write_text
+from footopt.files.identity import Occupied, locked
+from footopt.files.io import write_text
 
 
 class Summary(Callback):

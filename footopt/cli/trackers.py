@@ -18,7 +18,7 @@ from omegaconf import DictConfig
 
 from footopt.errors import ERROR_FILE, SettingError
 from footopt.files.identity import flat
-from footopt.files.reading import read_json_file
+from footopt.files.io import read_json_file
 
 
 class Tracker(Callback, ABC):
@@ -28,7 +28,7 @@ class Tracker(Callback, ABC):
         """Read what the job has left, and `track` it."""
         folder = Path(config.hydra.runtime.output_dir)
         if (folder / "result.json").is_file():
-            result = read_json_file(folder / "result.json", "run", "folder")
+            result = read_json_file(folder / "result.json", "folder")
             objectives, note = result.get("objectives"), result.get("reason") or ""
             numbers = objectives if isinstance(objectives, Mapping) else {}  # a study may list their names
             self.track(folder, flat(result.get("settings") or {}), numbers, note)

@@ -24,7 +24,7 @@ import numpy as np
 from footopt.design.context import CODE, canonical, context, differences, digest, listed
 from footopt.design.problem import Array, FootProblem
 from footopt.errors import FileError
-from footopt.files.reading import named
+from footopt.files.io import named
 from footopt.walk.objectives import MEASURES
 
 APPLICATION = int.from_bytes(b"foot")  # marks the file as ours (SQLite's application_id)

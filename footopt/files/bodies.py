@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from footopt.errors import FileError, needed
 from footopt.files.drawings import MM
-from footopt.files.run import write_bytes, write_whole
+from footopt.files.io import write_bytes, write_whole
 
 Array = NDArray[np.float64]
 

@@ -4,66 +4,20 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.files.reading import Unusable, naming, number, read_table
+from footopt.files.io import Unusable
 
 Array = NDArray[np.float64]
-
-
-def read_columns(
-    path: str | Path,
-    kind: str,
-    setting: str,
-    wanted: Mapping[str, str],
-    optional: Mapping[str, float] | None = None,
-    label: str | None = None,
-) -> tuple[dict[str, Array], list[str]]:
-    """Read some columns of a table; others are ignored.
-
-    Parameters
-    ----------
-    path : str or Path
-        A CSV file with a header; where that has semicolons or tabs, numbers may have decimal commas.
-    kind : str
-        What the file is for, in `footopt.files.reading.LIMITS`.
-    setting : str
-        The setting that names the file, for messages.
-    wanted : dict
-        The unit of each column that there must be.
-    optional : dict, optional
-        What each other column is where it is missing.
-    label : str, optional
-        A column of words, which may be missing.
-
-    Returns
-    -------
-    columns : dict of (rows,)
-        By their names; all values are finite.
-    labels : (rows,)
-        Of the column of words; empty words where it is missing.
-
-    Raises
-    ------
-    FileError
-        The file cannot be read, lacks a column or has it twice, or holds something that is not a number.
-    """
-    text, optional = read_table(path, kind, setting), optional or {}
-    with naming(path, setting):
-        found, labels = columns_of(text, wanted, tuple(optional), label)
-        if not all(np.isfinite(column).all() for column in found.values()):
-            raise Unusable("holds a value that is not finite.")
-    return {name: np.full(len(labels), value) for name, value in optional.items()} | found, labels
 
 
 def columns_of(
     text: str, wanted: Mapping[str, str], optional: Sequence[str] = (), label: str | None = None
 ) -> tuple[dict[str, Array], list[str]]:
-    """The columns of a text that are there, and words; as `read_columns`, but for values that are not finite.
+    """The columns of a text that are there, and words.
 
     Raises
     ------
@@ -137,3 +91,25 @@ def to_numbers(rows: Iterable[tuple[int, Sequence[str]]], wide: int, gaps: bool)
             raise ValueError(f"line {line}: {error}") from None
         found.append(row + [np.nan] * (wide - len(row)))
     return np.array(found, float).reshape(-1, wide)
+
+
+LARGEST = 1e12  # of a measured number, in any unit
+
+
+def number(cell: str) -> float:
+    """A cell of a table as a number: none with underscores or of other scripts, which Python would allow.
+
+    Raises
+    ------
+    ValueError
+        The cell holds something else.
+    """
+    if "_" in cell or not cell.isascii():
+        raise ValueError(f"{cell[:40]!r} is no number")
+    try:
+        value = float(cell)
+    except ValueError:
+        raise ValueError(f"{cell[:40]!r} is no number") from None
+    if abs(value) > LARGEST:
+        raise ValueError(f"{cell[:40]!r} is no measured number")
+    return value

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.files.run import write_text, write_whole
+from footopt.files.io import write_text, write_whole
 
 Array = NDArray[np.float64]
 

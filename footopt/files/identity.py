@@ -1,26 +1,35 @@
-"""What a run is: its resolved settings, kept in its folder with a digest, and read again as plain data."""
+"""A run's folder: what run it is and what it is made with, and the lock that it holds while it is at work."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+import platform
+import subprocess
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from functools import cache
 from glob import escape, glob
-from importlib.metadata import version
+from importlib.metadata import distribution, version
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import yaml
 
+from footopt.compiled import processor
 from footopt.errors import ERROR_FILE, FileError
-from footopt.files.reading import is_missing, read_text
-from footopt.files.run import write_text
+from footopt.files.io import read_text, write_text
 
-FILE = "footopt.yaml"
+FILE, LOCK = "footopt.yaml", "footopt.lock"
 HEAD = """\
 # What this run is: its settings, resolved. `footopt resume=FOLDER` goes on with them.
 # Changes made by hand are refused: other settings are a run of their own.
 """
+DISTRIBUTIONS = (
+    "footopt", "numpy", "scipy", "numba", "llvmlite", "pymoo", "moocore", "hydra-core", "matplotlib",
+)  # fmt: skip
+ROOT = Path(__file__).parents[2]  # of a checkout
 
 
 class Identity(NamedTuple):
@@ -39,6 +48,47 @@ class Identity(NamedTuple):
     settings: Mapping[str, Any]
     words: tuple[str, ...]
     version: str
+
+
+class Occupied(FileError):
+    """Another run is at work in a folder, or has left what it found there."""
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Lock a folder for the block; it is made if it is not there.
+
+    The system releases the lock of a process that dies, however that happens.
+
+    Raises
+    ------
+    Occupied
+        Another process holds the lock.
+    FileError
+        Something that is no file has the lock's name.
+    """
+    from filelock import FileLock, Timeout
+
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder.resolve() / LOCK
+    if path.exists() and not path.is_file():
+        raise FileError(
+            f"{path}: is no file, and a run locks its folder by a file of this name. Move it away."
+        )
+    lock = FileLock(path, timeout=0, thread_local=False, is_singleton=True)  # a process may lock it twice
+    try:
+        lock.acquire()
+    except Timeout:
+        raise Occupied(
+            f"{folder}: another run is at work in this folder. Wait until it has ended, or choose another."
+        ) from None
+    try:
+        yield
+    finally:
+        if lock.lock_counter == 1:
+            with suppress(OSError):  # Windows removes no open file
+                path.unlink()
+        lock.release()
 
 
 def write(folder: Path, settings: Mapping[str, Any], words: Sequence[str]) -> None:
@@ -62,13 +112,13 @@ def read(folder: Path, setting: str = "resume") -> Identity:
         There is no run, or its file has been changed or damaged.
     """
     path = folder / FILE
-    if is_missing(path):
+    if not path.exists():
         raise FileError(
             f"{setting} = {str(folder)!r}: not the folder of a run ({lacking(folder, FILE)}). "
             "Give one such as outputs/optimize/2026-01-31_12-00-00-000000."
         )
     try:
-        content = yaml.safe_load(read_text(path, "settings", setting))
+        content = yaml.safe_load(read_text(path, setting))
         sound = content.pop("digest") == _digest(content) and "${" not in json.dumps(content)
         found = Identity(
             dict(content["settings"]), tuple(map(str, content["words"])), str(content["footopt"])
@@ -128,3 +178,29 @@ def differing(one: Any, other: Any, name: str = "") -> list[str]:
             for found in differing(one.get(key), other.get(key), f"{name}.{key}" if name else str(key))
         ]
     return [] if one == other else [name]
+
+
+@cache
+def versions() -> Mapping[str, str]:
+    """Versions of everything that a result depends on."""
+    found = {name: version(name) for name in DISTRIBUTIONS} | {"python": platform.python_version()}
+    return MappingProxyType(found)
+
+
+def machine() -> dict[str, Any]:
+    """The processor that walks are compiled for, and the operating system."""
+    name, bits = processor()
+    return {"processor": name, "vector_bits": bits, "system": platform.platform()}
+
+
+@cache
+def commit() -> str | None:
+    """The commit that footopt's sources are of, with "-dirty" where they were changed; None if not known."""
+    if (ROOT / ".git").exists():
+        words = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
+        with suppress(OSError, subprocess.SubprocessError):
+            found = subprocess.run(words, capture_output=True, text=True, timeout=5, check=True)
+            return found.stdout.strip()
+    origin = distribution("footopt").read_text("direct_url.json") or "{}"  # of one that pip took from git
+    known: str | None = json.loads(origin).get("vcs_info", {}).get("commit_id")
+    return known

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.files.run import write_text
+from footopt.files.io import write_text
 
 BODY = """<mujoco model="foot">
   <asset><mesh name="foot" file="contour.stl" scale="0.001 0.001 0.001"/></asset>

@@ -33,7 +33,7 @@ from footopt.files.gaits import (
     recording,
     write_json,
 )
-from footopt.files.reading import Unusable, naming
+from footopt.files.io import Unusable, naming
 from footopt.gait import start
 from footopt.gait.fourier import Fourier
 from footopt.kinds import says_kinds

@@ -14,7 +14,7 @@ from matplotlib.animation import FFMpegWriter, PillowWriter
 from numpy.typing import NDArray
 
 from footopt.errors import FileError, FootoptError, SettingError, check
-from footopt.files.run import write_whole
+from footopt.files.io import write_whole
 from footopt.report.figures.walker import letters, view_of
 from footopt.report.numbers import sand_title, title
 from footopt.report.stage import Stage, View, round_down

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from footopt.errors import ERROR_FILE, FileError, one_line
 from footopt.files import identity
 from footopt.files.drawings import MM
-from footopt.files.reading import read_json_file
+from footopt.files.io import read_json_file
 
 Array = NDArray[np.float64]
 
@@ -120,7 +120,7 @@ def read_run(folder: Path, name: str, key: str, place: str = "") -> Run:
     if not (folder / "result.json").is_file():
         return Run(*own, note="no result", failed=True)
     try:
-        result = read_json_file(folder / "result.json", "run", "study.runs")
+        result = read_json_file(folder / "result.json", "study.runs")
         if not (isinstance(result.get("objectives"), dict) and (folder / "contour.csv").is_file()):
             # a study of many feet or of none
             return Run(*own, note=f"study={result['study']}: see its own folder")

@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 from numpy.typing import NDArray
 
-from footopt.files.run import write_bytes
+from footopt.files.io import write_bytes
 from footopt.report.numbers import number
 
 Array = NDArray[np.float64]

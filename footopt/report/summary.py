@@ -10,7 +10,7 @@ from rich.console import Console
 
 from footopt.errors import FileError
 from footopt.files import identity
-from footopt.files.run import write_csv
+from footopt.files.io import write_csv
 from footopt.foot.waypoints import written
 from footopt.report import page, sweeps
 from footopt.report.figures.fronts import fronts as draw_fronts

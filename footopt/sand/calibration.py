@@ -15,8 +15,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.files.columns import read_columns
-from footopt.files.reading import Unusable, naming
+from footopt.files.io import Unusable, naming, read_columns
 from footopt.sand.law import GENERIC, StressMap, alpha
 
 Array = NDArray[np.float64]
@@ -176,7 +175,7 @@ def calibrate(path: str | Path, stress_map: StressMap = GENERIC) -> Calibration:
         The file cannot be read, lacks a column, holds something that is not a number, has too few depths, or
         no sand can have such forces.
     """
-    columns, labels = read_columns(path, "sand", SETTING, COLUMNS, OPTIONAL, LABEL)
+    columns, labels = read_columns(path, SETTING, COLUMNS, OPTIONAL, LABEL)
     with naming(path, SETTING):
         return _calibrate(columns, np.array(labels), stress_map)
 

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.errors import FileError
-from footopt.files.columns import read_columns
-from footopt.files.reading import named
+from footopt.files.io import named, read_columns
 from footopt.sand.law import StressMap
 
 Array = NDArray[np.float64]
@@ -41,7 +40,7 @@ def fit_table(path: str | Path) -> tuple[StressMap, tuple[float, float]]:
         The file cannot be read, lacks a column, holds something that is not a number, has too few
         different angles to determine nine coefficients, or no sand can have such stresses.
     """
-    columns, _ = read_columns(path, "sand", "sand.table", COLUMNS)
+    columns, _ = read_columns(path, "sand.table", COLUMNS)
     table = np.stack([columns[name] for name in COLUMNS], axis=1)
     _check_units(path, table)
     b, g = np.radians(table[:, 0]), np.radians(table[:, 1])

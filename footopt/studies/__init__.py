@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from footopt.errors import ERROR_FILE, SettingError
-from footopt.files.lock import locked
+from footopt.files.identity import locked
 from footopt.studies.settings import SEARCHES, Config
 
 #: Studies by name: each is the function `run` of the module of that name. A plugin adds its own function.

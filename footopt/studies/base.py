@@ -19,7 +19,7 @@ from footopt.design import FootProblem, Store
 from footopt.design.context import listed
 from footopt.errors import FootoptError, check
 from footopt.files import identity
-from footopt.files import run as files
+from footopt.files import io as files
 from footopt.foot import Foot, Waypoints
 from footopt.report import figures, page, terminal
 from footopt.report.progress import Step, progress
@@ -185,9 +185,9 @@ class Study:
             **content,
             **({"walked_by_other_code": self._foreign} if self._foreign else {}),
             "settings": self.settings,
-            "versions": dict(files.versions()),
-            "commit": files.commit(),
-            "machine": files.machine(),
+            "versions": dict(identity.versions()),
+            "commit": identity.commit(),
+            "machine": identity.machine(),
             "wall_time_s": self.seconds,
             "wall_time_covers": "the study up to this file, without imports, report.html and a film",
         }

@@ -10,7 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from footopt.errors import SettingError
-from footopt.files.run import write_text
+from footopt.files.io import write_text
 from footopt.report import terminal
 from footopt.report.figures.calibration import calibration as draw
 from footopt.sand import GENERIC, MEDIA, Sand

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from footopt.errors import FileError, SettingError
 from footopt.files import identity
-from footopt.files.reading import named
+from footopt.files.io import named
 from footopt.report import summary
 from footopt.studies.base import Study
 

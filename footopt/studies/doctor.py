@@ -6,7 +6,7 @@ import numpy as np
 
 from footopt.compiled import kept, processor
 from footopt.errors import FootoptError
-from footopt.files import run as files
+from footopt.files import identity
 from footopt.report import terminal
 from footopt.sand import Sand
 from footopt.studies.base import Study
@@ -20,7 +20,7 @@ def run(study: Study) -> None:
     """List what footopt runs on, and hold a walk on each sand against an independent program's."""
     name, bits = processor()
     found = {
-        **files.versions(),
+        **identity.versions(),
         "processor": f"{name}, vectors of {bits} bits, {available_threads()} threads",
     }
     wrong = []

@@ -15,8 +15,8 @@ from shapely import Polygon
 from footopt.errors import FileError, FootoptError, SettingError
 from footopt.files.drawings import MM
 from footopt.files.identity import lacking
+from footopt.files.io import named, read_json_file
 from footopt.files.mjcf import write_mjcf
-from footopt.files.reading import is_missing, named, read_json_file
 from footopt.foot import Foot
 from footopt.foot.export import write_all
 from footopt.report import figures, terminal
@@ -93,7 +93,7 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
     FileError : the folder does not hold such a run.
     """
     try:
-        result = read_json_file(folder / "result.json", "run", "run")
+        result = read_json_file(folder / "result.json", "run")
         design, known = result["design"], {f.name for f in dataclasses.fields(FootConfig)}
         saved = FootConfig(**{key: v for key, v in result["settings"]["foot"].items() if key in known})
         own = design["k"]
@@ -103,7 +103,7 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
         if os.path.isfile(folder / "multirun.yaml"):
             one = "the folder of one job of this multirun"
             raise SettingError("run", str(folder), one, f"Such as run={folder / '0'}") from None
-        gone = is_missing(folder / "result.json")
+        gone = not (folder / "result.json").exists()
         kind = "" if isinstance(error, FileError) else f"{type(error).__name__}: "
         why = lacking(folder, "result.json") if gone else f"{kind}{error}".rstrip(".")
         raise FileError(

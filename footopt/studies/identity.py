@@ -8,10 +8,8 @@ from typing import Any
 
 from footopt.errors import ERROR_FILE, FileError
 from footopt.files import identity
-from footopt.files.identity import differing
-from footopt.files.lock import LOCK, Occupied
-from footopt.files.reading import is_missing, read_json_file
-from footopt.files.run import plain
+from footopt.files.identity import LOCK, Occupied, differing
+from footopt.files.io import plain, read_json_file
 
 #: What a run may change when it goes on: how long, where and with what it ends, not what is searched.
 CHANGEABLE = (
@@ -31,8 +29,8 @@ def may_change(name: str) -> bool:
 def result_of(folder: Path) -> Mapping[str, Any] | None:
     """What result.json says of the run in a folder; None if there is none."""
     path = folder / "result.json"
-    found = None if is_missing(path) else read_json_file(path, "run", "resume")
-    if not (found is None or isinstance(found, dict)):
+    found = read_json_file(path, "resume") if path.exists() else None
+    if found is not None and not (isinstance(found, dict) and "settings" in found):
         raise FileError(f"{path}: is not the result of a run. Move it away.")
     return found
 
@@ -71,7 +69,7 @@ def enter(folder: Path, settings: Mapping[str, Any], words: Sequence[str]) -> No
     other = "Choose another hydra.run.dir."
     if is_finished(folder):
         raise Occupied(f"{folder}: holds a run that is finished; footopt resume=... extends it. {other}")
-    begun = not is_missing(folder / identity.FILE)
+    begun = (folder / identity.FILE).exists()
     left = {path.name for path in folder.iterdir()} - {identity.FILE, LOCK, LOG, ERROR_FILE}
     if left & {"result.json", "designs.sqlite"} or (begun and left):
         there = identity.read(folder, "hydra.run.dir").settings if begun else {}

@@ -26,7 +26,7 @@ from footopt.design.certificate import Certificate, certified
 from footopt.design.fronts import excess
 from footopt.design.result import check_finalists
 from footopt.errors import SettingError
-from footopt.files import run as files
+from footopt.files import io as files
 from footopt.foot import Foot, Waypoints
 from footopt.report import figures, page, terminal
 from footopt.report.figures.search import FRONT, history_label

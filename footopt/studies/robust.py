@@ -21,7 +21,7 @@ from footopt.design import EXHAUSTIVE, FootProblem, SearchResult, Solver, confir
 from footopt.design.result import check_finalists
 from footopt.design.robust import RobustProblem, regret
 from footopt.errors import FootoptError, SettingError, check
-from footopt.files import run as files
+from footopt.files import io as files
 from footopt.foot import Foot, Waypoints
 from footopt.report import figures, terminal
 from footopt.report.figures import robust as robust_figures

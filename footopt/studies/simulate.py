@@ -10,7 +10,7 @@ from typing import Any
 
 from rich.text import Text
 
-from footopt.files import run as files
+from footopt.files import io as files
 from footopt.foot import Foot
 from footopt.foot.export import write_all
 from footopt.report import figures, film, page, terminal

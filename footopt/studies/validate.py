@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from footopt.errors import check
-from footopt.files.run import write_text
+from footopt.files.io import write_text
 from footopt.report import terminal
 from footopt.report.figures.validation import experiment, law_name, overview
 from footopt.report.numbers import number

@@ -15,7 +15,7 @@ from rich.console import Console
 import footopt as fo
 from footopt.files import identity
 from footopt.files import soles as outline
-from footopt.files.run import write_walk
+from footopt.files.io import write_walk
 from footopt.foot.export import write_all
 from footopt.report import figures, page, summary, terminal
 from footopt.report.page.file import SCRIPTS, resources

@@ -27,7 +27,7 @@ import footopt as fo
 from footopt.cli.resume import resume
 from footopt.design import FootProblem, Store
 from footopt.errors import FileError, FootoptError, SettingError
-from footopt.files import identity, reading
+from footopt.files import identity
 from footopt.files.gaits import read_strides
 from footopt.files.gaits.angles import LIMITS, PERIODS
 from footopt.studies.export import foot_of
@@ -214,30 +214,6 @@ def test_what_cannot_be_a_store_is_named(what, tmp_path):
     with pytest.raises(FileError, match=r"study\.store = ") as caught:
         Store(path, FootProblem())
     assert_clear(caught.value, "designs.sqlite")
-
-
-def test_a_file_that_is_too_large_is_not_read_to_its_end(tmp_path, monkeypatch):
-    monkeypatch.setitem(reading.LIMITS, "sand", 100)
-    (tmp_path / "a.csv").write_text("beta,gamma,alpha_x,alpha_z\n" + "1,2,3,4\n" * 20)
-    with pytest.raises(FileError, match=r"larger than 0\.0001 MB, the most for a sand file"):
-        fo.Sand.from_table(tmp_path / "a.csv")
-
-
-@pytest.mark.parametrize(
-    ("begin", "said"),
-    [
-        (b"\x1f\x8b", "compressed by gzip: unpack it first"),
-        (b"PK\x03\x04", "a zip archive, such as a spreadsheet: save it as text"),
-        (b"%PDF", "PDF"),
-        (b"\xff\xfe", "text in UTF-16: save it as UTF-8"),
-        (b"a\0", "no text: it holds NUL bytes"),
-        (b"time\n\xfc", "line 2 is not UTF-8. Save it as UTF-8"),
-    ],
-)
-def test_what_is_no_text_is_said(tmp_path, begin, said):
-    (tmp_path / "a.trc").write_bytes(begin + b"12")
-    with pytest.raises(FileError, match=rf"gait\.path = .*a\.trc.*cannot be read as text: .*{said}"):
-        fo.Gait.from_file(tmp_path / "a.trc")
 
 
 # --- the folders of runs, stores, YAML --------------------------------------------------------------

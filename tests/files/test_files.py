@@ -1,19 +1,14 @@
 """Files that a run leaves are there as a whole, or as they were."""
 
-import os
 import resource
-import signal
-import stat
-import time
 from contextlib import contextmanager
 
 import numpy as np
 import pytest
-from running import tries
 
 import footopt as fo
 from footopt.errors import FileError
-from footopt.files import run as files
+from footopt.files import io as files
 from footopt.report import figures
 
 
@@ -111,54 +106,3 @@ def test_a_full_disk_is_said_and_every_file_is_whole_or_as_it_was(writers, name,
 @pytest.mark.slow
 def test_a_film_is_whole_on_a_full_disk(film, tmp_path):
     assert_whole_on_a_full_disk(film, "walk.gif", tmp_path)
-
-
-def test_files_that_are_replaced_are_on_the_disk_before(tmp_path, monkeypatch):
-    """A loss of power then leaves the old file or the new one, never an empty one."""
-    done, sync, replace = [], os.fsync, os.replace
-
-    def note_sync(number):
-        done.append("folder" if stat.S_ISDIR(os.fstat(number).st_mode) else "file")
-        sync(number)
-
-    def note_replace(old, new):
-        done.append("replaced")
-        replace(old, new)
-
-    monkeypatch.setattr(os, "fsync", note_sync)
-    monkeypatch.setattr(os, "replace", note_replace)
-    files.write_text(tmp_path / "result.json", "{}")
-    assert done == ["file", "replaced", "folder"]
-
-
-def test_a_link_that_was_put_there_is_replaced_and_not_followed(writers, tmp_path):
-    folder, elsewhere = tmp_path / "run", tmp_path / "elsewhere"
-    folder.mkdir()
-    elsewhere.write_text("another's")
-    for name in NAMES:
-        (folder / name).symlink_to(elsewhere)
-        (folder / f"{name}.new").symlink_to(elsewhere)
-        writers[name](folder)
-        assert not (folder / name).is_symlink()
-    assert elsewhere.read_text() == "another's"
-
-
-@pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")  # the child only writes
-def test_a_kill_while_files_are_written_leaves_each_whole(writers, tmp_path):
-    """Children that write the same files again and again are killed at any moment."""
-    for write in writers.values():
-        write(tmp_path)
-    before = {name: (tmp_path / name).read_bytes() for name in NAMES}
-    for attempt in range(tries(20)):
-        if (child := os.fork()) == 0:
-            while True:
-                for write in writers.values():
-                    write(tmp_path)
-        time.sleep(0.01 * (attempt % 30))
-        os.kill(child, signal.SIGKILL)
-        os.waitpid(child, 0)
-        for name in NAMES:
-            now = (tmp_path / name).read_bytes()
-            assert now[-12:] == before[name][-12:], (attempt, name)
-            assert abs(len(now) - len(before[name])) < 40, (attempt, name)  # a DXF has its dates

@@ -12,7 +12,7 @@ from running import tries
 import footopt as fo
 from footopt.files.gaits import Strides, cut, recording
 from footopt.files.gaits.names import find_leg
-from footopt.files.reading import Unusable
+from footopt.files.io import Unusable
 from footopt.gait import Fourier
 
 #: Squats: knee and thigh bend together, the ankle stays below the hip.

@@ -353,9 +353,9 @@ class TestCsv:
         ("text", "message"),
         [
             ("x_mm,depth\n1,2\n", "lacks x or z; it holds x_mm, depth"),
-            ("x_mm,z_mm\n1,2\n3,four\n", "row 2 of the table is not numbers: '3,four'"),
-            ("x_mm,z_mm\n1,2\n3\n", "row 2 of the table"),
-            ("x_mm,z_mm\n1,2\n3,nan\n", "row 2 of the table"),
+            ("x_mm,z_mm\n1,2\n3,four\n", "row 2: z_mm is 'four'"),
+            ("x_mm,z_mm\n1,2\n3\n", "row 2 has 1 cells"),
+            ("x_mm,z_mm\n1,2\n3,nan\n", "row 2: z_mm is 'nan'"),
             ("x_furlong,z_furlong\n1,2\n", "says 'furlong'"),
             ("x_mm,z_mm\n", "holds no line"),
             ("x_mm,z_mm\n-100,0\n0,-10\n.5,20\n1,-10\n100,0\n", r"a spike at \(0\.50, 20\.00\) mm"),

@@ -145,9 +145,9 @@ class TestTableFit:
         ("text", "message"),
         [
             ("beta,gamma,alpha_x,force\n", r"lacks alpha_z.*must be beta, gamma, alpha_x, alpha_z"),
-            (f"{HEAD}0,0,1,1\n0,much,1,1\n", "line 3: 'much' is no number"),
-            (f"{HEAD}0,0,1\n", "line 2 has 3 cells, the header 4"),
-            (f"{HEAD}0,0,nan,1\n", "not finite"),
+            (f"{HEAD}0,0,1,1\n0,much,1,1\n", "row 2: gamma is 'much'"),
+            (f"{HEAD}0,0,1\n", "row 1 has 3 cells, the header 4"),
+            (f"{HEAD}0,0,nan,1\n", "row 1: alpha_x is 'nan'"),
             (HEAD, "0 rows do not determine"),
         ],
     )

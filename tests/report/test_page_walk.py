@@ -7,7 +7,7 @@ import pytest
 from browsers import Page, browser_needed
 
 import footopt as fo
-from footopt.files.run import plain
+from footopt.files.io import plain
 from footopt.report import page
 from footopt.report.page.physics import physics
 from footopt.report.page.study import NOTHING

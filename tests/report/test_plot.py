@@ -18,7 +18,7 @@ from scipy.io import netcdf_file
 
 import footopt as fo
 from footopt.errors import FootoptError, MissingError, SettingError
-from footopt.files import run as files
+from footopt.files import io as files
 from footopt.report import body, cards, plot
 from footopt.report.figures import walker
 from footopt.report.terminal import describe_outside

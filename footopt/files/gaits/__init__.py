@@ -15,7 +15,7 @@ from footopt.files.gaits.markers import UNITS as LENGTHS
 from footopt.files.gaits.strides import Strides, average, cut
 from footopt.files.gaits.tables import read_csv, read_mot
 from footopt.files.gaits.trc import read_trc
-from footopt.files.reading import Unusable, naming, read_bytes, read_table
+from footopt.files.io import Unusable, naming, read_bytes, read_text
 
 __all__ = ["Coefficients", "Strides", "average", "check_angles", "check_period", "cut", "read_json",
            "read_strides", "recording", "write_json"]  # fmt: skip
@@ -60,9 +60,9 @@ def _reader(
 ) -> Callable[[str | None], Recording]:
     """A function that gives a side's leg, of a file that is read once."""
     if suffix == ".c3d":
-        markers = read_c3d(read_bytes(path, "gait", "gait.path"), units)
+        markers = read_c3d(read_bytes(path, "gait.path"), units)
     else:
-        text = read_table(path, "gait", "gait.path")
+        text = read_text(path, "gait.path")
         if suffix in (".mot", ".sto"):
             return lambda side: read_mot(text, names, side, units)
         if suffix == ".csv" and not holds_markers(text):

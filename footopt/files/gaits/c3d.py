@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.files.gaits.markers import Markers, metres, to_markers
-from footopt.files.reading import Unusable
+from footopt.files.io import Unusable
 
 Array = NDArray[np.float64]
 Parameter = list[str] | NDArray[Any]

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.files.columns import to_numbers
+from footopt.files.columns import number, to_numbers
 from footopt.files.gaits.markers import Markers, metres, to_markers
-from footopt.files.reading import Unusable, number
+from footopt.files.io import Unusable
 
 Array = NDArray[np.float64]
 Rows = list[list[str]]

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from footopt.files import run
-from footopt.files.reading import LARGEST, Unusable, naming, read_json_file
+from footopt.files import io
+from footopt.files.columns import LARGEST
+from footopt.files.io import Unusable, naming, read_json_file
 
 Series = tuple[float, tuple[float, ...], tuple[float, ...]]
 
@@ -42,7 +43,7 @@ def read_json(path: str | Path) -> Coefficients:
     FileError
         The file cannot be read, or holds something else.
     """
-    data = read_json_file(path, "gait", "gait.path")
+    data = read_json_file(path, "gait.path")
     with naming(path, "gait.path"):
         try:
             residual = data.get("rms_residual_deg_by_harmonics", {})
@@ -68,7 +69,7 @@ def write_json(path: str | Path, gait: Coefficients) -> None:
     """Write what `read_json` reads."""
     joints = {name: {"a0": a0, "a": a, "b": b} for name, (a0, a, b) in gait.series.items()}
     residual = {"rms_residual_deg_by_harmonics": gait.residual}
-    run.write_json(Path(path), {"source": gait.source, "period_s": gait.period, **joints, **residual})
+    io.write_json(Path(path), {"source": gait.source, "period_s": gait.period, **joints, **residual})
 
 
 def _series(joint: Any) -> Series:

@@ -16,7 +16,7 @@ from footopt.files.gaits.markers import Markers
 from footopt.files.gaits.model import ALIKE, SAME, of_model
 from footopt.files.gaits.names import NEEDED
 from footopt.files.gaits.sides import Leg, both_legs, mirrored
-from footopt.files.reading import Unusable
+from footopt.files.io import Unusable
 
 Array = NDArray[np.float64]
 

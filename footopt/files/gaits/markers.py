@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.files.gaits.angles import in_time
-from footopt.files.reading import Unusable
+from footopt.files.io import Unusable
 
 Array = NDArray[np.float64]
 

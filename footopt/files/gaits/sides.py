@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from footopt.files.gaits.markers import Markers, is_seen
 from footopt.files.gaits.names import NEEDED, SIDES, by_subject, find_leg, hip_of_pelvis, looked_for
-from footopt.files.reading import Unusable
+from footopt.files.io import Unusable
 
 Array = NDArray[np.float64]
 Leg = dict[str, Array]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from footopt.files.gaits.angles import PERIODS, Recording
 from footopt.files.gaits.windows import BOTH, TIMES, closing, is_two, mirrored, one_row_short, open_by, steady
-from footopt.files.reading import Unusable
+from footopt.files.io import Unusable
 
 Array = NDArray[np.float64]
 

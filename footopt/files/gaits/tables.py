@@ -12,7 +12,7 @@ from footopt.files.columns import columns_of, header_of, to_numbers
 from footopt.files.gaits.angles import LIMITS, Recording, climbing, recording
 from footopt.files.gaits.markers import differing
 from footopt.files.gaits.trc import cells_of
-from footopt.files.reading import Unusable
+from footopt.files.io import Unusable
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from footopt.files.columns import to_numbers
 from footopt.files.gaits.markers import Markers, differing, metres, to_markers
-from footopt.files.reading import Unusable
+from footopt.files.io import Unusable
 
 Array = NDArray[np.float64]
 

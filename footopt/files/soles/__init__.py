@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from footopt.errors import FileError, SettingError, check
 from footopt.files.drawings import MM, SOLE
-from footopt.files.reading import Unusable, naming
+from footopt.files.io import Unusable, naming
 from footopt.files.soles import dxf, svg, table
 from footopt.files.soles.lines import JOIN, PIECES, TOO_MANY, UNITS, Line, crossing, join
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from footopt.files.reading import Unusable, read_bytes
+from footopt.files.io import Unusable, read_bytes
 from footopt.files.soles.lines import FLATTEN, PIECES, Line, from_points, unit_of
 
 UNITS = {1: "in", 4: "mm", 5: "cm", 6: "m"}  # of $INSUNITS
@@ -53,7 +53,7 @@ def _document(path: Path) -> tuple[Any, bool]:
     import ezdxf
     from ezdxf import recover
 
-    content = read_bytes(path, "sole", "foot.path")
+    content = read_bytes(path, "foot.path")
     if content.startswith(b"AutoCAD Binary DXF"):
         raise Unusable("is a binary DXF file. Save it as text (ASCII) DXF.")
     if content.rstrip()[-3:] != b"EOF":

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.files.reading import Unusable
+from footopt.files.io import Unusable
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.files.reading import Unusable, read_text
+from footopt.files.io import Unusable, read_text
 from footopt.files.soles.lines import FLATTEN, PIECES, TOO_MANY, UNITS, Line, unit_of
 
 Array = NDArray[np.float64]
@@ -37,7 +37,7 @@ def read(path: Path, units: str | None, scale: float) -> Iterator[Line]:
     from svgelements import Path as Curve
 
     try:
-        root = ElementTree.fromstring(read_text(path, "sole", "foot.path"))
+        root = ElementTree.fromstring(read_text(path, "foot.path"))
     except ElementTree.ParseError as error:
         line, column = error.position
         raise Unusable(

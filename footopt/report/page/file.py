@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from footopt.files.run import plain, write_text
+from footopt.files.io import plain, write_text
 from footopt.report.numbers import title
 from footopt.report.style import PALETTE
 

@@ -8,7 +8,7 @@ from math import isfinite, nan
 from typing import Any
 
 from footopt.errors import FootoptError
-from footopt.files.run import plain, write_text
+from footopt.files.io import plain, write_text
 from footopt.files.tasks import Tasks
 from footopt.foot import Foot
 from footopt.foot.waypoints import written
