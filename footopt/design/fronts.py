@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.errors import check
-from footopt.kinds import says_kinds
 from footopt.walk.objectives import MEASURES
 
 Array = NDArray[np.float64]
@@ -132,7 +131,6 @@ def median_attainment(fronts: Sequence[Array]) -> Array:
     return np.asarray(eaf(np.concatenate(fronts), sets, percentiles=[50])[:, :2])
 
 
-@says_kinds
 @dataclass(frozen=True)
 class Choice:
     """How one design of a front is chosen.

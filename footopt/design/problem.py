@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from footopt.design.fronts import Choice, excess
 from footopt.errors import check, check_kind
 from footopt.foot import Waypoints
-from footopt.kinds import says_kinds
 from footopt.walk.accuracy import Accuracy, resolve
 from footopt.walk.objectives import FIVE, MEASURES, Objective, lookup
 from footopt.walk.scene import Scene
@@ -46,7 +45,6 @@ class Evaluated(NamedTuple):
     violation: Array
 
 
-@says_kinds
 class FootProblem:
     """Find waypoint heights k, whole numbers from 1 to K, that make a good foot.
 

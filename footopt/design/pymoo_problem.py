@@ -21,12 +21,10 @@ from footopt.design.result import SearchResult
 from footopt.design.solvers import Solver
 from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Waypoints
-from footopt.kinds import says_kinds
 
 REPEATS = 10  # times as many generations as its walks need, where a solver asks for designs again
 
 
-@says_kinds
 class PymooProblem(Problem):
     """A `FootProblem` as pymoo's algorithms want it, for `pymoo.optimize.minimize`.
 

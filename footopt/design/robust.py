@@ -15,7 +15,6 @@ from footopt.design.search import search
 from footopt.design.solvers import EXHAUSTIVE
 from footopt.errors import FootoptError, SettingError, check
 from footopt.foot import Waypoints
-from footopt.kinds import says_kinds
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.objectives import MEASURES
 from footopt.walk.scenarios import Scenario, check_measure, measured
@@ -24,7 +23,6 @@ from footopt.walk.simulate import evaluate
 FEW = 10_000  # soles of a space that are all walked for a scenario's best one: no more than a search walks
 
 
-@says_kinds
 class RobustProblem(FootProblem):
     """Find one foot that is good in many scenarios at once.
 

@@ -23,13 +23,11 @@ from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import AUTO, EXHAUSTIVE, Solver
 from footopt.design.store import Store
 from footopt.errors import check, check_kind
-from footopt.kinds import says_kinds
 
 BUDGET = ("walks", "pop_size", "n_gen", "seconds", "seed", "operators")  # of a solver that is named
 ENOUGH = "by the solver, which asked for nothing more"
 
 
-@says_kinds
 def search(
     problem: FootProblem,
     solver: Solver | str | Any = None,

@@ -10,7 +10,6 @@ from typing import NamedTuple
 from footopt.effects.base import EFFECTS, Effect, Scale
 from footopt.effects.slope import Slope
 from footopt.errors import check
-from footopt.kinds import says_kinds
 
 MOST = 4096  # cells along a foot: more take too long
 
@@ -26,7 +25,6 @@ class Prints(NamedTuple):
     period: float  # of a stride, s; the left foot reaches half of it later
 
 
-@says_kinds
 @dataclass(frozen=True)
 class Footprints:
     """The sand's surface is a height field along x, and a plate feels its depth below that surface.

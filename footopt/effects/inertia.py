@@ -9,7 +9,6 @@ import numpy as np
 
 from footopt.effects.base import EFFECTS, Scale, register
 from footopt.errors import check
-from footopt.kinds import says_kinds
 
 SKIN = 1e-3  # m: a plate throws all of it aside from this depth on, and in proportion above it
 
@@ -20,7 +19,6 @@ class InertiaLaw(NamedTuple):
     density: float
 
 
-@says_kinds
 @dataclass(frozen=True)
 class Inertia:
     """The sand that a leading face throws aside: a traction -n lambda rho (n.v)^2 for n.v > 0.

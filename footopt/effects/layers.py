@@ -10,7 +10,6 @@ import numpy as np
 
 from footopt.effects.base import EFFECTS, MOST, Array, Scale, numbers, register
 from footopt.errors import check
-from footopt.kinds import says_kinds
 
 
 class LayersLaw(NamedTuple):
@@ -20,7 +19,6 @@ class LayersLaw(NamedTuple):
     jumps: tuple[float, ...] | Array
 
 
-@says_kinds
 @dataclass(frozen=True)
 class Layers:
     """Layers: the stress is the integral of zeta over depth, so that it is continuous at an interface.

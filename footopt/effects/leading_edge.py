@@ -8,14 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from footopt.effects.base import EFFECTS, Scale, register
-from footopt.kinds import says_kinds
 
 
 class LeadingEdgeLaw(NamedTuple):
     """It has no parameters."""
 
 
-@says_kinds
 @dataclass(frozen=True)
 class LeadingEdge:
     """Only faces that lead, n.v > 0, feel sand: what trails leaves a gap behind and is not pulled.

@@ -10,7 +10,6 @@ import numpy as np
 
 from footopt.effects.base import EFFECTS, MOST, Array, Scale, numbers, register
 from footopt.errors import check
-from footopt.kinds import says_kinds
 
 
 class PatchesLaw(NamedTuple):
@@ -22,7 +21,6 @@ class PatchesLaw(NamedTuple):
     blur: float
 
 
-@says_kinds
 @dataclass(frozen=True)
 class Patches:
     """Patches along the way: zeta changes with x, smoothly over a stated length.

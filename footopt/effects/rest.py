@@ -7,10 +7,8 @@ from dataclasses import dataclass
 
 from footopt.effects.base import EFFECTS, Effect, Scale
 from footopt.errors import check
-from footopt.kinds import says_kinds
 
 
-@says_kinds
 @dataclass(frozen=True)
 class Rest:
     """Friction with memory: who stands stays, and the walker's first instant carries his weight.

@@ -28,7 +28,6 @@ from numpy.typing import NDArray
 from footopt.compiled import cached_njit, inlined, inlined_fast
 from footopt.effects.base import EFFECTS, VARIANTS, Effect, Scale
 from footopt.errors import check
-from footopt.kinds import says_kinds
 
 Array = NDArray[np.float64]
 
@@ -36,7 +35,6 @@ HULLS = ("sole", "motion")
 EDGE = 0.05  # of h, over which a shadow's edge is smooth: 3 degrees
 
 
-@says_kinds
 @dataclass(frozen=True)
 class Shadowing:
     """What lies in a hollow counts with a part: the sole comes nearer to its lower hull.

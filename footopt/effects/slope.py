@@ -9,10 +9,8 @@ from dataclasses import dataclass
 from footopt.compiled import inlined
 from footopt.effects.base import EFFECTS, Effect, Scale
 from footopt.errors import check
-from footopt.kinds import says_kinds
 
 
-@says_kinds
 @dataclass(frozen=True)
 class Slope:
     """A plane inclined by an angle, uphill positive.

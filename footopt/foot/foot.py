@@ -16,12 +16,10 @@ from footopt.foot import outline
 from footopt.foot.plates import RULES, Plates, Shading, along_arc
 from footopt.foot.shapes import shape
 from footopt.foot.waypoints import Waypoints, check_ankle, check_length, check_top, written
-from footopt.kinds import says_kinds
 
 Array = NDArray[np.float64]
 
 
-@says_kinds
 @dataclass(frozen=True, eq=False, repr=False)
 class Foot:
     """A sole in the foot frame: origin at the centre of the foot's box, x_p to the toe, z_p up.

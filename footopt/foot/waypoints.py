@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from footopt.compiled import cached_njit
 from footopt.errors import SettingError, check
-from footopt.kinds import says_kinds
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -22,7 +21,6 @@ Ints = NDArray[np.int64]
 FINE = 32  # samples of the spline between two waypoints, for its arc length and its box violation
 
 
-@says_kinds
 @dataclass(frozen=True)
 class Waypoints:
     """A space of soles: n waypoints, uniform in x over [-L, L], at z_i = -k_i H / K.

@@ -36,7 +36,6 @@ from footopt.files.gaits import (
 from footopt.files.io import Unusable, naming
 from footopt.gait import start
 from footopt.gait.fourier import Fourier
-from footopt.kinds import says_kinds
 
 Array = NDArray[np.float64]
 
@@ -64,7 +63,6 @@ class Pose(NamedTuple):
         return np.ascontiguousarray(np.stack(columns, axis=-1))
 
 
-@says_kinds
 @dataclass(frozen=True)
 class Gait:
     """A walk from standing: cyclic joint angles and how they begin (`footopt.gait.start`).

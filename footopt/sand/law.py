@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import check
-from footopt.kinds import says_kinds
 
 LARGEST = 1e4  # of a coefficient, N/cm^3; concrete has less
 PER_CM3 = 1e6  # N/cm^3 in N/m^3
@@ -28,7 +27,6 @@ EARTH = 9.81  # m/s^2: g where stress maps are measured
 Array = NDArray[np.float64]
 
 
-@says_kinds
 @dataclass(frozen=True)
 class StressMap:
     """The nine Fourier coefficients of the stresses per depth, in N/cm^3.

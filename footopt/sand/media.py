@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 from footopt.errors import SettingError, check, one_line
-from footopt.kinds import says_kinds
 from footopt.sand.fit import fit_table
 from footopt.sand.law import GENERIC, StressMap
 
@@ -26,7 +25,6 @@ MEDIA: dict[str, float] = {
 }
 
 
-@says_kinds
 @dataclass(frozen=True)
 class Sand:
     """A dry granular medium: a stress map and its scale.

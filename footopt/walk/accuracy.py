@@ -12,7 +12,6 @@ from typing import Any
 
 from footopt.errors import SettingError, check, check_kind
 from footopt.foot.plates import RULES
-from footopt.kinds import says_kinds
 from footopt.walk.steppers import STEPPERS
 
 LEAST_DT = 1e-9  # s
@@ -20,7 +19,6 @@ LEAST = 1e-12  # m/s, of a creep speed and of a step's control
 MOST_PLATES = 20_000  # 13 um each; beyond 1000 no objective changes by 1e-5
 
 
-@says_kinds
 @dataclass(frozen=True)
 class Accuracy:
     """How finely a scene is simulated.

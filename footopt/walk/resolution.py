@@ -10,7 +10,6 @@ import numpy as np
 
 from footopt.effects.footprints import finer_cells
 from footopt.foot import Foot
-from footopt.kinds import says_kinds
 from footopt.walk import prepare
 from footopt.walk.accuracy import TOLERANCES, Accuracy, resolve
 from footopt.walk.objectives import FIVE, FLOORS, OBJECTIVES
@@ -50,7 +49,6 @@ def finer(scene: Scene, accuracy: Accuracy) -> dict[str, tuple[Scene, Accuracy]]
     return found
 
 
-@says_kinds
 def estimate_error(
     foot: Foot,
     scene: Scene | None = None,

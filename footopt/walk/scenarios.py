@@ -20,7 +20,6 @@ from footopt.errors import check
 from footopt.foot import Waypoints
 from footopt.gait import Gait
 from footopt.gait.fourier import Fourier
-from footopt.kinds import says_kinds
 from footopt.sand import Sand
 from footopt.walk.scene import Scene
 
@@ -32,7 +31,6 @@ WAYS = ("mean", "tail", "worst")
 DEFORMATION = 2  # harmonics, beside the mean, by which an angle differs from stride to stride
 
 
-@says_kinds
 @dataclass(frozen=True)
 class Scenario:
     """One way that things may be.
@@ -68,7 +66,6 @@ class Scenario:
         return replace(space, ankle=(x + self.ankle[0], z + self.ankle[1]))
 
 
-@says_kinds
 @dataclass(frozen=True)
 class Spread:
     """How far the parameters of a scene lie apart: one standard deviation of each.

@@ -12,7 +12,6 @@ from footopt.effects import slope
 from footopt.effects.base import Effect, Scale, ordered
 from footopt.errors import SettingError, check, check_kind
 from footopt.gait import Gait
-from footopt.kinds import says_kinds
 from footopt.sand import Sand, alpha
 from footopt.sand.law import EARTH
 
@@ -29,7 +28,6 @@ WALKERS = {
 SOLE, STRIDE, PHASES = 0.026, 1.3, 241
 
 
-@says_kinds
 @dataclass(frozen=True)
 class Walker:
     """A biped with all its mass at the hip and massless legs (the paper's table 1).
@@ -72,7 +70,6 @@ class Walker:
         return self.mass * self.g
 
 
-@says_kinds
 @dataclass(frozen=True)
 class Scene:
     """The physics of a walk: which sand, which gait, which walker, how long.

@@ -18,7 +18,6 @@ from footopt.effects.shadowing import filler
 from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Foot, Plates, Waypoints, as_feet, as_plates
 from footopt.foot.plates import RULES
-from footopt.kinds import says_kinds
 from footopt.walk import prepare
 from footopt.walk.accuracy import Accuracy, resolve
 from footopt.walk.adapt import accuracies, adapted
@@ -43,7 +42,6 @@ POINTS = 4_000_000  # along their soles, at most
 BLOCK = 16  # designs that a thread takes at a time
 
 
-@says_kinds
 def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = "standard") -> Walk:
     """Walk through a scene with one foot, keeping full traces.
 
@@ -103,7 +101,6 @@ def _pair(a: Array, b: Array) -> Array:
     return np.stack([a, b], axis=1)
 
 
-@says_kinds
 def evaluate(
     feet: Foot | Sequence[Foot] | Plates | ArrayLike,
     scene: Scene | None = None,

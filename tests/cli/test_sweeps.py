@@ -4,6 +4,8 @@ import csv
 import json
 import os
 import sys
+from pathlib import Path
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -12,8 +14,6 @@ from hydra.experimental.callback import Callback
 from running import footopt
 
 import footopt as fo
-from footopt.cli.trackers import MLflow
-from footopt.errors import SettingError
 from footopt.report.runs import read_run
 from footopt.report.sweeps import fronts
 
@@ -64,45 +64,26 @@ class TestAJobReturns:
 def failing(tmp_path_factory):
     """A sweep of four jobs, of which one walks: what came of it, what its callbacks heard, and its folder."""
     cwd = tmp_path_factory.mktemp("failing")
-    words = ["foot.width=-1,0.1", "sand.zeta=0.001,5", "objective.names=[work]", "hydra/callbacks=jsonl"]
+    words = ["foot.width=-1,0.1", "sand.zeta=0.001,5", "objective.names=[work]"]
     places = ["hydra.sweep.dir=sweep", "hydra.sweep.subdir=on_${foot.width}_${sand.zeta}"]
     done, heard = listening("-m", *WALK, *words, *places, cwd=cwd)
     assert done.returncode == 1
     return done, heard, cwd / "sweep"
 
 
-class TestTracker:
-    """Who keeps runs elsewhere hears of every job."""
-
-    def test_a_line_of_json_is_written_for_each_job_the_failed_ones_too(self, failing):
-        _, _, sweep = failing
-        refused, _, sunk, good = map(json.loads, (sweep.parent / "runs.jsonl").read_text().splitlines())
-        assert refused["objectives"] == {}
-        assert "foot.width = -1.0: must be" in refused["note"]
-        assert sunk["note"] == "sunk"
-        assert good["settings"]["foot.width"] == 0.1
-        assert good["objectives"] == json.loads((sweep / "on_0.1_5.0/result.json").read_text())["objectives"]
-
-    def test_a_tracker_that_is_not_installed_is_named(self, tmp_path, monkeypatch):
-        monkeypatch.setitem(sys.modules, "mlflow.tracking", None)
-        with pytest.raises(SettingError, match=r"pip install 'footopt\[mlflow\]'"):
-            MLflow()
-
-    @pytest.mark.slow
-    def test_mlflow_has_a_run_for_each_job(self, tmp_path, monkeypatch):
-        tracking = pytest.importorskip("mlflow.tracking")
-        monkeypatch.setenv("MLFLOW_ALLOW_FILE_STORE", "true")
-        store = f"file://{tmp_path}/kept"
-        words = ["foot.width=-1,0.1", "hydra/callbacks=mlflow", f"hydra.callbacks.mlflow.uri={store}"]
-        footopt("-m", *WALK, *words, "hydra.sweep.dir=sweep", cwd=tmp_path)
-        client = tracking.MlflowClient(store)
-        found = client.search_runs([client.get_experiment_by_name("footopt").experiment_id])
-        good, failed = sorted((run for run in found), key=lambda run: run.info.run_name, reverse=True)
-        assert (good.info.status, failed.info.status) == ("FINISHED", "FAILED")
-        assert "foot.width = -1.0: must be" in failed.data.tags["note"]
-        assert good.data.params["foot.width"] == "0.1"
-        kept = json.loads((tmp_path / "sweep/1/result.json").read_text())["objectives"]
-        assert good.data.metrics == {name: value for name, value in kept.items() if value is not None}
+def test_the_example_of_a_callback_makes_each_job_a_run_of_mlflow(tmp_path, monkeypatch):
+    """With a module in MLflow's place that writes down how it is called."""
+    fake = MagicMock()
+    monkeypatch.setitem(sys.modules, "mlflow", fake)
+    monkeypatch.syspath_prepend(Path(__file__).parents[2] / "examples")
+    words = ["foot.width=-1,0.1", "+hydra.callbacks.mine._target_=mlflow_callback.MLflow"]
+    footopt("-m", *WALK, *words, "hydra.sweep.dir=sweep", cwd=tmp_path)
+    assert [call.kwargs["run_name"] for call in fake.start_run.call_args_list] == ["0", "1"]
+    fake.end_run.assert_called_once_with("FAILED")
+    logged = [call.args[0] for call in fake.log_params.call_args_list]
+    assert [given["foot.width"] for given in logged if "foot.width" in given] == [-1, 0.1]
+    kept = json.loads((tmp_path / "sweep/1/result.json").read_text())["objectives"]
+    assert fake.log_metrics.call_args.args[0] == {n: v for n, v in kept.items() if v is not None}
 
 
 class TestReport:

@@ -10,7 +10,6 @@ from typing import Any
 
 from footopt.errors import SettingError, check
 from footopt.foot import Waypoints
-from footopt.kinds import says_kinds
 
 #: Walks with every design of a small space, for one objective or several.
 EXHAUSTIVE = "exhaustive"
@@ -41,7 +40,6 @@ LIMIT = 1_000_000  # designs of a space that exhaustive takes, whether inside th
 SIZE, BATCH = 100, 4096  # of generations that do not grow, and of exhaustive
 
 
-@says_kinds
 @dataclass(frozen=True)
 class Solver:
     """A solver and its budget.
