@@ -180,7 +180,7 @@ def draw(number: int, objective: str | tuple[str, ...] = "efficiency") -> fo.Foo
         walker = fo.Walker(mass=mass, l1=0.47 * leg, l2=0.45 * leg)
         scene = fo.Scene(sand=fo.Sand(zeta=zeta), gait=gait, walker=walker, effects=effects)
         problem = fo.FootProblem(scene, objective, space, COARSELY, 1)
-        walked = problem.evaluate(space.random(64, seed=1, inside=True))
+        walked = problem.evaluate_designs(space.random(64, seed=1, inside=True))
         if (walked.reasons == "").mean() > 0.5:
             return problem
     raise RuntimeError(f"no scene {number}")

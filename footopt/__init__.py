@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from footopt.design import RobustProblem as RobustProblem
     from footopt.design import SearchResult as SearchResult
     from footopt.design import search as search
-    from footopt.design.pymoo_problem import PymooProblem as PymooProblem
     from footopt.effects import Inertia as Inertia
     from footopt.effects import Layers as Layers
     from footopt.effects import LeadingEdge as LeadingEdge
@@ -61,7 +60,6 @@ __version__ = "0.1.0"
 _NAMES = {
     "footopt.cli.run": "run",
     "footopt.design": "FootProblem RobustProblem SearchResult search",
-    "footopt.design.pymoo_problem": "PymooProblem",
     "footopt.effects": "Footprints Inertia Layers LeadingEdge Patches Rest Shadowing Slope",
     "footopt.errors": "FootoptError",
     "footopt.foot": "Foot Waypoints",

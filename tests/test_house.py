@@ -112,7 +112,7 @@ def test_importing_footopt_is_cheap():
 
 
 def test_simulating_needs_no_optimiser_no_hydra_and_no_figures():
-    loaded = loaded_after("import footopt as fo; fo.FootProblem(); fo.simulate, fo.evaluate, fo.Gait")
+    loaded = loaded_after("import footopt as fo; fo.simulate, fo.evaluate, fo.Gait, fo.Scene()")
     assert not loaded & {"pymoo", "hydra", "omegaconf", "matplotlib", "rich", "pandas", "xarray", "shapely"}
 
 

@@ -1,7 +1,6 @@
-"""The search for a foot: a plain problem, solvers by name, and the loop that asks, walks and tells.
+"""The search for a foot: a pymoo Problem, solvers by name, and the loop that asks, walks and tells.
 
-`footopt.design.pymoo_problem` gives the problem to any algorithm of pymoo, which nothing else here imports
-before a search begins.
+pymoo's algorithms take a third of a second to import: nothing here imports them before a search begins.
 """
 
 from footopt.design.engines import ENGINES, Dask, make_executor, processes

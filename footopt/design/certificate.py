@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from copy import copy
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -140,7 +139,7 @@ def certified(
             fresh |= new
             close = _close(problem, inside, result.values[confirmed.designs[:1]], margin, evaluator)
         if len(close):
-            f = _judged(problem, close, *_at(problem, accuracy).walk(close))
+            f = _judged(problem, close, *problem.at(accuracy).walk(close))
         if not len(close) or f.min() >= problem.minimised(confirmed.values[:1])[0, 0]:
             break
         steps += 1
@@ -171,13 +170,6 @@ def _close(problem: FootProblem, k: Ints, own: Array, margin: float, evaluator: 
     least = problem.minimised(own)[0, 0]
     kept: Ints = k[_judged(problem, k, *evaluator(k)) <= least + margin * abs(least)]
     return kept
-
-
-def _at(problem: FootProblem, accuracy: Accuracy) -> FootProblem:
-    """A problem at another accuracy."""
-    finer = copy(problem)
-    finer.accuracy = accuracy
-    return finer
 
 
 def _judged(problem: FootProblem, k: Ints, values: Array, reasons: Words) -> Array:

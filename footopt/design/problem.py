@@ -1,12 +1,15 @@
-"""`FootProblem`: what is asked of a foot, as plain arrays: heights in, values, reasons and violations out."""
+"""`FootProblem`: what is asked of a foot, as a pymoo Problem with integer variables."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from pymoo.core.problem import Problem
+from pymoo.core.variable import Integer
 
 from footopt.design.fronts import Choice, excess
 from footopt.errors import check, check_kind
@@ -45,11 +48,14 @@ class Evaluated(NamedTuple):
     violation: Array
 
 
-class FootProblem:
+class FootProblem(Problem):
     """Find waypoint heights k, whole numbers from 1 to K, that make a good foot.
 
-    A search minimises `minimised` where all `constraints` are at most 0. `PymooProblem` is the same
-    for pymoo's algorithms.
+    It is a pymoo Problem: ``pymoo.optimize.minimize(fo.FootProblem(scene), GA(...))`` works. One call walks
+    a whole population. Designs are rounded to whole numbers within their bounds, so that algorithms over
+    real numbers work at their defaults, and mixed-variable ones find integers in `vars`. F is `minimised`
+    and G `constraints`, which are met where at most 0; beside them ``out`` has the fields of `Evaluated`.
+    `fo.search` does more: it keeps every design, walks none twice, resumes, and uses any executor.
 
     Parameters
     ----------
@@ -100,6 +106,9 @@ class FootProblem:
         self.choice = choose if isinstance(choose, Choice) else Choice(choose)
         self.choice.check_names(self.names)
         self.record = tuple(dict.fromkeys((*RECORD, *names, *self.limits)))
+        n, K = self.space.n, self.space.K
+        variables = {f"k{i + 1}": Integer(bounds=(1, K)) for i in range(n)}
+        super().__init__(n, len(names), 2 + len(self.limits), xl=1, xu=K, vtype=int, vars=variables)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -107,14 +116,9 @@ class FootProblem:
         return tuple(o.name for o in self.objectives)
 
     @property
-    def n_obj(self) -> int:
-        """How many objectives there are."""
-        return len(self.objectives)
-
-    @property
     def guide(self) -> str:
         """Name of the value that ranks designs: the single objective, or J_W when there are several."""
-        return self.objectives[0].name if self.n_obj == 1 else "efficiency"
+        return self.names[0] if len(self.names) == 1 else "efficiency"
 
     @property
     def conditions(self) -> dict[str, Any]:
@@ -132,7 +136,21 @@ class FootProblem:
             Whether to show on standard error how far it is.
         """
 
-    def evaluate(self, k: Any) -> Evaluated:
+    def at(self, accuracy: Accuracy) -> FootProblem:
+        """The same, walked at another accuracy."""
+        other = copy(self)
+        other.accuracy = accuracy
+        return other
+
+    def inside(self, k: Ints) -> NDArray[np.bool_]:
+        """Which designs (designs, n) are inside their box: moves by runs propose no others."""
+        return self.space.inside(k)
+
+    def _evaluate(self, x: Any, out: dict[str, Any], *args: Any, **kwargs: Any) -> None:
+        found = self.evaluate_designs(whole(x, self))
+        out.update(found._asdict(), F=self.minimised(found.values), G=self.constraints(*found))
+
+    def evaluate_designs(self, k: Any) -> Evaluated:
         """Walk with designs, (designs, n) heights; `SettingError` names a height that cannot be."""
         k = self.space.check(k)
         if not len(k):
@@ -153,13 +171,8 @@ class FootProblem:
             columns.append(o.sign * natural)
         return np.stack(columns, axis=1)
 
-    @property
-    def n_constraints(self) -> int:
-        """How many columns `constraints` has."""
-        return 2 + len(self.limits)
-
     def constraints(self, values: Array, reasons: Words, violation: Array) -> Array:
-        """G of `Evaluated`, (designs, n_constraints), met where at most 0.
+        """G of `Evaluated`, (designs, n_ieq_constr), met where at most 0.
 
         The walk succeeds; the sole stays in its box (units of H); each of `limits` is kept (relative to it).
         """
@@ -186,3 +199,12 @@ class FootProblem:
             return np.where(np.isfinite(values[:, self.record.index(self.names[0])]), f[:, 0], np.inf)
         scores = self.choice.scores(f, values, self.names, self.record)
         return np.where(np.isfinite(scores), scores, np.inf)
+
+
+def whole(X: Any, problem: Problem) -> Ints:
+    """What an algorithm asks for as heights (designs, n): rounded, within bounds, dictionaries as rows."""
+    X = [X] if isinstance(X, dict) else X  # of one individual
+    if len(X) and isinstance(X[0], dict):
+        X = [[row[name] for name in problem.vars] for row in X]
+    rows = np.asarray(X, float).reshape(-1, problem.n_var)
+    return np.clip(np.round(rows), problem.xl, problem.xu).astype(np.int64)

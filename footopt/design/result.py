@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from copy import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -260,12 +259,10 @@ def confirm(result: SearchResult, accuracy: Accuracy | str, finalists: int = 20)
     if problem.n_obj == 1:
         pool = np.flatnonzero(result.feasible)
         chosen = pool[np.argsort(problem.ranked(result.values[pool]), kind="stable")[:finalists]]
-    finer = copy(problem)
-    finer.accuracy = accuracy
     if accuracy == problem.accuracy:
         values, reasons = result.values[chosen], np.full(len(chosen), "")
     else:
-        values, reasons = finer.walk(result.k[chosen])
+        values, reasons = problem.at(accuracy).walk(result.k[chosen])
     kept = problem.constraints(values, reasons, result.violation[chosen]) <= 0.0
     good = np.asarray(kept.all(axis=1))
     if problem.n_obj > 1 and good.any():

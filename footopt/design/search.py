@@ -89,7 +89,7 @@ def search(
     for name, value in budget.items():
         check(name in BUDGET, name, value, f"one of {', '.join(BUDGET)}, as a keyword")
     if not isinstance(solver, (Solver, str, NoneType)):
-        from footopt.design.pymoo_problem import as_solver
+        from footopt.design.asking import as_solver
 
         solver = as_solver(solver, budget)
     elif not isinstance(solver, Solver):
@@ -128,7 +128,7 @@ def ask_and_tell(
     start: Ints | None = None,
 ) -> SearchResult:
     """Ask the solver for a generation, walk what is new of it, tell the solver, and so on."""
-    from footopt.design.pymoo_problem import Algorithm
+    from footopt.design.asking import Algorithm
 
     algorithm = Algorithm(problem, solver, start, termination)
     archive = Archive(problem, evaluator)

@@ -14,7 +14,6 @@ from searching import SMALL, objective_of, problem
 import footopt as fo
 from footopt.design import SINGLE, Solver, confirm, search
 from footopt.design.problem import RECORD
-from footopt.design.pymoo_problem import PymooProblem
 from footopt.design.solvers.operators import (
     Geometry,
     SameHeights,
@@ -49,7 +48,7 @@ def test_distances_along_the_front_are_pymoo_s_without_its_compiler(p):
 
 class TestPymoo:
     def test_any_algorithm_can_have_a_problem(self):
-        p = PymooProblem(problem())
+        p = problem()
         assert isinstance(p, Problem)
         assert (p.n_var, p.n_obj, p.n_ieq_constr, p.vtype, p.xl.tolist(), p.xu.tolist()) == (
             *(5, 1, 2, int),
@@ -57,11 +56,11 @@ class TestPymoo:
         )
         found = minimize(p, GA(pop_size=20, **operators()), ("n_gen", 3), seed=1)
         k = np.round(found.X.astype(float)).astype(int)
-        assert found.F[0] == problem().evaluate(k).values[0, RECORD.index("efficiency")]
+        assert found.F[0] == problem().evaluate_designs(k).values[0, RECORD.index("efficiency")]
 
     def test_one_call_gives_a_population_s_f_g_and_all_that_is_known(self):
         p, k = problem("pareto"), SMALL.random(6, seed=1)
-        out, found = PymooProblem(p).evaluate(k, return_as_dictionary=True), p.evaluate(k)
+        out, found = p.evaluate(k, return_as_dictionary=True), p.evaluate_designs(k)
         for name, column in found._asdict().items():
             np.testing.assert_array_equal(out[name], column)
         np.testing.assert_array_equal(out["F"], p.minimised(found.values))
@@ -71,7 +70,7 @@ class TestPymoo:
 class TestProblem:
     def test_objectives_are_minimised_with_natural_signs_kept_apart(self):
         p, k = problem("pareto"), SMALL.random(6, seed=1)
-        values = p.evaluate(k).values
+        values = p.evaluate_designs(k).values
         table = fo.evaluate(k, p.scene, p.accuracy, space=SMALL)
         np.testing.assert_array_equal(p.minimised(values), table.values * [-1, -1, 1, 1, 1])
         np.testing.assert_array_equal(values[:, :5], table.values)
@@ -79,7 +78,7 @@ class TestProblem:
 
     def test_any_subset_of_objectives_by_name(self):
         p = problem(["work", "maximum_sinkage", "distance"])
-        f = p.minimised(p.evaluate(SMALL.random(3, seed=2)).values)
+        f = p.minimised(p.evaluate_designs(SMALL.random(3, seed=2)).values)
         assert p.names == ("work", "maximum_sinkage", "distance")
         assert p.record == (*RECORD, "maximum_sinkage")
         assert f.shape == (3, 3)
@@ -88,7 +87,7 @@ class TestProblem:
 
     def test_a_failed_walk_is_finite_and_infeasible_inside_and_nan_outside(self):
         p = problem("pareto", zeta=1e-3)
-        found = p.evaluate(SMALL.random(4, seed=3))
+        found = p.evaluate_designs(SMALL.random(4, seed=3))
         assert np.isfinite(p.minimised(found.values)).all()
         assert (p.constraints(*found)[:, 0] > 0).all()
         assert np.isnan(found.values).all()
@@ -96,11 +95,11 @@ class TestProblem:
 
     def test_leaving_the_box_violates_the_second_constraint_and_no_box_is_the_paper(self):
         spiky = np.array([[1, 4, 1, 4, 1], [2, 2, 2, 2, 2]])
-        g = problem().constraints(*problem().evaluate(spiky))
+        g = problem().constraints(*problem().evaluate_designs(spiky))
         assert g[0, 1] == pytest.approx(SMALL.box_violation(spiky)[0] / SMALL.H - SMALL.box_tolerance)
         assert g[0, 1] > 0 > g[1, 1]
         free = problem(space=replace(SMALL, box_tolerance=float("inf")))
-        assert (free.constraints(*free.evaluate(spiky))[:, 1] < 0).all()
+        assert (free.constraints(*free.evaluate_designs(spiky))[:, 1] < 0).all()
 
     def test_a_scene_without_a_heel_strike_is_refused(self):
         with pytest.raises(SettingError, match=r"scene\.t_f = 0\.8"):
@@ -265,7 +264,7 @@ def test_what_is_of_another_kind_is_said_where_it_is_given(call, message):
 def test_an_unknown_budget_is_named():
     with pytest.raises(
         SettingError,
-        match=r"generations = 3: must be one of walks, pop_size, n_gen, seed, operators, as",
+        match=r"generations = 3: must be one of walks, pop_size, n_gen, seconds, seed",
     ):
         search(problem(), generations=3)
 

@@ -11,7 +11,6 @@ from searching import QUICK, stop_after
 
 import footopt as fo
 from footopt.design import Solver, search
-from footopt.design.pymoo_problem import PymooProblem
 from footopt.design.solvers.exhaustive import batches
 from footopt.design.solvers.moves import ExchangeRun, ShiftRun, shifts
 from footopt.errors import FootoptError, SettingError
@@ -91,7 +90,7 @@ class TestMemetic:
     def test_a_mutation_shifts_one_run_by_one_level_and_stays_in_range(self):
         x = fo.Waypoints().random(200, seed=1)
         p = fo.FootProblem()
-        moved = ShiftRun()._do(PymooProblem(p), x, random_state=np.random.default_rng(1))
+        moved = ShiftRun()._do(p, x, random_state=np.random.default_rng(1))
         assert moved.dtype == np.int64
         assert ((moved >= 1) & (moved <= 10)).all()
         difference = moved - x
@@ -100,7 +99,7 @@ class TestMemetic:
 
     def test_parents_exchange_one_run(self):
         x = np.stack([np.full((50, 8), 1), np.full((50, 8), 9)])
-        p = PymooProblem(problem(space=fo.Waypoints(n=8)))
+        p = problem(space=fo.Waypoints(n=8))
         a, b = ExchangeRun()._do(p, x, random_state=np.random.default_rng(1))
         np.testing.assert_array_equal(a + b, 10)
         changes = np.abs(np.diff(np.pad(a, ((0, 0), (1, 1)), constant_values=1), axis=1)) > 0
@@ -138,7 +137,7 @@ class TestMemetic:
     )
     def test_the_default_search_finds_the_best_known_design(self, sand, best):
         p = fo.FootProblem(fo.Scene(sand=fo.Sand.named(sand)))
-        known = p.minimised(p.evaluate([best]).values)[0, 0]
+        known = p.minimised(p.evaluate_designs([best]).values)[0, 0]
         found = search(p, seed=1)
         assert found.column("efficiency")[found.best] <= 0.999 * known
 

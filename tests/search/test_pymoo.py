@@ -3,7 +3,6 @@
 import pickle
 import warnings
 from importlib import import_module
-from multiprocessing.pool import ThreadPool
 
 import numpy as np
 import pytest
@@ -14,12 +13,10 @@ from pymoo.core.population import Population
 from pymoo.core.problem import Problem
 from pymoo.decomposition.asf import ASF
 from pymoo.optimize import minimize
-from pymoo.parallelization.starmap import StarmapParallelization
 from pymoo.termination import get_termination
 from pymoo.util.ref_dirs import get_reference_directions
 from searching import SMALL, assert_same, problem
 
-import footopt as fo
 from footopt.design import search
 from footopt.design.solvers.memetic import Archive, Memetic
 from footopt.errors import SettingError
@@ -63,13 +60,13 @@ def check_found(p, x, f):
     """What an algorithm found has the values of the whole numbers that it stands for."""
     x = list(x.values()) if isinstance(x, dict) else x  # of mixed variables
     k = np.clip(np.round(np.atleast_2d(x).astype(float)), 1, p.space.K)
-    np.testing.assert_array_equal(p.minimised(p.evaluate(k).values), np.atleast_2d(f))
+    np.testing.assert_array_equal(p.minimised(p.evaluate_designs(k).values), np.atleast_2d(f))
 
 
 @pytest.mark.parametrize("path", each(SINGLE))
 def test_an_algorithm_of_one_objective_works_at_its_defaults(path):
     p, algorithm = problem(), built("soo.nonconvex", path)
-    found = minimize(fo.PymooProblem(p), algorithm, ("n_eval", 30), seed=1)
+    found = minimize(p, algorithm, ("n_eval", 30), seed=1)
     check_found(p, found.X, found.F)
     ours = search(p, algorithm, walks=30, seed=1)
     assert ours.solver.name == type(algorithm).__name__
@@ -80,7 +77,7 @@ def test_an_algorithm_of_one_objective_works_at_its_defaults(path):
 @pytest.mark.parametrize("path", each(SEVERAL))
 def test_an_algorithm_of_several_objectives_works_at_its_defaults(path):
     p, algorithm = problem(["distance", "work"]), built("moo", path)
-    found = minimize(fo.PymooProblem(p), algorithm, ("n_gen", 2), seed=1)
+    found = minimize(p, algorithm, ("n_gen", 2), seed=1)
     check_found(p, found.X, found.F)
     ours = search(p, algorithm, n_gen=2, seed=1)
     check_found(p, ours.X, ours.F)
@@ -92,48 +89,22 @@ def test_one_without_constraints_says_once_why_it_cannot_and_what_can_be_done(pa
     with pytest.raises(SettingError, match=r"solver = '\w+': must be .*constraints.*Try solver=nsga3"):
         search(p, algorithm)
     with pytest.raises(AssertionError, match="constrain"):  # pymoo's own
-        minimize(fo.PymooProblem(p), algorithm, ("n_gen", 2), seed=1)
+        minimize(p, algorithm, ("n_gen", 2), seed=1)
 
 
 def test_a_genetic_algorithm_of_mixed_variables_finds_integers():
     p = problem()
-    found = minimize(fo.PymooProblem(p), MixedVariableGA(pop_size=10), ("n_gen", 3), seed=1)
+    found = minimize(p, MixedVariableGA(pop_size=10), ("n_gen", 3), seed=1)
     assert list(found.X) == ["k1", "k2", "k3", "k4", "k5"]
     check_found(p, found.X, found.F)
     check_found(p, (ours := search(p, MixedVariableGA(pop_size=10), n_gen=3)).X, ours.F)
 
 
-def test_an_elementwise_runner_walks_one_design_at_a_time():
-    p, k = problem("pareto"), SMALL.random(6, seed=1)
-    with ThreadPool(2) as pool:
-        runner = StarmapParallelization(pool.starmap)
-        each = fo.PymooProblem(p, elementwise_runner=runner).evaluate(k, return_as_dictionary=True)
-    whole = fo.PymooProblem(p).evaluate(k, return_as_dictionary=True)
-    for name in ("F", "G", "values", "violation"):
-        np.testing.assert_array_equal(each[name], whole[name])
-
-
 @pytest.mark.parametrize("objective", ["efficiency", "pareto"])
 def test_no_rows_have_no_values(objective):
     p = problem(objective)
-    f, g = fo.PymooProblem(p).evaluate(np.empty((0, 5)))
+    f, g = p.evaluate(np.empty((0, 5)))
     assert (f.shape, g.shape) == ((0, p.n_obj), (0, 2))
-
-
-@pytest.mark.parametrize("objective", ["efficiency", ["distance", "work"]])
-def test_an_enumerated_space_knows_its_front_and_others_do_not(objective):
-    space = fo.Waypoints(n=4, K=3)
-    p = problem(objective, space=space)
-    exact = search(p, "exhaustive")
-    known = fo.PymooProblem(p, exact)
-    every = np.stack(np.meshgrid(*[range(1, 4)] * 4), axis=-1).reshape(-1, 4)
-    found = p.evaluate(every)
-    f = p.minimised(found.values)[(p.constraints(*found) <= 0.0).all(axis=1)]
-    np.testing.assert_array_equal(known.ideal_point(), f.min(axis=0))
-    assert {tuple(row) for row in known.pareto_front()} <= {tuple(row) for row in f}
-    assert len(known.pareto_front()) == len(np.atleast_2d(exact.X)) == len(known.pareto_set())
-    np.testing.assert_array_equal(known.nadir_point(), np.atleast_2d(exact.F).max(axis=0))
-    assert fo.PymooProblem(p).pareto_front() is None
 
 
 def test_a_search_takes_an_algorithm_a_termination_and_designs_to_start_with():
@@ -189,10 +160,10 @@ def test_everything_can_be_pickled():
     assert repr(copied) == repr(r)
     assert copied.values.tobytes() == r.values.tobytes()
     k = SMALL.random(3, seed=1)
-    again = pickle.loads(pickle.dumps(fo.PymooProblem(p, r)))
-    np.testing.assert_array_equal(again.evaluate(k)[0], fo.PymooProblem(p).evaluate(k)[0])
+    again = pickle.loads(pickle.dumps(p))
+    np.testing.assert_array_equal(again.evaluate(k)[0], p.evaluate(k)[0])
     for kind in (Memetic, Archive):
-        algorithm = kind().setup(fo.PymooProblem(p), termination=("n_gen", 4), seed=1)
+        algorithm = kind().setup(p, termination=("n_gen", 4), seed=1)
         algorithm.next()
         other = pickle.loads(pickle.dumps(algorithm))
         for each in (algorithm, other):

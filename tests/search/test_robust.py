@@ -159,7 +159,7 @@ class TestRobustProblem:
     def test_a_walk_that_fails_anywhere_is_infeasible_and_says_where(self):
         nowhere = fo.Scenario("quicksand", fo.Scene(sand=fo.Sand(1e-3)))
         p = problem([SANDS[1], nowhere])
-        found = p.evaluate(self.k)
+        found = p.evaluate_designs(self.k)
         assert set(found.reasons) == {"sunk (quicksand)"}
         assert (p.constraints(*found)[:, 0] > 0).all()
         assert np.isfinite(p.minimised(found.values)).all()

@@ -22,6 +22,7 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 DRAWS = 200  # batches of random designs at most, of which as many as are wanted should be inside their box
+ASKED = "asked"  # in an algorithm's data: the designs that have been asked for, `Known`
 IDLE = 8  # batches that may bring nothing new before a space counts as used up
 
 
@@ -91,14 +92,14 @@ class ShiftRun(Mutation):
 
 
 class OnlyNew(Repair):
-    """Drop what leaves its box, and what the problem says that it has seen, instead of repairing it."""
+    """Drop what leaves its box, and what the algorithm has asked for before, instead of repairing it."""
 
-    def do(self, problem: Any, pop: Any, **kwargs: Any) -> Any:
+    def do(self, problem: Any, pop: Any, algorithm: Any = None, **kwargs: Any) -> Any:
         """What is left of a population."""
         if not len(pop):
             return pop
         X = pop.get("X")
         kept = allowed(problem, X)
-        if hasattr(problem, "seen"):
-            kept &= ~problem.seen(X)
+        if algorithm is not None and ASKED in algorithm.data:
+            kept &= algorithm.data[ASKED].places(X) < 0
         return pop[kept]

@@ -1,0 +1,117 @@
+"""A solver's pymoo algorithm, asked for designs and told what became of them."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass
+from typing import Any
+
+from pymoo.core.algorithm import Algorithm as PymooAlgorithm
+from pymoo.core.initialization import Initialization
+from pymoo.core.problem import Problem
+from pymoo.core.sampling import Sampling
+from pymoo.problems.static import StaticProblem
+
+from footopt.design.known import Known
+from footopt.design.problem import Array, FootProblem, Ints, whole
+from footopt.design.solvers import Solver
+from footopt.design.solvers.moves import ASKED
+from footopt.errors import SettingError, check, check_kind
+
+REPEATS = 10  # times as many generations as its walks need, where a solver asks for designs again
+
+
+@dataclass(frozen=True)
+class OfPymoo(Solver):
+    """An algorithm of pymoo as a solver, of the name of its class.
+
+    Parameters
+    ----------
+    algorithm : pymoo.core.algorithm.Algorithm
+        A copy of it searches.
+    """
+
+    algorithm: Any = None
+
+    def _check_name(self) -> None:
+        """Any name: it is not looked up."""
+
+    def build(self, n_obj: int) -> Any:
+        """A copy of the algorithm."""
+        return copy.deepcopy(self.algorithm)
+
+
+def as_solver(algorithm: Any, budget: dict[str, Any]) -> Solver:
+    """A `Solver` of an algorithm of pymoo; it ends as other solvers do."""
+    check_kind(algorithm, PymooAlgorithm, "solver", "Try solver='memetic', or an algorithm of pymoo")
+    size = getattr(algorithm, "pop_size", None)
+    size = {"pop_size": max(size, 4)} if isinstance(size, int) else {}
+    check(not {"operators", "pop_size"} & set(budget), "solver", type(algorithm).__name__,
+          "an algorithm that has its pop_size and operators already")  # fmt: skip
+    return OfPymoo(name=type(algorithm).__name__, algorithm=algorithm, **size, **budget)
+
+
+class Begun(Sampling):
+    """A sampling whose first designs are given; the others are drawn as before."""
+
+    def __init__(self, other: Sampling, start: Ints) -> None:
+        super().__init__()
+        self._other, self._start = other, start
+
+    def _do(self, problem: Problem, n_samples: int, **kwargs: Any) -> Any:
+        drawn = Initialization(self._other).do(problem, n_samples, **kwargs).get("X").copy()
+        drawn[: len(self._start)] = self._start
+        return drawn
+
+
+class Algorithm:
+    """A solver's pymoo algorithm at work: `ask` it for designs, `tell` it what became of them."""
+
+    def __init__(
+        self,
+        problem: FootProblem,
+        solver: Solver,
+        start: Ints | None = None,
+        termination: Any = None,
+    ) -> None:
+        solver.check_space(problem.space)
+        self._algorithm = solver.build(problem.n_obj)
+        self._problem, self._known = problem, Known()
+        self._algorithm.data[ASKED] = self._known
+        most = solver.n_gen or REPEATS * solver.generations(problem.space)
+        ends = copy.deepcopy(termination) or ("n_gen", most)
+        try:
+            self._algorithm.setup(problem, termination=ends, seed=solver.seed, verbose=False)
+        except AssertionError as error:  # their way to say it: MOEA/D, DNSGA2, KGB
+            needs = "an algorithm that takes constraints: a walk may fail, and a sole leave its box"
+            hint = f"pymoo says: {error} Try solver=nsga3, or another."
+            raise SettingError("solver", solver.name, needs, hint) from error
+        self._asked: Any = None
+        if start is not None:
+            initial: Any = getattr(self._algorithm, "initialization", None)
+            check(initial is not None, "start", solver.name, "left out: this solver draws its own designs")
+            most = next(solver.sizes())
+            check(len(start) <= most, "start", len(start), f"at most {most} designs")
+            initial.sampling = Begun(initial.sampling, start)
+
+    @property
+    def terminated(self) -> bool:
+        """Whether its termination has ended it, and not that it has found nothing new."""
+        ending = self._algorithm.termination
+        return bool(ending.has_terminated() and not ending.force_termination)
+
+    def ask(self) -> Ints | None:
+        """The next generation, (designs, n) heights; None when the budget or the space is used up."""
+        self._asked = self._algorithm.ask() if self._algorithm.has_next() else None
+        if self._asked is None:
+            return None
+        k = whole(self._asked.get("X"), self._problem)
+        self._known.add(k[self._known.fresh(k)])
+        return k
+
+    def tell(self, f: Array, g: Array) -> None:
+        """F and G of the generation that was asked for, (designs, ...)."""
+        self._algorithm.evaluator.skip_already_evaluated = False  # F has a row for each that was asked for
+        plain = Problem(self._problem.n_var, f.shape[1], g.shape[1])  # pymoo copies it
+        self._algorithm.evaluator.eval(StaticProblem(plain, F=f, G=g), self._asked)
+        self._algorithm.tell(infills=self._asked)
