@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Container, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache, partial
 from typing import Any, NamedTuple
@@ -17,8 +16,8 @@ from footopt.report.figures.stability import Cell, verdicts
 from footopt.studies.base import Study
 from footopt.studies.record import foot_entry, scene_entry
 from footopt.studies.settings import Config
-from footopt.studies.stability_cases import CASES, Case
-from footopt.studies.stability_judges import LIMITS, UNJUDGED, Measure, Setup, Trial
+from footopt.studies.stability_cases import CASES, Case, Setup
+from footopt.studies.stability_judges import LIMITS, Measure
 from footopt.walk import STEPPERS, Walk, simulate
 from footopt.walk.adapt import adapted
 
@@ -40,13 +39,10 @@ METHODS: dict[str, tuple[str, float | None]] = {
     "sdirk2_control": ("sdirk2", CONTROL),
 }
 
-#: What a walk took, in result.json and stability.csv: its step and simulated time (s) and its counts.
-TOOK = ("reason", "dt", "simulated", "evaluations_per_step", "rescues", "shortened", "repeats")
-
 CAPTION = "Which method is stable in which case, with the measure that decides, as in the table."
 EACH_CELL = (
     "Each cell: ok, or the measure furthest beyond its limit; and how often a stage was rescued (r) or the "
-    "walk repeated with a shorter step (x). All the numbers: stability.csv, result.json."
+    "walk repeated with a shorter step (x). All the numbers: result.json."
 )
 
 
@@ -74,13 +70,23 @@ class Verdict(NamedTuple):
         return Cell(self.stable, self.decides.name, self.decides.value)
 
     @property
-    def took(self) -> dict[str, Any]:
-        """What the walk took, by the names of `TOOK`."""
-        walk = self.walk
-        simulated = float(walk.t[-1]) if len(walk.t) else 0.0
-        each = walk.evaluations / max(len(walk.t), 1)
-        counts = (walk.rescues, walk.shortened, walk.repeats)
-        return dict(zip(TOOK, (walk.reason, walk.accuracy.dt, simulated, each, *counts), strict=True))
+    def entry(self) -> dict[str, Any]:
+        """What result.json holds of it, with what the walk took."""
+        walk, steps = self.walk, len(self.walk.t)
+        return {
+            "case": self.case.name,
+            "method": self.method,
+            "stable": self.stable,
+            "measure": self.decides.name,
+            "measures": {m.name: {"value": m.value, "limit": m.limit} for m in self.measures},
+            "reason": walk.reason,
+            "dt": walk.accuracy.dt,
+            "simulated": float(walk.t[-1]) if steps else 0.0,
+            "evaluations_per_step": walk.evaluations / max(steps, 1),
+            "rescues": walk.rescues,
+            "shortened": walk.shortened,
+            "repeats": walk.repeats,
+        }
 
 
 def judge(
@@ -92,124 +98,86 @@ def judge(
     ----------
     case : Case
         What is walked.
-    base : Setup
-        Where the case starts from; its time step is that of the implicit steppers.
+    base : (Foot, Scene, Accuracy)
+        The settings, from which the case differs; the time step is that of the implicit steppers.
     methods : sequence of str
         Names in `METHODS`.
     step : callable
         Called after every method.
     """
-    setup = case.build(base)
-    setup = replace(setup, accuracy=adapted(setup.accuracy, setup.scene, setup.foot))
+    foot, scene, own = case.build(*base)
+    own = adapted(own, scene, foot)
 
     @cache
     def converged() -> Walk:
-        own = setup.accuracy
-        plates, creep, dt = max(own.plates, PLATES), min(own.creep, CREEP), base.accuracy.dt / CONVERGED
+        plates, creep, dt = max(own.plates, PLATES), min(own.creep, CREEP), base[2].dt / CONVERGED
         fine = replace(own, stepper="sdirk2", control=None, dt=dt, plates=plates, creep=creep, adapt=False)
-        return simulate(setup.foot, setup.scene, fine)
+        return simulate(foot, scene, fine)
 
     found: list[Verdict] = []
     for method in methods:
         stepper, control = METHODS[method]
-        dt = setup.accuracy.dt * (1.0 if STEPPERS[stepper].implicit else EXPLICIT_SHARE)
-        accuracy = replace(setup.accuracy, stepper=stepper, dt=dt, control=control)
-        trial = Trial(replace(setup, accuracy=accuracy), converged)
-        found.append(Verdict(case, method, tuple(case.judge(trial)), trial.walk))
+        dt = own.dt * (1.0 if STEPPERS[stepper].implicit else EXPLICIT_SHARE)
+        walk = simulate(foot, scene, replace(own, stepper=stepper, dt=dt, control=control))
+        found.append(Verdict(case, method, tuple(case.judge(walk, converged)), walk))
         step()
     return found
 
 
 def chosen(config: Config) -> tuple[list[Case], list[str]]:
     """The cases and methods that the settings name; null is all."""
-    known = {case.name: case for case in CASES}
-    names = list(known) if config.study.cases is None else rejoined(config.study.cases, known)
-    methods = list(METHODS) if config.study.methods is None else config.study.methods
-    given: tuple[tuple[str, list[str], Any], ...] = (
-        ("study.cases", names, known),
-        ("study.methods", methods, METHODS),
-    )
-    for setting, words, allowed in given:
-        check(bool(words), setting, words, f"null for all, or some of: {'; '.join(allowed)}")
-        for word in words:
-            check(word in allowed, setting, word, f"one of: {'; '.join(allowed)}")
-    return [known[name] for name in names], methods
-
-
-def rejoined(parts: Sequence[str], known: Container[str]) -> list[str]:
-    """Names that hold commas, which the command line takes apart, put together again."""
-    names, rest = [], list(parts)
-    while rest:
-        many = next((n for n in range(len(rest), 0, -1) if ", ".join(rest[:n]) in known), 1)
-        names.append(", ".join(rest[:many]))
-        rest = rest[many:]
-    return names
+    cases = {case.name: case for case in CASES}
+    named: dict[str, list[str]] = {}
+    for setting, known in (("cases", list(cases)), ("methods", list(METHODS))):
+        given = getattr(config.study, setting)
+        named[setting] = known if given is None else given
+        check(
+            bool(named[setting]), f"study.{setting}", given, f"null for all, or some of: {', '.join(known)}"
+        )
+        for word in named[setting]:
+            check(word in known, f"study.{setting}", word, f"one of: {', '.join(known)}")
+    return [cases[name] for name in named["cases"]], named["methods"]
 
 
 def run(study: Study) -> None:
     """Judge every case with every method."""
     cases, methods = chosen(study.config)
-    base = Setup(study.foot, study.scene, study.accuracy)
+    base = study.foot, study.scene, study.accuracy
     found: list[Verdict] = []
     with study.compiling("every method"):
         for stepper, control in map(METHODS.__getitem__, methods):
-            simulate(base.foot, base.scene, replace(base.accuracy, stepper=stepper, control=control))
+            simulate(study.foot, study.scene, replace(study.accuracy, stepper=stepper, control=control))
     with study.progress(len(cases) * len(methods), "walk") as step:
         for case in cases:
             found += judge(case, base, methods, partial(step, news=case.name))
-    names = list(dict.fromkeys(m.name for v in found for m in v.measures))
-    header = ["case", "method", "stable", "measure", "value", "limit", *TOOK, *names, "asks"]
-    study.write_csv("stability.csv", header, (_row(v, names) for v in found))
     cells = {(v.case.name, v.method): v.cell for v in found}
     study.save("stability", verdicts([case.name for case in cases], methods, cells), CAPTION)
     explicit = ", ".join(m for m in methods if not STEPPERS[METHODS[m][0]].implicit)
-    dt = 1e3 * base.accuracy.dt
+    dt = 1e3 * study.accuracy.dt
     theirs = f"; {explicit}: {EXPLICIT_SHARE * dt:g} ms, for Euler the same effort" if explicit else ""
     stable = {m: sum(v.stable for v in found if v.method == m) for m in methods}
     study.conclude(
         "What stays stable",
         [table(cases, stable, found)],
         {
-            "design": foot_entry(base.foot),
-            **scene_entry(base.scene, base.accuracy, ()),
+            "design": foot_entry(study.foot),
+            **scene_entry(study.scene, study.accuracy, ()),
             "limits": LIMITS,
             "explicit_share_of_dt": EXPLICIT_SHARE,
             "stable": stable,
             "cases": len(cases),
-            "verdicts": [_entry(v) for v in found],
+            "verdicts": [v.entry for v in found],
         },
         said=[EACH_CELL, f"Time step {dt:g} ms{theirs}."],
     )
 
 
-def _entry(v: Verdict) -> dict[str, Any]:
-    """A verdict in result.json."""
-    limits = {m.name: None if m.limit == UNJUDGED else m.limit for m in v.measures}
-    return {
-        "case": v.case.name,
-        "asks": v.case.asks,
-        "method": v.method,
-        "stable": v.stable,
-        "measure": v.decides.name,
-        "measures": {m.name: {"value": m.value, "limit": limits[m.name]} for m in v.measures},
-        **v.took,
-    }
-
-
-def _row(v: Verdict, names: Sequence[str]) -> list[object]:
-    """A verdict in stability.csv: a column for each measure, empty where it is not asked."""
-    values = {m.name: m.value for m in v.measures}
-    measured = (values.get(name, math.nan) for name in names)
-    return [v.case.name, v.method, int(v.stable), *v.decides, *v.took.values(), *measured, v.case.asks]
-
-
 def table(cases: Sequence[Case], stable: dict[str, int], found: Sequence[Verdict]) -> Table:
     """Cases (rows) and methods (columns) for the terminal, and how many are stable."""
-    by_name = {(v.case.name, v.method): v for v in found}
     titles = ["case", *(method.replace("_", " ") for method in stable)]
     shown = terminal.table(titles, words=titles)
     for case in cases:
-        shown.add_row(case.name, *(_cell(by_name[case.name, method]) for method in stable))
+        shown.add_row(case.name, *(_cell(v) for v in found if v.case is case))
     shown.add_section()
     shown.add_row("stable cases", *(f"{count} of {len(cases)}" for count in stable.values()))
     return shown

@@ -3,129 +3,76 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import replace
-from typing import Any, NamedTuple
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
 
-from footopt.effects import Effect, Footprints, Inertia, Layers, LeadingEdge, Patches, Rest, Shadowing, Slope
+from footopt.effects import Effect, Inertia, Layers, LeadingEdge, Patches, Rest, Shadowing, Slope
 from footopt.foot import Foot
 from footopt.gait import Fourier, Gait
 from footopt.studies.stability_judges import (
-    Measure,
-    Setup,
-    Trial,
+    Judge,
     judge_long_walk,
     judge_rest,
-    judge_set_down,
     judge_standing,
     judge_sunk,
     judge_walk,
 )
+from footopt.walk import Accuracy, Scene
+
+Setup = tuple[Foot, Scene, Accuracy]
 
 
-class Case(NamedTuple):
-    """A hard case.
-
-    Parameters
-    ----------
-    name, asks : str
-        For tables: what it is, and what must hold.
-    build : callable
-        From the settings' setup to the case's own.
-    judge : callable
-        The numbers that decide.
-    """
+@dataclass(frozen=True)
+class Case:
+    """A hard case: how it differs from the settings, of which None leaves what they say."""
 
     name: str
-    asks: str
-    build: Callable[[Setup], Setup]
-    judge: Callable[[Trial], list[Measure]]
+    zeta: float | None = None  # of the sand
+    mass: float | None = None  # of the walker, kg
+    period: float | None = None  # of a stride, s
+    t_f: float | None = None  # None: two strides after the start
+    effects: tuple[Effect, ...] | None = None  # in place of the scene's
+    stands: bool = False  # whether the walker stands still
+    gait: Gait | None = None
+    k: tuple[int, ...] | None = None  # heights of the sole
+    steps: float = 1.0  # multiplies the time step
+    accuracy: Mapping[str, Any] = field(default_factory=dict)  # parameters that are taken as they are
+    judge: Judge = judge_walk  # from the walk to the numbers that decide
+
+    def build(self, foot: Foot, scene: Scene, accuracy: Accuracy) -> Setup:
+        """Return the foot, the scene and the accuracy of the case, from those of the settings."""
+        gait, sand = self.gait or scene.gait, scene.sand
+        gait = replace(gait, period=self.period or gait.period, start=math.inf if self.stands else gait.start)
+        if self.zeta is not None:
+            sand = replace(sand, zeta=self.zeta, name=f"zeta {self.zeta:g}")
+        scene = replace(
+            scene, sand=sand, gait=gait, t_f=self.t_f,
+            walker=replace(scene.walker, mass=self.mass or scene.walker.mass),
+            effects=scene.effects if self.effects is None else self.effects,
+        )  # fmt: skip
+        if self.k is not None:
+            foot = replace(Foot.from_waypoints(self.k), name=self.name)
+        adapt = accuracy.adapt and not self.accuracy
+        step = self.steps * accuracy.dt
+        return foot, scene, replace(accuracy, dt=step, name="custom", adapt=adapt, **self.accuracy)
 
 
-def walking(
-    zeta: float | None = None, mass: float | None = None, t_f: float | None = None, steps: float = 1.0,
-    **accuracy: Any,
-) -> Callable[[Setup], Setup]:  # fmt: skip
-    """The settings' walk with other sand, walker, duration or accuracy; `steps` multiplies the time step."""
+#: With bent knees and level feet that come down at about 3 m/s. Shanks mirror the thighs about the vertical,
+#: so that the ankle goes up and down below the hip; 10 deg of swing carry the walker forward.
+MARCH = Gait(
+    thigh=Fourier(35.0, (-10.0,), (20.0,)),
+    knee=Fourier(70.0, (0.0,), (40.0,)),
+    foot=Fourier(0.0, (0.0,), (0.0,)),
+    period=0.7,
+    pitch="measured",
+    name="march",
+)
 
-    def change(base: Setup) -> Setup:
-        scene = replace(base.scene, t_f=t_f)
-        if mass is not None:
-            scene = replace(scene, walker=replace(scene.walker, mass=mass))
-        if zeta is not None:
-            scene = replace(scene, sand=replace(scene.sand, zeta=zeta, name=f"zeta {zeta:g}"))
-        finely = replace(base.accuracy, dt=steps * base.accuracy.dt, name="custom", **accuracy)
-        if accuracy:
-            finely = replace(finely, adapt=False)
-        return replace(base, scene=scene, accuracy=finely)
-
-    return change
-
-
-def with_effects(zeta: float, *effects: Effect, period: float | None = None) -> Callable[[Setup], Setup]:
-    """The settings' walk on a sand with effects, at another period of the stride."""
-
-    def change(base: Setup) -> Setup:
-        setup = walking(zeta)(base)
-        gait = setup.scene.gait if period is None else replace(setup.scene.gait, period=period)
-        return replace(setup, scene=replace(setup.scene, effects=effects, gait=gait))
-
-    return change
-
-
-def standing(zeta: float, **accuracy: Any) -> Callable[[Setup], Setup]:
-    """Still for 10 s on a sand."""
-
-    def change(base: Setup) -> Setup:
-        setup = walking(zeta, t_f=10.0, **accuracy)(base)
-        return replace(setup, scene=replace(setup.scene, gait=replace(setup.scene.gait, start=math.inf)))
-
-    return change
-
-
-def resting(zeta: float, *effects: Effect) -> Callable[[Setup], Setup]:
-    """Still for a minute, on a sand and with effects."""
-
-    def change(base: Setup) -> Setup:
-        setup = standing(zeta)(base)
-        return replace(setup, scene=replace(setup.scene, t_f=60.0, effects=effects))
-
-    return change
-
-
-def spiky(base: Setup) -> Setup:
-    """A sole whose waypoints jump between the top and the bottom of the box."""
-    spikes = Foot.from_waypoints([1, 10] * 5 + [1])
-    return replace(base, foot=replace(spikes, name="spiky"), scene=replace(base.scene, t_f=None))
-
-
-def stamping(base: Setup) -> Setup:
-    """A march with bent knees and level feet that come down at about 3 m/s.
-
-    Shanks mirror the thighs about the vertical, so that the ankle goes up and down below the hip;
-    10 deg of swing carry the walker forward.
-    """
-    march = Gait(
-        thigh=Fourier(35.0, (-10.0,), (20.0,)),
-        knee=Fourier(70.0, (0.0,), (40.0,)),
-        foot=Fourier(0.0, (0.0,), (0.0,)),
-        period=0.7,
-        pitch="measured",
-        name="march",
-    )
-    return replace(base, scene=replace(base.scene, gait=march, t_f=None))
-
-
-def comb(base: Setup) -> Setup:
-    """A sole of 200 waypoints that jump between the top and the bottom of the box."""
-    return replace(spiky(base), foot=replace(Foot.from_waypoints([1, 10] * 100), name="comb"))
-
-
-def searched(base: Setup) -> Setup:
-    """What a search for too small error estimates has found on zeta 20: the error is 0.56 of it."""
-    foot = Foot.from_waypoints([2, 9, 7, 4, 6, 5, 6, 3, 5, 5, 6])
-    return replace(walking(20.0)(base), foot=replace(foot, name="searched"))
-
+#: Waypoints that jump between the top and the bottom of the box.
+SPIKES, COMB = (1, 10) * 5 + (1,), (1, 10) * 100
+#: What a search for too small error estimates has found on zeta 20: the error is 0.56 of it.
+SEARCHED = (2, 9, 7, 4, 6, 5, 6, 3, 5, 5, 6)
 
 #: Sand as it is hard to walk on, and all effects together.
 PAN, CLIFF = Layers((0.03,), (1e6,)), Patches((0.5,), (9.0,), (1e3,), blur=1e-4)
@@ -137,55 +84,44 @@ STRIPES = Patches(
 )
 ALL = (Layers((0.02, 0.05), (0.6, 1.5)), Patches(), LeadingEdge(), Inertia(), Slope(3.0), Shadowing())
 
-STANDS = "10 s: at rest, the weight carried without chatter, no drift, no work, energy adds up"
-WALKS = "right within 10 % of a walk in finer steps, with finer plates and creep speed; energy adds up"
-RESTS = "a minute on a slope: nothing moves, wherever the time step and delta (or the creep speed) put him"
-LASTS = "the last minute as fast as the second, energy adds up"
-FAILS = "infeasible, because he sank"
 
-CASES = tuple(
-    Case(*row)
-    for row in (
-        ("standing, zeta 0.05", STANDS, standing(0.05), judge_standing),
-        ("standing, zeta 0.2", STANDS, standing(0.2), judge_standing),
-        ("standing, zeta 1", STANDS, standing(1.0), judge_standing),
-        ("standing, zeta 5", STANDS, standing(5.0), judge_standing),
-        ("standing, zeta 50", STANDS, standing(50.0), judge_standing),
-        ("standing, zeta 500", STANDS, standing(500.0), judge_standing),
-        ("standing, creep 1e-9", STANDS, standing(5.0, creep=1e-9), judge_standing),
-        ("at rest by the plain law", RESTS, resting(5.0), judge_rest),
-        ("at rest on zeta 0.05", RESTS, resting(0.05, Rest(), Slope(5.0)), judge_rest),
-        ("at rest on zeta 5", RESTS, resting(5.0, Rest(), Slope(15.0)), judge_rest),
-        ("at rest on zeta 500", RESTS, resting(500.0, Rest(), Slope(5.0)), judge_rest),
-        ("2 kg", WALKS, walking(mass=2.0), judge_walk),
-        ("500 kg", WALKS, walking(mass=500.0), judge_walk),
-        ("zeta 100 under 2 kg", WALKS, walking(zeta=100.0, mass=2.0), judge_walk),
-        ("a step ten times larger", WALKS, walking(steps=10.0), judge_walk),
-        ("a foot set down at 3 m/s", WALKS, stamping, judge_set_down),
-        ("spiky soles", WALKS, spiky, judge_walk),
-        ("a comb of 200 waypoints", WALKS, comb, judge_walk),
-        ("worst estimate of a search", WALKS, searched, judge_walk),
-        ("leading edge on hard sand", WALKS, with_effects(5.0, LeadingEdge()), judge_walk),
-        ("leading edge, zeta 200", WALKS, with_effects(200.0, LeadingEdge()), judge_walk),
-        ("inertia in a brisk walk", WALKS, with_effects(1.0, Inertia(), period=0.9), judge_walk),
-        ("footprints on regular sand", WALKS, with_effects(1.0, Footprints()), judge_walk),
-        ("rest in a walk", WALKS, with_effects(5.0, Rest()), judge_walk),
-        ("a hard pan under soft sand", WALKS, with_effects(0.2, PAN), judge_walk),
-        ("a cliff from zeta 1 to 1000", WALKS, with_effects(1.0, CLIFF), judge_walk),
-        ("100 hard patches of 1 mm", WALKS, with_effects(1.0, STRIPES), judge_walk),
-        ("all effects", WALKS, with_effects(1.0, *ALL), judge_walk),
-        ("5 plates", WALKS, walking(plates=5), judge_walk),
-        ("50 plates", WALKS, walking(plates=50), judge_walk),
-        ("500 plates", WALKS, walking(plates=500), judge_walk),
-        ("5000 plates", WALKS, walking(plates=5000), judge_walk),
-        ("creep 1e-9", WALKS, walking(creep=1e-9), judge_walk),
-        ("creep 1e-7", WALKS, walking(creep=1e-7), judge_walk),
-        ("creep 1e-5", WALKS, walking(creep=1e-5), judge_walk),
-        ("creep 1e-3", WALKS, walking(creep=1e-3), judge_walk),
-        ("creep 1e-2", WALKS, walking(creep=1e-2), judge_walk),
-        ("creep 1e-9 on zeta 50", WALKS, walking(zeta=50.0, creep=1e-9), judge_walk),
-        ("ten minutes of walking", LASTS, walking(t_f=600.0), judge_long_walk),
-        ("sand that carries nobody", FAILS, walking(zeta=1e-3), judge_sunk),
-        ("sinking to the hip", FAILS, walking(zeta=0.02), judge_sunk),
-    )
+def standing(name: str, zeta: float, accuracy: Mapping[str, Any] | None = None) -> Case:
+    """Still for 10 s on a sand."""
+    return Case(name, zeta, t_f=10.0, stands=True, accuracy=accuracy or {}, judge=judge_standing)
+
+
+def resting(name: str, zeta: float, *effects: Effect) -> Case:
+    """Still for a minute, on a sand and with effects."""
+    return Case(name, zeta, t_f=60.0, stands=True, effects=effects, judge=judge_rest)
+
+
+CASES = (
+    *(standing(f"standing on zeta {zeta:g}", zeta) for zeta in (0.05, 0.2, 1.0, 5.0, 50.0, 500.0)),
+    standing("standing with creep 1e-9", 5.0, {"creep": 1e-9}),
+    resting("at rest by the plain law", 5.0),
+    resting("at rest on zeta 0.05", 0.05, Rest(), Slope(5.0)),
+    resting("at rest on zeta 5", 5.0, Rest(), Slope(15.0)),
+    resting("at rest on zeta 500", 500.0, Rest(), Slope(5.0)),
+    Case("2 kg", mass=2.0),
+    Case("500 kg", mass=500.0),
+    Case("zeta 100 under 2 kg", zeta=100.0, mass=2.0),
+    Case("a step ten times larger", steps=10.0),
+    Case("a foot set down at 3 m/s", gait=MARCH),
+    Case("spiky soles", k=SPIKES),
+    Case("a comb of 200 waypoints", k=COMB),
+    Case("worst estimate of a search", zeta=20.0, k=SEARCHED),
+    Case("leading edge on hard sand", 5.0, effects=(LeadingEdge(),)),
+    Case("leading edge on zeta 200", 200.0, effects=(LeadingEdge(),)),
+    Case("inertia in a brisk walk", 1.0, effects=(Inertia(),), period=0.9),
+    Case("rest in a walk", 5.0, effects=(Rest(),)),
+    Case("a hard pan under soft sand", 0.2, effects=(PAN,)),
+    Case("a cliff from zeta 1 to 1000", 1.0, effects=(CLIFF,)),
+    Case("100 hard patches of 1 mm", 1.0, effects=(STRIPES,)),
+    Case("all effects", 1.0, effects=ALL),
+    *(Case(f"{plates} plates", accuracy={"plates": plates}) for plates in (5, 50, 500, 5000)),
+    *(Case(f"creep {c}", accuracy={"creep": float(c)}) for c in ("1e-9", "1e-7", "1e-5", "1e-3", "1e-2")),
+    Case("creep 1e-9 on zeta 50", 50.0, accuracy={"creep": 1e-9}),
+    Case("ten minutes of walking", t_f=600.0, judge=judge_long_walk),
+    Case("sand that carries nobody", 1e-3, judge=judge_sunk),
+    Case("sinking to the hip", 0.02, judge=judge_sunk),
 )

@@ -81,17 +81,6 @@ def creep_while_standing(walk: Walk) -> float:
     return 1.5 * sinking_speed(walk, t) * t if t > 0.0 else 0.0
 
 
-def set_down_speed(walk: Walk) -> float:
-    """Largest downward speed of a plate in the first sample after its foot enters the sand, m/s."""
-    loaded = np.abs(walk.force).sum(axis=-1) > 0.0
-    fastest = 0.0
-    for sample, foot in np.argwhere(loaded[1:] & ~loaded[:-1]):
-        states = walk.plates([sample + 1])
-        in_sand = states.position[0, foot, :, 1] < 0.0
-        fastest = max(fastest, float(-states.velocity[0, foot, in_sand, 1].min(initial=0.0)))
-    return fastest
-
-
 def momentum_gap(walk: Walk) -> Array:
     """Momentum that neither the sand's impulse nor gravity explains, (2,), N s; rounding only."""
     walker = walk.scene.walker

@@ -54,7 +54,7 @@ SMALL = {
     "doctor": {},
     "calibrate": {},
     "accuracy": {"study.feet": "2", "study.quick": "true"},
-    "stability": {"study.cases": "['standing, zeta 5','2 kg']", "study.methods": "[sdirk2,explicit_euler]"},
+    "stability": {"study.cases": "[standing on zeta 5,2 kg]", "study.methods": "[sdirk2,explicit_euler]"},
     "effects": {"study.feet": "2", "accuracy": "draft"},
     "validate": {"study.cases": "[growth,friction]"},
     "robust": {k: v for k, v in SEARCH.items() if k != "study.finalists"} | {"study.quick": "true"},

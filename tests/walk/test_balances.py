@@ -11,10 +11,9 @@ from hypothesis import strategies as st
 import footopt as fo
 from footopt.sand import affine
 from footopt.sand.law import GENERIC
-from footopt.studies.stability_cases import stamping
-from footopt.studies.stability_judges import Setup
+from footopt.studies.stability_cases import MARCH
 from footopt.walk import STEPPERS
-from footopt.walk.balances import energy_gap, power_from_sand, set_down_speed, sinking_speed, smoothing_power
+from footopt.walk.balances import energy_gap, power_from_sand, sinking_speed, smoothing_power
 from footopt.walk.newton import MAX_NEWTON, MAX_RESCUE
 
 SANDS = (0.05, 0.2, 1.0, 5.0, 50.0, 500.0)
@@ -125,9 +124,8 @@ class TestEnergy:
             foot = fo.Foot.from_waypoints(rng.integers(1, 11, 11))
             walker = fo.Walker(mass=float(rng.uniform(25.0, 120.0)))
             scene = fo.Scene(sand=fo.Sand(float(10.0 ** rng.uniform(-0.7, 1.7))), walker=walker)
-            march = stamping(Setup(foot, scene, fo.Accuracy.named("standard"))).scene
-            faster = replace(march.gait, period=march.gait.period * float(rng.uniform(0.7, 1.5)))
-            walk = fo.simulate(foot, replace(march, gait=faster), "standard")
+            faster = replace(MARCH, period=MARCH.period * float(rng.uniform(0.7, 1.5)))
+            walk = fo.simulate(foot, replace(scene, gait=faster), "standard")
             assert walk.feasible, seed
             assert power_from_sand(walk) <= smoothing_power(GENERIC), seed
             assert energy_gap(walk) < 0.01, seed
@@ -136,25 +134,21 @@ class TestEnergy:
 @pytest.fixture(scope="module")
 def stamp(flat_foot):
     """A walk whose stages have to be rescued: level feet set down at 3 m/s."""
-    setup = stamping(Setup(flat_foot, fo.Scene(), fo.Accuracy.named("standard")))
-    return setup, fo.simulate(setup.foot, setup.scene)
+    return fo.simulate(flat_foot, fo.Scene(gait=MARCH))
 
 
 class TestNewton:
     def test_rescues_are_counted_in_walks_and_tables(self, stamp):
-        setup, walk = stamp
-        table = fo.evaluate([setup.foot], setup.scene)
-        assert walk.rescues > 0
-        assert (table.rescues[0], table.repeats[0]) == (walk.rescues, walk.repeats)
-        assert table.evaluations[0] == walk.evaluations
+        table = fo.evaluate([stamp.foot], stamp.scene)
+        assert stamp.rescues > 0
+        assert (table.rescues[0], table.repeats[0]) == (stamp.rescues, stamp.repeats)
+        assert table.evaluations[0] == stamp.evaluations
 
     def test_a_rescued_walk_is_right(self, stamp):
-        setup, walk = stamp
-        finer = fo.simulate(setup.foot, setup.scene, replace(walk.accuracy, dt=walk.accuracy.dt / 25))
+        finer = fo.simulate(stamp.foot, stamp.scene, replace(stamp.accuracy, dt=stamp.accuracy.dt / 25))
         for name in ("distance", "mean_height", "work", "peak_power", "speed_loss"):
-            assert walk.objectives[name] == pytest.approx(finer.objectives[name], rel=0.01)
-        assert energy_gap(walk) < 2e-3
-        assert 2.5 < set_down_speed(finer) < 3.5
+            assert stamp.objectives[name] == pytest.approx(finer.objectives[name], rel=0.01)
+        assert energy_gap(stamp) < 2e-3
 
     def test_evaluations_are_few_where_nothing_is_hard(self, flat_foot):
         walk = fo.simulate(flat_foot, fo.Scene())
@@ -162,9 +156,8 @@ class TestNewton:
         assert walk.evaluations <= 3 * len(walk.t)
 
     def test_evaluations_are_bounded_where_everything_is(self, stamp):
-        _, walk = stamp
-        plain = 2 * MAX_NEWTON * len(walk.t)
-        assert walk.evaluations <= plain + walk.rescues * MAX_RESCUE
+        plain = 2 * MAX_NEWTON * len(stamp.t)
+        assert stamp.evaluations <= plain + stamp.rescues * MAX_RESCUE
 
     def test_repeats_are_counted_and_the_walk_is_right(self, ramp_foot):
         """Hard sand with little smoothing, in long steps."""
