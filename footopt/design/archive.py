@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.design.fronts import Volume, enlarged
+from footopt.design.fronts import Volume, nondominated
 from footopt.design.known import Known
 from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.result import Generation, SearchResult
@@ -182,7 +182,7 @@ class Archive:
         new = count + np.flatnonzero(self._good[count:])
         if not len(new):
             return front
-        f = self.problem.minimised(self._table.values[new])
-        kept, stay = enlarged(self._best, f)
-        self._best = np.concatenate([self._best[kept], f[stay]])
-        return np.concatenate([front[kept], new[stay]])
+        f = np.concatenate([self._best, self.problem.minimised(self._table.values[new])])
+        kept = nondominated(f)
+        self._best = f[kept]
+        return np.concatenate([front, new])[kept]

@@ -135,9 +135,10 @@ def certified(
         new = {k.tobytes() for k in inside} - searched
         affordable = len(fresh | new) <= most
         close = inside[:0]
-        if affordable:
+        if affordable and len(inside):
             fresh |= new
-            close = _close(problem, inside, result.values[confirmed.designs[:1]], margin, evaluator)
+            least = problem.minimised(result.values[confirmed.designs[:1]])[0, 0]
+            close = inside[_judged(problem, inside, *evaluator(inside)) <= least + margin * abs(least)]
         if len(close):
             f = _judged(problem, close, *problem.at(accuracy).walk(close))
         if not len(close) or f.min() >= problem.minimised(confirmed.values[:1])[0, 0]:
@@ -161,15 +162,6 @@ def certified(
         holds=affordable,
     )
     return result, confirmed, certificate
-
-
-def _close(problem: FootProblem, k: Ints, own: Array, margin: float, evaluator: Evaluator) -> Ints:
-    """Designs (designs, n) that are not worse than one's values (1, record) by more than a margin."""
-    if not len(k):
-        return k
-    least = problem.minimised(own)[0, 0]
-    kept: Ints = k[_judged(problem, k, *evaluator(k)) <= least + margin * abs(least)]
-    return kept
 
 
 def _judged(problem: FootProblem, k: Ints, values: Array, reasons: Words) -> Array:

@@ -72,25 +72,6 @@ def ranks(F: Array) -> Ints:
     return place.T
 
 
-def enlarged(F: Array, new: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Which designs of a front F (designs, objectives) no new one dominates, and which new ones stay, too."""
-    blocks, stay = [F[start : start + BLOCK] for start in range(0, len(F), BLOCK)], nondominated(new)
-    for block in blocks:
-        stay[stay] = ~dominated(new[stay], block)
-    return ~np.concatenate([np.empty(0, bool), *(dominated(block, new[stay]) for block in blocks)]), stay
-
-
-def dominated(F: Array, by: Array) -> NDArray[np.bool_]:
-    """Which designs (designs, objectives) others dominate, (designs,)."""
-    as_good = np.ones((len(by), len(F)), bool)
-    for one, other in zip(by.T, F.T, strict=True):
-        as_good &= one[:, None] <= other
-    better, worse = np.nonzero(as_good)
-    found = np.zeros(len(F), bool)
-    found[worse[(by[better] < F[worse]).any(axis=1)]] = True
-    return found
-
-
 def directions(objectives: int, count: int, seed: int = 0) -> Array:
     """Unit vectors (count, objectives) of the positive orthant, uniform on the sphere, always the same."""
     drawn = np.abs(np.random.default_rng(seed).normal(size=(count, objectives)))

@@ -139,8 +139,7 @@ class SearchResult:
     @property
     def G(self) -> Array:
         """Constraints of `X`, met where at most 0: (front, constraints), or (constraints,) of one best."""
-        failed = np.where(np.isin(self.reasons, ("", "box", *self.problem.limits)), "", self.reasons)
-        return np.asarray(self._of_pymoo(self.problem.constraints(self.values, failed, self.violation)))
+        return np.asarray(self._of_pymoo(self.problem.constraints(self.values, self.reasons, self.violation)))
 
     @property
     def opt(self) -> Any:

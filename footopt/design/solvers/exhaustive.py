@@ -47,9 +47,3 @@ class Exhaustive(Algorithm):
         return None
 
     _initialize_infill = _infill
-
-    def _advance(self, infills: Any = None, **kwargs: Any) -> None:
-        self.pop = infills  # what is best of all is the archive's to say
-
-    def _initialize_advance(self, infills: Any = None, **kwargs: Any) -> None:
-        self._advance(infills)

@@ -31,8 +31,7 @@ OPERATORS: dict[str, tuple[str, ...]] = {
 #: The best for one objective, and for several (docs/solvers.md).
 AUTO, BEST = "auto", ("memetic", "archive")
 
-#: Solvers whose generations grow, without pop_size: a share of all designs so far, within bounds.
-GROWING = BEST
+#: Of the generations of `BEST` without pop_size: a share of all designs so far, within bounds.
 SHARE, FIRST, MOST = 0.05, 10, 100
 
 WALKS = 10_000  # of a solver without n_gen
@@ -106,20 +105,15 @@ class Solver:
             raise SettingError("foot.n", space.n, allowed, hint)
 
     @property
-    def grows(self) -> bool:
-        """Whether its generations grow."""
-        return self.pop_size is None and self.name in (AUTO, *GROWING)
-
-    @property
     def size(self) -> int:
         """Designs of a generation that does not grow."""
         return self.pop_size or (BATCH if self.name == EXHAUSTIVE else SIZE)
 
     def sizes(self) -> Iterator[int]:
         """Designs of each generation, without end."""
-        asked = 0
+        asked, grows = 0, self.pop_size is None and self.name in (AUTO, *BEST)
         while True:
-            yield (size := grown(asked) if self.grows else self.size)
+            yield (size := grown(asked) if grows else self.size)
             asked += size
 
     def generations(self, space: Waypoints) -> int:
@@ -141,22 +135,13 @@ class Solver:
     def build(self, n_obj: int) -> Any:
         """A fresh pymoo algorithm; `SettingError` if it is not for that many objectives."""
         name = self.fitting(n_obj).name
-        single = name in SINGLE
-        if single and n_obj > 1:
-            many = ", ".join(name for name in SOLVERS if name not in SINGLE)
-            raise SettingError(
-                "solver",
-                name,
-                f"a solver of several objectives ({many}) for {n_obj} objectives",
-                "Or minimise the scalar J_W: objective=efficiency.",
-            )
-        if not single and n_obj < 2 and name != EXHAUSTIVE:
-            raise SettingError(
-                "solver",
-                name,
-                f"a solver of one objective ({', '.join((*SINGLE, EXHAUSTIVE))}) for one objective",
-                "Or ask for several: objective=pareto.",
-            )
+        several = n_obj > 1
+        fit = [other for other in SOLVERS if other == EXHAUSTIVE or (other in SINGLE) != several]
+        if name not in fit:
+            kind, hint = "one objective", "Or ask for several: objective=pareto."
+            if several:
+                kind, hint = "several objectives", "Or minimise the scalar J_W: objective=efficiency."
+            raise SettingError("solver", name, f"a solver of {kind} ({', '.join(fit)})", hint)
         known, given = OPERATORS.get(name, ()), self.operators or {}
         check(isinstance(given, dict), "solver.operators", given, "numbers by name: {crossover_eta: 10}")
         for word, value in given.items():
