@@ -4,19 +4,30 @@ from __future__ import annotations
 
 import hashlib
 import logging
-import pickle
-from collections.abc import Callable
+import os
+import shutil
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-from llvmlite import ir
-from numba import config, njit, types
+import llvmlite
+import numba
+from filelock import FileLock
+from numba import cfunc, config, njit
 from numba.core import cgutils
-from numba.core.caching import FunctionCache, IndexDataCacheFile, _cache_log
-from numba.core.ccallback import CFunc
+from numba.core.caching import FunctionCache
 from numba.extending import intrinsic, register_jitable
 
 log = logging.getLogger("footopt")
+
+SOURCES = ("sand", "effects", "foot", "walk", "mujoco")  # what is compiled, with this file
+KEPT, DAY = 8, 86_400  # folders of other sources that stay in any case; s without use until others go
+_choosing = threading.RLock()  # numba has one setting for where it keeps code
 
 #: What may be assumed of floating-point numbers in the loop over plates: sums may be reordered, so that
 #: the loop is vectorised. NaN and infinity may not be assumed away: a walk that diverges must be seen.
@@ -39,135 +50,77 @@ called = register_jitable(**{**INLINE, "forceinline": False})  # rounds alike wh
 called_fast = register_jitable(fastmath=FAST, **{**INLINE, "forceinline": False})
 
 
-class _Files(IndexDataCacheFile):  # type: ignore[misc]  # numba has no types
-    """One file for each signature of a function: a seal, the source's stamp, and the compiled code.
-
-    numba's own files have no checksum: a flipped bit crashes or gives wrong numbers, and two files that
-    are exchanged, or that two processes write at once, give the walk of another effect.
-    """
-
-    def load(self, key: Any) -> Any:
-        """What is kept under a key; None if there is nothing of this source, or if it is damaged."""
-        path = self._path(key)
-        try:
-            content = path.read_bytes()
-        except FileNotFoundError:
-            return None
-        except OSError as error:
-            log.warning("compiled code cannot be read and is compiled again (%s)", error)
-            return None
-        if content[:32] != _sha256(path.name.encode() + content[32:]):
-            log.warning("compiled code was damaged and is compiled again (%s)", path)
-            return None
-        if content[32:64] != self._stamp():
-            return None
-        known, data = pickle.loads(content[64:])
-        _cache_log("[cache] data loaded from %r", str(path))
-        return data if known == key else None
-
-    def save(self, key: Any, data: Any) -> None:
-        """Keep compiled code under a key, in the place of what was made from another source."""
-        path = self._path(key)
-        content = self._stamp() + self._dump((key, data))
-        with self._open_for_write(str(path)) as file:
-            file.write(_sha256(path.name.encode() + content) + content)
-        _cache_log("[cache] data saved to %r", str(path))
-
-    def _path(self, key: Any) -> Path:
-        signature, machine, _ = key
-        name = _sha256(f"{signature}|{machine}".encode()).hex()[:16]
-        return Path(self._cache_path, self._index_name).with_suffix(f".{name}.nbc")
-
-    def _stamp(self) -> bytes:
-        return _sha256(repr((self._version, self._source_stamp)).encode())
-
-
 class _Cache(FunctionCache):  # type: ignore[misc]  # numba has no types
-    """numba's cache of one function; what is wrong with a file is said, and the function compiled again."""
-
-    def __init__(self, function: Callable[..., Any]) -> None:
-        super().__init__(function)
-        self._cache_file = _Files(
-            self._cache_path, self._impl.filename_base, self._impl.locator.get_source_stamp()
-        )
-
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Load compiled code; None, so that it is compiled again, if what is kept cannot be used."""
-        try:
-            return super().load_overload(sig, target_context)
-        except (AttributeError, ImportError):  # it names types by modules from where they have moved
-            return None
+    """numba's cache of a function, which numbers the files of its signatures: one process at a time does."""
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep compiled code, where there is room for it."""
-        try:
+        with FileLock(Path(self.cache_path) / "lock"):
             super().save_overload(sig, data)
-        except OSError as error:
-            _cannot_be_kept(error)
 
 
-def _sha256(content: bytes) -> bytes:
-    return hashlib.sha256(content).digest()
+@cache
+def folder() -> str | None:
+    """Where compiled code is kept: a folder of the user alone for these sources; None if it has no place.
+
+    numba looks at the file that a function is in; what that imports is compiled into it, too. The times of
+    files count, as they do for numba: in one folder no file is ever given to another signature.
+    """
+    digest = hashlib.sha256(f"{numba.__version__} {llvmlite.__version__}".encode())
+    rooms = (Path(__file__).parent / name for name in SOURCES)
+    for path in [Path(__file__), *sorted(path for room in rooms for path in room.rglob("*.py"))]:
+        digest.update(f"{path} {path.stat().st_mtime_ns}".encode() + path.read_bytes())
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser()
+    base = Path(config.CACHE_DIR or cache / "footopt")
+    place = base / f"footopt-{digest.hexdigest()[:16]}"
+    try:
+        place.mkdir(mode=0o700, parents=True, exist_ok=True)
+        os.utime(place)  # it is in use
+        tempfile.TemporaryFile(dir=place).close()
+    except OSError as error:
+        log.warning(
+            "compiled code cannot be kept, so that every start compiles it again (%s). "
+            "Set NUMBA_CACHE_DIR to a folder that can be written.",
+            error,
+        )
+        return None
+    for old in sorted(base.glob("footopt-*"), key=os.path.getmtime)[:-KEPT]:
+        if time.time() - old.stat().st_mtime > DAY:  # no process that began to compile there is at it still
+            shutil.rmtree(old, ignore_errors=True)
+    return str(place)
 
 
-def _cannot_be_kept(error: Exception) -> None:
-    log.warning(
-        "compiled code cannot be kept, so that every start compiles it again (%s). "
-        "Set NUMBA_CACHE_DIR to a folder that can be written and has room.",
-        error,
-    )
+@contextmanager
+def _in_folder() -> Iterator[bool]:
+    """Have numba keep code in `folder` for the block; whether there is one."""
+    with _choosing:
+        before, config.CACHE_DIR = config.CACHE_DIR, folder() or config.CACHE_DIR
+        try:
+            yield folder() is not None
+        finally:
+            config.CACHE_DIR = before
 
 
 def cached_njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
-    """`numba.njit(cache=True, **options)`; if no cache folder can be written, the same without one."""
+    """`numba.njit(cache=True, **options)`, of which many processes may save at once."""
 
     def decorate(function: Callable[..., Any]) -> Any:
-        try:
-            compiled = njit(cache=True, **options)(function)
-            if active():
+        compiled = njit(**options)(function)
+        with _in_folder() as there:
+            if there and active():
                 compiled._cache = _Cache(function)
-            return compiled
-        except RuntimeError as error:  # numba: no locator available
-            _cannot_be_kept(error)
-            return njit(**options)(function)
+        return compiled
 
     return decorate
 
 
 def cached_cfunc(signature: Any) -> Callable[[Callable[..., Any]], Any]:
-    """`numba.cfunc(signature)`, kept as `cached_njit` keeps its code."""
+    """`numba.cfunc(signature, cache=True)`, for functions of one signature, each of its own name."""
 
     def decorate(function: Callable[..., Any]) -> Any:
-        made: Any = CFunc(function, (signature.args, signature.return_type), {}, {"error_model": "numpy"})
-        try:
-            made._cache = _Cache(function)
-        except RuntimeError as error:  # numba: no locator available
-            _cannot_be_kept(error)
-        made.compile()
-        return made
+        with _in_folder() as there:
+            return cfunc(signature, cache=there, error_model="numpy")(function)
 
     return decorate
-
-
-def _pointer(typingctx: Any, address: Any) -> Any:
-    """A whole number as a pointer."""
-
-    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return builder.inttoptr(args[0], ir.IntType(8).as_pointer())
-
-    return types.voidptr(address), generate
-
-
-def _call(typingctx: Any, function: Any, arguments: Any) -> Any:
-    """Call the function at an address with a tuple of whole numbers."""
-
-    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        given = cgutils.unpack_tuple(builder, args[1])
-        kind = ir.FunctionType(ir.VoidType(), [argument.type for argument in given])
-        builder.call(builder.inttoptr(args[0], kind.as_pointer()), given)
-        return context.get_dummy_value()
-
-    return types.void(function, arguments), generate
 
 
 def _unowned(typingctx: Any, array: Any) -> Any:
@@ -181,8 +134,7 @@ def _unowned(typingctx: Any, array: Any) -> Any:
     return array(array), generate
 
 
-#: What compiled code may use: a whole number as a pointer, the function at an address, and such an array.
-pointer, call, unowned = intrinsic(_pointer), intrinsic(_call), intrinsic(_unowned)
+unowned = intrinsic(_unowned)
 
 
 def processor() -> tuple[str, int]:
@@ -199,8 +151,3 @@ def processor() -> tuple[str, int]:
 def active() -> bool:
     """Whether numba compiles at all; with NUMBA_DISABLE_JIT=1 everything runs as Python."""
     return not config.DISABLE_JIT
-
-
-def kept(function: Any) -> tuple[str | None, int]:
-    """Where the code of a compiled function is kept on disk, and how often it was loaded from there."""
-    return function.stats.cache_path, sum(function.stats.cache_hits.values())

@@ -10,19 +10,47 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from llvmlite import ir
 from numba import carray, cfunc, njit, types
+from numba.core import cgutils
+from numba.extending import intrinsic
 
-from footopt.compiled import cached_cfunc, call, pointer
+from footopt.compiled import cached_cfunc
 from footopt.errors import needed
 from footopt.mujoco import step as steps
 from footopt.mujoco.implicit import solve
 from footopt.mujoco.step import BODY, FREEDOM, HOLD, MEAN, STEP, Workspace, align, product
-from footopt.walk.sources import digest_of, users_own
+from footopt.walk.sources import users_own
 from footopt.walk.steppers import STEPPERS
 
 MOST, ARRAYS = 256, len(Workspace._fields)  # models on sand at once in one process, and arrays of each
 #: What is attached: address of its MjData, of its `Contact.addresses`, and of its compiled step.
 ATTACHED = np.zeros((MOST, 3), np.int64)
+
+
+def _pointer(typingctx: Any, address: Any) -> Any:
+    """A whole number as a pointer."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.inttoptr(args[0], ir.IntType(8).as_pointer())
+
+    return types.voidptr(address), generate
+
+
+def _call(typingctx: Any, function: Any, arguments: Any) -> Any:
+    """Call the function at an address with a tuple of whole numbers."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        given = cgutils.unpack_tuple(builder, args[1])
+        kind = ir.FunctionType(ir.VoidType(), [argument.type for argument in given])
+        builder.call(builder.inttoptr(args[0], kind.as_pointer()), given)
+        return context.get_dummy_value()
+
+    return types.void(function, arguments), generate
+
+
+#: What compiled code may use: a whole number as a pointer, and the function at an address.
+pointer, call = intrinsic(_pointer), intrinsic(_call)
 
 
 @njit
@@ -46,10 +74,8 @@ def compiled(effects: bytes) -> Any:
     """The step with some effects, a pickled tuple of loads, gates and pushes, which is compiled once."""
     acting = pickle.loads(effects)
     laws = STEPPERS["sdirk2"].parameters, [law for laws in acting for law in laws or ()]
-    source = digest_of((), Path(__file__).parent)
 
     def passive(model, data, address):
-        source  # noqa: B018  a free variable is part of the cache's key
         table, time = carray(pointer(address), (ARRAYS + 1, 3), np.int64), np.zeros(1)
         step = carray(pointer(table[0, 0]), (table[0, 1],), STEP)
         bodies = carray(pointer(table[1, 0]), (table[1, 1],), BODY)

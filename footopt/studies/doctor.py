@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from footopt.compiled import kept, processor
+from footopt.compiled import folder, processor
 from footopt.errors import FootoptError
 from footopt.files import identity
 from footopt.report import terminal
 from footopt.sand import Sand
 from footopt.studies.base import Study
-from footopt.walk import FIVE, STEPPERS, Scene, evaluate
-from footopt.walk.loop import compiled
+from footopt.walk import FIVE, Scene, evaluate
 from footopt.walk.reference import LIMITS, PUBLISHED, RAMP
 from footopt.walk.simulate import available_threads
 
@@ -32,7 +31,7 @@ def run(study: Study) -> None:
             found[f"{published.sand} sand"] = f"{said}; {100 * limit:.2g} % are allowed"
             if not off.max() <= limit:
                 wrong.append(f"{published.sand} sand {said}. Install numba and numpy anew.")
-    cache, _ = kept(compiled(STEPPERS["sdirk2"].parameters))
+    cache = folder()
     found["cache folder"] = cache or "none"
     if cache is None:
         wrong.append("No cache folder can be written. Set NUMBA_CACHE_DIR to one that can.")

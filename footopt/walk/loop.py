@@ -31,6 +31,8 @@ OK, SUNK, BACKWARD, DIVERGED = range(4)
 
 @lru_cache(maxsize=8)
 def _compile(source: str, compiler: Any):
+    """The loop, compiled anew for every `source` of a user's own functions."""
+
     @compiler(nogil=True, error_model="numpy")
     def walk_range(
         method,
@@ -61,7 +63,6 @@ def _compile(source: str, compiler: Any):
         are left as they were; without rows, nothing is traced. bristle_trace: the bristles of each row,
         (rows, 2 feet, 2, plates), or None.
         """
-        source  # noqa: B018  a free variable is part of the cache's key
         steps = len(times) - 1
         finest, traced = len(poses) - 1, len(trace) > 0
         for d in range(begin, end):
@@ -149,7 +150,6 @@ def walk_range(stepper: Any, soles: Sole, world: World, *rest: Any) -> None:
 def _compile_contact(source: str, compiler: Any):
     @compiler(error_model="numpy")
     def both(world, soles, poses, x, z, vx, vz, creep, stage, counts):
-        source  # noqa: B018  a free variable is part of the cache's key
         return contact(world, soles, poses, x, z, vx, vz, creep, stage, None, FOLLOWS, counts)
 
     return both

@@ -1,4 +1,4 @@
-"""Which sources a walk is compiled from: code and results that are kept are keyed to them."""
+"""A user's own types and functions among those that a walk needs, and the sources that they are in."""
 
 from __future__ import annotations
 
@@ -14,8 +14,6 @@ from typing import Any
 from footopt.effects import base as effects
 from footopt.walk import steppers
 
-#: What every walk is compiled from: rooms and files.
-COMPILED = ("compiled.py", "sand", "effects", "walk")
 #: Where types and functions come from that every process can import.
 HOME = ("footopt.", __name__.rpartition(".")[0] + ".")
 
@@ -33,24 +31,14 @@ def users_own(stepper: Any, laws: Sequence[Any]) -> tuple[Any, ...]:
 
 
 def source(stepper: Any, laws: Sequence[Any]) -> str:
-    """A digest of all that is compiled into a walk with this stepper and these laws of effects."""
+    """A digest of a user's own functions that a walk needs: one that was edited is compiled again."""
     return digest_of(tuple(thing for thing in users_own(stepper, laws) if not isinstance(thing, type)))
 
 
 @lru_cache(maxsize=8)
-def digest_of(functions: tuple[Any, ...], *more: Path) -> str:
-    """A digest of footopt's sources, with a user's own functions: code cached of others is not used.
-
-    more: files, or folders beside those that every walk is compiled from.
-    """
-    digest = hashlib.sha256()
-    house = Path(__file__).parents[1]
-    for folder in (*(house / name for name in COMPILED), *more):  # no file is forgotten
-        for path in [folder] if folder.is_file() else sorted(folder.rglob("*.py")):
-            digest.update(path.read_bytes())
-    for function in functions:
-        digest.update(text_of(function))
-    return digest.hexdigest()
+def digest_of(functions: tuple[Any, ...]) -> str:
+    """A digest of the sources of functions."""
+    return hashlib.sha256(b"".join(map(text_of, functions))).hexdigest()
 
 
 def text_of(thing: Any) -> bytes:

@@ -8,7 +8,6 @@ import pytest
 import footopt as fo
 from footopt.mujoco import attach
 from footopt.mujoco.callback import compiled
-from footopt.walk.sources import digest_of
 
 mujoco = pytest.importorskip("mujoco")
 rollout = pytest.importorskip("mujoco.rollout")
@@ -215,12 +214,3 @@ def test_sand_holds_an_ankle_whose_servo_is_explicit_as_long_as_it_is_stable_in_
 def test_what_is_compiled_for_an_effect_is_kept_and_that_for_another_beside_it(request):
     acting = [pickle.dumps(shared.put_on_sand(request, effects=e)[2].acting) for e in ((), (fo.Inertia(),))]
     assert [compiled.__wrapped__(each)._cache_hits for each in (*acting, *acting)] == [1, 1, 1, 1]
-
-
-def test_kept_code_is_keyed_to_single_files_and_folders_too(tmp_path):
-    law, found = tmp_path / "law.py", []
-    for text in ("1", "2"):
-        law.write_text(text)
-        digest_of.cache_clear()
-        found += [digest_of(()), digest_of((), law), digest_of((), tmp_path)]
-    assert [a == b for a, b in zip(found[:3], found[3:], strict=True)] == [True, False, False]
