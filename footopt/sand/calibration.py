@@ -8,9 +8,9 @@ only the interval of its own least squares.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,88 +40,61 @@ class Estimate:
     low: float
     high: float
 
+    @classmethod
+    def of(cls, values: Array, error: float = np.inf, freedom: int = 1) -> Estimate:
+        """Return the mean of repeats with Student's interval; of one, its value with its own error."""
+        from scipy.special import stdtrit
+
+        if (count := len(values)) > 1:
+            error, freedom = float(values.std(ddof=1) / np.sqrt(count)), count - 1
+        mean = float(values.mean())
+        half = float(stdtrit(max(freedom, 1), 0.5 + 0.5 * COVERAGE)) * error
+        return cls(mean, mean - half, mean + half)
+
+    def exp(self) -> Estimate:
+        """Return the estimate of a number from that of its logarithm."""
+        return Estimate(*(float(np.exp(v)) for v in (self.value, self.low, self.high)))
+
     def excludes(self, value: float) -> bool:
         """Whether a value is outside the interval."""
         return not self.low <= value <= self.high
 
 
-@dataclass(frozen=True, eq=False)
-class SetUp:
-    """Tests with one plate in one direction.
+class SetUp(NamedTuple):
+    """Tests with one plate in one direction."""
 
-    Parameters
-    ----------
-    area : float, m^2
-        Of the plate.
-    angle, direction : float, deg
-        beta and gamma, as in `footopt.sand.law.alpha`.
-    rows : int
-        Measurements.
-    zeta : Estimate
-        Of these tests alone.
-    """
-
-    area: float
-    angle: float
-    direction: float
+    name: str
     rows: int
-    zeta: Estimate
-
-    @property
-    def name(self) -> str:
-        """For tables and legends."""
-        return f"{1e4 * self.area:.3g} cm² at {self.angle:g}° moved at {self.direction:g}°"
+    zeta: Estimate  # of these tests alone
 
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """What tests say of a sand.
+    """What tests say of a sand."""
 
-    Parameters
-    ----------
-    zeta : Estimate
-        With force that grows linearly with depth, as footopt's law has it.
-    exponent : Estimate
-        Of depth, in a law with zeta (z / `reference`)^(exponent - 1).
-    scale : float
-        zeta of that law at the depth `reference`.
-    reference : float, m
-        The geometric mean of the depths.
-    spread : float or None
-        Standard deviation of the logarithm of zeta where the sand is prepared anew; None with one repeat.
-    repeats : dict of (float, float)
-        zeta and exponent of each alone.
-    set_ups : tuple of SetUp
-        The plates and directions.
-    depth, local, which : (rows,)
-        Depth, m, force over P z, and the set-up of each measurement.
-    left_out : int
-        Rows above the surface.
-    """
-
-    zeta: Estimate
-    exponent: Estimate
-    scale: float
-    reference: float
-    spread: float | None
-    repeats: dict[str, tuple[float, float]]
+    zeta: Estimate  # with force that grows linearly with depth, as footopt's law has it
+    exponent: Estimate  # of depth, in a law with zeta (z / reference)^(exponent - 1)
+    scale: float  # zeta of that law at the depth `reference`
+    reference: float  # the geometric mean of the depths, m
+    spread: float | None  # sd of log zeta where the sand is prepared anew; None with one repeat
+    repeats: dict[str, tuple[float, float]]  # zeta and exponent of each alone
     set_ups: tuple[SetUp, ...]
-    depth: Array
-    local: Array
-    which: NDArray[np.int64]
-    left_out: int
+    width: float  # of the smallest plate, m
+    depth: Array  # (rows,), m
+    local: Array  # (rows,), force over P z
+    which: NDArray[np.int64]  # (rows,), the set-up
+    left_out: int  # rows above the surface
 
     def zeta_at(self, depth: Array | float) -> Array:
-        """zeta of the law with an exponent, by depth, m."""
+        """Return zeta of the law with an exponent, by depth, m."""
         return np.asarray(self.scale * (np.asarray(depth) / self.reference) ** (self.exponent.value - 1.0))
 
     @property
     def warnings(self) -> list[str]:
         """What keeps the tests from saying what they are to say."""
         said = []
-        shallow, deep = self.depth.min(), self.depth.max()
+        shallow, deep, n = self.depth.min(), self.depth.max(), self.exponent
         low, high = self.zeta_at(shallow), self.zeta_at(deep)
-        n = self.exponent
         if n.excludes(1.0) and abs(high / low - 1.0) > CHANGE:
             said.append(
                 f"Force does not grow linearly with depth, as the law has it, but with its power "
@@ -133,22 +106,22 @@ class Calibration:
                 "There is one repeat: its interval says nothing of how the sand differs from place to place. "
                 "Prepare the sand anew, test again, and number the tests in a column repeat."
             )
-        if deep > (width := min(np.sqrt(s.area) for s in self.set_ups)):
+        if deep > self.width:
             said.append(
                 f"The deepest test ({1e3 * deep:.3g} mm) is deeper than the smallest plate is wide "
-                f"({1e3 * width:.3g} mm): linear growth with depth is not known there."
+                f"({1e3 * self.width:.3g} mm): linear growth with depth is not known there."
             )
-        odd = [s for s in self.set_ups if s.zeta.excludes(self.zeta.value) and self._far(s)]
+        odd = [
+            f"{s.name}: {s.zeta.value:.2g}"
+            for s in self.set_ups
+            if s.zeta.excludes(self.zeta.value) and abs(s.zeta.value / self.zeta.value - 1.0) > CHANGE
+        ]
         if len(self.set_ups) > 1 and odd:
-            named = "; ".join(f"{s.name}: {s.zeta.value:.2g}" for s in odd)
             said.append(
-                f"zeta differs from set-up to set-up ({named}): size, angle or direction act otherwise "
-                "than in the stress map. Measure a table of stresses (sand.table)."
+                f"zeta differs from set-up to set-up ({'; '.join(odd)}): size, angle or direction act "
+                "otherwise than in the stress map. Measure a table of stresses (sand.table)."
             )
         return said
-
-    def _far(self, s: SetUp) -> bool:
-        return abs(s.zeta.value / self.zeta.value - 1.0) > CHANGE
 
 
 def calibrate(path: str | Path, stress_map: StressMap = GENERIC) -> Calibration:
@@ -182,7 +155,6 @@ def calibrate(path: str | Path, stress_map: StressMap = GENERIC) -> Calibration:
 
 def _calibrate(columns: dict[str, Array], labels: NDArray[np.str_], stress_map: StressMap) -> Calibration:
     inside = columns["depth_mm"] > 0
-    left_out = int((~inside).sum())
     if not inside.any():
         raise Unusable("has no row with depth_mm > 0: depth is below the surface, in mm.")
     columns, labels = {name: values[inside] for name, values in columns.items()}, labels[inside]
@@ -192,34 +164,52 @@ def _calibrate(columns: dict[str, Array], labels: NDArray[np.str_], stress_map: 
         raise Unusable("area_cm2 must be > 0, the area of the plate's face.")
     if max(abs(angle).max(), abs(direction).max()) > 180:
         raise Unusable("angle_deg and direction_deg must be from -180 to 180.")
-    beta, gamma = np.radians(angle), np.radians(direction)
-    x, z = alpha(beta, gamma, stress_map)
+    gamma = np.radians(direction)
+    x, z = alpha(np.radians(angle), gamma, stress_map)
     resistance = (x * np.cos(gamma) + z * np.sin(gamma)) * area
     if not (resistance > 0).all():
         raise Unusable("the stress map has a plate of these angles pushed along; zeta cannot be found.")
-    unit = resistance * depth
-    reference = float(np.exp(np.log(depth).mean()))
+    unit, reference = resistance * depth, float(np.exp(np.log(depth).mean()))
 
     fits = {}
     for name in dict.fromkeys(labels.tolist()):
         own = labels == name
         fits[name] = _fit(unit[own], depth[own] / reference, force[own], f"repeat {name!r}: " if name else "")
-    log_zeta, exponent, log_scale = (np.array([f[i] for f in fits.values()]) for i in (0, 1, 2))
-    alone = next(iter(fits.values()))
-    zeta = _exp(_estimate(log_zeta, alone[3], alone[5]))
+    log_zeta, exponent, log_scale = (np.array([f[i] for f in fits.values()]) for i in range(3))
+    alone, count = next(iter(fits.values())), len(fits)
+    # of the next repeat about the mean that is known
+    spread = float(log_zeta.std(ddof=1) * np.sqrt(1.0 + 1.0 / count)) if count > 1 else None
+    distinct, which = np.unique(np.stack([area, angle, direction], axis=1), axis=0, return_inverse=True)
+    which = which.ravel()
+    set_ups = []
+    for i, (size, beta, way) in enumerate(distinct):
+        own = which == i
+        each = [
+            _zeta(unit[own & (labels == n)], force[own & (labels == n)])
+            for n in dict.fromkeys(labels[own].tolist())
+        ]
+        zeta = Estimate.of(np.log(np.maximum(each, ZETAS[0]))).exp()
+        name = f"{1e4 * size:.3g} cm² at {beta:g}° moved at {way:g}°"
+        set_ups.append(SetUp(name, int(own.sum()), zeta))
     return Calibration(
-        zeta=zeta,
-        exponent=_estimate(exponent, alone[4], alone[5]),
+        zeta=Estimate.of(log_zeta, alone[3], alone[5]).exp(),
+        exponent=Estimate.of(exponent, alone[4], alone[5]),
         scale=float(np.exp(log_scale.mean())),
         reference=reference,
-        spread=_spread(log_zeta),
+        spread=spread,
         repeats={name: (float(np.exp(f[0])), f[1]) for name, f in fits.items()},
-        set_ups=(found := _set_ups(np.stack([area, angle, direction], axis=1), unit, force, labels))[0],
+        set_ups=tuple(set_ups),
+        width=float(np.sqrt(area.min())),
         depth=depth,
         local=force / unit,
-        which=found[1],
-        left_out=left_out,
+        which=which,
+        left_out=int((~inside).sum()),
     )
+
+
+def _zeta(unit: Array, force: Array) -> float:
+    """Return zeta by least squares; unit: the force where zeta is 1, N."""
+    return float(unit @ force / (unit @ unit))
 
 
 def _fit(
@@ -233,7 +223,7 @@ def _fit(
 
     if len(np.unique(depth)) < DEPTHS:
         raise Unusable(f"{whose}has fewer than {DEPTHS} different depths, which an exponent needs.")
-    zeta = float(unit @ force / (unit @ unit))
+    zeta = _zeta(unit, force)
     if not ZETAS[0] <= zeta <= ZETAS[1]:
         raise Unusable(
             f"{whose}zeta would be {zeta:.3g}, and that of sands is from {ZETAS[0]:g} to {ZETAS[1]:g}. Check "
@@ -259,44 +249,3 @@ def _fit(
     weight = unit / (unit @ unit)
     straight = float(np.sum((weight * (zeta * unit - force) / (1.0 - weight * unit)) ** 2))
     return np.log(zeta), exponent, scale, np.sqrt(straight) / zeta, error, freedom
-
-
-def _estimate(values: Array, error: float = np.inf, freedom: int = 1) -> Estimate:
-    """The mean of repeats; of one, its own value with its own standard error."""
-    from scipy.special import stdtrit
-
-    count = len(values)
-    if count > 1:
-        error, freedom = float(values.std(ddof=1) / np.sqrt(count)), count - 1
-    mean = float(values.mean())
-    half = float(stdtrit(max(freedom, 1), 0.5 + 0.5 * COVERAGE)) * error
-    return Estimate(mean, mean - half, mean + half)
-
-
-def _exp(e: Estimate) -> Estimate:
-    """From a logarithm to the number."""
-    return Estimate(*(float(np.exp(v)) for v in (e.value, e.low, e.high)))
-
-
-def _spread(log_zeta: Array) -> float | None:
-    """Standard deviation of the next repeat's log zeta about the mean that is known."""
-    count = len(log_zeta)
-    return float(log_zeta.std(ddof=1) * np.sqrt(1.0 + 1.0 / count)) if count > 1 else None
-
-
-def _set_ups(
-    keys: Array, unit: Array, force: Array, labels: Sequence[str] | NDArray[np.str_]
-) -> tuple[tuple[SetUp, ...], NDArray[np.int64]]:
-    """zeta of each plate and direction alone, (area, angle, direction) in rows of `keys`."""
-    distinct, which = np.unique(keys, axis=0, return_inverse=True)
-    which, labels = which.ravel(), np.asarray(labels)
-    found = []
-    for i, (area, angle, direction) in enumerate(distinct):
-        own = which == i
-        each = []
-        for name in dict.fromkeys(labels[own].tolist()):
-            u, f = (values[own & (labels == name)] for values in (unit, force))
-            each.append(max(float(u @ f / (u @ u)), ZETAS[0]))
-        zeta = _exp(_estimate(np.log(each)))
-        found.append(SetUp(float(area), float(angle), float(direction), int(own.sum()), zeta))
-    return tuple(found), which
