@@ -1,36 +1,18 @@
 """A search's budget is in walks: it has just as many, of different soles, none outside its box by moves."""
 
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from pymoo.core.problem import Problem
+from pymoo.optimize import minimize
 from searching import assert_same, problem
+from threadpoolctl import threadpool_limits
 
 import footopt as fo
-from footopt.design import EXHAUSTIVE, SOLVERS, Solver, search
+from footopt.design import EXHAUSTIVE, Solver, search
 from footopt.design.solvers.memetic import Memetic
 from footopt.design.solvers.moves import shifts
 
 SEVEN = fo.Waypoints(n=7)
-#: A script that prints all that a search asks for, with walks that cost nothing.
-ASKED = """
-import numpy as np
-from pymoo.core.problem import Problem
-from pymoo.optimize import minimize
-from footopt.design.solvers.memetic import Archive, Memetic
-
-class Ridge(Problem):
-    def _evaluate(self, x, out, *args, **kwargs):
-        wave = 4 * ((x * 7) % 5)
-        out["F"] = np.stack([((x - 5 - j) ** 2 + wave).sum(axis=1) for j in range(self.n_obj)], 1)
-
-for kind, n_obj in ((Memetic, 1), (Archive, 2)):
-    r = minimize(Ridge(n_var=9, n_obj=n_obj, xl=1, xu=9), kind(), ("n_gen", 35), seed=1)
-    print(np.concatenate([x for x, _ in r.algorithm.learnt]).tolist())
-"""
 GROWING = [("memetic", "efficiency"), ("archive", ["distance", "work"])]
 BY_MOVES = [*GROWING, ("nsga2", ["distance", "work"])]
 
@@ -49,20 +31,16 @@ class Ridge(Problem):
         out["G"] = -np.ones(len(x))
 
 
-@pytest.mark.parametrize("walks", [30, 57, 140])
+@pytest.mark.parametrize("walks", [57, 140])
 @pytest.mark.parametrize(("name", "objective"), [*BY_MOVES, ("ga", "efficiency"), ("de", "efficiency")])
 def test_a_search_has_as_many_walks_as_it_is_given(name, objective, walks):
     r = search(problem(objective, space=SEVEN), name, walks=walks, seed=1)
     assert r.designs == walks
     assert len(np.unique(r.k, axis=0)) == walks
     assert r.stopped == ""
-
-
-@pytest.mark.parametrize(("name", "objective"), BY_MOVES)
-def test_moves_ask_for_no_sole_twice_and_for_none_outside_its_box(name, objective):
-    r = search(problem(objective, space=SEVEN), name, walks=150, seed=2)
-    assert r.evaluations == r.designs
-    assert "box" not in r.reasons
+    if (name, objective) in BY_MOVES:
+        assert r.evaluations == r.designs
+        assert "box" not in r.reasons
 
 
 @pytest.mark.parametrize(("name", "objective"), GROWING)
@@ -93,9 +71,6 @@ def test_generations_grow_from_ten_to_a_hundred():
         (Solver("ga"), 10_000, 100),
         (Solver("ga", walks=250), 250, 3),
         (Solver("ga", pop_size=20, n_gen=7), 140, 7),
-        (Solver("ga", n_gen=7), 700, 7),
-        (Solver("memetic", pop_size=20, n_gen=7), 140, 7),
-        (Solver("memetic", n_gen=3), 30, 3),
         (Solver("memetic", pop_size=50, walks=120), 120, 3),
         (Solver("memetic", n_gen=7, walks=50), 50, 5),
         (Solver(EXHAUSTIVE), float("inf"), 2442),
@@ -110,19 +85,15 @@ def test_the_best_solver_for_the_number_of_objectives_is_the_default():
     assert Solver("rvea").fitting(5).name == "rvea"
 
 
-@pytest.mark.slow
-def test_what_is_asked_for_does_not_depend_on_the_number_of_threads_of_sums(tmp_path):
+def test_what_is_asked_for_does_not_depend_on_the_number_of_threads_of_sums():
     """Of the model's, which are those of a BLAS; it knows 300 designs at most."""
-    said = [
-        subprocess.run(
-            [sys.executable, "-c", ASKED],
-            env=os.environ | {"OPENBLAS_NUM_THREADS": threads, "PYTHONPATH": os.pathsep.join(sys.path)},
-            capture_output=True, text=True, check=True, timeout=120,
-        ).stdout
-        for threads in ("1", "2")
-    ]  # fmt: skip
-    assert said[0] == said[1]
-    assert len(said[0]) > 1000
+    asked = []
+    for threads in (1, 2):
+        with threadpool_limits(threads, "blas"):
+            minimize(p := Ridge(), Memetic(), ("n_gen", 35), seed=1)
+        asked.append(p.asked)
+    assert asked[0] == asked[1]
+    assert len(asked[0]) > 300
 
 
 def test_it_begins_anew_where_it_stalls_and_ends_where_nothing_is_new():
@@ -156,7 +127,6 @@ def test_operators_that_are_given_take_the_place_of_moves():
     moves, textbook = (search(p, "nsga2", walks=60, seed=1, operators=given) for given in (None, {}))
     assert "box" not in moves.reasons
     assert "box" in textbook.reasons
-    assert set(SOLVERS) >= {"memetic", "archive", "ga", "nsga2"}
 
 
 @pytest.mark.slow

@@ -13,7 +13,7 @@ import footopt as fo
 from footopt.design import Solver, search
 from footopt.design.solvers.exhaustive import batches
 from footopt.design.solvers.moves import ExchangeRun, ShiftRun, shifts
-from footopt.errors import FootoptError, SettingError
+from footopt.errors import SettingError
 from footopt.walk.scenarios import sands
 
 SPACE = fo.Waypoints(n=4, K=4)
@@ -68,15 +68,6 @@ class TestExhaustive:
         with pytest.raises(SettingError, match=rf"foot\.n = .* at most 1,000,000 soles.* {count}.*foot\.n=5"):
             search(problem(space=fo.Waypoints(**space)), "exhaustive")
 
-    def test_nothing_feasible_says_so(self):
-        with pytest.raises(FootoptError, match=r"No feasible design among \d+: \d+ sunk"):
-            search(problem(zeta=1e-3), "exhaustive")
-
-    def test_interrupted_it_returns_what_it_has(self):
-        r = search(problem(), "exhaustive", progress=stop_after(2), pop_size=64)
-        assert r.interrupted
-        assert len(r.history) == 2
-
 
 class TestMemetic:
     def test_shifts_are_every_run_of_neighbours_once(self):
@@ -104,27 +95,6 @@ class TestMemetic:
         np.testing.assert_array_equal(a + b, 10)
         changes = np.abs(np.diff(np.pad(a, ((0, 0), (1, 1)), constant_values=1), axis=1)) > 0
         assert (changes.sum(axis=1) == 2).all()
-
-    def test_no_design_is_asked_for_twice(self):
-        r = search(problem(space=fo.Waypoints(n=6, K=10)), "memetic", pop_size=20, n_gen=30, seed=1)
-        assert len(r.k) == r.evaluations
-
-    def test_a_space_with_nothing_left_ends_the_search(self, table):
-        values, inside = table
-        r = search(problem(), "memetic", pop_size=40, n_gen=100, seed=1)
-        assert len(r.history) < 100
-        assert len(r.k) == r.evaluations <= 256
-        assert r.column("efficiency")[r.best] == values.efficiency[inside].min()
-
-    def test_a_run_that_stalls_ends_in_a_local_optimum(self):
-        p = problem(space=fo.Waypoints(n=6, K=10))
-        r = search(p, "memetic", pop_size=20, n_gen=60, seed=3)
-        best = r.k[r.best]
-        near = best + shifts(6)
-        near = near[((near >= 1) & (near <= 10)).all(axis=1)]
-        near = near[p.space.box_violation(near) <= p.space.box_tolerance * p.space.H]
-        assert {tuple(k) for k in near} <= {tuple(k) for k in r.k}
-        assert r.column("efficiency")[r.best] == r.column("efficiency")[r.feasible].min()
 
     @pytest.mark.slow
     @pytest.mark.parametrize(

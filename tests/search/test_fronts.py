@@ -8,7 +8,6 @@ from searching import SMALL, problem
 import footopt as fo
 from footopt.design.archive import Archive
 from footopt.design.fronts import EXACT, Volume, reached
-from footopt.design.known import Known
 from footopt.design.solvers import memetic
 from footopt.report.terminal import describe_search
 
@@ -93,20 +92,3 @@ def test_a_large_front_is_shown_in_part(monkeypatch):
     rows = result.selected(50)
     assert len(rows) == len(set(rows)) == 50
     assert set(result.shown) < set(rows)
-
-
-@pytest.mark.parametrize("K", [4, 300, 70_000])
-def test_known_designs_have_their_places(K):
-    """As a dictionary would have it; heights may have more than a byte, and end in 256."""
-    draw, known, places = np.random.default_rng(K), Known(), {}
-    for size in (0, 30, 1, 50, 200):
-        k = np.maximum(draw.choice([1, 2, 3, K, min(K, 256)], size=(size, 4)), 1)
-        rows = [tuple(row) for row in k.tolist()]
-        new = [i for i, row in enumerate(rows) if row not in rows[:i] and row not in places]
-        assert known.fresh(k).tolist() == new
-        known.add(k[new])
-        for i in new:
-            places[rows[i]] = len(places)
-        assert known.places(k).tolist() == [places[row] for row in rows]
-    assert len(known) == len(places)
-    assert known.places(np.full((2, 4), K - 1)).tolist() == [places.get((K - 1,) * 4, -1)] * 2

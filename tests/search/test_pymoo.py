@@ -1,7 +1,6 @@
 """At home in pymoo: its algorithms take a problem, its tools a result, and a search takes its algorithms."""
 
 import pickle
-import warnings
 from importlib import import_module
 
 import numpy as np
@@ -145,10 +144,6 @@ def test_a_result_has_what_pymoo_s_tools_take():
         np.testing.assert_array_equal(r.opt.get(name), column)
     assert r.opt.get("FEAS").all()
     assert 0 <= ASF().do(r.F, np.array([0.5, 0.5])).argmin() < len(r.X)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # pymoo's import of SciPy's
-        from pymoo.mcdm.pseudo_weights import PseudoWeights
-    assert 0 <= PseudoWeights(np.array([0.5, 0.5])).do(r.F) < len(r.X)
     one = search(problem(), walks=40)
     assert (one.X.shape, one.F.shape, one.G.shape, len(one.opt)) == ((5,), (1,), (2,), 1)
 
@@ -189,11 +184,6 @@ OURS = pytest.mark.parametrize(("kind", "n_obj"), [(Memetic, 1), (Archive, 2)])
 class TestAsInPymoo:
     """pymoo's own tests of algorithms (tests/algorithms), of ours."""
 
-    def test_same_seed_same_results(self, kind, n_obj):
-        one, two, other = (minimize(Sphere(n_obj), kind(), ("n_gen", 8), seed=s) for s in (3, 3, 4))
-        np.testing.assert_array_equal(one.pop.get("X"), two.pop.get("X"))
-        assert one.pop.get("X").tolist() != other.pop.get("X").tolist()
-
     def test_minimize_a_loop_and_ask_and_tell_agree(self, kind, n_obj):
         p, ends = Sphere(n_obj), ("n_gen", 8)
         whole = minimize(p, kind(), ends, seed=1)
@@ -209,26 +199,12 @@ class TestAsInPymoo:
             np.testing.assert_array_equal(other.X, whole.X)
             np.testing.assert_array_equal(other.F, whole.F)
 
-    def test_minimize_changes_nothing_of_the_algorithm(self, kind, n_obj):
-        algorithm = kind(pop_size=12)
-        before = pickle.dumps(algorithm)
-        minimize(Sphere(n_obj), algorithm, ("n_gen", 3), seed=1)
-        assert pickle.dumps(algorithm) == before
-
     def test_it_goes_on_after_its_end(self, kind, n_obj):
         whole = minimize(Sphere(n_obj), kind(), ("n_gen", 8), seed=1)
         part = kind().setup(Sphere(n_obj), termination=("n_gen", 4), seed=1)
         part.run()
         part.termination = get_termination("n_gen", 8)
         np.testing.assert_array_equal(part.run().F, whole.F)
-
-    def test_it_keeps_its_history_calls_back_and_prints(self, kind, n_obj, capsys):
-        seen = []
-        r = minimize(Sphere(n_obj), kind(), ("n_gen", 4), seed=1, save_history=True, verbose=True,
-                     callback=lambda algorithm: seen.append(algorithm.n_gen))  # fmt: skip
-        assert [h.n_gen for h in r.history] == [1, 2, 3, 4]
-        assert len(seen) == 4
-        assert capsys.readouterr().out.count("\n") >= 6
 
     def test_its_optimum_is_feasible_and_whole(self, kind, n_obj):
         r = minimize(Sphere(n_obj), kind(), ("n_gen", 20), seed=1)
@@ -244,11 +220,3 @@ class TestAsInPymoo:
             r = minimize(Sphere(n_obj), kind(sampling=sampling), ("n_gen", 1), seed=1)
             assert r.pop.get("X").tolist() == [[7] * 6]
         assert r.algorithm.evaluator.n_eval == 1  # none is asked for twice
-
-    def test_nothing_feasible_is_none(self, kind, n_obj):
-        class Never(Sphere):
-            def _evaluate(self, x, out, *args, **kwargs):
-                super()._evaluate(x, out)
-                out["G"] = out["G"] * 0 + 1.0
-
-        assert minimize(Never(n_obj), kind(), ("n_gen", 3), seed=1).X is None

@@ -10,7 +10,7 @@ from searching import QUICK, SMALL, problem
 import footopt as fo
 from footopt.design import Choice, confirm, search
 from footopt.errors import SettingError
-from footopt.walk.objectives import MEASURES, OBJECTIVES, SLOW, measure
+from footopt.walk.objectives import MEASURES, SLOW, measure
 from footopt.walk.validity import diagnose
 
 
@@ -43,11 +43,6 @@ class TestMeasures:
         walk = fo.simulate(fo.Foot.flat(), nowhere, QUICK)
         assert all(map(math.isnan, walk.judged(tuple(SLOW)).values()))
 
-    def test_those_nobody_asked_for_are_not_in_the_tables(self, walk):
-        assert list(walk.objectives) == list(OBJECTIVES)
-        with pytest.raises(SettingError, match="one of distance"):
-            fo.evaluate(SMALL.random(2, seed=1), space=SMALL).column("hollow")
-
     def test_one_of_ones_own_is_a_python_function_of_the_walk(self):
         @measure("walk", "$x$", "m/s", maximise=False, worst=1e3)
         def ripple(walk):
@@ -79,19 +74,13 @@ class TestLimits:
         j = kept.column("efficiency")
         assert j[kept.best] == j[good].min() >= free.column("efficiency")[free.best]
 
-    def test_nobody_keeps_those_that_cannot_be(self):
-        p = fo.FootProblem(space=SMALL, accuracy=QUICK, limits={"distance": 50.0})
-        with pytest.raises(fo.FootoptError, match=r"No feasible design among 8: .*8 distance|wider limits"):
-            search(p, "ga", pop_size=8, n_gen=1, seed=1)
-
     def test_unknown_ones_are_refused(self):
         with pytest.raises(SettingError, match="constraint = 'colour'"):
             fo.FootProblem(limits={"colour": 1.0})
         with pytest.raises(SettingError, match=r"constraint\.work = nan"):
             fo.FootProblem(limits={"work": math.nan})
 
-    @pytest.mark.parametrize("name", ["peak_power", "hollow", "cost_of_transport", "inertial_share"])
-    @pytest.mark.parametrize("limit", [-3, math.inf])
+    @pytest.mark.parametrize(("name", "limit"), [("peak_power", -3), ("hollow", math.inf)])
     def test_those_that_no_walk_could_keep_are_refused(self, name, limit):
         with pytest.raises(SettingError, match=rf"constraint\.{name} = {limit}: must be a number >= 0"):
             fo.FootProblem(limits={name: limit})
@@ -132,21 +121,12 @@ class TestChoice:
         [
             ({"by": "luck"}, "choose = 'luck': must be one of knee, weights"),
             ({"by": "weights"}, "must be given with choose=weights"),
-            ({"weights": {"work": 1.0}}, "must be not given with choose=knee"),
-            (
-                {"by": "weights", "weights": {"work": -1.0}},
-                r"choose\.weights\.work = -1\.0: must be a number > 0",
-            ),
         ],
     )
     def test_what_is_asked_wrongly_is_refused(self, given, said):
         with pytest.raises(SettingError, match=said):
             Choice(**given)
-
-    def test_of_another_objective_is_refused(self):
-        with pytest.raises(
-            SettingError, match=r"choose\.weights = 'speed_loss': must be one of distance, work"
-        ):
+        with pytest.raises(SettingError, match=r"choose\.weights = 'speed_loss': must be one of distance"):
             fo.FootProblem(objective=["distance", "work"], choose=Choice("weights", {"speed_loss": 1.0}))
 
 

@@ -16,7 +16,7 @@ from footopt.design.context import context, differences, digest
 from footopt.design.problem import FootProblem
 from footopt.design.robust import own_best, regret
 from footopt.errors import FootoptError, SettingError
-from footopt.walk.scenarios import COLUMNS, WAYS, laws, measured, sands, vary
+from footopt.walk.scenarios import WAYS, laws, measured, sands
 
 SANDS = sands(fo.Scene())
 NOTHING = fo.Spread(**dict.fromkeys(vars(fo.Spread()), 0.0))
@@ -68,19 +68,12 @@ class TestScenarios:
         (_, shank, foot), (_, shank_moved, foot_moved) = (g.cycle(p) for g in (scene.gait, moved.scene.gait))
         np.testing.assert_allclose(foot_moved[0] - foot[0], shank_moved[0] - shank[0], atol=1e-12)
 
-    def test_a_longer_stride_swings_further_about_the_same_means(self):
-        normals = np.zeros(len(COLUMNS))
-        normals[COLUMNS.index("stride")] = 1.0
-        moved = vary(fo.Scene(), fo.Spread(stride=0.1), normals).scene.gait
-        assert moved.thigh.a0 == fo.Gait.human().thigh.a0
-        np.testing.assert_allclose(moved.thigh.a, 1.1 * np.array(fo.Gait.human().thigh.a))
-
     def test_nothing_spread_is_the_scene_itself(self):
         (same,) = fo.draw(fo.Scene(), NOTHING, 1)
         assert same.scene == fo.Scene()
         assert same.space(SMALL) == SMALL
 
-    @pytest.mark.parametrize(("name", "value"), [("zeta", -0.1), ("angles", float("nan")), ("mass", np.inf)])
+    @pytest.mark.parametrize(("name", "value"), [("zeta", -0.1), ("mass", np.inf)])
     def test_a_bad_spread_is_refused(self, name, value):
         with pytest.raises(SettingError, match=rf"study\.spread\.{name} = "):
             fo.Spread(**{name: value})
@@ -112,13 +105,6 @@ class TestMeasures:
         thin = 0.5 * weights.min() / weights.sum()
         np.testing.assert_allclose(measured(values, weights, "tail", thin), values.max(axis=0), atol=1e-9)
 
-    def test_the_tail_of_equal_scenarios_is_the_mean_of_the_worst_of_them(self):
-        values = np.random.default_rng(1).normal(size=(10, 4))
-        worst = np.sort(values, axis=0)[-3:].mean(axis=0)
-        np.testing.assert_allclose(measured(values, np.ones(10), "tail", 0.3), worst)
-        part = (3 * worst + 0.5 * np.sort(values, axis=0)[-4]) / 3.5  # ends inside a scenario
-        np.testing.assert_allclose(measured(values, np.ones(10), "tail", 0.35), part)
-
     @pytest.mark.parametrize("measure", WAYS)
     def test_a_design_s_measure_does_not_depend_on_its_batch(self, measure):
         values = np.random.default_rng(2).normal(size=(33, 50, 6))
@@ -126,21 +112,9 @@ class TestMeasures:
         alone = [measured(values[:, i : i + 1], np.ones(33), measure, 0.3)[0] for i in range(50)]
         np.testing.assert_array_equal(whole, alone)
 
-    def test_a_bad_measure_is_refused(self):
-        with pytest.raises(SettingError, match=r"study\.measure = 'median': must be one of mean"):
-            problem(measure="median")
-        with pytest.raises(SettingError, match=r"study\.tail = 0"):
-            problem(measure="tail", tail=0.0)
-
 
 class TestRobustProblem:
     k = SMALL.random(6, seed=1)
-
-    def test_one_scenario_is_the_plain_problem(self):
-        alone = fo.FootProblem(SANDS[1].scene, "pareto", SMALL, COARSE)
-        values, reasons = problem(SANDS[1:2], "pareto", measure="tail").walk(self.k)
-        np.testing.assert_allclose(values, alone.walk(self.k)[0], rtol=1e-15)
-        assert set(reasons) == {""}
 
     def test_measures_are_those_of_the_scenes_one_by_one(self):
         tables = np.stack([fo.evaluate(self.k, s.scene, COARSE, space=SMALL).values for s in SANDS])
@@ -202,17 +176,6 @@ class TestRobustProblem:
         specialists = every[j[..., 0].argmin(axis=1)]
         assert 0 < worst.min() < (1 + together.walk(specialists)[0][:, 5]).min()
 
-    def test_values_as_they_are_choose_the_specialist_of_the_softest_sand(self):
-        """Which is why references are each scenario's own best by default."""
-        space = fo.Waypoints(n=4, K=4)
-        absolute = fo.RobustProblem(SANDS, space=space, accuracy=COARSE, references=np.ones(3))
-        soft = fo.FootProblem(SANDS[0].scene, space=space, accuracy=COARSE)
-        chosen = search(absolute, "exhaustive").X
-        np.testing.assert_array_equal(chosen, search(soft, "exhaustive").X)
-        relative = fo.RobustProblem(SANDS, space=space, accuracy=COARSE)
-        loss = 1 + relative.walk(np.array([chosen, search(relative, "exhaustive").X]))[0][:, 5]
-        assert loss[1] < 0.8 * loss[0]
-
     def test_own_bests_are_kept_in_a_store_and_sent_with_the_problem(self, tmp_path):
         space = fo.Waypoints(n=4, K=3)
         p = fo.RobustProblem(SANDS[:2], space=space, accuracy=COARSE)
@@ -225,50 +188,32 @@ class TestRobustProblem:
         with pytest.raises(FootoptError, match=r"quicksand: No feasible design"):
             own_best(problem([fo.Scenario("quicksand", fo.Scene(sand=fo.Sand(1e-3)))]))
 
-    def test_the_search_of_references_is_shown_and_goes_on_where_it_was_interrupted(
-        self, tmp_path, capsys, monkeypatch
-    ):
-        """Who waits for it sees what for, and nothing walked is lost."""
-        space, store = fo.Waypoints(n=4, K=3), tmp_path / "s.sqlite"
-
-        def together():
-            return fo.RobustProblem(SANDS[:2], space=space, accuracy=COARSE)
-
-        walked = FootProblem.walk
+    def test_the_search_of_references_goes_on_where_it_was_interrupted(self, tmp_path, capsys, monkeypatch):
+        """Nothing walked is lost, and a line says what is searched."""
+        store, space, walked = tmp_path / "s.sqlite", fo.Waypoints(n=4, K=3), FootProblem.walk
 
         def interrupted(self, k):
             if self.scene == SANDS[1].scene:
                 raise KeyboardInterrupt
             return walked(self, k)
 
-        with monkeypatch.context() as patched:
-            patched.setattr(FootProblem, "walk", interrupted)
-            with pytest.raises(KeyboardInterrupt):
-                search(together(), walks=20, store=store)
+        monkeypatch.setattr(FootProblem, "walk", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            search(fo.RobustProblem(SANDS[:2], space=space, accuracy=COARSE), walks=20, store=store)
         again = []
         monkeypatch.setattr(FootProblem, "walk", lambda self, k: again.append(self.scene) or walked(self, k))
-        result = search(together(), walks=20, store=store, progress=True)
+        p = fo.RobustProblem(SANDS[:2], space=space, accuracy=COARSE)
+        search(p, walks=20, store=store, progress=True)
         assert SANDS[1].scene in again
         assert SANDS[0].scene not in again
-        said = capsys.readouterr().err
-        assert [said.find(f"best foot for {s.name} alone") >= 0 for s in SANDS[:2]] == [True, True]
-        assert said.rstrip().endswith("s")  # and the search's own line after that
-        np.testing.assert_array_equal(result.problem.references, together().references)
-
-    def test_several_objectives_make_a_front_of_measures(self):
-        found = search(problem(objective=["distance", "work"], measure="tail"), "nsga2", pop_size=10, n_gen=3)
-        assert len(found.front) > 1
-        np.testing.assert_array_equal(found.values, found.problem.walk(found.k)[0])
+        assert f"best foot for {SANDS[1].name} alone" in capsys.readouterr().err
 
     def test_a_store_knows_the_scenarios_and_how_they_are_judged(self, tmp_path):
         others = [
             problem(),
             problem(SANDS[:2]),
             problem([replace(SANDS[0], weight=2.0), *SANDS[1:]]),
-            problem([replace(SANDS[0], ankle=(0.01, 0.0)), *SANDS[1:]]),
-            problem(measure="mean"),
             problem(measure="tail", tail=0.3),
-            problem(measure="tail", tail=0.4),
             problem(references=[1.0, 2.0, 3.0]),
             fo.FootProblem(SANDS[0].scene, "efficiency", SMALL, COARSE),
         ]
