@@ -40,9 +40,9 @@ if TYPE_CHECKING:
     from footopt.sand import Sand as Sand
     from footopt.sand import StressMap as StressMap
     from footopt.sand import stress as stress
-    from footopt.studies.load import Run as Run
-    from footopt.studies.load import load as load
-    from footopt.studies.load import load_all as load_all
+    from footopt.studies.runs import Run as Run
+    from footopt.studies.runs import load as load
+    from footopt.studies.runs import load_all as load_all
     from footopt.walk import Accuracy as Accuracy
     from footopt.walk import Scenario as Scenario
     from footopt.walk import Scene as Scene
@@ -68,7 +68,7 @@ _NAMES = {
     "footopt.report.film": "animate",
     "footopt.report.plot": "plot",
     "footopt.sand": "Sand StressMap stress",
-    "footopt.studies.load": "Run load load_all",
+    "footopt.studies.runs": "Run load load_all",
     "footopt.walk": "Accuracy Scenario Scene Spread Table Walk Walker draw estimate_error evaluate simulate",
 }
 _HOME = {name: module for module, names in _NAMES.items() for name in names.split()}

@@ -13,7 +13,7 @@ from omegaconf import OmegaConf, open_dict
 
 from footopt.cli.paths import typed, within
 from footopt.files import identity
-from footopt.studies.reads import CHOICE
+from footopt.studies import CHOICE
 
 #: Groups of settings that say in what world, and how finely, is walked.
 WORLD = ("sand", "gait", "walker", "effects", "scene", "accuracy")

@@ -25,7 +25,7 @@ from footopt.cli.words import check_dashes, readable
 from footopt.errors import ERROR_FILE, FootoptError
 from footopt.files.identity import Occupied
 from footopt.files.io import write_text
-from footopt.studies.identity import result_of
+from footopt.studies.runs import result_of
 
 log = logging.getLogger("footopt")
 
@@ -94,7 +94,7 @@ def _job(settings: DictConfig) -> Any:
         if not isinstance(error, Occupied):  # the folder is another's then
             write_text(folder / ERROR_FILE, f"{explain(error)}\n")
         with suppress(FootoptError):  # an objective that is not known
-            from footopt.studies.record import answer
+            from footopt.studies.base import answer
 
             return answer(settings.objective.names, {})
     return None

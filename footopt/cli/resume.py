@@ -22,7 +22,7 @@ from footopt.errors import ERROR_FILE, FileError, FootoptError, SettingError, ch
 from footopt.files import identity
 from footopt.files.identity import Occupied, locked
 from footopt.files.io import write_text
-from footopt.studies.identity import CHANGEABLE, check_same, finished, is_finished, may_change, result_of
+from footopt.studies.runs import CHANGEABLE, check_same, finished, may_change, result_of
 from footopt.studies.settings import REPORTS, SEARCHES, Config
 
 TRUST, FORCE = "--trust", "--force"
@@ -199,7 +199,7 @@ def _resume_jobs(
 def _stands(job: Path) -> bool:
     """Whether a job has a result, whatever became of what was to go beyond it."""
     try:
-        return is_finished(job)
+        return finished(result_of(job))
     except FileError:  # it is damaged
         return False
 

@@ -18,7 +18,7 @@ from footopt.cli.resume import MULTIRUN, resume
 from footopt.cli.words import readable
 from footopt.errors import FootoptError, check
 from footopt.files.identity import Occupied
-from footopt.studies.load import Run, load
+from footopt.studies.runs import Run, load
 
 
 def run(words: Sequence[str] = (), folder: str | Path | None = None) -> Run:

@@ -17,7 +17,6 @@ from footopt.files.gaits import Strides, read_strides
 from footopt.foot import SHAPES, Foot, Waypoints
 from footopt.gait import Gait
 from footopt.sand import GENERIC, MEDIA, Sand, StressMap
-from footopt.studies.fields import leaves
 from footopt.studies.settings import (
     AccuracyConfig,
     Config,
@@ -25,6 +24,7 @@ from footopt.studies.settings import (
     FootConfig,
     GaitConfig,
     SandConfig,
+    leaves,
 )
 from footopt.walk import Accuracy, Scene, Spread, Walker
 from footopt.walk.accuracy import PRESETS

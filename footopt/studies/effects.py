@@ -11,8 +11,7 @@ from footopt.errors import check
 from footopt.report import terminal
 from footopt.report.figures.effects import changes, pairs
 from footopt.studies.auto_effects import audit_entry, call_entry, calls_table, joint_entry, soles, tolerance
-from footopt.studies.base import Study
-from footopt.studies.record import accuracy_entry, scene_entry
+from footopt.studies.base import Study, accuracy_entry, scene_entry
 from footopt.walk import FIVE, Scene, evaluate
 from footopt.walk.audit import Audit, Joint, audit, interactions, percent, switched
 from footopt.walk.calls import LITERATURE, calls

@@ -34,9 +34,16 @@ from footopt.report.numbers import objective_quantity
 from footopt.report.progress import report_generations
 from footopt.studies import ranks
 from footopt.studies.auto_effects import choose_effects
-from footopt.studies.base import Study
+from footopt.studies.base import (
+    Answer,
+    Study,
+    accuracy_entry,
+    answer,
+    foot_entry,
+    scene_entry,
+    validity_entry,
+)
 from footopt.studies.build import check_searchable, make_problem
-from footopt.studies.record import Answer, accuracy_entry, answer, foot_entry, scene_entry, validity_entry
 from footopt.studies.simulate import check_film, write_film, write_walk
 from footopt.studies.validation.model import model_error
 from footopt.walk import gain_shares, simulate

@@ -19,10 +19,8 @@ from footopt.design.result import check_finalists
 from footopt.effects import EFFECTS
 from footopt.errors import SettingError
 from footopt.report.terminal import described
-from footopt.studies import build
-from footopt.studies.fields import leaves
-from footopt.studies.reads import ALWAYS, CHOICE, READS, _in
-from footopt.studies.settings import AllEffects, everything
+from footopt.studies import ALWAYS, CHOICE, READS, build, reads
+from footopt.studies.settings import AllEffects, everything, leaves
 from footopt.walk import MEASURES, Walker
 from footopt.walk.scenarios import check_measure
 
@@ -80,8 +78,8 @@ def settings(groups: Container[str] | None = None) -> list[Setting]:
 
 def _setting(name: str, value: Any) -> Setting:
     kind, meaning = _told(name)
-    readers = tuple(study for study, names in READS.items() if _in(name, names))
-    return Setting(name, value, kind, meaning, _allowed(name, value), () if _in(name, ALWAYS) else readers)
+    readers = tuple(study for study, names in READS.items() if reads(name, names))
+    return Setting(name, value, kind, meaning, _allowed(name, value), () if reads(name, ALWAYS) else readers)
 
 
 def _told(name: str) -> tuple[str, str]:

@@ -27,9 +27,8 @@ from footopt.report import figures, terminal
 from footopt.report.figures import robust as robust_figures
 from footopt.report.figures.search import FRONT, history_label
 from footopt.report.progress import Step, report_generations
-from footopt.studies.base import Study, flat_efficiency
+from footopt.studies.base import Study, accuracy_entry, flat_efficiency, foot_entry, scene_entry
 from footopt.studies.build import check_searchable, make_scene, make_spread
-from footopt.studies.record import accuracy_entry, foot_entry, scene_entry
 from footopt.studies.settings import Config
 from footopt.studies.validation.model import model_error
 from footopt.walk import MEASURES, Accuracy, Scene, simulate

@@ -7,7 +7,9 @@ objects of the settings, `footopt.cli` composes them.
 
 from __future__ import annotations
 
-from dataclasses import MISSING, dataclass, field, fields, make_dataclass
+import inspect
+from collections.abc import Callable, Iterator
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass, make_dataclass
 from typing import TYPE_CHECKING, Any, get_type_hints
 
 from footopt.design import (
@@ -27,7 +29,6 @@ from footopt.files import soles
 from footopt.foot import SHAPES, Foot, Waypoints, shapes
 from footopt.gait import Gait
 from footopt.sand import MEDIA, Sand, StressMap
-from footopt.studies.fields import default, leaves, setting
 from footopt.walk import MEASURES, PRESETS, Accuracy, Spread, Walker
 
 #: How much a run leaves: result.json, contour.csv and what it is resumed from; all but figures; everything.
@@ -40,16 +41,36 @@ SEVERAL = [name for name in SOLVERS if name not in (*SINGLE, EXHAUSTIVE)]
 SEARCHES = ("optimize", "robust")
 
 
-def parameters(kind: type, null: tuple[str, ...] = ()) -> Any:
-    """The fields and defaults of one of the library's dataclasses, which is frozen, as a dataclass to change.
+def default(function: Callable[..., Any], name: str) -> Any:
+    """The default of a function's parameter."""
+    return inspect.signature(function).parameters[name].default
 
-    Parameters
-    ----------
-    kind : type
-        A dataclass whose fields all have defaults.
-    null : tuple of str
-        Fields that may be null, too.
+
+def setting(value: Any, meaning: str | type) -> Any:
+    """A field of settings: its default (a class stands for an object of it) and its meaning.
+
+    A class as the meaning is one of the library whose docstring says it.
     """
+    told = {"meaning": meaning}
+    if isinstance(value, type):
+        return field(default_factory=value, metadata=told)
+    if isinstance(value, tuple | list):  # a list can be changed, as OmegaConf has it
+        return field(default_factory=lambda: list(value), metadata=told)
+    return field(default=value, metadata=told)
+
+
+def leaves(group: Any, name: str = "") -> Iterator[tuple[str, Any]]:
+    """Full names and values of all settings of a group, in their order."""
+    for each in fields(group):
+        value, path = getattr(group, each.name), f"{name}{each.name}"
+        if is_dataclass(value) and fields(value):
+            yield from leaves(value, f"{path}.")
+        else:
+            yield path, value
+
+
+def parameters(kind: type, null: tuple[str, ...] = ()) -> Any:
+    """The fields and defaults of a frozen dataclass of the library, as one to change; `null` may be null."""
     kinds = {name: t | None if name in null else t for name, t in get_type_hints(kind).items()}
     given = ((f, f.default if f.default_factory is MISSING else f.default_factory()) for f in fields(kind))
     settings = [(f.name, kinds[f.name], setting(value, kind)) for f, value in given]
@@ -57,11 +78,7 @@ def parameters(kind: type, null: tuple[str, ...] = ()) -> Any:
 
 
 def importable(made: type) -> Any:
-    """A class that was made here, found by its name in this module.
-
-    A launcher sends settings to processes and gets them back. A class that cannot be imported is sent as a
-    whole, and what comes back would overwrite the fields of the one that is here.
-    """
+    """A class that was made here, found by its name in this module, as a launcher sends it to processes."""
     made.__module__ = __name__
     globals()[made.__name__] = made
     return made
@@ -198,13 +215,8 @@ class EffectsConfig:
 
 
 #: With a setting for each effect: its parameters, or null where it is not simulated.
-AllEffects = importable(
-    make_dataclass(
-        "AllEffects",
-        [(name, parameters(kind) | None, setting(None, kind)) for name, kind in EFFECTS.items()],
-        bases=(EffectsConfig,),
-    )
-)
+EACH = [(name, parameters(kind) | None, setting(None, kind)) for name, kind in EFFECTS.items()]
+AllEffects = importable(make_dataclass("AllEffects", EACH, bases=(EffectsConfig,)))
 
 
 @dataclass
@@ -253,11 +265,8 @@ class OwnConstraints:
 
 
 #: With a setting for each measure: its limit, or null for none.
-ConstraintConfig = importable(
-    make_dataclass(
-        "ConstraintConfig", [(name, float | None, None) for name in MEASURES], bases=(OwnConstraints,)
-    )
-)
+LIMITS = [(name, float | None, None) for name in MEASURES]
+ConstraintConfig = importable(make_dataclass("ConstraintConfig", LIMITS, bases=(OwnConstraints,)))
 
 
 @dataclass

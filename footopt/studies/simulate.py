@@ -17,10 +17,9 @@ from footopt.report import figures, film, page, terminal
 from footopt.report.figures.gait import gait_fit
 from footopt.report.numbers import title
 from footopt.studies.auto_effects import choose_effects
-from footopt.studies.base import Study
+from footopt.studies.base import Answer, Study, answer, foot_entry, scene_entry, validity_entry
 from footopt.studies.build import make_space, make_strides
-from footopt.studies.export import foot_of
-from footopt.studies.record import Answer, answer, foot_entry, scene_entry, validity_entry
+from footopt.studies.runs import foot_of
 from footopt.studies.validation.model import model_error
 from footopt.walk import OBJECTIVES, Walk, simulate
 from footopt.walk.phases import stance

@@ -13,8 +13,7 @@ from rich.text import Text
 from footopt.errors import check
 from footopt.report import terminal
 from footopt.report.figures.stability import Cell, verdicts
-from footopt.studies.base import Study
-from footopt.studies.record import foot_entry, scene_entry
+from footopt.studies.base import Study, foot_entry, scene_entry
 from footopt.studies.settings import Config
 from footopt.studies.stability_cases import CASES, Case, Setup
 from footopt.studies.stability_judges import LIMITS, Measure

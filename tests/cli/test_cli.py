@@ -16,7 +16,7 @@ from study_pages import check_page
 import footopt as fo
 from footopt.cli.compose import groups
 from footopt.errors import SettingError
-from footopt.studies.export import foot_of
+from footopt.studies.runs import foot_of
 from footopt.walk import STEPPERS
 
 STEP = ["step"] if find_spec("OCP") else []  # needs footopt[cad]

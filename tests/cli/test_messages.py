@@ -257,7 +257,6 @@ UNREAD = {
     "study=simulate run=R foot.width=.2": "study=simulate run=... does not read it",
     "study=simulate run=R foot=ellipse": "foot.shape = 'ellipse': must be left out: study=simulate run=...",
     "study=simulate solver.n_gen=3": "It is read by study=optimize, paper, robust",
-    "solver=exhaustive foot.n=5 solver.seed=2": "solver=exhaustive does not read it",
     "gait.names.knee=K": "gait.names.knee = 'K': must be left out",
     "effects.tolerance=.1": "It is read by effects=auto.",
     "engine.timeout=3": "It is read by engine=dask.",

@@ -19,7 +19,7 @@ from footopt.files.io import write_walk
 from footopt.foot.export import write_all
 from footopt.report import figures, page, summary, terminal
 from footopt.report.page.file import SCRIPTS, resources
-from footopt.studies.record import foot_entry, scene_entry
+from footopt.studies.base import foot_entry, scene_entry
 from footopt.walk import OBJECTIVES
 
 NAMES = (

@@ -200,22 +200,6 @@ class TestIdentity:
         assert footopt("resume=run", "solver.n_gen=4", cwd=tmp_path).returncode == 1
         assert [(run / name).read_bytes() for name in ("result.json", identity.FILE)] == before
 
-    @pytest.mark.parametrize(
-        ("name", "words"),
-        [
-            ("designs.sqlite", ["resume=begun"]),
-            ("figures", ["hydra.run.dir=begun", *SMALL]),
-            ("footopt.log", ["resume=begun"]),
-        ],
-    )
-    def test_what_a_link_leads_to_is_not_written(self, name, words, begun, tmp_path):
-        target = tmp_path / "elsewhere"
-        (begun / name).symlink_to(target)
-        done = footopt(*words, cwd=tmp_path)
-        assert done.returncode == 1
-        assert f"begun/{name}: is a link, and a run writes into its own folder only." in done.stderr
-        assert not target.exists()
-
     def test_no_word_of_a_folder_is_run(self, begun, tmp_path, monkeypatch):
         (tmp_path / "evil.py").write_text("open('made', 'w')\n")
         (tmp_path / "evil.yaml").write_text("x: 1\n")

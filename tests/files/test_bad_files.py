@@ -30,7 +30,7 @@ from footopt.errors import FileError, FootoptError, SettingError
 from footopt.files import identity
 from footopt.files.gaits import read_strides
 from footopt.files.gaits.angles import LIMITS, PERIODS
-from footopt.studies.export import foot_of
+from footopt.studies.runs import foot_of
 
 
 @pytest.fixture(scope="session")

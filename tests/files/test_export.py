@@ -23,7 +23,7 @@ from footopt.foot import SHAPES
 from footopt.foot.export import FORMATS
 from footopt.foot.outline import WALL, closed_contour
 from footopt.report import figures
-from footopt.studies import export
+from footopt.studies.runs import foot_of
 from footopt.studies.settings import Config, FootConfig, StudyConfig
 
 heights = st.lists(st.integers(1, 10), min_size=4, max_size=15)
@@ -187,9 +187,9 @@ class TestStudy:
     def test_asks_for_one_job_of_a_multirun(self, tmp_path):
         (tmp_path / "multirun.yaml").touch()
         with pytest.raises(SettingError, match=r"one job of this multirun\. Such as run=.*/0$"):
-            export.foot_of(tmp_path)
+            foot_of(tmp_path)
         with pytest.raises(FileError, match=r"with one foot \(there is no such"):
-            export.foot_of(tmp_path / "nowhere")
+            foot_of(tmp_path / "nowhere")
 
     def test_draws_the_dimensions_in_mm(self):
         def dimensions(*arguments):

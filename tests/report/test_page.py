@@ -29,7 +29,7 @@ from footopt.report.page.file import packed
 from footopt.report.page.file import text as page_text
 from footopt.report.runs import Run
 from footopt.report.stage import ground
-from footopt.studies.record import foot_entry, scene_entry
+from footopt.studies.base import foot_entry, scene_entry
 from footopt.walk import FIVE, OBJECTIVES
 from footopt.walk.objectives import lookup
 

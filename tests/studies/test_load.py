@@ -9,7 +9,7 @@ from running import composed, footopt, unrender
 import footopt as fo
 from footopt.errors import FileError, SettingError
 from footopt.files import identity
-from footopt.studies.load import configured
+from footopt.studies.runs import configured
 
 WORDS = [
     *("sand=soft", "accuracy=draft", "objective.names=[distance,work]", "solver=nsga2", "solver.pop_size=8"),

@@ -15,11 +15,10 @@ from footopt.foot.waypoints import written
 from footopt.report import terminal
 from footopt.report.figures import paper as figures
 from footopt.report.numbers import number
-from footopt.studies.base import Study
+from footopt.studies.base import Study, foot_entry, scene_entry
 from footopt.studies.build import check_searchable
 from footopt.studies.paper.claims import CLAIMS, SANDS, Evidence, measure
 from footopt.studies.paper.walks import changes, evidence
-from footopt.studies.record import foot_entry, scene_entry
 from footopt.studies.validation.model import JUDGED, model_error
 from footopt.walk import OBJECTIVES, Walk, simulate
 from footopt.walk.validity import diagnose

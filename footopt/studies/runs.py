@@ -1,31 +1,133 @@
-"""`load`: a run as an object: its settings, foot, front and designs; walked and searched again at will."""
+"""Runs in folders: whether one may begin or go on there, and `load`, a run as an object."""
 
 from __future__ import annotations
 
+import os
 import warnings
-from collections.abc import Mapping
-from dataclasses import dataclass, is_dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property
+from importlib.metadata import version
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 from footopt.design import SearchResult, Solver, Store, search
 from footopt.effects import EFFECTS
-from footopt.errors import ERROR_FILE, FileError, SettingError, needed
+from footopt.errors import ERROR_FILE, FileError, SettingError
 from footopt.files import identity
+from footopt.files.identity import LOCK, Occupied, differing
+from footopt.files.io import plain, read_json_file
 from footopt.foot import Foot
 from footopt.studies.build import (
     check_searchable,
     load_plugins,
     make_accuracy,
+    make_foot,
     make_problem,
     make_scene,
 )
-from footopt.studies.export import foot_of
-from footopt.studies.identity import result_of
-from footopt.studies.settings import Config
+from footopt.studies.settings import Config, FootConfig
 from footopt.walk import Accuracy, Scene, Walk, simulate
+
+__version__ = version("footopt")
+
+#: What a run may change when it goes on: how long, where and with what it ends, not what is searched.
+CHANGEABLE = (
+    "solver.n_gen", "solver.walks", "solver.seconds", "engine", "report", "choose", "study.confirm",
+    "study.finalists", "study.store", "study.certify", "study.reuse", "study.video", "foot.block", "plugins",
+)  # fmt: skip
+
+LOG = "footopt.log"  # Hydra's, of what is logged
+
+
+def may_change(name: str) -> bool:
+    """Whether a setting is one of `CHANGEABLE`, or of a group of them."""
+    return any(name == other or name.startswith(f"{other}.") for other in CHANGEABLE)
+
+
+def result_of(folder: Path) -> Mapping[str, Any] | None:
+    """What result.json says of the run in a folder; None if there is none."""
+    path = folder / "result.json"
+    found = read_json_file(path, "resume") if path.exists() else None
+    if found is not None and not (isinstance(found, dict) and "settings" in found):
+        raise FileError(f"{path}: is not the result of a run. Move it away.")
+    return found
+
+
+def finished(result: Mapping[str, Any] | None) -> bool:
+    """Whether a run with such a result has one, and was not stopped before its last generation."""
+    return result is not None and not result.get("interrupted", False)
+
+
+def enter(folder: Path, settings: Mapping[str, Any], words: Sequence[str]) -> None:
+    """Begin a run in a folder, or go on with the same one that was stopped there: leave what it is.
+
+    A finished run there, or what another one has left, is `Occupied`.
+    """
+    other = "Choose another hydra.run.dir."
+    if finished(result_of(folder)):
+        raise Occupied(f"{folder}: holds a run that is finished; footopt resume=... extends it. {other}")
+    begun = (folder / identity.FILE).exists()
+    left = {path.name for path in folder.iterdir()} - {identity.FILE, LOCK, LOG, ERROR_FILE}
+    if left & {"result.json", "designs.sqlite"} or (begun and left):
+        there = identity.read(folder, "hydra.run.dir").settings if begun else {}
+        if names := differing(settings, there):
+            raise Occupied(
+                f"{folder}: holds another run, which differs in {', '.join(names[:4])}. "
+                f"footopt resume=... goes on with it. {other}"
+            )
+    identity.write(folder, settings, words)
+
+
+def check_same(folder: Path, settings: Mapping[str, Any], found: Mapping[str, Any] | None) -> None:
+    """Raise a `FileError` unless a run's result was found with its settings, but for `CHANGEABLE`."""
+    if found is None:
+        return
+    names = [name for name in differing(plain(settings), found.get("settings")) if not may_change(name)]
+    if names:
+        raise FileError(
+            f"resume = {str(folder)!r}: its result.json is that of another run: {', '.join(names[:4])} "
+            f"differ from {identity.FILE}. Start a new run."
+        )
+
+
+def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
+    """The foot of a run: its best sole, or another one k (n,) of its design space.
+
+    Raises
+    ------
+    FileError
+        The folder does not hold a run of optimize or simulate.
+    """
+    if os.path.isfile(folder / "multirun.yaml"):  # False where it may not be read
+        allowed = "the folder of one job of this multirun"
+        raise SettingError("run", str(folder), allowed, f"Such as run={folder / '0'}")
+    try:
+        result = read_json_file(folder / "result.json", "run")
+        design, given = result["design"], result["settings"]["foot"]
+        saved = FootConfig(**{f.name: given[f.name] for f in fields(FootConfig) if f.name in given})
+        if k is not None and (saved.shape != "waypoints" or design["k"] is None):
+            raise SettingError("foot.k", k, f"null: the run's foot is {saved.shape}")
+        if k is not None:
+            return make_foot(replace(saved, k=k))
+        if design["k"] is not None:
+            foot = make_foot(replace(saved, k=design["k"]))
+        else:  # the contour itself: a drawing that it came from may have changed
+            foot = Foot.from_file(
+                folder / "contour.csv", width=float(design["width_m"]), ankle=tuple(design["ankle_m"]),
+                closed=saved.closed, top=saved.top,
+            )  # fmt: skip
+        return replace(foot, name=str(design["name"]))
+    except SettingError:
+        raise
+    except (FileError, LookupError, TypeError, ValueError) as error:
+        missing = not (folder / "result.json").exists()
+        why = identity.lacking(folder, "result.json") if missing else f"{error}".rstrip(".")
+        raise FileError(
+            f"run = {str(folder)!r}: not the folder of a run with one foot ({why}). "
+            "Give one of study=optimize or simulate."
+        ) from None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -40,6 +142,8 @@ class Run:
         All its settings, resolved: what the run is.
     words : tuple of str
         What was given on the command line.
+    version : str
+        Of the footopt that wrote it.
     trusted : bool
         Whether the plugins that the settings name may be run.
     """
@@ -47,6 +151,7 @@ class Run:
     folder: Path
     settings: Mapping[str, Any]
     words: tuple[str, ...] = ()
+    version: str = __version__
     trusted: bool = False
 
     def __repr__(self) -> str:
@@ -56,7 +161,13 @@ class Run:
     @cached_property
     def config(self) -> Config:
         """The settings as what studies take; names that this version does not have are a `SettingError`."""
-        found: Config = configured(self.settings)
+        try:
+            found: Config = configured(self.settings)
+        except SettingError as error:
+            if self.version == __version__:
+                raise
+            why = f"footopt {self.version} wrote this run, and this is {__version__} ({error})"
+            raise FileError(f"{self.folder}: {why}. Install that version to load it.") from None
         return found
 
     @cached_property
@@ -94,7 +205,8 @@ class Run:
     @property
     def front(self) -> Any:
         """The Pareto front as walked finely, the answer first: a pandas DataFrame of k1 ... and values."""
-        pandas = needed("pandas", "Run.front", "pandas")
+        import pandas
+
         k, values = self.result.get("front", []), self.result.get("front_values", [])
         heights = pandas.DataFrame(k).rename(columns=lambda i: f"k{i + 1}")
         return heights.join(
@@ -103,20 +215,15 @@ class Run:
 
     @property
     def designs(self) -> Any:
-        """Every design that it walked: a pandas DataFrame with the columns of designs.csv.
-
-        Raises
-        ------
-        FileError
-            It has not ended: then `search` reads its store, and walks what is missing.
-        """
+        """Every design that it walked: a pandas DataFrame with the columns of designs.csv."""
         path = self.folder / "designs.csv"
         if not path.is_file():
             if not self.result:
                 hint = "run.search().to_frame() reads its store, and walks what is missing."
                 raise FileError(f"{self.folder}: has not ended. {hint}")
             return self.search().to_frame()
-        pandas = needed("pandas", "Run.designs", "pandas")
+        import pandas
+
         frame = pandas.read_csv(path, keep_default_na=False, na_values={}, dtype={"reason": object})
         for name in frame.columns.difference(["reason"]):
             frame[name] = pandas.to_numeric(frame[name])
@@ -130,18 +237,7 @@ class Run:
         return simulate(self.foot, self.scene, accuracy)
 
     def search(self, **budget: int) -> SearchResult:
-        """Its search, from its store: what is known is read, what is missing is walked and kept there.
-
-        Parameters
-        ----------
-        **budget : int
-            n_gen, to go further.
-
-        Raises
-        ------
-        SettingError
-            It was no search of one scene.
-        """
+        """Its search, from its store: what is missing is walked and kept there; n_gen goes further."""
         config = self.config
         if config.study.name != "optimize":
             raise SettingError("study.name", config.study.name, "optimize, to search again")
@@ -168,13 +264,8 @@ def load(folder: str | Path, trust: bool = False) -> Run:
     FileError
         There is none, or footopt.yaml there has been changed by hand.
     """
-    return read(folder, "folder", trust)
-
-
-def read(folder: str | Path, setting: str, trust: bool = False) -> Run:
-    """`load`, whose errors name the setting that the folder is of."""
     path = Path(folder).expanduser()
-    return Run(path, *identity.read(path, setting)[:2], trusted=trust)
+    return Run(path, *identity.read(path, "folder"), trusted=trust)
 
 
 def load_all(pattern: str | Path) -> Any:
@@ -194,7 +285,8 @@ def load_all(pattern: str | Path) -> Any:
     FileError
         There are no runs, or none that can be read.
     """
-    pandas = needed("pandas", "load_all", "pandas")
+    import pandas
+
     rows = []
     for folder in identity.runs(pattern):
         if not (folder / identity.FILE).is_file():  # a job that was refused
