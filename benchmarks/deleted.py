@@ -16,9 +16,9 @@ import footopt.walk
 
 #: Names that are None where a scene has no effect that needs them.
 ABSENT = {"loads", "gates", "pushes", "tangent", "tilt", "h0", "bristles", "rest",
-          "prints", "ground", "surface", "hides", "horizon"}  # fmt: skip
-SOURCES = ("state", "contact", "standing", "bristles", "newton", "metrics", "sources", "surface", "slides",
-           "ground", "loop", "steppers")  # fmt: skip
+          "hides", "horizon"}  # fmt: skip
+SOURCES = ("state", "contact", "standing", "bristles", "newton", "metrics", "sources",
+           "loop", "steppers")  # fmt: skip
 
 
 class Delete(ast.NodeTransformer):

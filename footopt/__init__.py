@@ -60,7 +60,7 @@ __version__ = "0.1.0"
 _NAMES = {
     "footopt.cli.run": "run",
     "footopt.design": "FootProblem RobustProblem SearchResult search",
-    "footopt.effects": "Footprints Inertia Layers LeadingEdge Patches Rest Shadowing Slope",
+    "footopt.effects": "Inertia Layers LeadingEdge Patches Rest Shadowing Slope",
     "footopt.errors": "FootoptError",
     "footopt.foot": "Foot Waypoints",
     "footopt.gait": "Gait",

@@ -20,8 +20,7 @@ A scene is drawn by its number alone, so that a sample of any size begins alike.
 row a foot (300 scenes take half an hour of one core). It continues an OUT.csv that is there, stops after the
 seconds that a fourth argument says, and prints the tables of docs/accuracy.md. With "shadowing" for a fourth
 argument, each scene has its effects replaced by shadowing, by each of its laws, every second one with the
-leading edge; with "footprints", it has footprints, beside its effects or alone; with "shuffling", steps of
-any length, too.
+leading edge.
 """
 
 import csv
@@ -36,7 +35,6 @@ from typing import NamedTuple
 import numpy as np
 
 import footopt as fo
-from footopt.effects.footprints import finer_cells
 from footopt.effects.shadowing import HULLS
 from footopt.errors import FootoptError
 from footopt.sand import MEDIA
@@ -210,13 +208,12 @@ def scale_of(values):
 def truth_of(feet, scene, space=None):
     """Objectives and reasons by much finer plates, creep speed and steps."""
     values, reasons = np.empty((len(feet), len(FIVE))), np.empty(len(feet), object)
-    fine = replace(scene, effects=finer_cells(scene.effects, 2))
     for own, index in accuracies(feet, scene, fo.Accuracy.named("standard"), space).items():
         slower = own.creep / fo.Accuracy.named("standard").creep
         plates = min(max(1024, 8 * own.plates), 6400)
         dt = 4e-4 * min(scene.gait.period / 1.2, 1.0)
         finest = fo.Accuracy("sdirk2", dt, plates, 2e-6 * slower, "truth", control=1e-7 * slower)
-        table = fo.evaluate([feet[i] for i in index], fine, finest, space=space)
+        table = fo.evaluate([feet[i] for i in index], scene, finest, space=space)
         values[index], reasons[index] = table.values, table.reasons
     return values, reasons
 
@@ -271,24 +268,6 @@ def shaded(drawn, number):
         yield drawn._replace(scene=replace(drawn.scene, effects=on), about=about)
 
 
-def shuffle(gait, swing):
-    """A gait whose thighs swing by a part of their angle: its steps are shorter."""
-    a0, a, b = gait.thigh
-    return replace(gait, thigh=type(gait.thigh)(a0, tuple(swing * np.array(a)), tuple(swing * np.array(b))))
-
-
-def shuffling(drawn, number, least=0.1):
-    """The scene with footprints, and steps of any length; every second one without its other effects."""
-    swing = np.random.default_rng([7, number]).uniform(least, 1.0)
-    gait = shuffle(drawn.scene.gait, swing)
-    others = () if number % 2 else drawn.scene.effects
-    late = gait.heel_strike + 2.0 * gait.period
-    about = {**drawn.about, "effects": "footprints" + number % 2 * " alone"}
-    return drawn._replace(
-        scene=replace(drawn.scene, gait=gait, t_f=late, effects=(*others, fo.Footprints())), about=about
-    )
-
-
 def judged_rows(number, drawn, count=2):
     """Rows of the table: of the first feet of a scene."""
     feet = drawn.feet[:count]
@@ -339,8 +318,7 @@ def variants(number, kind):
     """The scene of a number, or what a kind of sample makes of it."""
     if kind == "shadowing":
         return list(shaded(draw(number), number))
-    least = {"footprints": 1.0, "shuffling": 0.1}
-    return [shuffling(draw(number), number, least[kind]) if kind in least else draw(number)]
+    return [draw(number)]
 
 
 def run(first, last, path, seconds=math.inf, kind=""):

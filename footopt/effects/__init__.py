@@ -16,7 +16,6 @@ from footopt.effects.base import (
     register,
     title_of,
 )
-from footopt.effects.footprints import Footprints
 from footopt.effects.inertia import Inertia
 
 # isort: off  They act in this order: layers make the strength at a depth, which patches multiply.
@@ -34,7 +33,6 @@ __all__ = [
     "HOOKS",
     "VARIANTS",
     "Effect",
-    "Footprints",
     "Inertia",
     "Laws",
     "Layers",

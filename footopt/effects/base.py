@@ -68,8 +68,6 @@ class Scale(NamedTuple):
     speed: float  # with which a foot is set down, m/s
     distance: float  # walked, m
     hollow: float = 0.01  # depth of the sole's grooves, m: of a typical one, where no foot is known
-    length: float = 0.26  # of the foot, m
-    step: float = 0.6  # from a foot's print to the other's, m
     sweep: float = 0.0  # fastest of a foot that is no higher over the other one than that has sunk, m/s
 
 

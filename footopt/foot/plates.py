@@ -51,8 +51,6 @@ class Plates(NamedTuple):
         Length along the sole for which a plate stands; None for chords, which stand for themselves.
     horizon : (designs, 5, plates), optional
         Where each plate sees sand (`footopt.effects.shadowing.horizons`), if an effect asks for it.
-    ends : (designs, 2, plates + 1), m, optional
-        Where plates begin and end, x and z from the ankle; a closed foot has its toe twice.
     """
 
     x: Array
@@ -65,7 +63,6 @@ class Plates(NamedTuple):
     turn: Array | None = None
     span: Array | None = None
     horizon: Array | None = None
-    ends: Array | None = None
 
     @classmethod
     def from_points(
@@ -121,8 +118,7 @@ class Plates(NamedTuple):
     def _along(cls, points: Array, ankle: Array, width: Array, parts: int, directed: bool) -> Plates:
         """Plates of some chords each."""
         x, z, c2, s2, length, tx, tz = cut(points, parts)
-        ends = np.ascontiguousarray((points[:, ::parts] - ankle[:, None]).transpose(0, 2, 1))
-        plates = cls(x - ankle[:, :1], z - ankle[:, 1:], c2, s2, length * width[:, None], ends=ends)
+        plates = cls(x - ankle[:, :1], z - ankle[:, 1:], c2, s2, length * width[:, None])
         return plates._replace(tx=tx, tz=tz, turn=bent(points, parts)) if directed else plates
 
     def take(self, index: slice | NDArray[np.int64]) -> Plates:

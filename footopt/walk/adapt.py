@@ -17,9 +17,6 @@ Some things make a walk harder than those, and each is a rule here:
 - Effects that change the force on a plate make blows short, as hard sand does, and bristles bend within them.
   Where there are such, or more plates than the preset's, steps are half as long and held to a quarter of the
   control.
-- With footprints blows are short, too. A foot touches heaps with few plates and grazes them: there are
-  `HEAPED` times more, and the creep speed is `SLOWER` twice more. Where steps are so short that a foot may
-  come down on a print (`SHORT`), time steps and their control are `GRAZING` times as large once more.
 """
 
 from __future__ import annotations
@@ -32,7 +29,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.effects import Footprints, LeadingEdge, Patches, Rest, laws
+from footopt.effects import LeadingEdge, Patches, Rest, laws
 from footopt.effects import base as effects
 from footopt.effects.shadowing import filler, hidden_part
 from footopt.errors import SettingError
@@ -53,9 +50,6 @@ BEND = 0.2  # rad by which a sole turns within a plate: five a waypoint of a rou
 TOUCHING, PIECE = 8, 4  # plates in the sand under who stands, and in each piece of the sole there
 LEADING = 4.0  # times more plates where only faces that lead feel sand
 NORMAL = 2.0  # ... where the force depends on their normals or on which are hidden, or bristles hold them
-HEAPED = 4.0  # ... where there are heaps and prints
-GRAZING = 0.25  # times the step, and its control once more, of feet that may come down on these
-SHORT = 0.7  # of a step that the gait would make on firm ground: so far it slips
 SLOWEST = 0.05  # times the creep speed, at least: evaluations double where it is a fifth and feet are level
 CREPT = 0.03  # of the depth to which a level foot sinks: on hard sand so much at `standard`
 SHORTER, CLOSER = 0.5, 0.25  # times the step, and its control, where blows are short
@@ -94,22 +88,17 @@ def adapted(accuracy: Accuracy, scene: Scene, sole: Foot | Waypoints) -> Accurac
     level, control = _keeps_level(scene.gait), accuracy.control
     needed = _needed(scene, sole) * (EVENLY if level else 1.0)
     kinds = {type(effect) for effect in scene.effects}
-    heaps = _meets(scene, sole)
-    slip = (SLOWER if level else 1.0) * (SLOWER**2 if Footprints in kinds else 1.0)
-    blows = needed > 1.0 or kinds & {Rest, Footprints} or any(laws(scene.effects)) or _hides(scene)
+    slip = SLOWER if level else 1.0
+    blows = needed > 1.0 or Rest in kinds or any(laws(scene.effects)) or _hides(scene)
     step, held = (SHORTER, CLOSER) if blows else (1.0, 1.0)
     if level and Rest in kinds:
         step, held = SHORTER * step, SETTLING * held
-    if heaps:
-        step, held = GRAZING * step, GRAZING * held
     return replace(
         accuracy,
         dt=step * shorter * accuracy.dt,
         control=None if control is None else held * slower * control,
         creep=accuracy.creep * max(min(slower, _crept(scene, sole)) * slip, SLOWEST),
-        plates=_blocks(
-            accuracy.plates, min(max(_finer(scene), HEAPED * (Footprints in kinds)) * needed, MOST)
-        ),
+        plates=_blocks(accuracy.plates, min(_finer(scene) * needed, MOST)),
         adapt=False,
     )
 
@@ -157,12 +146,6 @@ def _finer(scene: Scene) -> float:
     if LeadingEdge in kinds:
         return LEADING
     return NORMAL if Rest in kinds or laws(scene.effects).pushes or _hides(scene) else 1.0
-
-
-def _meets(scene: Scene, sole: Foot | Waypoints) -> bool:
-    """Whether a foot may come down on a print."""
-    scale = scene.scale._replace(length=_length(sole), step=SHORT * scene.scale.step)
-    return any(isinstance(effect, Footprints) and effect.estimate(scale) > 0.0 for effect in scene.effects)
 
 
 def _hides(scene: Scene) -> bool:

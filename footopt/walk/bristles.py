@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from footopt.compiled import inlined, inlined_fast
 from footopt.walk.contact import ankle_of, rsqrt, submerged
-from footopt.walk.surface import found_by, highest, surface_at
 
 Array = NDArray[np.float64]
 
@@ -103,8 +102,7 @@ def bend(sole, poses, x, z, vx, vz, turn, stage):
     before, after, share = stage.before, stage.after, stage.share
     for foot in range(2):
         ankle = ankle_of(poses, foot, x, z, vx, vz)
-        first, last = submerged(sole, ankle, highest(sole.ground, foot))
-        surface = found_by(sole.ground, foot)
+        first, last = submerged(sole, ankle)
         rate_cos, rate_sin = ankle.rate * ankle.cos, ankle.rate * ankle.sin
         for i in range(first):
             after[foot, 0, i] = after[foot, 1, i] = 0.0
@@ -118,15 +116,6 @@ def bend(sole, poses, x, z, vx, vz, turn, stage):
             ux = bx[i] + (ankle.vx - ankle.rate * rz) * turn
             uz = bz[i] + (ankle.vz + rate_cos * px[i] - rate_sin * pz[i]) * turn
             q = rsqrt(max(ux * ux + uz * uz, 1.0))
-            level = _level(surface, ankle.x + ankle.cos * px[i] - ankle.sin * pz[i])
-            in_sand = 1.0 if ankle.z + rz < level else 0.0
+            in_sand = 1.0 if ankle.z + rz < 0.0 else 0.0
             hx[i] = in_sand * (bx[i] + share * (ux * q - bx[i]))
             hz[i] = in_sand * (bz[i] + share * (uz * q - bz[i]))
-
-
-@inlined_fast
-def _level(surface, x):
-    """Height of the sand, m."""
-    if surface is None:
-        return 0.0
-    return surface_at(surface, x)[0]

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footopt.effects import EFFECTS, Footprints, Inertia, LeadingEdge, Shadowing, Slope
+from footopt.effects import EFFECTS, Inertia, LeadingEdge, Shadowing, Slope
 from footopt.foot import Foot
 from footopt.walk.scene import SOLE, Scene
 
@@ -31,7 +31,7 @@ def bearing_factor(friction: float) -> float:
 
 
 #: Effects whose parameters the literature has. The others say what the ground is like.
-LITERATURE: tuple[type, ...] = (LeadingEdge, Inertia, Shadowing, Footprints)
+LITERATURE: tuple[type, ...] = (LeadingEdge, Inertia, Shadowing)
 
 SCENE = "the scene itself"  # the source of an effect that names none
 EFFECT, RANGE, LACKS = "effect", "tested range", "not in footopt"
@@ -115,7 +115,7 @@ def calls(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> list[C
     area = length * width
     depth = scale.depth * SOLE / area
     ankle = float(np.median([foot.ankle[1] - foot.contour[:, 1].min() for foot in feet]))
-    scale = scale._replace(depth=depth, hollow=hollow, length=length, sweep=scene.sweep(depth))
+    scale = scale._replace(depth=depth, hollow=hollow, sweep=scene.sweep(depth))
     g, weight, speed = scene.walker.g, scene.walker.weight, scale.speed
 
     found = []

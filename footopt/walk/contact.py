@@ -18,7 +18,6 @@ from footopt.compiled import inlined, inlined_fast
 from footopt.effects import base as effects
 from footopt.effects.shadowing import hidden, slid
 from footopt.walk.state import LANES, Contact, Force, Pose, no_force, pose_of
-from footopt.walk.surface import highest, over
 
 TURN = 0.25  # of the difference in speed along a turning plate, over which its direction is smoothed
 SEEN = 0.5  # of the same, over which a gate opens
@@ -47,9 +46,7 @@ def motion(ankle, x, z):
 
 
 @inlined_fast
-def foot_force(
-    sole, law, loads, gates, pushes, hides, tangent, surface, first, last, ankle, creep, stage, h0, frozen
-):
+def foot_force(sole, law, loads, gates, pushes, hides, tangent, first, last, ankle, creep, stage, h0, frozen):
     """F = sum of f: the force on one foot by the paper's eq. 2, its power, and its derivatives.
 
     What may be None is an argument of its own: numba leaves out branches on arguments only.
@@ -66,8 +63,6 @@ def foot_force(
         Of one number: what a hidden plate does not feel of its stress (`World`).
     tangent : Tangent or None
         The sole's.
-    surface : (2, plates) or None
-        Height of the sand over each plate, m, and its slope; None is level, at 0.
     ankle : Pose
         In the world.
     creep, stage, h0
@@ -97,14 +92,9 @@ def foot_force(
         part, sight = hides[0], tangent.horizon
         toe_cos, toe_sin, heel_cos = sight[0][first:last], sight[1][first:last], sight[2][first:last]
         heel_sin, wide = sight[3][first:last], sight[4][first:last]
-    if surface is not None:
-        level, slope = surface[0, first:last], surface[1, first:last]
     for i in range(len(x)):
         height, vx, vz = motion(ankle, x[i], z[i])
-        if surface is None:  # noqa: SIM108  only such a test is pruned
-            depth = max(-height, 0.0)
-        else:
-            depth = max(level[i] - height, 0.0)
+        depth = max(-height, 0.0)
         k = area[i] * depth
 
         # the direction of motion h = v / |v|: smoothed, or held by the sand's bristles
@@ -217,9 +207,6 @@ def foot_force(
                 jxz -= area[i] * push_by_vn * nx * nz - sinking * push_by_depth * nx
                 jzx -= area[i] * push_by_vn * nx * nz
                 jzz -= area[i] * push_by_vn * nz * nz - sinking * push_by_depth * nz
-                if surface is not None:
-                    jxx -= sinking * slope[i] * push_by_depth * nx
-                    jzx -= sinking * slope[i] * push_by_depth * nz
 
         # eq. 2, F = sum f with f = p |z| dA, and eq. 7, P = sum f.v
         fx += k * px
@@ -232,9 +219,6 @@ def foot_force(
                 jxx += sinking * by_x * px
                 jzx += sinking * by_x * pz
                 sinking *= by_depth
-            if surface is not None:
-                jxx += sinking * slope[i] * px
-                jzx += sinking * slope[i] * pz
             jxz -= sinking * px
             jzz -= sinking * pz
             if h0 is not None:
@@ -254,9 +238,9 @@ def ankle_of(poses, foot, x, z, vx, vz):
 
 
 @inlined
-def submerged(sole, ankle, top):
-    """First and one past the last plate of the blocks that reach below the highest sand, m."""
-    za, cos, sin = ankle.z - top, ankle.cos, ankle.sin
+def submerged(sole, ankle):
+    """First and one past the last plate of the blocks that reach below the sand's surface."""
+    za, cos, sin = ankle.z, ankle.cos, ankle.sin
     if za > sole.reach:
         return 0, 0
     first, last = 0, len(sole.block_x)
@@ -306,13 +290,13 @@ def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, frozen, counts):
     left, right = no_force(), no_force()
     for foot in range(2):  # one copy of the loop over plates: what is written twice is compiled twice
         ankle = ankle_of(poses, foot, x, z, vx, vz)
-        first, last = submerged(sole, ankle, highest(sole.ground, foot))
+        first, last = submerged(sole, ankle)
         force = no_force()
         if first < last:
             counts.plates += last - first
             force = foot_force(
                 sole, world.law, world.loads, world.gates, world.pushes, world.hides, sole.tangent,
-                over(sole.ground, foot, sole, first, last, ankle), first, last, ankle,
+                first, last, ankle,
                 _slip(creep, ankle.rate, sole.span, h0), stage, _of_foot(h0, foot), _behind(frozen, vx, vz),
             )  # fmt: skip
         left, right = right, force

@@ -16,7 +16,6 @@ from footopt.compiled import cached_njit
 from footopt.effects import Laws
 from footopt.walk.bristles import bristles_at_start, record
 from footopt.walk.contact import FOLLOWS, contact
-from footopt.walk.ground import footprint, on_ground
 from footopt.walk.metrics import no_extremes, raw_of, sample_of, sinkage_of, step_error, updated
 from footopt.walk.sources import source, users_own
 from footopt.walk.standing import static_height
@@ -66,14 +65,13 @@ def _compile(source: str, compiler: Any):
         steps = len(times) - 1
         finest, traced = len(poses) - 1, len(trace) > 0
         for d in range(begin, end):
-            sole, count = on_ground(world.prints, sole_of(soles, d)), counts[d]
+            sole, count = sole_of(soles, d), counts[d]
             for column in range(raw.shape[1]):
                 raw[d, column] = np.nan
             status[d] = SUNK
             z = static_height(world, sole, pose0)
             if not np.isfinite(z):
                 continue
-            sole = footprint(world.prints, sole, pose0, 0.0, 0.0, 0.0, z, 0.0, 0.0)
             bristles = bristles_at_start(world.rest, len(sole.x))
             at = touch(world, sole, pose0, 0.0, z, 0.0, 0.0, bristles, 0.0, count)
             state = State(0.0, z, 0.0, 0.0, at, Integrals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), bristles, True)
@@ -116,8 +114,6 @@ def _compile(source: str, compiler: Any):
                 depth = sinkage_of(sole, poses[level][index, -1], after.z) if sink else 0.0
                 extremes = updated(extremes, state, after, ax0, ax1, t, h, strike, depth)
                 state = after
-                at_end = poses[level][index, -1]
-                sole = footprint(world.prints, sole, at_end, t - h, t, state.x, state.z, state.vx, state.vz)
                 if traced:
                     write(trace[row], sample_of(t, state))
                     record(bristle_trace, row, state.bristles)

@@ -50,7 +50,6 @@ def plate_states(
     creep: float,
     angles: bool = False,
     bristles: Array | None = None,
-    level: Array | float = 0.0,
 ) -> PlateStates:
     """The plates of one foot shape under a walker in some states, with the effects of a scene.
 
@@ -72,8 +71,6 @@ def plate_states(
         Whether the law is computed from angles, as published; only for flat plates (rule "chord").
     bristles : (M, 2, N, 2), optional
         Directions h that the sand's bristles hold (`bristles.Bristles`), in place of the smoothed velocity's.
-    level : (M, 2, N), m, or float
-        Of the sand above each plate (`Footprints`).
     """
     assert plates.tx is not None, "plates must be directed"
     assert plates.tz is not None, "plates must be directed"
@@ -113,13 +110,13 @@ def plate_states(
         bent = 0.0 if plates.turn is None else plates.turn[0]
         speed = np.linalg.norm(v, axis=-1)
         edge = np.sqrt(creep**2 + (SEEN * span * rate) ** 2 + (BENT * bent * speed) ** 2)
-    force = forces(stress, position, v, normal, plates.area[0], scene, edge, bristles, level, ridden)
-    return PlateStates(position, v, force, normal, plates.area[0], depth_of(position, level), slip[..., 0])
+    force = forces(stress, position, v, normal, plates.area[0], scene, edge, bristles, ridden)
+    return PlateStates(position, v, force, normal, plates.area[0], depth_of(position), slip[..., 0])
 
 
-def depth_of(position: Array, level: Array | float = 0.0) -> Array:
+def depth_of(position: Array) -> Array:
     """Depth below the sand's surface, m, 0 above; positions are (..., 2), m."""
-    return np.maximum(level - position[..., 1], 0.0)
+    return np.maximum(-position[..., 1], 0.0)
 
 
 def forces(
@@ -131,7 +128,6 @@ def forces(
     scene: Scene,
     edge: float | Array,
     bristles: Array | None = None,
-    level: Array | float = 0.0,
     ridden: tuple[Array, Array] | None = None,
 ) -> Array:
     """zeta load share stress dA - pressure n dA: the force on plates with a scene's effects, (*S, 2), N.
@@ -150,12 +146,10 @@ def forces(
         The speed over which a gate opens, m/s; with bristles `contact.EDGE`.
     bristles : (*S, 2), optional
         Which way a plate faces, in place of its velocity.
-    level : broadcast to S, m
-        Of the sand's surface.
     ridden : (*S), (*S, 2), optional
         Of the own stress what a plate feels that the sole may hide, and the stress at its pocket's edge.
     """
-    depth = depth_of(position, level)
+    depth = depth_of(position)
     vn = np.sum(normal * velocity, axis=-1)
     leads = vn if bristles is None else np.sum(normal * bristles, axis=-1)
     load, share, push = effects.readable(scene.effects, depth, position[..., 0], vn, leads, edge)

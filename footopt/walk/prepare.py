@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.effects import base as effects
-from footopt.effects.footprints import Footprints, Prints, prints_of
 from footopt.effects.rest import rest_length
 from footopt.effects.shadowing import hidden_part
 from footopt.errors import SettingError
@@ -29,7 +28,6 @@ REST = 4  # longer steps while the walker stands
 HALVINGS = 3  # of a step under control, at most
 ROWS = 5_000_000  # poses of a walk that are tabulated, 112 bytes each; ten minutes take 2.6 million
 MOST_BYTES = 4e9  # bytes that the bristles of a traced walk may take
-PHASES = 1000  # of a stride, at which it is looked for where a foot reaches furthest forward
 POSES = 64  # motions whose poses are kept: about 1 MB each, and the time of a few dozen walks
 LONG = ROWS // POSES  # poses of a motion of which only `LONG_ONES` are kept
 LONG_ONES = 2
@@ -52,35 +50,19 @@ def world(scene: Scene, accuracy: Accuracy) -> World:
         loads=laws.loads,
         gates=laws.gates,
         pushes=laws.pushes,
-        prints=prints(scene),
         hides=None if hides is None else (hides,),
     )
-
-
-def prints(scene: Scene) -> Prints | None:
-    """The sand's surface as the feet of a scene leave it; None if it stays level."""
-    if not any(isinstance(effect, Footprints) for effect in scene.effects):
-        return None
-    gait, phase = scene.gait, np.arange(PHASES) / PHASES
-    (thigh, _), (shank, _), _ = gait.cycle(phase)
-    ahead = phase[np.argmax(scene.walker.l1 * np.sin(thigh) + scene.walker.l2 * np.sin(shank))]
-    reaches = gait.heel_strike + (ahead - round(ahead)) * gait.period  # the heel strike nearest to it
-    return prints_of(scene.effects, float(reaches), float(gait.period))
 
 
 def time_grid(scene: Scene, accuracy: Accuracy) -> Array:
     """Ends of the time steps, (steps + 1,), s, from 0 to t_f.
 
     While the walker stands, before the gait starts, implicit steps are `REST` times as long: nothing
-    happens that a longer one would miss. A step ends where a foot takes in the sand onto which it comes down.
-    Each part is t0 + k (t1 - t0)/n: adding steps would drift.
+    happens that a longer one would miss. Each part is t0 + k (t1 - t0)/n: adding steps would drift.
     """
     start, t_f, ends = scene.gait.start, scene.duration, {0.0, scene.duration}
     if STEPPERS[accuracy.stepper].implicit and 0.0 < start < t_f:
         ends.add(start)
-    surface = prints(scene)
-    if surface is not None and surface.reaches < t_f:
-        ends |= {*np.arange(surface.reaches, t_f, 0.5 * surface.period)}
     parts = []
     for begin, end in pairwise(sorted(ends)):
         steps = accuracy.steps((end - begin) / (REST if start in ends and end <= start else 1))
@@ -127,8 +109,7 @@ def poses(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, 
             "Or shorten the walk: scene.t_f, gait.period, gait.start.",
         )
     walker = Walker(l1=scene.walker.l1, l2=scene.walker.l2)
-    splits = tuple(effect for effect in scene.effects if isinstance(effect, Footprints))
-    motion = Scene(gait=scene.gait, walker=walker, t_f=scene.t_f, effects=splits)
+    motion = Scene(gait=scene.gait, walker=walker, t_f=scene.t_f)
     tables = long_pose_tables if pose_rows(scene, accuracy) > LONG else pose_tables
     return tables(motion, Accuracy(accuracy.stepper, accuracy.dt, control=accuracy.control))
 
@@ -171,8 +152,6 @@ def soles(plates: Plates) -> Sole:
         reach=np.sqrt(np.max(plates.x**2 + plates.z**2, axis=1)),
         span=np.zeros(len(x)) if plates.span is None else plates.span,
         tangent=tangent,
-        ends=np.zeros((len(x), 2, 1)) if plates.ends is None else plates.ends,
-        ground=None,
     )
 
 

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from footopt.effects.footprints import finer_cells
 from footopt.foot import Foot
 from footopt.walk import prepare
 from footopt.walk.accuracy import TOLERANCES, Accuracy, resolve
@@ -27,26 +26,21 @@ CAUSES = {
     "accuracy.dt": "the time step makes most of it; try accuracy=fine, or a smaller accuracy.dt",
     "accuracy.plates": "the plates make most of it; try accuracy=fine, or more accuracy.plates",
     "accuracy.creep": "the creep speed makes most of it; try accuracy=fine, or a smaller accuracy.creep",
-    "effects.footprints.cells": "the cells of the surface make most of it; double effects.footprints.cells",
 }
 
 
-def finer(scene: Scene, accuracy: Accuracy) -> dict[str, tuple[Scene, Accuracy]]:
-    """A scene and an accuracy with one cause of errors refined, by the cause's setting.
+def finer(accuracy: Accuracy) -> dict[str, Accuracy]:
+    """An accuracy with one cause of errors refined, by the cause's setting.
 
-    Half the time step (under control: an eighth of the error that a step may have), twice the plates,
-    half the creep speed, or twice the cells of footprints.
+    Half the time step (under control: an eighth of the error that a step may have), twice the plates, or
+    half the creep speed.
     """
     fine = accuracy.refined()
-    found = {
-        "accuracy.dt": (scene, replace(accuracy, dt=fine.dt, control=fine.control, name="refined")),
-        "accuracy.plates": (scene, replace(accuracy, plates=fine.plates, name="refined")),
-        "accuracy.creep": (scene, replace(accuracy, creep=fine.creep, name="refined")),
+    return {
+        "accuracy.dt": replace(accuracy, dt=fine.dt, control=fine.control, name="refined"),
+        "accuracy.plates": replace(accuracy, plates=fine.plates, name="refined"),
+        "accuracy.creep": replace(accuracy, creep=fine.creep, name="refined"),
     }
-    cells = finer_cells(scene.effects)
-    if cells != scene.effects:
-        found["effects.footprints.cells"] = replace(scene, effects=cells), accuracy
-    return found
 
 
 def estimate_error(
@@ -114,9 +108,9 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
     if shares[worst] <= limit:
         return []
     changes = {
-        cause: abs(simulate(walk.foot, *one).objectives[worst] - values[worst])
-        for cause, one in finer(walk.scene, walk.accuracy).items()
-        if not prepare.too_long(*one)
+        cause: abs(simulate(walk.foot, walk.scene, one).objectives[worst] - values[worst])
+        for cause, one in finer(walk.accuracy).items()
+        if not prepare.too_long(walk.scene, one)
     }
     if not changes:
         return []

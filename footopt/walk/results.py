@@ -13,12 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 from footopt.effects.shadowing import filler
 from footopt.errors import check, needed
 from footopt.foot import Foot, Plates
-from footopt.walk import prepare
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.metrics import RAW
 from footopt.walk.objectives import MEASURES, OBJECTIVES, Objective, by_name, lookup
 from footopt.walk.plates import PlateStates, plate_states
-from footopt.walk.prints import MovedSand, moved_sand
 from footopt.walk.scene import Scene
 
 Array = NDArray[np.float64]
@@ -258,23 +256,10 @@ class Walk:
         i = np.asarray(index)
         pose = self.scene.gait.pose(self.t[i], self.scene.walker.l1, self.scene.walker.l2)
         bristles = None if self.bristles is None else self.bristles[i].astype(np.float64)
-        level, creep = 0.0 if (sand := self.sand(i)) is None else sand.level, self.accuracy.creep
-        state = self._plates, pose, self.com[i], self.velocity[i], self.scene, creep
-        return plate_states(*state, bristles=bristles, level=level)
+        state = self._plates, pose, self.com[i], self.velocity[i], self.scene, self.accuracy.creep
+        return plate_states(*state, bristles=bristles)
 
     @property
     def _plates(self) -> Plates:
         fill = filler(self.scene.effects)
         return self.foot.plates(self.accuracy.plates, self.accuracy.rule, directed=True, fill=fill)
-
-    def sand(self, index: ArrayLike) -> MovedSand | None:
-        """The sand at some samples, as the feet have left it; None without `effects.Footprints`."""
-        prints = prepare.prints(self.scene)
-        if prints is None:
-            return None
-        t, gait, walker = np.concatenate([[0.0], self.t]), self.scene.gait, self.scene.walker
-        motions = np.zeros((len(t), 4))
-        motions[0, :2], motions[1:, :2], motions[1:, 2:] = self.start, self.com, self.velocity
-        poses, plates = gait.pose(t, walker.l1, walker.l2).table(), self._plates
-        found = moved_sand(prints, prepare.sole(plates), poses, t, motions, np.asarray(index))
-        return found._replace(level=found.level[..., : plates.x.shape[1]])

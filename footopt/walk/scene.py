@@ -155,7 +155,6 @@ class Scene:
             depth=depth,
             speed=float(np.abs(pose.vz).max()),
             distance=2.0 * step * strides,
-            step=step if math.isinf(self.gait.start) else float(abs(pose.x[0, 0] - pose.x[0, 1])),
             sweep=self.sweep(depth),
         )
 

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.effects import base as effects
-from footopt.effects.footprints import finer_cells
 from footopt.effects.shadowing import filler
 from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Foot, Plates, Waypoints, as_feet, as_plates
@@ -167,20 +166,17 @@ def estimated(
     space: Waypoints | None = None,
     threads: int | None = None,
 ) -> Array:
-    """Error estimates of values (designs, names), from walks refined once and twice, with footprints' cells.
+    """Error estimates of values (designs, names), from walks refined once and twice.
 
     A walk is off by its distance to the limit: that to the walk refined twice, and from there on at most what
     the last refinement changed, if each refinement at least halves the error. `SAFE` times that also covers
     walks that refinement by chance changes little. NaN where a refined walk ends otherwise, or is too long.
     """
-    finer = [
-        (replace(scene, effects=finer_cells(scene.effects, times)), accuracy.refined(times))
-        for times in (1, 2)
-    ]
+    finer = [accuracy.refined(times) for times in (1, 2)]
     too_long = prepare.too_long if any(m.of == "walk" for m in lookup(names)) else prepare.too_many_poses
-    if any(too_long(scene, one) for _, one in finer):
+    if any(too_long(scene, one) for one in finer):
         return np.full_like(values, np.nan)
-    once, twice = (_evaluated(feet, *one, names, space, threads).values for one in finer)
+    once, twice = (_evaluated(feet, scene, one, names, space, threads).values for one in finer)
     return SAFE * (np.abs(values - twice) + np.abs(once - twice))
 
 

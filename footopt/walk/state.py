@@ -9,7 +9,6 @@ from numba.extending import overload
 from numpy.typing import NDArray
 
 from footopt.compiled import INLINE, inlined, unowned
-from footopt.effects.footprints import Prints
 from footopt.sand.law import Law
 
 Array = NDArray[np.float64]
@@ -34,7 +33,6 @@ class World(NamedTuple):
     loads: tuple[Any, ...] | None  # laws of the scene's effects: `footopt.effects.Laws`
     gates: tuple[Any, ...] | None
     pushes: tuple[Any, ...] | None
-    prints: Prints | None  # the sand's surface as the feet leave it; None if it stays level
     hides: tuple[float] | None  # what a hidden plate does not feel of its stress; None if none is hidden
 
 
@@ -66,8 +64,6 @@ class Sole(NamedTuple):
     reach: Any  # the sole's largest distance from the ankle, m
     span: Any  # length along the sole for which a plate stands, m; 0 for chords
     tangent: Tangent | None  # where an effect needs the plates' normals
-    ends: Array  # (2, plates + 1): where plates begin and end, as they are
-    ground: Any  # the sand under it, `ground.Ground`; None where it is level
 
 
 class Pose(NamedTuple):
@@ -166,8 +162,6 @@ def sole_of(soles, design):
         soles.reach[design],
         soles.span[design],
         _tangent_of(soles.tangent, design),
-        lent(soles.ends)[design],
-        soles.ground,
     )
 
 

@@ -432,7 +432,6 @@ ROWS = {
     "solvers.py": 9,
     "ablation.py": 5,
     "fronts.py": 5,
-    "footprints.py": 4,
     "mujoco_steps.py": 4,
     "page.py": 1,
     "command.py": 1,

@@ -490,16 +490,6 @@ def test_a_step_shows_the_ground_of_its_scene(foot):
     assert any(text.startswith("left foot, time since touch-down") for text in said)
 
 
-@pytest.mark.slow  # of compiling
-def test_a_step_shows_the_sand_that_an_effect_moves(foot):
-    walk = fo.simulate(foot, fo.Scene(effects=(fo.Footprints(),)), "draft")
-    axes = figures.step(walk, 1).axes[0]
-    (surface,) = [line for line in axes.get_lines() if line.get_label() == "_surface"]
-    assert "print drawn, not computed" not in texts(axes.figure)
-    assert surface.get_ydata().min() < -0.005
-    assert surface.get_ydata().max() > 0.0
-
-
 def test_feet_have_the_colours_of_their_sides(hard):
     axes = figures.step(hard, 1).axes[0]
     assert any(same_color(line.get_color(), dict(style.SIDES)["right"]) for line in axes.get_lines())

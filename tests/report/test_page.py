@@ -445,26 +445,6 @@ class TestStage:
         shown.emulate(prefers_color_scheme="light")
         assert strip == "brightness(0.32)"
 
-    def test_sand_that_an_effect_moves_is_drawn_as_computed(self, tmp_path, browser):
-        walk = fo.simulate(fo.Foot.flat(), fo.Scene(effects=(fo.Footprints(),)), "draft")
-        content = page.walk_content(walk, {"accuracy": {"name": "draft"}, "scene": {"effects": {}}})
-        shown = Page(browser, page.write(tmp_path / "page.html", content))
-        assert "not computed" not in shown.text("#walk")
-        middle, frames = len(walk.t) // 2, shown.js("Array.from(open(0).when)")
-        index = np.append(middle, np.searchsorted(walk.t, np.subtract(frames[::25], 1e-6)))
-        sand = walk.sand(index)
-        x, z = np.moveaxis(
-            shown.js(f"{walk.t[index].tolist()}.map((t) => open(0).surface(t).map(({{ x, z }}) => [x, z]))"),
-            -1,
-            0,
-        )
-        np.testing.assert_allclose(x, np.broadcast_to(sand.x, x.shape), atol=1e-9)
-        # frames are rounded to 16 bits, and their times to 32
-        np.testing.assert_allclose(z[1:], sand.height[1:], atol=3e-5 * np.ptp(sand.height))
-        near = np.isclose(z[0], sand.height[0], rtol=0, atol=0.1 * np.ptp(sand.height))
-        assert near.mean() > 0.98  # between frames a heap slides at once; a frame later it is 0.97
-        assert z[0].min() < -0.005 < 0.002 < z[0].max()  # a print and its rim
-
     def test_one_walk_has_the_flat_foot_beside_it(self, front, browser, tmp_path):
         best, flat = front[2:4]
         entry = {"flat": flat.objectives, "accuracy": {"name": "standard"}, "scene": {"effects": {}}}

@@ -97,8 +97,8 @@ def test_the_study_from_the_command_line(tmp_path):
     check_page(tmp_path / "out")
     assert "leading edge changes" in done.stdout
     sets = [set(j["effects"]) for j in result["interactions"]]
-    assert sets[-1] == {"leading_edge", "inertia", "shadowing", "footprints"}
-    assert [len(s) for s in sets] == [2, 2, 2, 2, 2, 2, 4]
+    assert sets[-1] == {"leading_edge", "inertia", "shadowing"}
+    assert [len(s) for s in sets] == [2, 2, 2, 3]
     assert {c["kind"] for c in result["calls"]} == {"effect", "tested range", "not in footopt"}
 
 
@@ -115,7 +115,7 @@ def test_auto_simulates_what_matters_and_what_is_given_and_records_why(given, tm
     assert done.returncode == 0, done.stderr
     result = json.loads((only_folder(tmp_path) / "result.json").read_text())
     assert set(result["scene"]["effects"]) == {"leading_edge"}
-    matters = {"leading_edge": True, "inertia": False, "shadowing": False, "footprints": False}
+    matters = {"leading_edge": True, "inertia": False, "shadowing": False}
     matters |= dict.fromkeys(VARIANTS, False)
     assert {a["effect"]: a["matters"] for a in result["effects_audit"]} == {
         name: whether for name, whether in matters.items() if name not in given

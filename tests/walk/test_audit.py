@@ -69,7 +69,7 @@ def test_effects_together_change_what_is_walked_and_say_what_is_beyond_each_alon
 
 @pytest.mark.slow
 def test_the_docs_have_what_pairs_change_beyond_each_alone(monkeypatch):
-    """The paper's walk, in effects.md; whole numbers are rounded ones. Footprints would take a minute."""
+    """The paper's walk, in effects.md; whole numbers are rounded ones."""
     three = [fo.Inertia(), fo.LeadingEdge(), fo.Shadowing()]
     monkeypatch.setattr(pairs, "to_audit", lambda scene: three)
     text = (Path(__file__).parents[2] / "docs" / "effects.md").read_text(encoding="utf-8")

@@ -48,7 +48,7 @@ def step(loop, *on):
     @njit(error_model="numpy")
     def both(sole, world, ankle, at):
         force = foot_force(
-            sole, world.law, world.loads, world.gates, world.pushes, world.hides, sole.tangent, None, 0,
+            sole, world.law, world.loads, world.gates, world.pushes, world.hides, sole.tangent, 0,
             len(sole.x), ankle, world.creep, 1e-3, None, FOLLOWS,
         )  # fmt: skip
         return force, acceleration(world, at)

@@ -4,7 +4,7 @@ import os
 
 import numpy as np
 import pytest
-from random_scenes import draw, judge, promises, run, shuffling
+from random_scenes import draw, judge, promises, run
 
 import footopt as fo
 from footopt.walk.objectives import SLOW, measure
@@ -37,20 +37,6 @@ def test_a_table_of_a_sample_is_continued(tmp_path, capsys):
     assert first.read_text().startswith(rows)
     assert first.read_text() == whole.read_text()
     assert "| feet | 4 |" in capsys.readouterr().out
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("least", "share"), [(1.0, 0.8), (0.1, 0.8)])
-def test_with_footprints_most_walks_keep_the_promise(least, share):
-    """By the gaits as they are drawn, and in steps of any length; docs/accuracy.md has larger samples."""
-    found = []
-    for number in range(400, 400 + SCENES // 2):
-        drawn = shuffling(draw(number), number, least)
-        found += judge(drawn.feet[:1], drawn.scene, space=drawn.space)
-    told = promises(found)
-    assert told["another outcome"] == 0
-    assert told["within 0.5 %"] >= share, told
-    assert told["covered"] >= 0.8, told
 
 
 @pytest.mark.slow

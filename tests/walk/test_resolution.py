@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from random_scenes import shuffle
 from running import footopt
 
 import footopt as fo
@@ -46,14 +45,6 @@ def test_terminal_page_and_record_name_the_cause_and_the_setting(tmp_path):
     for text in (" ".join(done.stdout.split()), page):
         assert "estimated error of" in text
         assert "more accuracy.plates" in text
-
-
-@pytest.mark.slow  # of compiling
-def test_a_warning_names_the_cells_of_footprints(ramp_foot):
-    gait = shuffle(fo.Gait.human(), 0.25)
-    scene = fo.Scene(sand=fo.Sand.named("regular"), gait=gait, effects=(fo.Footprints(cells=8),))
-    (found,) = judged(ramp_foot, scene, fo.Accuracy("sdirk2", 5e-4, 256, 1e-5, "fine"))
-    assert "effects.footprints.cells" in found.why
 
 
 def test_the_smallest_numbers_that_are_allowed_can_be_refined(ramp_foot):
