@@ -15,8 +15,7 @@ import footopt.effects.slope
 import footopt.walk
 
 #: Names that are None where a scene has no effect that needs them.
-ABSENT = {"loads", "gates", "pushes", "tangent", "tilt", "h0", "bristles", "rest",
-          "hides", "horizon"}  # fmt: skip
+ABSENT = {"loads", "gates", "pushes", "tangent", "tilt", "h0", "bristles", "rest"}
 SOURCES = ("state", "contact", "standing", "bristles", "newton", "metrics", "sources",
            "loop", "steppers")  # fmt: skip
 

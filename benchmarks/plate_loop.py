@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 import footopt as fo
 from footopt.foot import as_plates
-from footopt.walk.contact import FOLLOWS, foot_force
+from footopt.walk.contact import foot_force
 from footopt.walk.prepare import sole, world
 from footopt.walk.state import Pose, Sole, World
 
@@ -39,8 +39,7 @@ def _repeat(out, sole, world, motion, jacobian, repeats, change):
     for r in range(repeats):
         ankle = Pose(0.0, za, vx + change * r, vz, cos, sin, rate)
         sums = foot_force(
-            sole, world.law, None, None, None, None, None, None, 0, len(sole.x), ankle, creep, jacobian, None,
-            FOLLOWS,
+            sole, world.law, None, None, None, None, 0, len(sole.x), ankle, creep, jacobian, None
         )  # fmt: skip
         for j in range(7):
             out[j] += sums[j]

@@ -28,7 +28,7 @@ def feel(plates, pose, vx, vz, *on, zeta=1.0, creep=1e-2, stage=None, x=0.0, z=0
     """`Force` on one foot with effects, as an array, and the counts; the other foot is in the sky."""
     scene = fo.Scene(sand=fo.Sand(zeta), effects=on)
     acting = laws(scene.effects)
-    if not acting.directed and plates.horizon is None:
+    if not acting.directed:
         plates = plates._replace(tx=None, tz=None)
     counts, constants = np.zeros(1, COUNTS)[0], world(scene, fo.Accuracy(creep=creep))
     state = constants, sole(plates), np.array([pose, SKY]), x, z, vx, vz, creep, stage, counts

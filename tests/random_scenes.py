@@ -18,9 +18,7 @@ A scene is drawn by its number alone, so that a sample of any size begins alike.
 
 ``python tests/random_scenes.py FIRST LAST OUT.csv`` judges two feet of each scene from FIRST up to LAST, a
 row a foot (300 scenes take half an hour of one core). It continues an OUT.csv that is there, stops after the
-seconds that a fourth argument says, and prints the tables of docs/accuracy.md. With "shadowing" for a fourth
-argument, each scene has its effects replaced by shadowing, by each of its laws, every second one with the
-leading edge.
+seconds that a fourth argument says, and prints the tables of docs/accuracy.md.
 """
 
 import csv
@@ -35,7 +33,6 @@ from typing import NamedTuple
 import numpy as np
 
 import footopt as fo
-from footopt.effects.shadowing import HULLS
 from footopt.errors import FootoptError
 from footopt.sand import MEDIA
 from footopt.walk.accuracy import EVALUATION
@@ -259,15 +256,6 @@ SCENE = ("scene", "foot", *SHOWN)
 NUMBERS = (*FIVE, *(f"{name} estimate" for name in FIVE), "cost", "plain cost")
 
 
-def shaded(drawn, number):
-    """The scene with shadowing in place of its effects, by each of its laws."""
-    edge = (fo.LeadingEdge(),) if number % 2 else ()
-    for hull in HULLS:
-        on = (*edge, fo.Shadowing(hull=hull))
-        about = {**drawn.about, "effects": f"{'leading edge, ' if edge else ''}shadowing, {hull}"}
-        yield drawn._replace(scene=replace(drawn.scene, effects=on), about=about)
-
-
 def judged_rows(number, drawn, count=2):
     """Rows of the table: of the first feet of a scene."""
     feet = drawn.feet[:count]
@@ -314,14 +302,7 @@ def tables(rows):
         yield f"| {name} | " + " | ".join(f"{value:.3g}" for value in parts) + " |"
 
 
-def variants(number, kind):
-    """The scene of a number, or what a kind of sample makes of it."""
-    if kind == "shadowing":
-        return list(shaded(draw(number), number))
-    return [draw(number)]
-
-
-def run(first, last, path, seconds=math.inf, kind=""):
+def run(first, last, path, seconds=math.inf):
     """Judge the scenes that a table lacks, a scene's rows at a time, and print what docs have of it."""
     begun, path = time.monotonic(), Path(path)
     there = {int(row["scene"]) for row in read_rows(path)} if path.exists() else set()
@@ -332,13 +313,10 @@ def run(first, last, path, seconds=math.inf, kind=""):
         for number in sorted(set(range(first, last)) - there):
             if time.monotonic() - begun > seconds:
                 break
-            for drawn in variants(number, kind):
-                table.writerows(list(judged_rows(number, drawn)))
+            table.writerows(list(judged_rows(number, draw(number))))
             file.flush()
     print("\n".join(tables(read_rows(path))))
 
 
 if __name__ == "__main__":
-    how = (*sys.argv, "inf")[4]
-    chosen = {"kind": how} if how.isalpha() and how != "inf" else {"seconds": float(how)}
-    run(int(sys.argv[1]), int(sys.argv[2]), sys.argv[3], **chosen)
+    run(int(sys.argv[1]), int(sys.argv[2]), sys.argv[3], *map(float, sys.argv[4:]))

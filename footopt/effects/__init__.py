@@ -6,7 +6,6 @@ from importlib import import_module
 from footopt.effects.base import (
     EFFECTS,
     HOOKS,
-    VARIANTS,
     Effect,
     Laws,
     Scale,
@@ -14,7 +13,6 @@ from footopt.effects.base import (
     name_of,
     readable,
     register,
-    title_of,
 )
 from footopt.effects.inertia import Inertia
 
@@ -31,7 +29,6 @@ from footopt.effects.slope import Slope
 __all__ = [
     "EFFECTS",
     "HOOKS",
-    "VARIANTS",
     "Effect",
     "Inertia",
     "Laws",
@@ -46,7 +43,6 @@ __all__ = [
     "name_of",
     "readable",
     "register",
-    "title_of",
 ]
 
 for _module in pkgutil.iter_modules(__path__):

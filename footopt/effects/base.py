@@ -74,9 +74,6 @@ class Scale(NamedTuple):
 #: Effects by the names that settings give them, in the order in which they act.
 EFFECTS: dict[str, type[Any]] = {}
 
-#: Other laws of these effects, by the names that tables give them.
-VARIANTS: dict[str, Effect] = {}
-
 #: Hooks by the type of their law.
 LOADS: dict[type, Hook] = {}
 GATES: dict[type, Hook] = {}
@@ -95,11 +92,6 @@ def name_of(effect: Effect) -> str:
     """An effect's name in settings and tables."""
     names = (name for name, kind in EFFECTS.items() if isinstance(effect, kind))
     return next(names, type(effect).__name__)
-
-
-def title_of(effect: Effect) -> str:
-    """An effect's name in tables that tell the laws of one effect apart."""
-    return next((name for name, variant in VARIANTS.items() if variant == effect), name_of(effect))
 
 
 def ordered(effects: Sequence[Effect]) -> tuple[Effect, ...]:

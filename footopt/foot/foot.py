@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from footopt.errors import check, one_line
 from footopt.files import bodies, drawings, soles
 from footopt.foot import outline
-from footopt.foot.plates import RULES, Plates, Shading, along_arc
+from footopt.foot.plates import RULES, Fill, Plates, along_arc
 from footopt.foot.shapes import shape
 from footopt.foot.waypoints import Waypoints, check_ankle, check_length, check_top, written
 
@@ -190,7 +190,7 @@ class Foot:
         plates: int,
         rule: str = "arc",
         directed: bool = False,
-        fill: Shading | None = None,
+        fill: Fill | None = None,
     ) -> Plates:
         """Cut the sole into plates, (1, plates); see `Plates.from_points`."""
         return as_plates([self], plates, rule, None, directed, fill)
@@ -288,7 +288,7 @@ def as_plates(
     rule: str,
     space: Waypoints | None,
     directed: bool = False,
-    fill: Shading | None = None,
+    fill: Fill | None = None,
 ) -> Plates:
     """The plates of feet, of plates (as they are), or of waypoint heights (designs, n) in `space`.
 

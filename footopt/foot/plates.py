@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from footopt.compiled import cached_njit
 
 Array = NDArray[np.float64]
+Fill = Callable[[Array], Array]  # what an effect makes of soles (designs, points, 2), m
 
 
 #: How plates are laid on a contour; each name's number of chords that a plate averages over.
@@ -19,16 +21,6 @@ Array = NDArray[np.float64]
 RULES = {"chord": 1, "arc": 4}
 
 CORNER = 0.3  # rad: who draws a curve by chords turns less from one to the next
-
-
-class Shading(Protocol):
-    """An effect that fills soles, or asks where plates see sand."""
-
-    def __call__(self, points: Array) -> Array:
-        """Soles as plates are cut from them."""
-
-    def sight(self, points: Array, parts: int) -> Array | None:
-        """`Plates.horizon`, or None."""
 
 
 class Plates(NamedTuple):
@@ -49,8 +41,6 @@ class Plates(NamedTuple):
         How much the contour turns within a plate, given with ``tx`` and ``tz``; 0 for chords.
     span : (designs,), m, optional
         Length along the sole for which a plate stands; None for chords, which stand for themselves.
-    horizon : (designs, 5, plates), optional
-        Where each plate sees sand (`footopt.effects.shadowing.horizons`), if an effect asks for it.
     """
 
     x: Array
@@ -62,7 +52,6 @@ class Plates(NamedTuple):
     tz: Array | None = None
     turn: Array | None = None
     span: Array | None = None
-    horizon: Array | None = None
 
     @classmethod
     def from_points(
@@ -73,7 +62,7 @@ class Plates(NamedTuple):
         rule: str = "arc",
         directed: bool = False,
         top: Array | None = None,
-        fill: Shading | None = None,
+        fill: Fill | None = None,
     ) -> Plates:
         """Cut contours into plates.
 
@@ -91,7 +80,7 @@ class Plates(NamedTuple):
             Whether ``tx``, ``tz`` and ``turn`` are wanted.
         top : (designs,), m, optional
             z_p of a flat top that closes each contour with vertical sides (see `cap`).
-        fill : Shading, optional
+        fill : callable, optional
             What an effect makes of the points before they are cut (`footopt.effects.shadowing.filler`).
 
         Returns
@@ -100,16 +89,11 @@ class Plates(NamedTuple):
             Those of the sole, then those of the sides and the top.
         """
         points = points if fill is None else fill(points)
-        horizon = None if fill is None else fill.sight(points, RULES[rule])
-        directed = directed or horizon is not None
-        sole = cls._along(points, ankle, width, RULES[rule], directed)._replace(horizon=horizon)
+        sole = cls._along(points, ankle, width, RULES[rule], directed)
         span = None if RULES[rule] == 1 else sole.area.mean(axis=1) / width
         if top is None:
             return sole._replace(span=span)
         rest = cls._along(cap(points, top, sole.x.shape[1]), ankle, width, 1, directed)
-        if horizon is not None:  # nothing hides the sides and the top
-            open_ = np.array([1.0, 0.0, 1.0, 0.0, 1.0])[:, None]
-            rest = rest._replace(horizon=np.broadcast_to(open_, (len(points), 5, rest.x.shape[1])))
         pairs = zip(cls._fields, sole, rest, strict=True)
         both = {n: np.concatenate([a, b], axis=-1) for n, a, b in pairs if a is not None and b is not None}
         return cls(**both)._replace(span=span)

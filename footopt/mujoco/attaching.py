@@ -80,8 +80,6 @@ class Contact:
             raise SettingError("plates", plates, "an even number from 4")
         if found.tilt is not None:
             raise SettingError("effects", "slope", "one that MuJoCo has not", "Tilt model.opt.gravity.")
-        if found.hides is not None:
-            raise SettingError("effects.shadowing.hull", "motion", "sole", "Here no plate hides another.")
         bodies, tables, first = np.zeros(len(feet), BODY), [], 0
         for body, (name, foot) in zip(bodies, feet.items(), strict=True):
             row = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name)

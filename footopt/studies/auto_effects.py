@@ -10,7 +10,6 @@ import numpy as np
 from rich.table import Table
 from rich.text import Text
 
-from footopt.effects import VARIANTS, Effect
 from footopt.errors import check
 from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
@@ -46,8 +45,7 @@ class Chosen:
     audits, calls : list of dict
         For result.json; empty unless `effects.auto`.
     left_out : dict of float
-        Relative change of each objective by the effects that are left out, all together, and by the other law
-        of one that is not.
+        Relative change of each objective by the effects that are left out, all together.
     """
 
     scene: Scene
@@ -87,32 +85,22 @@ def choose_effects(study: Study, foot: Foot | None = None) -> Chosen:
     called = calls(scene, soles(feet, study.space), limit)
     study.say(calls_table(called))
     undecided = [kind() for kind in LITERATURE if not any(isinstance(e, kind) for e in scene.effects)]
-    undecided += [v for v in VARIANTS.values() if any(type(v) is type(e) for e in undecided)]
     found: list[Audit] = []
-    rivals: list[Effect] = []
     with study.compiling("a walk for each effect, minutes in all"):
         for effect in undecided:  # each where those that matter are on: inertia acts on faces that lead
-            if any(type(effect) is type(e) for e in scene.effects):
-                rivals.append(effect)  # another law of one that matters
-                continue
             found.append(audit(effect, scene, feet, study.accuracy, limit, study.space))
             if found[-1].matters:
                 scene = replace(scene, effects=(*scene.effects, effect))
-        left = {type(a.effect): a.effect for a in reversed(found) if not a.matters}.values()
-        others = [replace(scene, effects=(*scene.effects, *left))] if left else []
-        others += [
-            replace(scene, effects=(*(e for e in scene.effects if type(e) is not type(r)), r)) for r in rivals
-        ]
-        own, *walked = (evaluate(feet, s, study.accuracy, space=study.space).values for s in (scene, *others))
+        left = tuple(a.effect for a in found if not a.matters)
+        whole = replace(scene, effects=(*scene.effects, *left))
+        own, more = (evaluate(feet, s, study.accuracy, space=study.space).values for s in (scene, whole))
     for a in found:
         study.say(f"effects=auto: {a.name.replace('_', ' ')} {a.verdict}")
     for words in (c.warning for c in called if c.warning):
         terminal.warn(study.console, f"effects=auto: outside of what was tested: {words}.")
-    sizes = np.zeros(len(FIVE))
-    for values in walked:
-        change = np.abs(values / own - 1.0)
-        change = change[np.isfinite(change).all(axis=1)]
-        sizes += np.percentile(change, QUANTILE, axis=0) if len(change) else 0.0
+    change = np.abs(more / own - 1.0)
+    change = change[np.isfinite(change).all(axis=1)]
+    sizes = np.percentile(change, QUANTILE, axis=0) if len(change) else np.zeros(len(FIVE))
     left_out = dict(zip(FIVE, sizes.tolist(), strict=True))
     return Chosen(scene, [audit_entry(a) for a in found], [call_entry(c) for c in called], left_out)
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from rich.table import Table
 
-from footopt.effects import EFFECTS, VARIANTS, Effect
+from footopt.effects import EFFECTS, Effect
 from footopt.errors import check
 from footopt.report import terminal
 from footopt.report.figures.effects import changes, pairs
@@ -41,7 +41,7 @@ def run(study: Study) -> None:
             found.append(audit(effect, scene, feet, study.accuracy, limit, space))
             step(news=found[-1].name.replace("_", " "))
     # what goes into pairs may be true of any sand, or the scene has it
-    together = [e for e in effects[: len(EFFECTS)] if isinstance(e, LITERATURE) or e in scene.effects]
+    together = [e for e in effects if isinstance(e, LITERATURE) or e in scene.effects]
     with study.compiling("a walk for each pair of effects, minutes in all"):
         joints = interactions(together, scene, feet, study.accuracy, space)
     study.write_csv("effects.csv", HEADER, [_row(a) for a in found])
@@ -74,10 +74,9 @@ def run(study: Study) -> None:
 
 
 def to_audit(scene: Scene) -> list[Effect]:
-    """Every effect, as the scene names it or with its own defaults, then the other laws of some."""
+    """Every effect, as the scene names it or with its own defaults."""
     given = {type(effect): effect for effect in scene.effects}
-    found = [given.get(kind) or kind() for kind in EFFECTS.values()]
-    return [*found, *(variant for variant in VARIANTS.values() if variant not in found)]
+    return [given.get(kind) or kind() for kind in EFFECTS.values()]
 
 
 def _row(a: Audit) -> list[object]:

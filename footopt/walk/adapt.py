@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 
 from footopt.effects import LeadingEdge, Patches, Rest, laws
 from footopt.effects import base as effects
-from footopt.effects.shadowing import filler, hidden_part
+from footopt.effects.shadowing import filler
 from footopt.errors import SettingError
 from footopt.foot import Foot, Plates, Waypoints
 from footopt.foot.plates import corners, turns_of
@@ -49,7 +49,7 @@ EACH = 5  # plates a waypoint, or a straight side between two corners
 BEND = 0.2  # rad by which a sole turns within a plate: five a waypoint of a rough sole
 TOUCHING, PIECE = 8, 4  # plates in the sand under who stands, and in each piece of the sole there
 LEADING = 4.0  # times more plates where only faces that lead feel sand
-NORMAL = 2.0  # ... where the force depends on their normals or on which are hidden, or bristles hold them
+NORMAL = 2.0  # ... where the force depends on their normals , or bristles hold them
 SLOWEST = 0.05  # times the creep speed, at least: evaluations double where it is a fifth and feet are level
 CREPT = 0.03  # of the depth to which a level foot sinks: on hard sand so much at `standard`
 SHORTER, CLOSER = 0.5, 0.25  # times the step, and its control, where blows are short
@@ -89,7 +89,7 @@ def adapted(accuracy: Accuracy, scene: Scene, sole: Foot | Waypoints) -> Accurac
     needed = _needed(scene, sole) * (EVENLY if level else 1.0)
     kinds = {type(effect) for effect in scene.effects}
     slip = SLOWER if level else 1.0
-    blows = needed > 1.0 or Rest in kinds or any(laws(scene.effects)) or _hides(scene)
+    blows = needed > 1.0 or Rest in kinds or any(laws(scene.effects))
     step, held = (SHORTER, CLOSER) if blows else (1.0, 1.0)
     if level and Rest in kinds:
         step, held = SHORTER * step, SETTLING * held
@@ -145,12 +145,7 @@ def _finer(scene: Scene) -> float:
     kinds = {type(effect) for effect in scene.effects}
     if LeadingEdge in kinds:
         return LEADING
-    return NORMAL if Rest in kinds or laws(scene.effects).pushes or _hides(scene) else 1.0
-
-
-def _hides(scene: Scene) -> bool:
-    """Whether a sole may hide its plates."""
-    return hidden_part(scene.effects) is not None
+    return NORMAL if Rest in kinds or laws(scene.effects).pushes else 1.0
 
 
 def _crept(scene: Scene, sole: Foot | Waypoints) -> float:

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.effects import Effect, title_of
+from footopt.effects import Effect, name_of
 from footopt.foot import Foot, Waypoints
 from footopt.walk.accuracy import Accuracy, resolve
 from footopt.walk.objectives import FIVE
@@ -69,7 +69,7 @@ class Audit:
     @property
     def name(self) -> str:
         """Of the effect."""
-        return title_of(self.effect)
+        return name_of(self.effect)
 
     @property
     def worst(self) -> str:
@@ -227,7 +227,7 @@ def interactions(
             np.percentile(np.abs(part[both]), QUANTILE, axis=0) if both.any() else np.full(len(FIVE), np.nan)
             for part in (change, change + 1.0 - product)
         ]
-        found.append(Joint(tuple(map(title_of, chosen)), sizes[0], sizes[1], int(failed.sum())))
+        found.append(Joint(tuple(map(name_of, chosen)), sizes[0], sizes[1], int(failed.sum())))
     return found
 
 

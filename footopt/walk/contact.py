@@ -16,13 +16,11 @@ import numpy as np
 
 from footopt.compiled import inlined, inlined_fast
 from footopt.effects import base as effects
-from footopt.effects.shadowing import hidden, slid
 from footopt.walk.state import LANES, Contact, Force, Pose, no_force, pose_of
 
 TURN = 0.25  # of the difference in speed along a turning plate, over which its direction is smoothed
 SEEN = 0.5  # of the same, over which a gate opens
 BENT = 0.75  # of the angle by which a plate is bent, over which a gate opens
-FOLLOWS = (0.0, 0.0, 0.0)  # which plates are hidden follows the velocity
 EDGE = 0.05  # n.h over which an effect's gate opens where bristles say how a plate moves
 
 
@@ -46,7 +44,7 @@ def motion(ankle, x, z):
 
 
 @inlined_fast
-def foot_force(sole, law, loads, gates, pushes, hides, tangent, first, last, ankle, creep, stage, h0, frozen):
+def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, creep, stage, h0):
     """F = sum of f: the force on one foot by the paper's eq. 2, its power, and its derivatives.
 
     What may be None is an argument of its own: numba leaves out branches on arguments only.
@@ -59,16 +57,12 @@ def foot_force(sole, law, loads, gates, pushes, hides, tangent, first, last, ank
         The stress map times zeta, N/m^3.
     loads, gates, pushes : tuple or None
         The laws of the scene's effects (`World`).
-    hides : tuple or None
-        Of one number: what a hidden plate does not feel of its stress (`World`).
     tangent : Tangent or None
         The sole's.
     ankle : Pose
         In the world.
     creep, stage, h0
         As in `contact`; `h0` of this foot, (2, plates).
-    frozen : (float, float, float)
-        What to add to the plates' velocity where it says which of them are hidden, m/s, after whether to.
 
     Returns
     -------
@@ -88,10 +82,6 @@ def foot_force(sole, law, loads, gates, pushes, hides, tangent, first, last, ank
         tx, tz, turns = tangent.x[first:last], tangent.z[first:last], tangent.turn[first:last]
         along = ankle.rate * sole.span  # speeds along the normal that differ within a straight plate
         turning2 = eps2 + (SEEN * SEEN - TURN * TURN) * along * along  # eps2 has the part of TURN
-    if hides is not None:
-        part, sight = hides[0], tangent.horizon
-        toe_cos, toe_sin, heel_cos = sight[0][first:last], sight[1][first:last], sight[2][first:last]
-        heel_sin, wide = sight[3][first:last], sight[4][first:last]
     for i in range(len(x)):
         height, vx, vz = motion(ankle, x[i], z[i])
         depth = max(-height, 0.0)
@@ -131,29 +121,6 @@ def foot_force(sole, law, loads, gates, pushes, hides, tangent, first, last, ank
         if tangent is not None:
             nx, nz = sin * tx[i] + cos * tz[i], sin * tz[i] - cos * tx[i]  # outward normal
             vn = vx * nx + vz * nz
-        if hides is not None:
-            if h0 is None:
-                ahead_x, ahead_z = vx + frozen[1], vz + frozen[2]
-                ahead = rsqrt(ahead_x * ahead_x + ahead_z * ahead_z + eps2)
-                ahead_x, ahead_z = ahead_x * ahead, ahead_z * ahead
-            else:
-                ahead_x, ahead_z = hx + frozen[0] * (h0x[i] - hx), hz + frozen[0] * (h0z[i] - hz)
-            seen, seen_x, seen_z, edge, edge_x, edge_z = hidden(
-                part, toe_cos[i], toe_sin[i], heel_cos[i], heel_sin[i], wide[i], ahead_x, ahead_z, nx, nz
-            )
-            ex, ez, exx, exz, ezx, ezz = slid(law, ahead_x, ahead_z)
-            free = 1.0 - frozen[0]  # 0: what is hidden does not follow the velocity
-            seen_x, seen_z, edge_x, edge_z = free * seen_x, free * seen_z, free * edge_x, free * edge_z
-            exx, exz, ezx, ezz = free * exx, free * exz, free * ezx, free * ezz
-            mxx, mxz = seen * mxx - px * seen_x, seen * mxz - px * seen_z
-            mzx, mzz = seen * mzx - pz * seen_x, seen * mzz - pz * seen_z
-            turned_x, turned_z = mxx * hx + mxz * hz, mzx * hx + mzz * hz
-            px, pz = seen * px, seen * pz
-            held = 1.0  # dh/dv = q (I - held h h^T)
-            if h0 is not None:
-                held = slides
-            turning = held * (seen_x * hx + seen_z * hz)
-            seen_x, seen_z = q * (seen_x - turning * hx), q * (seen_z - turning * hz)
         if gates is not None:
             if h0 is None:
                 # as wide as the speeds along the normal within a plate, which turns and is bent
@@ -177,28 +144,8 @@ def foot_force(sole, law, loads, gates, pushes, hides, tangent, first, last, ank
                 jzz += k * by_vn * pz * gz
                 kq *= share
             px, pz = share * px, share * pz
-        if hides is not None:  # the pocket's edge moves along itself: n.v = 0
-            flat = 1.0
-            if gates is not None:
-                flat = effects.gate(gates, (1.0, 0.0), 0.0, EDGE)[0]
-            if stage is not None:
-                exx, exz = edge * exx + ex * edge_x, edge * exz + ex * edge_z
-                ezx, ezz = edge * ezx + ez * edge_x, edge * ezz + ez * edge_z
-                along_x, along_z, kf = (
-                    held * (exx * hx + exz * hz),
-                    held * (ezx * hx + ezz * hz),
-                    flat * k * q,
-                )
-                jxx, jxz = jxx + kf * (exx - along_x * hx), jxz + kf * (exz - along_x * hz)
-                jzx, jzz = jzx + kf * (ezx - along_z * hx), jzz + kf * (ezz - along_z * hz)
-            px, pz = px + flat * edge * ex, pz + flat * edge * ez
         if pushes is not None:
             push, push_by_vn, push_by_depth = effects.push(pushes, (0.0, 0.0, 0.0), vn, depth)
-            if hides is not None:
-                if stage is not None:
-                    jxx, jxz = jxx - area[i] * push * nx * seen_x, jxz - area[i] * push * nx * seen_z
-                    jzx, jzz = jzx - area[i] * push * nz * seen_x, jzz - area[i] * push * nz * seen_z
-                push, push_by_vn, push_by_depth = seen * push, seen * push_by_vn, seen * push_by_depth
             fx -= area[i] * push * nx
             fz -= area[i] * push * nz
             power -= area[i] * push * vn
@@ -259,7 +206,7 @@ def _lowest(sole, block, cos, sin):
 
 
 @inlined
-def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, frozen, counts):
+def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, counts):
     """Force of the sand on both feet at the hip's place (m) and velocity (m/s).
 
     Parameters
@@ -277,8 +224,6 @@ def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, frozen, counts):
         derivatives out; they are then 0.
     h0 : (2 feet, 2, plates) or None
         Bristles at the beginning of that time.
-    frozen : (float, float, float)
-        Whether which plates are hidden is that of another velocity of the hip (1, or 0), and that, m/s.
     counts : record of `COUNTS`
         Of the walk; added to.
 
@@ -295,9 +240,8 @@ def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, frozen, counts):
         if first < last:
             counts.plates += last - first
             force = foot_force(
-                sole, world.law, world.loads, world.gates, world.pushes, world.hides, sole.tangent,
-                first, last, ankle,
-                _slip(creep, ankle.rate, sole.span, h0), stage, _of_foot(h0, foot), _behind(frozen, vx, vz),
+                sole, world.law, world.loads, world.gates, world.pushes, sole.tangent, first, last, ankle,
+                _slip(creep, ankle.rate, sole.span, h0), stage, _of_foot(h0, foot),
             )  # fmt: skip
         left, right = right, force
     return Contact(left, right)
@@ -314,12 +258,6 @@ def _slip(creep, rate, span, h0):
         turn = TURN * rate * span
         return np.sqrt(creep * creep + turn * turn)
     return creep
-
-
-@inlined
-def _behind(frozen, vx, vz):
-    """What takes the hip's velocity to that by which plates are hidden."""
-    return frozen[0], frozen[0] * (frozen[1] - vx), frozen[0] * (frozen[2] - vz)
 
 
 @inlined

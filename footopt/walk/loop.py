@@ -15,7 +15,7 @@ from numba import njit
 from footopt.compiled import cached_njit
 from footopt.effects import Laws
 from footopt.walk.bristles import bristles_at_start, record
-from footopt.walk.contact import FOLLOWS, contact
+from footopt.walk.contact import contact
 from footopt.walk.metrics import no_extremes, raw_of, sample_of, sinkage_of, step_error, updated
 from footopt.walk.sources import source, users_own
 from footopt.walk.standing import static_height
@@ -146,7 +146,7 @@ def walk_range(stepper: Any, soles: Sole, world: World, *rest: Any) -> None:
 def _compile_contact(source: str, compiler: Any):
     @compiler(error_model="numpy")
     def both(world, soles, poses, x, z, vx, vz, creep, stage, counts):
-        return contact(world, soles, poses, x, z, vx, vz, creep, stage, None, FOLLOWS, counts)
+        return contact(world, soles, poses, x, z, vx, vz, creep, stage, None, counts)
 
     return both
 

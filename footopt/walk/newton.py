@@ -48,9 +48,6 @@ def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, bristles, count
     converged to the square of that ratio. The stage's forces are carried along the last step to first
     order, so that its momentum balance closes to rounding.
 
-    Where the sole hides plates, a foot that sticks may have several velocities, as moving on uncovers some.
-    If Newton's method finds none of them, those plates stay hidden that are so at the guess.
-
     Where that fails, because the law turns too sharply on the way, the stage is rescued: it is
     solved for a creep speed so large that the law is viscous, then for smaller and smaller ones,
     each from the solution before. Rescues are counted.
@@ -70,17 +67,16 @@ def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, bristles, count
     -------
     Stage
     """
-    guess_x, guess_z, start_x, start_z = vx, vz, vx, vz
+    guess_x, guess_z = vx, vz
     inv = c / world.mass
     turning_speed = _turning_speed(world.rest, world.creep, c)
-    creep, best, tries, frozen = turning_speed, np.inf, 0, 0.0
+    creep, best, tries = turning_speed, np.inf, 0
     rescue, ratio, solved_at, viscous = False, 0.25, np.inf, np.inf
     dvx = dvz = 0.0
     at = Contact(no_force(), no_force())
     for _ in range(MAX_RESCUE):
         x, z = x0 + c * vx, z0 + c * vz
-        hidden_by = frozen, start_x, start_z
-        at = contact(world, sole, poses, x, z, vx, vz, creep, c, _h0(bristles), hidden_by, counts)
+        at = contact(world, sole, poses, x, z, vx, vz, creep, c, _h0(bristles), counts)
         left, right = at.left, at.right
         rx = vx - tilted(vx0, world.tilt, c) - inv * (left.x + right.x)
         rz = vz - vz0 - inv * (left.z + right.z) + c * world.g
@@ -93,9 +89,7 @@ def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, bristles, count
                 best = np.inf  # nothing but rounding is left to gain
             continue
         if tries > MAX_NEWTON or not residual < 1e18:
-            if _may_freeze(world.hides, frozen):
-                frozen = 1.0
-            elif not rescue:
+            if not rescue:
                 rescue = True
                 counts.rescues += 1
                 creep = viscous = 10.0 * (1.0 + abs(guess_x) + abs(guess_z))
@@ -167,14 +161,6 @@ def _bend(sole, poses, x, z, vx, vz, turn, bristles):
     """Bend the bristles, where there are any."""
     if bristles is not None:
         bend(sole, poses, x, z, vx, vz, turn, bristles)
-
-
-@inlined
-def _may_freeze(hides, frozen):
-    """Whether there are hidden plates that still follow the velocity."""
-    if hides is None:
-        return False
-    return frozen == 0.0
 
 
 @inlined

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.effects import base as effects
-from footopt.effects.shadowing import hidden, hidden_part
 from footopt.foot import Plates
 from footopt.gait.gait import Pose
 from footopt.sand.law import by_angles, by_direction, smoothed
@@ -98,19 +97,12 @@ def plate_states(
         c2p, s2p = np.cos(2.0 * pose.pitch)[..., None], np.sin(2.0 * pose.pitch)[..., None]
         c, s = plates.c2[0] * c2p - plates.s2[0] * s2p, plates.s2[0] * c2p + plates.c2[0] * s2p
         stress = by_direction(c, s, h, scene.sand.stress_map)
-    ridden: tuple[Array, Array] | None = None
-    if (part := hidden_part(scene.effects)) is not None:
-        assert plates.horizon is not None, "plates must have horizons"
-        hx, hz = h[..., 0], h[..., 1]
-        seen, _, _, side, *_ = hidden(part, *plates.horizon[0], hx, hz, normal[..., 0], normal[..., 1])
-        along = by_direction(hx * hx - hz * hz, 2.0 * hx * hz, h, scene.sand.stress_map)
-        ridden = seen, side[..., None] * along
     edge: float | Array = EDGE
     if bristles is None:
         bent = 0.0 if plates.turn is None else plates.turn[0]
         speed = np.linalg.norm(v, axis=-1)
         edge = np.sqrt(creep**2 + (SEEN * span * rate) ** 2 + (BENT * bent * speed) ** 2)
-    force = forces(stress, position, v, normal, plates.area[0], scene, edge, bristles, ridden)
+    force = forces(stress, position, v, normal, plates.area[0], scene, edge, bristles)
     return PlateStates(position, v, force, normal, plates.area[0], depth_of(position), slip[..., 0])
 
 
@@ -128,7 +120,6 @@ def forces(
     scene: Scene,
     edge: float | Array,
     bristles: Array | None = None,
-    ridden: tuple[Array, Array] | None = None,
 ) -> Array:
     """zeta load share stress dA - pressure n dA: the force on plates with a scene's effects, (*S, 2), N.
 
@@ -146,18 +137,10 @@ def forces(
         The speed over which a gate opens, m/s; with bristles `contact.EDGE`.
     bristles : (*S, 2), optional
         Which way a plate faces, in place of its velocity.
-    ridden : (*S), (*S, 2), optional
-        Of the own stress what a plate feels that the sole may hide, and the stress at its pocket's edge.
     """
     depth = depth_of(position)
     vn = np.sum(normal * velocity, axis=-1)
     leads = vn if bristles is None else np.sum(normal * bristles, axis=-1)
     load, share, push = effects.readable(scene.effects, depth, position[..., 0], vn, leads, edge)
     pull = scene.zeta * load * share * area
-    force = pull[..., None] * stress
-    if ridden is not None:
-        seen, at_edge = ridden
-        flat = effects.readable(scene.effects, depth, position[..., 0], vn, np.zeros_like(vn), edge)[1]
-        force = seen[..., None] * force + (scene.zeta * load * flat * area)[..., None] * at_edge
-        push = seen * push
-    return np.asarray(force - (push * area)[..., None] * normal)
+    return np.asarray(pull[..., None] * stress - (push * area)[..., None] * normal)

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from footopt.effects import base as effects
 from footopt.effects.rest import rest_length
-from footopt.effects.shadowing import hidden_part
 from footopt.errors import SettingError
 from footopt.foot import Plates
 from footopt.sand.law import PER_CM3, Law
@@ -23,7 +22,6 @@ Array = NDArray[np.float64]
 
 NEWTON = 0.03  # last step of Newton's method over the plates' mean speed; the forces' error is the square
 STICKING = 1e-3  # the same where bristles hold plates: the law is bent where they begin to slide
-SHADED = 3e-3  # ... where the sole hides plates: a shadow's edge is `shadowing.EDGE` of their speed wide
 REST = 4  # longer steps while the walker stands
 HALVINGS = 3  # of a step under control, at most
 ROWS = 5_000_000  # poses of a walk that are tabulated, 112 bytes each; ten minutes take 2.6 million
@@ -37,7 +35,7 @@ def world(scene: Scene, accuracy: Accuracy) -> World:
     """What the compiled loops need to know of a scene."""
     law = Law(*(float(scene.zeta * PER_CM3 * c) for c in scene.sand.stress_map.law))
     tilt, g = scene.gravity
-    laws, rest, hides = effects.laws(scene.effects), rest_length(scene.effects), hidden_part(scene.effects)
+    laws, rest = effects.laws(scene.effects), rest_length(scene.effects)
     # floats throughout: a whole number would be another type, and compile the loop again
     return World(
         law=law,
@@ -46,11 +44,10 @@ def world(scene: Scene, accuracy: Accuracy) -> World:
         tilt=None if tilt is None else float(tilt),
         creep=float(accuracy.creep),
         rest=rest,
-        tolerance=STICKING if rest is not None else NEWTON if hides is None else SHADED,
+        tolerance=NEWTON if rest is None else STICKING,
         loads=laws.loads,
         gates=laws.gates,
         pushes=laws.pushes,
-        hides=None if hides is None else (hides,),
     )
 
 
@@ -137,8 +134,7 @@ def soles(plates: Plates) -> Sole:
     (low_x, low_z), (high_x, high_z) = ([q.min(axis=2) for q in blocks], [q.max(axis=2) for q in blocks])
     tangent = None
     if plates.tx is not None and plates.tz is not None and plates.turn is not None:
-        tx, tz, turn = (_padded(column, extra) for column in (plates.tx, plates.tz, plates.turn))
-        tangent = Tangent(tx, tz, turn, None if plates.horizon is None else _padded(plates.horizon, extra))
+        tangent = Tangent(*(_padded(column, extra) for column in (plates.tx, plates.tz, plates.turn)))
     return Sole(
         x=x,
         z=z,

@@ -124,20 +124,14 @@ def sands(scene: Scene, names: Sequence[str] = ("soft", "regular", "hard")) -> t
     return tuple(Scenario(name, replace(scene, sand=Sand.named(name))) for name in names)
 
 
-def laws(scene: Scene, rivals: bool = False) -> tuple[Scenario, ...]:
-    """A scene under the plain law, and with each and both of the effects that may be true of any sole.
-
-    With `rivals`, also under the other law of shadowing.
-    """
+def laws(scene: Scene) -> tuple[Scenario, ...]:
+    """A scene under the plain law, and with each and both of the effects that may be true of any sole."""
     choices: dict[str, tuple[Effect, ...]] = {
         "plain law": (),
         "leading edge": (LeadingEdge(),),
         "shadowing": (Shadowing(),),
         "both": (LeadingEdge(), Shadowing()),
     }
-    if rivals:
-        motion = Shadowing(hull="motion")
-        choices |= {"in motion": (motion,), "both in motion": (LeadingEdge(), motion)}
     others = tuple(e for e in scene.effects if not isinstance(e, (LeadingEdge, Shadowing)))
     return tuple(Scenario(name, replace(scene, effects=(*others, *on))) for name, on in choices.items())
 

@@ -6,7 +6,6 @@ import numpy as np
 
 from footopt.compiled import inlined
 from footopt.effects import base as effects
-from footopt.effects.shadowing import hidden
 from footopt.walk.contact import BENT, EDGE
 from footopt.walk.state import pose_of
 
@@ -58,7 +57,6 @@ def _lift(world, sole, poses, z):
                 place = pose.x + cos * sole.x[i] - sin * sole.z[i]
                 strength = _strength(world.loads, depth, place)
                 share = _sinking_share(world.gates, world.rest, sole.tangent, i, cos, sin)
-                share *= _seen_share(world.hides, sole.tangent, i, cos, sin)
                 total += sole.area[i] * strength * stress * share
     return total
 
@@ -69,16 +67,6 @@ def _strength(loads, depth, place):
     if loads is None:
         return depth
     return effects.load(loads, (depth, 1.0, 0.0), depth, place)[0]
-
-
-@inlined
-def _seen_share(hides, tangent, i, cos, sin):
-    """Share of its own stress that plate i feels when it moves straight down and the sole may hide it."""
-    if hides is None:
-        return 1.0
-    nx, nz = sin * tangent.x[i] + cos * tangent.z[i], sin * tangent.z[i] - cos * tangent.x[i]
-    h = tangent.horizon
-    return hidden(hides[0], h[0, i], h[1, i], h[2, i], h[3, i], h[4, i], 0.0, -1.0, nx, nz)[0]
 
 
 @inlined

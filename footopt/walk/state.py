@@ -33,7 +33,6 @@ class World(NamedTuple):
     loads: tuple[Any, ...] | None  # laws of the scene's effects: `footopt.effects.Laws`
     gates: tuple[Any, ...] | None
     pushes: tuple[Any, ...] | None
-    hides: tuple[float] | None  # what a hidden plate does not feel of its stress; None if none is hidden
 
 
 class Tangent(NamedTuple):
@@ -42,7 +41,6 @@ class Tangent(NamedTuple):
     x: Array
     z: Array
     turn: Array  # by which the contour turns within a plate, rad
-    horizon: Array | None  # (5, plates), where plates see sand (`shadowing.horizons`), if any is hidden
 
 
 class Sole(NamedTuple):
@@ -169,15 +167,7 @@ def sole_of(soles, design):
 def _tangent_of(tangent, design):
     if tangent is None:
         return None
-    horizon = _horizon_of(tangent.horizon, design)
-    return Tangent(lent(tangent.x)[design], lent(tangent.z)[design], lent(tangent.turn)[design], horizon)
-
-
-@inlined
-def _horizon_of(horizon, design):
-    if horizon is None:
-        return None
-    return lent(horizon)[design]
+    return Tangent(lent(tangent.x)[design], lent(tangent.z)[design], lent(tangent.turn)[design])
 
 
 @inlined

@@ -148,8 +148,8 @@ class TestPlates:
     def test_a_design_does_not_depend_on_its_batch(self, batch, data):
         """Bit for bit: stores and engines rest on it."""
         i = data.draw(st.integers(0, len(batch) - 1))
-        hidden = {"directed": True, "fill": fo.Shadowing(hull="motion")}
-        together, alone = (as_plates(k, 64, "arc", SPACE, **hidden) for k in (batch, batch[i]))
+        shaded = {"directed": True, "fill": fo.Shadowing()}
+        together, alone = (as_plates(k, 64, "arc", SPACE, **shaded) for k in (batch, batch[i]))
         for all_, one in zip(together, alone, strict=True):
             np.testing.assert_array_equal(all_[i], one[0])
         np.testing.assert_array_equal(SPACE.contour(batch)[i], SPACE.contour(batch[i])[0])

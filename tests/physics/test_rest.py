@@ -94,7 +94,7 @@ def test_the_plates_forces_add_up_to_the_walks(ramp_foot):
 
 @njit(error_model="numpy")
 def felt(world, soles, poses, x, z, vx, vz, slip, stage, before, counts):
-    return contact(world, soles, poses, x, z, vx, vz, slip, stage, before, (0.0, 0.0, 0.0), counts)
+    return contact(world, soles, poses, x, z, vx, vz, slip, stage, before, counts)
 
 
 @pytest.mark.parametrize("effects", [(), (fo.LeadingEdge(),)], ids=["plain", "leading edge"])

@@ -2,17 +2,16 @@
 
 import numpy as np
 import pytest
-from feet_in_sand import HEIGHT, PITCH, RATE, SOLES, SPEED, feel, force, pose_of
-from hypothesis import assume, given
+from feet_in_sand import SOLES
+from hypothesis import given
 from hypothesis import strategies as st
 
 import footopt as fo
 from footopt.effects.shadowing import filled
 from footopt.errors import SettingError
-from footopt.foot import Plates, as_plates, lower_hull
+from footopt.foot import as_plates, lower_hull
 from footopt.studies.validation.rig import blades
 from footopt.walk.prepare import NEWTON
-from footopt.walk.reference import contact_forces
 
 PART = st.floats(0.0, 1.0)
 
@@ -51,92 +50,6 @@ class TestTheSole:
         assert np.ptp(found[:, 1]) == pytest.approx(0.004)
 
 
-MOTION = fo.Shadowing(hull="motion")
-
-
-class TestTheDirectionOfMotion:
-    """`hull="motion"`: what the sole itself hides from the sand, in the direction in which it moves."""
-
-    @pytest.mark.parametrize("name", ["ellipse", "rectangle", "circle", "reversed_l", "reversed_triangle"])
-    def test_a_convex_sole_hides_nothing(self, name):
-        horizon = fo.Foot.shape(name).plates(60, directed=True, fill=MOTION).horizon[0]
-        assert (horizon[[0, 2]] == 1.0).all()
-        assert (horizon[[1, 3]] == 0.0).all()
-
-    @pytest.mark.parametrize("way", [1.0, -1.0])
-    def test_a_comb_that_is_dragged_along_is_a_block(self, way):
-        """Deep in the sand, where a blade's height makes no difference, but a shadow's edge has a width."""
-        comb, depth = blades(0.1, 5, 0.012, 0.003), 20.0
-        block = np.array([[-0.05, 0.0], [-0.05, -0.012], [0.05, -0.012], [0.05, 0.0]])
-        found, filled_up, open_ = (
-            force(fo.Foot(c).plates(800, "chord", True, fill), pose_of(-depth, 0.0, 0.0), way, 0.0, *on)
-            for c, fill, on in ((comb, MOTION, (MOTION,)), (block, None, ()), (comb, None, ()))
-        )
-        np.testing.assert_allclose(found, filled_up, rtol=5e-2)
-        assert abs(open_[0]) > 1.5 * abs(found[0])
-
-    @given(SOLES, HEIGHT)
-    def test_a_sole_that_goes_straight_down_hides_nothing(self, foot, height):
-        slopes = np.diff(foot.points(200), axis=0)
-        assume(np.abs(slopes[:, 1] / slopes[:, 0]).max() < 2.0)  # a shadow's edge is not sharp
-        pose = pose_of(height - 0.05, 0.0, 0.0)
-        plates = foot.plates(80, directed=True, fill=MOTION)
-        np.testing.assert_allclose(
-            force(plates, pose, 0.0, -1.0, MOTION), force(plates, pose, 0.0, -1.0), rtol=1e-9, atol=1e-9
-        )
-
-    @given(SOLES, PITCH, RATE, SPEED, SPEED)
-    def test_a_foot_and_its_mirror_image_are_hidden_alike(self, foot, pitch, rate, vx, vz):
-        found = []
-        for way, points in ((1.0, foot.points(60)), (-1.0, foot.points(60)[::-1] * [-1.0, 1.0])):
-            plates = Plates.from_points(
-                points[None], np.zeros((1, 2)), np.ones(1), "chord", True, fill=MOTION
-            )
-            there = pose_of(-0.05, way * pitch, way * rate)
-            found.append(force(plates, there, way * vx, vz, MOTION) * [way, 1.0])
-        np.testing.assert_allclose(*found, rtol=0, atol=1e-9 * np.abs(found).max())
-
-    @given(SOLES, HEIGHT, PITCH, SPEED, SPEED)
-    def test_the_sand_takes_work_from_a_foot_that_does_not_turn(self, foot, height, pitch, vx, vz):
-        plates = foot.plates(60, directed=True, fill=MOTION)
-        creep = 1e-9  # up to which the force does not oppose the motion yet
-        found = force(plates, pose_of(height, pitch, 0.0), vx, vz, MOTION, creep=creep)
-        assert found @ [vx, vz] <= creep * np.abs(found).sum()
-
-    @pytest.mark.parametrize(
-        "on",
-        [
-            (fo.Shadowing(0.2, "motion"),),
-            pytest.param((MOTION, fo.LeadingEdge(), fo.Inertia()), marks=pytest.mark.slow),
-        ],
-    )
-    @given(SOLES, HEIGHT, PITCH, RATE, SPEED, SPEED)
-    def test_has_an_exact_jacobian(self, on, foot, height, pitch, rate, vx, vz):
-        plates, pose, stage, d = (
-            foot.plates(40, directed=True, fill=on[0]),
-            pose_of(height, pitch, rate),
-            1e-2,
-            1e-6,
-        )
-
-        def moved(dx, dz):
-            return force(
-                plates, pose, vx + dx, vz + dz, *on, creep=0.1, stage=stage, x=stage * dx, z=stage * dz
-            )
-
-        slopes = [(moved(d, 0) - moved(-d, 0)) / (2 * d), (moved(0, d) - moved(0, -d)) / (2 * d)]
-        jacobian = feel(plates, pose, vx, vz, *on, creep=0.1, stage=stage)[0][3:].reshape(2, 2)
-        tolerance = 1e-4 * np.abs(jacobian).max() + 1e-3
-        np.testing.assert_allclose(jacobian, np.stack(slopes, axis=1), rtol=0, atol=tolerance)
-
-    @given(SOLES, RATE, SPEED, SPEED)
-    def test_readable_and_compiled_form_are_one_law(self, foot, rate, vx, vz):
-        compiled, readable, size = contact_forces(
-            foot, fo.Scene(effects=(fo.Shadowing(0.2, "motion"),)), 64, (vx, vz, rate), 1e-3, False
-        )
-        np.testing.assert_allclose(compiled, readable, rtol=0, atol=1e-9 * size)
-
-
 K = [5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4]
 
 
@@ -148,10 +61,9 @@ class TestTheWalk:
         for name, value in fo.simulate(body).objectives.items():
             assert shaded[name] == pytest.approx(value, rel=5e-3)
 
-    @pytest.mark.parametrize("hull", ["sole", "motion"])
-    def test_many_feet_walk_as_one_does_and_plates_add_up_to_the_force(self, hull):
+    def test_many_feet_walk_as_one_does_and_plates_add_up_to_the_force(self):
         """The latter to the last step of Newton's method."""
-        scene = fo.Scene(effects=(fo.Shadowing(hull=hull),))
+        scene = fo.Scene(effects=(fo.Shadowing(),))
         one, many = fo.simulate(fo.Foot.from_waypoints(K), scene), fo.evaluate([K, K[::-1]], scene)
         assert many.values[0].tolist() == [one.objectives[name] for name in many.names]
         found = one.plates(np.arange(len(one.t))).total
@@ -171,8 +83,6 @@ class TestTheWalk:
     def test_a_part_is_from_0_to_1(self, part):
         with pytest.raises(SettingError, match=r"effects\.shadowing\.effective"):
             fo.Shadowing(part)
-        with pytest.raises(SettingError, match=r"effects\.shadowing\.hull.*motion"):
-            fo.Shadowing(hull="foot")
 
     def test_is_estimated_by_what_a_groove_loses(self):
         scale = fo.Scene().scale

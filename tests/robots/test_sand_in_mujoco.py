@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from numba import njit
 
 import footopt as fo
-from footopt.effects import Inertia, Layers, LeadingEdge, Rest, Shadowing, Slope
+from footopt.effects import Inertia, Layers, LeadingEdge, Rest, Slope
 from footopt.errors import SettingError
 from footopt.mujoco import Grains, attach
 from footopt.mujoco.faces import stress
@@ -239,7 +239,6 @@ def test_each_data_has_its_own_sand_and_others_none(block):
         ({"feet": {"hand": fo.Foot.flat()}}, "hand"),
         ({"feet": {"foot": "sole"}}, "mesh geom"),
         ({"effects": (Slope(5.0),)}, "gravity"),
-        ({"effects": (Shadowing(hull="motion"),)}, "hides"),
         ({"plates": 7}, "even"),
     ],
 )

@@ -8,7 +8,7 @@ from running import composed, footopt, only_folder
 from study_pages import check_page
 
 import footopt as fo
-from footopt.effects import EFFECTS, VARIANTS
+from footopt.effects import EFFECTS
 from footopt.errors import SettingError
 from footopt.studies import build
 from footopt.studies import effects as effects_study
@@ -73,8 +73,7 @@ class TestSettings:
 
 def test_every_effect_is_audited_once_as_the_scene_has_it():
     audited = effects_study.to_audit(fo.Scene(effects=(fo.Slope(-3.0),)))
-    assert [type(effect) for effect in audited[: len(EFFECTS)]] == list(EFFECTS.values())
-    assert audited[len(EFFECTS) :] == list(VARIANTS.values())
+    assert [type(effect) for effect in audited] == list(EFFECTS.values())
     assert fo.Slope(-3.0) in audited
 
 
@@ -85,13 +84,13 @@ def test_the_study_from_the_command_line(tmp_path):
     assert done.returncode == 0, done.stderr
     with open(tmp_path / "out" / "effects.csv", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert {r["effect"] for r in rows} == {*EFFECTS, *VARIANTS}
+    assert {r["effect"] for r in rows} == set(EFFECTS)
     assert all(r["tolerance"] == "0.02" for r in rows)
     result = json.loads((tmp_path / "out" / "result.json").read_text())
     assert "leading_edge" in result["called_for"]
     walked = {a["effect"]: fo.Accuracy(**a["accuracy"]) for a in result["audit"]}
     for name, accuracy in walked.items():
-        scene = fo.Scene(effects=(VARIANTS.get(name) or EFFECTS[name](),))
+        scene = fo.Scene(effects=(EFFECTS[name](),))
         assert accuracy == adapted(fo.Accuracy.named("draft"), scene, fo.Waypoints())
     assert walked["leading_edge"].plates == LEADING * walked["slope"].plates
     check_page(tmp_path / "out")
@@ -116,7 +115,6 @@ def test_auto_simulates_what_matters_and_what_is_given_and_records_why(given, tm
     result = json.loads((only_folder(tmp_path) / "result.json").read_text())
     assert set(result["scene"]["effects"]) == {"leading_edge"}
     matters = {"leading_edge": True, "inertia": False, "shadowing": False}
-    matters |= dict.fromkeys(VARIANTS, False)
     assert {a["effect"]: a["matters"] for a in result["effects_audit"]} == {
         name: whether for name, whether in matters.items() if name not in given
     }

@@ -31,7 +31,7 @@ EFFECTS = {
     "all": (fo.Layers(), fo.Patches(), fo.LeadingEdge(), fo.Inertia(), fo.Slope()),
 }
 #: Effects that are walked in three sands, at two presets, by fewer feet.
-FEWER = {"rest": (fo.Rest(),), "shadowing": (fo.Shadowing(hull="sole"),)}
+FEWER = {"rest": (fo.Rest(),), "shadowing": (fo.Shadowing(),)}
 #: How many of the 200 feet walk at each preset: the finer, the fewer.
 FEET = {"draft": 200, "standard": 200, "fine": 40, "reference": 2}
 STEPPERS = {

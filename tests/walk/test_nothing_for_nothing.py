@@ -18,7 +18,6 @@ from numba import njit
 import footopt as fo
 from footopt.effects import laws
 from footopt.walk import loop
-from footopt.walk.contact import FOLLOWS
 from footopt.walk.prepare import sole, world
 from footopt.walk.state import LANES, Contact, Force, Pose
 
@@ -48,8 +47,8 @@ def step(loop, *on):
     @njit(error_model="numpy")
     def both(sole, world, ankle, at):
         force = foot_force(
-            sole, world.law, world.loads, world.gates, world.pushes, world.hides, sole.tangent, 0,
-            len(sole.x), ankle, world.creep, 1e-3, None, FOLLOWS,
+            sole, world.law, world.loads, world.gates, world.pushes, sole.tangent, 0,
+            len(sole.x), ankle, world.creep, 1e-3, None,
         )  # fmt: skip
         return force, acceleration(world, at)
 
@@ -76,7 +75,7 @@ class TestNothingForNothing:
     def test_the_deleted_source_knows_no_effect(self, deleted):
         """What is compared with is really without: no hook, no normal, no tilt is computed."""
         here, there = (Path(part(p, "contact").__file__).read_text() for p in (loop, deleted))
-        for trace in ("effects.load(", "effects.gate(", "effects.push(", "nx", "vn", "slides", "hidden("):
+        for trace in ("effects.load(", "effects.gate(", "effects.push(", "nx", "vn", "slides"):
             assert trace in here
             assert trace not in there.split("def foot_force")[1]
         tilt = Path(part(deleted, "contact").__file__).with_name("slope.py").read_text()

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.effects import EFFECTS, VARIANTS
+from footopt.effects import EFFECTS
 from footopt.studies.validation import rig
 
 Array = NDArray[np.float64]
@@ -105,7 +105,7 @@ class Experiment:
         """Repeat it under a law: the names of the effects that are on."""
         content, setup, inputs = self.content, self.content.get("setup", {}), self.content.get("inputs", {})
         own = content.get("effects", {})
-        effects = [VARIANTS.get(name) or EFFECTS[name](**own.get(name, {})) for name in law]
+        effects = [EFFECTS[name](**own.get(name, {})) for name in law]
 
         def run(fine: bool, changed: dict[str, Any]) -> dict[str, Array]:
             given = {name: np.asarray(part["value"], float) for name, part in inputs.items()}

@@ -25,7 +25,7 @@ from numba.extending import overload
 from footopt.compiled import INLINE, inlined
 from footopt.effects.slope import tilted
 from footopt.walk.bristles import bend, next_step, stage_of
-from footopt.walk.contact import FOLLOWS, contact
+from footopt.walk.contact import contact
 from footopt.walk.state import Integrals, State
 
 
@@ -99,9 +99,9 @@ def touch(world, sole, poses, x, z, vx, vz, bristles, time, counts):
     time: since the step's beginning, s, for which bristles have followed the plates.
     """
     if bristles is None:
-        return contact(world, sole, poses, x, z, vx, vz, world.creep, None, None, FOLLOWS, counts)
+        return contact(world, sole, poses, x, z, vx, vz, world.creep, None, None, counts)
     turning_speed = world.rest / time if time > 0.0 else np.inf
-    return contact(world, sole, poses, x, z, vx, vz, turning_speed, None, bristles.now, FOLLOWS, counts)
+    return contact(world, sole, poses, x, z, vx, vz, turning_speed, None, bristles.now, counts)
 
 
 @inlined
