@@ -70,6 +70,10 @@ class FileError(FootoptError, OSError):
     """A file or folder cannot be read, understood or written."""
 
 
+class EngineError(FootoptError):
+    """Those who evaluate designs cannot go on; the finished generations are in the store."""
+
+
 class MissingError(FootoptError, ImportError):
     """A library that only some features need is not installed."""
 

@@ -19,6 +19,7 @@ from omegaconf import OmegaConf
 from footopt import studies
 from footopt.cli.elsewhere import in_the_world_of_its_run
 from footopt.cli.paths import absolute, beside_their_files
+from footopt.errors import EngineError, FootoptError
 from footopt.files.identity import FILE
 from footopt.studies.settings import Config
 
@@ -76,6 +77,8 @@ def walk(
         config: Any = OmegaConf.to_object(OmegaConf.merge(Config, settings))  # refuses what + has added
         with one_ctrl_c(f"footopt: stopped{hint}"):
             return studies.run(config, folder, absolute(settings), words, resumed, files)
+    except EngineError as error:
+        raise FootoptError(f"{error} All finished generations are in the store{hint}") from None
     except KeyboardInterrupt as stop:
         print(" ".join(["footopt: stopped", *map(str, stop.args)]) + hint, file=sys.stderr)
         raise

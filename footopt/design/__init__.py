@@ -3,9 +3,8 @@
 pymoo's algorithms take a third of a second to import: nothing here imports them before a search begins.
 """
 
-from footopt.design.engines import ENGINES, Dask, make_executor, processes
-from footopt.design.evaluator import Evaluator
-from footopt.design.executor import Renewing
+from footopt.design.archive import Evaluator
+from footopt.design.executor import ENGINES, make_executor
 from footopt.design.fronts import WAYS, Choice
 from footopt.design.problem import Evaluated, FootProblem
 from footopt.design.result import Confirmation, Generation, SearchResult, confirm
@@ -24,13 +23,11 @@ __all__ = [
     "WAYS",
     "Choice",
     "Confirmation",
-    "Dask",
     "Evaluated",
     "Evaluation",
     "Evaluator",
     "FootProblem",
     "Generation",
-    "Renewing",
     "RobustProblem",
     "SearchResult",
     "Solver",
@@ -38,6 +35,5 @@ __all__ = [
     "confirm",
     "make_executor",
     "own_best",
-    "processes",
     "search",
 ]

@@ -1,23 +1,86 @@
-"""`Archive`: every distinct design of a run, each walked once, and the history of its generations."""
+"""`Evaluator`: values of designs, read from a store or walked. `Archive`: all designs of a run."""
 
 from __future__ import annotations
 
+import logging
 import math
-import sys
 from collections import Counter
-from collections.abc import Callable, Mapping
-from typing import NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from footopt.design.executor import Workers, walk
 from footopt.design.fronts import Volume, nondominated
 from footopt.design.known import Known
 from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import Solver
+from footopt.design.store import ERROR, Evaluation, Store
 from footopt.errors import FootoptError
+from footopt.foot.waypoints import written
 from footopt.walk.objectives import MEASURES
+
+log = logging.getLogger("footopt")
+
+
+class Evaluator:
+    """Recorded values and reasons of designs, each read from the store, or walked and kept there.
+
+    Parameters
+    ----------
+    problem : FootProblem
+        Whose designs they are.
+    store : Store, optional
+        Of the same problem; `ValueError` if it is of another one.
+    executor : Executor, optional
+        Who walks; by default this process.
+
+    Attributes
+    ----------
+    reused : int
+        Designs that were read. One whose walk has raised an exception is walked again.
+    """
+
+    def __init__(
+        self, problem: FootProblem, store: Store | None = None, executor: Executor | None = None
+    ) -> None:
+        if store is not None and store.problem is not problem:
+            raise ValueError("the store was opened for another problem than the one that is searched")
+        self.problem, self.store, self.executor, self.reused = problem, store, executor, 0
+        self._walk: Any = partial(walk, problem) if executor is None else Workers(problem, executor)
+        self._works = False  # whether a walk has not raised an exception
+
+    def __call__(self, k: Ints) -> tuple[Array, Words]:
+        """Recorded values (designs, record) and why each walk failed, or "", of designs (designs, n)."""
+        known = [None] * len(k) if self.store is None else self.store.get(k.tolist())
+        found = {i: e for i, e in enumerate(known) if e is not None and not e.reason.startswith(ERROR)}
+        self.reused += len(found)
+        if new := [i for i in range(len(k)) if i not in found]:
+            values, reasons = self._walk(k[new])
+            values[np.isnan(values)] = np.nan  # one NaN: a store keeps no other
+            walked = [Evaluation(v, str(reason)) for v, reason in zip(values, reasons, strict=True)]
+            self._report(k[new], [e.reason for e in walked])
+            if self.store is not None:
+                self.store.add(k[new].tolist(), walked)
+            found |= zip(new, walked, strict=True)
+        every = [found[i] for i in range(len(k))]
+        return np.array([e.values for e in every]), np.array([e.reason for e in every])
+
+    def _report(self, k: Ints, reasons: Sequence[str]) -> None:
+        """Warn of walks that have raised an exception; raise if all have, from the first one on."""
+        failed = [i for i, reason in enumerate(reasons) if reason.startswith(ERROR)]
+        if len(failed) == len(k) and not (self._works or self.reused):
+            raise FootoptError(
+                f"All {len(k)} designs of the first generation end in an {reasons[0]}. "
+                "The fault is not in one of them."
+            )
+        self._works = True
+        for i in failed:
+            log.warning("design %s is left out: %s", written(k[i]), reasons[i])
 
 
 class Designs(NamedTuple):
@@ -38,24 +101,6 @@ class Designs(NamedTuple):
         return Designs._make(np.concatenate(columns) for columns in zip(self, new, strict=True))
 
 
-def no_designs(problem: FootProblem) -> Designs:
-    """A table with a problem's columns and no row."""
-    k, values = np.empty((0, problem.space.n), np.int64), np.empty((0, len(problem.record)))
-    return Designs(k, values, np.empty(0, np.str_), np.empty(0), np.empty(0, np.int64))
-
-
-def nothing_feasible(
-    counts: Counter[str], interrupted: bool, hint: str = "more generations, "
-) -> BaseException:
-    """What ends a search without a feasible design; counts: of the designs, by their reasons."""
-    if interrupted:
-        return KeyboardInterrupt("before a feasible design was found")
-    return FootoptError(
-        f"No feasible design among {counts.total()}: {causes(counts)}. "
-        f"Try {hint}a larger foot.box_tolerance, wider limits, or harder sand."
-    )
-
-
 def causes(counts: Mapping[str, int]) -> str:
     """How many designs are infeasible for which reasons, in words."""
     words = {"box": "outside the box"} | {name: f"beyond the limit of {name}" for name in MEASURES}
@@ -68,7 +113,8 @@ class Archive:
     def __init__(self, problem: FootProblem, walk: Callable[[Ints], tuple[Array, Words]]) -> None:
         self.problem, self._walk = problem, walk
         self.history: list[Generation] = []
-        self._table, self.count = no_designs(problem), 0  # the table has room for more
+        k, values = np.empty((0, problem.space.n), np.int64), np.empty((0, len(problem.record)))
+        self.designs = Designs(k, values, np.empty(0, np.str_), np.empty(0), np.empty(0, np.int64))
         self._good = np.empty(0, np.bool_)  # which are feasible
         self._known = Known()  # where a design is in `designs`
         self._latest = np.empty(0, np.int64)
@@ -81,9 +127,9 @@ class Archive:
         self._best = np.empty((0, problem.n_obj))  # objectives of that front, minimised
 
     @property
-    def designs(self) -> Designs:
-        """All so far, in order."""
-        return self._table.take(slice(self.count))
+    def count(self) -> int:
+        """How many designs there are."""
+        return len(self.designs.k)
 
     def first(self, k: Ints, most: float) -> int:
         """How many of designs, from the first, there can be with at most so many different ones in all."""
@@ -96,26 +142,13 @@ class Archive:
         if len(new):
             values, reasons = self._walk(new)
             self._known.add(new)
-            words = np.array([sys.intern(word) for word in reasons.tolist()], object)  # of any length
             generation = np.full(len(new), len(self.history) + 1)
-            small = new.astype(np.min_scalar_type(self.problem.space.K))
-            self._add(Designs(small, values, words, self.problem.space.box_violation(new), generation))
+            added = Designs(new, values, reasons, self.problem.space.box_violation(new), generation)
+            self.designs = self.designs.joined(added)
+            self._good = np.append(self._good, (self._constraints(added) <= 0.0).all(axis=1))
         self._latest = self._known.places(k)
-        asked = self._table.take(self._latest)
+        asked = self.designs.take(self._latest)
         return self.problem.minimised(asked.values), self._constraints(asked)
-
-    def _add(self, new: Designs) -> None:
-        """Add rows to the table, which grows by half when it is full: most generations copy nothing."""
-        start, self.count = self.count, self.count + len(new.k)
-        if self.count > len(self._table.k):
-            size = max(self.count, len(self._table.k) * 3 // 2)
-            grown = [np.empty((size, *column.shape[1:]), column.dtype) for column in new]
-            for column, old in zip(grown, self._table, strict=True):
-                column[:start] = old[:start]
-            self._table = Designs._make(grown)
-        for column, added in zip(self._table, new, strict=True):
-            column[start : self.count] = added
-        self._good = np.append(self._good, (self._constraints(new) <= 0.0).all(axis=1))
 
     def close_generation(self, seconds: float) -> None:
         """Write the generation into the history."""
@@ -137,7 +170,7 @@ class Archive:
 
     def _guide(self, places: Ints) -> Array:
         """What ranks designs, minimised, of some of them."""
-        return np.asarray(self._sign * self._table.values[places, self._column])
+        return np.asarray(self._sign * self.designs.values[places, self._column])
 
     def _volume(self, front: Ints) -> float:
         """Hypervolume of the front, in units of the box of what the first generation walked."""
@@ -153,11 +186,15 @@ class Archive:
     def result(self, solver: Solver, seconds: float, interrupted: bool, reused: int) -> SearchResult:
         """Everything that was evaluated up to the last finished generation, and the best of it."""
         generations, count, front = self._closed
-        designs = self._table.take(slice(count))
-        designs = designs._replace(k=designs.k.astype(np.int64), reasons=designs.reasons.astype(np.str_))
+        designs = self.designs.take(slice(count))
         reasons = self.problem.verdicts(designs.values, designs.reasons, designs.violation)
+        if not len(front) and interrupted:
+            raise KeyboardInterrupt("before a feasible design was found")
         if not len(front):
-            raise nothing_feasible(Counter(reasons.tolist()), interrupted)
+            raise FootoptError(
+                f"No feasible design among {count}: {causes(Counter(reasons.tolist()))}. "
+                "Try more generations, a larger foot.box_tolerance, wider limits, or harder sand."
+            )
         front = front[np.argsort(self.problem.ranked(designs.values[front]), kind="stable")]
         return SearchResult(
             problem=self.problem,
@@ -182,7 +219,7 @@ class Archive:
         new = count + np.flatnonzero(self._good[count:])
         if not len(new):
             return front
-        f = np.concatenate([self._best, self.problem.minimised(self._table.values[new])])
+        f = np.concatenate([self._best, self.problem.minimised(self.designs.values[new])])
         kept = nondominated(f)
         self._best = f[kept]
         return np.concatenate([front, new])[kept]

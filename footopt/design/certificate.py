@@ -8,7 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
-from footopt.design.evaluator import Evaluator
+from footopt.design.archive import Evaluator
 from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.result import Confirmation, SearchResult, confirm
 from footopt.foot import Waypoints

@@ -16,8 +16,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
-from footopt.design.archive import Archive
-from footopt.design.evaluator import Evaluator
+from footopt.design.archive import Archive, Evaluator
 from footopt.design.problem import FootProblem, Ints
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import AUTO, EXHAUSTIVE, Solver

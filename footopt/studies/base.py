@@ -18,7 +18,7 @@ from rich.table import Table
 from rich.text import Text
 
 from footopt.design import FootProblem, Store
-from footopt.design.context import listed
+from footopt.design.store import listed
 from footopt.effects import name_of
 from footopt.errors import FootoptError, check
 from footopt.files import identity

@@ -275,8 +275,8 @@ class EngineConfig:
 
     name: str = setting(default(make_executor, "name"), "Where designs are walked: local, processes, dask.")
     threads: int | None = setting(None, "Threads of this process; null: all processors.")
-    workers: int | None = setting(None, "Processes; null: as many as processors.")
-    address: str | None = setting(None, "Of a dask scheduler; null: one is started here.")
+    workers: int | None = setting(None, "Processes, with engine=processes; null: as many as processors.")
+    address: str | None = setting(None, "Of the dask scheduler, with engine=dask.")
     timeout: float = setting(
         default(make_executor, "timeout"), "For a scheduler to answer and to have a worker, s."
     )

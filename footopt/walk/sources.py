@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import inspect
 import marshal
@@ -48,19 +47,3 @@ def text_of(thing: Any) -> bytes:
     except (OSError, TypeError):
         parts = vars(thing).values() if isinstance(thing, type) else [thing]
         return b"".join(marshal.dumps(part.__code__) for part in parts if hasattr(part, "__code__"))
-
-
-@lru_cache(maxsize=256)
-def meaning(text: bytes) -> bytes:
-    """A source as it is compiled: comments, docstrings and layout do not count."""
-    try:
-        tree = ast.parse(text)
-    except (SyntaxError, ValueError):  # code, not text; or a file that has been edited meanwhile
-        return text
-    for node in ast.walk(tree):
-        if (
-            isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef)
-            and ast.get_docstring(node) is not None
-        ):
-            del node.body[0]
-    return ast.dump(tree).encode()

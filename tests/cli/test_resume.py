@@ -16,7 +16,7 @@ from running import BRIEF, QUICK, ended, folder_of, footopt, outcome, started, t
 
 from footopt.cli.compose import CONF
 from footopt.cli.job import one_ctrl_c
-from footopt.design import context
+from footopt.design import store
 from footopt.errors import FileError
 from footopt.files import identity
 from footopt.files.identity import LOCK, locked
@@ -240,14 +240,14 @@ class TestIdentity:
     def test_a_design_walked_by_other_code_does_not_enter_a_finished_result_unasked(
         self, run, tmp_path, monkeypatch
     ):
-        monkeypatch.setattr(context, "_sources", lambda: "another")
-        refused("resume=run", cwd=tmp_path, says="other code has walked this finished run (sources")
+        monkeypatch.setattr(store, "_versions", lambda: {"numba": "another"})
+        refused("resume=run", cwd=tmp_path, says="other code has walked this finished run (versions")
         before = json.loads((run / "result.json").read_text())
         done = footopt("resume=run", "study.reuse=true", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         after = json.loads((run / "result.json").read_text())
         assert (after["objectives"], after["reused"]) == (before["objectives"], before["designs"])
-        assert after["walked_by_other_code"][0].startswith("sources (")
+        assert after["walked_by_other_code"][0].startswith("versions.")
         assert after["settings"]["study"]["reuse"]
         assert "walked_by_other_code" not in before
 

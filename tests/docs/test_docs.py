@@ -427,7 +427,6 @@ def other(*words):
 #: The rows that a benchmark's table has at least.
 ROWS = {
     "report.py": 20,
-    "engines.py": 5,
     "effects.py": 4,
     "solvers.py": 9,
     "ablation.py": 5,

@@ -11,8 +11,8 @@ import pytest
 from running import footopt
 
 import footopt as fo
-from footopt.design.context import context
 from footopt.design.solvers import SINGLE, SOLVERS, Solver
+from footopt.design.store import context
 from footopt.effects import base as effects
 from footopt.errors import SettingError
 from footopt.studies.build import load_plugins, make_effects
@@ -97,7 +97,7 @@ class TestPlugins:
         load_plugins([str(own)])
         problem = fo.FootProblem(objective="work_per_metre")
         before = context(problem)
-        assert any(name.endswith(".work_per_metre") for name in before["own"])
+        assert "work_per_metre" in before["own"]
         own.write_text(text.replace('raw["work"] /', '2.0 * raw["work"] /'), encoding="utf-8")
         assert context(problem)["own"] != before["own"]
         assert context(fo.FootProblem())["own"] == {}

@@ -12,9 +12,9 @@ from searching import SMALL
 
 import footopt as fo
 from footopt.design import Solver, Store, confirm, search
-from footopt.design.context import context, differences, digest
 from footopt.design.problem import FootProblem
 from footopt.design.robust import own_best, regret
+from footopt.design.store import context, differences, digest
 from footopt.errors import FootoptError, SettingError
 from footopt.walk.scenarios import WAYS, laws, measured, sands
 

@@ -8,7 +8,7 @@ from math import inf
 from typing import Any
 
 from footopt.design import FootProblem, Solver, search
-from footopt.design.context import context, digest, plain
+from footopt.design.store import context, digest, plain
 from footopt.effects import EFFECTS
 from footopt.errors import check
 from footopt.files.tasks import Tasks
