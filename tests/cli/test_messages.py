@@ -72,7 +72,7 @@ MISTAKES = {
     "sand=dense": "Did you mean hard?",
     "objective=[work,distanse]": "Or yours: 'objective.names=[work,distance]'.",
     "study=validate study.cases=[Wheel]": "Did you mean wheel?",
-    "study=stability study.cases=[standig]": "Did you mean standing on zeta",
+    "study=stability study.cases=[spikysoles]": "Did you mean spiky soles?",
     "sand=2.5": "A number needs its name, such as sand.zeta=2.5.",
     "sand=soft,hard": "sand = 'soft,hard': must be one choice. For a run of each: footopt -m sand=soft,hard",
     "effects=slope,inertia": "For both at once: effects=[slope,inertia]",
