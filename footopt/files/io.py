@@ -140,18 +140,24 @@ def read_table(path: str | Path, setting: str) -> Table:
     FileError
         The file cannot be read, or a row has more or fewer cells than the header.
     """
-    lines = [line for line in read_text(path, setting).splitlines() if line.strip() and line[0] != "#"]
+    text = read_text(path, setting)
+    with naming(path, setting):
+        return parse_table(text)
+
+
+def parse_table(text: str) -> Table:
+    """The table in a text, as of `read_table`; raises `Unusable`."""
+    lines = [line.strip() for line in text.splitlines() if line.strip() and line[0] != "#"]
     mark = next((mark for mark in ";\t," if lines and mark in lines[0]), " ")
     reader = csv.reader(lines, skipinitialspace=True, delimiter=mark)
-    with naming(path, setting):
-        try:
-            header, *rows = [[cell.strip() for cell in row] for row in reader]
-        except (csv.Error, ValueError):
-            raise Unusable(f"not a table (line {reader.line_num}: is a quote not closed?).") from None
-        for i, row in enumerate(rows, start=1):
-            if len(row) != len(header):  # more as with decimal commas
-                held = f"row {i} has {len(row)} cells, the header {len(header)}"
-                raise Unusable(f"not a table of numbers ({held}).")
+    try:
+        header, *rows = [[cell.strip() for cell in row] for row in reader]
+    except (csv.Error, ValueError):
+        raise Unusable(f"not a table (line {reader.line_num}: is a quote not closed?).") from None
+    for i, row in enumerate(rows, start=1):
+        if len(row) != len(header):  # more as with decimal commas
+            held = f"row {i} has {len(row)} cells, the header {len(header)}"
+            raise Unusable(f"not a table of numbers ({held}).")
     cells = np.array(rows, str).reshape(len(rows), len(header))
     return Table(header, cells if mark == "," else np.char.replace(cells, ",", "."))
 

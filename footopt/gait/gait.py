@@ -21,19 +21,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import SettingError, check, one_line
-from footopt.files.gaits import (
-    Coefficients,
-    Strides,
-    average,
-    check_angles,
-    check_period,
-    cut,
-    read_json,
-    read_strides,
-    recording,
-    write_json,
-)
+from footopt.files.gaits import Coefficients, read_json, read_strides, write_json
 from footopt.files.io import Unusable, naming
+from footopt.files.strides import Strides, average, check_angles, check_period, cut
 from footopt.gait import start
 from footopt.gait.fourier import Fourier
 
@@ -130,10 +120,10 @@ class Gait:
         harmonics: int | None = None,
         names: Mapping[str, str] | None = None,
         side: str | None = None,
-        max_gap: float = 0.2,
         units: str | None = None,
+        window: tuple[float, float] | None = None,
     ) -> Gait:
-        """The gait in a file of coefficients (JSON), angles (CSV, MOT, STO) or markers (TRC, C3D, CSV).
+        """The gait in a file of coefficients (JSON) or of a leg's angles (CSV, MOT, STO).
 
         Parameters
         ----------
@@ -142,13 +132,14 @@ class Gait:
         harmonics : int, optional
             Harmonics of the series; by default 6, or all that a file of coefficients has.
         names : mapping, optional
-            The file's own names of markers (hip, knee, ankle, heel, toe) or of columns.
+            The file's own names of columns (time, thigh, hip, knee, foot, ankle, pelvis).
         side : str, optional
             "right" or "left" leg; by default the right one, or the left one if it is the only one.
-        max_gap : float, s
-            Longest gap of a marker that is filled.
         units : str, optional
-            Unit of length of markers (mm, cm, m, in), or of angles (deg, rad); by default what the file says.
+            Unit of angles, deg or rad; by default what the file says.
+        window : (float, float), optional, s
+            The stride, from a heel strike to the next of the same leg; by default the mean of all strides, of
+            which the period is found.
 
         Raises
         ------
@@ -159,7 +150,7 @@ class Gait:
         """
         if Path(path).suffix.lower() == ".json":
             return cls._from_json(path, harmonics)
-        return cls.from_strides(read_strides(path, names, side, max_gap, units), harmonics)
+        return cls.from_strides(read_strides(path, names, side, units, window), harmonics)
 
     @classmethod
     def from_angles(
@@ -198,7 +189,7 @@ class Gait:
         shapes = [row.shape for row in rows]
         check(len(set(shapes)) == 1 and len(shapes[0]) == 1, "angles", shapes, "as many angles as times")
         with naming(ANGLES, "gait"):
-            strides = cut(recording(np.array(rows)))
+            strides = cut(rows[0], dict(zip(("thigh", "knee", "foot"), rows[1:], strict=False)))
         return replace(cls.from_strides(strides._replace(source=ANGLES), harmonics), source="")
 
     @classmethod
@@ -218,7 +209,6 @@ class Gait:
                     f"needs at least {2 * harmonics + 2} rows for {harmonics} harmonics, "
                     "from one heel strike to the next."
                 )
-            check_period(strides.period)
             fits = {}
             for joint in strides.curves:
                 try:

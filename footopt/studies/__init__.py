@@ -64,7 +64,7 @@ FEET["reversed_l"] += ("foot.upright",)
 
 #: Settings that are read only where others have certain values: which, whether they have, and who reads them.
 ONLY: tuple[tuple[tuple[str, ...], Callable[[Config], bool], str], ...] = (
-    (("gait.names", "gait.side", "gait.max_gap", "gait.units"),
+    (("gait.names", "gait.side", "gait.units", "gait.window"),
      lambda c: c.gait.path is not None and not c.gait.path.lower().endswith(".json"),
      "gait=file gait.path=walk.mot"),
     (("effects.tolerance",), lambda c: c.effects.auto or c.study.name == "effects", "effects=auto"),

@@ -13,7 +13,8 @@ from typing import Any
 from footopt.design import Choice, FootProblem
 from footopt.effects import EFFECTS, Effect
 from footopt.errors import SettingError, check
-from footopt.files.gaits import Strides, read_strides
+from footopt.files.gaits import read_strides
+from footopt.files.strides import Strides
 from footopt.foot import SHAPES, Foot, Waypoints
 from footopt.gait import Gait
 from footopt.sand import GENERIC, MEDIA, Sand, StressMap
@@ -107,9 +108,9 @@ def make_strides(config: GaitConfig) -> Strides | None:
     return read_strides(config.path, *_reading(config))
 
 
-def _reading(config: GaitConfig) -> tuple[dict[str, str], str | None, float, str | None]:
+def _reading(config: GaitConfig) -> tuple[dict[str, str], str | None, str | None, Any]:
     names = {key: name for key, name in vars(config.names).items() if name is not None}
-    return names, config.side, config.max_gap, config.units
+    return names, config.side, config.units, None if config.window is None else tuple(config.window)
 
 
 def make_spread(config: Config) -> Spread:

@@ -156,17 +156,15 @@ class SandConfig:
 
 @dataclass
 class NamesConfig:
-    """A gait file's own names of markers and columns, where they are not usual."""
+    """A gait file's own names of columns, where they are not usual."""
 
-    hip: str | None = None
-    knee: str | None = None
-    ankle: str | None = None
-    heel: str | None = None
-    toe: str | None = None
-    pelvis: str | None = None
     time: str | None = None
     thigh: str | None = None
+    hip: str | None = None
+    knee: str | None = None
     foot: str | None = None
+    ankle: str | None = None
+    pelvis: str | None = None
 
 
 @dataclass
@@ -174,15 +172,15 @@ class GaitConfig:
     """The gait: the built-in human walk, or a file, whose own period null is."""
 
     name: str = setting("human", "human, or file.")
-    path: str | None = setting(None, "File of strides: TRC, C3D, MOT, STO, CSV or JSON.")
+    path: str | None = setting(None, "File of a leg's angles, CSV, MOT or STO, or of coefficients, JSON.")
     period: float | None = setting(Gait.period, "Of a stride, s; null: the file's own.")
     harmonics: int = setting(default(Gait.human, "harmonics"), "Of the Fourier series of each joint.")
     pitch: str = setting(Gait.pitch, "How the foot turns: with the shank, or as measured.")
     start: float = setting(Gait.start, "When the walker begins to walk, s; .inf: never.")
     side: str | None = setting(None, "right or left; null: right, or left if it is the only one.")
-    max_gap: float = setting(default(Gait.from_file, "max_gap"), "Longest gap of a marker that is filled, s.")
-    units: str | None = setting(None, "Of the file: mm, cm, m, in, or deg, rad; null: what it says.")
-    names: NamesConfig = setting(NamesConfig, "The file's name of this marker or column; null: a usual one.")
+    units: str | None = setting(None, "Of the file's angles: deg or rad; null: what it says.")
+    window: list[float] | None = setting(None, "Begin and end of a stride in the file, s; null: all strides.")
+    names: NamesConfig = setting(NamesConfig, "The file's name of this column; null: a usual one.")
 
 
 @dataclass

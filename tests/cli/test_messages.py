@@ -16,10 +16,10 @@ from footopt.cli.words import readable
 BAD = {
     "accuracy.plates=1": "accuracy.plates = 1: must be a whole number from 2 to 20000",
     "gait=file": "gait.path = None",
-    "gait=file gait.path=broken.csv": "no column for the knee; looked for knee, kn",
+    "gait=file gait.path=broken.csv": "no column for the knee; the file has time, hip.",
     "solver=ga objective=pareto": "solver = 'ga': must be a solver of several objectives",
     "hydra.run.dir=a_file": "a_file. Write to another folder with hydra.run.dir=FOLDER.",
-    "gait=file gait.path=empty.trc": "gait.path = 'empty.trc': is empty.",
+    "gait=file gait.path=empty.mot": "gait.path = 'empty.mot': is empty.",
     "study=simulate foot=outline foot.path=empty.svg": "foot.path = 'empty.svg': is empty.",
     "report=some": "report = 'some': must be one of none, light, full",
     "engine.threads=-1": "engine.threads = -1: must be a whole number >= 1 and <= 4096",
@@ -37,7 +37,7 @@ BAD = {
 def test_bad_input_gets_one_clear_message(run, arguments, tmp_path):
     (tmp_path / "a_file").write_text("in the way\n")
     (tmp_path / "broken.csv").write_text("time,hip\n0,1\n")
-    for name in ("empty.trc", "empty.svg"):
+    for name in ("empty.mot", "empty.svg"):
         (tmp_path / name).write_text("\n")
     done = run(*arguments.split(), cwd=tmp_path)
     assert done.returncode == 1
@@ -48,7 +48,7 @@ def test_bad_input_gets_one_clear_message(run, arguments, tmp_path):
 
 
 def test_what_was_refused_leaves_no_folder_but_what_was_there_stays(tmp_path):
-    refused = "study=simulate gait=file gait.path=nowhere.trc", "foot.width=0", "solver=nobody"
+    refused = "study=simulate gait=file gait.path=nowhere.mot", "foot.width=0", "solver=nobody"
     for words in refused:
         assert footopt(*words.split(), cwd=tmp_path).returncode == 1
         assert footopt(*words.split(), "hydra.run.dir=mine", cwd=tmp_path).returncode == 1
@@ -133,15 +133,15 @@ def test_a_setting_may_refer_to_another(tmp_path):
 @pytest.mark.parametrize(
     ("word", "read"),
     {
-        "gait.path=Größe.trc": "Größe.trc",
-        "gait.path=my walk(1).trc": "my walk(1).trc",
-        "gait.path=it's=mine{2}.trc": "it's=mine{2}.trc",
-        "gait.path=a[1].trc": "a[1].trc",
-        "gait.path='Größe 1.trc'": "Größe 1.trc",
-        "gait.path=a\\(1\\).trc": "a(1).trc",
+        "gait.path=Größe.mot": "Größe.mot",
+        "gait.path=my walk(1).mot": "my walk(1).mot",
+        "gait.path=it's=mine{2}.mot": "it's=mine{2}.mot",
+        "gait.path=a[1].mot": "a[1].mot",
+        "gait.path='Größe 1.mot'": "Größe 1.mot",
+        "gait.path=a\\(1\\).mot": "a(1).mot",
         "gait.path=null": None,
-        "gait.path=C:\\Jörg\\a.trc": "C:\\Jörg\\a.trc",
-        "gait.path=~/a.trc": "/at/home/a.trc",
+        "gait.path=C:\\Jörg\\a.mot": "C:\\Jörg\\a.mot",
+        "gait.path=~/a.mot": "/at/home/a.mot",
         "study.runs=[Läufe/*, b, ~/c]": ["Läufe/*", "b", "/at/home/c"],
         "study.runs=['a, ü','b']": ["a, ü", "b"],
         "study.runs=[]": [],
@@ -160,8 +160,8 @@ def test_files_may_have_any_name(word, read, monkeypatch):
 
 def test_files_with_any_name_are_jobs_of_a_multirun():
     words = {
-        "gait.path=ä.trc,b.trc": ["ä.trc", "b.trc"],
-        "gait.path=choice(b.trc,c.trc)": ["b.trc", "c.trc"],
+        "gait.path=ä.mot,b.mot": ["ä.mot", "b.mot"],
+        "gait.path=choice(b.mot,c.mot)": ["b.mot", "c.mot"],
     }
     for word, jobs in words.items():
         swept = OverridesParser.create().parse_override(readable(word))

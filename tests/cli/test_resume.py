@@ -478,13 +478,13 @@ def test_files_of_a_run_are_found_from_another_folder(tmp_path, monkeypatch):
         place.mkdir()
     ran = []
     monkeypatch.setattr("footopt.cli.job.studies.run", lambda *of: ran.append(of))
-    words = ["gait=file", 'gait.path="Größe.trc"', "plugins=[mine.py,a.module]", "hydra.run.dir=run"]
+    words = ["gait=file", 'gait.path="Größe.mot"', "plugins=[mine.py,a.module]", "hydra.run.dir=run"]
     assert footopt(*words, cwd=there).returncode == 0
     config, folder, settings, *_ = ran[0]
-    assert config.gait.path == "Größe.trc"  # as messages say it
+    assert config.gait.path == "Größe.mot"  # as messages say it
     identity.write(folder, settings, words)
     assert footopt(f"resume={folder}", "--trust", cwd=here).returncode == 0
     config = ran[1][0]
-    assert config.gait.path == str(there / "Größe.trc")
+    assert config.gait.path == str(there / "Größe.mot")
     assert config.plugins == [str(there / "mine.py"), "a.module"]
     assert config.sand.table is None

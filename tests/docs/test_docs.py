@@ -19,7 +19,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from motion_files import record, write_c3d
 from PIL import Image
 from running import LIMIT, footopt, program
 
@@ -283,7 +282,7 @@ def place(tmp_path_factory):
     """A folder with the files that pages name, an earlier run and an earlier sweep."""
     folder = tmp_path_factory.mktemp("docs")
     shutil.copytree(ROOT / "examples", folder / "examples")
-    for source, name in (("gait/walk.trc", "walk.trc"), ("gait/walk.mot", "walk.mot"),
+    for source, name in (("gait/walk.mot", "walk.mot"),
                          ("sole/rocker.csv", "sole.csv"), ("sand/stresses.csv", "stresses.csv"),
                          ("sand/plates.csv", "plates.csv")):  # fmt: skip
         shutil.copy(ROOT / "examples" / source, folder / name)
@@ -303,12 +302,6 @@ def place(tmp_path_factory):
     sweep = ["-m", "sand=regular,hard", "hydra.sweep.dir=sweep1", *words]
     assert footopt(*sweep, cwd=folder).returncode == 0
     return folder
-
-
-@pytest.fixture
-def c3d(place):
-    """walk.c3d: the built-in gait as a camera system records it."""
-    write_c3d(place / "walk.c3d", *record(fo.Gait.human()))
 
 
 def real(word, place):
@@ -363,8 +356,6 @@ def test_every_study_is_run_and_a_multirun():
 @pytest.mark.parametrize("arguments", RUN, ids=" ".join)
 def test_the_command_runs(arguments, place, request):
     drawn = any(word.startswith("study.video=") for word in arguments)
-    if "gait.path=walk.c3d" in arguments:
-        request.getfixturevalue("c3d")
     words = [real(word, place) for word in small(arguments)]
     before = {path for path in place.rglob("*") if path.is_file()}
     if any(word.startswith("hydra/launcher=") for word in words):

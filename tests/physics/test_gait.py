@@ -2,7 +2,6 @@
 
 import json
 import math
-import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -263,95 +262,3 @@ class TestFromAngles:
             fo.Gait.from_angles(t, t, t[1:])
         with pytest.raises(FileError, match=r"gait = 'angles': the thigh moves by 0 deg only"):
             fo.Gait.from_angles(t, np.zeros(50), np.zeros(50))
-
-
-class TestFromCsv:
-    @pytest.mark.parametrize("pitch", ["shank", "measured"])
-    @pytest.mark.parametrize("period", [1.2, 0.9])
-    def test_gives_back_the_gait_that_was_measured(self, tmp_path, pitch, period):
-        human = fo.Gait.human(period=period)
-        found = replace(fo.Gait.from_file(write_table(tmp_path / "mine.csv", human, 1.0)), pitch=pitch)
-        assert found.period == pytest.approx(period, abs=1e-8)
-        assert found.name == "mine"
-        assert max(rms for _, rms in found.residual) < 1e-7
-        t = np.linspace(0, 4, 201)
-        expected = replace(human, pitch=pitch).pose(t, L1, L2)
-        for a, b in zip(found.pose(t, L1, L2), expected, strict=True):
-            np.testing.assert_allclose(a, b, rtol=0, atol=1e-6)
-
-    def test_the_pitch_of_the_foot_is_optional_and_order_does_not_matter(self, tmp_path):
-        columns = ("note", "knee", "thigh", "time")
-        gait = fo.Gait.from_file(write_table(tmp_path / "G.CSV", fo.Gait.human(), 1.0, columns=columns))
-        assert gait.foot is None
-        assert gait.knee.a0 == pytest.approx(fo.Gait.human().knee.a0, abs=1e-6)
-        assert gait.name == "G"
-
-    def test_too_few_harmonics_show_in_the_residual(self, tmp_path):
-        gait = fo.Gait.from_file(write_table(tmp_path / "g.csv", fo.Gait.human(), 1.0), harmonics=3)
-        assert 0.5 < dict(gait.residual)["knee"] < 5.0
-
-    @pytest.mark.parametrize(
-        ("spoil", "message"),
-        [
-            (
-                lambda rows: [rows[0].replace("knee", "hip"), *rows[1:]],
-                r"no column for the knee.*the file has time, thigh, hip.*gait\.names\.knee=",
-            ),
-            (lambda rows: rows[:32], r"its ends differ by \d+ % of the motion"),
-            (lambda rows: rows[:1] + rows[1::6], "at least 14 rows for 6 harmonics"),
-            (lambda rows: rows[:1] + rows[:0:-1], "the time must increase"),
-            (lambda rows: [*rows[:4], "0.05,much,1,1", *rows[5:]], "line 5: 'much' is no number"),
-            (
-                lambda rows: [*rows[:4], "0.05,nan,1,1", *rows[5:]],
-                "row 4 of the data, at 0.05 s, has no finite angle of the thigh",
-            ),
-        ],
-    )
-    def test_what_is_wrong_with_one_is_named(self, tmp_path, spoil, message):
-        path = write_table(tmp_path / "g.csv", fo.Gait.human(), 1.0)
-        path.write_text("\n".join([*spoil(path.read_text().splitlines()), ""]))
-        with pytest.raises(FileError, match=rf"gait\.path = .*g\.csv.*{message}"):
-            fo.Gait.from_file(path)
-
-    @pytest.mark.parametrize("harmonics", [0, -2])
-    def test_harmonics_must_be_positive(self, tmp_path, harmonics):
-        with pytest.raises(SettingError, match=r"gait\.harmonics"):
-            fo.Gait.from_file(write_table(tmp_path / "g.csv", fo.Gait.human(), 1.0), harmonics=harmonics)
-
-
-class TestFromJson:
-    def test_reads_a_file_like_the_packages_own(self, tmp_path):
-        shutil.copy(HUMAN, tmp_path / "copy.json")
-        gait, human = fo.Gait.from_file(tmp_path / "copy.json", 6), fo.Gait.human()
-        assert (gait.thigh, gait.knee, gait.foot) == (human.thigh, human.knee, human.foot)
-        assert (gait.name, gait.period) == ("copy", 1.203)
-
-    @pytest.mark.parametrize(
-        ("change", "message"),
-        [
-            ({"knee": None}, "another form.*must hold period_s, and thigh and knee"),
-            ({"knee": {"a0": 1}}, "'a' is missing"),
-            ({"period_s": "soon"}, "soon is not a finite number"),
-            ({"period_s": -1.0}, "a stride would take -1 s"),
-        ],
-    )
-    def test_what_is_wrong_with_one_is_named(self, tmp_path, change, message):
-        (tmp_path / "g.json").write_text(json.dumps(json.loads(HUMAN.read_text()) | change))
-        with pytest.raises(FileError, match=rf"gait\.path = .*g\.json.*{message}"):
-            fo.Gait.from_file(tmp_path / "g.json")
-
-    def test_anything_else_is_refused(self, tmp_path):
-        (tmp_path / "g.json").write_text("{")
-        with pytest.raises(FileError, match=r"g\.json.*cannot be read as JSON \(Expecting"):
-            fo.Gait.from_file(tmp_path / "g.json")
-
-
-@pytest.mark.parametrize("name", ["nowhere.csv", "nowhere.json"])
-def test_a_missing_file_is_named_with_a_way_out(tmp_path, name):
-    with pytest.raises(FileError, match=rf"{name}.*cannot be read.*gait=human"):
-        fo.Gait.from_file(tmp_path / name)
-
-
-def test_an_unknown_ending_is_refused(tmp_path):
-    with pytest.raises(SettingError, match=r"gait\.path = .*\.json, \.csv, .*\.sto or \.c3d"):
-        fo.Gait.from_file(tmp_path / "gait.xlsx")

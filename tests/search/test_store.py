@@ -295,7 +295,7 @@ class TestContext:
     def test_where_a_recording_lies_does_not_matter(self):
         one, other = (
             fo.FootProblem(fo.Scene(gait=dataclasses.replace(fo.Gait.human(), source=source)))
-            for source in ("here/walk.trc", "there/walk.trc")
+            for source in ("here/walk.mot", "there/walk.mot")
         )
         assert context(one) == context(other)
 

@@ -3,10 +3,10 @@
 import csv
 import json
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from motion_files import degrees
 from running import composed, footopt, unrender
 from study_pages import check_page
 
@@ -80,14 +80,17 @@ class TestStudy:
         assert len(result["held_out_regret"]) == 8
         assert "fresh scenarios" in capsys.readouterr().out
 
-    def test_what_is_null_is_measured_from_the_strides_of_the_gait(self):
-        path = Path(__file__).parents[2] / "examples" / "gait" / "walk.trc"
+    def test_what_is_null_is_measured_from_the_strides_of_the_gait(self, tmp_path):
+        path, t = tmp_path / "walk.csv", np.arange(0.0, 6.1, 0.01)
+        rng, angles = np.random.default_rng(1), degrees(fo.Gait.human(), t / 1.2)
+        rows = np.stack([t, angles["thigh"], angles["knee"] + rng.normal(0.0, 0.5, len(t))], axis=1)
+        np.savetxt(path, rows, delimiter=",", header="time,thigh,knee", comments="")
         null = ("study.spread.angles=null", "study.spread.period=null")
         spread = make_spread(composed(*BRIEF, "gait=file", f"gait.path={path}", *null))
         period, angles = read_strides(path).variation()
         assert spread == fo.Spread(period=period, angles=angles)
         assert 0.1 < angles < 1.0
-        for gait in ((), ("gait=file", f"gait.path={path.with_suffix('.mot')}")):  # two strides
+        for gait in ((), ("gait=file", f"gait.path={path}", "gait.window=[0,1.2]")):
             with pytest.raises(SettingError, match=r"study\.spread\.period = None: must be a number, unless"):
                 make_spread(composed(*BRIEF, *gait, *null))
 

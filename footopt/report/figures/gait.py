@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from footopt.files.gaits import Strides
+from footopt.files.strides import Strides
 from footopt.gait import Gait
 from footopt.gait.gait import ankle
 from footopt.report.labels import label_all
