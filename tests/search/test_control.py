@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from searching import SMALL, assert_same, objective_of, problem
+from searching import SMALL, objective_of, problem
 
 from footopt.design import FootProblem, Solver, search
 from footopt.errors import SettingError
@@ -50,10 +50,6 @@ class TestStart:
         best = search(problem(), "exhaustive")
         found = search(problem(), "ga", start=[best.X], **BUDGET)
         assert found.X.tolist() == best.X.tolist()
-
-    def test_resumed_it_is_the_same(self, tmp_path):
-        words = {"start": SMALL.random(3, seed=5), "store": tmp_path / "s", **BUDGET}
-        assert_same(search(problem(), "ga", **words), search(problem(), "ga", **words))
 
     def test_heights_that_cannot_be_and_too_many_are_refused(self):
         with pytest.raises(SettingError):
