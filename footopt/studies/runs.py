@@ -122,7 +122,7 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
     except SettingError:
         raise
     except (FileError, LookupError, TypeError, ValueError) as error:
-        missing = not (folder / "result.json").exists()
+        missing = not os.path.exists(folder / "result.json")
         why = identity.lacking(folder, "result.json") if missing else f"{error}".rstrip(".")
         raise FileError(
             f"run = {str(folder)!r}: not the folder of a run with one foot ({why}). "
