@@ -19,7 +19,6 @@ from footopt.report.figures.sand import draw_stress
 from footopt.report.figures.search import FRONT, draw_convergence, draw_parallel, history_label
 from footopt.report.figures.traces import COMPONENTS, draw_components
 from footopt.report.figures.walker import draw_scene, draw_walk, walk_height
-from footopt.report.labels import label_all
 from footopt.report.style import COLUMN, PAGE, Axes, new_figure, png, styled
 
 RESOLUTION = 160  # dots per inch of a picture in a notebook
@@ -140,6 +139,6 @@ def picture(thing: object, rows: Sequence[Sequence[str]]) -> Figure:
             made.append(axes)
     for axes in made:
         if axes.get_legend_handles_labels()[0]:
-            label_all(axes)
+            axes.legend(loc="best")
     figure.draw_without_rendering()  # a second pass of the layout, after which nothing moves
     return figure

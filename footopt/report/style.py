@@ -218,6 +218,22 @@ def png(figure: Figure, dpi: int) -> bytes:
     return file.getvalue()
 
 
+def legend_above(figure: Figure) -> None:
+    """One legend above all axes: a name for each thing, with as many columns as fit beside each other."""
+    handles: dict[str, Any] = {}
+    for axes in figure.axes:
+        handles |= {label: handle for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
+    if not handles:
+        return
+    labels = [textwrap.fill(label, 50) for label in handles]
+    longest = max(len(part) for label in labels for part in label.split("\n"))
+    # an 8 pt letter is about 0.062 inches wide, a line and the gaps beside it 0.45
+    columns = min(max(int(figure.get_figwidth() / (0.45 + 0.062 * longest)), 1), len(labels))
+    rows = -(-len(labels) // columns)
+    figure.set_figheight(figure.get_figheight() + 0.17 * rows)  # it takes nothing from the axes
+    figure.legend([*handles.values()], labels, loc="outside upper center", ncols=columns)
+
+
 def line(i: int) -> dict[str, Any]:
     """Colour and dashes of the i-th line: 35 before a pair returns."""
     return {"color": COLOURS[i % len(COLOURS)], "ls": DASHES[i % len(DASHES)]}

@@ -10,8 +10,15 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from footopt.report.labels import label_all
-from footopt.report.style import GREY, GRID, PAGE, marker, new_figure, styled
+from footopt.report.style import (
+    GREY,
+    GRID,
+    PAGE,
+    legend_above,
+    marker,
+    new_figure,
+    styled,
+)
 from footopt.walk import FIVE, STEPPERS
 from footopt.walk.accuracy import Accuracy
 
@@ -73,7 +80,7 @@ def work_precision(measured: Sequence[Any], presets: Sequence[Accuracy], default
         "circles: presets, the default's is larger",
         color=GREY,
     )
-    label_all(grid)
+    legend_above(figure)
     return figure
 
 

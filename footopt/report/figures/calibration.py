@@ -5,8 +5,15 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from footopt.report.labels import label_all
-from footopt.report.style import COLUMN, GRID, PALE, marker, new_figure, styled
+from footopt.report.style import (
+    COLUMN,
+    GRID,
+    PALE,
+    legend_above,
+    marker,
+    new_figure,
+    styled,
+)
 from footopt.sand.calibration import Calibration
 
 HIGHEST = 2.5  # of the mean: what is shown of shallow measurements, whose zeta is noise
@@ -32,5 +39,5 @@ def calibration(found: Calibration) -> Figure:
     top = HIGHEST * max(found.zeta.value, float(found.zeta_at(depth).max()) / 1.5)
     deep.set_ylim(0.0, min(top, 1.1 * float(np.max(found.local))))
     deep.grid(color=GRID, lw=0.6)
-    label_all(deep)
+    legend_above(figure)
     return figure

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from footopt.files.drawings import MM
 from footopt.foot import Foot, lower_hull
-from footopt.report.labels import label_all, legend_width, wrapped
 from footopt.report.style import (
     BEST,
     COLUMN,
@@ -21,6 +20,7 @@ from footopt.report.style import (
     PALE,
     Axes,
     as_text,
+    legend_above,
     look,
     new_figure,
     styled,
@@ -30,8 +30,6 @@ Array = NDArray[np.float64]
 Point = tuple[float, float]
 
 ANKLE: dict[str, Any] = {"marker": "+", "ls": "", "color": "black", "ms": 6, "mew": 1}
-NAMED = 6  # soles in one frame that have their names beside them; more have a legend
-ROWS = 10  # of a legend beside soles
 HOLLOW = 0.05  # mm; a smaller one is called none
 
 
@@ -46,17 +44,12 @@ def contour(foot: Foot) -> Figure:
 @styled
 def contours(feet: Mapping[str, Foot]) -> Figure:
     """Several soles in one frame, by label."""
-    labels, columns, named = wrapped(map(as_text, feet)), -(-len(feet) // ROWS), len(feet) <= NAMED
-    beside = 0.0 if named else columns * legend_width(labels)
-    figure = new_figure(PAGE, _height(np.concatenate([f.contour for f in feet.values()]), PAGE - beside))
+    figure = new_figure(PAGE, _height(np.concatenate([f.contour for f in feet.values()]), PAGE))
     axes = figure.subplots()
-    for i, (text, (label, foot)) in enumerate(zip(labels, feet.items(), strict=True)):
-        axes.plot(*(MM * foot.contour).T, **look(label, i), label=text)
+    for i, (label, foot) in enumerate(feet.items()):
+        axes.plot(*(MM * foot.contour).T, **look(label, i), label=as_text(label))
     _label_axes(axes)
-    if named:
-        label_all(axes)
-    else:
-        figure.legend(loc="outside right center", ncols=columns)
+    legend_above(figure)
     return figure
 
 

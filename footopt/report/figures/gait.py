@@ -8,8 +8,15 @@ from matplotlib.figure import Figure
 from footopt.files.strides import Strides
 from footopt.gait import Gait
 from footopt.gait.gait import ankle
-from footopt.report.labels import label_all
-from footopt.report.style import COLOURS, COLUMN, GREY, Axes, new_figure, styled
+from footopt.report.style import (
+    COLOURS,
+    COLUMN,
+    GREY,
+    Axes,
+    legend_above,
+    new_figure,
+    styled,
+)
 from footopt.walk import Walker
 
 SIGNS = {"thigh": "forward", "knee": "flexed", "foot": "toe up"}
@@ -31,7 +38,7 @@ def gait_fit(strides: Strides, gait: Gait) -> Figure:
         axes.set_title(f"misfit {residual[joint]:.2f}° rms", loc="right", pad=2)
     rows[-1].set(xlabel="stride (%), from heel strike", xlim=(0, 100))
     figure.align_ylabels(rows)
-    label_all(rows)
+    legend_above(figure)
     return figure
 
 

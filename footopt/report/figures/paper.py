@@ -21,9 +21,14 @@ from footopt.report.figures.heat_map import draw_heat_map
 from footopt.report.figures.stability import VERDICTS
 from footopt.report.figures.step import steps
 from footopt.report.figures.traces import com, forces, power_work
-from footopt.report.labels import label_all
 from footopt.report.numbers import title
-from footopt.report.style import PAGE, SANDS, new_figure, styled
+from footopt.report.style import (
+    PAGE,
+    SANDS,
+    legend_above,
+    new_figure,
+    styled,
+)
 from footopt.walk import Walk, Walker
 
 
@@ -34,7 +39,7 @@ def gait(shown: Gait, walker: Walker) -> Figure:
     angles, path = figure.subplots(1, 2)
     draw_angles(angles, shown)
     draw_path(path, shown, walker)
-    label_all(angles)
+    legend_above(figure)
     return figure
 
 

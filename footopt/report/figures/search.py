@@ -13,7 +13,6 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import check
-from footopt.report.labels import label_all
 from footopt.report.style import (
     BEST,
     COLUMN,
@@ -24,6 +23,7 @@ from footopt.report.style import (
     Axes,
     as_text,
     formula,
+    legend_above,
     marker,
     message,
     new_figure,
@@ -84,12 +84,12 @@ def draw_convergence(axes: Axes, history: Sequence[Any], label: str, base: float
     axes.plot(evaluations, best / scale, color=BEST, drawstyle="steps-post", zorder=3, label="best")
     axes.plot(evaluations[last], best[last] / scale, "o", color=BEST, zorder=3)
     if np.isfinite(median).any():
-        axes.plot(evaluations, median / scale, color=FLAT, ls="--", label="median of\nthe generation")
+        axes.plot(evaluations, median / scale, color=FLAT, ls="--", label="median of the generation")
     axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
     times = "" if base is None else f"× {best[last] / scale:.2f} of flat, "
     axes.set_title(f"best {times}{formula(best[last])}", loc="right")
     if len(history) > 1:
-        label_all(axes)
+        axes.legend(loc="best")
 
 
 @styled
@@ -144,7 +144,7 @@ def scatter_matrix(
     figure.align_labels()
     if len(tables) == 1:  # a cloud leaves no room beside it
         grid[0, 0].set_title(as_text(next(iter(tables))), color=DARK)
-    label_all(grid[np.tril_indices(n - 1)])
+    legend_above(figure)
     return figure
 
 

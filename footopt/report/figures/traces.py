@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from footopt.report.labels import label_all
 from footopt.report.style import (
     COLOURS,
     GREY,
@@ -19,6 +18,7 @@ from footopt.report.style import (
     SIDES,
     Axes,
     as_text,
+    legend_above,
     look,
     message,
     new_figure,
@@ -84,8 +84,7 @@ def _panels(walks: Mapping[str, Walk], rows: Sequence[Sequence[Panel]], sharey: 
     if strikes:
         top = grid.flat[0].get_xaxis_transform()
         grid.flat[0].text(strikes[0], 1.0, "heel strike", color=GREY, ha="center", va="bottom", transform=top)
-    if label_all(grid):
-        figure.set_layout_engine(None)  # that was its pass, a tenth of the figure's time
+    legend_above(figure)
     return figure
 
 

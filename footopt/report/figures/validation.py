@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from footopt.report.labels import label_all
 from footopt.report.style import (
     COLOURS,
     DASHES,
@@ -17,6 +16,7 @@ from footopt.report.style import (
     PAGE,
     PALE,
     VERDICTS,
+    legend_above,
     marker,
     new_figure,
     styled,
@@ -71,7 +71,7 @@ def experiment(found: Comparisons, x: str = "") -> Figure:
         ax.grid(color=GRID, lw=0.6)
         if draw is _against_x:
             ax.set_xlabel(x)
-    label_all(axes)
+    legend_above(figure)
     return figure
 
 
