@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from footopt.design.fronts import nondominated
 from footopt.design.problem import Array, FootProblem, Ints
 from footopt.design.solvers import Solver
-from footopt.errors import check, needed
+from footopt.errors import check
 from footopt.foot import Foot
 from footopt.walk.accuracy import Accuracy, resolve
 from footopt.walk.objectives import MEASURES
@@ -190,9 +190,10 @@ class SearchResult:
     def to_frame(self) -> Any:
         """A pandas DataFrame with a row for each evaluated design and the columns of designs.csv.
 
-        Units are in ``frame.attrs["units"]``. Needs pandas: ``pip install "footopt[pandas]"``.
+        Units are in ``frame.attrs["units"]``.
         """
-        pandas = needed("pandas", "SearchResult.to_frame", "pandas")
+        import pandas
+
         columns = {name: v.astype(object) if v.dtype.kind == "U" else v for name, v in self.columns.items()}
         frame = pandas.DataFrame(columns).rename_axis("design")
         units = {name: MEASURES[name].unit for name in self.problem.record if name in MEASURES}

@@ -21,6 +21,7 @@ import numpy as np
 from fontTools import subset
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import ScalarFormatter
 from numpy.typing import NDArray
 
@@ -231,7 +232,12 @@ def legend_above(figure: Figure) -> None:
     columns = min(max(int(figure.get_figwidth() / (0.45 + 0.062 * longest)), 1), len(labels))
     rows = -(-len(labels) // columns)
     figure.set_figheight(figure.get_figheight() + 0.17 * rows)  # it takes nothing from the axes
-    figure.legend([*handles.values()], labels, loc="outside upper center", ncols=columns)
+    legend = figure.legend([*handles.values()], labels, loc="outside upper center", ncols=columns)
+    for handle in legend.legend_handles:  # small pale points are seen there, too
+        if handle is not None:
+            handle.set_alpha(1.0)
+        if isinstance(handle, Line2D):
+            handle.set_markersize(max(handle.get_markersize(), 4.0))
 
 
 def line(i: int) -> dict[str, Any]:

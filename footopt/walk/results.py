@@ -93,9 +93,10 @@ class Table:
     def to_frame(self) -> Any:
         """A pandas DataFrame with a row for each foot: its objectives, `feasible` and `reason`.
 
-        Units are in ``frame.attrs["units"]``. Needs pandas: ``pip install "footopt[pandas]"``.
+        Units are in ``frame.attrs["units"]``.
         """
-        pandas = needed("pandas", "Table.to_frame", "pandas")
+        import pandas
+
         columns = dict(zip(self.names, self.values.T, strict=True))
         frame = pandas.DataFrame(columns | {"feasible": self.feasible, "reason": self.reasons.astype(object)})
         frame.attrs["units"] = {name: MEASURES[name].unit for name in self.names}
@@ -237,9 +238,10 @@ class Walk:
         """A pandas DataFrame with a row for each sample of the traces, indexed by time, s.
 
         Columns are com_x, velocity_z, force_left_x, power_right and so on; units are in
-        ``frame.attrs["units"]``. Needs pandas: ``pip install "footopt[pandas]"``.
+        ``frame.attrs["units"]``.
         """
-        pandas = needed("pandas", "Walk.to_frame", "pandas")
+        import pandas
+
         columns, units = {}, {}
         for name, (dimensions, unit, values) in self.variables.items():
             if dimensions[0] == "time" and name != "t":

@@ -20,8 +20,8 @@ from footopt.report import figures, style
 from footopt.report import labels as naming
 from footopt.report.body import forces_along
 from footopt.report.figures import accuracy, fronts, paper, search
+from footopt.report.figures.fronts import Fronts
 from footopt.report.figures.search import history_label
-from footopt.report.sweeps import Fronts
 from footopt.walk.objectives import FIVE, OBJECTIVES
 from footopt.walk.phases import stance
 

@@ -27,8 +27,8 @@ from footopt.report.numbers import number, title
 from footopt.report.page import walks
 from footopt.report.page.file import packed
 from footopt.report.page.file import text as page_text
-from footopt.report.runs import Run
 from footopt.report.stage import ground
+from footopt.report.summary import Run
 from footopt.studies.base import foot_entry, scene_entry
 from footopt.walk import FIVE, OBJECTIVES
 from footopt.walk.objectives import lookup
@@ -122,7 +122,7 @@ def pages(front, single, tmp_path_factory):
     assert summary.of_multirun(folder) == 1
     (folder / "report.html").rename(folder / "jobs.html")
     contents["exact"] = page.search_content(*searched("work", "exhaustive", fo.Waypoints(n=4, K=3)))
-    dead = Run("job 9", "9", "", folder / "9", note="no result", failed=True)
+    dead = Run("job 9", "9", folder / "9", note="no result", failed=True)
     contents["no jobs"] = page.jobs_content(folder, [dead], [])
     (folder / "figures").mkdir()
     walk = fo.simulate(fo.Foot.flat(), accuracy="draft")

@@ -5,16 +5,18 @@ from __future__ import annotations
 import os
 from collections.abc import Collection, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 import numpy as np
 
 from footopt.report.numbers import number
 from footopt.report.page.file import column, packed
-from footopt.report.runs import Run
 from footopt.report.terminal import describe_model
 from footopt.walk import MEASURES
+
+if TYPE_CHECKING:
+    from footopt.report.summary import Run
 
 
 def jobs_content(folder: Path, runs: Sequence[Run], common: Collection[str]) -> dict[str, Any]:
@@ -29,8 +31,8 @@ def jobs_content(folder: Path, runs: Sequence[Run], common: Collection[str]) -> 
     common : collection of str
         Settings that all of them share.
     """
-    done = [run for run in runs if run.result is not None]
-    results = [run.result or {} for run in done]
+    done = [run for run in runs if run.result]
+    results = [run.result for run in done]
     known = {name: (objective.unit, objective.maximise) for name, objective in MEASURES.items()}
     for result in results:  # those of plugins are in their own results
         known |= {name: (result["units"][name], most) for name, most in result.get("maximise", {}).items()}
@@ -57,11 +59,11 @@ def jobs_content(folder: Path, runs: Sequence[Run], common: Collection[str]) -> 
                 "name": run.name,
                 "place": run.place,
                 "settings": " ".join(o for o in run.overrides if o not in common),
-                "hollow": number(run.hollow),
+                "hollow": number(run.result["design"]["hollow_mm"]) if run.result else "-",
                 "efficiency": run.objectives.get("efficiency") if run in done else None,
                 "note": run.note,
-                "seed": (run.result or {}).get("seed"),
-                "seconds": (run.result or {}).get("wall_time_s"),
+                "seed": run.result.get("seed"),
+                "seconds": run.result.get("wall_time_s"),
                 "design": done.index(run) if run in done else None,
                 "link": _link(run.folder / "report.html", folder),
             }
