@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Collection, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import quote
 
 import numpy as np
@@ -15,18 +15,15 @@ from footopt.report.page.file import column, packed
 from footopt.report.terminal import describe_model
 from footopt.walk import MEASURES
 
-if TYPE_CHECKING:
-    from footopt.report.summary import Run
 
-
-def jobs_content(folder: Path, runs: Sequence[Run], common: Collection[str]) -> dict[str, Any]:
+def jobs_content(folder: Path, runs: Sequence[Any], common: Collection[str]) -> dict[str, Any]:
     """The page over several runs.
 
     Parameters
     ----------
     folder : Path
         That the page is for.
-    runs : sequence of Run
+    runs : sequence of footopt.report.summary.Run
         What is compared.
     common : collection of str
         Settings that all of them share.
