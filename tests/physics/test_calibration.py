@@ -48,15 +48,6 @@ def test_intervals_hold_what_is_true_as_often_as_they_say(tmp_path):
     assert (abs(held / count - 0.95) < 4.0 * np.sqrt(0.95 * 0.05 / count)).all(), held / count
 
 
-def test_the_interval_of_one_repeat_holds_zeta_where_forces_scatter_in_proportion_to_their_size(tmp_path):
-    rng, count = np.random.default_rng(2), 100
-    zetas = rng.uniform(0.2, 4.0, count)
-    plates = [(9.0, 0.0, 90.0), (50.0, 0.0, 90.0)]
-    found = [calibrate(plates_in_sand(tmp_path / "t.csv", rng, z, 1.0, 1, 0.0, 0.05, plates)) for z in zetas]
-    held = [not one.zeta.excludes(z) for one, z in zip(found, zetas, strict=True)]
-    assert np.mean(held) >= 0.85  # of 400 files 93 %; by one variance for all forces 71 %
-
-
 def test_without_noise_zeta_and_exponent_are_exact(tmp_path):
     set_ups = [(25.0, 0.0, 90.0), (100.0, 30.0, 60.0), (50.0, 90.0, 0.0)]
     rng = np.random.default_rng(1)
@@ -104,16 +95,9 @@ class TestWarnings:
     ("text", "message"),
     [
         ("depth,force\n1,2\n", "lacks depth_mm, force_N, area_cm2"),
-        ("depth_mm;force_N;area_cm2\n1.000,5;2;25\n", "row 1: .*1.000.5"),
-        ("depth_mm,force_N,area_cm2\n10,nan,25\n", "row 1: force_N is"),
         ("depth_mm,force_N,area_cm2\n-10,8,25\n-20,16,25\n", "no row with depth_mm > 0"),
-        ("depth_mm,force_N,area_cm2\n10,8,0\n20,16,25\n", "area_cm2 must be > 0"),
-        ("depth_mm,force_N,area_cm2\n10,8,25\n10,9,25\n20,16,25\n", "fewer than 3 different depths"),
-        ("depth_mm,force_N,area_cm2\n10,-8,25\n20,-16,25\n30,-24,25\n", "positive against the motion"),
         ("depth_mm,force_N,area_cm2\n10,8000,25\n20,16000,25\n30,24000,25\n", "Check the units"),
         ("depth_mm,force_N,area_cm2\n10,20,25\n20,15,25\n30,12,25\n40,9,25\n", "force grows with the power"),
-        ("depth_mm,force_N,area_cm2,angle_deg\n10,8,25,200\n20,9,25,0\n", "from -180 to 180"),
-        ("depth_mm,force_N,area_cm2,repeat\n10,8,25,a\n20,16,25,a\n30,24,25,a\n10,8,25,b\n", "repeat 'b'"),
     ],
 )
 def test_what_is_wrong_with_a_file_is_named(tmp_path, text, message):
@@ -128,15 +112,6 @@ def test_a_table_from_a_spreadsheet_with_decimal_commas_is_the_same(tmp_path, ma
     other = tmp_path / "other.csv"
     other.write_bytes(b"\xef\xbb\xbf" + path.read_bytes().replace(b",", mark.encode()).replace(b".", b","))
     assert calibrate(other).repeats == calibrate(path).repeats
-
-
-def test_noise_over_a_narrow_range_of_depths_widens_the_interval_and_is_not_refused(tmp_path):
-    depths, forces = (49.0, 52.0, 55.0, 58.0), (110.0, 135.0, 95.0, 120.0)
-    rows = "\n".join(f"{d},{f},25" for d, f in zip(depths, forces, strict=True))
-    (tmp_path / "t.csv").write_text(f"depth_mm,force_N,area_cm2\n{rows}\n")
-    found = calibrate(tmp_path / "t.csv")
-    assert found.exponent.value < 0.2
-    assert not found.exponent.excludes(1.0)
 
 
 def test_the_study_leaves_a_sand_that_runs_use(tmp_path):
@@ -156,9 +131,3 @@ def test_the_study_leaves_a_sand_that_runs_use(tmp_path):
     run = fo.load(tmp_path / "walk")
     assert run.scene.sand.zeta == pytest.approx(file["sand"]["zeta"])
     assert run.config.study.spread.zeta == pytest.approx(file["study"]["spread"]["zeta"])
-
-
-def test_a_study_without_tests_says_what_to_give(tmp_path):
-    done = footopt("study=calibrate", cwd=tmp_path)
-    assert done.returncode == 1
-    assert "study.tests" in done.stderr

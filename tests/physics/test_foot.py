@@ -54,11 +54,6 @@ class TestWaypoints:
         x, z = SPACE.contour(k)[0].T
         np.testing.assert_allclose(z, reference_spline(SPACE, k)(x), rtol=0, atol=1e-15)
 
-    @pytest.mark.parametrize("n", [4, 5, 6, 7, 20, 61, 200])
-    def test_slopes_are_those_of_scipys_spline(self, n):
-        spline = CubicSpline(np.arange(n), np.eye(n), bc_type="not-a-knot")
-        np.testing.assert_allclose(slope_matrix(n), spline(np.arange(n), 1), rtol=0, atol=2e-15)
-
     def test_points_lie_on_the_sole_from_heel_to_toe(self):
         k = [5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4]
         points = SPACE.points(k, 77)[0]
@@ -90,12 +85,6 @@ class TestBox:
         k = space.random(200, seed=3, inside=True)
         assert k.shape == (200, space.n)
         assert (space.box_violation(k) <= tolerance * space.H).all()
-
-    def test_random_designs_cover_every_level_and_repeat_with_the_seed(self):
-        k = SPACE.random(500, seed=1)
-        assert set(np.unique(k)) == set(range(1, SPACE.K + 1))
-        np.testing.assert_array_equal(k, SPACE.random(500, seed=1))
-        assert (k != SPACE.random(500, seed=2)).any()
 
     def test_a_box_that_no_random_sole_respects_is_an_error_that_says_so(self, monkeypatch):
         monkeypatch.setattr(fo.Waypoints, "box_violation", lambda self, k: np.full(len(k), 1.0))
@@ -290,10 +279,6 @@ class TestFoot:
     def test_impossible_heights_are_refused(self, k, message):
         with pytest.raises(SettingError, match=message):
             fo.Foot.from_waypoints(k)
-
-    def test_the_number_of_heights_must_be_that_of_the_space(self):
-        with pytest.raises(SettingError, match=r"must be 11 heights a design \(foot\.n = 11\)"):
-            fo.Foot.from_waypoints([1, 2, 3, 4], SPACE)
 
     @pytest.mark.parametrize(
         ("setting", "value"),

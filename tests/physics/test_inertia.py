@@ -57,10 +57,6 @@ class TestInertia:
         assert stiff == pytest.approx(difference(lambda d: push(d, 0.0)), abs=1e-3)
         assert sink == pytest.approx(difference(lambda d: push(0.0, d)), rel=1e-6, abs=1e-2)
 
-    def test_is_estimated_by_its_pressure_over_the_sand_s(self):
-        scale = Scale(stress=5e6, pull=-1e6, depth=0.005, speed=0.5, distance=2.0, sweep=2.0)
-        assert Inertia(1.0, 1600.0).estimate(scale) == pytest.approx(6.4e3 / (6.4e3 + 25e3))
-
     def test_a_foot_that_is_swung_through_deep_sand_is_faster_than_one_that_is_lifted_over_hard_sand(self):
         """Else a scene would not call for what the audit then finds to matter most on soft sand."""
         soft, hard = (fo.Scene(fo.Sand.named(name)).scale for name in ("soft", "hard"))

@@ -29,8 +29,3 @@ class TestLayers:
         plate = blade(beta, parts=8)._replace(x=np.zeros((1, 8)), z=np.zeros((1, 8)))
         found = force(plate, DOWN, vx, vz, LAYERS, zeta=zeta, creep=1e-7, z=-depth)
         np.testing.assert_allclose(found, integral * area * np.array([-ax, az]), rtol=1e-9, atol=1e-8)
-
-    def test_are_estimated_at_the_depth_of_the_foot(self):
-        scale = Scale(stress=1e6, pull=0.0, depth=0.04, speed=0.5, distance=2.0)
-        assert Layers((0.02,), (0.5,)).estimate(scale) == pytest.approx(0.25)
-        assert Layers((0.05,), (0.5,)).estimate(scale) == 0.0

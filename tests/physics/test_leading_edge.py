@@ -41,6 +41,3 @@ class TestLeadingEdge:
         _, bend = effects.gate(found, (1.0, 0.0), s * creep, creep)
         slope = difference(lambda d: effects.gate(found, (1.0, 0.0), (s + d) * creep, creep)[0])
         assert bend * creep == pytest.approx(slope, abs=1e-6)
-
-    def test_is_estimated_by_what_holds_a_lifted_plate_back(self):
-        assert LeadingEdge().estimate(fo.Scene().scale) == pytest.approx(0.25)  # of the generic map

@@ -24,12 +24,6 @@ class TestPatches:
         scale = 1e-12 * np.abs(plain).max()
         np.testing.assert_allclose(feel(*state, PATCHES, x=x)[0], plain, rtol=1e-12, atol=scale)
 
-    def test_are_estimated_by_the_largest_change_on_the_way(self):
-        scale = Scale(stress=1e6, pull=0.0, depth=0.04, speed=0.5, distance=1.0)
-        assert PATCHES.estimate(scale) == pytest.approx(0.3)
-        assert PATCHES.estimate(scale._replace(distance=2.0)) == pytest.approx(0.5)
-
-
 @pytest.mark.slow
 class TestPatchesOnTheWay:
     def test_a_walk_inside_one_patch_is_a_walk_on_its_sand(self, regular, ramp_foot):

@@ -123,23 +123,7 @@ def test_the_force_has_its_analytic_derivative_where_plates_stick_and_where_they
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("slope", [0.0, 15.0])
-@pytest.mark.parametrize("zeta", [0.05, 500.0])
-def test_the_resting_place_is_the_sands_and_not_the_numerics(zeta, slope, ramp_foot, flat_foot):
-    """On level sand and on every slope that holds; time step, plates and delta do not matter."""
-    tilt = (fo.Slope(slope),) if slope else ()
-    for foot in (ramp_foot, flat_foot):
-        places = []
-        for dt, plates, length in ((1e-2, 56, 1e-6), (1e-2, 56, 1e-7), (1e-2, 256, 1e-6), (1e-3, 56, 1e-6)):
-            scene = replace(standing(zeta, *tilt, t_f=20.0), effects=(fo.Rest(length), *tilt))
-            walk = fo.simulate(foot, scene, fo.Accuracy(dt=dt, plates=plates))
-            assert drift(walk) < DRIFT
-            places.append(walk.com[-1])
-        assert np.ptp(places, axis=0).max() < PLACE
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("scene", range(int(os.environ.get("FOOTOPT_SCENES", 15))))
+@pytest.mark.parametrize("scene", range(int(os.environ.get("FOOTOPT_SCENES", 6))))
 def test_any_walker_rests_on_any_sand(scene):
     """Soles, sands, walkers, slopes and time steps at random; FOOTOPT_SCENES=300 tries more."""
     rng = np.random.default_rng([2026, scene])
@@ -159,13 +143,6 @@ def test_any_walker_rests_on_any_sand(scene):
     if coarse.feasible:  # the softest sands carry nobody
         assert drift(coarse) < DRIFT
         assert np.hypot(*(coarse.com[-1] - fine.com[-1])) < PLACE
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("preset", ["draft", "fine"])
-def test_every_preset_rests(preset, ramp_foot):
-    for zeta in (0.05, 500.0):
-        assert drift(fo.simulate(ramp_foot, standing(zeta, fo.Slope(5.0), t_f=20.0), preset)) < DRIFT
 
 
 @pytest.mark.slow

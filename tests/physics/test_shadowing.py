@@ -83,7 +83,3 @@ class TestTheWalk:
     def test_a_part_is_from_0_to_1(self, part):
         with pytest.raises(SettingError, match=r"effects\.shadowing\.effective"):
             fo.Shadowing(part)
-
-    def test_is_estimated_by_what_a_groove_loses(self):
-        scale = fo.Scene().scale
-        assert fo.Shadowing(0.5).estimate(scale) == pytest.approx(0.005 / scale.depth)

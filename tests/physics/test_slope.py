@@ -41,6 +41,3 @@ class TestSlope:
             speeds.append(np.hypot(*walk.velocity[-1]))
             assert speeds[-1] < 1.5 * creep
         assert speeds[1] == pytest.approx(2.0 * speeds[0], rel=0.1)
-
-    def test_is_estimated_by_the_share_of_the_weight_along_the_plane(self):
-        assert Slope(-10.0).estimate(fo.Scene().scale) == pytest.approx(math.sin(math.radians(10.0)))

@@ -50,28 +50,6 @@ def test_a_drop_sinks_as_deep_at_every_step_and_with_every_integrator(block, int
         assert depth == pytest.approx(depths[1e-4], rel=0.01), dt
 
 
-@pytest.mark.slow
-def test_so_it_does_in_drops_that_are_drawn_at_random(block):
-    """Soles, sands, masses, heights; at 4 ms light bodies on hard sand are off by up to 2 %."""
-    rng = np.random.default_rng(7)
-    for k in fo.Waypoints().random(40, seed=7):
-        sand, mass = (
-            fo.Sand(float(np.exp(rng.uniform(*np.log([0.2, 50]))))),
-            np.exp(rng.uniform(*np.log([2, 100]))),
-        )
-        height, dt, depths = rng.uniform(0.032, 0.08), rng.choice([5e-4, 1e-3, 2e-3, 4e-3]), []
-        for step, integrator in ((1e-4, "implicitfast"), (dt, rng.choice(["Euler", "RK4", "implicit"]))):
-            model, data, contact = block(
-                sand, height=height, dt=step, integrator=integrator, foot=fo.Foot.from_waypoints(k)
-            )
-            model.body_mass[1:] *= mass / 60.0
-            model.body_inertia[1:] *= mass / 60.0
-            settle(model, data, 1.5)
-            depths.append(contact.depth["foot"])
-            contact.detach()
-        assert depths[1] == pytest.approx(depths[0], rel=0.025 if dt > 2e-3 else 0.01)
-
-
 @pytest.mark.parametrize("zeta", [0.2, 5.0, 50.0])
 @pytest.mark.parametrize("pushed", [0.0, 40.0])
 def test_who_stands_stays_for_a_minute(block, zeta, pushed):
@@ -172,20 +150,6 @@ def test_stiffness_is_the_derivative_of_the_wrench(block):
         assert stiffness == pytest.approx(np.stack(slopes, axis=1), abs=2e-4 * abs(stiffness).max())
 
 
-def test_an_attitude_turns_the_motion_with_it(block):
-    ends = []
-    for yaw in (0.0, 1.1):
-        model, data, _ = block(foot=HOLLOW)
-        c, s = np.cos(yaw), np.sin(yaw)
-        data.qpos[3:7] = np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)
-        data.qvel[:] = c * 0.5 - s * 0.2, s * 0.5 + c * 0.2, -0.3, 0.4, 0.2, 0.1
-        settle(model, data, 0.5)
-        x, y = data.qpos[:2]
-        ends.append((c * x + s * y, c * y - s * x, data.qpos[2]))
-    assert ends[0] == pytest.approx(ends[1], abs=1e-9)
-    assert abs(ends[0][1]) > 1e-3
-
-
 def test_a_foot_that_stands_on_its_side_edge_is_lifted_there(block):
     model, data, contact = block(height=0.02)
     data.qpos[3:7] = np.cos(0.1), np.sin(0.1), 0.0, 0.0  # rolled to its right
@@ -206,32 +170,6 @@ def test_a_forward_pass_changes_nothing(block):
     assert ends[0] == pytest.approx(ends[1], rel=1e-12, abs=1e-15)
 
 
-def test_a_reset_starts_again(block):
-    model, data, contact = block()
-    settle(model, data, 0.5)
-    first = data.qpos.copy()
-    mujoco.mj_resetData(model, data)
-    settle(model, data, 0.5)
-    assert data.qpos == pytest.approx(first, abs=1e-14)
-    assert contact.counts["restarts"] == 2
-
-
-@pytest.mark.slow
-def test_each_data_has_its_own_sand_and_others_none(block):
-    model, data, contact = block()
-    soft_model, soft_data, soft = block(fo.Sand(0.2), effects=GRAINS)
-    other = mujoco.MjData(model)
-    for one, state in ((model, data), (soft_model, soft_data), (model, other)):
-        settle(one, state, 1.0)
-    assert other.qpos[2] < -1.0
-    assert 0.0 < contact.depth["foot"] < soft.depth["foot"]
-    soft.detach()
-    settle(soft_model, soft_data, 0.5)
-    settle(model, data, 0.5)
-    assert soft_data.qpos[2] < -0.5
-    assert data.qpos[2] > -0.05
-
-
 @pytest.mark.parametrize(
     ("arguments", "what"),
     [
@@ -250,13 +188,6 @@ def test_what_cannot_be_attached_is_said(block, arguments, what):
         attach(model, data, **given)
 
 
-def test_density_and_friction_give_the_material_constant():
-    quartz = Grains(1550.0, np.tan(np.radians(34.0)))
-    assert quartz.sand.zeta == pytest.approx(2.11, abs=0.005)  # 2.02 was measured
-    with pytest.raises(SettingError, match=r"grains\.friction"):
-        Grains(friction=0.0)
-
-
 @njit
 def traction(n, h, surface):
     return stress(n, h, (0.0, 0.0, 1.0), surface)
@@ -268,11 +199,6 @@ def blade(beta):
 
 def heading(gamma):
     return np.cos(gamma), 0.0, -np.sin(gamma)
-
-
-def test_a_level_face_feels_the_published_number():
-    assert traction(blade(0.0), heading(np.pi / 2), np.inf) == pytest.approx((0.0, 0.0, DOWN), abs=1e-12)
-    assert -TABLE.sum() == pytest.approx(DOWN, abs=1e-12)
 
 
 def test_in_two_dimensions_it_is_the_planar_map_to_a_tenth():

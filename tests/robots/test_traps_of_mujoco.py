@@ -44,16 +44,6 @@ def test_the_callback_is_one_pointer_and_the_last_one_set_acts(block, request):
     assert not falls(model, data)
 
 
-def test_nothing_is_called_once_all_is_detached(block):
-    _, _, one = block()
-    _, _, two = block()
-    one.detach()
-    assert mujoco.get_mjcb_passive() is not None
-    two.detach()
-    two.detach()
-    assert mujoco.get_mjcb_passive() is None
-
-
 def test_a_second_attachment_takes_the_place_of_the_first(block):
     model, data, first = block(height=0.03)
     second = attach(model, data, {"foot": fo.Foot.flat()}, HARD)
@@ -65,19 +55,6 @@ def test_a_second_attachment_takes_the_place_of_the_first(block):
     assert second.force["foot"][2] == pytest.approx(60 * 9.81)
     second.detach()
     assert falls(model, data)
-
-
-def test_a_model_that_is_compiled_again_is_another_one(block):
-    model, data, contact = block(height=0.03)
-    settle(model, data, 0.5)
-    again = shared.block_model(height=0.03)
-    copy = mujoco.MjData(again)
-    assert falls(again, copy)
-    assert not falls(model, data)
-    fresh = attach(again, copy, {"foot": fo.Foot.flat()}, HARD)
-    settle(again, copy, 0.5)
-    assert fresh.depth["foot"] == pytest.approx(contact.depth["foot"], rel=1e-3)
-    fresh.detach()
 
 
 def test_a_step_that_is_asked_for_again_gets_the_same_force(block):
@@ -130,19 +107,6 @@ WELDED = """
 """
 
 
-def test_a_warm_start_of_the_solver_is_no_state_of_the_sand(request):
-    ends = []
-    for cold in (False, True):
-        model, data, contact = shared.put_on_sand(request, height=0.03, more=WELDED)
-        for _ in range(1000):
-            if cold:
-                data.qacc_warmstart[:] = 0.0
-            mujoco.mj_step(model, data)
-        ends.append((contact.depth["foot"], contact.force["foot"][2]))
-    assert ends[0] == pytest.approx(ends[1], rel=1e-3)
-    assert ends[0][1] == pytest.approx(100 * 9.81, rel=1e-3)
-
-
 def test_the_first_step_knows_of_no_other_force_but_gravity(block):
     model, data, contact = block(height=0.03)
     settle(model, data, 1.0)
@@ -166,12 +130,6 @@ def test_a_floor_at_the_surface_carries_the_foot_before_it_sinks(block):
         depths.append(contact.depth["foot"])
     assert depths[0] < 0.001  # the give of MuJoCo's contacts
     assert depths[1] > 0.004
-
-
-def test_without_springs_and_dampers_there_is_no_sand(block):
-    model, data, _ = block(height=0.02)
-    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
-    assert falls(model, data)
 
 
 def test_a_robot_that_diverges_says_nothing_but_what_mujoco_says(block, capfd, tmp_path, monkeypatch):
@@ -208,9 +166,3 @@ def test_sand_holds_an_ankle_whose_servo_is_explicit_as_long_as_it_is_stable_in_
     mujoco.mj_step(model, data, nstep=2000)
     assert model.opt.timestep * kv / model.dof_M0[-1] > 0.35  # of 2
     assert abs(data.qvel).max() < 1e-9
-
-
-@pytest.mark.slow  # of compiling
-def test_what_is_compiled_for_an_effect_is_kept_and_that_for_another_beside_it(request):
-    acting = [pickle.dumps(shared.put_on_sand(request, effects=e)[2].acting) for e in ((), (fo.Inertia(),))]
-    assert [compiled.__wrapped__(each)._cache_hits for each in (*acting, *acting)] == [1, 1, 1, 1]

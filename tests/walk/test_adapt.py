@@ -86,16 +86,6 @@ def test_a_smaller_walker_takes_shorter_steps_at_smaller_speeds():
     assert adapted(STANDARD, slow, PAPER).dt == STANDARD.dt
 
 
-@pytest.mark.parametrize("effect", [fo.LeadingEdge(), fo.Inertia(), fo.Layers(), fo.Patches(), fo.Rest()])
-def test_steps_are_shorter_where_blows_are(effect):
-    found = adapted(STANDARD, fo.Scene(effects=(effect,)), PAPER)
-    assert (found.dt, found.control) == (STANDARD.dt / 2, STANDARD.control / 4)
-    hard = adapted(STANDARD, fo.Scene(sand=fo.Sand(100.0)), PAPER)
-    assert (hard.dt, hard.control) == (STANDARD.dt / 2, STANDARD.control / 4)
-    for other in (fo.Slope(), fo.Shadowing()):
-        assert adapted(STANDARD, fo.Scene(effects=(other,)), PAPER) == replace(STANDARD, adapt=False)
-
-
 @pytest.mark.parametrize(
     ("effects", "times"),
     [((fo.Rest(),), 2), ((fo.Inertia(),), 2), ((fo.LeadingEdge(),), 4), ((fo.LeadingEdge(), fo.Rest()), 4)],
@@ -142,13 +132,6 @@ class TestCorners:
         plates = comb(10).plates(100)
         np.testing.assert_allclose(np.hypot(plates.c2, plates.s2), 1.0, atol=1e-12)
         assert plates.area.sum() == pytest.approx(0.1 * np.hypot(*np.diff(comb(10).contour, axis=0).T).sum())
-
-    @pytest.mark.parametrize("name", ["ellipse", "circle", "rectangle"])
-    def test_a_curve_has_none_and_equal_steps(self, name):
-        contour = fo.Foot.shape(name).contour
-        assert len(corners(contour)) == 0
-        steps = np.hypot(*np.diff(along_arc(contour, 56, 4), axis=0).T)
-        assert steps == pytest.approx(np.full(224, steps.mean()), rel=1e-3)
 
     @pytest.mark.parametrize("plates", [1, 2, 3, 5, 7, 19, 20, 64])
     def test_there_are_as_many_points_as_asked_for(self, plates):

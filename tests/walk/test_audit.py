@@ -44,14 +44,6 @@ def test_the_effect_takes_the_place_of_one_of_its_kind():
     assert set(with_.effects) == {other, slope}
 
 
-@pytest.mark.slow
-def test_walks_that_fail_with_it_are_counted_and_matter():
-    bog = fo.Patches((-1.0, 30.0), (20.0, 40.0), (1e-4, 1.0))
-    found = audit(bog, fo.Scene(), FEET[:3], "draft", repeats=1)
-    assert (found.lost, found.feet, found.matters) == (3, 0, True)
-    assert "3 walks fail" in found.verdict
-
-
 def test_effects_together_change_what_is_walked_and_say_what_is_beyond_each_alone():
     edge, shade = fo.LeadingEdge(), fo.Shadowing()
     scene = fo.Scene(effects=(edge,))  # which is switched off first
@@ -65,16 +57,3 @@ def test_effects_together_change_what_is_walked_and_say_what_is_beyond_each_alon
     beyond = both / none - with_edge / none * (with_shade / none)
     np.testing.assert_allclose(joint.extra, np.percentile(np.abs(beyond), 95.0, axis=0))
     assert joint.extra.max() > 0.01  # they are not independent of each other
-
-
-@pytest.mark.slow
-def test_the_docs_have_what_pairs_change_beyond_each_alone(monkeypatch):
-    """The paper's walk, in effects.md; whole numbers are rounded ones."""
-    three = [fo.Inertia(), fo.LeadingEdge(), fo.Shadowing()]
-    monkeypatch.setattr(pairs, "to_audit", lambda scene: three)
-    text = (Path(__file__).parents[2] / "docs" / "effects.md").read_text(encoding="utf-8")
-    *found, (_, every, *_) = pairs.rows("walk")
-    assert (len(found), every) == (3, "all")
-    for _, names, extra, *_ in found:
-        (said,) = re.findall(rf"^\| {re.escape(names)} \| ([\d.]+) \|", text, re.M)
-        assert float(said) == pytest.approx(100.0 * extra, rel=0.05, abs=0.5), names

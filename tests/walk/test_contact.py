@@ -65,12 +65,6 @@ class TestForceOfAFoot:
         np.testing.assert_allclose(found, difference, rtol=0, atol=3e-6 * np.abs(found).max() + 1e-4)
 
     @given(SOLES, ANY_HEIGHT, PITCH, RATE, SPEED, SPEED)
-    def test_jacobian_or_not_the_force_is_the_same(self, foot, height, pitch, rate, vx, vz):
-        state = foot.plates(40), pose_of(height, pitch, rate), vx, vz
-        with_, without = contact(*state, stage=1e-3), contact(*state)
-        np.testing.assert_allclose(with_[: P + 1], without[: P + 1], rtol=1e-10, atol=1e-8)
-
-    @given(SOLES, ANY_HEIGHT, PITCH, RATE, SPEED, SPEED)
     def test_mirrored_foot_and_motion_mirror_the_force(self, foot, height, pitch, rate, vx, vz):
         mirrored = replace(foot, contour=foot.contour[::-1] * [-1, 1], k=None, space=None)
         foot = replace(foot, k=None, space=None)
@@ -116,13 +110,6 @@ class TestForceOfAFoot:
 
 
 class TestStaticHeight:
-    @pytest.mark.parametrize("published", PUBLISHED)
-    def test_of_the_independent_program(self, published, ramp_foot):
-        accuracy = fo.Accuracy(plates=100, rule="chord")
-        walk = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand(published.zeta)), accuracy)
-        assert walk.start[1] == pytest.approx(published.start, abs=5.1e-6)
-        assert walk.start[0] == 0.0
-
     @settings(max_examples=15)
     @given(SOLES, st.floats(0.1, 20.0))
     def test_the_limit_force_of_downward_motion_carries_the_weight(self, foot, zeta):

@@ -54,13 +54,6 @@ def test_the_estimate_holds_the_error(name):
             assert one.error.max() <= 0.005
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("plates", [2, 5])
-def test_the_estimate_holds_the_error_of_very_few_plates(plates):
-    for one in judge(soles(), walk_on(5.0), fo.Accuracy(plates=plates)):
-        assert one.error.max() <= one.estimate.max()
-
-
 def test_a_sand_that_gives_energy_is_warned_of_and_its_walks_have_no_estimate():
     """Some feet walk backwards at `standard` and forwards at `fine`; of the generic map nothing is said."""
     giving = replace(fo.StressMap(), C01=-0.253)

@@ -26,27 +26,6 @@ def test_random_scenes_keep_the_promise_and_estimates_hold_the_error():
     assert told["at most 5 times"] >= 0.85, told
 
 
-@pytest.mark.slow
-def test_a_table_of_a_sample_is_continued(tmp_path, capsys):
-    """Cut after a scene, its rows stay as they were, and the whole table is as if it had not been cut."""
-    first, whole = tmp_path / "first.csv", tmp_path / "whole.csv"
-    run(6, 7, first)
-    rows = first.read_text()
-    run(6, 8, first)
-    run(6, 8, whole)
-    assert first.read_text().startswith(rows)
-    assert first.read_text() == whole.read_text()
-    assert "| feet | 4 |" in capsys.readouterr().out
-
-
-@pytest.mark.slow
-def test_a_scene_is_drawn_by_its_number_alone():
-    one, again, other = draw(3), draw(3), draw(4)
-    assert one.about == again.about != other.about
-    assert one.scene == again.scene
-    assert fo.evaluate(one.feet[:1], one.scene, space=one.space).feasible.shape == (1,)
-
-
 @pytest.fixture
 def overconfidence():
     """An objective: a walk's largest true error over its largest estimate, relative to each objective."""

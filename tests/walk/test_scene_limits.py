@@ -32,18 +32,11 @@ class TestSettings:
             fo.Accuracy(**{setting: value})
         assert error.value.setting == f"accuracy.{setting}"
 
-    def test_an_unknown_accuracy_lists_the_known_ones(self, ramp_foot):
-        with pytest.raises(SettingError, match=r"accuracy = 'perfect': must be one of draft, standard"):
-            fo.simulate(ramp_foot, accuracy="perfect")
-
     def test_a_walk_too_long_to_be_refined_has_no_error_estimate(self, ramp_foot, monkeypatch):
         rows = pose_rows(fo.Scene(), fo.Accuracy.named("draft"))
         monkeypatch.setattr(sys.modules["footopt.walk.prepare"], "ROWS", 1.5 * rows)
         assert fo.simulate(ramp_foot, accuracy="draft").feasible
         assert all(map(math.isnan, fo.estimate_error(ramp_foot, accuracy="draft").values()))
-
-    def test_presets_know_their_names(self):
-        assert all(fo.Accuracy.named(name).name == name for name in PRESETS)
 
     @pytest.mark.parametrize("setting", ["mass", "l1", "l2", "g"])
     @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
@@ -56,14 +49,6 @@ class TestSettings:
     def test_impossible_durations_are_refused(self, t_f):
         with pytest.raises(SettingError, match=r"scene\.t_f"):
             fo.Scene(t_f=t_f)
-
-    def test_the_paper_s_walk_lasts_two_strides_after_the_start(self):
-        assert fo.Scene().duration == pytest.approx(2.9)
-        assert fo.Scene(gait=fo.Gait.human(period=1.0)).duration == pytest.approx(2.5)
-
-    def test_who_stands_still_must_say_how_long(self):
-        with pytest.raises(SettingError, match=r"scene\.t_f = None.*scene\.t_f=10"):
-            fo.Scene(gait=fo.Gait.human(start=math.inf))
 
     def test_steps_divide_the_walk_and_are_not_longer_than_dt(self):
         assert fo.Accuracy(dt=1e-3).steps(2.9) == 2900

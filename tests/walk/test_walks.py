@@ -97,18 +97,6 @@ class TestOrders:
 
 
 class TestSymmetriesOfTheWalk:
-    def test_moving_sole_and_ankle_together_changes_nothing(self, regular, ramp_foot):
-        moved = replace(
-            ramp_foot,
-            contour=ramp_foot.contour + np.array([0.03, -0.01]),
-            ankle=(0.03, -0.01),
-            k=None,
-            space=None,
-        )
-        still = replace(ramp_foot, k=None, space=None)
-        a, b = (fo.simulate(foot, regular) for foot in (still, moved))
-        np.testing.assert_allclose(a.com, b.com, rtol=0, atol=1e-9)
-
     @pytest.mark.parametrize("stepper", ["sdirk2", "explicit_euler"])
     def test_similar_walkers_walk_alike(self, stepper, ramp_foot):
         """Lengths x s, times x sqrt(s), masses x s^3 in the same sand and gravity: no other scale.
