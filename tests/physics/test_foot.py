@@ -13,7 +13,6 @@ import footopt as fo
 from footopt.errors import SettingError
 from footopt.foot import SHAPES, as_plates, hollow
 from footopt.foot.plates import RULES
-from footopt.foot.waypoints import slope_matrix
 
 SPACE = fo.Waypoints()
 HEIGHTS = st.lists(st.integers(1, SPACE.K), min_size=SPACE.n, max_size=SPACE.n)

@@ -10,7 +10,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import footopt as fo
-from footopt.effects import Inertia, Scale, laws
+from footopt.effects import Inertia, laws
 from footopt.effects import base as effects
 from footopt.effects.inertia import SKIN
 

@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-import pytest
 from every_effect import DOWN, LAYERS
 from feet_in_sand import blade, force
 from hypothesis import given
@@ -11,7 +10,6 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 import footopt as fo
-from footopt.effects import Layers, Scale
 
 
 class TestLayers:

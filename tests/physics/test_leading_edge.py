@@ -9,7 +9,6 @@ from feet_in_sand import blade, force, pose_of
 from hypothesis import given
 from hypothesis import strategies as st
 
-import footopt as fo
 from footopt.effects import LeadingEdge, laws
 from footopt.effects import base as effects
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import footopt as fo
-from footopt.effects import Patches, Scale, laws
+from footopt.effects import Patches, laws
 from footopt.effects import base as effects
 from footopt.errors import SettingError
 
@@ -23,6 +23,7 @@ class TestPatches:
         plain = feel(*state, zeta=factor)[0]
         scale = 1e-12 * np.abs(plain).max()
         np.testing.assert_allclose(feel(*state, PATCHES, x=x)[0], plain, rtol=1e-12, atol=scale)
+
 
 @pytest.mark.slow
 class TestPatchesOnTheWay:

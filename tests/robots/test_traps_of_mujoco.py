@@ -1,13 +1,10 @@
 """The traps that docs/mujoco.md names: the global callback, what is read once, pools, stops, the floor."""
 
-import pickle
-
 import numpy as np
 import pytest
 
 import footopt as fo
 from footopt.mujoco import attach
-from footopt.mujoco.callback import compiled
 
 mujoco = pytest.importorskip("mujoco")
 rollout = pytest.importorskip("mujoco.rollout")

@@ -1,11 +1,8 @@
 """The effect audit: what an effect changes in a scene, and whether that matters."""
 
-import re
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
-import pairs
 import pytest
 from scipy.stats import kendalltau
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import footopt as fo
@@ -82,6 +82,7 @@ class TestRandomScenes:
     @given(hard_scenes())
     def test_no_nan_in_any(self, scene):
         finite_or_infeasible_with_a_reason(*scene)
+
 
 class TestEnergy:
     @pytest.mark.parametrize("zeta", [0.2, 1.0, 5.0, 50.0])

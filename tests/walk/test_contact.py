@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import footopt as fo
 from footopt.gait import LEFT, RIGHT
-from footopt.walk.reference import PUBLISHED, contact_forces
+from footopt.walk.reference import contact_forces
 
 DEEP = st.floats(-0.5, -0.25)  # heights of the ankle at which every plate is in the sand
 ANY_HEIGHT = st.floats(-0.2, 0.2)

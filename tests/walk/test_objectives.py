@@ -169,6 +169,7 @@ class TestTable:
         assert math.isnan(walk.objectives["peak_power"])
         assert walk.objectives["distance"] > 0
 
+
 class TestLookup:
     @pytest.mark.parametrize(
         ("names", "message"),

@@ -4,7 +4,7 @@ import os
 
 import numpy as np
 import pytest
-from random_scenes import draw, judge, promises, run
+from random_scenes import draw, judge, promises
 
 import footopt as fo
 from footopt.walk.objectives import SLOW, measure

@@ -1,15 +1,12 @@
 """A walk that its numerics do not resolve is said to be one."""
 
 import json
-import os
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from running import footopt
 
 import footopt as fo
-from footopt.walk import FIVE
 from footopt.walk.resolution import BEYOND, resolution
 
 

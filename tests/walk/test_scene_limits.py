@@ -7,7 +7,6 @@ import pytest
 
 import footopt as fo
 from footopt.errors import SettingError
-from footopt.walk.accuracy import PRESETS
 from footopt.walk.prepare import long_pose_tables, pose_rows, pose_tables, poses
 
 

@@ -74,6 +74,7 @@ class TestFailures:
         assert np.isnan(table.values[[1, 3]]).all()
         np.testing.assert_array_equal(table.values[[0, 2]], fo.evaluate([flat_foot, ramp_foot], scene).values)
 
+
 class TestTraces:
     def test_times_are_equal_steps_that_end_at_t_f_and_long_ones_while_standing(self, ramp_foot):
         walk = fo.simulate(ramp_foot, fo.Scene(), fo.Accuracy(dt=7e-3))
