@@ -66,22 +66,6 @@ def test_what_has_no_foot_is_said_and_the_others_are_shown(runs, capsys):
     assert f"run 4: {runs}/old/other; study=accuracy: see its own folder" in out
 
 
-DAMAGE = {
-    "contour.csv": [b"x_mm,z_mm\n1,2\n3\n", b"a,b\nnan,nan\n"],
-    "walk.nc": [b"not a walk"],
-    "result.json": [b"{", b'{"objectives": {"work": "x"}, "design": 1}'],
-}
-
-
-@pytest.mark.parametrize(("name", "content"), [(name, c) for name, cs in DAMAGE.items() for c in cs])
-def test_a_damaged_run_is_said_and_the_others_are_shown(name, content, runs, capsys):
-    (runs / "old" / "a" / name).write_bytes(content)
-    compare(runs / "here", f"{runs}/*/[abc]")
-    out = " ".join(capsys.readouterr().out.split())
-    assert f"{runs}/old/a; damaged: " in out
-    assert '"label' in (runs / "here" / "report.html").read_text()
-
-
 def test_only_what_all_runs_have_is_compared_on_the_page(runs):
     path = runs / "new" / "c" / "result.json"
     path.write_text(path.read_text().replace('"cost_of_transport"', '"unknown"'))
@@ -132,8 +116,3 @@ def test_what_cannot_be_compared(runs, patterns, error, message):
     with pytest.raises(error, match=message):
         compare(runs / "here", *(pattern.format(runs=runs) for pattern in patterns))
     assert not (runs / "here" / "summary.csv").exists()
-
-
-def test_a_run_that_was_given_nothing_says_so(runs, capsys):
-    compare(runs / "here", f"{runs}/old/a", f"{runs}/old/broken")
-    assert ": by default " in " ".join(capsys.readouterr().out.split())

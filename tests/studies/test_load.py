@@ -70,13 +70,6 @@ class TestRun:
         with pytest.raises(SettingError, match=r"folder = 'x': must be left out with resume"):
             fo.run([f"resume={folder}"], folder="x")
 
-    def test_does_not_go_on_with_many_runs_of_which_it_could_return_only_one(self, made):
-        sweep = made[0] / "out" / "sweep"
-        before = {path: path.stat().st_mtime_ns for path in sweep.rglob("*")}
-        with pytest.raises(SettingError, match=r"the folder of one run, not of a multirun.*load_all"):
-            fo.run([f"resume={sweep}"])
-        assert {path: path.stat().st_mtime_ns for path in sweep.rglob("*")} == before
-
 
 class TestLoad:
     def test_gives_the_objects_of_a_search(self, made):

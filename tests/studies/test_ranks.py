@@ -1,7 +1,6 @@
 """Ranks that another law turns round are found by walking, and marked."""
 
 import json
-import math
 
 import numpy as np
 import pytest
@@ -62,16 +61,6 @@ def test_a_turned_rank_is_marked_in_the_table_and_its_laws_are_named():
     cells = dict(zip(shown.columns[0].cells, shown.columns[5].cells, strict=True))
     assert {name for name, cell in cells.items() if cell.endswith("*")} == {"work (min)"}
     assert "work: shadowing, both" in shown.caption
-
-
-def test_the_line_says_what_the_best_loses():
-    told = ranks.describe(
-        [ranks.Rank("shadowing", 3, 0.2, 0.051, ()), ranks.Rank("both", 1, 0.9, 0.0, ())], 5
-    )
-    assert told == ["Under other laws the best of 5 finalists is: shadowing no. 3, loses 5.1 %; both no. 1"]
-    assert ranks.describe([], 5) == []
-    several = ranks.Rank("both", 2, math.nan, math.nan, ())
-    assert ranks.describe([several], 2)[0].endswith("both no. 2")
 
 
 @pytest.mark.slow

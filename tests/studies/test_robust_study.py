@@ -113,14 +113,6 @@ class TestStudy:
             studies.run(composed(*BRIEF, setting), tmp_path, {})
         assert not (tmp_path / "result.json").exists()
 
-    def test_a_spread_of_drawn_scenarios_is_checked(self, tmp_path):
-        for setting, message in (
-            ("study.draws=1", "study.draws = 1"),
-            ("study.spread.mass=-1", "spread.mass"),
-        ):
-            with pytest.raises(SettingError, match=message):
-                studies.run(composed(*BRIEF, "study.scenarios=drawn", setting), tmp_path, {})
-
     def test_a_search_that_finds_nothing_says_where(self, tmp_path):
         with pytest.raises(FootoptError, match="draw 1: No feasible design"):
             studies.run(composed(*BRIEF, "study.scenarios=drawn", "sand.zeta=1e-3"), tmp_path, {})

@@ -136,23 +136,6 @@ def test_the_docs_count_the_verdicts_of_their_own_table():
     assert summary_of(agree, differ, open_) in report
 
 
-def test_the_docs_weigh_the_default_law_by_the_numbers_of_the_table():
-    text = DOCS.read_text(encoding="utf-8").partition("## Which law is the default?")[2]
-    rows = [line.strip("| ").split(" | ") for line in text.splitlines() if line.startswith("| a ")]
-    places = {
-        "a person": "people", "a wheel": "wheel", "a plate that is pulled up": "extraction",
-        "a buried plate, loose poppy seeds": "poppy_loose", "a buried plate, close-packed": "poppy_close",
-    }  # fmt: skip
-    words = {"pull at lift-off, of the weight": "pull", "work": "work ratio", "speed": "speed ratio"}
-    for what, quantities, *shown in rows:
-        names = quantities.split(", ") if what.startswith("a buried") else [words.get(quantities, quantities)]
-        for cell, law in zip(shown, ((), ("leading_edge",)), strict=True):
-            errors = (model.found()[places[what], name, law]["error"] for name in names)
-            said = ", ".join(f"{100 * error:.0f} %" for error in errors)
-            assert cell == said, (what, quantities, law)
-    assert len(rows) == 9
-
-
 class TestModelError:
     def test_it_has_all_objectives_and_that_of_the_height_comes_from_the_walks_own_sinkage(self, hard_walk):
         errors, own = model.model_error(hard_walk, spread=0.0), hard_walk.objectives
