@@ -122,11 +122,3 @@ class TestNothingForNothing:
         reach = 0.03  # m, more than a block's diameter: 8 of 100 plates of a sole that is < .36 m long
         near = np.flatnonzero(low < reach) // LANES
         assert counts["plates"] <= (LANES * (near[-1] - near[0] + 1) if len(near) else 0)
-
-    def test_effects_evaluate_no_plate_more(self):
-        """Of one state: what is counted is where the foot is, whatever the sand."""
-        for height in (-0.1, 0.0, 0.02, 0.1):
-            for pitch in (-0.6, 0.0, 0.6):
-                state = fo.Foot.flat().plates(64, directed=True), pose_of(height, pitch, 1.0), 0.3, -0.2
-                counts = {feel(*state, *on)[1]["plates"] for on in ((), ALL)}
-                assert len(counts) == 1

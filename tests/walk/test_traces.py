@@ -105,17 +105,6 @@ class TestTraces:
         table = fo.evaluate([ramp_foot], walk.scene, accuracy)
         assert (table.shortened[0], table.evaluations[0]) == (walk.shortened, walk.evaluations)
 
-    def test_a_smaller_control_gives_a_smaller_error(self, ramp_foot):
-        exact = fo.simulate(ramp_foot, fo.Scene(), fo.Accuracy(dt=2e-4)).objectives
-
-        def error(control):
-            found = fo.simulate(ramp_foot, fo.Scene(), fo.Accuracy(dt=1e-2, control=control)).objectives
-            return max(abs(found[name] / exact[name] - 1.0) for name in ("work", "peak_power", "speed_loss"))
-
-        coarse, fine = error(3e-2), error(3e-5)
-        assert fine < 0.5 * coarse
-        assert fine < 0.01
-
     def test_long_steps_while_standing_change_nothing(self, ramp_foot, monkeypatch):
         scene = fo.Scene(t_f=2.8)  # a scene of its own: pose tables are cached
         long = fo.simulate(ramp_foot, scene).objectives

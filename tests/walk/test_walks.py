@@ -118,28 +118,6 @@ class TestSymmetriesOfTheWalk:
         np.testing.assert_allclose(big.force, small.force * s**3, rtol=1e-10)
         assert big.objectives["efficiency"] * s**6 == pytest.approx(small.objectives["efficiency"], rel=1e-10)
 
-    @pytest.mark.parametrize(
-        "effects", [(), pytest.param(every_effect.ALL, marks=pytest.mark.slow)], ids=["plain", "all effects"]
-    )
-    def test_a_walk_on_the_moon_is_one_on_the_earth_in_slow_motion(self, effects, ramp_foot):
-        """The weight of the grains makes their strength: times x sqrt(9.81 / g) at the same depths.
-
-        Slonaker et al. (2017). With a quarter of g all factors are powers of 2, and no bit differs.
-        """
-        earth = fo.Scene(sand=fo.Sand(1.0), effects=effects)
-        gait = fo.Gait.human(period=2.0 * earth.gait.period, start=2.0 * earth.gait.start)
-        far = replace(earth, walker=fo.Walker(g=9.81 / 4.0), gait=gait)
-        accuracy = fo.Accuracy(dt=2**-8, plates=50, creep=2**-13, control=2**-12)
-        slower = replace(accuracy, dt=2**-7, creep=2**-14, control=2**-13)
-        here, there = fo.simulate(ramp_foot, earth, accuracy), fo.simulate(ramp_foot, far, slower)
-        np.testing.assert_allclose(there.t, here.t * 2.0, rtol=1e-12)
-        np.testing.assert_allclose(there.com, here.com, rtol=1e-10)
-        np.testing.assert_allclose(there.force, here.force / 4.0, rtol=1e-8, atol=1e-8)
-        np.testing.assert_allclose(there.work, here.work / 4.0, rtol=1e-8, atol=1e-10)
-        assert there.objectives["speed_loss"] == pytest.approx(here.objectives["speed_loss"] / 2.0, rel=1e-9)
-        plates = [walk.plates([200, 300]) for walk in (here, there)]  # the law in its readable form
-        np.testing.assert_allclose(plates[1].force, plates[0].force / 4.0, rtol=1e-8, atol=1e-8)
-
     def test_mass_and_stiffness_together_set_only_the_scale_of_forces(self, ramp_foot):
         light = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand(1.0)))
         heavy = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand(3.0), walker=fo.Walker(mass=180.0)))
