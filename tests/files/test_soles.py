@@ -420,6 +420,7 @@ class TestTheLine:
         ("ends", "units", "mended", "message"),
         [
             ([((-130, 0), (130, 0))], 6, {"units": "mm"}, r"would be 260 m long\. Set foot\.units"),
+            ([((-0.695, 0), (0.695, 0))], 6, {"scale": 0.2}, r"would be 1\.39 m long\. Set foot\.units"),
             ([((-130, 0), (130, 0))], 0, {"units": "mm"}, r"not say in which unit it is\. Set foot\.units"),
             ([((500, 300), (760, 300))], 4, {"origin": "centre"}, r"x 500 and 760 mm.*foot\.origin=centre"),
             (
@@ -436,7 +437,7 @@ class TestTheLine:
             ),
             ([((-9, 0), (0, 990)), ((0, 990), (9, 0))], 4, None, "m high, and a sole is drawn from the side"),
         ],
-        ids=["units", "no units", "origin", "gap", "ends", "height"],
+        ids=["units", "as long as a leg", "no units", "origin", "gap", "ends", "height"],
     )
     def test_that_is_no_sole_is_refused_with_what_to_change(self, dxf, ends, units, mended, message):
         path = dxf(lambda space: [space.add_line(*end) for end in ends], units)

@@ -23,7 +23,7 @@ from footopt.files.soles.lines import JOIN, PIECES, TOO_MANY, UNITS, Line, cross
 Array = NDArray[np.float64]
 
 READERS = {".dxf": dxf.read, ".svg": svg.read, ".csv": table.read}
-LENGTHS = (5e-3, 1.5)  # of a sole, m; anything else is a mistake in the units
+LENGTHS = (5e-3, 0.6)  # of a sole, m; anything else is a mistake in the units, as cm for inches
 STEEPEST = 2.0  # a sole's height over its length; the paper's steepest shape has 1/2
 SPIKE = 20.0  # deg; a sharper angle inside a sole is a wrong point
 HOLE = 0.5  # of an outline's length; a larger line inside it may be the sole itself
