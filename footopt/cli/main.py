@@ -15,13 +15,11 @@ from hydra.types import RunMode
 from omegaconf import DictConfig
 from omegaconf.errors import OmegaConfBaseException
 
-from footopt.cli.compose import CONF, help_text
-from footopt.cli.job import STOPPED, resolved, walk
+from footopt.cli.compose import CONF, check_dashes, help_text, readable, resolved, typed
+from footopt.cli.job import STOPPED, walk
 from footopt.cli.messages import explain
-from footopt.cli.paths import set_by_files, typed
 from footopt.cli.resume import resume
 from footopt.cli.sweep import Summary
-from footopt.cli.words import check_dashes, readable
 from footopt.errors import ERROR_FILE, FootoptError
 from footopt.files.identity import Occupied
 from footopt.files.io import write_text
@@ -74,7 +72,7 @@ def _job(settings: DictConfig) -> Any:
     here = HydraConfig.get()
     folder, words = Path(here.runtime.output_dir), typed(here)
     try:
-        told = walk(resolved(settings, here), folder, words, files=set_by_files(here))
+        told = walk(resolved(settings, here), folder, words)
         if here.mode != RunMode.MULTIRUN and settings.study.name == "simulate":
             result = result_of(folder)
             if result and not result["feasible"]:

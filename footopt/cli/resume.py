@@ -14,9 +14,9 @@ from hydra.core.override_parser.overrides_parser import OverridesParser
 from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
+from footopt.cli.compose import readable
 from footopt.cli.job import walk
 from footopt.cli.messages import explain
-from footopt.cli.words import readable
 from footopt.design import AUTO, SOLVERS, Solver
 from footopt.errors import ERROR_FILE, FileError, FootoptError, SettingError, check
 from footopt.files import identity

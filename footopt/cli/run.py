@@ -10,12 +10,10 @@ from hydra import compose, initialize_config_dir
 from omegaconf import open_dict
 from omegaconf.errors import OmegaConfBaseException
 
-from footopt.cli.compose import CONF
-from footopt.cli.job import resolved, tidier, walk
+from footopt.cli.compose import CONF, readable, resolved
+from footopt.cli.job import tidier, walk
 from footopt.cli.messages import refusal
-from footopt.cli.paths import set_by_files
 from footopt.cli.resume import MULTIRUN, resume
-from footopt.cli.words import readable
 from footopt.errors import FootoptError, check
 from footopt.files.identity import Occupied
 from footopt.studies.runs import Run, load
@@ -60,7 +58,7 @@ def run(words: Sequence[str] = (), folder: str | Path | None = None) -> Run:
             here, place = composed.hydra, Path(folder or composed.hydra.run.dir).expanduser()
             with open_dict(composed):
                 del composed["hydra"]
-            plain, files = resolved(composed, here), set_by_files(here)
+            plain = resolved(composed, here)
     except Exception as error:
         if (refused := refusal(error, given)) is None:
             raise
@@ -68,7 +66,7 @@ def run(words: Sequence[str] = (), folder: str | Path | None = None) -> Run:
     place = Path(os.path.abspath(place))
     tidy = tidier(place)
     try:
-        walk(plain, place, [word for word in given if not word.startswith("hydra.")], files=files)
+        walk(plain, place, [word for word in given if not word.startswith("hydra.")])
     except Occupied:
         raise
     except (FootoptError, OmegaConfBaseException) as error:

@@ -90,10 +90,8 @@ CHOICE = {"foot": "foot.shape", "objective": "objective.names", "planet": "walke
 STUDIES: dict[str, Callable[[Any], Any] | None] = dict.fromkeys(READS)
 
 
-def check_read(config: Config, words: Iterable[str], files: Mapping[str, str] | None = None) -> None:
+def check_read(config: Config, words: Iterable[str]) -> None:
     """Refuse settings that are given and have no effect.
-
-    A file of settings is for several studies: what only another study reads of it is no mistake.
 
     Parameters
     ----------
@@ -101,18 +99,16 @@ def check_read(config: Config, words: Iterable[str], files: Mapping[str, str] | 
         All settings.
     words : iterable of str
         What was given on the command line: settings, and choices of groups.
-    files : mapping of str to str, optional
-        The same of YAML files of the user, each with its file.
 
     Raises
     ------
     SettingError
         The study or its foot does not read one; the message says what does.
     """
-    study, files = config.study.name, files or {}
+    study = config.study.name
     groups = {field.name for field in fields(Config)} | {*CHOICE}
-    for word in (*words, *files) if study in READS else ():
-        given, word = word, word.lstrip("+~/").partition("=")[0].partition("@")[0]
+    for word in words if study in READS else ():
+        word = word.lstrip("+~/").partition("=")[0].partition("@")[0]
         group, dot, _ = word.partition(".")
         shape = config.foot.shape
         if group not in groups or (group == "foot" and study in SEARCHES and shape != "waypoints"):
@@ -120,8 +116,7 @@ def check_read(config: Config, words: Iterable[str], files: Mapping[str, str] | 
         name = word if dot else CHOICE.get(word, f"{word}.name")
         if group == "foot" and not dot and shape == "waypoints":
             name = "foot.n"  # a space, which its choice describes
-        file = files.get(given, "")
-        if not file and not reads(name, (*ALWAYS, *READS[study])):
+        if not reads(name, (*ALWAYS, *READS[study])):
             by = ", ".join(other for other, names in READS.items() if reads(name, names))
             raise _unread(config, name, f"study={study} does not read it", f"study={by}" if by else "")
         if group == "foot" and name != "foot.block" and study in ("simulate", "stability", *SEARCHES):
@@ -131,10 +126,10 @@ def check_read(config: Config, words: Iterable[str], files: Mapping[str, str] | 
                 what = "study=simulate run=..." if of_run else f"foot={shape}"
                 by = ", ".join(kind for kind, names in FEET.items() if name in names)
                 where = f"foot={by}" if by else "study=simulate without run"
-                raise _unread(config, name, f"{what} does not read it", where, file)
+                raise _unread(config, name, f"{what} does not read it", where)
         for names, holds, readers in ONLY:
             if any(f"{name}.".startswith(f"{n}.") for n in names) and not holds(config):
-                raise _unread(config, name, "it has no effect here", readers, file)
+                raise _unread(config, name, "it has no effect here", readers)
 
 
 def reads(name: str, names: Iterable[str]) -> bool:
@@ -142,15 +137,12 @@ def reads(name: str, names: Iterable[str]) -> bool:
     return any(f"{name}.".startswith(f"{n}.") or n.startswith(f"{name}.") for n in names)
 
 
-def _unread(config: Config, name: str, why: str, readers: str, file: str = "") -> SettingError:
+def _unread(config: Config, name: str, why: str, readers: str) -> SettingError:
     value: Any = config
     for key in name.split("."):
         value = getattr(value, key, None)
-    hint, where, group = f"It is read by {readers}." if readers else "", "", name.partition(".")[0]
-    if file:
-        where = f" of {file}"
-        hint += f" What only one choice reads is best set in {group}/NAME.yaml, for {group}=NAME."
-    return SettingError(name, value, f"left out{where}: {why}", hint)
+    hint = f"It is read by {readers}." if readers else ""
+    return SettingError(name, value, f"left out: {why}", hint)
 
 
 def run(
@@ -159,7 +151,6 @@ def run(
     settings: Mapping[str, Any],
     words: Sequence[str] = (),
     resumed: bool = False,
-    files: Mapping[str, str] | None = None,
 ) -> Any:
     """Run the study that the settings name.
 
@@ -175,8 +166,6 @@ def run(
         What was given on the command line.
     resumed : bool
         Whether it goes on with what is in the folder.
-    files : mapping of str to str, optional
-        What YAML files of the user set, each with its file.
 
     Returns
     -------
@@ -197,7 +186,7 @@ def run(
 
     check_lists(config)
     load_plugins(config.plugins)
-    check_read(config, words, files)
+    check_read(config, words)
     name = config.study.name
     if name not in STUDIES:
         raise SettingError("study.name", name, f"one of {', '.join(STUDIES)}")

@@ -7,10 +7,11 @@ import sys
 
 import pytest
 from hydra.core.override_parser.overrides_parser import OverridesParser
+from omegaconf import OmegaConf
 from running import footopt, program, started
 
+from footopt.cli.compose import readable
 from footopt.cli.messages import explain
-from footopt.cli.words import readable
 
 #: What only the library, or the system, can refuse.
 BAD = {
@@ -268,7 +269,7 @@ UNREAD = {
 
 @pytest.mark.parametrize("arguments", UNREAD)
 def test_a_setting_without_effect_is_refused_and_what_reads_it_is_said(arguments, tmp_path, monkeypatch):
-    monkeypatch.setattr("footopt.cli.job.in_the_world_of_its_run", lambda settings, here: settings)
+    monkeypatch.setattr("footopt.cli.main.resolved", lambda settings, here: OmegaConf.to_container(settings))
     done = footopt(*arguments.split(), cwd=tmp_path)
     assert done.returncode == 1
     assert UNREAD[arguments] in done.stderr

@@ -9,15 +9,9 @@ import signal
 import time
 
 import pytest
-from hydra import initialize_config_dir
-from hydra.core.global_hydra import GlobalHydra
-from hydra.types import RunMode
-from omegaconf import OmegaConf
 from running import ended, folder_of, footopt, outcome, started, wait_for
 
 from footopt.cli import job
-from footopt.cli.compose import CONF
-from footopt.cli.sweep import Composer
 from footopt.files import identity
 
 JOBS = [0.2, 0.3, 0.5, 1.0]  # sand.zeta
@@ -121,26 +115,6 @@ class TestResume:
             json.loads((stopped / "3" / "result.json").read_text())["objectives"]
             == (json.loads((whole / "3" / "result.json").read_text())["objectives"])
         )
-
-
-@pytest.mark.parametrize(
-    "words",
-    [
-        ["sand=soft", "solver.seed=3", "foot=ellipse", "foot.length=.2", "report=none"],
-        ["effects=[inertia]", "effects.inertia.factor=1.2", "+constraint.own={a:1}", "sand.name='a,b'"],
-    ],
-)
-def test_a_job_is_composed_as_hydra_composes_it(words):
-    with initialize_config_dir(str(CONF), version_base="1.3"):
-        loader = GlobalHydra.instance().config_loader()
-        sweep = loader.load_configuration("config", [], RunMode.MULTIRUN)
-        composer = Composer(loader)
-        for job in (words, [*words, "walker.mass=50"], words):
-            ours, theirs = (
-                OmegaConf.to_container(c(sweep, job)) for c in (composer, loader.load_sweep_config)
-            )
-            assert ours == theirs
-        assert len(composer.known) == 1
 
 
 def test_a_job_that_cannot_be_is_written_down_and_so_are_those_after_it(whole, tmp_path, monkeypatch):

@@ -2,7 +2,6 @@
 
 import csv
 import json
-import re
 import shutil
 import subprocess
 import sys
@@ -15,7 +14,6 @@ from PIL import Image
 from running import LIMIT, environment, footopt
 
 import footopt as fo
-from footopt.files import identity
 
 ROBOT = Path(__file__).parents[2] / "examples" / "moon_robot"
 WALK = ("study=simulate", "accuracy=draft", "report=none", "plugins=[]")
@@ -34,52 +32,14 @@ def walked(conf, *words, cwd):
 class TestSearchPath:
     """Hydra finds footopt's settings as pkg://footopt.conf, in a checkout as in a wheel (`test_wheel`)."""
 
-    def test_paths_in_a_file_are_relative_to_it_wherever_the_command_is_given(self, robot, tmp_path):
-        done = walked(robot / "conf", cwd=tmp_path)
+    def test_files_are_found_from_the_folder_where_the_command_is_given(self, robot):
+        done = walked(robot / "conf", cwd=robot)
         assert done.returncode == 0, done.stderr
-        scene = fo.load(tmp_path / "run").scene
+        scene = fo.load(robot / "run").scene
         assert scene.gait.source == str(robot / "gait.csv")
         assert scene.gait.name == "robot"
         assert scene.walker == fo.Walker(mass=35.0, l1=0.3, l2=0.32, g=1.62)
-        assert fo.load(tmp_path / "run").foot.width == 0.07
-
-    def test_so_they_are_in_a_folder_of_the_searchpath(self, robot, tmp_path):
-        shutil.move(robot / "conf" / "gait", tmp_path / "shared" / "gait")
-        (tmp_path / "shared" / "gait" / "robot.yaml").write_text("name: robot\npath: own.csv\nperiod: null\n")
-        shutil.move(robot / "gait.csv", tmp_path / "shared" / "gait" / "own.csv")
-        path = f"[pkg://footopt.conf,'file://{tmp_path}/shared']"
-        done = walked(robot / "conf", f"hydra.searchpath={path}", cwd=robot)
-        assert done.returncode == 0, done.stderr
-        settings = identity.read(robot / "run").settings
-        assert settings["gait"]["path"] == str(tmp_path / "shared" / "gait" / "own.csv")
-
-
-class TestUnread:
-    """What a file of one's own sets, and what nothing reads, is refused as on the command line."""
-
-    @pytest.mark.parametrize(
-        ("words", "added", "said"),
-        [
-            ((), {"foot": {"length": 0.2}}, "foot.length = 0.2: .*: foot=waypoints does not read it"),
-            (("foot=ellipse",), {"foot": {"L": 0.1}}, "foot.L = 0.1: .*: foot=ellipse does not"),
-            (("gait=human",), {"gait": {"side": "left"}}, "gait.side = 'left': .*: a gait without recorded"),
-            (("study=optimize",), {"choose": {"name": "knee"}}, "choose.name = 'knee': .*: a search for one"),
-        ],
-    )
-    def test_is_refused_with_its_file(self, words, added, said, robot):
-        path = robot / "conf" / "robot.yaml"
-        path.write_text(yaml.safe_dump(yaml.safe_load(path.read_text()) | added, sort_keys=False))
-        done = walked(robot / "conf", *words, cwd=robot)
-        assert done.returncode == 1
-        assert re.search(said, done.stderr), done.stderr
-        assert str(path) in done.stderr
-
-    def test_what_another_study_reads_is_no_mistake(self, robot):
-        path = robot / "conf" / "robot.yaml"
-        more = {"solver": {"pop_size": 8}, "study": {"finalists": 3}}
-        path.write_text(yaml.safe_dump(yaml.safe_load(path.read_text()) | more, sort_keys=False))
-        done = walked(robot / "conf", cwd=robot)
-        assert done.returncode == 0, done.stderr
+        assert fo.load(robot / "run").foot.width == 0.07
 
 
 @pytest.mark.slow

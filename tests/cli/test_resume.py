@@ -15,7 +15,6 @@ import pytest
 from running import BRIEF, QUICK, ended, folder_of, footopt, outcome, started, tries, wait_for_designs
 
 from footopt.cli.compose import CONF
-from footopt.cli.job import one_ctrl_c
 from footopt.design import store
 from footopt.errors import FileError
 from footopt.files import identity
@@ -332,29 +331,6 @@ class TestResume:
         assert (config.sand.zeta, config.walker.mass) == (3.3, 44.0 if "own" in how else 60.0)
 
 
-class Collected:
-    """What Ctrl-C hits while Python collects garbage, where nobody can catch what it raises."""
-
-    def __del__(self):
-        signal.raise_signal(signal.SIGINT)
-
-
-def collect_and_wait():
-    Collected()
-    for _ in range(1000):
-        time.sleep(0.01)
-
-
-def test_ctrl_c_that_python_swallows_is_heard_again_without_a_traceback(capsys):
-    before = signal.getsignal(signal.SIGINT)
-    try:
-        with pytest.raises(KeyboardInterrupt), one_ctrl_c("stopped"):
-            collect_and_wait()
-    finally:
-        signal.signal(signal.SIGINT, before)
-    assert capsys.readouterr().err == ""
-
-
 @pytest.mark.slow
 class TestInterrupted:
     def test_ctrl_c_leaves_a_finished_report_and_resume_the_rest(self, undisturbed, tmp_path):
@@ -412,64 +388,6 @@ class TestSharedStore:
         assert done.returncode == 0, done.stderr
         result = json.loads((tmp_path / "ga" / "result.json").read_text())
         assert result["reused"] == result["designs"]
-
-
-class TestSettingsOfOnesOwn:
-    """Files that a YAML file names lie beside it; what it is called is up to the user."""
-
-    def composed(self, *words, cwd, monkeypatch):
-        ran = []
-        monkeypatch.setattr("footopt.cli.job.studies.run", lambda *of: ran.append(of))
-        done = footopt(*words, cwd=cwd)
-        assert done.returncode == 0, done.stderr
-        return ran[0]
-
-    @pytest.mark.parametrize("where", ["group", "primary", "included", "global"])
-    def test_a_path_is_relative_to_the_file_that_names_it(self, where, tmp_path, monkeypatch):
-        own = tmp_path / "mine"
-        (own / "gait").mkdir(parents=True)
-        (own / "experiment").mkdir()
-        gait = "name: robot\npath: {}\nperiod: null\n"
-        (own / "gait" / "robot.yaml").write_text(gait.format("data/walk.csv"))
-        whole = "hydra: {searchpath: ['file://CONF']}\ndefaults: [config, PART _self_]\n".replace(
-            "CONF", str(CONF)
-        )
-        own_gait = "gait: {name: robot, path: data/walk.csv}\n"
-        (own / "own.yaml").write_text(whole.replace("PART", "") + own_gait)
-        (own / "over.yaml").write_text(whole.replace("PART", "base,"))
-        (own / "base.yaml").write_text(own_gait)
-        (own / "experiment" / "one.yaml").write_text(f"# @package _global_\n{own_gait}")
-        words, folder = {
-            "group": (["gait=robot"], own / "gait"),
-            "primary": (["-cn", "own"], own),
-            "included": (["-cn", "over"], own),
-            "global": (["+experiment=one"], own / "experiment"),
-        }[where]
-        (tmp_path / "here").mkdir()
-        config, _, settings, *_ = self.composed(
-            "-cd", "../mine", *words, cwd=tmp_path / "here", monkeypatch=monkeypatch
-        )
-        assert config.gait.path == settings["gait"]["path"] == str(folder / "data" / "walk.csv")
-        assert config.gait.name == "robot"
-
-    def test_and_one_of_the_command_line_to_the_folder_where_it_is_given(self, tmp_path, monkeypatch):
-        words = ["gait=file", "gait.path=data/walk.csv"]
-        config, _, settings, *_ = self.composed(*words, cwd=tmp_path, monkeypatch=monkeypatch)
-        assert config.gait.path == "data/walk.csv"
-        assert settings["gait"]["path"] == str(tmp_path / "data" / "walk.csv")
-
-    def test_a_plugin_a_table_and_a_drawing_too_and_nothing_that_is_absolute(self, tmp_path, monkeypatch):
-        (tmp_path / "mine" / "sand").mkdir(parents=True)
-        (tmp_path / "mine" / "sand" / "dune.yaml").write_text("name: dune\ntable: dune.csv\n")
-        (tmp_path / "mine" / "x").mkdir()
-        (tmp_path / "mine" / "x" / "y.yaml").write_text(
-            "# @package _global_\nplugins: [mine.py, /there/other.py, a.module]\nfoot: {path: ../sole.dxf}\n"
-        )
-        words = ["-cd", "mine", "sand=dune", "+x=y", "study=simulate", "foot=outline"]
-        config, *_ = self.composed(*words, cwd=tmp_path, monkeypatch=monkeypatch)
-        assert config.sand.table == str(tmp_path / "mine" / "sand" / "dune.csv")
-        assert config.plugins == [str(tmp_path / "mine" / "x" / "mine.py"), "/there/other.py", "a.module"]
-        assert Path(config.foot.path).resolve() == tmp_path / "mine" / "sole.dxf"
 
 
 def test_files_of_a_run_are_found_from_another_folder(tmp_path, monkeypatch):

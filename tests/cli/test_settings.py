@@ -22,9 +22,8 @@ from running import composed, tries
 
 import footopt as fo
 from footopt import studies
-from footopt.cli.compose import CONF, groups
+from footopt.cli.compose import CONF, groups, readable
 from footopt.cli.messages import explain
-from footopt.cli.words import readable
 from footopt.design import Solver, make_executor
 from footopt.effects import EFFECTS
 from footopt.errors import FootoptError, SettingError
