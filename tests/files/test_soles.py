@@ -420,7 +420,12 @@ class TestTheLine:
         ("ends", "units", "mended", "message"),
         [
             ([((-130, 0), (130, 0))], 6, {"units": "mm"}, r"would be 260 m long\. Set foot\.units"),
-            ([((-0.695, 0), (0.695, 0))], 6, {"scale": 0.2}, r"would be 1\.39 m long\. Set foot\.units"),
+            (
+                [((-0.695, 0), (0.695, 0))],
+                6,
+                {"scale": 0.13 / 0.695},
+                r"would be 1\.39 m long\. Set foot\.units",
+            ),
             ([((-130, 0), (130, 0))], 0, {"units": "mm"}, r"not say in which unit it is\. Set foot\.units"),
             ([((500, 300), (760, 300))], 4, {"origin": "centre"}, r"x 500 and 760 mm.*foot\.origin=centre"),
             (
