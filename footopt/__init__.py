@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     from footopt.walk import evaluate as evaluate
     from footopt.walk import simulate as simulate
 
-__version__ = "0.1.0"
+__version__ = "0.2.0.dev0"
 
 _NAMES = {
     "footopt.cli.run": "run",
