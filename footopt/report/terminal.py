@@ -54,8 +54,13 @@ class _Output(Console):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def table(columns: Sequence[str], words: Collection[str] = (), title: str | None = None) -> RichTable:
-    """An empty table that fits into 80 columns if it can: columns of `words` wrap, those of numbers never."""
+def table(
+    columns: Sequence[str],
+    words: Collection[str] = (),
+    title: str | None = None,
+    rows: Iterable[Sequence[str | Text]] = (),
+) -> RichTable:
+    """A table that fits into 80 columns if it can: columns of `words` wrap, those of numbers never."""
     shown = RichTable(
         title=title,
         title_justify="left",
@@ -71,6 +76,8 @@ def table(columns: Sequence[str], words: Collection[str] = (), title: str | None
         else:
             broken = textwrap.fill(name, HEADER, break_long_words=False)
             shown.add_column(broken, justify="right", no_wrap=True)
+    for row in rows:
+        shown.add_row(*row)
     return shown
 
 

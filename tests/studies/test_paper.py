@@ -30,7 +30,7 @@ SMALL = {"study__confirm": "draft", "accuracy__name": "draft", "solver__pop_size
 class TestChoices:
     def test_one_at_a_time_is_made_otherwise_than_the_settings(self):
         default = dict(changes(Config()))
-        assert len(default) == sum(len(levels) - 1 for levels in CHOICES.values())
+        assert len(default) == sum(len(words.split()) - 1 for words in CHOICES.values())
         own = dict(changes(config(foot__width=0.05, study__cases=["foot.width", "effects"])))
         assert list(own) == ["foot.width=0.1", "foot.width=0.15", "effects=leading_edge", "effects=shadowing"]
         assert own["foot.width=0.15"].foot.width == 0.15
@@ -85,7 +85,7 @@ class TestJudgement:
         found = json.loads((REFERENCE / "claims.json").read_text(encoding="utf-8"))
         assert study.markdown(found) == (REFERENCE / "claims.md").read_text(encoding="utf-8")
         for entry in found["claims"]:
-            assert {name: entry[name] for name in CLAIMS[entry["id"]].words} == CLAIMS[entry["id"]].words
+            assert {name: entry[name] for name in CLAIMS[entry["id"]]} == CLAIMS[entry["id"]]
             again = judge(entry["margin"], entry["changed"])
             assert (again["verdict"], again["hangs_on"]) == (entry["verdict"], entry["hangs_on"])
 
@@ -119,7 +119,7 @@ def test_the_study_leaves_figures_claims_and_a_page_and_searches_nothing_twice(t
 
 def test_a_search_without_a_feasible_foot_leaves_its_claims_undecided(tmp_path, monkeypatch):
     narrow = config(study__cases=["foot.width"], **SMALL)
-    monkeypatch.setitem(CHOICES, "foot.width", (0.1, 1e-3))
+    monkeypatch.setitem(CHOICES, "foot.width", "0.1 0.001")
     run(Study(replace(narrow, report="none"), tmp_path, {}))
     entries = json.loads((tmp_path / "result.json").read_text())["claims"]
     assert all(entry["changed"] == {"foot.width=0.001": None} for entry in entries)

@@ -8,19 +8,21 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import partial
 from importlib.resources import files
-from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from footopt.studies.paper import quantities as q
-from footopt.studies.paper.readings import Readings, switch_losses
+from footopt.foot import Foot
+from footopt.gait.gait import RIGHT
+from footopt.studies.paper.walks import Evidence, switch_losses
 from footopt.walk import Walk
-from footopt.walk.phases import STANDS
+from footopt.walk.phases import STANDS, stance
 
-SANDS = ("soft", "regular", "hard")
+Array = NDArray[np.float64]
+Walks = Mapping[str, Walk]
+Number = str | Callable[[Walk], float]  # an objective, or another number of a walk
 
 #: Numbers that stand in for the paper's words; none was moved to turn a verdict.
 LIMITS = {
@@ -31,65 +33,153 @@ LIMITS = {
     "contact": STANDS,  # N, vertical force above which a foot is in contact
 }
 
-Walks = Mapping[str, Walk]
-Number = str | Callable[[Walk], float]  # an objective, or another number of a walk
+# --- numbers of a walk from the first heel strike on ----------------------------------------------
 
 
-@dataclass(frozen=True, eq=False)
-class Evidence:
-    """The walks that claims are measured on, with p_max and dV_x as they are read."""
-
-    shapes: Walks  # of the five shapes, by name
-    optima: Walks  # of the best foot of each sand on that sand, by sand
-    crossed: Walk  # of the best foot for regular sand, on hard sand
-    filled: Walk  # of the best foot for hard sand with its hollow filled up, on hard sand
-    readings: Readings
-
-    @property
-    def hard(self) -> Walk:
-        """The walk of the best foot for hard sand on hard sand."""
-        return self.optima["hard"]
-
-    def more(self, what: Number) -> float:
-        """Return how much more of something the foot for regular sand has on hard sand than its own foot."""
-        return _number(self.crossed, what) - _number(self.hard, what)
+def mean(walk: Walk, trace: Array) -> float:
+    """Return the mean over time of a trace, (T,)."""
+    late = walk.t >= walk.scene.gait.heel_strike
+    t = walk.t[late]
+    return float(np.trapezoid(trace[late], t) / (t[-1] - t[0]))
 
 
-def _number(walk: Walk, what: Number) -> float:
+def mean_drag(walk: Walk, way: int) -> float:
+    """Return the mean over time of the forward (1) or backward (-1) part of both feet's f_x, N."""
+    return mean(walk, np.maximum(way * walk.force[..., 0], 0.0).sum(axis=1))
+
+
+def peak_drag(walk: Walk, way: int) -> float:
+    """Return the largest f_x of one foot, forwards (1) or backwards (-1), N."""
+    return float((way * walk.force[walk.t >= walk.scene.gait.heel_strike, :, 0]).max())
+
+
+def contact_share(walk: Walk) -> float:
+    """Return the share of the time that a foot is in contact, mean of both feet."""
+    return mean(walk, (walk.force[..., 1] > LIMITS["contact"]).mean(axis=1))
+
+
+def time_to_speed(walk: Walk) -> float:
+    """Return the time at which V_x first reaches the normal speed, s; t_f if it never does."""
+    fast = np.flatnonzero(walk.velocity[:, 0] >= LIMITS["normal_speed"])
+    return float(walk.t[fast[0]]) if len(fast) else walk.scene.duration
+
+
+def work_after_three_steps(walk: Walk) -> float:
+    """Return |W| of both feet half a stride after the third heel strike, or at t_f if that is sooner, J."""
+    end = walk.scene.gait.heel_strike + 1.5 * walk.scene.gait.period
+    return abs(float(np.interp(end, walk.t, walk.work.sum(axis=1))))
+
+
+# --- numbers of the right foot's first step -------------------------------------------------------
+
+
+def first_step(walk: Walk) -> slice:
+    """Return its samples, none if the foot never stands."""
+    found = stance(walk)
+    return slice(found.first, found.last + 1) if found else slice(0, 0)
+
+
+def push(walk: Walk) -> tuple[Array, Array, Array]:
+    """Return the forward force on the foot, N, how long each sample lasts, s, and its time, s."""
+    step = first_step(walk)
+    t = walk.t[step]
+    return np.maximum(walk.force[step, RIGHT, 0], 0.0), np.diff(walk.t, prepend=0.0)[step], t - t[:1]
+
+
+def push_time(walk: Walk) -> float:
+    """Return how long the sand pushes the foot forwards, s."""
+    force, lasts, _ = push(walk)
+    return float(lasts[force > 0.0].sum())
+
+
+def push_share(walk: Walk) -> float:
+    """Return the share of the forward impulse that comes when push-off has begun."""
+    force, lasts, t = push(walk)
+    return float((force * lasts)[t >= LIMITS["push_off"]].sum() / (force * lasts).sum())
+
+
+def contact_zone(walk: Walk, instants: int = 100) -> tuple[float, float, float]:
+    """Return what of the sole is in the sand, mean over so many instants of the step.
+
+    The share of all plates, that of the plates of the middle third, and x_p where the vertical force acts, m.
+    """
+    step = first_step(walk)
+    if step.stop == 0:
+        return np.nan, np.nan, np.nan
+    t = walk.t[step] - walk.t[step.start]
+    states = walk.plates(step.start + np.searchsorted(t, np.linspace(0.0, t[-1], instants)))
+    x = walk.foot.plates(walk.accuracy.plates, walk.accuracy.rule).x[0] + walk.foot.ankle[0]
+    heel, toe = walk.foot.contour[:, 0].min(), walk.foot.contour[:, 0].max()
+    middle = np.abs(x - 0.5 * (toe + heel)) <= (toe - heel) / 6.0
+    inside = states.position[:, RIGHT, :, 1] < 0.0
+    up = states.force[:, RIGHT, :, 1]
+    return float(inside.mean()), float(inside[:, middle].mean()), float((up @ x).sum() / up.sum())
+
+
+# --- numbers of a sole ----------------------------------------------------------------------------
+
+
+def convexity(foot: Foot) -> float:
+    """Return one level of the waypoints, H/K, less the hollow, mm: a smaller hollow may be the grid's own."""
+    return np.nan if foot.space is None else 1e3 * (foot.space.H / foot.space.K - foot.hollow)
+
+
+def _bends(foot: Foot) -> tuple[Array, Array]:
+    """Turn of the sole between neighbours of 400 chords, (399,), rad, + convex; and their length, m."""
+    chord = np.diff(foot.points(400), axis=0)
+    return np.diff(np.unwrap(np.arctan2(chord[:, 1], chord[:, 0]))), np.hypot(*chord.T)[1:]
+
+
+def inward_turn(foot: Foot) -> float:
+    """Return the angle that the sole turns the wrong way for a convex one, deg."""
+    return float(np.degrees(np.maximum(-_bends(foot)[0], 0.0).sum()))
+
+
+def rms_curvature(foot: Foot) -> float:
+    """Return the root mean square of the curvature along the arc, 1/m."""
+    turn, length = _bends(foot)
+    return float(np.sqrt(np.mean((turn / length) ** 2)))
+
+
+# --- margins --------------------------------------------------------------------------------------
+
+
+def number(walk: Walk, what: Number) -> float:
+    """Return a number of a walk; NaN if it failed."""
     if not walk.feasible:
-        return q.NAN
+        return np.nan
     return walk.objectives[what] if isinstance(what, str) else what(walk)
 
 
-def lead(walks: Walks, what: Number, name: str) -> float:
-    """Return how far one walk's number is above those of all others; NaN if any failed."""
-    others = [_number(walk, what) for other, walk in walks.items() if other != name]
-    return float(_number(walks[name], what) - np.max(others))
+def lead(walks: Walks, what: Number, *names: str) -> float:
+    """Return how far the numbers of some walks are above those of all others."""
+    values = {name: number(walk, what) for name, walk in walks.items()}
+    mine = [values.pop(name) for name in names]
+    return float(np.min(mine) - np.max(list(values.values())))
 
 
-def trail(walks: Walks, what: Number, name: str) -> float:
-    """Return how far one walk's number is below those of all others; NaN if any failed."""
-    return lead(walks, lambda walk: -_number(walk, what), name)
-
-
-def flat_next(e: Evidence) -> float:
-    """Leave the triangle out: the flat foot leads the rest."""
-    rest = {name: walk for name, walk in e.shapes.items() if name != "reversed_triangle"}
-    return lead(rest, "distance", "rectangle")
+def trail(walks: Walks, what: Number, *names: str) -> float:
+    """Return how far the numbers of some walks are below those of all others."""
+    return lead(walks, lambda walk: -number(walk, what), *names)
 
 
 def loses_most(e: Evidence, walks: Walks, name: str) -> float:
-    """Return how much more speed one walk loses than the others, at the switch where that is least."""
+    """Return how much more speed a walk loses than all others, at the switch where that is least."""
     losses = {other: switch_losses(walk, e.readings) for other, walk in walks.items()}
     own = losses.pop(name)
     return float(np.min(own - np.max(list(losses.values()), axis=0)))
 
 
-def ellipse_and_flat_least_power(e: Evidence) -> float:
-    """Compare the larger of the two with the smallest of the rest."""
-    power = {name: walk.objectives["peak_power"] for name, walk in e.shapes.items()}
-    two = [power.pop("ellipse"), power.pop("rectangle")]
-    return float(np.min(list(power.values())) - np.max(two))
+def vertical_parting(walks: Walks) -> float:
+    """Return the largest rms distance of a walk's V_z(t) from the walks' mean, over the rms of the mean."""
+    if not all(walk.feasible for walk in walks.values()):
+        return np.nan
+    scene = next(iter(walks.values())).scene
+    t = np.linspace(scene.gait.start, scene.duration, 1000)
+    curves = np.array([np.interp(t, walk.t, walk.velocity[:, 1]) for walk in walks.values()])
+    middle = curves.mean(axis=0)
+    parted = np.sqrt(np.mean((curves - middle) ** 2, axis=1))
+    return float(parted.max() / np.sqrt(np.mean(middle**2)))
 
 
 def soft_drag(e: Evidence, drag: Callable[..., float]) -> float:
@@ -97,75 +187,74 @@ def soft_drag(e: Evidence, drag: Callable[..., float]) -> float:
     return float(np.min([lead(e.optima, partial(drag, way=way), "soft") for way in (1, -1)]))
 
 
-def curves_little(e: Evidence, sand: str) -> float:
+def regular_foot(e: Evidence, what: Number) -> float:
+    """Return how much more of something the foot for regular sand has on hard sand than its own foot."""
+    return number(e.crossed, what) - number(e.optima["hard"], what)
+
+
+def flatter(e: Evidence, sand: str) -> float:
     """Return how much less the best foot of a sand curves than that for hard sand."""
-    return q.rms_curvature(e.hard.foot) - q.rms_curvature(e.optima[sand].foot)
+    return rms_curvature(e.optima["hard"].foot) - rms_curvature(e.optima[sand].foot)
 
 
+TRIANGLE = "reversed_triangle"
 MEASURES: dict[str, Callable[[Evidence], float]] = {
     # the five shapes
-    "triangle_furthest": lambda e: lead(e.shapes, "distance", "reversed_triangle"),
-    "triangle_fastest": lambda e: lead(e.shapes, q.mean_speed, "reversed_triangle"),
-    "flat_next": flat_next,
+    "triangle_furthest": lambda e: lead(e.shapes, "distance", TRIANGLE),
+    "triangle_fastest": lambda e: lead(e.shapes, lambda walk: mean(walk, walk.velocity[:, 0]), TRIANGLE),
+    "flat_next": lambda e: lead(
+        {name: walk for name, walk in e.shapes.items() if name != TRIANGLE}, "distance", "rectangle"
+    ),
     "circle_highest": lambda e: lead(e.shapes, "mean_height", "circle"),
     "circle_shortest": lambda e: trail(e.shapes, "distance", "circle"),
     "circle_loses": lambda e: (
         float(np.min(switch_losses(e.shapes["circle"], e.readings))) - LIMITS["marked_loss"]
     ),
     "circle_loses_most": lambda e: loses_most(e, e.shapes, "circle"),
-    "same_vertical_velocity": lambda e: LIMITS["not_obvious"] - q.vertical_parting(list(e.shapes.values())),
+    "same_vertical_velocity": lambda e: LIMITS["not_obvious"] - vertical_parting(e.shapes),
     "circle_most_power": lambda e: lead(e.shapes, "peak_power", "circle"),
-    "ellipse_and_flat_least_power": ellipse_and_flat_least_power,
+    "ellipse_and_flat_least_power": lambda e: trail(e.shapes, "peak_power", "ellipse", "rectangle"),
     # the contours
-    "hard_hollow": lambda e: -q.convexity(e.hard.foot),
-    "hard_bends_in": lambda e: lead(e.optima, lambda walk: q.inward_turn(walk.foot), "hard"),
-    "regular_convex": lambda e: q.convexity(e.optima["regular"].foot),
-    "soft_convex": lambda e: q.convexity(e.optima["soft"].foot),
-    "regular_curves_little": lambda e: curves_little(e, "regular"),
-    "soft_curves_little": lambda e: curves_little(e, "soft"),
+    "hard_hollow": lambda e: -convexity(e.optima["hard"].foot),
+    "hard_bends_in": lambda e: lead(e.optima, lambda walk: inward_turn(walk.foot), "hard"),
+    "regular_convex": lambda e: convexity(e.optima["regular"].foot),
+    "soft_convex": lambda e: convexity(e.optima["soft"].foot),
+    "regular_curves_little": lambda e: flatter(e, "regular"),
+    "soft_curves_little": lambda e: flatter(e, "soft"),
     # a step on hard sand
-    "hollow_spares_plates": lambda e: q.contact_zone(e.filled).middle - q.contact_zone(e.hard).middle,
-    "hollow_saves_work": lambda e: e.filled.objectives["work"] - e.hard.objectives["work"],
-    "push_off_carries": lambda e: q.push_share(e.hard, LIMITS["push_off"]) - 0.5,
-    "regular_foot_larger_zone": lambda e: e.more(lambda walk: q.contact_zone(walk).whole),
-    "regular_foot_leads": lambda e: 1e3 * e.more(lambda walk: q.contact_zone(walk).centre),
-    "regular_foot_pushes_longer": lambda e: e.more(q.push_time),
-    "regular_foot_more_power": lambda e: e.more("peak_power"),
-    "regular_foot_more_work": lambda e: e.more("work"),
+    "hollow_spares_plates": lambda e: (
+        number(e.filled, lambda walk: contact_zone(walk)[1])
+        - number(e.optima["hard"], lambda walk: contact_zone(walk)[1])
+    ),
+    "hollow_saves_work": lambda e: number(e.filled, "work") - number(e.optima["hard"], "work"),
+    "push_off_carries": lambda e: number(e.optima["hard"], push_share) - 0.5,
+    "regular_foot_larger_zone": lambda e: regular_foot(e, lambda walk: contact_zone(walk)[0]),
+    "regular_foot_leads": lambda e: 1e3 * regular_foot(e, lambda walk: contact_zone(walk)[2]),
+    "regular_foot_pushes_longer": lambda e: regular_foot(e, push_time),
+    "regular_foot_more_power": lambda e: regular_foot(e, "peak_power"),
+    "regular_foot_more_work": lambda e: regular_foot(e, "work"),
     # three sands, each with its best foot
     "hard_furthest": lambda e: lead(e.optima, "distance", "hard"),
     "hard_sinks_least": lambda e: trail(e.optima, "maximum_sinkage", "hard"),
     "soft_shortest": lambda e: trail(e.optima, "distance", "soft"),
     "soft_sinks_deepest": lambda e: lead(e.optima, "maximum_sinkage", "soft"),
     "soft_loses_most": lambda e: loses_most(e, e.optima, "soft"),
-    "soft_slowest_start": lambda e: lead(
-        e.optima, lambda walk: q.time_to_speed(walk, LIMITS["normal_speed"]), "soft"
-    ),
-    "soft_peak_drag": lambda e: soft_drag(e, q.peak_drag),
-    "soft_mean_drag": lambda e: soft_drag(e, q.mean_drag),
-    "soft_longest_contact": lambda e: lead(e.optima, q.contact_share, "soft"),
-    "soft_most_work": lambda e: lead(e.optima, q.work_after_three_steps, "soft"),
+    "soft_slowest_start": lambda e: lead(e.optima, time_to_speed, "soft"),
+    "soft_peak_drag": lambda e: soft_drag(e, peak_drag),
+    "soft_mean_drag": lambda e: soft_drag(e, mean_drag),
+    "soft_longest_contact": lambda e: lead(e.optima, contact_share, "soft"),
+    "soft_most_work": lambda e: lead(e.optima, work_after_three_steps, "soft"),
 }
 
-
-class Claim(NamedTuple):
-    """One sentence of the paper: its measure, and its words in claims.toml."""
-
-    margin: Callable[[Evidence], float]
-    words: dict[str, str]
-
-
-def _claims() -> dict[str, Claim]:
-    words = tomllib.loads(files(__package__).joinpath("claims.toml").read_text(encoding="utf-8"))
-    for said in words.values():
-        said["decided"] = said["decided"].format(**LIMITS)
-    return {name: Claim(MEASURES[name], said) for name, said in words.items()}
-
-
-CLAIMS = _claims()
+#: The words of each claim, by the name of its measure.
+CLAIMS: dict[str, dict[str, str]] = tomllib.loads(
+    files(__package__).joinpath("claims.toml").read_text(encoding="utf-8")
+)
+for said in CLAIMS.values():
+    said["decided"] = said["decided"].format(**LIMITS)
 
 
 def measure(evidence: Evidence) -> dict[str, float]:
     """Return the margins of all claims, by their names."""
     with np.errstate(invalid="ignore"):
-        return {name: float(claim.margin(evidence)) for name, claim in CLAIMS.items()}
+        return {name: float(margin(evidence)) for name, margin in MEASURES.items()}

@@ -17,8 +17,8 @@ from footopt.report.figures import paper as figures
 from footopt.report.numbers import number
 from footopt.studies.base import Study, foot_entry, scene_entry
 from footopt.studies.build import check_searchable
-from footopt.studies.paper.claims import CLAIMS, SANDS, Evidence, measure
-from footopt.studies.paper.walks import changes, evidence
+from footopt.studies.paper.claims import CLAIMS, measure
+from footopt.studies.paper.walks import SANDS, Evidence, changes, evidence
 from footopt.studies.validation.model import JUDGED, model_error
 from footopt.walk import OBJECTIVES, Walk, simulate
 from footopt.walk.validity import diagnose
@@ -26,12 +26,6 @@ from footopt.walk.validity import diagnose
 Entry = Mapping[str, Any]
 VERDICTS = ("holds", "does not hold", "hangs on a choice", "undecided")
 WORDS = ("figure", "claim", "verdict", "sand", "k", "shape")  # columns of words
-
-ABOUT = (
-    "A margin is positive where a claim holds at the settings. A claim hangs on what the paper leaves open "
-    "where another choice turns it; choices are made otherwise one at a time, and feet are searched again "
-    "for each."
-)
 
 
 def run(study: Study) -> None:
@@ -57,11 +51,7 @@ def run(study: Study) -> None:
     found = content(own, margins)
     study.save("claims", figures.claims(found["claims"]), figures.CAPTIONS["claims"])
     write_text(study.folder / "claims.md", markdown(found))
-    shown = []
-    for title, head, rows in tables(found):
-        shown.append(terminal.table(head, WORDS, title))
-        for row in rows:
-            shown[-1].add_row(*row)
+    shown = [terminal.table(head, WORDS, title, rows) for title, head, rows in tables(found)]
     for sand, walk in own.optima.items():
         study.say(f"The best foot for {sand} sand, on it:")
         terminal.print_validity(study.console, diagnose(walk))
@@ -71,7 +61,7 @@ def run(study: Study) -> None:
         {
             "seed": config.solver.seed,
             **found,
-            **scene_entry(own.hard.scene, own.hard.accuracy, tuple(OBJECTIVES)),
+            **scene_entry(own.crossed.scene, own.crossed.accuracy, tuple(OBJECTIVES)),
             "readings": own.readings._asdict(),
         },
         said=(
@@ -88,11 +78,7 @@ def run(study: Study) -> None:
 def judge(margin: float, changed: Mapping[str, float]) -> dict[str, Any]:
     """Judge a claim by its margin at the settings and with each open choice made otherwise.
 
-    Returns
-    -------
-    judgement : dict
-        Its margin, the verdict, the changes that turn it, and the margins with every change. Where a walk
-        failed, nothing is decided and nothing turns.
+    It hangs on the choices that turn it. A margin that is NaN, of a walk that failed, turns nothing.
     """
     turned = [name for name, m in changed.items() if isfinite(m + margin) and (m > 0.0) != (margin > 0.0)]
     own = (0 if margin > 0.0 else 1) if isfinite(margin) else 3
@@ -105,7 +91,7 @@ def content(own: Evidence, margins: Mapping[str, Mapping[str, float]]) -> dict[s
     claims = []
     for name, margin in measure(own).items():
         judged = judge(margin, {change: found[name] for change, found in margins.items()})
-        claims.append({"id": name, **CLAIMS[name].words, **judged})
+        claims.append({"id": name, **CLAIMS[name], **judged})
     feet = {sand: foot_entry(walk.foot) | _walk_entry(walk) for sand, walk in own.optima.items()}
     shapes = {name: _walk_entry(walk) for name, walk in own.shapes.items()}
     return dict(plain({"claims": claims, "optima": feet, "shapes": shapes}))
@@ -128,25 +114,25 @@ def summary(found: Entry) -> str:
 def tables(found: Entry) -> list[tuple[str, Sequence[str], list[list[str]]]]:
     """Return the tables of the terminal and of claims.md from `content`: a title, a head and rows each."""
     measures = ("distance (m)", "mean height (m)", "work (J)", "peak power (W)", "speed loss (m/s)", "J_W")
+    claims = [[c["place"], c["says"], *_judgement(c)] for c in found["claims"]]
     feet = [
         [sand, written(foot["k"]), number(foot["hollow_mm"]), *_cells(foot)]
         for sand, foot in found["optima"].items()
     ]
     shapes = [[name, *_cells(shape)] for name, shape in found["shapes"].items()]
     return [
-        ("Claims", ("figure", "claim", "margin", "verdict"), [claim_row(c) for c in found["claims"]]),
+        ("Claims", ("figure", "claim", "margin", "verdict"), claims),
         ("The best foot of each sand, on that sand", ("sand", "k", "hollow (mm)", *measures), feet),
         ("The five shapes", ("shape", *measures), shapes),
     ]
 
 
-def claim_row(claim: Entry) -> list[str]:
-    """Return the figure, the words, the margin of a claim, and its verdict with what it hangs on."""
+def _judgement(claim: Entry) -> list[str]:
+    """Return the margin of a claim, and its verdict with what it hangs on."""
     margin, verdict, turned = claim["margin"], claim["verdict"], ", ".join(claim["hangs_on"])
     if turned:
         verdict = f"holds, but not with {turned}" if margin > 0.0 else f"holds only with {turned}"
-    shown = "-" if margin is None else f"{margin:+.3g} {claim['unit']}".rstrip()
-    return [claim["place"], claim["says"], shown, verdict]
+    return ["-" if margin is None else f"{margin:+.3g} {claim['unit']}".rstrip(), verdict]
 
 
 def _cells(walk: Entry) -> list[str]:
@@ -155,7 +141,13 @@ def _cells(walk: Entry) -> list[str]:
 
 def markdown(found: Entry) -> str:
     """Return the page claims.md: `content`, as result.json has it, in words, and the errata."""
-    page = f"# The paper, claim by claim\n\n{summary(found)}. {ABOUT}\n"
+    page = (
+        f"# The paper, claim by claim\n\n{summary(found)}. A margin is positive where a claim holds at the "
+    )
+    page += (
+        "settings. A claim hangs on what the paper leaves open where another choice turns it; choices are "
+    )
+    page += "made otherwise one at a time, and feet are searched again for each.\n"
     for title, head, rows in tables(found):
         page += f"\n## {title}\n\n{terminal.markdown_rows([head, ['---'] * len(head), *rows])}\n"
     return f"{page}\n#{files(__package__).joinpath('errata.md').read_text(encoding='utf-8')}"

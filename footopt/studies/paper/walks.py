@@ -2,46 +2,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
-from math import inf
-from typing import Any
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from math import nan
+from typing import Any, NamedTuple
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
 
 from footopt.design import FootProblem, Solver, search
 from footopt.design.store import context, digest, plain
 from footopt.effects import EFFECTS
 from footopt.errors import check
 from footopt.files.tasks import Tasks
-from footopt.foot import SHAPES, Foot
+from footopt.foot import SHAPES, Foot, lower_hull
 from footopt.sand import Sand
 from footopt.studies.build import make_accuracy, make_foot, make_scene, make_space
-from footopt.studies.paper.claims import SANDS, Evidence
-from footopt.studies.paper.quantities import filled
-from footopt.studies.paper.readings import Readings, read
-from footopt.studies.settings import Config
-from footopt.walk import Accuracy, Walk, simulate
+from footopt.studies.settings import Config, StudyConfig
+from footopt.walk import OBJECTIVES, Accuracy, Walk, simulate
+from footopt.walk.objectives import SLOW
+
+SANDS = ("soft", "regular", "hard")
+SWITCHES = 3  # stance switches that the paper names: t = 1.1, 1.7, 2.3 s
+LIFTED = 0.05  # of the weight: a foot that carries less does not stand
 
 #: Designs that a search evaluates unless the settings say otherwise: `memetic` finds the best sole of every
 #: sand in fewer, that of the best of five seeds of a GA of 100 x 100.
 EVALUATIONS = 3000
 
+#: dV_x by name: how long about each heel strike a fall counts, in strides; None is the whole walk.
+SPEED_LOSS = {"walk": None, "window": 1.0 / 4.0, "narrow": 1.0 / 8.0}
 
-#: What the paper leaves open: settings, and what they may be; the first is the default.
-CHOICES: dict[str, tuple[Any, ...]] = {
-    "foot.ankle": ([0.0, 0.0], [-0.03, 0.0], [-0.06, 0.0], [0.0, 0.05]),
-    "foot.width": (0.10, 0.05, 0.15),  # it acts like zeta
-    "foot.apex": ("middle", "toe"),  # how the triangle stands
-    "foot.upright": ("toe", "heel"),  # how the L stands
-    "study.mount": ("centre", "top"),  # where the shank meets a shape
-    "study.shape_sand": ("regular", "soft", "hard"),
-    "gait.pitch": ("shank", "measured"),  # whether the ankle is locked or moves as measured
-    "gait.harmonics": (6, 4, 2),  # which data the gait is
-    "scene.t_f": (None, 2.6, 3.5),  # when the walk ends
-    "study.speed_loss": ("walk", "window", "narrow"),
-    "study.peak_power": ("stance", "single"),  # whether the formula or the text defines p_max
-    "foot.box_tolerance": (0.05, inf),  # whether the spline may leave the box
-    "solver.seed": (1, 2, 3),  # which random numbers the search draws
-    "effects": (None, "leading_edge", "shadowing"),  # whether faces that trail, and grooves, feel sand
+#: What the paper leaves open: settings, and their values as on the command line; the first is the default.
+CHOICES = {
+    "foot.ankle": "[0,0] [-0.03,0] [-0.06,0] [0,0.05]",
+    "foot.width": "0.1 0.05 0.15",  # it acts like zeta
+    "foot.apex": "middle toe",  # how the triangle stands
+    "foot.upright": "toe heel",  # how the L stands
+    "study.mount": "centre top",  # where the shank meets a shape
+    "study.shape_sand": "regular soft hard",
+    "gait.pitch": "shank measured",  # whether the ankle is locked or moves as measured
+    "gait.harmonics": "6 4 2",  # which data the gait is
+    "scene.t_f": "null 2.6 3.5",  # when the walk ends
+    "study.speed_loss": "walk window narrow",
+    "study.peak_power": "stance single",  # whether the formula or the text defines p_max
+    "foot.box_tolerance": "0.05 .inf",  # whether the spline may leave the box
+    "solver.seed": "1 2 3",  # which random numbers the search draws
+    "effects": "null leading_edge shadowing",  # whether faces that trail, and grooves, feel sand
 }
 
 
@@ -56,21 +64,91 @@ def changed(config: Config, setting: str, value: Any) -> Config:
 
 def changes(config: Config) -> Iterator[tuple[str, Config]]:
     """Yield the configuration with each open choice made otherwise, one at a time, as "setting=level"."""
-    wanted = list(CHOICES) if config.study.cases is None else config.study.cases
-    for setting in wanted:
+    for setting in CHOICES if config.study.cases is None else config.study.cases:
         check(setting in CHOICES, "study.cases", setting, f"some of {', '.join(CHOICES)}")
         group, _, name = setting.partition(".")
         own = getattr(getattr(config, group), name) if name else None
-        for level in CHOICES[setting]:
-            if level != own:
-                yield f"{setting}={shown(level)}", changed(config, setting, level)
+        for word in CHOICES[setting].split():
+            if (level := yaml.safe_load(word)) != own:
+                yield f"{setting}={word}", changed(config, setting, level)
 
 
-def shown(level: Any) -> str:
-    """Return a level as it is written on the command line."""
-    if isinstance(level, list):
-        return "[" + ",".join(f"{v:g}" for v in level) + "]"
-    return "null" if level is None else str(level).replace("inf", ".inf")
+class Readings(NamedTuple):
+    """How two quantities that the paper does not define are read.
+
+    p_max is taken at any instant after the first heel strike ("stance"); or only while the other foot
+    carries less than `LIFTED` of the weight ("single"). dV_x is the largest fall below the running maximum
+    from the first heel strike to t_f ("walk"); or the largest one within a quarter of a stride about a heel
+    strike ("window"), or an eighth ("narrow"), which is about as long as both feet stand.
+    """
+
+    peak_power: str = "stance"
+    speed_loss: str = "walk"
+
+    @classmethod
+    def of(cls, config: StudyConfig) -> Readings:
+        """Return the readings that the settings name."""
+        for name, allowed in (("peak_power", ("stance", "single")), ("speed_loss", SPEED_LOSS)):
+            value = getattr(config, name)
+            check(value in allowed, f"study.{name}", value, f"one of {', '.join(allowed)}")
+        return cls(config.peak_power, config.speed_loss)
+
+    def objective(self) -> str:
+        """Return the name of J_W as it is read; other readings than the library's own need every trace."""
+        if self == Readings():
+            return "efficiency"
+        name = f"efficiency_{self.peak_power}_{self.speed_loss}"
+        SLOW[name] = replace(
+            OBJECTIVES["efficiency"],
+            name=name,
+            value=lambda walk: read(walk, self).objectives["efficiency"],
+            of="walk",
+        )
+        return name
+
+
+def read(walk: Walk, readings: Readings) -> Walk:
+    """Return the walk with p_max and dV_x as they are read; J_W follows.
+
+    The default readings are the library's own, with extremes between steps; the others are taken from the
+    traces, at the ends of steps.
+    """
+    totals = dict(walk.totals)
+    if walk.feasible and readings.peak_power == "single":
+        totals["peak_power"] = single_stance_power(walk)
+    window = SPEED_LOSS[readings.speed_loss]
+    if walk.feasible and window is not None:
+        totals["speed_loss"] = max(_falls(walk, window, window), default=nan)
+    return replace(walk, totals=totals)
+
+
+def single_stance_power(walk: Walk) -> float:
+    """Return the largest |sum f.v| of a foot that stands alone, W; NaN if none ever does."""
+    after = walk.t >= walk.scene.gait.heel_strike
+    alone = np.abs(walk.force[after, ::-1, 1]) < LIFTED * walk.scene.walker.weight
+    return float(np.abs(walk.power[after])[alone].max()) if alone.any() else nan
+
+
+def switch_losses(walk: Walk, readings: Readings) -> NDArray[np.float64]:
+    """Return the fall of V_x about each of the paper's three switches, (3,), m/s; NaN where there is none.
+
+    The fall is that within the window of the reading; for "walk", from a quarter of a stride before the heel
+    strike to the next one.
+    """
+    window = SPEED_LOSS[readings.speed_loss]
+    losses = _falls(walk, 0.25, 0.5) if window is None else _falls(walk, window, window)
+    return np.array([*losses, *[nan] * SWITCHES])[:SWITCHES]
+
+
+def _falls(walk: Walk, before: float, behind: float) -> list[float]:
+    """Return the fall of V_x from and to so many strides about each heel strike, m/s."""
+    gait, losses = walk.scene.gait, []
+    for strike in gait.heel_strikes(walk.scene.duration) if walk.feasible else ():
+        since, until = strike - before * gait.period, strike + behind * gait.period
+        speed = walk.velocity[(walk.t >= since) & (walk.t <= until), 0]
+        if strike < walk.t[-1]:
+            losses.append(float((np.maximum.accumulate(speed) - speed).max(initial=0.0)))
+    return losses
 
 
 def make_shapes(config: Config) -> dict[str, Foot]:
@@ -81,13 +159,27 @@ def make_shapes(config: Config) -> dict[str, Foot]:
     mount = config.study.mount
     check(mount in ("centre", "top"), "study.mount", mount, "one of centre, top")
     feet = {name: make_foot(replace(config.foot, shape=name)) for name in SHAPES}
-    if mount == "centre":
-        return feet
-    # the box's centre is the origin, and every shape's contact line reaches its lower side
-    return {
-        name: replace(foot, ankle=(foot.ankle[0], foot.ankle[1] - float(foot.contour[:, 1].min())))
-        for name, foot in feet.items()
-    }
+    for name, foot in feet.items() if mount == "top" else ():
+        # the box's centre is the origin, and every shape's contact line reaches its lower side
+        x, z = foot.ankle
+        feet[name] = replace(foot, ankle=(x, z - float(foot.contour[:, 1].min())))
+    return feet
+
+
+def filled(foot: Foot) -> Foot:
+    """Return the foot with its hollow filled up: its lower convex hull."""
+    return replace(foot, contour=lower_hull(foot.contour)[0], name="filled", k=None, space=None)
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """The walks that claims are measured on, with p_max and dV_x as they are read."""
+
+    shapes: Mapping[str, Walk]  # of the five shapes, by name
+    optima: Mapping[str, Walk]  # of the best foot of each sand on that sand, by sand
+    crossed: Walk  # of the best foot for regular sand, on hard sand
+    filled: Walk  # of the best foot for hard sand with its hollow filled up, on hard sand
+    readings: Readings
 
 
 def evidence(config: Config, done: Tasks) -> Evidence:
