@@ -12,6 +12,7 @@ from footopt.errors import SettingError
 from footopt.mujoco import Grains, attach
 from footopt.mujoco.faces import stress
 from footopt.sand import alpha
+from footopt.sand.intrusion import DOWN, TABLE
 from footopt.sand.law import by_direction
 from footopt.walk.contact import EDGE
 from footopt.walk.plates import forces as law_forces
@@ -308,3 +309,53 @@ def test_robots_that_flail_lying_on_sand_leave_no_stage_unsolved(request):
         assert contact.counts["failures"] == 0
         assert contact.counts["evaluations"] < 8 * contact.counts["steps"]
         assert max(contact.work.values()) < 0.0
+
+
+def test_a_walker_stands_on_the_depth_that_carries_its_weight(block):
+    model, data, contact = block(height=0.0301)  # let go at the surface it sinks to twice that at most
+    settle(model, data, 1.0)
+    assert contact.force["foot"][2] == pytest.approx(60 * 9.81, rel=1e-9)
+    static = 60 * 9.81 / (5e6 * 0.026)
+    assert static < contact.depth["foot"] < 2.1 * static
+
+
+def test_an_attitude_turns_the_motion_with_it(block):
+    ends = []
+    for yaw in (0.0, 1.1):
+        model, data, _ = block(foot=HOLLOW)
+        c, s = np.cos(yaw), np.sin(yaw)
+        data.qpos[3:7] = np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)
+        data.qvel[:] = c * 0.5 - s * 0.2, s * 0.5 + c * 0.2, -0.3, 0.4, 0.2, 0.1
+        settle(model, data, 0.5)
+        x, y = data.qpos[:2]
+        ends.append((c * x + s * y, c * y - s * x, data.qpos[2]))
+    assert ends[0] == pytest.approx(ends[1], abs=1e-9)
+    assert abs(ends[0][1]) > 1e-3
+
+
+@pytest.mark.slow
+def test_each_data_has_its_own_sand_and_others_none(block):
+    model, data, contact = block()
+    soft_model, soft_data, soft = block(fo.Sand(0.2), effects=GRAINS)
+    other = mujoco.MjData(model)
+    for one, state in ((model, data), (soft_model, soft_data), (model, other)):
+        settle(one, state, 1.0)
+    assert other.qpos[2] < -1.0
+    assert 0.0 < contact.depth["foot"] < soft.depth["foot"]
+    soft.detach()
+    settle(soft_model, soft_data, 0.5)
+    settle(model, data, 0.5)
+    assert soft_data.qpos[2] < -0.5
+    assert data.qpos[2] > -0.05
+
+
+def test_density_and_friction_give_the_material_constant():
+    quartz = Grains(1550.0, np.tan(np.radians(34.0)))
+    assert quartz.sand.zeta == pytest.approx(2.11, abs=0.005)  # 2.02 was measured
+    with pytest.raises(SettingError, match=r"grains\.friction"):
+        Grains(friction=0.0)
+
+
+def test_a_level_face_feels_the_published_number():
+    assert traction(blade(0.0), heading(np.pi / 2), np.inf) == pytest.approx((0.0, 0.0, DOWN), abs=1e-12)
+    assert -TABLE.sum() == pytest.approx(DOWN, abs=1e-12)

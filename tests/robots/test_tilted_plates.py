@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 import footopt as fo
 from footopt.mujoco.faces import planar
 from footopt.sand import alpha
+from footopt.sand.intrusion import TABLE
 
 LAW = fo.Sand().stress_map.law
 UP = (0.0, 0.0, 1.0)
@@ -74,3 +75,34 @@ def test_a_wall_slides_along_itself_as_hard_sideways_as_up_and_down():
     assert sideways == pytest.approx(-0.5 * (rise + sink), abs=1e-12)
     assert sideways == pytest.approx(LAW.B01 - LAW.B_sum)
     assert -stress(wall, wall)[1] == pytest.approx(0.37)  # broadside
+
+
+def projected(n, h):
+    """The planar law in the plane of motion, on the plate's projection into it."""
+    forward = np.array([h[0], h[1], 0.0]) / np.hypot(h[0], h[1])
+    along, size = n @ forward, np.hypot(n @ forward, n[2])
+    ax, az = alpha(np.arctan2(along, -n[2]), np.arctan2(-h[2], h @ forward))
+    return size * (-ax * forward + az * np.array(UP)) / 1e6
+
+
+def solid(n, h):
+    x1, x2, x3 = -h[2], -n[2], n @ h
+    terms = [1.0, x1, x2, x3, x1**2, x2**2, x3**2, x1 * x2, x2 * x3, x3 * x1, x1**3, x2**3, x3**3, x1 * x2**2,
+             x2 * x1**2, x2 * x3**2, x3 * x2**2, x3 * x1**2, x1 * x3**2, x1 * x2 * x3]  # fmt: skip
+    f1, f2, f3 = TABLE @ terms
+    return f1 * n + f2 * h - f3 * np.array(UP)
+
+
+def test_on_tilted_plates_it_is_nearer_to_3d_rft_than_a_projection_into_the_plane_of_motion():
+    rng, errors = np.random.default_rng(1), {}
+    pairs = rng.normal(size=(4000, 2, 3))
+    pairs /= np.linalg.norm(pairs, axis=2, keepdims=True)
+    leading = np.sum(pairs[:, 0] * pairs[:, 1], axis=1) > 0.06
+    pairs = pairs[leading & (pairs[:, 0, 2] < 0.0)]  # faces that look down, as a sole's do
+    reference = np.array([solid(n, h) for n, h in pairs])
+    for law in (stress, projected):
+        found = np.array([law(n, h) for n, h in pairs])
+        scale = np.sum(reference * found) / np.sum(reference**2)
+        errors[law] = np.sqrt(np.mean((scale * reference - found) ** 2))
+    assert errors[stress] == pytest.approx(0.071, abs=0.003)
+    assert errors[projected] == pytest.approx(0.091, abs=0.003)
