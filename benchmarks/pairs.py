@@ -33,7 +33,7 @@ def rows(name):
     with initialize_config_dir(str(CONF), version_base="1.3"):
         config = OmegaConf.to_object(compose("config", words))
     scene, space = make_scene(config), make_space(config.foot)
-    audited = {type(e): e for e in reversed(to_audit(scene))}  # of two laws of shadowing the default
+    audited = {type(e): e for e in reversed(to_audit(scene))}
     effects = [e for e in audited.values() if isinstance(e, LITERATURE) or e in scene.effects]
     own = {name_of(effect) for effect in scene.effects if not isinstance(effect, LITERATURE)}
     for joint in interactions(effects, scene, space.random(FEET, seed=SEED, inside=True), space=space):
