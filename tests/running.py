@@ -3,7 +3,6 @@
 Figures are made but not rendered, unless a run is to be `drawn`: that is most of a small run's time.
 """
 
-import copy
 import io
 import json
 import logging
@@ -20,8 +19,6 @@ from pathlib import Path
 import matplotlib.figure
 import pytest
 from hydra import compose, initialize_config_dir
-from hydra._internal.config_repository import CachingConfigRepository
-from hydra._internal.hydra import Hydra
 from hydra.core.global_hydra import GlobalHydra
 from omegaconf import OmegaConf
 from unrendered.sitecustomize import INSTEAD
@@ -52,14 +49,6 @@ BRIEF = ["accuracy=custom", "accuracy.dt=1e-3", "study.confirm=null", "foot.n=7"
 TIMES = ("wall_time_s", "search_time_s", "reused")  # what a resumed run may have otherwise
 
 
-def _of_its_own(self, delegate):
-    """Without a copy of all schemas, a fifth of composing: who loads one gets a copy."""
-    self.delegate, self.cache = copy.copy(delegate), {}
-
-
-CachingConfigRepository.__init__ = _of_its_own
-
-
 def composed(*overrides):
     """The settings that a command line composes."""
     with initialize_config_dir(str(CONF), version_base="1.3"):
@@ -76,8 +65,6 @@ def footopt(*arguments, cwd, drawn=False):
         patch.setattr(sys, "argv", ["footopt", *arguments])
         patch.setenv("HYDRA_FULL_ERROR", "0")
         patch.setenv("COLUMNS", "80")
-        # it composes all settings to read `hydra.mode`, which no file of footopt sets
-        patch.setattr(Hydra, "get_mode", lambda *_, **__: None)
         if not drawn:
             unrender(patch)
         try:

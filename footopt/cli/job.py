@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 import signal
 import sys
@@ -23,12 +22,7 @@ from footopt.studies.settings import Config
 STOPPED = 130  # exit code after Ctrl-C, as of any program that a shell stops
 
 
-def walk(
-    settings: Mapping[str, Any],
-    folder: Path,
-    words: Sequence[str],
-    resumed: bool = False,
-) -> Any:
+def walk(settings: Mapping[str, Any], folder: Path, words: Sequence[str], resumed: bool = False) -> Any:
     """Run the study of some settings in a folder.
 
     Parameters
@@ -55,13 +49,35 @@ def walk(
     hint = f"; go on with: footopt resume={shlex.quote(str(folder))}"
     try:
         config: Any = OmegaConf.to_object(OmegaConf.merge(Config, settings))  # refuses what + has added
-        with one_ctrl_c(f"footopt: stopped{hint}"):
+        with one_ctrl_c():
             return studies.run(config, folder, absolute(settings), words, resumed)
     except EngineError as error:
         raise FootoptError(f"{error} All finished generations are in the store{hint}") from None
     except KeyboardInterrupt as stop:
         print(" ".join(["footopt: stopped", *map(str, stop.args)]) + hint, file=sys.stderr)
         raise
+
+
+@contextmanager
+def one_ctrl_c() -> Iterator[None]:
+    """The first Ctrl-C ends a search with its report; the second ends the process, wherever it is.
+
+    All that is known is in the store by then, and workers end with their parent.
+    """
+
+    def first(*of: Any) -> None:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        raise KeyboardInterrupt
+
+    before = signal.getsignal(signal.SIGINT)
+    heard = before != signal.SIG_IGN and threading.current_thread() is threading.main_thread()
+    if heard:  # no thread of a launcher hears of signals
+        signal.signal(signal.SIGINT, first)
+    try:
+        yield
+    finally:
+        if heard:
+            signal.signal(signal.SIGINT, before)
 
 
 def tidier(folder: Path) -> Callable[[], None]:
@@ -80,30 +96,3 @@ def tidier(folder: Path) -> Callable[[], None]:
                     path.rmdir() if path.is_dir() else path.unlink(missing_ok=True)
 
     return tidy
-
-
-@contextmanager
-def one_ctrl_c(last_words: str) -> Iterator[None]:
-    """The first Ctrl-C ends a search with its report; the second ends the process, wherever it is.
-
-    A second `KeyboardInterrupt` would break into what cleans up after the first. All that is known is in the
-    store by then, and workers end with their parent.
-    """
-
-    def end(*of: Any) -> None:
-        os.write(2, f"{last_words}\n".encode())
-        os._exit(STOPPED)
-
-    def first(*of: Any) -> None:
-        signal.signal(signal.SIGINT, end)
-        raise KeyboardInterrupt
-
-    before = signal.getsignal(signal.SIGINT)  # a launcher's thread hears of no signal; one may be ignored
-    heard = callable(before) and threading.current_thread() is threading.main_thread()
-    if heard:
-        signal.signal(signal.SIGINT, first)
-    try:
-        yield
-    finally:
-        if heard:
-            signal.signal(signal.SIGINT, before)

@@ -15,7 +15,7 @@ from hydra.types import RunMode
 from omegaconf import DictConfig
 from omegaconf.errors import OmegaConfBaseException
 
-from footopt.cli.compose import CONF, check_dashes, help_text, readable, resolved, typed
+from footopt.cli.compose import CONF, help_text, read, resolved, typed
 from footopt.cli.job import STOPPED, walk
 from footopt.cli.messages import explain
 from footopt.cli.resume import resume
@@ -39,16 +39,11 @@ def main() -> None:
     try:
         if any(word.startswith("resume=") for word in given):
             Summary.failed = resume(given)
+        elif text := help_text(given):
+            print(text, flush=True)
         else:
-            check_dashes(given)
-            # what parses them takes no settings on both sides of a flag
-            first = ("-m", "--multirun")
-            several = any(word in first for word in given)
-            given = [readable(word, several) for word in given]
-            sys.argv[1:] = given = sorted(given, key=lambda word: word not in first)
-            if text := help_text(given):
-                print(text, flush=True)
-                return
+            # flags first: what parses them takes no settings on both sides of one
+            sys.argv[1:] = sorted(read(given), key=lambda word: word not in ("-m", "--multirun"))
             _job()
     except KeyboardInterrupt:
         sys.exit(STOPPED)
@@ -61,7 +56,7 @@ def main() -> None:
         lost = Summary.folder and type(error).__module__.partition(".")[0] in LAUNCHERS
         sys.exit(f"footopt: error: {Summary.lost(error) if lost else explain(error, given)}")
     finally:
-        Summary.close()
+        Summary.held.close()
     if Summary.failed:
         sys.exit(f"footopt: error: {Summary.failed} of the jobs failed; see the table above.")
 
@@ -71,28 +66,29 @@ def _job(settings: DictConfig) -> Any:
     """One job: a single run, or one of a multirun; its objectives go to Hydra's sweepers and callbacks."""
     here = HydraConfig.get()
     folder, words = Path(here.runtime.output_dir), typed(here)
+    alone = here.mode != RunMode.MULTIRUN
     try:
-        told = walk(resolved(settings, here), folder, words)
-        if here.mode != RunMode.MULTIRUN and settings.study.name == "simulate":
-            result = result_of(folder)
-            if result and not result["feasible"]:
-                sys.exit(f"footopt: error: the walk failed: {result['reason']}. {folder} has all about it.")
-        return told
+        told = walk(resolved(settings, words, str(here.job.config_name)), folder, words)
     except KeyboardInterrupt:
         sys.exit(STOPPED)
     except (FootoptError, OmegaConfBaseException, OSError, MemoryError) as error:
-        if here.mode != RunMode.MULTIRUN:
-            if _wants_traceback:
-                raise
-            if not isinstance(error, Occupied):  # the folder is another's then
+        if alone and _wants_traceback:
+            raise
+        said, own = explain(error, words), not isinstance(error, Occupied)  # the folder is another's then
+        if alone:
+            if own:
                 Summary.tidy()
-            sys.exit(f"footopt: error: {explain(error, words)}")
+            sys.exit(f"footopt: error: {said}")
         # the other jobs go on; `Summary` reports this one at the end
-        log.error("job %s failed: %s", here.job.num, explain(error))
-        if not isinstance(error, Occupied):  # the folder is another's then
-            write_text(folder / ERROR_FILE, f"{explain(error)}\n")
+        log.error("job %s failed: %s", here.job.num, said)
+        if own:
+            write_text(folder / ERROR_FILE, f"{said}\n")
         with suppress(FootoptError):  # an objective that is not known
             from footopt.studies.base import answer
 
             return answer(settings.objective.names, {})
-    return None
+        return None
+    result = result_of(folder) if alone and settings.study.name == "simulate" else None
+    if result and not result["feasible"]:
+        sys.exit(f"footopt: error: the walk failed: {result['reason']}. {folder} has all about it.")
+    return told

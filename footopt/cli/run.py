@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 
 from hydra import compose, initialize_config_dir
 from omegaconf import open_dict
-from omegaconf.errors import OmegaConfBaseException
 
-from footopt.cli.compose import CONF, readable, resolved
+from footopt.cli.compose import CONF, read, resolved
 from footopt.cli.job import tidier, walk
-from footopt.cli.messages import refusal
-from footopt.cli.resume import MULTIRUN, resume
+from footopt.cli.messages import translate
+from footopt.cli.resume import resume
 from footopt.errors import FootoptError, check
 from footopt.files.identity import Occupied
 from footopt.studies.runs import Run, load
@@ -46,30 +44,23 @@ def run(words: Sequence[str] = (), folder: str | Path | None = None) -> Run:
     if resumed := [word.partition("=")[2] for word in given if word.startswith("resume=")]:
         place = Path(resumed[-1]).expanduser()
         check(folder is None, "folder", folder, "left out with resume=FOLDER, where the run goes on")
-        several = (place / MULTIRUN).is_file()
+        several = (place / "multirun.yaml").is_file()
         hint = "Finish it with `footopt resume=...`, and read it with fo.load_all."
         check(not several, "resume", str(place), "the folder of one run, not of a multirun", hint)
         resume(given)
         return load(place)
-    given = [readable(word) for word in given]
+    tidy = None
     try:
         with initialize_config_dir(str(CONF), version_base="1.3"):
-            composed = compose("config", given, return_hydra_config=True)
-            here, place = composed.hydra, Path(folder or composed.hydra.run.dir).expanduser()
-            with open_dict(composed):
-                del composed["hydra"]
-            plain = resolved(composed, here)
+            settings = compose("config", read(given), return_hydra_config=True)
+            place = Path(folder or settings.hydra.run.dir).expanduser().absolute()
+            with open_dict(settings):
+                del settings["hydra"]
+            plain = resolved(settings, given)
+        tidy = tidier(place)
+        walk(plain, place, [word for word in read(given) if not word.startswith("hydra.")])
     except Exception as error:
-        if (refused := refusal(error, given)) is None:
-            raise
-        raise refused from None
-    place = Path(os.path.abspath(place))
-    tidy = tidier(place)
-    try:
-        walk(plain, place, [word for word in given if not word.startswith("hydra.")])
-    except Occupied:
-        raise
-    except (FootoptError, OmegaConfBaseException) as error:
-        tidy()
-        raise refusal(error, given) or error from None
+        if tidy and not isinstance(error, Occupied):  # the folder is another's then
+            tidy()
+        raise translate(error, given) or error from None
     return load(place, trust=True)

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 from hydra import compose
-from hydra.core.hydra_config import HydraConfig
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.errors import HydraException
 from hydra.experimental.callback import Callback
@@ -53,23 +52,17 @@ class Summary(Callback):
             sys.exit(f"footopt: error: {error}")
         Summary.folder = str(folder)
         for place, settings, words in _jobs(config, kwargs["config_name"]):
-            path = folder / place
-            path.mkdir(parents=True, exist_ok=True)
+            (folder / place).mkdir(parents=True, exist_ok=True)
             if isinstance(settings, FootoptError):
-                write_text(path / ERROR_FILE, f"{settings}\n")
+                write_text(folder / place / ERROR_FILE, f"{settings}\n")
             else:
-                identity.write(path, settings, words)
+                identity.write(folder / place, settings, words)
 
     def on_multirun_end(self, config: DictConfig, **kwargs: Any) -> None:
         """Read what the jobs left in their folders."""
         from footopt.report import summary
 
         Summary.failed = summary.of_multirun(Path(config.hydra.sweep.dir))
-
-    @classmethod
-    def close(cls) -> None:
-        """Let go of the folder."""
-        cls.held.close()
 
     @classmethod
     def lost(cls, error: Exception) -> str:
@@ -85,27 +78,22 @@ def _jobs(config: DictConfig, name: str) -> Iterator[tuple[str, dict[str, Any] |
     if not config.hydra.sweeper._target_.endswith(".BasicSweeper"):
         return
     own = [f"{name}={value}" for name, value in (config.hydra.sweeper.params or {}).items()]
-    before = HydraConfig.instance().cfg
     try:
-        words = OverridesParser.create().parse_overrides([*own, *typed(config.hydra)])
         values = [
-            [f"{w.get_key_element()}={v}" for v in w.sweep_string_iterator()]
-            if w.is_sweep_override()
-            else [str(w.input_line)]
-            for w in words
+            [f"{word.get_key_element()}={value}" for value in word.sweep_string_iterator()]
+            if word.is_sweep_override()
+            else [str(word.input_line)]
+            for word in OverridesParser.create().parse_overrides([*own, *typed(config.hydra)])
         ]
-        for number, job in enumerate(itertools.product(*values)):
-            settings = compose(name, [*typed(config.hydra, "hydra"), *job], return_hydra_config=True)
+        for number, words in enumerate(map(list, itertools.product(*values))):
+            settings = compose(name, [*typed(config.hydra, "hydra"), *words], return_hydra_config=True)
             with open_dict(settings):
                 settings.hydra.job.num, settings.hydra.job.id = number, str(number)
-                HydraConfig.instance().set_config(settings)
-                here, place = settings.hydra, str(OmegaConf.select(settings, "hydra.sweep.subdir"))
+                place = str(OmegaConf.select(settings, "hydra.sweep.subdir"))
                 del settings["hydra"]
             try:
-                yield place, absolute(resolved(settings, here)), list(job)
+                yield place, absolute(resolved(settings, words, name)), words
             except FootoptError as error:
-                yield place, error, list(job)
+                yield place, error, words
     except (HydraException, OmegaConfBaseException):  # the sweeper says so
         return
-    finally:
-        HydraConfig.instance().cfg = before

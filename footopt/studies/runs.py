@@ -145,7 +145,7 @@ class Run:
     version : str
         Of the footopt that wrote it.
     trusted : bool
-        Whether the plugins that the settings name may be run.
+        Whether the plugins that the settings name may be run, and a store elsewhere written to.
     """
 
     folder: Path
@@ -244,7 +244,10 @@ class Run:
         check_searchable(config.foot)
         problem = make_problem(config, self.scene)
         solver = Solver(**vars(config.solver) | budget)
-        path = config.study.store or self.folder / "designs.sqlite"
+        path = self.folder / (config.study.store or "designs.sqlite")
+        if not self.trusted and path.resolve().parent != self.folder.resolve():
+            hint = "Load the run with trust=True, if you know it."
+            raise SettingError("study.store", str(path), "in the folder of the run, to be written to", hint)
         with Store(path, problem, config.study.reuse) as store:
             return search(problem, solver, store=store)
 
@@ -257,7 +260,8 @@ def load(folder: str | Path, trust: bool = False) -> Run:
     folder : str or Path
         Its folder.
     trust : bool
-        Whether `Run.scene` may run the plugins that its settings name, which are code.
+        Whether `Run.scene` may run the plugins that its settings name, which are code, and `Run.search`
+        write to a store that is elsewhere.
 
     Raises
     ------

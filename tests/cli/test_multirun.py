@@ -93,15 +93,6 @@ class TestResume:
         assert "1 of the jobs failed" in done.stderr
         assert "foot.width = -1.0: must be" in (stopped / "3" / "error.txt").read_text()
 
-    def test_a_damaged_result_is_told_and_the_others_are_finished(self, stopped, whole):
-        (stopped / "1" / "result.json").write_text("{")
-        done = footopt("resume=sweep", cwd=stopped.parent)
-        assert done.returncode == 1
-        assert "cannot be read as JSON" in (stopped / "1" / "error.txt").read_text()
-        (stopped / "1" / "result.json").unlink()
-        jobs, expected = found(stopped)[0], found(whole)[0]
-        assert jobs == {job: expected[job] for job in ("0", "2", "3")}
-
     def test_takes_what_a_single_run_may_change(self, stopped):
         done = footopt("resume=sweep", "sand=soft", cwd=stopped.parent)
         assert done.returncode == 1

@@ -12,13 +12,13 @@ import time
 from pathlib import Path
 
 import pytest
-from running import BRIEF, QUICK, ended, folder_of, footopt, outcome, started, tries, wait_for_designs
+from running import BRIEF, QUICK, ended, folder_of, footopt, outcome, started, wait_for_designs
 
 from footopt.cli.compose import CONF
 from footopt.design import store
 from footopt.errors import FileError
 from footopt.files import identity
-from footopt.files.identity import LOCK, locked
+from footopt.files.identity import LOCK
 
 #: A search that is over at once, of soft sand, which is walked fast.
 SMALL = ["sand=soft", "engine.threads=1", "report=light", *QUICK]
@@ -61,10 +61,6 @@ def finished(tmp_path_factory):
     return folder_of(tmp_path_factory, *SMALL)
 
 
-def full(*of):
-    raise OSError(28, "No space left on device")
-
-
 @pytest.fixture
 def run(finished, tmp_path):
     """A copy of it, for a test to spoil."""
@@ -98,37 +94,19 @@ def refused(*arguments, cwd, says):
 #: Arguments that name what cannot be resumed or shared, and what the message says.
 BAD = {
     "resume=missing": "missing': not the folder of a run (there is no such folder)",
-    "resume=a_file": "a_file': not the folder of a run (there is no such folder)",
     "resume=run sand=soft": "For anything else start a new run, without resume",
     "resume=run +x=1": "must be a setting that does not make another run",
-    "resume=run ~engine": "must be a setting that does not make another run",
-    "resume=run -m solver.n_gen=4,5": "must be a setting that does not make another run",
     "resume=run solver.n_gen=4,5": "solver.n_gen=4,5': must be one value",
-    "resume=run hydra.run.dir=elsewhere": "must be a setting that does not make another run",
-    "resume=run --experimental-rerun=x.pickle": "must be a setting that does not make another run",
     "resume=run solver.n_gen=abc": "solver.n_gen = 'abc': must be a whole number",
-    "resume=run solver.n_gen=2": "solver.n_gen = 2: must be enough for the 30 designs that the run has",
-    "resume=run report=none": "report = 'none': must be light, as before",
-    "resume=filmed study.video=b.gif": "study.video = 'b.gif': must be a.gif, as before",
+    "resume=run solver.n_gen=2": "solver.n_gen = 2: must be at least 3, as before",
+    "resume=run report=none": "report = 'none': must be light or more, as before",
     "hydra.run.dir=run sand=soft": "run: holds a run that is finished",
     "hydra.run.dir=run": "run: holds a run that is finished",
 }
 
 
-def film(run):
-    """Let a run have left a film."""
-    settings, words, _ = identity.read(run)
-    settings["study"]["video"] = "a.gif"
-    identity.write(run, settings, words)
-    result = json.loads((run / "result.json").read_text())
-    (run / "result.json").write_text(json.dumps(result | {"settings": settings}))
-
-
 @pytest.mark.parametrize("arguments", BAD)
 def test_what_is_another_run_is_refused_and_leaves_the_one_that_is_there(arguments, run, tmp_path):
-    (tmp_path / "a_file").write_text("not a store, and in the way\n" * 100)
-    if "filmed" in arguments:
-        film(run.rename(tmp_path / "filmed"))
     refused(*arguments.split(), cwd=tmp_path, says=BAD[arguments])
 
 
@@ -137,7 +115,7 @@ class TestIdentity:
         file, rng = run / identity.FILE, random.Random(1)
         text = file.read_text()
         places = [i for i, c in enumerate(text) if c.isalnum() and i > len(identity.HEAD)]
-        for place in rng.sample(places, tries(60)):
+        for place in rng.sample(places, 20):
             other = rng.choice([c for c in "0123456789abcx" if c != text[place]])
             file.write_text(text[:place] + other + text[place + 1 :])
             with pytest.raises(FileError, match="changed since the run began, or is damaged"):
@@ -166,16 +144,6 @@ class TestIdentity:
         assert done.returncode == 0, done.stderr
         assert json.loads((run / "result.json").read_text())["reused"] == 30
 
-    def test_settings_of_another_version_are_refused(self, begun, tmp_path):
-        settings, words, _ = identity.read(begun)
-        for text, says in (({"sand": {}}, "sand.name"), ({"shoe": 1}, "Key 'shoe'")):
-            identity.write(begun, settings | text, words)
-            refused(
-                "resume=begun",
-                cwd=tmp_path,
-                says="a run with the settings of this version of footopt (" + says,
-            )
-
     def test_a_new_run_takes_no_folder_that_another_one_has_walked_in_and_the_same_goes_on(
         self, run, tmp_path
     ):
@@ -191,13 +159,6 @@ class TestIdentity:
         refused(*words, cwd=tmp_path, says="begun: holds another run, which differs in ")
         (begun / "contour.csv").unlink()
         assert footopt(*words, cwd=tmp_path).returncode == 0
-
-    @pytest.mark.parametrize("failing", ["json_text", "identity.write"])
-    def test_result_and_settings_are_replaced_together(self, run, tmp_path, monkeypatch, failing):
-        before = [(run / name).read_bytes() for name in ("result.json", identity.FILE)]
-        monkeypatch.setattr(f"footopt.studies.base.{failing if '.' in failing else f'files.{failing}'}", full)
-        assert footopt("resume=run", "solver.n_gen=4", cwd=tmp_path).returncode == 1
-        assert [(run / name).read_bytes() for name in ("result.json", identity.FILE)] == before
 
     def test_no_word_of_a_folder_is_run(self, begun, tmp_path, monkeypatch):
         (tmp_path / "evil.py").write_text("open('made', 'w')\n")
@@ -256,12 +217,6 @@ class TestLock:
         with locked_by_another(run):
             for words in (["resume=run"], ["hydra.run.dir=run", "sand=soft"]):
                 refused(*words, cwd=tmp_path, says="another run is at work")
-
-    @pytest.mark.parametrize("make", [os.mkdir, os.mkfifo])
-    def test_what_is_no_file_in_its_place_is_named(self, make, tmp_path):
-        make(tmp_path / LOCK)
-        with pytest.raises(FileError, match=rf"{LOCK}: is no file"), locked(tmp_path):
-            pass
 
     def test_the_lock_of_a_dead_process_is_taken_over(self, run, tmp_path):
         with locked_by_another(run) as process:
@@ -351,17 +306,20 @@ class TestInterrupted:
         assert done.returncode == 0, done.stderr
         assert outcome(tmp_path / "run") == outcome(undisturbed("nsga2"))
 
-    def test_a_second_ctrl_c_in_the_report_loses_no_design(self, undisturbed, tmp_path):
-        run = started(*BRIEF, "solver=memetic", "hydra.run.dir=run", cwd=tmp_path, drawn=True)
-        wait_for_designs(run, tmp_path / "run", 10 * 16)
-        run.send_signal(signal.SIGINT)
-        time.sleep(0.5)
-        run.send_signal(signal.SIGINT)
-        _, err = ended(run)
-        assert run.returncode == 130
-        assert "footopt: stopped" in err
-        assert "footopt resume=" in err
-        assert "Traceback" not in err
+    def test_killed_it_goes_on_to_the_same_bits_and_a_second_ctrl_c_ends_it_at_once(
+        self, undisturbed, tmp_path
+    ):
+        words = ["solver=memetic", "hydra.run.dir=run"]
+        for first, second, code in ((signal.SIGKILL, None, -9), (signal.SIGINT, signal.SIGINT, -2)):
+            run = started(*BRIEF, *words, cwd=tmp_path, drawn=True)
+            wait_for_designs(run, tmp_path / "run", 10 * 16)
+            run.send_signal(first)
+            if second:
+                time.sleep(0.5)
+                run.send_signal(second)
+            _, err = ended(run)
+            assert run.returncode == code
+            assert "Traceback" not in err
         done = footopt("resume=run", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         assert outcome(tmp_path / "run") == outcome(undisturbed("memetic"))

@@ -1,6 +1,5 @@
 """Settings: a default is written once, and any value of any setting is used, or refused by its name."""
 
-import copy
 import csv
 import math
 from functools import cache
@@ -9,10 +8,6 @@ from itertools import zip_longest
 import cloudpickle
 import numpy as np
 import pytest
-from hydra import compose, initialize_config_dir
-from hydra._internal.config_loader_impl import ConfigLoaderImpl
-from hydra.core.global_hydra import GlobalHydra
-from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.errors import HydraException
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -22,7 +17,7 @@ from running import composed, tries
 
 import footopt as fo
 from footopt import studies
-from footopt.cli.compose import CONF, groups, readable
+from footopt.cli.compose import CONF, groups, read
 from footopt.cli.messages import explain
 from footopt.design import Solver, make_executor
 from footopt.effects import EFFECTS
@@ -53,16 +48,10 @@ def test_settings_that_come_back_from_another_process_leave_those_here_as_they_a
     assert again.effects.layers.depths == [0.03]
 
 
-@pytest.mark.parametrize("word", ["foot.box_tolerance=.inf", "gait.start=.inf"])
-def test_infinity_is_what_the_pages_and_the_messages_say(word):
-    name, _, last = word.partition("=")[0].partition(".")
-    assert getattr(getattr(composed(readable(word)), name), last) == math.inf
-
-
-def test_infinity_is_one_of_many_and_no_part_of_a_word():
-    assert readable("foot.box_tolerance=0.05,.inf") == "foot.box_tolerance=0.05,inf"
-    assert readable("study.spread=[-.inf,.inf]") == "study.spread=[-inf,inf]"
-    assert readable("sand.name=my.inf") == "sand.name=my.inf"
+def test_infinity_is_what_the_pages_and_the_messages_say():
+    assert composed(*read(["foot.box_tolerance=.inf"])).foot.box_tolerance == math.inf
+    assert read(["foot.box_tolerance=0.05,.inf"]) == ["foot.box_tolerance=0.05,inf"]
+    assert read(["sand.name=my.inf"]) == ["sand.name=my.inf"]
 
 
 class TestDefaults:
@@ -210,29 +199,12 @@ ANY_VALUE = st.one_of(
 NUMBERS = [name for name in known() if name.partition(".")[0] in ("foot", "gait", "sand", "walker")]
 
 
-@cache
-def base(words):
-    """The settings that a value is tried in."""
-    GlobalHydra.instance().clear()
-    with initialize_config_dir(str(CONF), version_base="1.3"):
-        return compose("config", ["accuracy=draft", *words])
-
-
-def changed(words, overrides):
-    """Settings that some words compose, with values changed: a whole composition takes twenty times as long."""
-    chosen = copy.deepcopy(base(words))
-    ConfigLoaderImpl._apply_overrides_to_config(
-        OverridesParser.create().parse_overrides(list(overrides)), chosen
-    )
-    return OmegaConf.to_object(OmegaConf.merge(Config, OmegaConf.to_container(chosen, resolve=True)))
-
-
 def used(*overrides):
     """Build what settings name, check the search, and walk once."""
     words = tuple(
         sorted({w for o in overrides for start in WITH if o.startswith(start) for w in WITH[start]})
     )
-    config = changed(words, overrides)
+    config = composed("accuracy=draft", *words, *overrides)
     study, engine = config.study, config.engine
     build.check_lists(config)
     if study.name not in studies.STUDIES or (engine.name != "local" and study.name not in SEARCHES):
@@ -302,7 +274,7 @@ HUGE = [
 def test_what_would_take_years_or_all_memory_is_refused_at_once(study, word, tmp_path):
     words = (f"study={study}", *(["study.scenarios=drawn"] if study == "robust" else []))
     with pytest.raises(SettingError) as caught:
-        studies.run(changed(words, [word]), tmp_path, {})
+        studies.run(composed("accuracy=draft", *words, word), tmp_path, {})
     allowed = ("accuracy.dt", "scene.t_f") if word.startswith(("scene.t_f", "gait.period")) else ()
     assert any(name in str(caught.value) for name in (word.partition("=")[0], *allowed))
     assert not list(tmp_path.glob("*.json"))
@@ -311,7 +283,7 @@ def test_what_would_take_years_or_all_memory_is_refused_at_once(study, word, tmp
 @pytest.mark.parametrize("word", ["study.spread.zeta=nan", "foot.length=nan", "foot.block=[nan]"])
 def test_a_number_that_is_none_is_refused_where_nothing_reads_it_too(word, tmp_path):
     with pytest.raises(SettingError, match=rf"{word.partition('=')[0]} = "):
-        studies.run(changed(("study=doctor",), [word]), tmp_path, {})
+        studies.run(composed("study=doctor", word), tmp_path, {})
 
 
 def test_reference_directions_for_very_many_are_refused():
