@@ -152,7 +152,8 @@ def run(study: Study) -> None:
             "cheapest": {str(t): None if m is None else m.row for t, m in picks.items()},
         },
         said=[
-            "Measured order: " + ", ".join(f"{title(name)} {value:.1f}" for name, value in orders.items()),
+            "Measured order: "
+            + ", ".join(f"{title(n)} {v:.1f}" for n, v in orders.items() if np.isfinite(v)),
             *(f"Cheapest within {100 * t:g} %: {_describe(m)}" for t, m in picks.items()),
             *terminal.describe_model(errors),
         ],
@@ -308,14 +309,15 @@ def table(best: Sequence[Measurement]) -> RichTable:
 
 def table_of_presets(presets: Mapping[str, Measurement]) -> RichTable:
     """Presets with what they decide wrongly, for the terminal."""
-    shown = terminal.table(
+    return terminal.table(
         ("preset", "error (%)", "ms", *(f"{sand}: pairs wrong (%)" for sand in SANDS)),
         words=("preset",),
         title="pairs of random feet that J_W ranks wrongly",
+        rows=(
+            (name, f"{100 * m.error:.2g}", f"{m.ms:.3g}", *(f"{100 * w:.2g}" for w in m.wrong))
+            for name, m in presets.items()
+        ),
     )
-    for name, m in presets.items():
-        shown.add_row(name, f"{100 * m.error:.2g}", f"{m.ms:.3g}", *(f"{100 * w:.2g}" for w in m.wrong))
-    return shown
 
 
 def _describe(m: Measurement | None) -> str:

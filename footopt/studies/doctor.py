@@ -35,9 +35,7 @@ def run(study: Study) -> None:
     found["cache folder"] = cache or "none"
     if cache is None:
         wrong.append("No cache folder can be written. Set NUMBA_CACHE_DIR to one that can.")
-    table = terminal.table(("", "found"), ("", "found"))
-    for row in found.items():
-        table.add_row(*row)
+    table = terminal.table(("", "found"), ("", "found"), rows=found.items())
     verdict = [] if wrong else ["All is as it should be."]
     study.conclude("Is the installation sound?", [table], {"findings": found}, said=verdict, warnings=wrong)
     if wrong:

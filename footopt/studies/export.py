@@ -64,7 +64,5 @@ def run(study: Study) -> None:
 
 def table(written: Sequence[Path]) -> Table:
     """Files for the terminal and the page."""
-    shown = terminal.table(("file", "holds", "kB"), ("file", "holds"))
-    for path in written:
-        shown.add_row(path.name, HOLDS[path.suffix], f"{1e-3 * path.stat().st_size:.1f}")
-    return shown
+    rows = ((path.name, HOLDS[path.suffix], f"{1e-3 * path.stat().st_size:.1f}") for path in written)
+    return terminal.table(("file", "holds", "kB"), ("file", "holds"), rows=rows)

@@ -59,22 +59,6 @@ def test_a_table_a_file_and_a_page(runs, capsys):
     assert (runs / "here" / "result.json").is_file()
 
 
-def test_what_has_no_foot_is_said_and_the_others_are_shown(runs, capsys):
-    compare(runs / "here", f"{runs}/old/*")
-    out = " ".join(capsys.readouterr().out.split())
-    assert f"run 3: {runs}/old/broken; no result" in out
-    assert f"run 4: {runs}/old/other; study=accuracy: see its own folder" in out
-
-
-def test_only_what_all_runs_have_is_compared_on_the_page(runs):
-    path = runs / "new" / "c" / "result.json"
-    path.write_text(path.read_text().replace('"cost_of_transport"', '"unknown"'))
-    compare(runs / "here", f"{runs}/*/[abc]")
-    text = (runs / "here" / "report.html").read_text()
-    assert '"name":"distance"' in text
-    assert '"name":"cost_of_transport"' not in text
-
-
 def test_objectives_of_plugins_are_compared_by_what_the_runs_say_of_them(runs):
     for i, name in enumerate(("old/a", "old/b")):
         path = runs / name / "result.json"

@@ -48,9 +48,3 @@ def test_a_walk_that_is_wrong_fails_and_names_the_objective(tmp_path, monkeypatc
     with pytest.raises(FootoptError, match=r"hard sand differs by up to 0\.98 % \(distance\)"):
         examine(tmp_path)
     assert (tmp_path / "report.html").exists()
-
-
-def test_a_missing_cache_folder_is_found(tmp_path, monkeypatch):
-    monkeypatch.setattr(doctor, "kept", lambda function: (None, 0))
-    with pytest.raises(FootoptError, match="NUMBA_CACHE_DIR"):
-        examine(tmp_path)

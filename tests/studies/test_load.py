@@ -48,10 +48,8 @@ class TestRun:
 
     @pytest.mark.parametrize(
         ("words", "says"),
-        [(["sand=mud"], "sand = 'mud': must be one of"), (["snad=soft"], "Did you mean sand=soft?"),
-         (["foot.width=0"], "foot.width = 0"), (["+snad=soft"], "there is no such setting"),
-         (["foot.length=.2"], "must be left out"),
-         (["sand=soft,hard"], "must be one choice"), ("sand=soft", "must be a list")],
+        [(["snad=soft"], "Did you mean sand=soft?"), (["foot.width=0"], "foot.width = 0"),
+         (["foot.length=.2"], "must be left out"), ("sand=soft", "must be a list")],
     )  # fmt: skip
     def test_what_is_wrong_is_said_as_there(self, words, says, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)

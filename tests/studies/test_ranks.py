@@ -1,10 +1,7 @@
 """Ranks that another law turns round are found by walking, and marked."""
 
-import json
-
 import numpy as np
 import pytest
-from running import QUICK, footopt
 
 import footopt as fo
 from footopt.report import terminal
@@ -61,12 +58,3 @@ def test_a_turned_rank_is_marked_in_the_table_and_its_laws_are_named():
     cells = dict(zip(shown.columns[0].cells, shown.columns[5].cells, strict=True))
     assert {name for name, cell in cells.items() if cell.endswith("*")} == {"work (min)"}
     assert "work: shadowing, both" in shown.caption
-
-
-@pytest.mark.slow
-def test_a_search_says_its_ranks_under_other_laws(tmp_path):
-    done = footopt(*QUICK, "report=light", "study.finalists=3", "hydra.run.dir=out", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert "Under other laws the best of 3 finalists is: leading edge no." in done.stdout
-    entry = json.loads((tmp_path / "out" / "result.json").read_text())["ranks"]
-    assert len(entry["laws"]) == 5

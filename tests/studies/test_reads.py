@@ -66,16 +66,6 @@ def test_of_a_walk_every_setting_counts_or_is_refused(shape):
         assert counts == read, (name, value, other)
 
 
-def test_how_many_finalists_does_not_count_for_a_front_that_is_confirmed_as_a_whole():
-    one = composed("study=robust", "study.finalists=3")
-    check_read(one, ["study.finalists=3"])
-    one.objective.names = ["work", "distance"]
-    with pytest.raises(
-        SettingError, match=r"study\.finalists = 3: must be left out.* a search for one objective"
-    ):
-        check_read(one, ["study.finalists=3"])
-
-
 def test_every_study_says_what_it_reads_of_settings_that_there_are():
     names = known()
     assert set(READS) == set(STUDIES)

@@ -10,7 +10,6 @@ from study_pages import check_page
 
 import footopt as fo
 from footopt.errors import SettingError
-from footopt.report.figures.stability import Cell, verdicts
 from footopt.studies import stability
 from footopt.studies.settings import Config
 from footopt.studies.stability import judge
@@ -105,15 +104,3 @@ class TestStudy:
                 stability.chosen(config)
         cases, methods = stability.chosen(Config())
         assert (cases, methods) == (list(CASES), list(stability.METHODS))
-
-
-class TestFigure:
-    def test_it_can_be_read_without_colour(self):
-        cells = {
-            ("standing", "sdirk2"): Cell(True, "chatter", 2.1e-7),
-            ("standing", "rk4"): Cell(False, "load", 0.0842),
-            ("soft", "sdirk2"): Cell(True, "sunk", 0.0),
-            ("soft", "rk4"): Cell(False, "speed", 2.6e5),
-        }
-        (axes,) = verdicts(["standing", "soft"], ["sdirk2", "rk4"], cells).axes
-        assert [t.get_text() for t in axes.texts] == ["✓", "load 0.084", "✓", "speed 3e5"]
