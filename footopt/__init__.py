@@ -73,6 +73,12 @@ _NAMES = {
 }
 _HOME = {name: module for module, names in _NAMES.items() for name in names.split()}
 
+#: Classes that notebooks show as a card, and those that inherit from them.
+_SHOWN = """
+footopt.design.result.SearchResult footopt.foot.foot.Foot footopt.gait.gait.Gait footopt.sand.media.Sand
+footopt.walk.results.Table footopt.walk.results.Walk footopt.walk.scene.Scene
+"""
+
 __all__ = ["__version__", *sorted(_HOME)]
 
 
@@ -99,9 +105,15 @@ if not os.path.isdir(os.path.join(_here, "conf")):
 
 def load_ipython_extension(shell: Any) -> None:
     """Show cards of walks, feet and so on in IPython; importing footopt there does so, too."""
-    from footopt.report.notebook import register
 
-    register(shell)
+    def card(thing: object) -> str:
+        from footopt.report.plot import card
+
+        return card(thing)
+
+    formatter = shell.display_formatter.formatters["text/html"]
+    for name in _SHOWN.split():
+        formatter.for_type_by_name(*name.rsplit(".", 1), card)
 
 
 if "IPython" in sys.modules and (_shell := sys.modules["IPython"].get_ipython()) is not None:

@@ -19,7 +19,7 @@ from scipy.io import netcdf_file
 import footopt as fo
 from footopt.errors import FootoptError, MissingError, SettingError
 from footopt.files import io as files
-from footopt.report import body, cards, plot
+from footopt.report import body, plot
 from footopt.report.figures import walker
 from footopt.report.terminal import describe_outside
 from footopt.walk.validity import diagnose
@@ -97,7 +97,7 @@ class Parsed(HTMLParser):
 @pytest.fixture(scope="module")
 def card_of(things):
     """The card of a thing, made once."""
-    return cache(lambda name: Parsed(cards.card(things[name])))
+    return cache(lambda name: Parsed(plot.card(things[name])))
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -155,8 +155,8 @@ def test_the_card_of_a_robust_search_says_over_how_many_scenarios(monkeypatch):
     scenarios = fo.draw(fo.Scene(), fo.Spread(zeta=0.5), count=2, seed=1)
     problem = fo.RobustProblem(scenarios, accuracy="draft", space=fo.Waypoints(n=4, K=3))
     result = fo.search(problem, "ga", pop_size=8, n_gen=2, seed=1)
-    monkeypatch.setattr(cards, "png", lambda figure, dpi: b"")
-    assert "worst of 2 scenarios" in Parsed(cards.card(result)).text
+    monkeypatch.setattr(plot, "png", lambda figure, dpi: b"")
+    assert "worst of 2 scenarios" in Parsed(plot.card(result)).text
 
 
 def test_a_failed_walk_says_why_and_has_no_objectives(card_of):
@@ -178,10 +178,10 @@ def test_a_terminal_shows_numbers_with_units_and_no_arrays(things, searches):
 
 
 def test_names_are_escaped(walked, monkeypatch):
-    monkeypatch.setattr(cards, "png", lambda figure, dpi: b"")
+    monkeypatch.setattr(plot, "png", lambda figure, dpi: b"")
     foot = replace(walked.foot, name=NASTY)
     for shown in (foot, fo.Sand(name=NASTY), replace(walked, foot=foot)):
-        text = cards.card(shown)
+        text = plot.card(shown)
         assert "<script" not in text
         assert "alert(" in Parsed(text).text
 
@@ -198,7 +198,7 @@ def test_a_notebook_shows_cards_by_itself():
 
 
 def test_what_cannot_be_drawn_is_refused():
-    with pytest.raises(SettingError, match="thing = 5: must be one of these: Walk, Foot"):
+    with pytest.raises(SettingError, match="thing = 5: must be one of these: .*Walk"):
         fo.plot(5)
 
 

@@ -7,7 +7,7 @@ const feasible = [...(data.designs.feasible.data ? unpack(data.designs.feasible)
 const reason = (i) => i === DRAWN ? sketch.reason : data.designs.reasons[data.designs.reason ? reasonCodes[i] : i];
 const reasonCodes = data.designs.reason && unpack(data.designs.reason);
 const front = new Set(data.front ? unpack(data.front) : []);
-const MOST = 1000, ROUND = 5000; // parallel ones of a colour at most; designs up to which a point is round
+const MOST = 1000; // parallel lines of a colour at most
 
 /** What designs can be filtered and drawn by: the recorded values, when a search came to them, and what they are made of. */
 const COLUMNS = data.columns.map((column, c) => {
@@ -108,6 +108,7 @@ function explorer(choose, beside, glimpse) {
       COUNT > MOST ? ` Of more than ${MOST} lines an even selection is drawn.` : "",
       front.size && entry.front_size > front.size ? ` Of the ${entry.front_size} designs on the front ${front.size} are here.` : ""),
     el("div", { class: "bar" }, which.length > 1 ? el("label", {}, "designs", which) : null, el("label", {}, "colour by", shade), scale, clear, count),
+    data.jobs ? legend(every.map((i) => ({ name: label(i), ...jobLine(i) }))) : null,
     scrolled("Parallel axes", wide),
     axesBox,
     el("details", { id: "limits" }, el("summary", {}, "The limits as numbers"),
@@ -155,7 +156,7 @@ function explorer(choose, beside, glimpse) {
     const by = columnOf(shade.value), [low, high] = by ? range(state.shown.map(by.of), 0) : [0, 1], usual = ink("--designs");
     scale.replaceChildren(...(by ? [`${number(low)} `, el("span", { class: "gradient", style: `background:linear-gradient(90deg,${[0, 0.25, 0.5, 0.75, 1].map(ramp)})` }), ` ${number(high)}`] : []));
     if (by) return (i) => ramp((by.of(i) - low) / (high - low));
-    return data.jobs ? (i) => ink(COLOURS[i % COLOURS.length]) : () => usual;
+    return data.jobs ? (i) => ink(jobLine(i).stroke) : () => usual;
   }
 
   /** A canvas under a drawing, for what is too much for elements. */
@@ -204,7 +205,7 @@ function explorer(choose, beside, glimpse) {
         pen.beginPath();
         order.forEach((c, j) => pen.lineTo(X(j), Y(j, c.of(i))));
         pen.strokeStyle = style(i);
-        pen.setLineDash(data.jobs ? DASHES[i % 4]?.split(" ") ?? [] : []);
+        pen.setLineDash(data.jobs ? jobLine(i)["stroke-dasharray"]?.split(" ") ?? [] : []);
         pen.stroke();
       }
     };
@@ -214,12 +215,6 @@ function explorer(choose, beside, glimpse) {
     const known = order.filter((c) => Number.isFinite(c.flat));
     if (!data.jobs && known.length > 1 && known.length === order.length) {
       drawing.append(svg("path", { class: "ghost", d: line((c) => c.flat) }), svg("text", { class: "halo", x: X(order.length - 1) + 8, y: Y(order.length - 1, order.at(-1).flat) + 4, style: "fill:var(--grey)" }, "flat"));
-    }
-    if (data.jobs && order.length && state.passing.length <= 12) { // named at their ends, off each other
-      const end = order.length - 1;
-      let y = top - 20;
-      for (const [at, i] of state.passing.map((i) => [Y(end, order[end].of(i)), i]).filter(([at]) => Number.isFinite(at)).sort(([a], [b]) => a - b))
-        drawing.append(svg("text", { class: "halo", x: X(end) + 8, y: (y = Math.max(at, y + 14)) + 4, style: `fill:${COLOURS[i % COLOURS.length]}` }, label(i)));
     }
     overlay(a, wide, (i, stroke, thick) => [svg("path", { d: line((c) => c.of(i)), fill: "none", stroke, "stroke-width": thick })]);
     order.forEach((c, j) => {
@@ -294,12 +289,10 @@ function explorer(choose, beside, glimpse) {
       label: `Scatter of ${state.shown.length} designs: ${named(cy)} over ${named(cx)}` });
     const pen = canvas(flat, a), colour = colours();
     a.svg.append(svg("rect", { class: "grip", x: a.inside.left, y: a.inside.top, width: a.inside.right - a.inside.left, height: a.inside.bottom - a.inside.top }));
-    const small = state.shown.length > ROUND && squares(pen), rest = ink("--line");
+    const rest = ink("--line");
     const dot = (i, style, radius) => {
-      const x = a.X(cx.of(i)), y = a.Y(cy.of(i));
-      if (small) { small.square(x, y, style); return; }
       pen.beginPath();
-      pen.arc(x, y, radius, 0, 7);
+      pen.arc(a.X(cx.of(i)), a.Y(cy.of(i)), radius, 0, 7);
       pen.fillStyle = style;
       pen.fill();
     };
@@ -307,9 +300,6 @@ function explorer(choose, beside, glimpse) {
     for (const i of state.shown) if (!passes[i]) dot(i, rest, 1.8);
     pen.globalAlpha = data.jobs ? 1 : state.passing.length > 2000 ? 0.35 : 0.65;
     for (const i of state.passing) dot(i, colour(i), data.jobs ? 5 : 2.5);
-    if (small) small.show();
-    const places = data.jobs ? state.shown.map((i) => [a.X(cx.of(i)), a.Y(cy.of(i))]) : [], names = [];
-    places.forEach((place, n) => nameBeside(a, label(state.shown[n]), [place], places.filter((other) => other !== place), names));
     overlay(a, flat, (i, stroke, thick, text) => (Number.isFinite(cx.of(i) + cy.of(i)) ? [
       svg("circle", { cx: a.X(cx.of(i)), cy: a.Y(cy.of(i)), r: 6, fill: "none", "stroke-width": 2.5, stroke: data.jobs ? "var(--ink)" : stroke }),
       nameAt(a, a.X(cx.of(i)), a.Y(cy.of(i)) - 8, text)] : []));

@@ -140,14 +140,15 @@ function glance() {
 /** How a search got there: convergence, and each design that was the best for a while. */
 function searchSection(choose) {
   const holder = el("div", { class: "plot" }), several = data.objectives.length > 1;
+  const looks = { best: { stroke: "var(--best)", "stroke-width": 2.2 }, median: { stroke: "var(--flat)", "stroke-dasharray": "6 4" } };
   const draw = () => {
     const shown = several ? (v) => v ?? NaN : (v) => guide.show(v ?? NaN);
     const rows = data.history, at = rows.map((r) => r.evaluations), bests = rows.map((r) => shown(r.best)), last = bests.at(-1);
     const steps = (all) => all.flatMap((v, i) => (i ? [all[i - 1], v] : [v])), ends = at.flatMap((v, i) => (i ? [v, v] : [v]));
     const a = plot(holder, { x: [0, at.at(-1)], xlabel: "evaluations", height: 260, left: 84, label: "Convergence of the search; the table below has the numbers",
       ylabel: several ? `hypervolume (1: box of the first generation)` : `${named(guide)}: best so far` }, [
-      { x: at, y: rows.map((r) => shown(r.median)), name: "median of the generation", ink: "var(--grey)", stroke: "var(--flat)", "stroke-dasharray": "6 4" },
-      { x: ends, y: steps(bests), name: several ? "hypervolume" : "best so far", stroke: "var(--best)", "stroke-width": 2.2 },
+      { x: at, y: rows.map((r) => shown(r.median)), ...looks.median },
+      { x: ends, y: steps(bests), ...looks.best },
     ], (x) => {
       const r = rows.findLast((row) => row.evaluations <= x + 0.01 * at.at(-1));
       return r ? `${r.evaluations} evaluations: ${number(shown(r.best))}${Number.isFinite(r.median ?? NaN) ? `, median ${number(shown(r.median))}` : ""}` : null;
@@ -158,6 +159,7 @@ function searchSection(choose) {
     soleDrawing(sole(i), { width: 136, height: 32, plain: true }),
     el("div", {}, `generation ${generation[i]}`), el("div", {}, quantity(guide.of(i), guide.unit))));
   const section = el("section", { id: "search" }, el("h2", {}, "The search"),
+    several ? null : legend([{ name: "best so far", ...looks.best }, { name: "median of the generation", ...looks.median }]),
     el("figure", {}, holder),
     folded("The search as a table", () => table(["evaluations", ...(several ? ["hypervolume", "front"] : [`best ${named(guide)}`, "median"])],
       data.history.map((r) => [r.evaluations, number(several ? r.best : guide.show(r.best)), several ? r.front : number(guide.show(r.median))].map(String)))),
@@ -188,15 +190,15 @@ function jobsSection(choose) {
 
 /** What the jobs' walks have in common to look at: traces over time, a colour and a dash for each job. */
 function tracesSection() {
-  const jobs = data.traces.map((raw, i) => ({ label: data.designs.labels[raw.design], t: unpack(raw.t),
-    ...Object.fromEntries(["height", "speed", "power", "work"].map((name) => [name, unpack(raw[name])])),
-    line: { stroke: COLOURS[i % COLOURS.length], "stroke-dasharray": DASHES[i % 4] } }));
+  const jobs = data.traces.map((raw) => ({ label: data.designs.labels[raw.design], t: unpack(raw.t),
+    ...Object.fromEntries(["height", "speed", "power", "work"].map((name) => [name, unpack(raw[name])])), looks: jobLine(raw.design) }));
   const titles = { height: "height of the COM (m)", speed: "forward speed (m/s)", power: "power of the sand, both feet (W)", work: "work of the sand, both feet (J)" };
   const plots = Object.keys(titles).map((name) => [name, el("div", { class: "plot" })]);
   const draw = () => plots.forEach(([name, holder]) => plot(holder, { x: range(jobs.flatMap((job) => [0, job.t.at(-1) ?? 0]), 0), xlabel: "time (s)", ylabel: titles[name],
-    height: 230, label: `${titles[name]} over time, of every job` }, jobs.map((job) => ({ x: job.t, y: job[name], name: job.label, ink: job.line.stroke, "stroke-width": 1.5, ...job.line })),
+    height: 230, label: `${titles[name]} over time, of every job` }, jobs.map((job) => ({ x: job.t, y: job[name], "stroke-width": 1.5, ...job.looks })),
     (t) => [`${t.toFixed(2)} s`, ...jobs.filter((job) => t <= job.t.at(-1)).map((job) => `${job.label}: ${number(at(job, name, 1, t)[0])}`)].join("\n")));
   const section = el("section", { id: "traces" }, el("h2", {}, "Their walks"),
+    legend(jobs.map((job) => ({ name: job.label, ...job.looks }))),
     el("div", { class: "grid plots", style: "--columns:2" }, ...plots.map(([, holder]) => el("figure", {}, holder))));
   return { section, draw };
 }

@@ -4,6 +4,7 @@ const data = JSON.parse(document.getElementById("data").textContent);
 const entry = data.entry ?? {};
 /** Lines of jobs, in the order of the figures. */
 const COLOURS = Array.from({ length: 7 }, (_, i) => `var(--line-${i})`), DASHES = [null, "7 3", "2 2", "9 3 2 3"];
+const jobLine = (i) => ({ stroke: COLOURS[i % COLOURS.length], "stroke-dasharray": DASHES[i % 4] });
 /** A colour by its role, for a canvas, which reads no variables. */
 const ink = (colour) => getComputedStyle(document.documentElement).getPropertyValue(colour.replace(/^var\(|\)$/g, "")).trim();
 const clip = (v, low, high) => Math.min(Math.max(v, low), high);
@@ -150,23 +151,6 @@ function axes(holder, { x, y, xlabel, ylabel, height, label, left = 58 }) {
   return made;
 }
 
-/** Small squares on a canvas, pixel by pixel, as tens of thousands take milliseconds then: the last one's colour is seen. */
-function squares(pen) {
-  const { width, height } = pen.canvas, image = pen.createImageData(width, height), pixels = new Uint32Array(image.data.buffer), inks = new Map();
-  const side = Math.max(Math.round(2 * devicePixelRatio), 1);
-  const square = (x, y, style) => {
-    if (!inks.has(style)) {
-      pen.fillStyle = style;
-      const rgb = parseInt(pen.fillStyle.slice(1), 16);
-      inks.set(style, ((rgb & 255) << 16) | (rgb & 0xff00) | (rgb >> 16));
-    }
-    const ink = inks.get(style), clear = 1 - pen.globalAlpha, left = Math.round(x * devicePixelRatio - side / 2), top = Math.round(y * devicePixelRatio - side / 2);
-    for (let row = top; row < top + side; row++)
-      for (let at = row * width + left, end = at + side; at < end; at++) pixels[at] = ink | ((255 - (255 - (pixels[at] >>> 24)) * clear) << 24);
-  };
-  return { square, show: () => pen.putImageData(image, 0, 0) };
-}
-
 /** A name beside a point, on the side where it has room. */
 const nameAt = (a, x, y, text) => (x > a.width - 80 ? svg("text", { class: "halo", x: x - 10, y, "text-anchor": "end" }, text) : svg("text", { class: "halo", x: x + 10, y }, text));
 
@@ -218,52 +202,16 @@ function gestures(a, { drag, click }) {
 const rectangle = (x0, y0, x1, y1) => svg("rect", { class: "brush", x: Math.min(x0, x1), y: Math.min(y0, y1),
   width: Math.abs(x1 - x0), height: Math.abs(y1 - y0) });
 
-/** Points along a line of pixels, one in each cell of 5 x 5 of them. */
-function dense(points) {
-  const found = new Map();
-  let [u, v] = points[0] ?? [];
-  for (const [x, y] of points) {
-    const parts = Math.ceil((Math.abs(x - u) + Math.abs(y - v)) / 5) || 1;
-    for (let p = 1; p <= parts; p++) {
-      const a = u + ((x - u) * p) / parts, b = v + ((y - v) * p) / parts;
-      if (Number.isFinite(a + b)) found.set(Math.round(a / 5) * 4096 + Math.round(b / 5), [a, b]);
-    }
-    u = x;
-    v = y;
-  }
-  return [...found.values()];
-}
+/** The names of lines, each beside a piece of it. */
+const legend = (lines) => el("div", { class: "bar legend" }, ...lines.map(({ name, ...looks }) => el("span", {},
+  svg("svg", { width: 32, height: 12, "aria-hidden": "true" }, svg("path", { d: "M1 6H31", fill: "none", "stroke-width": 2, ...looks })), name)));
 
-/** Name a line or a point: where the name is off all points, its own, others' and those of names, and its line far from others. */
-function nameBeside(a, name, own, others, names, ink) {
-  const { left, right, top, bottom } = a.inside, half = 3.4 * name.length, taken = [...others, ...names];
-  const clear = (points, x, y, wide, high) => {
-    let least = 900; // pixels squared
-    for (const p of points) least = Math.min(least, Math.max(Math.abs(p[0] - x) - wide, 0) ** 2 + Math.max(Math.abs(p[1] - y) - high, 0) ** 2);
-    return Math.sqrt(least);
-  };
-  let place = null, most = -Infinity;
-  for (const [along, line] of own.filter((_, i) => i % Math.ceil(own.length / 24) === 0)) for (const away of [-12, 12, -20, 20, -34, 34]) {
-    const x = clip(along, left + half, right - half), y = line + away;
-    if (y < top || y > bottom - 9) continue;
-    const far = clear(taken, x, y, half, 6), score = 100 * Math.min(clear(own, x, y, half, 6), far, 2) + far + 4 * clear(others, along, line, 0, 0) - 0.3 * (Math.abs(away) + Math.abs(x - along));
-    if (score > most) { most = score; place = [x, y]; }
-  }
-  if (!place) return;
-  names.push(...dense([[place[0] - half, place[1]], [place[0] + half, place[1]]]));
-  a.svg.append(svg("text", { class: "halo", x: place[0], y: place[1] + 4, "text-anchor": "middle", style: ink && `fill:${ink}` }, name));
-}
-
-/**
- * Lines in a holder, as `axes` makes it: { x, y, name, ink, ... } with a line's looks, each with its name where it is
- * apart from the others; `read(x)` are the words at a place.
- */
+/** Lines { x, y, ... } with their looks in a holder, on axes; `read(x)` are the words at a place. */
 function plot(holder, { strikes = [], ...frame }, series, read) {
   const a = axes(holder, { ...frame, y: range(series.flatMap(({ y }) => Array.from(y)), 0.08) }), { left, right, top, bottom } = a.inside;
   for (const t of strikes) a.svg.append(svg("line", { class: "strike", x1: a.X(t), x2: a.X(t), y1: top, y2: bottom }));
-  const lines = series.map(({ x, y }) => Array.from(x, (v, i) => [a.X(v), a.Y(y[i])])), dots = lines.map(dense), names = [];
-  series.forEach(({ x, y, name, ink, ...line }, i) => a.svg.append(svg("path", { d: path(lines[i]), fill: "none", "stroke-width": 1.8, ...line })));
-  series.forEach(({ name, ink }, i) => name && nameBeside(a, name, dots[i], dots.filter((_, j) => j !== i).flat(), names, ink));
+  for (const { x, y, ...looks } of series)
+    a.svg.append(svg("path", { d: path(Array.from(x, (v, i) => [a.X(v), a.Y(y[i])])), fill: "none", "stroke-width": 1.8, ...looks }));
   hover(a, (x) => (x >= left && x <= right ? read(a.fromX(x)) : null));
   return a;
 }

@@ -9,6 +9,8 @@ const PLOTS = [
   { title: "work of the sand (J)", name: "work", width: 2, lines: [0, 1] },
 ];
 
+const PALE = { stroke: "var(--flat)", "stroke-width": 1.2 }; // the walk that another is compared with
+
 const column = (walk, name, width, i) => Array.from(walk.t, (_, row) => walk[name][row * width + i]).map((v) => (Math.abs(v) < ROUNDING ? 0 : v));
 
 /** One trace of a walk, a pale one to compare it with; returns what moves the cursor. */
@@ -16,8 +18,8 @@ function tracePlot(holder, { title, name, width, lines }, walk, other, seek) {
   const two = lines.length > 1, pale = other ? lines.map((i) => column(other, name, width, i)) : [];
   const told = (shown, t) => { const v = at(shown, name, width, t); return lines.map((l, i) => `${two ? `${SIDES[i]} ` : ""}${number(v[l])}`).join(", "); };
   const a = plot(holder, { x: [0, gait.end], xlabel: "time (s)", ylabel: title, height: 190, strikes: gait.strikes, label: `${title} over time; the table below has the numbers` }, [
-    ...pale.map((y, i) => ({ x: other.t, y, name: two ? "" : other.label, ink: "var(--grey)", stroke: "var(--flat)", "stroke-width": 1.2, "stroke-dasharray": two && i ? "7 3" : null })),
-    ...lines.map((i, l) => ({ x: walk.t, y: column(walk, name, width, i), name: two ? SIDES[l] : "", ink: `var(--${SIDES[l]}-text)`, ...(two ? LINES[l] : { stroke: "var(--ink)" }) })),
+    ...pale.map((y, i) => ({ x: other.t, y, ...PALE, "stroke-dasharray": two && i ? "7 3" : null })),
+    ...lines.map((i, l) => ({ x: walk.t, y: column(walk, name, width, i), ...(two ? LINES[l] : { stroke: "var(--ink)" }) })),
   ], (t) => `${t.toFixed(2)} s: ${told(walk, t)}${other ? `; ${other.label}: ${told(other, t)}` : ""}`);
   const cursor = a.svg.appendChild(svg("line", { class: "cursor", y1: a.inside.top, y2: a.inside.bottom }));
   const dots = lines.map((_, i) => a.svg.appendChild(svg("circle", { r: 3.5, fill: two ? LINES[i].stroke : "var(--ink)" })));
@@ -80,7 +82,7 @@ function walkSection() {
   const clock = el("output", { for: "time", style: "min-width:9.5em" });
   const whole = el("div", { class: "plot" }), near = el("div", { class: "plot" });
   const plots = PLOTS.map(() => el("div", { class: "plot seek" }));
-  const numbers = scrolled("Numbers at this instant");
+  const numbers = scrolled("Numbers at this instant"), key = el("div", {});
   const title = el("h2", { id: "walk-title" }), message = el("p", { id: "unwalked", class: "note" });
   const samples = folded("The walk as a table", () => sampleTable(state.walk));
   const picture = el("div", {},
@@ -91,6 +93,7 @@ function walkSection() {
     numbers,
     el("p", { class: "note" }, "Dotted: heel strikes. ",
       "Click or drag in a plot to go to an instant. Power and work are negative where the sand takes energy."),
+    key,
     el("div", { class: "grid plots", style: "--columns:3" }, ...plots.map((plot) => el("figure", {}, plot))),
     samples);
   const section = el("section", { id: "walk" }, title,
@@ -107,6 +110,7 @@ function walkSection() {
     if (failed) { stop(); return; }
     const com = pairs(walk.com), low = deepest(walk) - 0.05, x = range(com.map((p) => p[0]), 0);
     const found = others.get(compare.value)?.(), other = found && found !== walk && found.t.length > 1 && !(found === flatWalk() && isFlat(walk.points)) ? found : null;
+    key.replaceChildren(legend([...SIDES.map((side, i) => ({ name: `${side} foot`, ...LINES[i] })), ...(other ? [{ name: other.label, ...PALE }] : [])]));
     const shared = { other, paint: paint.value };
     state.movers = [
       stage(whole, walk, { ...shared, x: [x[0] - 0.55, x[1] + 0.55], z: [Math.min(low, -0.16), Math.max(...com.map((p) => p[1])) + 0.12],

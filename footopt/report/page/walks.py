@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.design import EXHAUSTIVE, Confirmation, SearchResult
+from footopt.design.result import SHOWN
 from footopt.foot import Foot, Waypoints
 from footopt.report.body import forces_along, groups
 from footopt.report.numbers import percent, sand_title, title
@@ -21,14 +22,12 @@ from footopt.walk import FIVE, MEASURES, Accuracy, Scene, Walk
 from footopt.walk.phases import step_on_patch
 
 Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
-DESIGNS = 10_000  # on the page, the front first
-LEADERS = 20  # best designs of an enumerated space whose walks are on the page
-WALKS = 200  # designs of a front whose walks are on the page
-BEND = 0.004  # of a trace's range: as far as straight lines between its samples may be from it
+WALKS = 200  # designs beside the best one whose walks are on the page
 FRAMES = 60  # samples of the forces along the sole of each of their walks
 FINE_FRAMES = 250  # of the walk that the page is about
+SAMPLES = 4  # of the other traces, at most, for each of the forces along the sole
+TRACES = ("com", "velocity", "force", "power", "work")
 ON_THE_PAGE = ("front", "front_values", "confirmed")  # as designs, not as entries of result.json
 HOLLOW = 0.5e-3  # m; a smaller one is called none
 POSE_STEP = 0.01  # s, between the poses of the gait
@@ -75,17 +74,12 @@ def walk_content(walk: Walk, entry: dict[str, Any], flat: Walk | None = None) ->
 def walked_designs(result: SearchResult, confirmed: Confirmation) -> list[int]:
     """The designs beside the best one whose walks `search_content` holds: none where the page itself walks.
 
-    Else those of the front, evenly spread over its ranks where it is larger than `WALKS`; or those that were
-    the best so far; or the best of an enumerated space.
+    Else the other finalists, of which more than `WALKS` are thinned out evenly.
     """
-    problem = result.problem
+    problem, others = result.problem, confirmed.designs[1:].tolist()
     if not refusal(problem.scene, problem.accuracy, problem.space):
         return []
-    if problem.n_obj > 1:
-        chosen = _spread(result.shown.tolist(), WALKS)
-    else:
-        chosen = successive_bests(result) or confirmed.designs[:LEADERS].tolist()
-    return [i for i in chosen if i != confirmed.designs[0]]
+    return list(others[:: -(-len(others) // WALKS) or 1])
 
 
 def search_content(
@@ -98,7 +92,7 @@ def search_content(
 ) -> dict[str, Any]:
     """The page of a search.
 
-    Designs beyond `DESIGNS` are thinned out evenly, the front and the lineage never.
+    It holds `SHOWN` designs at most: the front, and an even selection of the others.
 
     Parameters
     ----------
@@ -118,7 +112,7 @@ def search_content(
     front = result.shown.tolist() if problem.n_obj > 1 else []
     lineage = successive_bests(result)
     exact = result.solver.name == EXHAUSTIVE
-    rows = np.union1d(result.selected(max(DESIGNS, len(front))), [*lineage, chosen])
+    rows = np.union1d(result.selected(SHOWN), [*lineage, chosen])
     place = {row: i for i, row in enumerate(rows.tolist())}
     reasons = [*dict.fromkeys(map(str, result.reasons))]
     codes = np.array([reasons.index(str(r)) for r in result.reasons])
@@ -230,12 +224,6 @@ def common(
     }
 
 
-def _spread(ranked: list[int], most: int) -> list[int]:
-    """At most so many of a ranking, evenly spread, the first and the last among them."""
-    picks = np.unique(np.linspace(0, len(ranked) - 1, min(most, len(ranked))).round().astype(int))
-    return [ranked[i] for i in picks]
-
-
 def splines(space: Waypoints) -> dict[str, Any]:
     """Every sole of a space at once: a spline is linear in its heights.
 
@@ -263,14 +251,12 @@ def traces_of_flat(flat: Walk) -> dict[str, Any]:
 
 
 def _traces(walk: Walk, frames: int) -> dict[str, Any]:
-    """A walk at some of its samples, its peaks among them, and the forces along its sole."""
+    """A walk at its samples, or an even selection of many, and the forces along its sole at fewer."""
     foot = walk.foot
     shared = {"ankle": foot.ankle, "top": foot.top, "reason": walk.reason}
     if len(walk.t) == 0:
         return {**shared, "t": packed(walk.t)}
-    traces = ("com", "velocity", "force", "power", "work")
-    columns = np.concatenate([getattr(walk, name).reshape(len(walk.t), -1) for name in traces], axis=1)
-    index = _bends(walk.t, columns)
+    index = np.unique(np.linspace(0, len(walk.t) - 1, SAMPLES * frames).astype(int))
     even = np.unique(np.searchsorted(walk.t, np.linspace(walk.t[0], walk.t[-1], frames)))
     sole = foot.plates(walk.accuracy.plates, walk.accuracy.rule)
     begin, size = groups(sole.x.shape[1], ARROWS)
@@ -279,27 +265,9 @@ def _traces(walk: Walk, frames: int) -> dict[str, Any]:
     return {
         **shared,
         "t": packed(walk.t[index], exact=True),
-        **{name: packed(getattr(walk, name)[index]) for name in traces},
+        **{name: packed(getattr(walk, name)[index]) for name in TRACES},
         "at": packed(np.stack(at, axis=-1)),
         "area": packed(np.add.reduceat(sole.area[0], begin), exact=True),
         "when": packed(walk.t[even], exact=True),
         "arrows": packed(forces_along(walk, even, ARROWS).force),
     }
-
-
-def _bends(t: Array, columns: Array) -> Ints:
-    """Samples between which straight lines are nowhere farther than `BEND` from traces, (T, n)."""
-    span = np.ptp(columns, axis=0)
-    scaled = columns / np.where(span > 0.0, span, 1.0)
-    keep, open_ = {0, len(t) - 1}, [(0, len(t) - 1)]
-    while open_:
-        a, b = open_.pop()
-        if b - a < 2:
-            continue
-        part = ((t[a : b + 1] - t[a]) / (t[b] - t[a]))[:, None]
-        away = np.abs(scaled[a : b + 1] - (1.0 - part) * scaled[a] - part * scaled[b]).max(axis=1)
-        worst = a + int(away.argmax())
-        if away.max() > BEND:
-            keep.add(worst)
-            open_ += [(a, worst), (worst, b)]
-    return np.array(sorted(keep))
