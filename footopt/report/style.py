@@ -22,7 +22,6 @@ from fontTools import subset
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import ScalarFormatter
 from numpy.typing import NDArray
 
 from footopt.files.io import write_bytes
@@ -122,28 +121,7 @@ def new_figure(width: float, height: float) -> Figure:
     # laid out at the resolution of its picture: formulas are parsed once for both
     figure = Figure(figsize=(width, height), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
-    figure.add_axobserver(_plain_ticks)
     return figure
-
-
-class PlainTicks(ScalarFormatter):
-    """Numbers of ticks as text: as formulas they take a third of a figure's time. A power of ten is one."""
-
-    def get_offset(self) -> str:
-        """What all numbers are multiplied with."""
-        self.set_useMathText(True)
-        try:
-            return str(super().get_offset())
-        finally:
-            self.set_useMathText(False)
-
-
-def _plain_ticks(figure: Figure) -> None:
-    """Give new axes their format of numbers; axes that share ticks share it."""
-    for axes in figure.axes:
-        for axis in (axes.xaxis, axes.yaxis):
-            if type(axis.get_major_formatter()) is ScalarFormatter:
-                axis.set_major_formatter(PlainTicks(useMathText=False))
 
 
 @styled
