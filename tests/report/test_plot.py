@@ -198,7 +198,7 @@ def test_a_notebook_shows_cards_by_itself():
 
 
 def test_what_cannot_be_drawn_is_refused():
-    with pytest.raises(SettingError, match="thing = 5: must be one of these: .*Walk"):
+    with pytest.raises(SettingError, match=r"thing = 5: must be one of these: .*Walk"):
         fo.plot(5)
 
 
