@@ -12,6 +12,7 @@ import threading
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from rich import box
@@ -19,8 +20,6 @@ from rich.console import Console
 from rich.table import Table as RichTable
 from rich.text import Text
 
-from footopt.design import Confirmation, SearchResult
-from footopt.design.archive import causes
 from footopt.effects import Effect, LeadingEdge, name_of
 from footopt.foot import Foot, Waypoints
 from footopt.foot.waypoints import written
@@ -31,6 +30,9 @@ from footopt.sand.law import EARTH
 from footopt.walk import MEASURES, Scene, gain_shares
 from footopt.walk.audit import parameters
 from footopt.walk.validity import Diagnostic
+
+if TYPE_CHECKING:
+    from footopt.design import Confirmation, SearchResult
 
 HEADER = 8  # letters of a line of a number's header
 WORDS = 10  # letters of a table's first column in the narrowest terminal
@@ -218,6 +220,8 @@ def describe_setup(scene: Scene, foot: Foot | Waypoints) -> str:
 
 def describe_search(result: SearchResult) -> str:
     """What a search did, in one line."""
+    from footopt.design.archive import causes  # a foot is drawn without the optimiser
+
     bad = result.infeasible
     why = f" ({causes(result.failures)})" if bad else ""
     reused = f", {result.reused} of them known" if result.reused else ""
