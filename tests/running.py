@@ -35,12 +35,6 @@ def tries(few):
     return int(os.environ.get("FOOTOPT_TRIES") or few)
 
 
-def seeds(few):
-    """Seeds of so many tries; FOOTOPT_SEED is the first, for draws that nobody has seen."""
-    first = int(os.environ.get("FOOTOPT_SEED") or 0)
-    return range(first, first + tries(few))
-
-
 #: A search that is over at once.
 QUICK = ["accuracy=draft", "solver.pop_size=10", "solver.n_gen=3"]
 #: About a second of search, so that a signal has something to hit.
