@@ -21,7 +21,6 @@ from footopt.errors import check
 from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
 from footopt.report.figures.accuracy import work_precision
-from footopt.report.numbers import title
 from footopt.sand import Sand
 from footopt.studies.base import Study
 from footopt.studies.validation.model import model_error
@@ -70,9 +69,6 @@ class Measurement:
         Relative, of the `QUANTILE`; infinite where a walk failed.
     worst : (sands,)
         As `errors`, of each foot's worst objective.
-    time_error : float
-        As the largest of `worst`, but against small steps with the same plates and creep; NaN where it
-        was not measured.
     evaluations, plate_evaluations : float
         Of the contact, and of plates in it; per design, mean over the sands.
     ms : float
@@ -84,7 +80,6 @@ class Measurement:
     accuracy: Accuracy
     errors: Array
     worst: Array
-    time_error: float
     evaluations: float
     plate_evaluations: float
     ms: float
@@ -113,25 +108,19 @@ def run(study: Study) -> None:
     grid, limit = (quick_grid(), QUICK_LIMIT) if quick else (full_grid(), LIMIT)
     about = f"{len(grid)} settings, {count} feet inside their box, sands {', '.join(SANDS)}"
     study.say(about)
-    limits = (limit, replace(limit, plates=PLATES, creep=1e-4))
-    how: dict[str, Any] = {"space": space, "threads": study.threads}
-    truths: list[list[Array]] = []
-    measured = []
+    truths, measured = [], []
     with study.compiling("every stepper"):
         for stepper in STEPPERS:
             evaluate(feet[:1], scenes[0], Accuracy(stepper), space=space, threads=1)
-    with study.progress(len(grid) + 2 * len(scenes), "measurement") as step:
-        for accuracy in limits:
-            truths.append([])
-            for scene in scenes:
-                truths[-1].append(evaluate(feet, scene, accuracy, MEASURED, **how).values)
-                step("the limit of small steps and many plates")
+    with study.progress(len(grid) + len(scenes), "measurement") as step:
+        for scene in scenes:
+            truths.append(evaluate(feet, scene, limit, MEASURED, space, study.threads).values)
+            step("the limit of small steps and many plates")
         for accuracy in grid:
-            measured.append(measure(accuracy, feet, scenes, space, *truths))
+            measured.append(measure(accuracy, feet, scenes, space, truths))
             step(f"{accuracy.stepper}, dt {1e3 * accuracy.dt:g} ms, {accuracy.plates} plates")
     write_table(study, measured)
     study.save("accuracy", work_precision(measured, list(PRESETS.values())), CAPTION)
-    orders = {name: order(measured, name) for name in STEPPERS}
     flat, spread = Foot.flat(space), study.options.spread.zeta
     errors = [model_error(simulate(flat, scene, "fine"), spread=spread) for scene in scenes]
     picks = {tolerance: cheapest(measured, tolerance) for tolerance in TOLERANCES}
@@ -144,7 +133,6 @@ def run(study: Study) -> None:
             "seed": study.seed,
             "feet": feet.tolist(),
             "model_error": dict(zip(SANDS, errors, strict=True)),
-            "orders": orders,
             "presets": [
                 {"preset": name, **m.row, "wrong": dict(zip(SANDS, m.wrong.tolist(), strict=True))}
                 for name, m in presets.items()
@@ -152,8 +140,6 @@ def run(study: Study) -> None:
             "cheapest": {str(t): None if m is None else m.row for t, m in picks.items()},
         },
         said=[
-            "Measured order: "
-            + ", ".join(f"{title(n)} {v:.1f}" for n, v in orders.items() if np.isfinite(v)),
             *(f"Cheapest within {100 * t:g} %: {_describe(m)}" for t, m in picks.items()),
             *terminal.describe_model(errors),
         ],
@@ -199,7 +185,6 @@ def measure(
     scenes: Sequence[Scene],
     space: Waypoints,
     limits: Sequence[Array],
-    same_plates: Sequence[Array],
 ) -> Measurement:
     """Errors and cost of one setting.
 
@@ -213,12 +198,12 @@ def measure(
         One on each sand.
     space : Waypoints
         The design space.
-    limits, same_plates : sequences of (feet, `MEASURED`)
-        The right values in each scene: of many plates, and of small steps with `PLATES` plates.
+    limits : sequence of (feet, `MEASURED`)
+        The right values in each scene.
     """
-    errors, worst, in_time, counts, wrong, seconds = [], [], [], [], [], 0.0
+    errors, worst, counts, wrong, seconds = [], [], [], [], 0.0
     evaluate(feet[:1], scenes[0], accuracy, space=space, threads=1)  # compiled, pose table made
-    for scene, limit, other in zip(scenes, limits, same_plates, strict=True):
+    for scene, limit in zip(scenes, limits, strict=True):
         started = own_time()
         found = evaluate(feet, scene, accuracy, MEASURED, space=space, threads=1)
         seconds += own_time() - started
@@ -227,14 +212,11 @@ def measure(
         wrong.append(wrong_pairs(found.values[:, j], limit[:, j]))
         errors.append(np.percentile(error, QUANTILE, axis=0))
         worst.append(np.percentile(error.max(axis=1), QUANTILE))
-        in_time.append(np.percentile(_error(found.values, other)[:, : len(FIVE)].max(axis=1), QUANTILE))
-    time_only = accuracy == Accuracy(accuracy.stepper, accuracy.dt, PLATES, 1e-4)
     evaluations, plates = np.mean(counts, axis=0).tolist()
     return Measurement(
         accuracy,
         np.array(errors),
         np.array(worst),
-        float(max(in_time)) if time_only else float("nan"),
         evaluations,
         plates,
         1e3 * seconds / (len(feet) * len(scenes)),
@@ -270,15 +252,6 @@ def pareto(measured: Sequence[Measurement]) -> list[Measurement]:
 def cheapest(measured: Sequence[Measurement], tolerance: float) -> Measurement | None:
     """The cheapest setting whose error is within the tolerance."""
     return min((m for m in measured if m.error <= tolerance), key=lambda m: work(m.row), default=None)
-
-
-def order(measured: Sequence[Measurement], stepper: str) -> float:
-    """Measured order of a stepper: slope of log error over log dt, where the error is below 5 %."""
-    own = [m for m in measured if m.accuracy.stepper == stepper and 1e-6 < m.time_error < 0.05]
-    if len(own) < 2:
-        return float("nan")
-    x, y = np.log([m.accuracy.dt for m in own]), np.log([m.time_error for m in own])
-    return float(np.polyfit(x, y, 1)[0])
 
 
 def write_table(study: Study, measured: Sequence[Measurement]) -> None:

@@ -252,7 +252,7 @@ class TestExport:
 
 class TestAccuracy:
     @pytest.mark.slow
-    def test_a_first_look_measures_errors_costs_and_orders(self, tmp_path):
+    def test_a_first_look_measures_errors_and_costs(self, tmp_path):
         done = footopt("study=accuracy", "study.quick=true", "study.feet=3", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         folder = only_folder(tmp_path)
@@ -266,8 +266,6 @@ class TestAccuracy:
         assert errors["sdirk2", "arc", 2.5e-3, 64] < errors["sdirk2", "arc", 1e-2, 32]
         assert errors["explicit_euler", "arc", 1e-3, 64] < errors["explicit_euler", "arc", 2e-3, 64]
         assert all(float(r["ms"]) > 0 for r in rows)
-        assert result["orders"]["sdirk2"] > 1.5
-        assert 0.5 < result["orders"]["explicit_euler"] < 1.5
         assert [row["preset"] for row in result["presets"]] == ["draft", "standard", "fine"]
         assert all(0.0 <= w <= 1.0 for row in result["presets"] for w in row["wrong"].values())
         assert (folder / "figures" / "accuracy.png").is_file()
