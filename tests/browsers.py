@@ -100,29 +100,6 @@ class Page:
         )
         return actions.move_to_element_with_offset(element, x, y)
 
-    def touch(self, selector, start, end):
-        """Drag a finger inside an element, from and to fractions of its width and height."""
-        from selenium.webdriver.common.actions.action_builder import ActionBuilder
-        from selenium.webdriver.common.actions.interaction import POINTER_TOUCH
-        from selenium.webdriver.common.actions.pointer_input import PointerInput
-
-        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", self[selector])
-        builder = ActionBuilder(self.driver, mouse=PointerInput(POINTER_TOUCH, "finger"), duration=60)
-        middle = [(a + b) / 2 for a, b in zip(start, end, strict=True)]
-        for place in (start, middle, end):
-            side = self[selector].size
-            x, y = ((part - 0.5) * side[name] for part, name in zip(place, ("width", "height"), strict=True))
-            builder.pointer_action.move_to(self[selector], round(x), round(y))
-            if place is start:
-                builder.pointer_action.pointer_down()
-        builder.pointer_action.pointer_up()
-        builder.perform()
-
-    def hover(self, selector, place):
-        """What is said of a place in an element under the pointer."""
-        self._pointer(selector, place).perform()
-        return self["#tip"].text
-
     def emulate(self, **features):
         """Media features of the browser, such as prefers_color_scheme="dark"."""
         pairs = [{"name": name.replace("_", "-"), "value": value} for name, value in features.items()]

@@ -6,9 +6,7 @@ import subprocess
 
 import numpy as np
 import pytest
-from matplotlib.animation import FFMpegWriter
 from PIL import Image
-from running import footopt
 
 import footopt as fo
 from footopt.errors import FileError, FootoptError, SettingError
@@ -37,12 +35,6 @@ def test_a_gif_has_the_frames_and_the_pace_that_were_asked_for(walk, tmp_path):
     moved = [abs(a - b).mean() for a, b in itertools.pairwise(frames)]
     assert max(moved[:4]) < 0.5  # it stands until .5 s but for the clock
     assert min(moved[7:-1]) > 0.5  # and then it walks
-
-
-def test_a_gif_has_the_nearest_rate_that_it_can_have():
-    assert [1000 / film.gif_rate(fps) // 1 for fps in (10, 24, 25, 30, 33, 50, 60, 100)] == [
-        100, 40, 40, 30, 30, 20, 20, 20,
-    ]  # fmt: skip
 
 
 def test_a_gif_that_would_fill_the_memory_is_refused(walk, tmp_path):
@@ -82,15 +74,6 @@ def test_a_frame_shows_legs_soles_force_and_time(walk):
     count = len(axes.get_children())
     show(1)
     assert len(axes.get_children()) == count  # what was drawn before is gone
-
-
-def test_arrows_of_the_close_up_are_seen_whole(walk):
-    t = film.times(walk, 10, 1.0)
-    figure, show = film.scene_of(walk, t, 1.0)
-    close = figure.axes[1]
-    for i in range(len(t)):
-        show(i)
-        assert np.nanmin(line(close, "force")[:, 1], initial=0.0) > close.get_ylim()[0]
 
 
 def test_the_camera_follows_a_long_walk():
@@ -133,46 +116,15 @@ def test_an_mp4_is_what_players_play(walk, tmp_path):
     assert int(frames) == len(film.times(walk, 5, 1.0))
 
 
-@needs_ffmpeg
-def test_what_ffmpeg_says_is_passed_on_and_no_half_a_film_is_left(walk, tmp_path, monkeypatch):
-    monkeypatch.setattr(film, "FFMpegWriter", lambda fps: FFMpegWriter(fps, codec="no_such_codec"))
-    monkeypatch.setattr(film.FFMpegWriter, "isAvailable", lambda: True, raising=False)
-    with pytest.raises(FileError, match="cannot be written"):
-        fo.animate(walk, tmp_path / "walk.mp4", fps=5, speed=1, dpi=40)
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_without_ffmpeg_it_says_what_to_install_and_that_a_gif_needs_nothing(walk, tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(FileError, match=r"ffmpeg, which is not installed .*try walk\.gif"):
         fo.animate(walk, tmp_path / "walk.mp4")
 
 
-@pytest.mark.parametrize(
-    ("name", "options", "words"),
-    [
-        ("walk.avi", {}, r"ends in \.gif or \.mp4"),
-        ("walk.gif", {"fps": 0}, "fps = 0"),
-        ("walk.gif", {"speed": -1.0}, r"speed = -1\.0"),
-        ("walk.gif", {"dpi": 5}, "dpi = 5"),
-    ],
-)
-def test_what_cannot_be_is_said_before_anything_is_drawn(walk, tmp_path, name, options, words):
-    with pytest.raises(SettingError, match=words):
-        fo.animate(walk, tmp_path / name, **options)
+def test_what_cannot_be_is_said_before_anything_is_drawn(walk, tmp_path):
+    with pytest.raises(SettingError, match=r"ends in \.gif or \.mp4"):
+        fo.animate(walk, tmp_path / "walk.avi")
+    with pytest.raises(SettingError, match="fps = 0"):
+        fo.animate(walk, tmp_path / "walk.gif", fps=0)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_place_that_cannot_be_written_is_named(walk, tmp_path):
-    (tmp_path / "file").write_text("")
-    (tmp_path / "walk.gif").mkdir()
-    for place in (tmp_path / "file" / "walk.gif", tmp_path / "walk.gif"):
-        with pytest.raises(FileError, match=str(place)):
-            fo.animate(walk, place)
-
-
-def test_the_command_line_says_at_once_why_there_is_no_film(tmp_path):
-    """`test_docs` runs the command that leaves one."""
-    done = footopt("study=simulate", "study.video=walk.mov", "hydra.run.dir=run", cwd=tmp_path)
-    assert done.returncode == 1
-    assert "study.video = 'walk.mov': must be a name that ends in .gif or .mp4" in done.stderr

@@ -14,8 +14,7 @@ from footopt.report.page.study import NOTHING
 from footopt.walk import OBJECTIVES
 
 NAMES = tuple(OBJECTIVES)
-SANDS = ("soft", "regular", "hard", "poppy_loose", "poppy_close", "glass_beads", "medium_sand",
-         "mars_simulant")  # fmt: skip
+SANDS = ("soft", "hard", "mars_simulant")
 #: Walks with each of these heights, and gives why they failed and what they are judged by.
 WALK = """
 const walked = FEET.map((k) => {
@@ -89,7 +88,7 @@ def test_200_soles_walk_as_in_python_in_a_browser(sand, browser, tmp_path):
 
 
 @browser_needed
-@pytest.mark.parametrize("seed", range(20, 30))
+@pytest.mark.parametrize("seed", range(20, 26))
 def test_so_do_soles_in_any_scene_or_the_page_says_what_rounding_does(seed, browser, tmp_path):
     # a few walks hang on their last digits: a plate turns round, or a step is halved, or not
     scene, accuracy, space = drawn(np.random.default_rng(seed))
@@ -109,7 +108,6 @@ def test_so_do_soles_in_any_scene_or_the_page_says_what_rounding_does(seed, brow
     ("scene", "accuracy", "foot", "said"),
     [
         (fo.Scene(effects=(fo.Rest(),)), "draft", fo.Waypoints(), "effects=rest"),
-        (fo.Scene(effects=(fo.Shadowing(),)), "draft", fo.Waypoints(), "effects=shadowing"),
         (fo.Scene(), fo.Accuracy("heun", 1e-3), fo.Waypoints(), "stepper=heun"),
         (fo.Scene(), "draft", fo.Waypoints(closed=True), "foot.closed=true"),
         (fo.Scene(t_f=1e4), "draft", fo.Foot.flat(), "too long"),

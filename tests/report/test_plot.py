@@ -20,7 +20,6 @@ import footopt as fo
 from footopt.errors import FootoptError, MissingError, SettingError
 from footopt.files import io as files
 from footopt.report import body, plot
-from footopt.report.figures import walker
 from footopt.report.terminal import describe_outside
 from footopt.walk.validity import diagnose
 
@@ -124,13 +123,6 @@ def test_every_drawing_is_on_the_axes_that_it_was_given(things, name):
     assert plt.get_fignums() == []  # pyplot has seen nothing of it
 
 
-def test_a_plot_without_axes_makes_a_figure_that_a_notebook_shows(walked):
-    axes = fo.plot(walked)
-    assert axes.get_xlabel() == "$x$ (m)"
-    assert imread(io.BytesIO(axes._repr_png_())).shape[1] == pytest.approx(7 * plot.RESOLUTION, abs=2)
-    assert plt.get_fignums() == []
-
-
 def test_a_drawing_that_there_is_not_names_those_that_there_are(walked):
     with pytest.raises(SettingError, match="one of walk, com, velocity, force, power, work for a Walk"):
         fo.plot(walked, "energy")
@@ -149,14 +141,6 @@ def test_the_cards_say_what_the_objects_hold(card_of, walked, many, searches):
     text = card_of("one").text
     assert ",".join(map(str, best.k[best.best])) in text
     assert f"{best.values[best.best][0]:.4g} m" in text
-
-
-def test_the_card_of_a_robust_search_says_over_how_many_scenarios(monkeypatch):
-    scenarios = fo.draw(fo.Scene(), fo.Spread(zeta=0.5), count=2, seed=1)
-    problem = fo.RobustProblem(scenarios, accuracy="draft", space=fo.Waypoints(n=4, K=3))
-    result = fo.search(problem, "ga", pop_size=8, n_gen=2, seed=1)
-    monkeypatch.setattr(plot, "png", lambda figure, dpi: b"")
-    assert "worst of 2 scenarios" in Parsed(plot.card(result)).text
 
 
 def test_a_failed_walk_says_why_and_has_no_objectives(card_of):
@@ -197,11 +181,6 @@ def test_a_notebook_shows_cards_by_itself():
     assert Parsed(run.stdout).tags.count("img") == 1
 
 
-def test_what_cannot_be_drawn_is_refused():
-    with pytest.raises(SettingError, match=r"thing = 5: must be one of these: .*Walk"):
-        fo.plot(5)
-
-
 # --- what is drawn --------------------------------------------------------------------------------
 
 
@@ -219,13 +198,6 @@ def test_the_stress_map_is_the_sand_s(monkeypatch):
     assert drawn["values"][at] == pytest.approx(5.0 * 1.0)  # a level plate that moves down
     at = at[0], int(np.argmin(drawn["gamma"]))
     assert drawn["values"][at] == pytest.approx(5.0 * -0.25)
-
-
-def test_the_legs_of_the_picture_are_as_long_as_the_walker_s(walked):
-    placed = body.body(walked, walked.t[::50])
-    long = np.linalg.norm(np.diff(placed.legs, axis=2), axis=-1)
-    np.testing.assert_allclose(long, np.broadcast_to([0.47, 0.45], long.shape), rtol=1e-12)
-    np.testing.assert_allclose(placed.hip, walked.com[::50])
 
 
 def test_soles_are_where_the_plates_of_the_walk_are(walked):
@@ -249,33 +221,6 @@ def test_the_arrow_of_a_foot_is_its_force(walked):
     airborne = np.linalg.norm(force, axis=-1) == 0
     assert airborne.any()
     assert np.isnan(at[airborne]).all()
-
-
-def test_the_picture_of_a_walk_has_an_arrow_for_each_loaded_foot(walked):
-    axes = fo.plot(walked)
-    lines = [(line.get_label(), line.get_xydata()) for line in axes.lines]
-    (key,), drawn = ([points for name, points in lines if name == part] for part in ("_key", "_force"))
-    newtons = next(float(t.get_text().removesuffix(" N")) for t in axes.texts if t.get_text().endswith(" N"))
-    ends = np.concatenate(drawn)
-    force = np.linalg.norm(ends[1::7] - ends[0::7], axis=1) * newtons / (key[1, 0] - key[0, 0])
-    assert walker.POSES <= len(force) <= 2 * walker.POSES
-    assert force.max() <= np.linalg.norm(walked.force, axis=-1).max() * (1 + 1e-9)
-
-
-def test_the_ground_shows_the_strength_of_layers_and_patches():
-    scene = fo.Scene(effects=(fo.Layers((0.03,), (0.3,)), fo.Patches((0.4,), (0.9,), (2.5,)), fo.Slope(5)))
-    texts = {text.get_text() for text in fo.plot(scene).texts}
-    assert {"layer × 0.3", "patch × 2.5", "g = 9.81 m/s²", "5° uphill"} <= texts
-
-
-@pytest.mark.parametrize(("angle", "side"), [(10, -1), (-10, 1)])
-def test_gravity_pulls_backwards_uphill(angle, side):
-    axes = fo.plot(fo.Scene(effects=(fo.Slope(angle),)))
-    (arrow,) = (line.get_xydata() for line in axes.lines if line.get_label() == "_gravity")
-    (x0, z0), (x1, z1) = arrow[:2]
-    assert np.sign(x1 - x0) == side
-    assert z1 < z0
-    assert abs((x1 - x0) / (z1 - z0)) == pytest.approx(np.tan(np.radians(10)))
 
 
 # --- tables ---------------------------------------------------------------------------------------

@@ -23,10 +23,9 @@ def lines(axes, name):
     return [found.get_xydata() for found in axes.lines if found.get_label() == f"_{name}"]
 
 
-@pytest.mark.parametrize("effects", [(), WORLD], ids=["plain", "slope, patch and layer"])
 @browser_needed
-def test_the_page_draws_what_figures_and_films_draw(effects, browser, tmp_path):
-    walk = walked(effects)
+def test_the_page_draws_what_figures_and_films_draw(browser, tmp_path):
+    walk = walked(WORLD)
     content = page.walk_content(walk, {"accuracy": {"name": "draft"}, "scene": {"effects": {}}})
     shown = Page(browser, page.write(tmp_path / "page.html", content))
     times = walk.t[np.searchsorted(walk.t, np.subtract(shown.js("Array.from(open(0).when)"), 1e-6))[40::60]]
@@ -46,7 +45,7 @@ def test_the_page_draws_what_figures_and_films_draw(effects, browser, tmp_path):
             )  # fmt: skip
             shapes, words = shown.js(code)
             found = {name.removesuffix(" dots"): np.array(points, float) for name, points, *_ in shapes}
-            for name in ("left-leg", "right-sole", "force", "key", *["gravity"] * bool(effects)):
+            for name in ("left-leg", "right-sole", "force", "key", "gravity"):
                 (drawn,) = lines(axes, name)
                 assert np.shape(found[name])[1] == 2
                 if name == "right-sole":  # the page has fewer points of it
@@ -69,19 +68,3 @@ def test_a_drawn_print_is_as_deep_as_soles_were():
     assert z[-1].min() == pytest.approx(low, abs=1e-3)
     turns = np.diff(np.sign(np.diff(z[-1][z[-1] < 0.0])))
     assert (turns != 0).sum() < 30  # no teeth: a few in each print
-
-
-def test_an_arrow_is_as_long_as_its_force_and_has_a_head():
-    axes = new_figure(3.0, 3.0).subplots()
-    begin, along = (
-        np.array([[0.0, 0.0], [1.0, 2.0], [5.0, 5.0]]),
-        np.array([[3.0, 4.0], [0.0, 1e-9], [0.0, 2.0]]),
-    )
-    stage.draw_arrows(axes, begin, along, View(-9.0, 9.0, -9.0, 9.0, unit=0.1), "force")
-    (drawn,) = lines(axes, "force")
-    assert len(drawn) == 2 * 7  # one is too short to be seen
-    assert drawn[:2].tolist() == [[0.0, 0.0], [3.0, 4.0]]
-    assert np.isnan(drawn[2]).all()
-    heads = np.linalg.norm(drawn[[3, 5]] - drawn[4], axis=1)
-    assert heads == pytest.approx(1.3 * 0.1 * np.sqrt(1.16))
-    assert (drawn[3] - drawn[5]) @ [3.0, 4.0] == pytest.approx(0.0)  # across the arrow

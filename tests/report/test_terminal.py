@@ -4,7 +4,6 @@ import io
 import re
 import sys
 
-import numpy as np
 import pytest
 from rich.console import Console
 from study_pages import leave_job
@@ -12,9 +11,7 @@ from terminals import on_a_terminal
 
 import footopt as fo
 from footopt.report import summary, terminal
-from footopt.report.progress import progress, report_generations
-from footopt.studies.base import Study
-from footopt.studies.settings import Config
+from footopt.report.progress import progress
 
 FOOTOPT = [sys.executable, "-m", "footopt"]
 COLOUR = re.compile(r"\x1b\[[\d;]*\b(3[0-8]|4[0-8]|9[0-7]|10[0-7])[\d;]*m")
@@ -29,40 +26,6 @@ def test_a_log_file_has_no_progress():
     assert file.getvalue() == ""
 
 
-@pytest.mark.parametrize(
-    ("base", "best"), [(None, r"efficiency J_W -\S+"), (np.nan, r"efficiency J_W -\S+"),
-                       (-1e-4, r"J_W x \d\.\d\d of flat")],
-)  # fmt: skip
-def test_a_search_tells_its_best_value(base, best):
-    said = []
-    tell = report_generations(lambda news="", units=1: said.append(news), "efficiency", base=base)
-    fo.search(fo.FootProblem(accuracy="draft"), "ga", tell, pop_size=10, n_gen=2)
-    assert len(said) == 2
-    assert re.fullmatch(rf"best {best}, \d+ evaluations/s", said[-1])
-
-
-PIECE = """
-import time
-from footopt.report.progress import progress
-from footopt.report.terminal import console
-with progress(console(), {units}, "walk") as step:
-    for i in range({units}):
-        time.sleep({seconds})
-        step(news=f"number {{i}} of these")
-"""
-
-
-class TestATerminal:
-    @pytest.mark.slow
-    def test_has_a_bar_that_stays_within_its_width(self):
-        text, code = on_a_terminal([sys.executable, "-c", PIECE.format(units=28, seconds=0.1)], 60)
-        assert code == 0
-        lines = [line for line in re.split(r"[\r\n]+", ESCAPE.sub("", text)) if "walk " in line]
-        assert all(len(line) <= 60 for line in lines)
-        assert re.search(r"walk \d+/28 ━+", lines[-1])
-        assert len({line.split()[1] for line in lines}) > 3  # it moved
-
-
 SINKING = [*FOOTOPT, "study=simulate", "sand.zeta=0.001", "accuracy=draft"]  # warns, in yellow
 
 
@@ -74,9 +37,8 @@ class TestColours:
         assert COLOUR.search(text)
 
     @pytest.mark.slow
-    @pytest.mark.parametrize("environment", [{"NO_COLOR": "1"}, {"TERM": "dumb"}], ids=str)
-    def test_not_where_they_are_not_wanted(self, environment, tmp_path):
-        text, code = on_a_terminal(SINKING, cwd=tmp_path, **environment)
+    def test_not_where_they_are_not_wanted(self, tmp_path):
+        text, code = on_a_terminal(SINKING, cwd=tmp_path, NO_COLOR="1")
         assert code == 1
         assert "The walk failed" in text
         assert not COLOUR.search(text)
@@ -115,22 +77,3 @@ class TestNarrowTables:
         assert "…" not in text
         assert terminal.number(walk.objectives["work"]) in text
         assert "summary.csv, too: efficiency, cost of transport" in text
-
-    def test_a_folders_name_is_in_one_piece(self, tmp_path):
-        study = Study(Config(), tmp_path / ("deep[er]" * 20), {})
-        study.console = Console(
-            file=io.StringIO(), width=80, force_terminal=True, highlight=False, markup=False
-        )
-        study.close()
-        assert str(study.folder) in study.console.file.getvalue()
-
-
-class TestModelError:
-    def test_errors_of_several_walks_are_ranges_and_what_failed_has_none(self):
-        (line,) = terminal.describe_model(
-            [{"work": 0.54, "distance": 0.06}, {}, None, {"work": 0.98, "distance": 0.06}]
-        )
-        assert line.endswith(": work 54 % to 98 %, distance 6 %")
-
-    def test_without_walks_nothing_is_said(self):
-        assert terminal.describe_model([{}, None]) == []
