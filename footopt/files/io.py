@@ -159,7 +159,8 @@ def parse_table(text: str) -> Table:
             held = f"row {i} has {len(row)} cells, the header {len(header)}"
             raise Unusable(f"not a table of numbers ({held}).")
     cells = np.array(rows, str).reshape(len(rows), len(header))
-    return Table(header, cells if mark == "," else np.char.replace(cells, ",", "."))
+    dots = mark == "," or not cells.size  # numpy replaces nothing in no cells
+    return Table(header, cells if dots else np.char.replace(cells, ",", "."))
 
 
 def read_columns(
