@@ -32,7 +32,6 @@ OTHERS = {"python", "make", "pip", "pytest", "sphinx-build", "pre-commit", "sbat
 #: What makes a search small.
 SMALL = {"solver.pop_size": "8", "solver.n_gen": "2", "study.finalists": "2", "accuracy": "draft",
          "study.confirm": "null"}  # fmt: skip
-BENCHMARKS = sorted(path.name for path in (ROOT / "benchmarks").glob("*.py"))
 GROUPS = groups()
 KEYS = {key[:end] for key in known() for end in (*(i for i, c in enumerate(key) if c == "."), len(key))}
 
