@@ -18,7 +18,7 @@ from footopt.studies.build import make_scene
 from footopt.studies.settings import Config
 from footopt.walk import FIVE, Scene, evaluate
 from footopt.walk.accuracy import TOLERANCES
-from footopt.walk.audit import QUANTILE, Audit, Joint, audit, parameters
+from footopt.walk.audit import QUANTILE, Audit, audit, parameters
 from footopt.walk.calls import LITERATURE, Call, calls
 
 TOLERANCE = 0.01  # where neither the effects nor the accuracy state one
@@ -127,13 +127,6 @@ def calls_table(found: Sequence[Call]) -> Table:
 def call_entry(c: Call) -> dict[str, Any]:
     """A number of a scene in result.json."""
     return {**asdict(c), "verdict": c.verdict}
-
-
-def joint_entry(j: Joint) -> dict[str, Any]:
-    """Effects together in result.json."""
-    parts = {"changes": j.changes, "extra": j.extra}
-    each = {name: dict(zip(FIVE, part.tolist(), strict=True)) for name, part in parts.items()}
-    return {"effects": j.names, **each, "walks_lost": j.lost}
 
 
 def audit_entry(a: Audit) -> dict[str, Any]:

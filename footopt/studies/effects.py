@@ -9,18 +9,17 @@ from rich.table import Table
 from footopt.effects import EFFECTS, Effect
 from footopt.errors import check
 from footopt.report import terminal
-from footopt.report.figures.effects import changes, pairs
-from footopt.studies.auto_effects import audit_entry, call_entry, calls_table, joint_entry, soles, tolerance
+from footopt.report.figures.effects import changes
+from footopt.studies.auto_effects import audit_entry, call_entry, calls_table, soles, tolerance
 from footopt.studies.base import Study, accuracy_entry, scene_entry
 from footopt.walk import FIVE, Scene, evaluate
-from footopt.walk.audit import Audit, Joint, audit, interactions, percent, switched
-from footopt.walk.calls import LITERATURE, calls
+from footopt.walk.audit import Audit, audit, percent, switched
+from footopt.walk.calls import calls
 
 HEADER = (
     "effect", "sand", *(f"change_{n}" for n in FIVE), *(f"shift_{n}" for n in FIVE),
     "tau", "lost", "feet", "cost", "tolerance", "matters", "verdict",
 )  # fmt: skip
-PAIRS = ("effects", *(f"change_{n}" for n in FIVE), *(f"extra_{n}" for n in FIVE), "lost")
 
 
 def run(study: Study) -> None:
@@ -40,22 +39,14 @@ def run(study: Study) -> None:
         for effect in effects:
             found.append(audit(effect, scene, feet, study.accuracy, limit, space))
             step(news=found[-1].name.replace("_", " "))
-    # what goes into pairs may be true of any sand, or the scene has it
-    together = [e for e in effects if isinstance(e, LITERATURE) or e in scene.effects]
-    with study.compiling("a walk for each pair of effects, minutes in all"):
-        joints = interactions(together, scene, feet, study.accuracy, space)
     study.write_csv("effects.csv", HEADER, [_row(a) for a in found])
-    study.write_csv("pairs.csv", PAIRS, [["+".join(j.names), *j.changes, *j.extra, j.lost] for j in joints])
     caption = "What each effect changes in every objective, against the change that matters."
     study.save("effects", changes(found), caption)
-    caption = "What effects change together, beyond what each changes alone."
-    study.save("pairs", pairs(joints, limit), caption)
     study.conclude(
         "What each effect changes",
-        [calls_table(called), table(found), pairs_table(joints)],
+        [calls_table(called), table(found)],
         {
             "calls": [call_entry(c) for c in called],
-            "interactions": [joint_entry(j) for j in joints],
             "seed": study.seed,
             "feet": feet.tolist(),
             **scene_entry(scene, study.accuracy, ()),
@@ -97,17 +88,4 @@ def table(found: Sequence[Audit]) -> Table:
         cells = [f"{'+' if shift > 0 else '-'}{percent(100 * change)}" for change, shift in pairs]
         cells += [f"{a.tau:.2f}", f"x {a.cost:.2f}", "yes" if a.matters else "no"]
         shown.add_row(a.name.replace("_", " "), *cells)
-    return shown
-
-
-def pairs_table(found: Sequence[Joint]) -> Table:
-    """Interactions for the terminal, in %."""
-    shown = terminal.table(
-        ("effects together", *(n.replace("_", " ") for n in FIVE), "walks lost"),
-        words=("effects together",),
-        title="change beyond what each effect makes alone, not exceeded by 95 % of the feet (%)",
-    )
-    for j in found:
-        cells = [percent(100.0 * e) for e in j.extra]
-        shown.add_row(" + ".join(j.names).replace("_", " "), *cells, str(j.lost))
     return shown

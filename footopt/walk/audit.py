@@ -10,7 +10,6 @@ import statistics
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -162,73 +161,6 @@ def audit(
         cost=statistics.median(b / a for a, b in zip(*seconds, strict=True)),
         tolerance=tolerance,
     )
-
-
-@dataclass(frozen=True, eq=False)
-class Joint:
-    """What several effects do together that they do not do one by one.
-
-    Parameters
-    ----------
-    names : tuple of str
-        Of the effects.
-    changes : (objectives,)
-        Relative, against none of them, not exceeded by 95 % of the feet; columns `FIVE`.
-    extra : (objectives,)
-        The same of what is beyond the product of the changes by each alone.
-    lost : int
-        Feet that walk without them and fail with them.
-    """
-
-    names: tuple[str, ...]
-    changes: Array
-    extra: Array
-    lost: int
-
-    @property
-    def worst(self) -> str:
-        """The objective in which they depend on each other most."""
-        return FIVE[int(np.argmax(np.nan_to_num(self.extra, nan=-1.0)))]
-
-
-def interactions(
-    effects: Sequence[Effect],
-    scene: Scene,
-    feet: Sequence[Foot] | ArrayLike,
-    accuracy: Accuracy | str = "standard",
-    space: Waypoints | None = None,
-) -> list[Joint]:
-    """Walk with effects in pairs, and with all together; parameters as in `audit`.
-
-    Returns
-    -------
-    list of Joint
-        Every pair, and then all if there are more than two.
-    """
-    base = replace(
-        scene, effects=tuple(e for e in scene.effects if not isinstance(e, tuple(map(type, effects))))
-    )
-
-    def values(chosen: Sequence[Effect]) -> Array:
-        return evaluate(feet, replace(base, effects=(*base.effects, *chosen)), accuracy, space=space).values
-
-    none = values(())
-    ratios = {type(effect): values((effect,)) / none for effect in effects}
-    sets: list[tuple[Effect, ...]] = list(combinations(effects, 2))
-    sets += [tuple(effects)] if len(effects) > 2 else []
-    found = []
-    for chosen in sets:
-        change = values(chosen) / none - 1.0
-        product = np.prod([ratios[type(effect)] for effect in chosen], axis=0)
-        walked = np.isfinite(none).all(axis=1)
-        failed = walked & ~np.isfinite(change).all(axis=1)
-        both = np.isfinite(change + product).all(axis=1)
-        sizes = [
-            np.percentile(np.abs(part[both]), QUANTILE, axis=0) if both.any() else np.full(len(FIVE), np.nan)
-            for part in (change, change + 1.0 - product)
-        ]
-        found.append(Joint(tuple(map(name_of, chosen)), sizes[0], sizes[1], int(failed.sum())))
-    return found
 
 
 def switched(effect: Effect, scene: Scene) -> tuple[Scene, Scene]:

@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import kendalltau
 
 import footopt as fo
-from footopt.walk.audit import audit, interactions, switched, tau
+from footopt.walk.audit import audit, switched, tau
 
 FEET = fo.Waypoints().random(12, seed=3, inside=True)
 
@@ -39,18 +39,3 @@ def test_the_effect_takes_the_place_of_one_of_its_kind():
     without, with_ = switched(other, fo.Scene(effects=(one, slope)))
     assert without.effects == (slope,)
     assert set(with_.effects) == {other, slope}
-
-
-def test_effects_together_change_what_is_walked_and_say_what_is_beyond_each_alone():
-    edge, shade = fo.LeadingEdge(), fo.Shadowing()
-    scene = fo.Scene(effects=(edge,))  # which is switched off first
-    (joint,) = interactions((edge, shade), scene, FEET, "draft")
-    none, with_edge, with_shade, both = (
-        fo.evaluate(FEET, fo.Scene(effects=on), "draft").values
-        for on in ((), (edge,), (shade,), (edge, shade))
-    )
-    assert joint.names == ("leading_edge", "shadowing")
-    np.testing.assert_allclose(joint.changes, np.percentile(np.abs(both / none - 1.0), 95.0, axis=0))
-    beyond = both / none - with_edge / none * (with_shade / none)
-    np.testing.assert_allclose(joint.extra, np.percentile(np.abs(beyond), 95.0, axis=0))
-    assert joint.extra.max() > 0.01  # they are not independent of each other
