@@ -101,17 +101,6 @@ def hypervolume_shares(fronts: Sequence[Array]) -> list[float]:
     return [float(part / whole) for part in parts]
 
 
-def median_attainment(fronts: Sequence[Array]) -> Array:
-    """What half of the fronts attain, (points, 2), of F (designs, 2), minimised.
-
-    The empirical attainment function (Fonseca, Guerreiro, Lopez-Ibanez & Paquete 2011).
-    """
-    from moocore import eaf
-
-    sets = np.repeat(np.arange(len(fronts)), [len(front) for front in fronts])
-    return np.asarray(eaf(np.concatenate(fronts), sets, percentiles=[50])[:, :2])
-
-
 @dataclass(frozen=True)
 class Choice:
     """How one design of a front is chosen.

@@ -176,7 +176,7 @@ def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], N
             near._replace(left=hip - reach, right=hip + reach),
         )
         for axes, view in zip((whole, close), views, strict=True):
-            shown.extend([*stage.draw_ground(axes, i, view), *stage.draw_feet(axes, i, view)])
+            shown.extend([*stage.draw_ground(axes, view), *stage.draw_feet(axes, i, view)])
             axes.set_xlim(view[:2])
         ended = f", failed: {walk.reason}" if walk.reason and t[i] >= walk.t[-1] else ""
         clock.set_text(f"{t[i]:.2f} s{ended}")

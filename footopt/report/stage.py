@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -19,11 +18,8 @@ from footopt.walk import Scene, Walk
 Array = NDArray[np.float64]
 
 FAR = 1e6  # m, beyond any view
-STEP = 0.004  # m, between the places where the depth of a drawn print is known
-OFTEN = 0.005  # s, between the soles that it is drawn of
 SHORTEST = 0.8  # arrow that is drawn, in half letters: shorter ones would be heads alone
 BOTH = (0, 1)  # feet, the left one first
-DRAWN = "print drawn, not computed"
 TIMES = "\N{MULTIPLICATION SIGN}"
 ROUND: dict[str, Any] = {"solid_capstyle": "round", "solid_joinstyle": "round"}
 
@@ -83,33 +79,6 @@ def _strength(factor: float) -> str:
     return to_hex((1.0 - abs(weight)) * np.array(to_rgb(SAND)) + abs(weight) * goal)
 
 
-def printed(walk: Walk, t: Array) -> tuple[Array, Array]:
-    """The lowest that soles have been at each place: a print as it would stay if no sand fell back.
-
-    Returns
-    -------
-    x : (cells,), m
-        Places along the ground.
-    z : (M, cells), m
-        Of the sand there, at each of the times t (M,), s, which are in order.
-    """
-    fine = np.arange(0, max(float(t[-1]), walk.t[0]) + OFTEN, OFTEN).clip(walk.t[0], t[-1])
-    soles = body(walk, fine, walk.foot.points(200)).sole
-    first = float(soles[..., 0].min()) - STEP
-    x = first + STEP * np.arange(2 + math.ceil((soles[..., 0].max() - first) / STEP))
-    z, found, depth = np.zeros((len(t), len(x))), 0, np.zeros(len(x))
-    for n, now in enumerate(soles):
-        while found < len(t) and t[found] < fine[n] - 1e-12:
-            z[found] = depth
-            found += 1
-        # heel and toe go on between two instants
-        swept = np.linspace(soles[max(n - 1, 0)][:, [0, -1]], now[:, [0, -1]], 8)
-        points = np.concatenate([now.reshape(-1, 2), swept.reshape(-1, 2)])
-        np.minimum.at(depth, np.rint((points[:, 0] - first) / STEP).astype(int), points[:, 1])
-    z[found:] = depth
-    return x, z
-
-
 class Stage:
     """A walk at some instants, drawn on Axes in metres.
 
@@ -128,21 +97,15 @@ class Stage:
         index = np.minimum(np.searchsorted(walk.t, self.t), len(walk.t) - 1)  # forces are known at samples
         self.body, self.forces = body(walk, self.t), forces_along(walk, index, parts)
         self.ground = ground(walk.scene)
-        self.x, self.height = printed(walk, self.t)
 
-    def draw_ground(self, axes: Axes, i: int, view: View, words: bool = True) -> list[Any]:
-        """Draw the sand with its prints at the i-th instant; with words, gravity and the key, too."""
-        drawn = draw_ground(axes, self.ground, view, self.x, self.height[i], words)
-        if not words:
-            return drawn
-        if view.newtons:
+    def draw_ground(self, axes: Axes, view: View, words: bool = True) -> list[Any]:
+        """Draw the sand; with words, gravity and the key, too."""
+        drawn = draw_ground(axes, self.ground, view, words)
+        if words and view.newtons:
             at, length = (view.left + view.unit, view.low + 1.5 * view.unit), view.metres * view.newtons
             drawn += draw_arrows(axes, np.array([at]), np.array([[length, 0.0]]), view, "key")
             place = at[0] + length + view.unit, at[1]
             drawn += draw_words(axes, place, f"{view.newtons:g} N")
-        if view.close:  # beside the key, or above it
-            high = 1.5 + 2.1 * (view.right - view.left <= 70 * view.unit)
-            drawn += draw_words(axes, (view.right - view.unit, view.low + high * view.unit), DRAWN, "right")
         return drawn
 
     def draw_feet(
@@ -170,9 +133,9 @@ class Stage:
 
 
 def draw_ground(
-    axes: Axes, ground: dict[str, list[dict[str, Any]]], view: View, x: Array, z: Array, words: bool = True
+    axes: Axes, ground: dict[str, list[dict[str, Any]]], view: View, words: bool = True
 ) -> list[Any]:
-    """Draw sand, whose surface is at z over x and level elsewhere, its strips, and gravity on a slope."""
+    """Draw sand with its level surface, its strips, and gravity on a slope."""
     unit, edge = view.unit, PALETTE["surface"]
     ends = view.left, view.right
     drawn = [axes.fill_between(ends, view.low, 0.0, fc=SAND, lw=0, zorder=1.0)]
@@ -191,11 +154,7 @@ def draw_ground(
         elif len(strip["text"]) * unit <= b - a:  # where enough of it is seen for its name
             place = a + 0.6 * unit, min(top - 1.6 * unit, view.low + (1.5 + 4.2 * view.close) * unit)
             drawn += draw_words(axes, place, strip["text"])
-    at = np.concatenate([[view.left], x[(x > view.left) & (x < view.right)], [view.right]])
-    z = np.interp(at, x, z, 0.0, 0.0) if len(x) else np.zeros(2)
-    # the edges of strips end at prints
-    drawn.append(axes.fill_between(at, z, 0.1 * unit, fc=PALETTE["paper"], lw=0, zorder=1.2))
-    drawn += axes.plot(at, z, color=edge, lw=1.1, zorder=1.3, label="_surface", **ROUND)
+    drawn += axes.plot(ends, (0.0, 0.0), color=edge, lw=1.1, zorder=1.3, label="_surface", **ROUND)
     for slope in ground["gravity"] if words else ():
         begin = np.array([[view.right - 4 * unit, view.high - 5.4 * unit]])
         along = 6 * unit * np.array([[slope["x"], slope["z"]]])

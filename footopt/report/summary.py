@@ -180,7 +180,7 @@ def fronts(runs: Sequence[Run]) -> list[Fronts]:
         values = [np.array(r["front_values"], float)[:, c] for r, c in zip(results, columns, strict=True)]
         shares = hypervolume_shares([v * np.where(maximise, -1.0, 1.0) for v in values])
         labels = [" ".join(filter(None, own[i])) or runs[i].name for i in places]
-        found.append(Fronts(names, maximise, places, labels, values, shares))
+        found.append(Fronts(names, places, labels, values, shares))
     return found
 
 

@@ -294,13 +294,11 @@ def test_claims_say_where_they_hold():
     assert np.allclose(undecided, 1.0)
 
 
-def test_of_two_objectives_a_line_shows_what_half_of_the_seeds_attain():
+def test_fronts_of_seeds_share_a_colour_and_say_their_hypervolume():
     values = [np.array([[1.0, 3.0], [2.0, 4.0]]), np.array([[1.0, 2.0], [2.0, 3.0]])]
-    found = Fronts(("distance", "work"), (True, False), [0, 1, 2], ["ga", "ga", "de"], [*values, values[0]],
+    found = Fronts(("distance", "work"), [0, 1, 2], ["ga", "ga", "de"], [*values, values[0]],
                    [0.5, 0.7, 0.9])  # fmt: skip
     axes = fronts.fronts(found).axes[0]
-    points, _, line = axes.get_lines()
+    points, _ = axes.get_lines()
     np.testing.assert_array_equal(points.get_xydata(), np.concatenate(values))
-    np.testing.assert_array_equal(line.get_xydata(), found.median_attainment("ga"))
-    assert (line.get_drawstyle(), line.get_color()) == ("steps-pre", points.get_color())
     assert {"ga: 2 seeds, hypervolume 60 %", "de: hypervolume 90 %"} <= set(texts(axes.figure))

@@ -70,7 +70,7 @@ def steps(walks: Mapping[str, Walk], frames: int = 6, number: int = 0) -> Figure
             first = j == 0 and step is found[0]  # which has all words
             newtons = round_down(0.8 * LONGEST / metres) if first else 0.0
             view = View(left, left + span, low, high, inch / 72 * 4.5, metres, newtons, close=True)
-            step.stage.draw_ground(axes, j, view, words=first)
+            step.stage.draw_ground(axes, view, words=first)
             step.stage.draw_feet(axes, j, view, [step.foot])
             axes.set(xlim=view[:2], ylim=view[2:4], aspect="equal")
             axes.set_title(f"{step.since[j]:.2f} s", loc="left")

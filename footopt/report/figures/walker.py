@@ -30,7 +30,7 @@ def draw_walk(axes: Axes, walk: Walk) -> None:
     index = np.unique(np.searchsorted(walk.t, np.linspace(begin, walk.t[-1], POSES)))
     stage = Stage(walk, walk.t[index])
     view = view_of(stage)
-    stage.draw_ground(axes, -1, view)
+    stage.draw_ground(axes, view)
     for i in range(len(index)):
         stage.draw_feet(axes, i, view, label=i == len(index) - 1)
     axes.plot(*walk.com.T, color="black", lw=0.8, label="path of the COM", zorder=3.5)
@@ -49,7 +49,7 @@ def draw_scene(axes: Axes, scene: Scene) -> None:
     right = max([1.7 * height, *(end + 0.15 for end in far)])
     low = -max([0.2 * height, *(2.0 * d for d in deep)])
     view = View(-0.5 * height, right, low, 1.12 * height, letters(right + 0.5 * height, 4.5))
-    draw_ground(axes, ground(scene), view, np.empty(0), np.empty(0))
+    draw_ground(axes, ground(scene), view)
     for foot, leg in enumerate(joints):
         draw_leg(axes, foot, leg, label=True)
     draw_hip(axes, (0.0, height), f"COM, {scene.walker.mass:g} kg")

@@ -101,38 +101,6 @@ const PAINTS = {
   } },
 };
 
-/** The lowest that soles have been at each place so far: a print as it would stay if no sand fell back. */
-function printed(walk) {
-  const STEP = 0.004, often = 0.005, [x0, x1] = range(walk.com.filter((_, i) => i % 2 === 0), 0), from = x0 - 1;
-  const depth = new Float64Array(Math.ceil((x1 - x0 + 2) / STEP)), cells = Array.from(depth, (_, j) => ({ x: from + j * STEP, z: 0 }));
-  const points = walk.light.map(([u, v]) => [u - walk.ankle[0], v - walk.ankle[1]]), none = () => [NaN, NaN, NaN, NaN], reach = Math.max(...points.map(size));
-  let done = -1, before = [none(), none()]; // heel and toe of both feet
-  const dig = (xa, za, xb, zb) => {
-    if (!(za < 0 || zb < 0)) return;
-    const first = Math.ceil((Math.min(xa, xb) - from) / STEP), last = (Math.max(xa, xb) - from) / STEP;
-    for (let j = first; j <= last; j++) depth[j] = Math.min(depth[j], za + ((zb - za) * (from + j * STEP - xa)) / (xb - xa || 1));
-  };
-  return (t) => {
-    if (t < done) { depth.fill(0); done = -1; before = [none(), none()]; }
-    for (let time = Math.max(done, 0); time <= t; time += often) pose(walk, time).forEach(({ leg, c, s }, foot) => {
-      const ends = before[foot], [ax, az] = leg[2];
-      if (az > reach) return;
-      let x = NaN, z = NaN;
-      points.forEach(([u, v], i) => { // no point is made of numbers here: a drag does this for every pixel
-        const xb = ax + c * u - s * v, zb = az + s * u + c * v, end = i ? 2 : 0;
-        if (i) dig(x, z, xb, zb);
-        x = xb; z = zb;
-        if (i && i < points.length - 1) return;
-        dig(ends[end], ends[end + 1], x, z); // heel and toe go on between two instants
-        ends[end] = x; ends[end + 1] = z;
-      });
-    });
-    done = t;
-    for (let j = 0; j < depth.length; j++) cells[j].z = depth[j];
-    return cells;
-  };
-}
-
 /** Arrows [x, z, u, w] as one line with gaps; short ones would be heads alone. */
 const arrows = (unit, all) => all.flatMap(([x, z, u, w]) => {
   const long = Math.hypot(u, w), head = Math.min((1.3 * unit) / Math.max(long, unit), 0.5), tip = [x + u, z + w];
@@ -141,8 +109,8 @@ const arrows = (unit, all) => all.flatMap(([x, z, u, w]) => {
 });
 const GAP = [NaN, NaN];
 
-/** Sand with its strips and its surface `top`, gravity and the key of arrows: [class, points (m), style] from behind to the front, and [x, z, text, anchor]. */
-function groundPicture(top, { left, right, low, high, unit, metres, newtons, close }) {
+/** Sand with its strips and its surface, gravity and the key of arrows: [class, points (m), style] from behind to the front, and [x, z, text, anchor]. */
+function groundPicture({ left, right, low, high, unit, metres, newtons, close }) {
   const { strips, gravity } = data.ground, words = [["key", left + metres * newtons + 2 * unit, low + 1.5 * unit, `${newtons} N`]];
   const box = (a, b, c, d) => [[a, c], [a, d], [b, d], [b, c]], shapes = [["sand", box(left, right, low, 0)]];
   for (const { kind, begin, end, top: upper, bottom, colour, text } of strips) {
@@ -152,14 +120,12 @@ function groundPicture(top, { left, right, low, high, unit, metres, newtons, clo
     if (kind === "layer") words.push([kind, b - 0.6 * unit, Math.max(c + 1.3 * unit, upper - 3 * unit), text, "end"]);
     else if (text.length * unit <= b - a) words.push([kind, a + 0.6 * unit, Math.min(upper - 1.6 * unit, low + (close ? 5.7 : 1.5) * unit), text]);
   }
-  const line = [[left - 0.05, 0], ...top.filter(({ x }) => x > left - 0.05 && x < right + 0.05).map(({ x, z }) => [x, z]), [right + 0.05, 0]];
-  shapes.push(["print", [[left - 0.05, 0.1 * unit], ...line, [right + 0.05, 0.1 * unit]]], ["surface", line]); // the edges of strips end at prints
+  shapes.push(["surface", [[left - 0.05, 0], [right + 0.05, 0]]]);
   for (const { x, z, words: [g, angle] } of gravity) {
     shapes.push(["gravity", arrows(unit, [[right - 4 * unit, high - 5.4 * unit, 6 * unit * x, 6 * unit * z]])]);
     words.push(["gravity", right - unit, high - 1.5 * unit, g, "end"], ["slope", right - unit, high - 4 * unit, angle, "end"]);
   }
   shapes.push(["key", arrows(unit, [[left + unit, low + 1.5 * unit, metres * newtons, 0]])]);
-  if (close) words.push(["drawn", right - unit, low + (right - left <= 70 * unit ? 3.6 : 1.5) * unit, "print drawn, not computed", "end"]);
   return { shapes, words: words.map(([, ...word]) => word) };
 }
 
@@ -190,7 +156,7 @@ function stage(holder, walk, { close = false, x, z, label, other = null, fixed =
   redrawn(holder, [["svg", { viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": label }]]);
   const forces = close ? pairs(walk.arrows).map(size) : Array.from(walk.force, Math.abs), largest = forces.reduce((a, b) => Math.max(a, b), 1);
   const metres = (close ? 0.85 * (deepest(walk) - z[0]) : 0.35 * (z[1] - z[0])) / largest, round = 10 ** Math.floor(Math.log10(0.8 * largest));
-  const newtons = [5, 2, 1].find((m) => m * round <= 0.8 * largest) * round, surface = printed(walk);
+  const newtons = [5, 2, 1].find((m) => m * round <= 0.8 * largest) * round;
   const ends = scheme && range(Array.from({ length: 60 }, (_, i) => (i * walk.t.at(-1)) / 59).flatMap((t) => [LEFT, RIGHT].flatMap((foot) => scheme.of(walk, instant(walk, t), foot, t))), 0);
   const key = scheme ? [...Array.from({ length: 30 }, (_, i) => ["rect", { x: 8 + 4 * i, y: 8, width: 4.5, height: 8, fill: ramp(i / 29) }]),
     ["text", { class: "halo", x: 8, y: 30, "text-anchor": "start" }, `${number(ends[0])} to ${number(ends[1])}: ${scheme.title}`]] : [];
@@ -209,7 +175,7 @@ function stage(holder, walk, { close = false, x, z, label, other = null, fixed =
       now.feet.forEach(({ sole }, foot) => scheme.of(walk, now, foot, t).forEach((v, i) => painted.push(["paint",
         sole.slice(1).flatMap((p, j) => (walk.part[j] === i ? [sole[j], p, GAP] : [])), `stroke:${ramp((v - ends[0]) / (ends[1] - ends[0]))}`])));
     }
-    const sand = groundPicture(surface(t), view), body = bodyPicture(now, view, ghosts, painted), words = [...sand.words, ...body.words];
+    const sand = groundPicture(view), body = bodyPicture(now, view, ghosts, painted), words = [...sand.words, ...body.words];
     redrawn(holder.firstChild, [
       ...[...sand.shapes, ...body.shapes].filter(([, points]) => points.length).map(([name, points, style = ""]) => ["path", { class: name, style, d: name.endsWith("dots") ? points.map(([u, v]) => `M${X(u)} ${Z(v)}h.01`).join("") : line(points) }]),
       ...key,
