@@ -6,7 +6,6 @@ import hashlib
 import logging
 import os
 import shutil
-import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -69,19 +68,15 @@ def folder() -> str | None:
     rooms = (Path(__file__).parent / name for name in SOURCES)
     for path in [Path(__file__), *sorted(path for room in rooms for path in room.rglob("*.py"))]:
         digest.update(f"{path} {path.stat().st_mtime_ns}".encode() + path.read_bytes())
-    cache = Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser()
-    base = Path(config.CACHE_DIR or cache / "footopt")
+    base = Path(
+        config.CACHE_DIR or Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser() / "footopt"
+    )
     place = base / f"footopt-{digest.hexdigest()[:16]}"
     try:
         place.mkdir(mode=0o700, parents=True, exist_ok=True)
         os.utime(place)  # it is in use
-        tempfile.TemporaryFile(dir=place).close()
     except OSError as error:
-        log.warning(
-            "compiled code cannot be kept, so that every start compiles it again (%s). "
-            "Set NUMBA_CACHE_DIR to a folder that can be written.",
-            error,
-        )
+        log.warning("compiled code cannot be kept (%s). Set NUMBA_CACHE_DIR to a folder of yours.", error)
         return None
     for old in sorted(base.glob("footopt-*"), key=os.path.getmtime)[:-KEPT]:
         if time.time() - old.stat().st_mtime > DAY:  # no process that began to compile there is at it still

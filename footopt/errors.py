@@ -8,25 +8,6 @@ from importlib import import_module
 from typing import Any
 
 ERROR_FILE = "error.txt"  # left in the folder of a job of a multirun that failed, with the message
-#: Other words for what is called by a name here.
-SAME = {
-    **dict.fromkeys(("dense", "firm", "packed", "compact", "stiff"), "hard"),
-    **dict.fromkeys(("loose", "fluffy"), "soft"),
-    **dict.fromkeys(("medium", "normal"), "regular"),
-    **dict.fromkeys(("walk", "walking", "default"), "human"),
-    **dict.fromkeys(("accurate", "precise"), "reference"),
-    **dict.fromkeys(("coarse", "fast", "quick"), "draft"),
-    **dict.fromkeys(("cluster", "mpi"), "dask"),
-    **dict.fromkeys(("climb", "hill", "slope"), "incline"),
-    **dict.fromkeys(("drawing", "dxf", "svg"), "outline"),
-    **dict.fromkeys(("thread", "threads", "serial"), "local"),
-    "flat": "rectangle",
-    "genetic": "ga",
-    "lunar": "moon",
-    "martian": "mars",
-    "oval": "ellipse",
-    "run": "brisk",
-}
 LONGEST = 480  # characters of a message; a longer one loses its middle
 
 
@@ -105,8 +86,6 @@ def meant(given: str, names: Iterable[str]) -> str:
     # of names that differ in their case, such as foot.k and foot.K, the last one has that which was given
     alike = sorted(names, key=lambda name: sum(a == b for a, b in zip(given[::-1], name[::-1], strict=False)))
     lower, word = {name.lower(): name for name in alike}, given.lower()
-    if SAME.get(word) in lower:
-        return lower[SAME[word]]
     starts = [name for name in lower if len(word) > 2 and name.startswith(word)]
     close = starts or difflib.get_close_matches(word, lower, n=1, cutoff=0.6)
     return lower[close[0]] if close else ""

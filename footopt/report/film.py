@@ -118,7 +118,7 @@ def animate(walk: Walk, path: str | Path, fps: int = 25, speed: float = 0.5, dpi
                 show(i)
                 writer.grab_frame()
     except subprocess.CalledProcessError as error:
-        raise FileError(f"{path}: the film cannot be written ({_why(error)}).") from None
+        raise FileError(f"{path}: the film cannot be written; ffmpeg ends with {error.returncode}.") from None
     return path
 
 
@@ -182,10 +182,3 @@ def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], N
         clock.set_text(f"{t[i]:.2f} s{ended}")
 
     return figure, show
-
-
-def _why(error: subprocess.CalledProcessError) -> str:
-    """What ffmpeg says, in a line."""
-    said = error.stderr or b""
-    lines = (said.decode(errors="replace") if isinstance(said, bytes) else said).strip().splitlines()
-    return f"ffmpeg ends with {error.returncode}: {lines[-1] if lines else 'it does not say why'}"
