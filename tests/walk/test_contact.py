@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 
 import footopt as fo
 from footopt.gait import LEFT, RIGHT
-from footopt.walk.reference import contact_forces
 
 DEEP = st.floats(-0.5, -0.25)  # heights of the ankle at which every plate is in the sand
 ANY_HEIGHT = st.floats(-0.2, 0.2)
@@ -128,10 +127,3 @@ class TestStaticHeight:
         walk = fo.simulate(flat_foot, fo.Scene(sand=fo.Sand.named("hard")))
         depth = 60 * 9.81 / (5 * 1e6 * 1.0 * 0.1 * 0.26)
         assert walk.start[1] == pytest.approx(0.92 + 0.03 - depth, abs=1e-9)
-
-
-def test_python_can_hold_the_compiled_contact_against_the_readable_law(ramp_foot):
-    """As study=stability does."""
-    motion = (0.3, -0.4, 1.0)
-    compiled, readable, size = contact_forces(ramp_foot, fo.Scene(), 50, motion, 1e-4, angles=True)
-    np.testing.assert_allclose(compiled, readable, rtol=0, atol=1e-12 * size)
