@@ -69,14 +69,3 @@ def searching(run, folder):
         time.sleep(0.02)
     (process,) = children(int(logs[0].parent.name))
     return logs[0], process
-
-
-def test_a_job_that_is_preempted_is_queued_again_and_goes_on_by_itself(tmp_path):
-    command = ["-m", "hydra/launcher=submitit_local", "solver.seed=1", *BRIEF, "hydra.sweep.dir=sweep"]
-    run = started(*command, cwd=tmp_path)
-    job, victim = searching(run, tmp_path / "sweep" / ".submitit")
-    os.kill(victim, signal.SIGUSR2)  # what Slurm sends before the limit
-    _, err = ended(run)
-    assert run.returncode == 0, err
-    assert "designs of this search are known" in job.read_text()
-    assert json.loads((tmp_path / "sweep" / "0" / "result.json").read_text())["reused"] > 0

@@ -2,14 +2,10 @@
 
 import csv
 import json
-import os
-import random
 import shutil
-import signal
-import time
 
 import pytest
-from running import ended, folder_of, footopt, outcome, started, wait_for
+from running import folder_of, footopt
 
 from footopt.cli import job
 from footopt.files import identity
@@ -137,27 +133,3 @@ def test_another_multirun_takes_no_folder_that_holds_one(whole):
     assert done.returncode == 1
     assert "holds a multirun. footopt resume=" in done.stderr
     assert found(whole) == before
-
-
-@pytest.mark.slow
-def test_killed_at_random_and_finished_by_one_command_it_is_that_of_one_never_killed(tmp_path):
-    """FOOTOPT_JOBS=200 FOOTOPT_KILLS=5 tries more; with jobs of a search, whose stores are cut short, too."""
-    jobs, kills = int(os.environ.get("FOOTOPT_JOBS", 8)), int(os.environ.get("FOOTOPT_KILLS", 3))
-    words = ["-m", "sand=soft", "accuracy=draft", "solver.pop_size=4", "solver.n_gen=2", "engine.threads=1",
-             "report=light", "foot.box_tolerance=.inf", f"solver.seed=range({jobs})"]  # fmt: skip
-    done = footopt(*words, "hydra.sweep.dir=whole", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    rng = random.Random(time.time_ns())
-    for i in range(kills):
-        command = ["resume=killed"] if i else [*words, "hydra.sweep.dir=killed"]
-        run = started(*command, cwd=tmp_path)
-        wait_for(run, "Searching")
-        time.sleep(rng.uniform(0.0, 0.3 * jobs))
-        run.send_signal(signal.SIGKILL)
-        ended(run)
-        assert len(list((tmp_path / "killed").glob(f"*/{identity.FILE}"))) == jobs
-    done = footopt("resume=killed", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert f"{jobs} jobs in" in done.stdout
-    for i in range(jobs):
-        assert outcome(tmp_path / "killed" / str(i)) == outcome(tmp_path / "whole" / str(i))

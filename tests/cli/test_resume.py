@@ -3,7 +3,6 @@
 import contextlib
 import json
 import os
-import random
 import shutil
 import signal
 import subprocess
@@ -16,7 +15,6 @@ from running import BRIEF, QUICK, ended, folder_of, footopt, outcome, started, w
 
 from footopt.cli.compose import CONF
 from footopt.design import store
-from footopt.errors import FileError
 from footopt.files import identity
 from footopt.files.identity import LOCK
 
@@ -111,17 +109,6 @@ def test_what_is_another_run_is_refused_and_leaves_the_one_that_is_there(argumen
 
 
 class TestIdentity:
-    def test_one_character_changed_in_the_saved_settings_is_found(self, run, tmp_path):
-        file, rng = run / identity.FILE, random.Random(1)
-        text = file.read_text()
-        places = [i for i, c in enumerate(text) if c.isalnum() and i > len(identity.HEAD)]
-        for place in rng.sample(places, 20):
-            other = rng.choice([c for c in "0123456789abcx" if c != text[place]])
-            file.write_text(text[:place] + other + text[place + 1 :])
-            with pytest.raises(FileError, match="changed since the run began, or is damaged"):
-                identity.read(run)
-        refused("resume=run", cwd=tmp_path, says="Other settings are a run of their own")
-
     @pytest.mark.parametrize(
         ("name", "value"),
         [("sand.zeta", 4.0), ("solver.seed", 2)],
@@ -243,15 +230,6 @@ class TestResume:
         done = footopt(*SMALL, "solver.n_gen=5", "hydra.run.dir=fresh", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         assert outcome(folder) == outcome(tmp_path / "fresh")
-
-    def test_an_extension_that_was_killed_leaves_the_run_as_it_was(self, run, tmp_path, monkeypatch):
-        before = outcome(run), identity.read(run)
-        monkeypatch.setattr("footopt.studies.optimize.certified", lambda *of: 1 / 0)
-        assert footopt("resume=run", "solver.n_gen=4", cwd=tmp_path).returncode == 1
-        assert (outcome(run), identity.read(run)) == before
-        monkeypatch.undo()
-        done = footopt("resume=run", "solver.n_gen=4", cwd=tmp_path)
-        assert "40 designs of this search are known" in done.stdout
 
     def test_with_another_engine_which_does_not_read_what_was_given_for_the_first(self, begun, tmp_path):
         settings, words, _ = identity.read(begun)

@@ -140,18 +140,6 @@ class TestBuild:
             for name in ("stepper", "dt", "control", "plates", "creep", "rule"):
                 assert getattr(picked, name) == row[name]
 
-    def test_a_sand_is_called_what_it_is(self):
-        for words, name in (
-            ("sand=hard", "hard"), ("sand=hard sand.zeta=5", "hard"), ("sand.zeta=2.5", "custom"),
-            ("sand=soft sand.coefficients.A00=0.3", "custom"), ("sand.name=dune sand.zeta=1.4", "dune"),
-        ):  # fmt: skip
-            assert build.make_sand(composed(*words.split()).sand).name == name
-
-    def test_an_accuracy_is_called_what_it_is(self):
-        picked = build.make_accuracy(composed("accuracy.tolerance=0.02").accuracy)  # beside the default name
-        assert picked == fo.Accuracy.within(0.02)
-        assert picked.name == "within 0.02"
-
     def test_parts_of_an_accuracy_are_set_by_hand_over_a_preset(self):
         fine = fo.Accuracy.named("fine")
         mine = build.make_accuracy(composed("accuracy=fine", "accuracy.plates=300").accuracy)
@@ -246,16 +234,6 @@ def test_any_value_of_any_setting_is_used_or_refused_by_its_name(name, value):
     assert not said or any(part in said for part in (name, name.rpartition(".")[2], name.partition(".")[0]))
     assert "unexpected" not in said
     assert len(said) < 1500
-
-
-@settings(max_examples=10, suppress_health_check=list(HealthCheck))
-@given(
-    st.dictionaries(
-        st.sampled_from(NUMBERS), st.floats(1e-3, 3).map(repr) | st.integers(0, 12).map(str), max_size=6
-    )
-)
-def test_several_settings_at_once_may_clash_and_then_one_is_named(chosen):
-    assert "unexpected" not in told(*(f"{name}={value}" for name, value in chosen.items()))
 
 
 #: What would take years or all memory.

@@ -148,14 +148,6 @@ class TestSvg:
         (line,) = lines_of(folder / "b.svg", None if "mm" in head else "mm")
         same(np.ptp(line.points, axis=0), by * np.array([0.1, 0.01]), 5e-5)
 
-    @pytest.mark.parametrize(
-        "drawing", ['><ellipse cx="50%" rx="9" ry="8"/>', 'viewBox="0 0 200 50"><circle r="10%"/>']
-    )
-    def test_lengths_in_percent_of_nothing_are_refused(self, folder, drawing):
-        (folder / "b.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {drawing}</svg>')
-        with pytest.raises(FileError, match="a length in percent"):
-            read(folder / "b.svg", units="mm")
-
     @pytest.mark.parametrize("by", ["defs", "symbol", "mask", "marker"])
     def test_what_is_drawn_elsewhere_is_drawn_there_and_nowhere_else(self, svg, by):
         drawing = (
@@ -249,21 +241,6 @@ class TestDxf:
         path = dxf(lambda space: [space.add_line(*ends[i]) for i in order], units=6)
         same(read(path), [(-0.1, 0), (0, -0.02), (0.05, -0.02), (0.1, 0.01)])
 
-    def test_of_old_programs_without_a_header_have_no_unit(self, folder):
-        """They write both x before both y."""
-        line = "0\nLINE\n8\n1\n10\n{}\n11\n{}\n20\n{}\n21\n{}\n30\n0.0\n31\n0.0\n"
-        lines = line.format(-100.0, 0.0, 0.0, -20.0) + line.format(0.0, 100.0, -20.0, 0.0)
-        (folder / "a.dxf").write_text(f"0\nSECTION\n2\nENTITIES\n{lines}0\nENDSEC\n0\nEOF\n")
-        with pytest.raises(FileError, match=r"does not say in which unit it is\. Set foot\.units"):
-            read(folder / "a.dxf")
-        same(read(folder / "a.dxf", units="mm"), [(-0.1, 0), (0, -0.02), (0.1, 0)])
-
-    def test_with_an_empty_handle_is_not_damaged(self, folder):
-        line = "0\nLINE\n5\n{}\n8\n1\n10\n{}\n20\n{}\n11\n{}\n21\n{}\n"
-        lines = line.format("", -100.0, 0.0, 0.0, -20.0) + line.format("", 0.0, -20.0, 100.0, 0.0)
-        (folder / "a.dxf").write_text(f"0\nSECTION\n2\nENTITIES\n{lines}0\nENDSEC\n0\nEOF\n")
-        same(read(folder / "a.dxf", units="mm"), [(-0.1, 0), (0, -0.02), (0.1, 0)])
-
     def test_holes_are_left_out_and_listed(self, dxf):
         def draw(space):
             space.add_circle((20, 0), 4)
@@ -326,19 +303,6 @@ class TestDxf:
 
 
 class TestCsv:
-    @pytest.mark.parametrize(
-        "text",
-        [
-            "x_mm,z_mm\n-100,-1\n0,-20.5\n100,0\n",
-            "z (mm), x (mm)\n-1,-100\n-20.5,0\n0,100\n",
-            "X_cm;Y_cm\n-10;-,1\n0;-2,05\n10;0\n",
-            "# measured by hand\nx_m\tz_m\n\n-.1\t-.001\n0\t-.0205\n.1\t0\n",
-            "\ufeffname,x_mm,z_mm\n1,100,0\n2,0,-20.5\n3,-100,-1\n",
-        ],
-    )
-    def test_dialects(self, table, text):
-        same(read(table(text)), [(-0.1, -1e-3), (0, -0.0205), (0.1, 0)])
-
     def test_no_header_needs_units(self, table):
         path = table("-100 -1\n0 -20\n100 0\n")
         with pytest.raises(FileError, match=r"does not say in which unit"):

@@ -21,7 +21,7 @@ from footopt.design import confirm
 from footopt.design.result import SHOWN
 from footopt.foot.outline import closed_contour
 from footopt.report import figures, page, summary, terminal
-from footopt.report.numbers import number, title
+from footopt.report.numbers import title
 from footopt.report.page import walks
 from footopt.report.page.file import packed
 from footopt.report.page.file import text as page_text
@@ -214,11 +214,6 @@ class TestExplorer:
         assert shown.text("#walk-title") == f"The walk: design {chosen}"
         assert shown.js("document.querySelector('#walk figure path').getAttribute('d')") != walk
 
-    def test_numbers_are_written_as_on_the_terminal(self, pages, browser):
-        values = [2.1344, 2.1, 278.46, 12345.6, -0.00025268, 1.5e6, -5.0, 3e-15]
-        shown = Page(browser, pages["front"]).js(f"{values}.map(number)")
-        assert [text.replace("−", "-") for text in shown] == [number(value) for value in values]
-
     def test_works_from_the_keyboard_alone(self, front, pages, browser):
         from selenium.webdriver.common.keys import Keys
 
@@ -243,24 +238,6 @@ class TestExplorer:
 class TestAxes:
     def shown(self, page):
         return [axis.get_attribute("data-axis") for axis in page.all("#parallel line[data-axis]")]
-
-    def test_waypoints_and_hollow_are_axes_that_filter(self, front, pages, browser):
-        result = front[0]
-        shown = Page(browser, pages["front"])
-        shown["#axes summary"].click()
-        for name in ("hollow", "k3"):
-            shown[f'#axes input[data-axis="{name}"]'].click()
-        assert self.shown(shown)[-2:] == ["hollow", "k3"]
-        middle = float(np.median(result.k[result.front, 2]))
-        shown["#limits summary"].click()
-        shown['input[aria-label="largest k3"]'].send_keys(f"{middle}\t")
-        assert shown.counts()[0] == (result.k[result.front, 2] <= middle).sum()
-        depth = [1e3 * fo.Foot.from_waypoints(result.k[i]).hollow for i in result.front[:5]]
-        told = shown.js("[...front].slice(0, 5).map(columnOf('hollow').of)")
-        np.testing.assert_allclose(told, depth, atol=0.02)
-        told = shown.js("[...front].map((i) => [numbers[i], generation[i], ...heights(i)])")
-        of_each = [result.front, result.generation[result.front], *result.k[result.front].T]
-        np.testing.assert_array_equal(told, np.transpose(of_each))
 
 
 @browser_needed

@@ -65,17 +65,6 @@ def test_results_do_not_depend_on_chunks(workers, undisturbed):
     assert there.calls >= min(workers, 16)
 
 
-def test_a_worker_of_another_version_refuses_and_says_which(monkeypatch):
-    class Elsewhere(Here):
-        def submit(self, fn, /, *args):
-            with monkeypatch.context() as there:
-                there.setattr("footopt.design.store._versions", lambda: {"numba": "0.1"})
-                return super().submit(fn, *args)
-
-    with pytest.raises(FootoptError, match=r"versions\.numba \(.* there, 0\.1 here\)"):
-        search(problem(), "ga", executor=Elsewhere(), **BUDGET)
-
-
 def test_a_problem_that_no_worker_can_import_is_said():
     class Inner(fo.FootProblem):
         pass

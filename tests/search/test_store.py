@@ -303,19 +303,3 @@ class TestUnusableFiles:
             assert "study.store." in str(error.value)  # what to try
         assert path.read_bytes() == before
         assert [p.name for p in path.parent.iterdir()] == [path.name]
-
-    @pytest.mark.parametrize("place", ["file/designs.sqlite", "missing/designs.sqlite", "."])
-    def test_a_place_where_no_file_can_be_is_named(self, tmp_path, place):
-        (tmp_path / "file").write_text("in the way")
-        with pytest.raises(FileError, match=r"cannot be used .* in a folder that can be written"):
-            Store(tmp_path / place, problem())
-
-    def test_a_file_that_another_program_holds_is_waited_for_and_then_named(self, path, monkeypatch):
-        monkeypatch.setattr(store_module, "PATIENCE", 0.05)
-        with Store(path, problem()) as store, contextlib.closing(sqlite3.connect(path)) as other:
-            other.execute("BEGIN IMMEDIATE")
-            with pytest.raises(FileError, match="has been locked"):
-                store.add([[1] * 5], [Evaluation(np.ones(6), "")])
-            other.rollback()
-            store.add([[1] * 5], [Evaluation(np.ones(6), "")])
-            assert len(store) == 1

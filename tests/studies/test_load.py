@@ -157,18 +157,3 @@ def test_all_runs_are_a_table_with_a_column_for_each_setting_objective_and_time(
     assert notes[str(cwd / "out/sweep/0")] == "sunk"
     assert notes[str(walk.folder)] == ""
     assert row["words"] == " ".join(WORDS)
-
-
-def test_a_damaged_run_is_left_out_of_the_table_with_its_name(made, tmp_path):
-    for name in ("good", "changed", "cut"):
-        shutil.copytree(made[2].folder, tmp_path / name)
-    (tmp_path / "changed" / identity.FILE).write_text("settings: {}\n")
-    (tmp_path / "cut" / "result.json").write_text("{")
-    with pytest.warns(UserWarning, match="left out") as said:
-        table = fo.load_all(tmp_path)
-    assert table["folder"].tolist() == [str(tmp_path / "good")]
-    for name, warned in zip(("changed", "cut"), said, strict=True):
-        assert str(tmp_path / name) in str(warned.message)
-    shutil.rmtree(tmp_path / "good")
-    with pytest.warns(UserWarning, match="left out"), pytest.raises(FileError, match="no run is there"):
-        fo.load_all(tmp_path)

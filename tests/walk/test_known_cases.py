@@ -32,11 +32,9 @@ SPIKES = [fo.Foot.from_waypoints([1, 10] * 100)]
 CASES = {
     "a level slab on zeta 200": (soles(), walk_on(200.0)),
     "a hard pan of 1e6 at 30 mm": (soles(), walk_on(0.2, fo.Layers((0.03,), (1e6,)))),
-    "100 patches of 1 mm": (soles(), walk_on(1.0, STRIPES)),
     "a cliff from 1 to 1,000": (soles(), walk_on(1.0, CLIFF)),
     "20 us behind the heel strike": (soles(), walk_on(5.0, t_f=1.10002)),
     "a comb of 200 waypoints": (SPIKES, walk_on(5.0)),
-    "50 waypoints": (soles(50), walk_on(5.0)),
     "leading edge on hard sand": (soles(), walk_on(5.0, fo.LeadingEdge())),
     "100 layers and 100 patches": (soles(), walk_on(1.0, SHEETS, STRIPES)),
 }
