@@ -69,7 +69,7 @@ class TestSeveralObjectives:
         [
             (
                 ["choose=knee"],
-                "choose.name = 'knee': must be left out: a search for one objective does not read it",
+                "choose.name = 'knee': must be left out",
             ),
             (
                 ["study=simulate", "constraint.work=9"],

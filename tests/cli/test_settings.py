@@ -227,7 +227,7 @@ def told(*words):
 
 
 @pytest.mark.slow
-@settings(max_examples=tries(250), suppress_health_check=list(HealthCheck))
+@settings(max_examples=tries(60), suppress_health_check=list(HealthCheck))
 @given(st.sampled_from(known()), ANY_VALUE)
 def test_any_value_of_any_setting_is_used_or_refused_by_its_name(name, value):
     said = told(f"{name}={value}")

@@ -2,7 +2,6 @@
 
 import csv
 import json
-import os
 import sys
 from pathlib import Path
 from unittest.mock import MagicMock
@@ -14,8 +13,6 @@ from running import footopt
 
 import footopt as fo
 from footopt.report.summary import fronts, read_run
-
-JOBS = int(os.environ.get("FOOTOPT_JOBS", 24))
 
 #: A walk with one foot, of which only the numbers are kept.
 WALK = ["study=simulate", "accuracy=draft", "report=none"]
@@ -172,25 +169,6 @@ class TestSummary:
     def test_one_seed_each_is_no_spread(self, failing):
         assert "over seeds" not in failing[0].stdout
         assert not (failing[2] / "seeds.csv").exists()
-
-    @pytest.mark.slow
-    @pytest.mark.timeout(3000)
-    def test_many_jobs_by_joblib_in_one_call(self, tmp_path):
-        """FOOTOPT_JOBS=200 tries two hundred."""
-        pytest.importorskip("hydra_plugins.hydra_joblib_launcher", reason="needs footopt[joblib]")
-        words = [
-            "hydra/launcher=joblib",
-            "hydra.launcher.n_jobs=2",
-            f"solver.seed=range(1,{JOBS // 2 + 1})",
-            "sand=soft,hard",
-        ]
-        done = footopt("-m", *self.TINY, *words, "hydra.sweep.dir=sweep", "engine.threads=1", cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
-        assert (f"... and {JOBS - 60} more" in done.stdout) == (JOBS > 60)
-        rows = read(tmp_path / "sweep" / "summary.csv")
-        assert len(rows) == JOBS
-        assert len({(row["sand.zeta"], row["solver.seed"]) for row in rows}) == JOBS
-        assert [group["seeds"] for group in read(tmp_path / "sweep" / "seeds.csv")] == [str(JOBS // 2)] * 2
 
 
 @pytest.mark.slow

@@ -9,7 +9,7 @@ from random_scenes import draw, judge, promises
 import footopt as fo
 from footopt.walk.objectives import SLOW, measure
 
-SCENES = int(os.environ.get("FOOTOPT_SCENES", "12"))  # 300 are the table of docs/accuracy.md
+SCENES = int(os.environ.get("FOOTOPT_SCENES", "8"))  # 300 are the table of docs/accuracy.md
 
 
 @pytest.mark.slow
@@ -48,6 +48,6 @@ def test_a_search_for_overconfident_estimates_finds_few(overconfidence):
     worst = []
     for zeta, effects in ((0.2, ()), (20.0, ()), (1.0, (fo.LeadingEdge(),))):
         problem = fo.FootProblem(fo.Scene(sand=fo.Sand(zeta), effects=effects), overconfidence, threads=1)
-        result = fo.search(problem, "ga", pop_size=8, n_gen=4, seed=1)
+        result = fo.search(problem, "ga", pop_size=6, n_gen=3, seed=1)
         worst.append(float(np.nanmax(result.column(overconfidence))))
     assert max(worst) < 1.0, worst
