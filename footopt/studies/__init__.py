@@ -183,8 +183,10 @@ def run(
     from footopt.studies.base import Study
     from footopt.studies.build import check_lists, load_plugins, make_limits
     from footopt.studies.runs import enter
+    from footopt.walk.simulate import at_once
 
     check_lists(config)
+    at_once(config.engine.threads)
     load_plugins(config.plugins)
     check_read(config, words)
     name = config.study.name

@@ -13,6 +13,7 @@ from footopt.cli.messages import explain
 WRONG = {
     # names and choices that are not there
     "sand=quicksand": "sand = 'quicksand': must be one of",
+    "engine.threads=-1": "engine.threads = -1: must be a whole number",
     "objective=work": "objective.names=[work]",
     "sand=2.5": "A number needs its name, such as sand.zeta=2.5.",
     "snad=soft": "snad: there is no such setting. Did you mean sand=soft?",
