@@ -32,7 +32,7 @@ SEVERAL = (
     "ctaea:CTAEA cmopso:CMOPSO mopso_cd:MOPSO_CD gde3:GDE3 gde3:GDE32NN gde3:GDE3MNN gde3:GDE3PCD nsde:NSDE "
     "nsder:NSDER omni:OmniOptimizer pinsga2:PINSGA2 age:AGEMOEA age2:AGEMOEA2"
 )
-UNCONSTRAINED = "moead:MOEAD moead:ParallelMOEAD dnsga2:DNSGA2 kgb:KGB"
+UNCONSTRAINED = "moead:MOEAD moead:ParallelMOEAD dnsga2:DNSGA2"
 SLOW = ("optuna:Optuna", "age:AGEMOEA", "age2:AGEMOEA2")  # imported, or compiled, for many seconds
 POINTS = np.zeros((1, 2))
 ASKS = {  # what has no default
