@@ -8,7 +8,7 @@ down, as speed is what costs. `python examples/codesign.py soft 100` takes soft 
 
 The ranges are assumed for an adult, not measured. Danion et al. (Gait & Posture 18, 2003) had people walk
 with stride times from 0.79 to 1.25 s and steps 22 % longer and shorter; an ankle bends from 20 deg down to
-10 deg up (Perry, Gait Analysis, table 4.1). What a gait costs the muscles the search does not know.
+10 deg up (Perry, Gait Analysis, table 4.1). The search does not know what a gait costs the muscles.
 """
 
 from __future__ import annotations

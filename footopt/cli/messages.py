@@ -25,7 +25,7 @@ KINDS = {
 
 
 def explain(error: BaseException, words: Sequence[str] = ()) -> str:
-    """What a user is told of an error, whatever it is; `words` are those of the command line."""
+    """The message for any error; `words` are those of the command line."""
     if (translated := translate(error, words)) is not None:
         return str(translated)
     if isinstance(error, (OSError, MemoryError)):

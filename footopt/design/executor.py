@@ -107,7 +107,7 @@ def walk(problem: FootProblem, k: Ints) -> tuple[Array, Words]:
     """Walk with designs (designs, n) in this process: values (designs, record), reasons (designs,).
 
     If that raises an exception, each design is walked alone, and the reason of those that do so is the error.
-    What is no design's fault is raised.
+    Errors that no design has caused are raised.
     """
     try:
         return problem.walk(k)

@@ -52,7 +52,7 @@ INSERT INTO design VALUES (?, ?, ?, ?) ON CONFLICT (context, k) DO UPDATE
 SET record = excluded.record, reason = excluded.reason WHERE reason LIKE '{ERROR}%'
 """
 
-#: What some of SQLite's errors mean to a user, and what to do about them, by their primary code.
+#: Meaning and remedy of some of SQLite's errors, by their primary code.
 MEANING = {
     sqlite3.SQLITE_NOTADB: ("is not a store of footopt", "Choose another study.store."),
     sqlite3.SQLITE_CORRUPT: ("is damaged", "Move it away, or choose another study.store."),

@@ -49,7 +49,7 @@ def _call(typingctx: Any, function: Any, arguments: Any) -> Any:
     return types.void(function, arguments), generate
 
 
-#: What compiled code may use: a whole number as a pointer, and the function at an address.
+#: For compiled code: a whole number as a pointer, and a call of the function at an address.
 pointer, call = intrinsic(_pointer), intrinsic(_call)
 
 

@@ -46,7 +46,7 @@ class Solver:
     Parameters
     ----------
     name : str
-        Who searches; auto: who is best for the number of objectives (see `fitting`).
+        Name of the solver; auto: the best one for the number of objectives (see `fitting`).
     pop_size : int, optional
         Designs a generation; by default it grows from 10 to 100, a twentieth of all
         designs so far, and is 100 for solvers whose population has a fixed size, 4096 for exhaustive.
