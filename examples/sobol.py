@@ -18,7 +18,7 @@ from SALib.sample import sobol as sampling
 from scipy.special import ndtri
 
 import footopt as fo
-from footopt.walk.scenarios import COLUMNS, vary
+from footopt.design.scenarios import COLUMNS, vary
 
 FOOT = (2, 6, 6, 2, 1, 1, 1, 1, 3, 4, 1)  # heights of the best known on hard sand
 NAMES = ("distance", "work", "peak_power", "efficiency")

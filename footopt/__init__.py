@@ -22,7 +22,10 @@ if TYPE_CHECKING:
     from footopt.cli.run import run as run
     from footopt.design import FootProblem as FootProblem
     from footopt.design import RobustProblem as RobustProblem
+    from footopt.design import Scenario as Scenario
     from footopt.design import SearchResult as SearchResult
+    from footopt.design import Spread as Spread
+    from footopt.design import draw as draw
     from footopt.design import search as search
     from footopt.effects import Inertia as Inertia
     from footopt.effects import Layers as Layers
@@ -44,13 +47,10 @@ if TYPE_CHECKING:
     from footopt.studies.runs import load as load
     from footopt.studies.runs import load_all as load_all
     from footopt.walk import Accuracy as Accuracy
-    from footopt.walk import Scenario as Scenario
     from footopt.walk import Scene as Scene
-    from footopt.walk import Spread as Spread
     from footopt.walk import Table as Table
     from footopt.walk import Walk as Walk
     from footopt.walk import Walker as Walker
-    from footopt.walk import draw as draw
     from footopt.walk import estimate_error as estimate_error
     from footopt.walk import evaluate as evaluate
     from footopt.walk import simulate as simulate
@@ -59,7 +59,7 @@ __version__ = "0.2.0.dev0"
 
 _NAMES = {
     "footopt.cli.run": "run",
-    "footopt.design": "FootProblem RobustProblem SearchResult search",
+    "footopt.design": "FootProblem RobustProblem Scenario SearchResult Spread draw search",
     "footopt.effects": "Inertia Layers LeadingEdge Patches Rest Shadowing Slope",
     "footopt.errors": "FootoptError",
     "footopt.foot": "Foot Waypoints",
@@ -69,7 +69,7 @@ _NAMES = {
     "footopt.report.plot": "plot",
     "footopt.sand": "Sand StressMap stress",
     "footopt.studies.runs": "Run load load_all",
-    "footopt.walk": "Accuracy Scenario Scene Spread Table Walk Walker draw estimate_error evaluate simulate",
+    "footopt.walk": "Accuracy Scene Table Walk Walker estimate_error evaluate simulate",
 }
 _HOME = {name: module for module, names in _NAMES.items() for name in names.split()}
 

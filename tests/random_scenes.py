@@ -33,12 +33,12 @@ from typing import NamedTuple
 import numpy as np
 
 import footopt as fo
+from footopt.design.scenarios import deformed
 from footopt.errors import FootoptError
 from footopt.sand import MEDIA
 from footopt.walk.accuracy import EVALUATION
 from footopt.walk.adapt import accuracies
 from footopt.walk.objectives import FIVE, FLOORS
-from footopt.walk.scenarios import deformed
 
 FEET = 16  # of a scene whose feet are waypoints
 

@@ -9,6 +9,7 @@ from footopt.design.fronts import WAYS, Choice
 from footopt.design.problem import Evaluated, FootProblem
 from footopt.design.result import Confirmation, Generation, SearchResult, confirm
 from footopt.design.robust import RobustProblem, own_best
+from footopt.design.scenarios import Scenario, Spread, draw
 from footopt.design.search import search
 from footopt.design.solvers import AUTO, EXHAUSTIVE, SINGLE, SOLVERS, WALKS, Solver
 from footopt.design.store import Evaluation, Store
@@ -29,10 +30,13 @@ __all__ = [
     "FootProblem",
     "Generation",
     "RobustProblem",
+    "Scenario",
     "SearchResult",
     "Solver",
+    "Spread",
     "Store",
     "confirm",
+    "draw",
     "make_executor",
     "own_best",
     "search",

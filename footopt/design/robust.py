@@ -11,13 +11,13 @@ from typing import Any, cast
 import numpy as np
 
 from footopt.design.problem import Array, FootProblem, Ints, Words
+from footopt.design.scenarios import Scenario, check_measure, measured
 from footopt.design.search import search
 from footopt.design.solvers import EXHAUSTIVE
 from footopt.errors import FootoptError, SettingError, check
 from footopt.foot import Waypoints
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.objectives import MEASURES
-from footopt.walk.scenarios import Scenario, check_measure, measured
 from footopt.walk.simulate import evaluate
 
 FEW = 10_000  # soles of a space that are all walked for a scenario's best one: no more than a search walks
@@ -34,7 +34,7 @@ class RobustProblem(FootProblem):
     Parameters
     ----------
     scenarios : sequence of Scenario
-        From `footopt.walk.scenarios`; up to `simulate.POSES` different gaits are quick.
+        From `footopt.design.scenarios`; up to `simulate.POSES` different gaits are quick.
     objective, space, accuracy, threads
         As in `FootProblem`.
     measure : str

@@ -21,6 +21,7 @@ effect is a file beside this one, or a user's own: a law, a dataclass, a hook, `
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import asdict, is_dataclass
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -92,6 +93,11 @@ def name_of(effect: Effect) -> str:
     """An effect's name in settings and tables."""
     names = (name for name, kind in EFFECTS.items() if isinstance(effect, kind))
     return next(names, type(effect).__name__)
+
+
+def parameters(effect: Effect) -> dict[str, Any]:
+    """An effect's parameters by name."""
+    return asdict(effect) if is_dataclass(effect) else {}
 
 
 def ordered(effects: Sequence[Effect]) -> tuple[Effect, ...]:

@@ -4,6 +4,6 @@ Needs ``pip install "footopt[mujoco]"``; importing this package does not import 
 """
 
 from footopt.mujoco.attaching import Contact, attach
-from footopt.sand.intrusion import Grains
+from footopt.mujoco.intrusion import Grains
 
 __all__ = ["Contact", "Grains", "attach"]

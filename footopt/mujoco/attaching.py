@@ -15,9 +15,9 @@ from footopt.errors import SettingError, needed
 from footopt.foot import Foot, Plates
 from footopt.mujoco.callback import ATTACHED, MOST, callback, compiled, functions
 from footopt.mujoco.faces import COLUMNS
+from footopt.mujoco.intrusion import Grains, xi_of
 from footopt.mujoco.step import BODY, COUNTED, END, FREEDOM, MEAN, STEP, Workspace
 from footopt.sand import Sand
-from footopt.sand.intrusion import Grains, xi_of
 from footopt.sand.law import EARTH
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.prepare import world
@@ -47,7 +47,7 @@ class Contact:
         By name of the body: a sole, whose ankle is the body's origin, x forward and z up, or the name of a
         mesh geom of this body.
     sand : Sand or Grains
-        Soles feel its planar law, meshes 3D-RFT (`footopt.sand.intrusion`).
+        Soles feel its planar law, meshes 3D-RFT (`footopt.mujoco.intrusion`).
     effects : sequence of Effect
         As in a `Scene`; a `Rest` says over which length the sand holds, and is there without being named.
     plates : int, 1

@@ -14,7 +14,7 @@ level plate, 0 for a wall), c = 2 l - 1, s = -2 (q - l u) and P = 1 - u u, the s
 It is the planar law wherever motion, normal and up are in one plane. Elsewhere a wall resists the part of the
 motion that is along its normal, and slides along itself as hard sideways as up and down, which is F. The
 plate's projection into the plane of motion would have no direction where the motion is vertical.
-*Meshes* feel 3D-RFT (`footopt.sand.intrusion`).
+*Meshes* feel 3D-RFT (`footopt.mujoco.intrusion`).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ import numpy as np
 from footopt.compiled import inlined, inlined_fast
 from footopt.effects import base as effects
 from footopt.effects.leading_edge import leading_gate
-from footopt.sand.intrusion import TABLE
+from footopt.mujoco.intrusion import TABLE
 from footopt.sand.law import Law
 from footopt.walk.contact import EDGE, rsqrt
 

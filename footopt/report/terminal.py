@@ -21,6 +21,7 @@ from rich.table import Table as RichTable
 from rich.text import Text
 
 from footopt.effects import Effect, LeadingEdge, name_of
+from footopt.effects.base import parameters
 from footopt.foot import Foot, Waypoints
 from footopt.foot.waypoints import written
 from footopt.report.numbers import change, percent, quantity, title
@@ -28,7 +29,6 @@ from footopt.report.numbers import number as number
 from footopt.sand import GENERIC
 from footopt.sand.law import EARTH
 from footopt.walk import MEASURES, Scene, gain_shares
-from footopt.walk.audit import parameters
 from footopt.walk.validity import Diagnostic
 
 if TYPE_CHECKING:

@@ -22,11 +22,11 @@ from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
 from footopt.report.figures.accuracy import work_precision
 from footopt.sand import Sand
+from footopt.studies.audit import own_time
 from footopt.studies.base import Study
 from footopt.studies.validation.model import model_error
 from footopt.walk import FIVE, Accuracy, Scene, evaluate, simulate
 from footopt.walk.accuracy import PRESETS, TABLE_COLUMNS, work
-from footopt.walk.audit import own_time
 from footopt.walk.steppers import STEPPERS
 
 Array = NDArray[np.float64]

@@ -10,16 +10,17 @@ import numpy as np
 from rich.table import Table
 from rich.text import Text
 
+from footopt.effects.base import parameters
 from footopt.errors import check
 from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
+from footopt.studies.audit import QUANTILE, Audit, audit
 from footopt.studies.base import Study
 from footopt.studies.build import make_scene
+from footopt.studies.screening import LITERATURE, Criterion, screening
 from footopt.studies.settings import Config
 from footopt.walk import FIVE, Scene, evaluate
 from footopt.walk.accuracy import TOLERANCES
-from footopt.walk.audit import QUANTILE, Audit, audit, parameters
-from footopt.walk.calls import LITERATURE, Call, calls
 
 TOLERANCE = 0.01  # where neither the effects nor the accuracy state one
 RANDOM_FEET = 40  # that decide for a search
@@ -42,7 +43,7 @@ class Chosen:
     ----------
     scene : Scene
         What is simulated.
-    audits, calls : list of dict
+    audits, screening : list of dict
         For result.json; empty unless `effects.auto`.
     left_out : dict of float
         Relative change of each objective by the effects that are left out, all together.
@@ -50,13 +51,13 @@ class Chosen:
 
     scene: Scene
     audits: list[dict[str, Any]] = field(default_factory=list)
-    calls: list[dict[str, Any]] = field(default_factory=list)
+    screening: list[dict[str, Any]] = field(default_factory=list)
     left_out: dict[str, float] = field(default_factory=dict)
 
     @property
     def entry(self) -> dict[str, Any]:
         """In result.json."""
-        return {"effects_audit": self.audits, "scene_calls": self.calls, "left_out": self.left_out}
+        return {"effects_audit": self.audits, "screening": self.screening, "left_out": self.left_out}
 
 
 def choose_effects(study: Study, foot: Foot | None = None) -> Chosen:
@@ -82,8 +83,8 @@ def choose_effects(study: Study, foot: Foot | None = None) -> Chosen:
     scene = make_scene(replace(config, effects=replace(config.effects, auto=False)))
     feet: Any = [foot] if foot else study.space.random(RANDOM_FEET, seed=study.seed, inside=True)
     limit = tolerance(config)
-    called = calls(scene, soles(feet, study.space), limit)
-    study.say(calls_table(called))
+    screened = screening(scene, soles(feet, study.space), limit)
+    study.say(screening_table(screened))
     undecided = [kind() for kind in LITERATURE if not any(isinstance(e, kind) for e in scene.effects)]
     found: list[Audit] = []
     with study.compiling("a walk for each effect, minutes in all"):
@@ -96,13 +97,13 @@ def choose_effects(study: Study, foot: Foot | None = None) -> Chosen:
         own, more = (evaluate(feet, s, study.accuracy, space=study.space).values for s in (scene, whole))
     for a in found:
         study.say(f"effects=auto: {a.name.replace('_', ' ')} {a.verdict}")
-    for words in (c.warning for c in called if c.warning):
+    for words in (c.warning for c in screened if c.warning):
         terminal.warn(study.console, f"effects=auto: outside of what was tested: {words}.")
     change = np.abs(more / own - 1.0)
     change = change[np.isfinite(change).all(axis=1)]
     sizes = np.percentile(change, QUANTILE, axis=0) if len(change) else np.zeros(len(FIVE))
     left_out = dict(zip(FIVE, sizes.tolist(), strict=True))
-    return Chosen(scene, [audit_entry(a) for a in found], [call_entry(c) for c in called], left_out)
+    return Chosen(scene, [audit_entry(a) for a in found], [screening_entry(c) for c in screened], left_out)
 
 
 def soles(feet: Any, space: Waypoints) -> list[Foot]:
@@ -110,7 +111,7 @@ def soles(feet: Any, space: Waypoints) -> list[Foot]:
     return [foot if isinstance(foot, Foot) else Foot.from_waypoints(foot, space) for foot in feet]
 
 
-def calls_table(found: Sequence[Call]) -> Table:
+def screening_table(found: Sequence[Criterion]) -> Table:
     """The numbers of a scene for the terminal."""
     words = ("effect", "number", "source", "verdict")
     shown = terminal.table(("effect", "number", "value", "limit", "source", "verdict"), words)
@@ -124,7 +125,7 @@ def calls_table(found: Sequence[Call]) -> Table:
     return shown
 
 
-def call_entry(c: Call) -> dict[str, Any]:
+def screening_entry(c: Criterion) -> dict[str, Any]:
     """A number of a scene in result.json."""
     return {**asdict(c), "verdict": c.verdict}
 

@@ -20,6 +20,7 @@ from rich.text import Text
 from footopt.design import FootProblem, Store
 from footopt.design.store import listed
 from footopt.effects import name_of
+from footopt.effects.base import parameters
 from footopt.errors import FootoptError, check
 from footopt.files import identity
 from footopt.files import io as files
@@ -31,7 +32,6 @@ from footopt.studies.runs import finished, result_of
 from footopt.studies.settings import REPORTS, Config, StudyConfig
 from footopt.walk import MEASURES, Accuracy, Scene, simulate
 from footopt.walk.adapt import adapted
-from footopt.walk.audit import parameters
 from footopt.walk.objectives import lookup
 from footopt.walk.validity import Diagnostic
 

@@ -10,7 +10,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from footopt.design import Choice, FootProblem
+from footopt.design import Choice, FootProblem, Spread
 from footopt.effects import EFFECTS, Effect
 from footopt.errors import SettingError, check
 from footopt.files.gaits import read_strides
@@ -27,7 +27,7 @@ from footopt.studies.settings import (
     SandConfig,
     leaves,
 )
-from footopt.walk import Accuracy, Scene, Spread, Walker
+from footopt.walk import Accuracy, Scene, Walker
 from footopt.walk.accuracy import PRESETS
 
 

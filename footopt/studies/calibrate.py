@@ -14,9 +14,9 @@ from footopt.files.io import write_text
 from footopt.report import terminal
 from footopt.report.figures.calibration import calibration as draw
 from footopt.sand import GENERIC, MEDIA, Sand
-from footopt.sand.calibration import SETTING, Calibration, Estimate, calibrate
 from footopt.studies.base import Study
 from footopt.studies.build import make_sand
+from footopt.studies.calibration import SETTING, Calibration, Estimate, calibrate
 
 
 def run(study: Study) -> None:

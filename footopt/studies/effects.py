@@ -10,11 +10,11 @@ from footopt.effects import EFFECTS, Effect
 from footopt.errors import check
 from footopt.report import terminal
 from footopt.report.figures.effects import changes
-from footopt.studies.auto_effects import audit_entry, call_entry, calls_table, soles, tolerance
+from footopt.studies.audit import Audit, audit, percent, switched
+from footopt.studies.auto_effects import audit_entry, screening_entry, screening_table, soles, tolerance
 from footopt.studies.base import Study, accuracy_entry, scene_entry
+from footopt.studies.screening import screening
 from footopt.walk import FIVE, Scene, evaluate
-from footopt.walk.audit import Audit, audit, percent, switched
-from footopt.walk.calls import calls
 
 HEADER = (
     "effect", "sand", *(f"change_{n}" for n in FIVE), *(f"shift_{n}" for n in FIVE),
@@ -28,7 +28,7 @@ def run(study: Study) -> None:
     check(2 <= count <= 10_000, "study.feet", count, "2, to rank them, to 10,000")
     scene, space, limit = study.scene, study.space, tolerance(study.config)
     feet = space.random(count, seed=study.seed, inside=True)
-    called = calls(scene, soles(feet, space), limit)
+    screened = screening(scene, soles(feet, space), limit)
     effects = to_audit(scene)
     found: list[Audit] = []
     with study.compiling("a walk for each effect, minutes in all"):
@@ -44,9 +44,9 @@ def run(study: Study) -> None:
     study.save("effects", changes(found), caption)
     study.conclude(
         "What each effect changes",
-        [calls_table(called), table(found)],
+        [screening_table(screened), table(found)],
         {
-            "calls": [call_entry(c) for c in called],
+            "screening": [screening_entry(c) for c in screened],
             "seed": study.seed,
             "feet": feet.tolist(),
             **scene_entry(scene, study.accuracy, ()),
@@ -59,7 +59,7 @@ def run(study: Study) -> None:
         },
         said=[
             *(f"{a.name.replace('_', ' ')} {a.verdict}" for a in found),
-            *(f"Outside of what was tested: {c.warning}." for c in called if c.warning),
+            *(f"Outside of what was tested: {c.warning}." for c in screened if c.warning),
         ],
     )
 

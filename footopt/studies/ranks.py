@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from footopt.design import FootProblem
 from footopt.design.robust import regret
+from footopt.design.scenarios import Scenario, harder_and_softer, laws
 from footopt.report.numbers import percent
+from footopt.studies.audit import tau
 from footopt.walk import MEASURES, Scene, evaluate
-from footopt.walk.audit import tau
-from footopt.walk.scenarios import Scenario, harder_and_softer, laws
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

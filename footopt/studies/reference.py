@@ -16,13 +16,13 @@ from typing import Any
 
 from footopt.design import Solver
 from footopt.design.result import check_finalists
+from footopt.design.scenarios import check_measure
 from footopt.effects import EFFECTS
 from footopt.errors import SettingError
 from footopt.report.terminal import described
 from footopt.studies import ALWAYS, CHOICE, READS, build, reads
 from footopt.studies.settings import AllEffects, everything, leaves
 from footopt.walk import MEASURES, Walker
-from footopt.walk.scenarios import check_measure
 
 #: Values that hardly any setting can have: those of a number first.
 WRONG = (math.nan, -1e30, -1, "?", ["?"])

@@ -20,6 +20,7 @@ from rich.table import Table as RichTable
 from footopt.design import EXHAUSTIVE, FootProblem, SearchResult, Solver, confirm, make_executor, search
 from footopt.design.result import check_finalists
 from footopt.design.robust import RobustProblem, regret
+from footopt.design.scenarios import Scenario, draw, laws, sands
 from footopt.errors import FootoptError, SettingError, check
 from footopt.files import io as files
 from footopt.foot import Foot, Waypoints
@@ -32,7 +33,6 @@ from footopt.studies.build import check_searchable, make_scene, make_spread
 from footopt.studies.settings import Config
 from footopt.studies.validation.model import model_error
 from footopt.walk import MEASURES, Accuracy, Scene, simulate
-from footopt.walk.scenarios import Scenario, draw, laws, sands
 
 Array = NDArray[np.float64]
 Heights = dict[str, NDArray[np.int64]]  # of soles, by the feet's names

@@ -20,6 +20,7 @@ from footopt.design import (
     Choice,
     RobustProblem,
     Solver,
+    Spread,
     make_executor,
 )
 from footopt.design.problem import SETS
@@ -29,7 +30,7 @@ from footopt.files import soles
 from footopt.foot import SHAPES, Foot, Waypoints, shapes
 from footopt.gait import Gait
 from footopt.sand import MEDIA, Sand, StressMap
-from footopt.walk import MEASURES, PRESETS, Accuracy, Spread, Walker
+from footopt.walk import MEASURES, PRESETS, Accuracy, Walker
 
 #: How much a run leaves: result.json, contour.csv and what it is resumed from; all but figures; everything.
 REPORTS = ("none", "light", "full")
@@ -86,9 +87,9 @@ def importable(made: type) -> Any:
 
 if TYPE_CHECKING:
     from footopt.design import Solver as SolverConfig
+    from footopt.design import Spread as SpreadConfig
     from footopt.foot import Waypoints as SpaceConfig
     from footopt.sand import StressMap as CoefficientsConfig
-    from footopt.walk import Spread as SpreadConfig
     from footopt.walk import Walker as WalkerConfig
 else:
     SolverConfig, SpaceConfig, CoefficientsConfig, WalkerConfig = map(

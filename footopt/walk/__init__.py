@@ -4,7 +4,6 @@ from footopt.walk.accuracy import PRESETS, Accuracy
 from footopt.walk.objectives import FIVE, MEASURES, OBJECTIVES, gain_shares
 from footopt.walk.resolution import estimate_error
 from footopt.walk.results import Table, Walk
-from footopt.walk.scenarios import Scenario, Spread, draw
 from footopt.walk.scene import Scene, Walker
 from footopt.walk.simulate import evaluate, simulate
 from footopt.walk.steppers import STEPPERS
@@ -18,14 +17,11 @@ __all__ = [
     "STEPPERS",
     "Accuracy",
     "Diagnostic",
-    "Scenario",
     "Scene",
-    "Spread",
     "Table",
     "Walk",
     "Walker",
     "diagnose",
-    "draw",
     "estimate_error",
     "evaluate",
     "gain_shares",

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import footopt as fo
-from footopt.sand.calibration import calibrate
+from footopt.studies.calibration import calibrate
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

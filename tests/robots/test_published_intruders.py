@@ -10,7 +10,7 @@ import trimesh
 
 import footopt as fo
 from footopt.mujoco import Grains, attach
-from footopt.sand.intrusion import DOWN, TABLE, xi_of
+from footopt.mujoco.intrusion import DOWN, TABLE, xi_of
 
 mujoco = pytest.importorskip("mujoco")
 shared = pytest.importorskip("block_on_sand")

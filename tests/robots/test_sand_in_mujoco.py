@@ -11,8 +11,8 @@ from footopt.effects import Inertia, Layers, LeadingEdge, Rest, Slope
 from footopt.errors import SettingError
 from footopt.mujoco import Grains, attach
 from footopt.mujoco.faces import stress
+from footopt.mujoco.intrusion import DOWN, TABLE
 from footopt.sand import alpha
-from footopt.sand.intrusion import DOWN, TABLE
 from footopt.sand.law import by_direction
 from footopt.walk.contact import EDGE
 from footopt.walk.plates import forces as law_forces

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 import footopt as fo
 from footopt.mujoco.faces import planar
+from footopt.mujoco.intrusion import TABLE
 from footopt.sand import alpha
-from footopt.sand.intrusion import TABLE
 
 LAW = fo.Sand().stress_map.law
 UP = (0.0, 0.0, 1.0)

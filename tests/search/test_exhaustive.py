@@ -11,10 +11,10 @@ from searching import QUICK, stop_after
 
 import footopt as fo
 from footopt.design import Solver, search
+from footopt.design.scenarios import sands
 from footopt.design.solvers.exhaustive import batches
 from footopt.design.solvers.moves import ExchangeRun, ShiftRun, shifts
 from footopt.errors import SettingError
-from footopt.walk.scenarios import sands
 
 SPACE = fo.Waypoints(n=4, K=4)
 EVERYTHING = np.stack(np.meshgrid(*[range(1, 5)] * 4, indexing="ij"), axis=-1).reshape(-1, 4)

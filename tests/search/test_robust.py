@@ -14,9 +14,9 @@ import footopt as fo
 from footopt.design import Solver, Store, confirm, search
 from footopt.design.problem import FootProblem
 from footopt.design.robust import own_best, regret
+from footopt.design.scenarios import RISK_MEASURES, laws, measured, sands
 from footopt.design.store import context, differences, digest
 from footopt.errors import FootoptError, SettingError
-from footopt.walk.scenarios import WAYS, laws, measured, sands
 
 SANDS = sands(fo.Scene())
 NOTHING = fo.Spread(**dict.fromkeys(vars(fo.Spread()), 0.0))
@@ -105,7 +105,7 @@ class TestMeasures:
         thin = 0.5 * weights.min() / weights.sum()
         np.testing.assert_allclose(measured(values, weights, "tail", thin), values.max(axis=0), atol=1e-9)
 
-    @pytest.mark.parametrize("measure", WAYS)
+    @pytest.mark.parametrize("measure", RISK_MEASURES)
     def test_a_design_s_measure_does_not_depend_on_its_batch(self, measure):
         values = np.random.default_rng(2).normal(size=(33, 50, 6))
         whole = measured(values, np.ones(33), measure, 0.3)

@@ -12,10 +12,10 @@ from study_pages import check_page
 
 import footopt as fo
 from footopt import studies
+from footopt.design.scenarios import sands
 from footopt.errors import FootoptError, SettingError
 from footopt.files.gaits import read_strides
 from footopt.studies.build import make_spread
-from footopt.walk.scenarios import sands
 
 SANDS = sands(fo.Scene())
 #: A study that takes a second.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -14,14 +16,13 @@ from footopt.report.style import (
     new_figure,
     styled,
 )
-from footopt.sand.calibration import Calibration
 
 HIGHEST = 2.5  # of the mean: what is shown of shallow measurements, whose zeta is noise
 
 
 @styled
-def calibration(found: Calibration) -> Figure:
-    """Force over the map's force at zeta 1 of every measurement."""
+def calibration(found: Any) -> Figure:
+    """Draw every measurement's force over that of the map at zeta 1 (`footopt.studies.calibration`)."""
     figure = new_figure(COLUMN, 2.5)
     deep = figure.subplots()
     mm = 1e3 * found.depth

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -10,12 +11,14 @@ from matplotlib.figure import Figure
 from footopt.report.numbers import sand_title
 from footopt.report.style import CHOSEN, GREY, GRID, PAGE, new_figure, styled
 from footopt.walk import FIVE
-from footopt.walk.audit import Audit
 
 
 @styled
-def changes(audits: Sequence[Audit]) -> Figure:
-    """A row for each effect and sand, a panel for each objective, a line where a change matters."""
+def changes(audits: Sequence[Any]) -> Figure:
+    """Draw audits (`footopt.studies.audit.Audit`): a row for each effect and sand, a panel an objective.
+
+    A line is where a change matters.
+    """
     sands, labels = [sand_title(a.scene.sand) for a in audits], [a.name.replace("_", " ") for a in audits]
     where = f" on {sands[0]}" if len(set(sands)) == 1 else ""
     labels = [label if where else f"{label}, {sand}" for label, sand in zip(labels, sands, strict=True)]

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from footopt.design.scenarios import Spread, harder_and_softer
 from footopt.effects import LeadingEdge, name_of
 from footopt.walk import FIVE, Walk, evaluate
-from footopt.walk.scenarios import Spread, harder_and_softer
 
 #: What was measured that is nearest to each objective: experiment and quantity.
 NEAREST = {

@@ -18,8 +18,8 @@ from footopt.effects import Effect, Inertia
 from footopt.effects.shadowing import filler
 from footopt.foot import Foot
 from footopt.gait.gait import Pose
+from footopt.mujoco.intrusion import material_constant
 from footopt.sand import Sand, StressMap, alpha
-from footopt.sand.intrusion import material_constant
 from footopt.sand.law import PER_CM3, by_angles
 from footopt.walk import Scene, simulate
 from footopt.walk.plates import forces, plate_states

@@ -1,7 +1,7 @@
-"""What a scene calls for, before anything walks: dimensionless numbers against thresholds with sources.
+"""Screening of a scene before anything walks: dimensionless numbers against thresholds with sources.
 
 A number of an effect, or of something that footopt lacks, is about the share of the force on a foot that it
-makes up. These are estimates within a factor of two or so; the audit (`footopt.walk.audit`) walks.
+makes up. These are estimates within a factor of two or so; the audit (`footopt.studies.audit`) walks.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ EFFECT, RANGE, LACKS = "effect", "tested range", "not in footopt"
 
 
 @dataclass(frozen=True)
-class Call:
-    """One row of the table.
+class Criterion:
+    """A dimensionless number of a scene, and its threshold.
 
     Parameters
     ----------
@@ -92,21 +92,21 @@ class Call:
         return f"{self.name}: {about}, tested to {self.threshold:g} ({self.source})"
 
 
-def calls(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> list[Call]:
-    """The numbers of a scene.
+def screening(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> list[Criterion]:
+    """Screen a scene.
 
     Parameters
     ----------
     scene : Scene
-        What is walked.
+        What is simulated.
     feet : sequence of Foot
-        Who walks; medians over them count.
+        Their medians count.
     tolerance : float
         The relative change that matters.
 
     Returns
     -------
-    list of Call
+    list of Criterion
         Effects, what the law is tested for, and what footopt lacks.
     """
     scale = scene.scale
@@ -128,26 +128,26 @@ def calls(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> list[C
             continue
         value, title = effect.estimate(scale), name.replace("_", " ")
         number, source = getattr(effect, "number", "its own estimate"), getattr(effect, "source", SCENE)
-        found.append(Call(title, EFFECT, number, value, tolerance, source, given is not None))
+        found.append(Criterion(title, EFFECT, number, value, tolerance, source, given is not None))
 
     cone = DENSITY * area * math.sqrt(area / math.pi) * math.tan(CONE) / 3.0
     sides = (length + width) * depth**2 * DENSITY * g * FRICTION**2
     angle = next((abs(e.angle) for e in scene.effects if isinstance(e, Slope)), 0.0)
-    return [
-        *found,
-        Call("depth", RANGE, "depth / width of the foot", depth / width, 1.0, "Li, Zhang & Goldman (2013)"),
-        Call("ankle", RANGE, "depth / height of the ankle", depth / ankle if ankle > 0 else math.inf, 1.0,
-             "the leg feels no sand"),
-        Call("speed", RANGE, "v / sqrt(g L)", speed / math.sqrt(g * length), 0.31,
-             "0.5 m/s on the Earth; Li, Zhang & Goldman (2013)"),
-        Call("slope", RANGE, "angle / that of repose", angle / 30.0, 0.6,
-             "the map is that of a level surface"),
-        Call("cohesion", LACKS, "N_c c / pressure of the foot",
-             bearing_factor(INNER) * COHESION * area / weight, tolerance,
-             "N_c: Prandtl (1921); c 1.04 kPa, 28 deg: a dry sand, Wong (2008)"),
-        Call("added mass at impact", LACKS, "m v^2 / (z weight)", cone * speed**2 / (depth * weight),
-             tolerance, "added mass: Aguilar & Goldman (2016); a cone of 60 deg, assumed"),
-        Call("sides of the foot", LACKS, "friction on them / weight", sides / weight, tolerance,
-             "pressure at rest 0.5, friction 0.5, assumed"),
-        Call("grains", LACKS, "grain / depth", GRAIN / depth, 0.1, "grains of 0.3 mm, ten for a continuum"),
+    rows = [
+        ("depth", RANGE, "depth / width of the foot", depth / width, 1.0, "Li, Zhang & Goldman (2013)"),
+        ("ankle", RANGE, "depth / height of the ankle", depth / ankle if ankle > 0 else math.inf, 1.0,
+         "the leg feels no sand"),
+        ("speed", RANGE, "v / sqrt(g L)", speed / math.sqrt(g * length), 0.31,
+         "0.5 m/s on the Earth; Li, Zhang & Goldman (2013)"),
+        ("slope", RANGE, "angle / that of repose", angle / 30.0, 0.6,
+         "the map is that of a level surface"),
+        ("cohesion", LACKS, "N_c c / pressure of the foot",
+         bearing_factor(INNER) * COHESION * area / weight, tolerance,
+         "N_c: Prandtl (1921); c 1.04 kPa, 28 deg: a dry sand, Wong (2008)"),
+        ("added mass at impact", LACKS, "m v^2 / (z weight)", cone * speed**2 / (depth * weight),
+         tolerance, "added mass: Aguilar & Goldman (2016); a cone of 60 deg, assumed"),
+        ("sides of the foot", LACKS, "friction on them / weight", sides / weight, tolerance,
+         "pressure at rest 0.5, friction 0.5, assumed"),
+        ("grains", LACKS, "grain / depth", GRAIN / depth, 0.1, "grains of 0.3 mm, ten for a continuum"),
     ]  # fmt: skip
+    return [*found, *(Criterion(*row) for row in rows)]

@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import kendalltau
 
 import footopt as fo
-from footopt.walk.audit import audit, switched, tau
+from footopt.studies.audit import audit, switched, tau
 
 FEET = fo.Waypoints().random(12, seed=3, inside=True)
 

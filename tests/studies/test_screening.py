@@ -1,4 +1,4 @@
-"""What a scene calls for before it is walked: dimensionless numbers, and what was not tested."""
+"""Screening of a scene: dimensionless numbers, and what was not tested."""
 
 import math
 from dataclasses import replace
@@ -8,13 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import footopt as fo
-from footopt.walk.calls import bearing_factor, calls
+from footopt.studies.screening import bearing_factor, screening
 
 ABSOLUTE = ("cohesion", "grains")  # sand has a strength and a size of its own
 
 
 def numbers(scene, foot):
-    return {c.name: c for c in calls(scene, [foot])}
+    return {c.name: c for c in screening(scene, [foot])}
 
 
 def scaled(size):

@@ -9,7 +9,7 @@ from running import footopt
 
 import footopt as fo
 from footopt.errors import FileError
-from footopt.sand.calibration import calibrate
+from footopt.studies.calibration import calibrate
 
 SAMPLE = 60  # tests of a sand; more with FOOTOPT_CALIBRATIONS
 HEAD = "depth_mm,force_N,area_cm2,angle_deg,direction_deg,repeat\n"

@@ -4,13 +4,11 @@ and what it costs in time. Simulate only the effects that a scene calls for.
 
 from __future__ import annotations
 
-import dataclasses
 import os
 import statistics
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -95,11 +93,6 @@ class Audit:
 def percent(value: float) -> str:
     """Two digits, without an exponent."""
     return f"{value:.0f}" if value >= 10.0 else f"{value:.2g}"
-
-
-def parameters(effect: Effect) -> dict[str, Any]:
-    """An effect's parameters by name."""
-    return dataclasses.asdict(effect) if dataclasses.is_dataclass(effect) else {}
 
 
 def audit(

@@ -26,7 +26,7 @@ from footopt.walk.scene import Scene
 Array = NDArray[np.float64]
 
 #: How values over scenarios become one; "tail" is the mean over the worst share of them (CVaR).
-WAYS = ("mean", "tail", "worst")
+RISK_MEASURES = ("mean", "tail", "worst")
 
 DEFORMATION = 2  # harmonics, beside the mean, by which an angle differs from stride to stride
 
@@ -231,7 +231,7 @@ def measured(values: Array, weights: Array, measure: str, tail: float) -> Array:
     weights : (scenarios,)
         Of any sum.
     measure : str
-        In `WAYS`.
+        In `RISK_MEASURES`.
     tail : float
         The share of the probability that "tail" averages over, the worst one: the conditional value at
         risk (Rockafellar & Uryasev 2000), with a scenario's part where the tail ends inside it.
@@ -257,6 +257,6 @@ def measured(values: Array, weights: Array, measure: str, tail: float) -> Array:
 
 
 def check_measure(measure: str, tail: float) -> None:
-    """Raise unless a measure is one of `WAYS` and its tail a share."""
-    check(measure in WAYS, "study.measure", measure, f"one of {', '.join(WAYS)}")
+    """Raise unless a measure is one of `RISK_MEASURES` and its tail a share."""
+    check(measure in RISK_MEASURES, "study.measure", measure, f"one of {', '.join(RISK_MEASURES)}")
     check(0 < tail <= 1, "study.tail", tail, "a share > 0 and <= 1 of the scenarios, by probability")
