@@ -49,7 +49,7 @@ def write(folder: Path, sand: str, designs: int) -> Path:
     best = fo.Foot.from_waypoints(result.k[confirmed.designs[0]], problem.space)
     walk, flat = (fo.simulate(foot, problem.scene, "standard") for foot in (best, fo.Foot.flat()))
     entry = {"flat": flat.objectives, "accuracy": {"name": "standard"}, "scene": {"effects": {}}}
-    content = page.search_content(result, confirmed, walk, flat, [], entry)
+    content = page.search_content(result, confirmed, walk, flat, entry)
     return page.write(folder / "report.html", content | {"folder": "outputs/optimize/one", "words": ""})
 
 

@@ -157,13 +157,9 @@ class SearchResult:
     @property
     def shown(self) -> Ints:
         """Indices of the front, of which a large one is an even selection of `SHOWN`, the best first."""
-        return _evenly(self.front, SHOWN)
-
-    def selected(self, most: int) -> Ints:
-        """Indices of so many designs at most: the front, and an even selection of the others, in order."""
-        front = _evenly(self.front, min(most, SHOWN))
-        others = np.setdiff1d(np.arange(self.designs), front)
-        return np.union1d(front, _evenly(others, most - len(front)))
+        if len(self.front) <= SHOWN:
+            return self.front
+        return self.front[np.linspace(0, len(self.front) - 1, SHOWN).astype(np.int64)]
 
     @property
     def foot(self) -> Foot:
@@ -204,13 +200,6 @@ class SearchResult:
     def failures(self) -> dict[str, int]:
         """How many designs are infeasible, by reason, the most frequent first."""
         return dict(Counter(map(str, self.reasons[self.reasons != ""])).most_common())
-
-
-def _evenly(places: Ints, most: int) -> Ints:
-    """At most so many of some places, evenly spread, the first and the last among them."""
-    if len(places) <= most:
-        return places
-    return places[np.linspace(0, len(places) - 1, most).astype(np.int64)]
 
 
 @dataclass(frozen=True, eq=False)

@@ -105,11 +105,7 @@ def run(study: Study) -> Answer:
         }
     )
     if study.reports:
-        others = (
-            (i, simulate(Foot.from_waypoints(result.k[i], problem.space), scene, problem.accuracy))
-            for i in page.walked_designs(result, confirmed)
-        )
-        shown = page.search_content(result, confirmed, walk, flat, others, record)
+        shown = page.search_content(result, confirmed, walk, flat, record)
         page.write(study.folder / "report.html", shown | study.origin)
     write_film(study, walk)
 

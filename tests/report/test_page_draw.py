@@ -26,7 +26,7 @@ def found():
     best = fo.Foot.from_waypoints(result.k[confirmed.designs[0]], problem.space)
     walk, flat = (fo.simulate(foot, problem.scene, "draft") for foot in (best, fo.Foot.flat()))
     entry = {"flat": flat.objectives, "accuracy": {"name": "draft"}, "scene": {"effects": {}}}
-    return result, confirmed, page.search_content(result, confirmed, walk, flat, [], entry) | RUN
+    return result, confirmed, page.search_content(result, confirmed, walk, flat, entry) | RUN
 
 
 @pytest.fixture

@@ -3,6 +3,6 @@
 from footopt.report.page.file import write
 from footopt.report.page.jobs import jobs_content
 from footopt.report.page.study import write_study
-from footopt.report.page.walks import search_content, walk_content, walked_designs
+from footopt.report.page.walks import search_content, walk_content
 
-__all__ = ["jobs_content", "search_content", "walk_content", "walked_designs", "write", "write_study"]
+__all__ = ["jobs_content", "search_content", "walk_content", "write", "write_study"]

@@ -54,14 +54,12 @@ function explorer(choose, beside, glimpse) {
   const across = choice("scatter-x", columnOf(several[0]) ? several[0] : COLUMNS[0].name);
   const up = choice("scatter-y", columnOf(several[1]) ? several[1] : COLUMNS.at(-1).name);
   const shade = choice("shade", "", [el("option", { value: "" }, "nothing")]), scale = el("span", { class: "scale" });
-  const walked = new Set((data.walks ?? []).map((walk) => walk.design));
   const SETS = {
     all: { title: "all feasible ones", has: () => true },
     front: { title: "the Pareto front", has: (i) => front.has(i) },
-    walked: { title: "those whose walk is on this page", has: (i) => walked.has(i) },
   };
   const which = el("select", { id: "which", change: () => filter() }, ...Object.entries(SETS)
-    .filter(([name]) => (name !== "front" || front.size) && (name !== "walked" || (walked.size && !P.sand)))
+    .filter(([name]) => name !== "front" || front.size)
     .map(([value, { title }]) => el("option", { value }, title)));
   if (front.size) which.value = "front";
   const clear = el("button", { type: "button", id: "clear", click: () => { state.limits.clear(); filter(); } }, "Clear limits");

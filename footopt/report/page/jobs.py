@@ -67,19 +67,19 @@ def jobs_content(folder: Path, runs: Sequence[Any], common: Collection[str]) -> 
             for run in runs
         ],
         "designs": {
-            "values": packed(values, exact=True),
+            "values": packed(values),
             "labels": [run.name for run in done],
             # a walk that failed has no values to place it by
             "feasible": [int(not result.get("reason")) for result in results],
             "reasons": [result.get("reason", "") for result in results],
-            "soles": [packed(run.contour, exact=True) for run in done],
+            "soles": [packed(run.contour) for run in done],
         },
         "top": [foot["top"] for foot in feet],
         "width": [foot["width"] for foot in feet],
         "best": 0,
         "entry": {"versions": results[0]["versions"]} if done else None,
         "traces": [
-            {"design": i} | {name: packed(trace, exact=True) for name, trace in traces.items()}
+            {"design": i} | {name: packed(trace) for name, trace in traces.items()}
             for i, run in enumerate(done)
             if (traces := run.traces) is not None
         ],

@@ -98,12 +98,14 @@ function designSection() {
     back.hidden = best || data.jobs !== undefined;
     words.textContent = [k ? `k = [${k.join(",")}]` : "", `hollow ${(MM * hollow(points)).toFixed(1)} mm`, generation && chosen !== DRAWN ? `generation ${generation[chosen]}` : "",
       feasible[chosen] ? "" : `infeasible: ${reason(chosen)}`, chosen === DRAWN && feasible[chosen] ? sketch.reason : "", same ? "this is the flat foot" : flat ? `dashed: the flat foot${flat.reason ? `, whose walk failed: ${flat.reason}` : ""}` : ""].filter(Boolean).join("; ");
-    update(drawing, soleDrawing(points, { width: widthOf(drawing), k, top: own("top", chosen), colour: data.jobs ? COLOURS[chosen % COLOURS.length] : best ? "var(--best)" : "var(--chosen)",
+    const focus = document.activeElement?.dataset?.waypoint;
+    drawing.replaceChildren(soleDrawing(points, { width: widthOf(drawing), k, top: own("top", chosen), colour: data.jobs ? COLOURS[chosen % COLOURS.length] : best ? "var(--best)" : "var(--chosen)",
       ghost: same ? null : flat?.points }));
+    if (focus) drawing.querySelector(`[data-waypoint="${focus}"]`)?.focus({ preventScroll: true });
     const finer = best && data.bestValues, accuracy = data.jobs ? "" : `Walked at accuracy ${(finer ? entry.accuracy : entry.search_accuracy ?? entry.accuracy)?.name}. `;
     const compared = entry.flat && feasible[chosen] && !flat?.reason && !same;
     exact.hidden = !compared;
-    update(numbers, ...(compared
+    numbers.replaceChildren(...(compared
       ? [gain(chosen), bars(chosen, Math.max(widthOf(numbers), 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Ticks at the end of a bar: ± the numerical error.",
         best && entry.ranks?.laws?.some((law) => law.change) ? " Circles: under other laws of the sand." : "", ` ${accuracy}`, gain(chosen) && "J_W, which the paper minimises: −distance × mean height / (work × peak power × speed loss)."), model()]
       : [scrolled("Values", valueTable(chosen, same ? null : entry.flat)), el("p", { class: "note" }, accuracy), model()]));

@@ -256,10 +256,10 @@ function simulate(points, { zeta, mass }) {
     for (let i = 0; i < made; i++) for (let j = 0; j < width; j++) found[width * i + j] = rows[TRACE * i + from + j];
     return found;
   };
-  const { parts, of } = groups(sole.x.length), at = new Float64Array(2 * parts), size = new Float64Array(parts), area = new Float64Array(parts);
-  of.forEach((j, i) => { at[2 * j] += sole.x[i]; at[2 * j + 1] += sole.z[i]; size[j]++; area[j] += sole.area[i]; });
+  const { parts, of } = groups(sole.x.length), at = new Float64Array(2 * parts), size = new Float64Array(parts);
+  of.forEach((j, i) => { at[2 * j] += sole.x[i]; at[2 * j + 1] += sole.z[i]; size[j]++; });
   return {
-    reason, objectives: objectives(raw, mass), lowest: raw ? -raw.maximum_sinkage : undefined, ankle: P.foot.ankle, at: at.map((v, i) => v / size[i >> 1]), area, when, arrows,
+    reason, objectives: objectives(raw, mass), lowest: raw ? -raw.maximum_sinkage : undefined, ankle: P.foot.ankle, at: at.map((v, i) => v / size[i >> 1]), when, arrows,
     t: columns(0, 1), com: columns(1, 2), velocity: columns(3, 2), force: columns(5, 4), power: columns(9, 2), work: columns(11, 2),
   };
 }

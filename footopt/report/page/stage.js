@@ -20,24 +20,18 @@ const opened = new Map();
 function open(place) {
   if (!opened.has(place)) {
     const raw = data.walks[place], walk = { ...raw, points: raw.sole ? pairs(unpack(raw.sole)) : sole(raw.design) };
-    for (const name of ["t", "com", "velocity", "force", "power", "work", "at", "when", "area", "arrows"])
+    for (const name of ["t", "com", "velocity", "force", "power", "work", "at", "when", "arrows"])
       walk[name] = raw[name] ? unpack(raw[name]) : [];
     opened.set(place, prepared(walk));
   }
   return opened.get(place);
 }
 
-/** A walk with what pictures of it need: fewer points, an outline, and which arrow each piece of the sole has. */
+/** A walk with what pictures of it need: fewer points, and an outline. */
 function prepared(walk) {
   const every = Math.max(1, Math.floor(walk.points.length / Math.max(80, 4 * (space?.n ?? 0))));
   walk.light = walk.points.filter((_, i) => i % every === 0 || i === walk.points.length - 1);
   walk.shape = outline(walk.light, walk.top);
-  const parts = pairs(walk.at);
-  walk.part = walk.light.slice(1).map(([x, z], i) => {
-    const middle = [(x + walk.light[i][0]) / 2 - walk.ankle[0], (z + walk.light[i][1]) / 2 - walk.ankle[1]];
-    const far = parts.map((p) => size([p[0] - middle[0], p[1] - middle[1]]));
-    return far.indexOf(Math.min(...far));
-  });
   return walk;
 }
 
@@ -88,19 +82,6 @@ function resultant(forces) {
   return { f: total, at: weight ? [place[0] / weight, place[1] / weight] : forces[0]?.at };
 }
 
-/** What a sole can be coloured by: of each part of a foot at a time. */
-const PAINTS = {
-  side: null,
-  stress: { title: "stress (kPa)", of: (walk, now, foot) => now.feet[foot].forces.map(({ f }, i) => size(f) / walk.area[i] / 1000) },
-  power: { title: "power into the sand (W)", of: (walk, now, foot, t) => {
-    const h = 0.005, [before, after] = [t - h, t + h].map((s) => pose(walk, s)[foot]);
-    return pairs(walk.at).map((p, i) => {
-      const [a, b] = [before.turn(p), after.turn(p)], { f } = now.feet[foot].forces[i];
-      return -(f[0] * (b[0] - a[0]) + f[1] * (b[1] - a[1])) / (2 * h);
-    });
-  } },
-};
-
 /** Arrows [x, z, u, w] as one line with gaps; short ones would be heads alone. */
 const arrows = (unit, all) => all.flatMap(([x, z, u, w]) => {
   const long = Math.hypot(u, w), head = Math.min((1.3 * unit) / Math.max(long, unit), 0.5), tip = [x + u, z + w];
@@ -130,7 +111,7 @@ function groundPicture({ left, right, low, high, unit, metres, newtons, close })
 }
 
 /** Feet with their legs and forces and the hip, as `groundPicture` gives them. */
-function bodyPicture(now, { left, right, unit, metres, close }, ghosts, painted) {
+function bodyPicture(now, { left, right, unit, metres, close }, ghosts) {
   const shapes = ghosts.map((points) => ["ghost", points]), words = [];
   now.feet.forEach(({ leg, shape, sole }, foot) => {
     const side = SIDES[foot], [x, z] = leg[2];
@@ -139,7 +120,7 @@ function bodyPicture(now, { left, right, unit, metres, close }, ghosts, painted)
   });
   const forces = now.feet.flatMap((foot) => (close ? foot.forces : [resultant(foot.forces)])).filter(({ at: place }) => place);
   const drawn = forces.map(({ at: [x, z], f: [fx, fz] }) => [x - close * metres * fx, z - close * metres * fz, metres * fx, metres * fz]);
-  shapes.push(...painted, ["force", arrows(unit, drawn)], ["hip dots", [now.com]]);
+  shapes.push(["force", arrows(unit, drawn)], ["hip dots", [now.com]]);
   return { shapes, words };
 }
 
@@ -149,36 +130,27 @@ function bodyPicture(now, { left, right, unit, metres, close }, ghosts, painted)
  * `close` draws soles and the forces on their parts, else the whole walker. The camera goes with the COM, or
  * looks at x = `fixed`. `other` is drawn behind as a ghost, in step: its COM, or its ankle at `fixed`, in the same place.
  */
-function stage(holder, walk, { close = false, x, z, label, other = null, fixed = null, paint = "side", tall = 330 }) {
+function stage(holder, walk, { close = false, x, z, label, other = null, fixed = null, tall = 330 }) {
   const width = widthOf(holder), axis = 18;
   const height = Math.min(tall, (width / (x[1] - x[0])) * (z[1] - z[0]) + (close ? 0 : 60)), above = height - axis;
-  const scale = Math.min(width / (x[1] - x[0]), above / (z[1] - z[0])), half = width / 2 / scale, scheme = PAINTS[paint];
+  const scale = Math.min(width / (x[1] - x[0]), above / (z[1] - z[0])), half = width / 2 / scale;
   redrawn(holder, [["svg", { viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": label }]]);
   const forces = close ? pairs(walk.arrows).map(size) : Array.from(walk.force, Math.abs), largest = forces.reduce((a, b) => Math.max(a, b), 1);
   const metres = (close ? 0.85 * (deepest(walk) - z[0]) : 0.35 * (z[1] - z[0])) / largest, round = 10 ** Math.floor(Math.log10(0.8 * largest));
   const newtons = [5, 2, 1].find((m) => m * round <= 0.8 * largest) * round;
-  const ends = scheme && range(Array.from({ length: 60 }, (_, i) => (i * walk.t.at(-1)) / 59).flatMap((t) => [LEFT, RIGHT].flatMap((foot) => scheme.of(walk, instant(walk, t), foot, t))), 0);
-  const key = scheme ? [...Array.from({ length: 30 }, (_, i) => ["rect", { x: 8 + 4 * i, y: 8, width: 4.5, height: 8, fill: ramp(i / 29) }]),
-    ["text", { class: "halo", x: 8, y: 30, "text-anchor": "start" }, `${number(ends[0])} to ${number(ends[1])}: ${scheme.title}`]] : [];
   return (t) => {
     const now = instant(walk, t), middle = fixed?.x ?? (close ? now.com[0] : 0.5 * (x[0] + x[1]));
     const view = { left: middle - half, right: middle + half, low: z[0], high: z[0] + above / scale, unit: 6 / scale, metres, newtons, close };
     const X = (v) => (v - view.left) * scale, Z = (v) => above - (v - z[0]) * scale, line = (points) => path(points.map(([u, v]) => [X(u), Z(v)]));
-    const ghosts = [], painted = [];
+    const ghosts = [];
     if (other) {
       const behind = pose(other, Math.min(t, other.t.at(-1))), shift = fixed ? fixed.shift : now.com[0] - behind[0].leg[0][0];
       for (const { leg, carry } of behind) for (const points of [[...carry(other.shape), carry(other.shape)[0]], ...(close ? [] : [leg])])
         ghosts.push(points.map(([u, v]) => [u + shift, v]));
     }
-    if (scheme) {
-      painted.push(...now.feet.map(({ sole }) => ["edge", sole]));
-      now.feet.forEach(({ sole }, foot) => scheme.of(walk, now, foot, t).forEach((v, i) => painted.push(["paint",
-        sole.slice(1).flatMap((p, j) => (walk.part[j] === i ? [sole[j], p, GAP] : [])), `stroke:${ramp((v - ends[0]) / (ends[1] - ends[0]))}`])));
-    }
-    const sand = groundPicture(view), body = bodyPicture(now, view, ghosts, painted), words = [...sand.words, ...body.words];
+    const sand = groundPicture(view), body = bodyPicture(now, view, ghosts), words = [...sand.words, ...body.words];
     redrawn(holder.firstChild, [
       ...[...sand.shapes, ...body.shapes].filter(([, points]) => points.length).map(([name, points, style = ""]) => ["path", { class: name, style, d: name.endsWith("dots") ? points.map(([u, v]) => `M${X(u)} ${Z(v)}h.01`).join("") : line(points) }]),
-      ...key,
       ["rect", { x: 0, y: above, width, height: axis, fill: "var(--paper)" }],
       ...[...words.map(([u, v, text, anchor]) => [X(u), Z(v) + 4, text, anchor]), ...ticks(view.left, view.right, width / 110).values
         .filter((v) => X(v) > 24 && X(v) < width - 24).map((v) => [X(v), height - 2, `${+v.toFixed(2)} m`.replace("-", "−"), "middle"])]

@@ -16,7 +16,7 @@ from footopt.report.page.file import packed, write
 
 SCALE = 2.1  # pixels of the page for a point of a figure: a wide one then fills the page
 
-NOTHING = {"values": packed(np.empty((0, 0)), exact=True), "feasible": [], "reasons": []}  # of designs
+NOTHING = {"values": packed(np.empty((0, 0))), "feasible": [], "reasons": []}  # of designs
 
 #: What the foot of a page says of a study, of all that is in its result.json.
 FOOTER = (

@@ -15,12 +15,10 @@ function ramp(share) {
   return `rgb(${stops[i].map((v, c) => Math.round(v + (place - i) * (stops[i + 1][c] - v))).join(" ")})`;
 }
 
-/** A flat array of numbers from base64: floats of 32 or 64 bits, or whole numbers of 8 or 16 bits and their scale. */
-function unpack({ shape, low, step, data: text }) {
-  const letters = atob(text), bytes = new Uint8Array(letters.length);
-  for (let i = 0; i < letters.length; i++) bytes[i] = letters.charCodeAt(i);
-  if (step <= 0) return step < 0 ? new Float64Array(bytes.buffer) : new Float32Array(bytes.buffer);
-  return Float64Array.from(bytes.length === shape.reduce((a, b) => a * b, 1) ? bytes : new Uint16Array(bytes.buffer), (v) => low + step * v);
+/** A flat array of numbers from base64. */
+function unpack({ type, data: text }) {
+  const { buffer } = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  return new { int32: Int32Array, float32: Float32Array, float64: Float64Array }[type](buffer);
 }
 
 /** Numbers with room for a row more, of NaN. */
@@ -56,21 +54,6 @@ function redrawn(drawing, parts) {
     if (made.known.text !== text) made.textContent = made.known.text = text;
   });
   while (drawing.childNodes.length > parts.length) drawing.lastChild.remove();
-}
-
-/** Give a holder these children, in place where they are like those that it has: the rest is not laid out again. */
-function update(holder, ...parts) {
-  const made = parts.filter(Boolean);
-  made.forEach((fresh, i) => {
-    const old = holder.childNodes[i];
-    if (old?.isEqualNode(fresh)) { Object.assign(old, fresh); return; }
-    if (old?.nodeName !== fresh.nodeName) { if (old) old.replaceWith(fresh); else holder.append(fresh); return; }
-    if (old.data !== fresh.data) old.data = fresh.data;
-    for (const { name, value } of fresh.attributes ?? []) if (old.getAttribute(name) !== value) old.setAttribute(name, value);
-    for (const { name } of [...(old.attributes ?? [])]) if (!fresh.hasAttribute(name)) old.removeAttribute(name);
-    update(Object.assign(old, fresh), ...fresh.childNodes);
-  });
-  while (holder.childNodes.length > made.length) holder.lastChild.remove();
 }
 
 const ROUNDING = 1e-12; // what is smaller is no motion, force or power

@@ -72,7 +72,6 @@ function walkSection() {
     compare.value = "kept";
     redraw();
   } }, "Compare others with this one") : null;
-  const paint = el("select", { id: "paint", change: () => redraw() }, ...Object.entries(PAINTS).map(([name, scheme]) => el("option", { value: name }, scheme?.title ?? "left and right")));
   const play = el("button", { id: "play", type: "button", click: () => (state.playing ? stop() : start()) }, "Play");
   const speed = el("select", { id: "speed" },
     ...[["1", "real time"], ["0.5", "1/2"], ["0.25", "1/4"], ["0.1", "1/10"]].map(([value, text]) => el("option", { value }, text)));
@@ -97,7 +96,7 @@ function walkSection() {
     el("div", { class: "grid plots", style: "--columns:3" }, ...plots.map((plot) => el("figure", {}, plot))),
     samples);
   const section = el("section", { id: "walk" }, title,
-    el("div", { class: "bar" }, others.size > 1 || keep ? el("label", {}, "compare with", compare) : null, keep, el("label", {}, "colour the sole by", paint)), message, picture);
+    el("div", { class: "bar" }, others.size > 1 || keep ? el("label", {}, "compare with", compare) : null, keep), message, picture);
 
   function redraw() {
     const { walk } = state, failed = !walk || walk.t.length < 2;
@@ -111,7 +110,7 @@ function walkSection() {
     const com = pairs(walk.com), low = deepest(walk) - 0.05, x = range(com.map((p) => p[0]), 0);
     const found = others.get(compare.value)?.(), other = found && found !== walk && found.t.length > 1 && !(found === flatWalk() && isFlat(walk.points)) ? found : null;
     key.replaceChildren(legend([...SIDES.map((side, i) => ({ name: `${side} foot`, ...LINES[i] })), ...(other ? [{ name: other.label, ...PALE }] : [])]));
-    const shared = { other, paint: paint.value };
+    const shared = { other };
     state.movers = [
       stage(whole, walk, { ...shared, x: [x[0] - 0.55, x[1] + 0.55], z: [Math.min(low, -0.16), Math.max(...com.map((p) => p[1])) + 0.12],
         label: "Stick figure of the walker at one instant" }),

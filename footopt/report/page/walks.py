@@ -1,9 +1,9 @@
-"""Pages of one walk, and of a search with the walks of its designs."""
+"""Pages of one walk, and of a search with the walks of its best design and of the flat sole."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,145 +15,102 @@ from footopt.foot import Foot, Waypoints
 from footopt.report.body import forces_along, groups
 from footopt.report.numbers import percent, sand_title, title
 from footopt.report.page.file import column, packed
-from footopt.report.page.physics import ARROWS, physics, refusal
+from footopt.report.page.physics import ARROWS, physics
 from footopt.report.stage import ground
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
 from footopt.walk import FIVE, MEASURES, Accuracy, Scene, Walk
 from footopt.walk.phases import step_on_patch
 
-Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
-WALKS = 200  # designs beside the best one whose walks are on the page
-FRAMES = 60  # samples of the forces along the sole of each of their walks
-FINE_FRAMES = 250  # of the walk that the page is about
-SAMPLES = 4  # of the other traces, at most, for each of the forces along the sole
+FRAMES = 250  # samples of a walk's forces along the sole
+SAMPLES = 4  # of its other traces, at most, for each of them
 TRACES = ("com", "velocity", "force", "power", "work")
 ON_THE_PAGE = ("front", "front_values", "confirmed")  # as designs, not as entries of result.json
 HOLLOW = 0.5e-3  # m; a smaller one is called none
+TELLING = 0.005  # relative change that the title mentions
 POSE_STEP = 0.01  # s, between the poses of the gait
 
 
 def walk_content(walk: Walk, entry: dict[str, Any], flat: Walk | None = None) -> dict[str, Any]:
-    """The page of one walk.
-
-    Parameters
-    ----------
-    walk : Walk
-        What the page is about.
-    entry : dict
-        What result.json says of the run.
-    flat : Walk, optional
-        That of the flat sole, which it is compared with.
-    """
-    others = [] if flat is None or flat is walk else [traces_of_flat(flat)]
+    """The page of one walk, beside that of the flat sole; `entry` is the run's result.json."""
+    others = [] if flat is None or flat is walk else [_flat_walk(flat)]
     entry = {name: value for name, value in entry.items() if others or name != "flat"}
     foot, values = walk.foot, entry.get("objectives", walk.objectives)
-    if foot.space is not None and foot.k is not None:
-        shape: dict[str, Any] = {"k": packed(np.array(foot.k))}
-    else:
-        shape = {"soles": [packed(foot.contour, exact=True)]}
+    spline = foot.space if foot.k is not None else None
     return {
-        **common(entry, walk.scene, tuple(values), walk.accuracy, foot, step_on_patch(walk)),
+        **_common(entry, walk.scene, tuple(values), walk.accuracy, foot, step_on_patch(walk)),
         "title": f"{title(foot.name)} on {sand_title(walk.scene.sand)}",
         "headline": [f"{describe_scene(walk.scene)}; {describe_foot(foot)}"],
-        "space": splines(foot.space) if "k" in shape and foot.space else None,
+        "space": spline and splines(spline),
         "top": foot.top,
         "width": foot.width,
         "designs": {
-            "values": packed(np.array([list(values.values())], float), exact=True),
+            "values": packed(np.array([list(values.values())], float)),
             "labels": [title(foot.name)],
             "feasible": [int(walk.feasible)],
             "reasons": [walk.reason],
-            **shape,
+            **({"k": packed(np.array(foot.k))} if spline else {"soles": [packed(foot.contour)]}),
         },
         "best": 0,
-        "walks": [{"design": 0, "label": title(foot.name), **_traces(walk, FINE_FRAMES)}, *others],
+        "walks": [{"design": 0, "label": title(foot.name), **_traces(walk)}, *others],
     }
 
 
-def walked_designs(result: SearchResult, confirmed: Confirmation) -> list[int]:
-    """The designs beside the best one whose walks `search_content` holds: none where the page itself walks.
-
-    Else the other finalists, of which more than `WALKS` are thinned out evenly.
-    """
-    problem, others = result.problem, confirmed.designs[1:].tolist()
-    if not refusal(problem.scene, problem.accuracy, problem.space):
-        return []
-    return list(others[:: -(-len(others) // WALKS) or 1])
-
-
 def search_content(
-    result: SearchResult,
-    confirmed: Confirmation,
-    best: Walk,
-    flat: Walk,
-    walks: Iterable[tuple[int, Walk]],
-    entry: dict[str, Any],
+    result: SearchResult, confirmed: Confirmation, best: Walk, flat: Walk, entry: dict[str, Any]
 ) -> dict[str, Any]:
-    """The page of a search.
+    """The page of a search, with the walks of its best design and of the flat sole.
 
-    It holds `SHOWN` designs at most: the front, and an even selection of the others.
-
-    Parameters
-    ----------
-    result : SearchResult
-        What the page is about.
-    confirmed : Confirmation
-        Its finalists, walked again.
-    best, flat : Walk
-        Of the best design and of the flat sole.
-    walks : iterable of (int, Walk)
-        Of `walked_designs`, with the design of each, at the search's accuracy.
-    entry : dict
-        What result.json says of the run.
+    It holds `SHOWN` designs at most: the front, and an even selection of the others. `entry` is the run's
+    result.json.
     """
-    problem = result.problem
-    record, chosen = problem.record, int(confirmed.designs[0])
-    front = result.shown.tolist() if problem.n_obj > 1 else []
-    lineage = successive_bests(result)
+    problem, chosen, several = result.problem, int(confirmed.designs[0]), result.problem.n_obj > 1
     exact = result.solver.name == EXHAUSTIVE
-    rows = np.union1d(result.selected(SHOWN), [*lineage, chosen])
-    place = {row: i for i, row in enumerate(rows.tolist())}
-    reasons = [*dict.fromkeys(map(str, result.reasons))]
-    codes = np.array([reasons.index(str(r)) for r in result.reasons])
+    others = np.setdiff1d(np.arange(result.designs), result.shown)
+    room = min(SHOWN - len(result.shown), len(others))
+    even = others[np.linspace(0, len(others) - 1, room).astype(int)]
+    lineage = successive_bests(result)
+    rows = np.union1d(result.shown, [*even, *lineage, chosen])
+    reasons, codes = np.unique(result.reasons[rows], return_inverse=True)
+    certificate = entry.get("certificate")
     return {
-        **common(entry, problem.scene, record, problem.accuracy, problem.space, step_on_patch(best)),
+        **_common(entry, problem.scene, problem.record, problem.accuracy, problem.space, step_on_patch(best)),
         "title": verdict(best, flat, problem.names),
         "headline": [
             f"Soles for {', '.join(map(title, problem.names))} on {describe_scene(problem.scene)}",
             describe_search(result),
             describe_confirmation(confirmed),
-            *([entry["certificate"]["says"]] if entry.get("certificate") else []),
+            *([certificate["says"]] if certificate else []),
             *([f"{len(rows)} of the designs are on this page"] if len(rows) < result.designs else []),
         ],
         "guide": problem.names[0],
-        "choice": problem.choice.by if problem.n_obj > 1 else "best",
+        "choice": problem.choice.by if several else "best",
         "objectives": list(problem.names),
         "designs": {
             "rows": packed(rows),
-            "values": packed(result.values[rows], exact=True),
+            "values": packed(result.values[rows]),
             "k": packed(result.k[rows]),
             "generation": None if exact else packed(result.generation[rows]),
             "feasible": packed(result.feasible[rows].astype(int)),
             "reasons": reasons,
-            "reason": packed(codes[rows]),
+            "reason": packed(codes),
         },
         "space": splines(problem.space),
         "top": problem.space.top,
         "width": problem.space.width,
-        "best": place[chosen],
+        "best": int(np.searchsorted(rows, chosen)),
         "bestValues": confirmed.values[0],
-        "front": packed(np.array([place[i] for i in front], int)),
+        "front": packed(np.searchsorted(rows, result.shown if several else [])),
         "walks": [
-            {"design": place[chosen], "label": "best", **_traces(best, FINE_FRAMES)},
-            traces_of_flat(flat),
-            *({"design": place[i], "label": f"design {i}", **_traces(walk, FRAMES)} for i, walk in walks),
+            {"design": int(np.searchsorted(rows, chosen)), "label": "best", **_traces(best)},
+            _flat_walk(flat),
         ],
-        "lineage": [place[i] for i in lineage],
+        "lineage": np.searchsorted(rows, lineage),
         "history": [] if exact else [
             {
                 "evaluations": g.evaluations,
-                "best": g.hypervolume if problem.n_obj > 1 else g.best,
+                "best": g.hypervolume if several else g.best,
                 "median": g.median,
                 "front": g.front,
             }
@@ -163,49 +120,43 @@ def search_content(
 
 
 def verdict(best: Walk, flat: Walk, sought: Sequence[str] = ()) -> str:
-    """What became of the foot, in a line: its largest gain in what was sought, its largest loss in all."""
+    """A title: the kind of foot, its largest gain in what was sought, and its largest loss in anything."""
     kind = "A hollow foot" if best.foot.hollow >= HOLLOW else "A foot without a hollow"
-    said = f"{kind} for {sand_title(best.scene.sand)}"
     goals = [name for name in sought if name != "efficiency" and name in best.objectives] or FIVE
-    gains = {}  # relative
+    gains: dict[str, float] = {}  # relative
     for name in dict.fromkeys([*goals, *FIVE]):
-        value, base = best.objectives[name], flat.objectives[name]
-        if math.isfinite(change := value / base - 1.0 if base else math.nan):
+        if (base := flat.objectives[name]) and math.isfinite(change := best.objectives[name] / base - 1.0):
             gains[name] = -MEASURES[name].sign * change
-    told = {}
-    for name in (
-        *sorted(gains.keys() & goals, key=gains.__getitem__)[-1:],
-        *sorted(gains, key=gains.__getitem__)[:1],
-    ):
-        less = (gains[name] > 0.0) == (MEASURES[name].sign > 0.0)
-        if abs(gains[name]) >= 0.005:
-            told[name] = f"{percent(abs(gains[name]))} {'less' if less else 'more'} {title(name)}"
-    return f"{said}: {', '.join(told.values())} than a flat one" if told else said
+    told = []
+    best_of_goals = sorted(gains.keys() & goals, key=gains.__getitem__)[-1:]
+    for name in dict.fromkeys([*best_of_goals, *sorted(gains, key=gains.__getitem__)[:1]]):
+        if abs(gains[name]) >= TELLING:
+            less = (gains[name] > 0.0) == (MEASURES[name].sign > 0.0)
+            told.append(f"{percent(abs(gains[name]))} {'less' if less else 'more'} {title(name)}")
+    return f"{kind} for {sand_title(best.scene.sand)}" + f": {', '.join(told)} than a flat one" * bool(told)
 
 
-def successive_bests(result: SearchResult) -> list[int]:
+def successive_bests(result: SearchResult) -> Ints:
     """The designs that were the best so far at the end of a generation, in order; the last is the best.
 
     None for several objectives, and for a space that was enumerated: no search came to its designs.
     """
     if result.problem.n_obj > 1 or result.solver.name == EXHAUSTIVE:
-        return []
+        return np.empty(0, int)
     f = np.where(result.feasible, result.problem.minimised(result.values)[:, 0], np.inf)
-    before = np.concatenate([[np.inf], np.minimum.accumulate(f)[:-1]])
-    better = np.flatnonzero(f < before)
-    last = np.append(result.generation[better][1:] != result.generation[better][:-1], True)
-    return [int(i) for i in better[last]]
+    better = np.flatnonzero(f < np.minimum.accumulate(np.append(np.inf, f[:-1])))
+    return np.asarray(better[np.diff(result.generation[better], append=-1) != 0])
 
 
-def common(
+def _common(
     entry: dict[str, Any],
     scene: Scene,
     names: Sequence[str],
     accuracy: Accuracy,
     foot: Foot | Waypoints,
-    step: int = 0,
+    step: int,
 ) -> dict[str, Any]:
-    """What every page of walks holds: the columns of values, the scene's gait, the run's own facts."""
+    """The columns of values, the scene's gait, the constants of walks, and the run's own entry."""
     t = np.linspace(0.0, scene.duration, int(np.ceil(scene.duration / POSE_STEP)) + 1)
     thigh, shank, pitch = (angle for angle, _ in scene.gait.angles(t))
     return {
@@ -232,42 +183,40 @@ def splines(space: Waypoints) -> dict[str, Any]:
     one = np.ones((1, space.n), int)
     base = space.contour(one)[0]
     raised = one + np.eye(space.n, dtype=int) if space.K > 1 else np.tile(one, (space.n, 1))
-    columns = space.contour(raised)[:, :, 1] - base[:, 1]
     return {
         "n": space.n,
-        "x": packed(base[:, 0], exact=True),
-        "base": packed(base[:, 1], exact=True),
-        "columns": packed(columns, exact=True),
-        "waypoints": packed(space.x, exact=True),
+        "x": packed(base[:, 0]),
+        "base": packed(base[:, 1]),
+        "columns": packed(space.contour(raised)[:, :, 1] - base[:, 1]),
+        "waypoints": packed(space.x),
         "step": space.H / space.K,
         "L": space.L,
         "H": space.H,
     }
 
 
-def traces_of_flat(flat: Walk) -> dict[str, Any]:
+def _flat_walk(flat: Walk) -> dict[str, Any]:
     """The walk of the flat sole, which is no design of a page."""
-    return {"design": None, "label": "flat", **_traces(flat, FINE_FRAMES), "sole": packed(flat.foot.contour)}
+    return {"design": None, "label": "flat", **_traces(flat), "sole": packed(flat.foot.contour)}
 
 
-def _traces(walk: Walk, frames: int) -> dict[str, Any]:
+def _traces(walk: Walk) -> dict[str, Any]:
     """A walk at its samples, or an even selection of many, and the forces along its sole at fewer."""
     foot = walk.foot
     shared = {"ankle": foot.ankle, "top": foot.top, "reason": walk.reason}
     if len(walk.t) == 0:
         return {**shared, "t": packed(walk.t)}
-    index = np.unique(np.linspace(0, len(walk.t) - 1, SAMPLES * frames).astype(int))
-    even = np.unique(np.searchsorted(walk.t, np.linspace(walk.t[0], walk.t[-1], frames)))
+    index = np.unique(np.linspace(0, len(walk.t) - 1, SAMPLES * FRAMES).astype(int))
+    even = np.unique(np.searchsorted(walk.t, np.linspace(walk.t[0], walk.t[-1], FRAMES)))
     sole = foot.plates(walk.accuracy.plates, walk.accuracy.rule)
     begin, size = groups(sole.x.shape[1], ARROWS)
     # relative to the ankle, as plates are; the page turns and carries them
     at = [np.add.reduceat(part[0], begin) / size for part in (sole.x, sole.z)]
     return {
         **shared,
-        "t": packed(walk.t[index], exact=True),
+        "t": packed(walk.t[index]),
         **{name: packed(getattr(walk, name)[index]) for name in TRACES},
         "at": packed(np.stack(at, axis=-1)),
-        "area": packed(np.add.reduceat(sole.area[0], begin), exact=True),
-        "when": packed(walk.t[even], exact=True),
+        "when": packed(walk.t[even]),
         "arrows": packed(forces_along(walk, even, ARROWS).force),
     }
