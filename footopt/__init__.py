@@ -35,6 +35,12 @@ if TYPE_CHECKING:
     from footopt.effects import Shadowing as Shadowing
     from footopt.effects import Slope as Slope
     from footopt.errors import FootoptError as FootoptError
+    from footopt.files.feet import write_foot as write_foot
+    from footopt.files.gaits import fit_gait as fit_gait
+    from footopt.files.gaits import read_gait as read_gait
+    from footopt.files.gaits import write_gait as write_gait
+    from footopt.files.sands import read_sand as read_sand
+    from footopt.files.soles import read_foot as read_foot
     from footopt.foot import Foot as Foot
     from footopt.foot import Waypoints as Waypoints
     from footopt.gait import Gait as Gait
@@ -62,6 +68,10 @@ _NAMES = {
     "footopt.design": "FootProblem RobustProblem Scenario SearchResult Spread draw search",
     "footopt.effects": "Inertia Layers LeadingEdge Patches Rest Shadowing Slope",
     "footopt.errors": "FootoptError",
+    "footopt.files.feet": "write_foot",
+    "footopt.files.gaits": "fit_gait read_gait write_gait",
+    "footopt.files.sands": "read_sand",
+    "footopt.files.soles": "read_foot",
     "footopt.foot": "Foot Waypoints",
     "footopt.gait": "Gait",
     "footopt.mujoco": "mujoco",

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from importlib import import_module
+from numbers import Integral, Real
+from pathlib import Path
 from typing import Any
 
 ERROR_FILE = "error.txt"  # left in the folder of a job of a multirun that failed, with the message
@@ -49,6 +52,10 @@ class SettingError(FootoptError, ValueError):
 
 class FileError(FootoptError, OSError):
     """A file or folder cannot be read, understood or written."""
+
+
+class Unusable(ValueError):
+    """Why the content of a file cannot be used; `naming` says of which file."""
 
 
 class EngineError(FootoptError):
@@ -97,7 +104,44 @@ def check(condition: object, setting: str, value: object, allowed: str, hint: st
         raise SettingError(setting, value, allowed, hint)
 
 
+def is_number(value: object, kind: type = Real) -> bool:
+    """Whether a value is a number; numpy's are, True is not."""
+    return isinstance(value, kind) and not isinstance(value, bool)
+
+
+def check_whole(value: object, setting: str, least: int, most: int, hint: str = "") -> None:
+    """Raise `SettingError` unless `value` is a whole number in a range."""
+    good = is_number(value, Integral) and least <= value <= most  # type: ignore[operator]
+    check(good, setting, value, f"a whole number from {least} to {most:,}", hint)
+
+
 def check_kind(value: object, kind: type, setting: str, hint: str) -> None:
     """Raise `SettingError` unless `value` is a `kind`: what is only used later would fail far from here."""
     article = "an" if kind.__name__[0] in "AEIOU" else "a"
     check(isinstance(value, kind), setting, value, f"{article} {kind.__name__}", hint)
+
+
+def named(path: str | Path, setting: str) -> str:
+    """How a message begins: the setting and the file, of a long path its end."""
+    text = str(path)
+    return f"{setting} = {text if len(text) <= 160 else '...' + text[-157:]!r}"
+
+
+@contextmanager
+def naming(path: str | Path, setting: str) -> Iterator[None]:
+    """Within it, an `Unusable` becomes a `FileError` that names the setting and the file."""
+    try:
+        yield
+    except Unusable as why:
+        raise FileError(f"{named(path, setting)}: {why}") from None
+
+
+def flat(settings: Mapping[str, Any], name: str = "") -> dict[str, Any]:
+    """Nested settings by their full names; a list is a value, unless it is one of settings."""
+    found: dict[str, Any] = {}
+    for key, value in settings.items():
+        path = f"{name}.{key}" if name else str(key)
+        if isinstance(value, list) and value and isinstance(value[0], Mapping):
+            value = dict(enumerate(value))
+        found |= flat(value, path) if isinstance(value, Mapping) and value else {path: value}
+    return found

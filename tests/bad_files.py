@@ -52,9 +52,9 @@ def good_files(folder):
         "csv gait": write_table(folder / "walk.csv", HUMAN, 4.4),
         "csv stride": write_table(folder / "stride.csv", HUMAN, 1.0),
         "json": JSON,
-        "dxf": FOOT.to_file(folder / "sole.dxf"),
-        "svg": FOOT.to_file(folder / "sole.svg"),
-        "csv sole": FOOT.to_file(folder / "sole.csv"),
+        "dxf": fo.write_foot(FOOT, folder / "sole.dxf"),
+        "svg": fo.write_foot(FOOT, folder / "sole.svg"),
+        "csv sole": fo.write_foot(FOOT, folder / "sole.csv"),
         "csv sand": EXAMPLES / "sand" / "stresses.csv",
     }
     return Files((kind, Path(path).read_bytes()) for kind, path in files.items())

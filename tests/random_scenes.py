@@ -103,7 +103,7 @@ def _machine(rng, human):
     thigh = rng.uniform(0.0, 10.0) + swing * np.cos(2 * np.pi * t / 1.2)
     knee = lift + bend * np.exp(-(((t / 1.2 - 0.72) / rng.uniform(0.09, 0.14)) ** 2))
     knee[-1] = knee[0]
-    gait = fo.Gait.from_angles(t, thigh, knee, harmonics=int(rng.integers(3, 9)))
+    gait = fo.fit_gait(t, thigh, knee, harmonics=int(rng.integers(3, 9)))
     return replace(gait, foot=human.foot, name="machine")
 
 

@@ -3,6 +3,7 @@
 import json
 import re
 
+import footopt as fo
 from footopt.files import identity
 from footopt.files import io as files
 from footopt.walk import OBJECTIVES
@@ -38,7 +39,7 @@ def check_page(folder):
 def leave_job(folder, walk):
     """What a job of a multirun leaves in its folder, as far as a table or page over all jobs reads it."""
     folder.mkdir()
-    walk.foot.to_file(folder / "contour.csv")
+    fo.write_foot(walk.foot, folder / "contour.csv")
     files.write_walk(folder / "walk.nc", walk.variables, {"reason": walk.reason})
     result = {
         "objectives": walk.objectives,

@@ -15,6 +15,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 import footopt as fo
+from footopt.files.outline import body_outline
 
 #: kg; of a person of 60 kg (Winter, Biomechanics and Motor Control of Human Movement, 2009, table 4.1).
 MASS = {"torso": 40.7, "thigh": 6.0, "shank": 2.8, "foot": 0.87}
@@ -79,7 +80,7 @@ def model_of(foot: fo.Foot, walker: fo.Walker, dt: float) -> mujoco.MjModel:
 
 def prism(foot: fo.Foot) -> np.ndarray:
     """Corners of the foot's body for pictures, (p, 3), m, from the ankle: MuJoCo takes their hull."""
-    outline = replace(foot, top=0.03).body_outline() - foot.ankle
+    outline = body_outline(replace(foot, top=0.03)) - foot.ankle
     half = foot.width / 2
     return np.concatenate([np.insert(outline, 1, y, axis=1) for y in (-half, half)])
 

@@ -121,7 +121,7 @@ def resolved(settings: Any, words: Sequence[str], config: str = "config") -> dic
     given = {name if name in WORLD else CHOICE.get(name, name) for name in typed}  # planet: walker.g
     own = {name: plain["foot"][name] for name in ("k", "block")}
     walked = OmegaConf.create(plain | {group: run[group] for group in WORLD} | {"foot": run["foot"] | own})
-    for name in sorted({*identity.differing(plain, default), *given}):  # a group before what is in it
+    for name in sorted({*identity.changed_settings(plain, default), *given}):  # a group before what is in it
         if name.partition(".")[0] in WORLD:
             OmegaConf.update(walked, name, OmegaConf.select(OmegaConf.create(plain), name), merge=False)
     found: Any = OmegaConf.to_container(walked)

@@ -24,9 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from footopt.design.problem import Array, FootProblem
-from footopt.errors import FileError
-from footopt.files.identity import flat
-from footopt.files.io import named
+from footopt.errors import FileError, flat, named
 from footopt.walk.objectives import MEASURES
 from footopt.walk.sources import is_users, text_of, users_own
 from footopt.walk.steppers import STEPPERS

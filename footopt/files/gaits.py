@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from footopt.errors import FileError, check
+from footopt.errors import SettingError, Unusable, check, check_whole, naming
 from footopt.files import io
-from footopt.files.io import Table, Unusable, naming, parse_table, read_json_file, read_text
-from footopt.files.strides import Strides, cut
+from footopt.files.strides import Strides, average, check_angles, check_period, cut
+from footopt.gait import Fourier, Gait
+from footopt.gait.fourier import finite
+from footopt.gait.gait import HARMONICS, JOINTS
 
 Array = NDArray[np.float64]
-Series = tuple[float, tuple[float, ...], tuple[float, ...]]
 
 MARKERS = (
     "holds markers, and footopt reads joint angles (CSV, MOT, STO), which inverse kinematics such as "
@@ -35,6 +36,112 @@ COLUMNS = {
 }
 SIDES = ("right", "left")
 UNTIMED = 1.2  # s; of a stride whose table has its phase only
+MISFIT = 10.0  # deg; a larger one anywhere means that a curve jumps or is not one period
+ANGLES = "angles"  # how messages call a gait that is from no file
+PHASES = 200  # of a stride, at which the angles of a series are checked
+
+
+def read_gait(
+    path: str | Path,
+    harmonics: int | None = None,
+    names: Mapping[str, str] | None = None,
+    side: str | None = None,
+    units: str | None = None,
+    window: tuple[float, float] | None = None,
+) -> Gait:
+    """Read the gait in a file of coefficients (JSON) or of a leg's angles (CSV, MOT, STO).
+
+    Parameters
+    ----------
+    path : str or Path
+        The file; its ending says which format it has.
+    harmonics : int, optional
+        Harmonics of the series; by default 6, or all that a file of coefficients has.
+    names : mapping, optional
+        The file's own names of columns (time, thigh, hip, knee, foot, ankle, pelvis).
+    side : str, optional
+        "right" or "left" leg; by default the right one, or the left one if it is the only one.
+    units : str, optional
+        Unit of angles, deg or rad; by default the file's own.
+    window : (float, float), optional, s
+        The stride, from a heel strike to the next of the same leg; by default the mean of all strides, of
+        which the period is found.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, or does not hold a walk.
+    SettingError
+        Another argument cannot be used.
+    """
+    if Path(path).suffix.lower() != ".json":
+        return _fit(read_strides(path, names, side, units, window), harmonics)
+    numbers, phase = io.read_json_file(path, "gait.path"), np.arange(PHASES) / PHASES
+    with naming(path, "gait.path"):
+        try:
+            check_period(finite(numbers["period_s"]))
+            gait = Gait.from_numbers(numbers, harmonics)
+        except (SettingError, Unusable):
+            raise
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
+            raise Unusable(
+                f"not a gait in JSON ({type(error).__name__}: {error}). It must hold period_s, and thigh "
+                "and knee each with a0, a and b in degrees."
+            ) from None
+        series = {name: joint for name in JOINTS if (joint := getattr(gait, name)) is not None}
+        check_angles({name: np.degrees(joint.at(phase)[0]) for name, joint in series.items()})
+    return replace(gait, name=Path(path).stem)
+
+
+def write_gait(gait: Gait, path: str | Path) -> None:
+    """Write the series and the period to a file of coefficients (JSON), which `read_gait` reads back.
+
+    Raises
+    ------
+    SettingError
+        The file does not end in .json.
+    FileError
+        The file cannot be written.
+    """
+    check(Path(path).suffix.lower() == ".json", "path", str(path), "a file that ends in .json")
+    io.write_json(Path(path), gait.numbers)
+
+
+def fit_gait(
+    times: ArrayLike,
+    thigh: ArrayLike,
+    knee: ArrayLike,
+    foot: ArrayLike | None = None,
+    harmonics: int | None = None,
+) -> Gait:
+    """Fit a gait to a leg's angles over time: one stride from heel strike to heel strike, or several.
+
+    Parameters
+    ----------
+    times : (n,), s
+        Increasing.
+    thigh : (n,), deg
+        From the vertical, + knee ahead of the hip.
+    knee : (n,), deg
+        Flexion.
+    foot : (n,), deg, optional
+        Pitch of the foot, + toe up.
+    harmonics : int, optional
+        Harmonics of the series; by default 6.
+
+    Raises
+    ------
+    SettingError
+        There are not as many angles as times.
+    FileError
+        They are no walk.
+    """
+    rows = [np.asarray(row, float) for row in (times, thigh, knee, foot) if row is not None]
+    shapes = [row.shape for row in rows]
+    check(len(set(shapes)) == 1 and len(shapes[0]) == 1, "angles", shapes, "as many angles as times")
+    with naming(ANGLES, "gait"):
+        strides = cut(rows[0], dict(zip(JOINTS, rows[1:], strict=False)))
+    return replace(_fit(strides._replace(source=ANGLES), harmonics), source="")
 
 
 def read_strides(
@@ -44,10 +151,7 @@ def read_strides(
     units: str | None = None,
     window: tuple[float, float] | None = None,
 ) -> Strides:
-    """The strides in a file of angles (CSV, MOT, STO).
-
-    Its parameters and errors are those of `Gait.from_file`.
-    """
+    """Read the strides in a file of angles (CSV, MOT, STO); arguments and errors as of `read_gait`."""
     suffix = Path(path).suffix.lower()
     check(side in (None, *SIDES), "gait.side", side, "right, left or null")
     check(units in (None, "deg", "rad"), "gait.units", units, "deg, rad or null")
@@ -59,19 +163,54 @@ def read_strides(
             raise Unusable(MARKERS)
         allowed = "a file that ends in .json, .csv, .mot or .sto"
         check(suffix in (".csv", ".mot", ".sto"), "gait.path", str(path), allowed)
-        text, radians = read_text(path, "gait.path"), None
+        text, radians = io.read_text(path, "gait.path"), None
         if text.startswith(("Trajectories", "Format Version")):  # as Vicon Nexus and Motive begin
             raise Unusable(MARKERS)
         if suffix != ".csv":
             head, _, text = text.partition("endheader")
             stated = re.search(r"indegrees\s*=\s*(yes|no)", head, re.IGNORECASE)
             radians = stated[1].lower() == "no" if stated else None
-        t, angles, whole, notes = _leg(parse_table(text), names or {}, side, units, radians)
+        t, angles, whole, notes = _leg(io.parse_table(text), names or {}, side, units, radians)
         return cut(t, angles, whole or window, notes)._replace(source=str(path))
 
 
+def _fit(strides: Strides, harmonics: int | None) -> Gait:
+    """The gait fitted to the mean of some strides; its residual is against that mean, as measured."""
+    harmonics = HARMONICS if harmonics is None else harmonics
+    check_whole(harmonics, "gait.harmonics", 1, 1000)
+    series, residual = {}, {}
+    with naming(strides.source, "gait.path"):
+        if len(strides.phase) < 2 * harmonics + 2:
+            raise Unusable(
+                f"needs at least {2 * harmonics + 2} rows for {harmonics} harmonics, from one heel strike to "
+                "the next."
+            )
+        closed = average(strides)
+        for joint, curves in strides.curves.items():
+            # the last point is the first one again
+            fitted, mean = Fourier.fit(strides.phase[:-1], closed[joint][:-1], harmonics), curves.mean(axis=0)
+            misfit = np.degrees(fitted.at(strides.phase)[0]) - mean
+            if abs(misfit).max() <= MISFIT:
+                series[joint], residual[joint] = fitted, float(np.sqrt(np.mean(misfit**2)))
+            elif joint != "foot":  # which follows the shank unless its pitch is asked for
+                raise Unusable(
+                    f"{joint} misses its periodic fit by up to {abs(misfit).max():.0f} deg. The curve jumps "
+                    "or is not one whole stride; give one heel strike to the next of one leg, or several "
+                    "strides."
+                )
+    return Gait(
+        thigh=series["thigh"],
+        knee=series["knee"],
+        foot=series.get("foot"),
+        period=strides.period,
+        name=Path(strides.source).stem,
+        source=strides.source,
+        residual=tuple(residual.items()),
+    )
+
+
 def _leg(
-    table: Table, names: Mapping[str, str], side: str | None, units: str | None, radians: bool | None
+    table: io.Table, names: Mapping[str, str], side: str | None, units: str | None, radians: bool | None
 ) -> tuple[Array, dict[str, Array], tuple[float, float] | None, tuple[str, ...]]:
     """Times (s), angles (deg) of a leg, the window of a stride that is given by its phase, and notes.
 
@@ -130,69 +269,3 @@ def _plain(name: str) -> str:
     parts = [part for part in name.lower().split("/") if part != "value"]
     plain = re.sub(r"\(.*?\)|\[.*?\]|[^a-z0-9%]", "", parts[-1] if parts else "")
     return re.sub(r"(ipsi(lateral)?)?((deg|rad)(rees|ians)?)?$", "", plain)
-
-
-class Coefficients(NamedTuple):
-    """A gait in a JSON file.
-
-    Parameters
-    ----------
-    series : dict of (float, tuple, tuple), deg
-        Fourier coefficients a0, a and b by joint (thigh, knee and perhaps foot).
-    period : float, s
-        Duration of a stride.
-    source : str
-        Where the data come from.
-    residual : dict of dict, deg
-        By number of harmonics, as text, and joint: the rms misfit against what was measured.
-    """
-
-    series: Mapping[str, Series]
-    period: float
-    source: str
-    residual: dict[str, dict[str, float]]
-
-
-def read_json(path: str | Path) -> Coefficients:
-    """Read ``period_s``, ``thigh``, ``knee`` and, optionally, ``foot``: each joint has ``a0`` and the lists
-    ``a`` and ``b`` in degrees.
-
-    Raises
-    ------
-    FileError
-        The file cannot be read, or holds something else.
-    """
-    data = read_json_file(path, "gait.path")
-    try:
-        residual = data.get("rms_residual_deg_by_harmonics", {})
-        return Coefficients(
-            {n: _series(data[n]) for n in ("thigh", "knee", "foot") if n in data or n != "foot"},
-            _finite(data["period_s"]),
-            str(data.get("source", "")),
-            {many: {joint: _finite(rms) for joint, rms in fit.items()} for many, fit in residual.items()},
-        )
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
-        raise FileError(
-            f"{io.named(path, 'gait.path')}: not a gait in JSON ({type(error).__name__}: {error}). It must "
-            "hold period_s, and thigh and knee each with a0, a and b in degrees."
-        ) from None
-
-
-def write_json(path: str | Path, gait: Coefficients) -> None:
-    """Write what `read_json` reads."""
-    joints = {name: {"a0": a0, "a": a, "b": b} for name, (a0, a, b) in gait.series.items()}
-    residual = {"rms_residual_deg_by_harmonics": gait.residual}
-    io.write_json(Path(path), {"source": gait.source, "period_s": gait.period, **joints, **residual})
-
-
-def _series(joint: Any) -> Series:
-    a, b = (tuple(map(_finite, joint[terms])) for terms in ("a", "b"))
-    if len(a) != len(b):
-        raise ValueError(f"it has {len(a)} terms a and {len(b)} terms b")
-    return _finite(joint["a0"]), a, b
-
-
-def _finite(value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) < 1e12:
-        raise ValueError(f"{str(value)[:40]} is not a finite number")
-    return float(value)

@@ -157,25 +157,14 @@ def order(folder: Path) -> tuple[str, int, str]:
     return str(folder.parent), int(folder.name) if folder.name.isdecimal() else -1, folder.name
 
 
-def flat(settings: Mapping[str, Any], name: str = "") -> dict[str, Any]:
-    """Nested settings by their full names; a list is a value, unless it is one of settings."""
-    found: dict[str, Any] = {}
-    for key, value in settings.items():
-        path = f"{name}.{key}" if name else str(key)
-        if isinstance(value, list) and value and isinstance(value[0], Mapping):
-            value = dict(enumerate(value))
-        found |= flat(value, path) if isinstance(value, Mapping) and value else {path: value}
-    return found
-
-
-def differing(one: Any, other: Any, name: str = "") -> list[str]:
+def changed_settings(one: Any, other: Any, name: str = "") -> list[str]:
     """Full names of the settings in which two sets of them differ."""
     if isinstance(one, Mapping) and isinstance(other, Mapping):
         names = dict.fromkeys([*one, *other])
         return [
             found
             for key in names
-            for found in differing(one.get(key), other.get(key), f"{name}.{key}" if name else str(key))
+            for found in changed_settings(one.get(key), other.get(key), f"{name}.{key}" if name else str(key))
         ]
     return [] if one == other else [name]
 

@@ -16,31 +16,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import FileError
+from footopt.errors import FileError, Unusable, named, naming
 
 Array = NDArray[np.float64]
 Variable = tuple[tuple[str, ...], str, Array]  # dimensions, unit, values
 
 LARGEST = 50_000_000  # bytes of a file that is read; a front of 100,000 designs in result.json has as many
-
-
-class Unusable(ValueError):
-    """Why the content of a file cannot be used; `naming` says of which file."""
-
-
-@contextmanager
-def naming(path: str | Path, setting: str) -> Iterator[None]:
-    """Within it, an `Unusable` becomes a `FileError` that names the setting and the file."""
-    try:
-        yield
-    except Unusable as why:
-        raise FileError(f"{named(path, setting)}: {why}") from None
-
-
-def named(path: str | Path, setting: str) -> str:
-    """How a message begins: the setting and the file, of a long path its end."""
-    text = str(path)
-    return f"{setting} = {text if len(text) <= 160 else '...' + text[-157:]!r}"
 
 
 def read_bytes(path: str | Path, setting: str) -> bytes:

@@ -24,7 +24,7 @@ SCRIPT = '''"""Drop the foot on sand. Your robot may take the place of foot.xml,
 import mujoco
 import footopt as fo
 
-sole = fo.Foot.from_file("contour.csv", width={width!r}, ankle={ankle!r})
+sole = fo.read_foot("contour.csv", width={width!r}, ankle={ankle!r})
 model = mujoco.MjModel.from_xml_path("foot.xml")
 data = mujoco.MjData(model)
 sand = fo.mujoco.attach(model, data, {{"foot": sole}}, fo.Sand.named("hard"))

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.files.io import Unusable
+from footopt.errors import Unusable
 
 Array = NDArray[np.float64]
 

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from footopt.errors import check, one_line
-from footopt.files import bodies, drawings, soles
-from footopt.foot import outline
+from footopt.foot.hull import hollow
 from footopt.foot.plates import RULES, Fill, Plates, along_arc
 from footopt.foot.shapes import shape
 from footopt.foot.waypoints import Waypoints, check_ankle, check_length, check_top, written
@@ -24,7 +22,7 @@ Array = NDArray[np.float64]
 class Foot:
     """A sole in the foot frame: origin at the centre of the foot's box, x_p to the toe, z_p up.
 
-    Make one with `from_waypoints`, `shape` or `from_file`.
+    Make one with `from_waypoints` or `shape`, or read one with `footopt.read_foot`.
 
     Parameters
     ----------
@@ -146,38 +144,6 @@ class Foot:
         """
         return cls(shape(name, length, **options), width, ankle, name, closed=closed, top=top)
 
-    @classmethod
-    def from_file(
-        cls,
-        path: str | Path,
-        *,
-        width: float = width,
-        ankle: tuple[float, float] = ankle,
-        closed: bool = closed,
-        top: float = top,
-        **options: Any,
-    ) -> Foot:
-        """Make the sole that a DXF, SVG or CSV file holds.
-
-        Parameters
-        ----------
-        path : str or Path
-            Ends in .dxf, .svg or .csv.
-        width, ankle, closed, top
-            As of every `Foot`.
-        **options
-            ``units``, ``scale``, ``layer``, ``toe`` and ``origin`` (see `footopt.files.soles.read`).
-
-        Raises
-        ------
-        FileError
-            The file cannot be read, or does not hold one line that can be a sole.
-        SettingError
-            A setting cannot be used.
-        """
-        sole, name = soles.read(path, **options), Path(path).stem
-        return cls(sole.points, width, ankle, name, closed=closed, top=top, notes=sole.notes)
-
     def points(self, steps: int, parts: int = 1) -> Array:
         """Points at equal steps along the sole's arc, (steps parts + 1, 2), m; a step ends at each corner."""
         if self.space is not None and self.k is not None:
@@ -195,68 +161,10 @@ class Foot:
         """Cut the sole into plates, (1, plates); see `Plates.from_points`."""
         return as_plates([self], plates, rule, None, directed, fill)
 
-    def body_outline(self, block: Sequence[float] | None = None) -> Array:
-        """The closed outline that a workshop makes.
-
-        It is in one piece: where a hump of the sole nearly reaches the top, the top is raised.
-
-        Parameters
-        ----------
-        block : (2,), m, optional
-            Length and height of a mounting block on the top, its middle above the ankle.
-
-        Returns
-        -------
-        outline : (p, 2), m
-            Counter-clockwise from the heel; the first point is not repeated at the end.
-
-        Raises
-        ------
-        SettingError
-            The block does not fit on the top, or the outline crosses itself or encloses nothing.
-        """
-        return outline.body_outline(self.contour, self.top, self.ankle[0], block)
-
-    def to_file(self, path: str | Path, block: Sequence[float] | None = None) -> Path:
-        """Write the foot in millimetres, in the format of the file's ending.
-
-        Parameters
-        ----------
-        path : str or Path
-            Ends in .csv (the sole alone), .dxf or .svg (its outline, too), .stl or .step (the body).
-        block : (2,), m, optional
-            Length and height of a mounting block (see `body_outline`).
-
-        Returns
-        -------
-        path : Path
-            The file.
-
-        Raises
-        ------
-        FileError
-            The file cannot be written.
-        SettingError
-            The ending is another, or see `body_outline`.
-        MissingError
-            STEP needs OpenCASCADE: ``pip install "footopt[cad]"``.
-        """
-        path = Path(path)
-        writers: dict[str, Callable[[Path], Path]] = {
-            ".csv": lambda path: drawings.write_csv(path, self.contour),
-            ".dxf": lambda path: drawings.write_dxf(path, self.contour, self.body_outline(block)),
-            ".svg": lambda path: drawings.write_svg(path, self.contour, self.body_outline(block)),
-            ".stl": lambda path: bodies.write_stl(path, self.body_outline(block), self.width),
-            ".step": lambda path: bodies.write_step(path, self.body_outline(block), self.width),
-        }
-        suffix = path.suffix.lower()
-        check(suffix in writers, "path", str(path), f"a file that ends in {', '.join(writers)}")
-        return writers[suffix](path)
-
     @property
     def hollow(self) -> float:
-        """Largest gap between the sole and its lower convex hull, m (see `footopt.foot.outline.hollow`)."""
-        return outline.hollow(self.contour)
+        """Largest gap between the sole and its lower convex hull, m (see `footopt.foot.hull.hollow`)."""
+        return hollow(self.contour)
 
     @property
     def box_violation(self) -> float | None:

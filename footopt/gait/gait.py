@@ -11,30 +11,26 @@ Phase 0 is the heel strike of the same leg; the other leg is half a stride ahead
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.errors import SettingError, check, one_line
-from footopt.files.gaits import Coefficients, read_json, read_strides, write_json
-from footopt.files.io import Unusable, naming
-from footopt.files.strides import Strides, average, check_angles, check_period, cut
+from footopt.errors import SettingError, check, check_whole, one_line
 from footopt.gait import start
-from footopt.gait.fourier import Fourier
+from footopt.gait.fourier import Fourier, finite
 
 Array = NDArray[np.float64]
 
 LEFT, RIGHT = 0, 1
 HUMAN = Path(__file__).parent / "data" / "human_walk.json"
-MISFIT = 10.0  # deg; a larger one anywhere means that a curve jumps or is not one period
 HARMONICS = 6  # of the series, where nothing else is asked for
-ANGLES = "angles"  # what messages call a gait that is from no file
-PHASES = 200  # of a stride, at which the angles of a series are checked
+JOINTS = ("thigh", "knee", "foot")
 
 
 class Pose(NamedTuple):
@@ -110,162 +106,57 @@ class Gait:
         cls, period: float = 1.2, harmonics: int = HARMONICS, pitch: str = "shank", start: float = 0.5
     ) -> Gait:
         """Human walking at 1.03 m/s: Fukuchi, Fukuchi & Duarte, PeerJ 6:e4640 (2018), CC BY 4.0."""
-        gait = cls._from_json(HUMAN, harmonics)
+        gait = cls.from_numbers(json.loads(HUMAN.read_text(encoding="utf-8")), harmonics)
         return replace(gait, name="human", period=period, pitch=pitch, start=start)
 
     @classmethod
-    def from_file(
-        cls,
-        path: str | Path,
-        harmonics: int | None = None,
-        names: Mapping[str, str] | None = None,
-        side: str | None = None,
-        units: str | None = None,
-        window: tuple[float, float] | None = None,
-    ) -> Gait:
-        """The gait in a file of coefficients (JSON) or of a leg's angles (CSV, MOT, STO).
+    def from_numbers(cls, numbers: Mapping[str, Any], harmonics: int | None = None) -> Gait:
+        """The gait of Fourier coefficients, as JSON has them: the reverse of `numbers`.
 
         Parameters
         ----------
-        path : str or Path
-            The file; its ending says which format it has.
+        numbers : mapping
+            ``period_s`` (s), and ``thigh``, ``knee`` and perhaps ``foot``, each with ``a0`` and the lists
+            ``a`` and ``b`` (deg).
         harmonics : int, optional
-            Harmonics of the series; by default 6, or all that a file of coefficients has.
-        names : mapping, optional
-            The file's own names of columns (time, thigh, hip, knee, foot, ankle, pelvis).
-        side : str, optional
-            "right" or "left" leg; by default the right one, or the left one if it is the only one.
-        units : str, optional
-            Unit of angles, deg or rad; by default what the file says.
-        window : (float, float), optional, s
-            The stride, from a heel strike to the next of the same leg; by default the mean of all strides, of
-            which the period is found.
+            How many of the harmonics are used; by default all.
 
         Raises
         ------
-        FileError
-            The file cannot be read, or does not hold a walk.
+        AttributeError, KeyError, TypeError, ValueError
+            The numbers are something else.
         SettingError
-            Another argument cannot be used.
+            There are fewer harmonics.
         """
-        if Path(path).suffix.lower() == ".json":
-            return cls._from_json(path, harmonics)
-        return cls.from_strides(read_strides(path, names, side, units, window), harmonics)
-
-    @classmethod
-    def from_angles(
-        cls,
-        times: ArrayLike,
-        thigh: ArrayLike,
-        knee: ArrayLike,
-        foot: ArrayLike | None = None,
-        harmonics: int | None = None,
-    ) -> Gait:
-        """The gait of a leg's angles over time: one stride from heel strike to heel strike, or several.
-
-        What holds of a file of angles holds of them, too.
-
-        Parameters
-        ----------
-        times : (n,), s
-            Increasing.
-        thigh : (n,), deg
-            From the vertical, + knee ahead of the hip.
-        knee : (n,), deg
-            Flexion.
-        foot : (n,), deg, optional
-            Pitch of the foot, + toe up.
-        harmonics : int, optional
-            Harmonics of the series; by default 6.
-
-        Raises
-        ------
-        SettingError
-            They are not as many angles as times.
-        FileError
-            They are no walk.
-        """
-        rows = [np.asarray(row, float) for row in (times, thigh, knee, foot) if row is not None]
-        shapes = [row.shape for row in rows]
-        check(len(set(shapes)) == 1 and len(shapes[0]) == 1, "angles", shapes, "as many angles as times")
-        with naming(ANGLES, "gait"):
-            strides = cut(rows[0], dict(zip(("thigh", "knee", "foot"), rows[1:], strict=False)))
-        return replace(cls.from_strides(strides._replace(source=ANGLES), harmonics), source="")
-
-    @classmethod
-    def from_strides(cls, strides: Strides, harmonics: int | None = None) -> Gait:
-        """The gait fitted to the mean of some strides; its residual is against that mean, as measured.
-
-        Raises
-        ------
-        FileError
-            The strides have too few rows, or no periodic curve follows them.
-        """
-        harmonics = HARMONICS if harmonics is None else harmonics
-        check(harmonics >= 1, "gait.harmonics", harmonics, "a whole number >= 1")
-        with naming(strides.source, "gait.path"):
-            if len(strides.phase) < 2 * harmonics + 2:
-                raise Unusable(
-                    f"needs at least {2 * harmonics + 2} rows for {harmonics} harmonics, "
-                    "from one heel strike to the next."
-                )
-            fits = {}
-            for joint in strides.curves:
-                try:
-                    fits[joint] = _fitted(joint, strides, harmonics)
-                except Unusable:
-                    if joint != "foot":  # which follows the shank unless its pitch is asked for
-                        raise
+        joints = {n: Fourier.from_numbers(numbers[n]) for n in JOINTS if n != "foot" or n in numbers}
+        many = [len(joint.a) for joint in joints.values()]
+        if harmonics is not None:
+            check_whole(harmonics, "gait.harmonics", 1, min(many), "These are the harmonics of the data.")
+        used = max(many) if harmonics is None else harmonics
+        misfit = numbers.get("rms_residual_deg_by_harmonics", {}).get(str(used), {})
         return cls(
-            thigh=fits["thigh"][0],
-            knee=fits["knee"][0],
-            foot=fits["foot"][0] if "foot" in fits else None,
-            period=strides.period,
-            name=Path(strides.source).stem,
-            source=strides.source,
-            residual=tuple((joint, rms) for joint, (_, rms) in fits.items()),
+            thigh=joints["thigh"].truncated(used),
+            knee=joints["knee"].truncated(used),
+            foot=joints["foot"].truncated(used) if "foot" in joints else None,
+            period=finite(numbers["period_s"]),
+            source=str(numbers.get("source", "")),
+            residual=tuple((str(joint), finite(rms)) for joint, rms in misfit.items()),
         )
 
-    @classmethod
-    def _from_json(cls, path: str | Path, harmonics: int | None) -> Gait:
-        """The gait in a file of Fourier coefficients, up to some harmonic."""
-        read = read_json(path)
-        many = [len(a) for _, a, _ in read.series.values()]
-        allowed = f"a whole number from 1 to {min(many)}, the harmonics in {Path(path).name}"
-        check(harmonics is None or 1 <= harmonics <= min(many), "gait.harmonics", harmonics, allowed)
-        harmonics = max(many) if harmonics is None else harmonics
-        joints = {name: Fourier(*series).truncated(harmonics) for name, series in read.series.items()}
-        phase = np.arange(PHASES) / PHASES
-        with naming(path, "gait.path"):
-            check_angles({name: np.degrees(joint.at(phase)[0]) for name, joint in joints.items()})
-            check_period(read.period)
-        return cls(
-            thigh=joints["thigh"],
-            knee=joints["knee"],
-            foot=joints.get("foot"),
-            period=read.period,
-            name=Path(path).stem,
-            source=read.source,
-            residual=tuple(read.residual.get(str(harmonics), {}).items()),
-        )
+    @property
+    def numbers(self) -> dict[str, Any]:
+        """The series and the period in JSON's types, to the last bit.
 
-    def to_file(self, path: str | Path) -> None:
-        """Write the series and the period to a file of coefficients (JSON), which `from_file` reads back.
-
-        Both are the same, to the last bit. How the foot turns and when the walk starts are no part of it.
-
-        Raises
-        ------
-        SettingError
-            The file does not end in .json.
-        FileError
-            It cannot be written.
+        How the foot turns and when the walk starts are no part of them.
         """
-        check(Path(path).suffix.lower() == ".json", "path", str(path), "a file that ends in .json")
-        joints = {"thigh": self.thigh, "knee": self.knee, "foot": self.foot}
-        series = {name: joint for name, joint in joints.items() if joint is not None}
-        many = str(max(len(joint.a) for joint in series.values()))
-        write_json(path, Coefficients(series, self.period, self.source, {many: dict(self.residual)}))
+        joints = {name: joint for name in JOINTS if (joint := getattr(self, name)) is not None}
+        many = max(len(joint.a) for joint in joints.values())
+        return {
+            "source": self.source,
+            "period_s": self.period,
+            **{name: joint._asdict() for name, joint in joints.items()},
+            "rms_residual_deg_by_harmonics": {str(many): dict(self.residual)},
+        }
 
     @property
     def heel_strike(self) -> float:
@@ -300,19 +191,6 @@ class Gait:
         """Both feet relative to the hip at times t (T,), for leg segments l1, l2 (m)."""
         (thigh, thigh_rate), (shank, shank_rate), (pitch, rate) = self.angles(t)
         return Pose(*ankle(thigh, thigh_rate, shank, shank_rate, l1, l2), pitch, rate)
-
-
-def _fitted(joint: str, strides: Strides, harmonics: int) -> tuple[Fourier, float]:
-    """The series through the closed mean of a joint's strides, and its rms misfit of the mean itself, deg."""
-    phase, closed, mean = strides.phase, average(strides)[joint], strides.curves[joint].mean(axis=0)
-    series = Fourier.fit(phase[:-1], closed[:-1], harmonics)  # the last point is the first one again
-    misfit = np.degrees(series.at(phase)[0]) - mean
-    if abs(misfit).max() > MISFIT:
-        raise Unusable(
-            f"{joint} misses its periodic fit by up to {abs(misfit).max():.0f} deg. The curve jumps or is "
-            "not one whole stride; give one heel strike to the next of one leg, or several strides."
-        )
-    return series, float(np.sqrt(np.mean(misfit**2)))
 
 
 def ankle(

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.foot.outline import closed_contour
+from footopt.files.outline import closed_contour
 from footopt.walk import Scene, Walk
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.design.fronts import hypervolume_shares
-from footopt.errors import ERROR_FILE, FileError, one_line
+from footopt.errors import ERROR_FILE, FileError, flat, one_line
 from footopt.files import identity
 from footopt.files.drawings import MM
 from footopt.files.io import read_json_file, write_csv
@@ -93,7 +93,7 @@ def read_run(folder: Path, name: str, key: str, place: str = "") -> Run:
         settings, words = found.settings, found.words
     except FileError:  # it has not said what it is
         settings, words = {}, ()
-    own = (name, key, folder, place, words, {n: _text(v) for n, v in identity.flat(settings).items()})
+    own = (name, key, folder, place, words, {n: _text(v) for n, v in flat(settings).items()})
     if (folder / ERROR_FILE).is_file():
         return Run(*own, note=(folder / ERROR_FILE).read_text(encoding="utf-8").strip(), failed=True)
     if not (folder / "result.json").is_file():

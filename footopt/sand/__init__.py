@@ -1,7 +1,7 @@
 """The sand: its stress map and its scale zeta."""
 
 from footopt.sand import law as stress
-from footopt.sand.fit import fit_table
+from footopt.sand.fit import fit_stress_map
 from footopt.sand.law import GENERIC, StressMap, affine, affine_direction, alpha
 from footopt.sand.media import MEDIA, Sand
 
@@ -13,6 +13,6 @@ __all__ = [
     "affine",
     "affine_direction",
     "alpha",
-    "fit_table",
+    "fit_stress_map",
     "stress",
 ]

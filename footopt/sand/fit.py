@@ -1,32 +1,31 @@
-"""The coefficients of a stress map from a measured table of stresses in a CSV file."""
+"""The coefficients of a stress map, fitted to measured stresses."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import FileError
-from footopt.files.io import named, read_columns
+from footopt.errors import Unusable
 from footopt.sand.law import StressMap
 
 Array = NDArray[np.float64]
 
-COLUMNS = {"beta": "deg", "gamma": "deg", "alpha_x": "N/cm^3", "alpha_z": "N/cm^3"}
 MISFIT = 0.35  # of a column's rms; no law of this form is in such a table
 GAIN = 0.1  # of the table's rms; more power than noise explains comes out of such a sand
 STRESSES = (1e-3, 50.0)  # largest stress of a table, N/cm^3; the hardest sand in the literature has 2
 
 
-def fit_table(path: str | Path) -> tuple[StressMap, tuple[float, float]]:
-    """Fit the nine coefficients to a table of measured stresses by linear least squares.
+def fit_stress_map(
+    beta: Array, gamma: Array, alpha_x: Array, alpha_z: Array
+) -> tuple[StressMap, tuple[float, float]]:
+    """Fit the nine coefficients to measured stresses by linear least squares.
 
     Parameters
     ----------
-    path : str or Path
-        CSV file with a header and the columns ``beta``, ``gamma`` (degrees, signs as in
-        `footopt.sand.law.alpha`), ``alpha_x``, ``alpha_z`` (N/cm^3); other columns are ignored.
+    beta, gamma : (rows,), deg
+        Angles of plate and motion, signs as in `footopt.sand.law.alpha`.
+    alpha_x, alpha_z : (rows,), N/cm^3
+        Stresses per depth.
 
     Returns
     -------
@@ -36,75 +35,62 @@ def fit_table(path: str | Path) -> tuple[StressMap, tuple[float, float]]:
 
     Raises
     ------
-    FileError
-        The file cannot be read, lacks a column, holds something that is not a number, has too few
-        different angles to determine nine coefficients, or no sand can have such stresses.
+    Unusable
+        There are too few different angles to determine nine coefficients, or no sand can have such stresses.
     """
-    columns, _ = read_columns(path, "sand.table", COLUMNS)
-    table = np.stack([columns[name] for name in COLUMNS], axis=1)
-    _check_units(path, table)
-    b, g = np.radians(table[:, 0]), np.radians(table[:, 1])
+    stresses = np.stack([alpha_x, alpha_z])
+    _check_units(beta, gamma, stresses)
+    b, g = np.radians(beta), np.radians(gamma)
     terms_x = [np.cos(2 * b + g), np.cos(g), np.cos(-2 * b + g), np.sin(2 * b)]
     terms_z = [np.ones_like(b), np.cos(2 * b), np.sin(2 * b + g), np.sin(g), np.sin(-2 * b + g)]
-    (C11, C01, Cm11, D10), error_x = _least_squares(path, terms_x, table[:, 2])
-    (A00, A10, B11, B01, Bm11), error_z = _least_squares(path, terms_z, table[:, 3])
+    (C11, C01, Cm11, D10), error_x = _least_squares(terms_x, alpha_x)
+    (A00, A10, B11, B01, Bm11), error_z = _least_squares(terms_z, alpha_z)
     if max(error_x, error_z) > MISFIT:
-        raise _wrong(
-            path,
+        raise Unusable(
             f"no stress map comes near it: the misfit is {100 * error_x:.0f} % of alpha_x and "
-            f"{100 * error_z:.0f} % of alpha_z (rms). Check the columns and the signs of the angles.",
+            f"{100 * error_z:.0f} % of alpha_z (rms). Check the columns and the signs of the angles."
         )
     found = StressMap(A00, A10, B11, B01, Bm11, C11, C01, Cm11, D10)
-    typical = float(np.sqrt(np.mean(table[:, 2:] ** 2)))
+    typical = float(np.sqrt(np.mean(stresses**2)))
     if (least := found.dissipation()) < -GAIN * typical:
-        raise _wrong(
-            path,
+        raise Unusable(
             f"such a sand would push a plate along (by {-least:.3g} N/cm^3 in some direction). Check the "
-            "columns and the signs: a plate that moves down has gamma > 0 and alpha_z > 0.",
+            "columns and the signs: a plate that moves down has gamma > 0 and alpha_z > 0."
         )
     aside = D10 - C11 + Cm11  # alpha_x of a plate at 45 deg that moves down
     if aside < -GAIN * typical:
-        raise _wrong(
-            path,
+        raise Unusable(
             f"such a sand would push a plate that moves down to its upper side (alpha_x = {aside:.3g} "
-            "N/cm^3 at beta = 45, gamma = 90 deg). Check the sign of beta: counter-clockwise, + toe up.",
+            "N/cm^3 at beta = 45, gamma = 90 deg). Check the sign of beta: counter-clockwise, + toe up."
         )
     return found, (error_x, error_z)
 
 
-def _least_squares(path: str | Path, terms: list[Array], target: Array) -> tuple[list[float], float]:
+def _least_squares(terms: list[Array], target: Array) -> tuple[list[float], float]:
     """Coefficients of some terms, and the relative rms misfit of a column."""
     design = np.stack(terms, axis=1)
     solution, _, rank, _ = np.linalg.lstsq(design, target, rcond=1e-8)
     if rank < design.shape[1]:
-        raise _wrong(
-            path,
+        raise Unusable(
             f"{len(target)} rows do not determine the nine coefficients; "
-            "give more combinations of beta and gamma.",
+            "give more combinations of beta and gamma."
         )
     misfit = float(np.sqrt(np.mean((design @ solution - target) ** 2)))
     scale = float(np.sqrt(np.mean(target**2)))
     return solution.tolist(), misfit / scale if scale > 0 else misfit
 
 
-def _check_units(path: str | Path, table: Array) -> None:
-    """Raise unless angles can be degrees and stresses N/cm^3; `table` is (rows, 4)."""
-    beta, gamma, stress = abs(table[:, 0]), abs(table[:, 1]), abs(table[:, 2:])
-    if len(table) == 0:
+def _check_units(beta: Array, gamma: Array, stresses: Array) -> None:
+    """Raise unless angles can be degrees and stresses N/cm^3."""
+    b, g, largest = (abs(values).max(initial=0.0) for values in (beta, gamma, stresses))
+    if not len(beta):
         return
-    if beta.max() > 180 or gamma.max() > 360:
-        raise _wrong(
-            path, f"beta reaches {beta.max():.4g} and gamma {gamma.max():.4g} deg. Check the columns."
+    if b > 180 or g > 360:
+        raise Unusable(f"beta reaches {b:.4g} and gamma {g:.4g} deg. Check the columns.")
+    if g <= 2 * np.pi:
+        raise Unusable(f"gamma reaches {g:.4g} deg only. Angles must be in degrees.")
+    if not STRESSES[0] <= largest <= STRESSES[1]:
+        raise Unusable(
+            f"its largest stress is {largest:.4g} N/cm^3, and that of sands {STRESSES[0]:g} to "
+            f"{STRESSES[1]:g}. Stresses must be per depth, in N/cm^3 (1 N/cm^3 = 1e6 N/m^3)."
         )
-    if gamma.max() <= 2 * np.pi:
-        raise _wrong(path, f"gamma reaches {gamma.max():.4g} deg only. Angles must be in degrees.")
-    if not STRESSES[0] <= stress.max() <= STRESSES[1]:
-        raise _wrong(
-            path,
-            f"its largest stress is {stress.max():.4g} N/cm^3, and that of sands {STRESSES[0]:g} to "
-            f"{STRESSES[1]:g}. Stresses must be per depth, in N/cm^3 (1 N/cm^3 = 1e6 N/m^3).",
-        )
-
-
-def _wrong(path: str | Path, why: str) -> FileError:
-    return FileError(f"{named(path, 'sand.table')}: {why}")

@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
-import numpy as np
-
-from footopt.errors import SettingError, check, one_line
-from footopt.sand.fit import fit_table
+from footopt.errors import SettingError, check, is_number, one_line
 from footopt.sand.law import GENERIC, StressMap
 
 #: zeta of sands by name: the paper's three, and media measured in the literature
@@ -55,7 +51,7 @@ class Sand:
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", one_line(self.name))
         check(
-            isinstance(self.zeta, (int, float, np.number)) and 1e-6 <= self.zeta <= 1e6,
+            is_number(self.zeta) and 1e-6 <= self.zeta <= 1e6,
             "sand.zeta",
             self.zeta,
             "a number > 0, from 1e-6 to 1e6 (soft sand 0.2, the generic material 1, hard sand 5)",
@@ -68,9 +64,3 @@ class Sand:
         if name not in MEDIA:
             raise SettingError("sand", name, f"one of {', '.join(MEDIA)}", "Or give sand.zeta.")
         return cls(zeta=MEDIA[name], name=name)
-
-    @classmethod
-    def from_table(cls, path: str | Path, zeta: float = 1.0) -> Sand:
-        """A sand from a measured table of stresses (see `fit_table`); the fit error is kept."""
-        stress_map, error = fit_table(path)
-        return cls(zeta=zeta, stress_map=stress_map, name=Path(path).stem, fit_error=error)

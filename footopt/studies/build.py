@@ -13,7 +13,9 @@ from typing import Any
 from footopt.design import Choice, FootProblem, Spread
 from footopt.effects import EFFECTS, Effect
 from footopt.errors import SettingError, check
-from footopt.files.gaits import read_strides
+from footopt.files.gaits import read_gait, read_strides
+from footopt.files.sands import read_sand
+from footopt.files.soles import read_foot
 from footopt.files.strides import Strides
 from footopt.foot import SHAPES, Foot, Waypoints
 from footopt.gait import Gait
@@ -82,7 +84,7 @@ def make_sand(config: SandConfig) -> Sand:
         return Sand(zeta=config.zeta, stress_map=stress_map, name=name)
     if stress_map != GENERIC:
         raise SettingError("sand.table", config.table, "null when sand.coefficients are changed")
-    fitted = Sand.from_table(config.table, zeta=config.zeta)
+    fitted = read_sand(config.table, zeta=config.zeta)
     return fitted if config.name in (Sand.name, *MEDIA) else replace(fitted, name=config.name)
 
 
@@ -95,7 +97,7 @@ def make_gait(config: GaitConfig) -> Gait:
     elif config.path is None:
         raise SettingError("gait.path", None, f"a file, with gait={config.name}", "Try gait.path=walk.csv.")
     else:
-        gait = Gait.from_file(config.path, config.harmonics, *_reading(config))
+        gait = read_gait(config.path, config.harmonics, *_reading(config))
     period = gait.period if config.period is None else config.period
     name = gait.name if config.name in ("human", "file") else config.name
     return replace(gait, name=name, period=period, pitch=config.pitch, start=config.start)
@@ -158,7 +160,7 @@ def make_foot(config: FootConfig) -> Foot:
         if config.path is None:
             raise SettingError("foot.path", None, "a drawing, with foot=outline", "Try foot.path=sole.dxf.")
         drawing = {name: getattr(config, name) for name in ("units", "scale", "layer", "toe", "origin")}
-        return Foot.from_file(config.path, **worn, **drawing)
+        return read_foot(config.path, **worn, **drawing)
     allowed = f"waypoints, outline, or one of {', '.join(SHAPES)}"
     check(config.shape in SHAPES, "foot.shape", config.shape, allowed)
     if option := {"reversed_triangle": "apex", "reversed_l": "upright"}.get(config.shape):

@@ -15,7 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.files.io import Unusable, naming, read_columns
+from footopt.errors import Unusable, naming
+from footopt.files.io import read_columns
 from footopt.sand.law import GENERIC, StressMap, alpha
 
 Array = NDArray[np.float64]

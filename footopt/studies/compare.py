@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from footopt.errors import FileError, SettingError
+from footopt.errors import FileError, SettingError, named
 from footopt.files import identity
-from footopt.files.io import named
 from footopt.report import summary
 from footopt.studies.base import Study
 

@@ -11,8 +11,9 @@ from shapely import Polygon
 
 from footopt.errors import SettingError
 from footopt.files.drawings import MM
+from footopt.files.feet import write_all
 from footopt.files.mjcf import write_mjcf
-from footopt.foot.export import write_all
+from footopt.files.outline import body_outline
 from footopt.report import figures, terminal
 from footopt.studies.base import Study, foot_entry
 from footopt.studies.runs import foot_of
@@ -39,7 +40,7 @@ def run(study: Study) -> None:
     written, notes = write_all(foot, study.folder, block)
     if config.export.mujoco:
         written += write_mjcf(foot.contour, foot.ankle, foot.width, study.folder)
-    outline, width = MM * foot.body_outline(block), MM * foot.width
+    outline, width = MM * body_outline(foot, block), MM * foot.width
     area = float(Polygon(outline).area)
     caption = "The outline of every file, with its sole (blue) and ankle (+), in mm."
     study.save("drawing", figures.drawing(foot, block), caption)

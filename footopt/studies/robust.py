@@ -23,6 +23,7 @@ from footopt.design.robust import RobustProblem, regret
 from footopt.design.scenarios import Scenario, draw, laws, sands
 from footopt.errors import FootoptError, SettingError, check
 from footopt.files import io as files
+from footopt.files.feet import write_foot
 from footopt.foot import Foot, Waypoints
 from footopt.report import figures, terminal
 from footopt.report.figures import robust as robust_figures
@@ -220,7 +221,7 @@ def _write_files(
     study.write_csv("regrets.csv", header, rows)
     files.write_designs(study.folder / "designs.csv", result.columns)
     for ending in ("csv", "dxf"):
-        foot.to_file(study.folder / f"contour.{ending}")
+        write_foot(foot, study.folder / f"contour.{ending}")
 
 
 def _save_figures(

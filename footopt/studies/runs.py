@@ -14,10 +14,11 @@ from typing import Any
 
 from footopt.design import SearchResult, Solver, Store, search
 from footopt.effects import EFFECTS
-from footopt.errors import ERROR_FILE, FileError, SettingError
+from footopt.errors import ERROR_FILE, FileError, SettingError, flat
 from footopt.files import identity
-from footopt.files.identity import LOCK, Occupied, differing
+from footopt.files.identity import LOCK, Occupied, changed_settings
 from footopt.files.io import plain, read_json_file
+from footopt.files.soles import read_foot
 from footopt.foot import Foot
 from footopt.studies.build import (
     check_searchable,
@@ -72,7 +73,7 @@ def enter(folder: Path, settings: Mapping[str, Any], words: Sequence[str]) -> No
     left = {path.name for path in folder.iterdir()} - {identity.FILE, LOCK, LOG, ERROR_FILE}
     if left & {"result.json", "designs.sqlite"} or (begun and left):
         there = identity.read(folder, "hydra.run.dir").settings if begun else {}
-        if names := differing(settings, there):
+        if names := changed_settings(settings, there):
             raise Occupied(
                 f"{folder}: holds another run, which differs in {', '.join(names[:4])}. "
                 f"footopt resume=... goes on with it. {other}"
@@ -84,7 +85,9 @@ def check_same(folder: Path, settings: Mapping[str, Any], found: Mapping[str, An
     """Raise a `FileError` unless a run's result was found with its settings, but for `CHANGEABLE`."""
     if found is None:
         return
-    names = [name for name in differing(plain(settings), found.get("settings")) if not may_change(name)]
+    names = [
+        name for name in changed_settings(plain(settings), found.get("settings")) if not may_change(name)
+    ]
     if names:
         raise FileError(
             f"resume = {str(folder)!r}: its result.json is that of another run: {', '.join(names[:4])} "
@@ -114,7 +117,7 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
         if design["k"] is not None:
             foot = make_foot(replace(saved, k=design["k"]))
         else:  # the contour itself: a drawing that it came from may have changed
-            foot = Foot.from_file(
+            foot = read_foot(
                 folder / "contour.csv", width=float(design["width_m"]), ankle=tuple(design["ankle_m"]),
                 closed=saved.closed, top=saved.top,
             )  # fmt: skip
@@ -314,7 +317,7 @@ def _row(run: Run) -> dict[str, Any]:
     return {
         "folder": str(run.folder),
         "words": " ".join(run.words),
-        **identity.flat(run.settings),
+        **flat(run.settings),
         **run.best,
         **times,
         **validity,

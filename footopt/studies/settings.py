@@ -26,7 +26,7 @@ from footopt.design import (
 from footopt.design.problem import SETS
 from footopt.design.solvers.registry import AUTO
 from footopt.effects import EFFECTS
-from footopt.files import soles
+from footopt.files.soles import read_foot
 from footopt.foot import SHAPES, Foot, Waypoints, shapes
 from footopt.gait import Gait
 from footopt.sand import MEDIA, Sand, StressMap
@@ -197,10 +197,10 @@ class FootConfig(SpaceConfig):  # type: ignore[misc]  # made of Waypoints' field
     upright: str = setting(default(shapes.reversed_l, "upright"), "Where the L's upright is: toe, heel.")
     path: str | None = setting(None, "File of a sole: DXF, SVG or CSV.")
     units: str | None = setting(None, "Of the file: mm, cm, m, in, pt or px; null: as the file says.")
-    scale: float = setting(default(soles.read, "scale"), "Multiplies all lengths of the file.")
+    scale: float = setting(default(read_foot, "scale"), "Multiplies all lengths of the file.")
     layer: str | None = setting(None, "Of the file; null: SOLE if there is one, else all.")
-    toe: str = setting(default(soles.read, "toe"), "Where the toe is in the file: right, or left.")
-    origin: str = setting(default(soles.read, "origin"), "Of the foot frame: file, or centre of its box.")
+    toe: str = setting(default(read_foot, "toe"), "Where the toe is in the file: right, or left.")
+    origin: str = setting(default(read_foot, "origin"), "Of the foot frame: file, or centre of its box.")
     block: list[float] | None = setting(None, "Length and height of a mounting block on the body, m.")
 
 

@@ -11,8 +11,8 @@ from typing import Any
 from rich.text import Text
 
 from footopt.files import io as files
+from footopt.files.feet import write_all, write_foot
 from footopt.foot import Foot
-from footopt.foot.export import write_all
 from footopt.report import figures, film, page, terminal
 from footopt.report.figures.gait import gait_fit
 from footopt.report.numbers import title
@@ -116,7 +116,7 @@ def write_walk(
         What is to be said of the files for the workshop.
     """
     if not study.reports:
-        walk.foot.to_file(study.folder / "contour.csv")
+        write_foot(walk.foot, study.folder / "contour.csv")
         return []
     drawings = {
         "com": partial(figures.com, walks),

@@ -102,7 +102,7 @@ class Scene:
 
     def __post_init__(self) -> None:
         check_kind(self.sand, Sand, "sand", 'Try fo.Sand.named("hard")')
-        check_kind(self.gait, Gait, "gait", "Try fo.Gait.human() or fo.Gait.from_file(path)")
+        check_kind(self.gait, Gait, "gait", "Try fo.Gait.human() or fo.read_gait(path)")
         check_kind(self.walker, Walker, "walker", "Try fo.Walker(mass=60)")
         object.__setattr__(self, "effects", ordered(self.effects))
         if self.t_f is None:

@@ -16,6 +16,7 @@ from study_pages import check_page
 import footopt as fo
 from footopt.cli.compose import groups
 from footopt.errors import SettingError
+from footopt.files.outline import body_outline
 from footopt.studies.runs import foot_of
 from footopt.walk import STEPPERS
 
@@ -225,7 +226,7 @@ class TestExport:
         result = json.loads((folder / "result.json").read_text())
         design = json.loads((run_ga[1] / "result.json").read_text())["design"]
         assert result["design"] == design
-        bare = Polygon(fo.Foot.from_waypoints(design["k"]).body_outline()).area
+        bare = Polygon(body_outline(fo.Foot.from_waypoints(design["k"]))).area
         assert result["area_mm2"] == pytest.approx(1e6 * bare + 1200.0)
         assert result["volume_mm3"] == pytest.approx(100.0 * result["area_mm2"])
         for ending in ("csv", "dxf", "svg", "stl"):

@@ -162,7 +162,7 @@ def place(tmp_path_factory):
     shutil.copytree(ROOT / "examples", folder / "examples")
     for source, name in (("gait/walk.mot", "walk.mot"), ("sole/rocker.csv", "sole.csv")):
         shutil.copy(ROOT / "examples" / source, folder / name)
-    fo.Foot.from_file(folder / "sole.csv").to_file(folder / "sole.dxf")
+    fo.write_foot(fo.read_foot(folder / "sole.csv"), folder / "sole.dxf")
     words = [f"{key}={value}" for key, value in SMALL.items()]
     assert footopt(*words, "hydra.run.dir=earlier", cwd=folder).returncode == 0
     return folder

@@ -38,10 +38,10 @@ def folder(tmp_path_factory):
 def opened(kind, path):
     """What a file of a kind is read as: a gait, a sole (n, 2) or sand."""
     if kind in GAITS:
-        return fo.Gait.from_file(path)
+        return fo.read_gait(path)
     if kind in SOLES:
-        return fo.Foot.from_file(path).contour
-    return fo.Sand.from_table(path)
+        return fo.read_foot(path).contour
+    return fo.read_sand(path)
 
 
 def assert_clear(error, name):
@@ -109,11 +109,11 @@ class TestBadFiles:
 # --- what is no file --------------------------------------------------------------------------------
 
 READERS = {
-    "a.mot": fo.Gait.from_file,
-    "a.json": fo.Gait.from_file,
-    "a.dxf": fo.Foot.from_file,
-    "a.svg": fo.Foot.from_file,
-    "a.csv": fo.Sand.from_table,
+    "a.mot": fo.read_gait,
+    "a.json": fo.read_gait,
+    "a.dxf": fo.read_foot,
+    "a.svg": fo.read_foot,
+    "a.csv": fo.read_sand,
 }
 
 
@@ -133,7 +133,7 @@ def in_the_way(folder, what, name):
 def test_what_cannot_be_read_is_named(what, tmp_path):
     path = in_the_way(tmp_path, what, "a.mot")
     with pytest.raises(FileError, match="cannot be read") as caught:
-        fo.Gait.from_file(path)
+        fo.read_gait(path)
     assert_clear(caught.value, "a.mot")
 
 
@@ -165,7 +165,7 @@ def test_what_cannot_be_a_store_is_named(what, tmp_path):
 
 def run_folder(folder, shape):
     """What `footopt study=export` needs of a run; its result is returned."""
-    FOOT.to_file(folder / "contour.csv")
+    fo.write_foot(FOOT, folder / "contour.csv")
     foot = {"shape": shape, "width": 0.1, "ankle": [0.0, 0.0], "n": 11, "K": 10, "L": 0.13, "H": 0.03}
     k = list(FOOT.k) if shape == "waypoints" else None
     design = {"name": "one", "k": k, "width_m": 0.1, "ankle_m": [0.0, 0.0]}

@@ -6,8 +6,8 @@ import pytest
 from ezdxf.math import BSpline
 from shapely import LineString, Point
 
+import footopt as fo
 from footopt.errors import FileError
-from footopt.files import soles
 
 TOE = 80.0 * np.sqrt(0.5)
 #: A closed outline, mm: a heel of 20 mm radius, a flat sole, an eighth of a circle of 80 mm to the toe.
@@ -197,8 +197,8 @@ def test_one_sole_of_every_program_is_the_same(name, tmp_path):
     path.write_text((SVG | DXF)[name]())
     if name in UNITS:
         with pytest.raises(FileError, match=r"does not say in which unit it is"):
-            soles.read(path, origin="centre")
-    found = soles.read(path, units=UNITS.get(name), origin="centre").points
+            fo.read_foot(path, origin="centre")
+    found = fo.read_foot(path, units=UNITS.get(name), origin="centre").contour
     true = sole()
     assert max(LineString(true).distance(Point(place)) for place in found) < 3e-5
     assert found[[0, -1], 0] == pytest.approx(true[[0, -1], 0], abs=1.1e-5)  # a steep heel is a vertical side

@@ -13,7 +13,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 
 def test_the_three_rockers_are_one_foot():
     path = EXAMPLES / "sole" / "rocker"
-    feet = [fo.Foot.from_file(path.with_suffix(f".{end}"), layer=layer)
+    feet = [fo.read_foot(path.with_suffix(f".{end}"), layer=layer)
             for end, layer in (("dxf", "FOOT"), ("svg", "FOOT"), ("csv", None))]  # fmt: skip
     x = np.linspace(-0.119, 0.129, 200)
     heights = [np.interp(x, *foot.contour.T) for foot in feet]
@@ -22,7 +22,7 @@ def test_the_three_rockers_are_one_foot():
 
 
 def test_the_gait_is_the_built_in_one():
-    gait, human = fo.Gait.from_file(EXAMPLES / "gait" / "walk.mot"), fo.Gait.human()
+    gait, human = fo.read_gait(EXAMPLES / "gait" / "walk.mot"), fo.Gait.human()
     assert gait.period == pytest.approx(human.period, rel=0.01)
     for joint in ("thigh", "knee", "foot"):
         for mine, true in zip((gait, human), (human, gait), strict=True):
@@ -38,6 +38,6 @@ def test_the_plates_are_of_the_zeta_that_their_page_names():
 
 
 def test_the_sand_is_six_tenths_of_the_generic_one():
-    sand = fo.Sand.from_table(EXAMPLES / "sand" / "stresses.csv")
+    sand = fo.read_sand(EXAMPLES / "sand" / "stresses.csv")
     assert sand.stress_map.A00 == pytest.approx(0.6 * fo.StressMap().A00, abs=0.005)
     assert sand.stress_map.B01 == pytest.approx(0.6 * fo.StressMap().B01, abs=0.005)

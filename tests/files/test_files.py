@@ -65,7 +65,7 @@ def room(size):
 
 
 def write_foot(foot, ending):
-    return lambda folder: foot.to_file(folder / f"contour.{ending}")
+    return lambda folder: fo.write_foot(foot, folder / f"contour.{ending}")
 
 
 @pytest.fixture(scope="module")

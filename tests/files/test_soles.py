@@ -15,7 +15,6 @@ from svgpathtools import parse_path
 
 import footopt as fo
 from footopt.errors import FileError, SettingError
-from footopt.files import soles
 from footopt.files.soles import lines_of, lower_edge
 
 HOLLOW = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
@@ -74,7 +73,7 @@ def same(found, expected, exact=1e-12):
 
 
 def read(path, **settings):
-    return soles.read(path, **settings).points
+    return fo.read_foot(path, **settings).contour
 
 
 def matrix(a, b, c, d, e=0.0, f=0.0):
@@ -247,7 +246,7 @@ class TestDxf:
             space.add_lwpolyline([(-100, -20), (100, -20), (100, 20), (-100, 20)], close=True)
             space.add_circle((-60, 0), 6)
 
-        foot = fo.Foot.from_file(dxf(draw))
+        foot = fo.read_foot(dxf(draw))
         same(foot.contour, [(-0.1, -0.02), (0.1, -0.02)])
         (note,) = foot.notes
         assert "not its holes: a closed outline of 11.9" in note
@@ -264,7 +263,7 @@ class TestDxf:
             with pytest.raises(FileError, match="it holds 2"):
                 read(folder / "a.svg")
             return
-        foot = fo.Foot.from_file(folder / "a.svg")
+        foot = fo.read_foot(folder / "a.svg")
         same(foot.contour, [(-0.1, -0.02), (0.1, -0.02)])
         assert "not its holes: a closed outline of 180 x 30 mm" in foot.notes[0]
 
@@ -340,8 +339,8 @@ class TestTheLine:
 
     @pytest.mark.parametrize("ending", ["csv", "dxf", "svg"])
     def test_of_footopt_s_own_files_is_the_foot(self, tmp_path, ending):
-        path = HOLLOW.to_file(tmp_path / f"sole.{ending}")
-        foot = fo.Foot.from_file(path, width=0.08, ankle=(0.01, 0.05))
+        path = fo.write_foot(HOLLOW, tmp_path / f"sole.{ending}")
+        foot = fo.read_foot(path, width=0.08, ankle=(0.01, 0.05))
         same(foot.contour, HOLLOW.contour, 1e-9)
         assert (foot.name, foot.width, foot.ankle) == ("sole", 0.08, (0.01, 0.05))
         if ending != "csv":

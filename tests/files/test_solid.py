@@ -11,8 +11,9 @@ from shapely import Polygon
 
 import footopt as fo
 from footopt.errors import MissingError
+from footopt.files.feet import write_all
+from footopt.files.outline import body_outline
 from footopt.foot import SHAPES
-from footopt.foot.export import write_all
 
 BLOCKS = st.sampled_from([None, (0.06, 0.02), (0.26, 0.01)])
 HOLLOW = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4], width=0.08)
@@ -20,7 +21,7 @@ HOLLOW = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4], width=0.08)
 
 def expected(foot, block=None):
     """Volume (mm^3) and surface (mm^2) of a foot's prism."""
-    outline, width = Polygon(1e3 * foot.body_outline(block)), 1e3 * foot.width
+    outline, width = Polygon(1e3 * body_outline(foot, block)), 1e3 * foot.width
     return outline.area * width, 2 * outline.area + outline.length * width
 
 
@@ -28,7 +29,7 @@ def expected(foot, block=None):
 @given(k=st.lists(st.integers(1, 10), min_size=4, max_size=9), block=BLOCKS)
 def test_any_waypoint_sole_makes_a_closed_body_of_its_volume(tmp_path_factory, k, block):
     foot = fo.Foot.from_waypoints(k)
-    body = trimesh.load_mesh(foot.to_file(tmp_path_factory.getbasetemp() / "any.stl", block))
+    body = trimesh.load_mesh(fo.write_foot(foot, tmp_path_factory.getbasetemp() / "any.stl", block))
     volume, surface = expected(foot, block)
     assert body.is_watertight
     assert body.is_winding_consistent
@@ -41,7 +42,7 @@ def test_no_triangle_is_without_area(tmp_path, apart):
     """Points of a drawing may be nearer to each other than the single precision of STL can tell."""
     x = np.array([-0.13, -0.05, -0.02, -0.02 + apart, 0.04, 0.1287, 0.13])
     foot = fo.Foot(np.stack([x, -0.03 + x**2], axis=1))
-    body = trimesh.load_mesh(foot.to_file(tmp_path / "foot.stl"), process=False)
+    body = trimesh.load_mesh(fo.write_foot(foot, tmp_path / "foot.stl"), process=False)
     assert body.area_faces.min() > 0
     assert trimesh.load_mesh(tmp_path / "foot.stl").is_watertight
 
@@ -49,7 +50,7 @@ def test_no_triangle_is_without_area(tmp_path, apart):
 @pytest.mark.parametrize("name", sorted(SHAPES))
 def test_every_shape_makes_a_body_across_its_width(name, tmp_path):
     foot = fo.Foot.shape(name, width=0.06)
-    body = trimesh.load_mesh(foot.to_file(tmp_path / "foot.stl"))
+    body = trimesh.load_mesh(fo.write_foot(foot, tmp_path / "foot.stl"))
     (left, low), (right, high) = (1e3 * end for end in (foot.contour.min(axis=0), foot.contour.max(axis=0)))
     assert body.is_watertight
     np.testing.assert_allclose(body.bounds[0], [left, -30.0, low], atol=1e-4)
@@ -70,7 +71,7 @@ def test_a_cad_kernel_reads_one_valid_solid(tmp_path, capfd, foot):
     from OCP.TopAbs import TopAbs_ShapeEnum
 
     block = (0.05, 0.02)
-    path = foot.to_file(tmp_path / "Müller's foot.step", block)
+    path = fo.write_foot(foot, tmp_path / "Müller's foot.step", block)
     assert capfd.readouterr() == ("", "")
     reader = STEPControl_Reader()
     assert reader.ReadFile(str(path)) == IFSelect_ReturnStatus.IFSelect_RetDone
@@ -85,7 +86,7 @@ def test_a_cad_kernel_reads_one_valid_solid(tmp_path, capfd, foot):
     BRepGProp.SurfaceProperties_s(shape, measured)
     assert measured.Mass() == pytest.approx(surface, rel=1e-9)
     BRepBndLib.AddOptimal_s(shape, box, True, False)
-    (left, low), (right, high) = (f(1e3 * foot.body_outline(block), axis=0) for f in (np.min, np.max))
+    (left, low), (right, high) = (f(1e3 * body_outline(foot, block), axis=0) for f in (np.min, np.max))
     half = 500.0 * foot.width
     corners = [[at.X(), at.Y(), at.Z()] for at in (box.CornerMin(), box.CornerMax())]
     np.testing.assert_allclose(corners, [[left, -half, low], [right, half, high]], atol=1e-5)
@@ -101,4 +102,4 @@ def test_without_opencascade_the_other_files_are_written_and_a_note_says_what_st
     assert "contour.step" in note
     assert note.endswith('pip install "footopt[cad]"')
     with pytest.raises(MissingError, match="STEP needs OCP"):
-        HOLLOW.to_file(tmp_path / "foot.step")
+        fo.write_foot(HOLLOW, tmp_path / "foot.step")

@@ -8,8 +8,8 @@ from shapely import Polygon
 
 import footopt as fo
 from footopt.errors import SettingError
+from footopt.files.outline import closed_contour
 from footopt.foot import as_plates
-from footopt.foot.outline import closed_contour
 
 K = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)
 SHADES = fo.Shadowing()

@@ -232,20 +232,20 @@ class TestToFile:
     @given(gaits())
     def test_a_gait_comes_back_to_the_last_bit(self, tmp_path_factory, gait):
         path = tmp_path_factory.getbasetemp() / "mine.json"
-        gait.to_file(path)
-        back = fo.Gait.from_file(path)
+        fo.write_gait(gait, path)
+        back = fo.read_gait(path)
         assert back == replace(gait, name="mine")
         assert back.source == gait.source
 
     def test_the_human_walk_comes_back_but_for_the_name(self, tmp_path):
         human = fo.Gait.human(period=1.1, harmonics=4)
-        human.to_file(tmp_path / "walk.json")
-        assert fo.Gait.from_file(tmp_path / "walk.json") == replace(human, name="walk")
-        assert fo.Gait.from_file(tmp_path / "walk.json", 3).knee == fo.Gait.human(harmonics=3).knee
+        fo.write_gait(human, tmp_path / "walk.json")
+        assert fo.read_gait(tmp_path / "walk.json") == replace(human, name="walk")
+        assert fo.read_gait(tmp_path / "walk.json", 3).knee == fo.Gait.human(harmonics=3).knee
 
     def test_other_endings_are_refused(self, tmp_path):
         with pytest.raises(SettingError, match=r"a file that ends in \.json"):
-            fo.Gait.human().to_file(tmp_path / "walk.csv")
+            fo.write_gait(fo.Gait.human(), tmp_path / "walk.csv")
         assert not list(tmp_path.iterdir())
 
 
@@ -253,12 +253,12 @@ class TestFromAngles:
     def test_are_those_of_a_file_of_the_same(self, tmp_path):
         path = write_table(tmp_path / "mine.csv", fo.Gait.human(), 1.0)
         rows = np.loadtxt(path, delimiter=",", skiprows=1, unpack=True)
-        assert replace(fo.Gait.from_angles(*rows), name="mine") == fo.Gait.from_file(path)
-        assert fo.Gait.from_angles(*rows[:3].tolist(), harmonics=3).foot is None
+        assert replace(fo.fit_gait(*rows), name="mine") == fo.read_gait(path)
+        assert fo.fit_gait(*rows[:3].tolist(), harmonics=3).foot is None
 
     def test_what_is_no_walk_is_refused(self):
         t = np.linspace(0.0, 1.2, 50)
         with pytest.raises(SettingError, match="as many angles as times"):
-            fo.Gait.from_angles(t, t, t[1:])
+            fo.fit_gait(t, t, t[1:])
         with pytest.raises(FileError, match=r"gait = 'angles': the thigh moves by 0 deg only"):
-            fo.Gait.from_angles(t, np.zeros(50), np.zeros(50))
+            fo.fit_gait(t, np.zeros(50), np.zeros(50))

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import footopt as fo
 from footopt.errors import FileError, FootoptError, SettingError
-from footopt.sand import GENERIC, MEDIA, Sand, StressMap, affine, affine_direction, fit_table
+from footopt.sand import GENERIC, MEDIA, Sand, StressMap, affine, affine_direction
 from footopt.sand.law import PER_CM3
 
 ANGLE = st.floats(-2 * math.pi, 2 * math.pi)
@@ -121,7 +121,7 @@ def write_table(path, angles=GRID, noise=0.0):
 
 class TestTableFit:
     def test_recovers_the_map_that_made_the_table(self, tmp_path):
-        sand = Sand.from_table(write_table(tmp_path / "mine.csv"), zeta=2.0)
+        sand = fo.read_sand(write_table(tmp_path / "mine.csv"), zeta=2.0)
         np.testing.assert_allclose(astuple(sand.stress_map), astuple(GENERIC), rtol=0, atol=1e-9)
         assert max(sand.fit_error) < 1e-9
         assert (sand.name, sand.zeta) == ("mine", 2.0)
@@ -130,16 +130,18 @@ class TestTableFit:
         """Relative to the rms of the column; less the freedom that nine coefficients take up."""
         angles = np.repeat(GRID, 8, axis=0)
         noise = 0.05
-        stress_map, error = fit_table(write_table(tmp_path / "noisy.csv", angles, noise))
+        sand = fo.read_sand(write_table(tmp_path / "noisy.csv", angles, noise))
         rms = np.sqrt(np.mean(np.square(fo.stress.alpha(*np.radians(angles).T)), axis=1)) / PER_CM3
-        np.testing.assert_allclose(error, noise / np.hypot(rms, noise), rtol=0.1)
-        np.testing.assert_allclose(astuple(stress_map), astuple(GENERIC), rtol=0, atol=0.02)
+        np.testing.assert_allclose(sand.fit_error, noise / np.hypot(rms, noise), rtol=0.1)
+        np.testing.assert_allclose(astuple(sand.stress_map), astuple(GENERIC), rtol=0, atol=0.02)
 
     def test_other_columns_and_a_byte_order_mark_are_ignored(self, tmp_path):
         path = write_table(tmp_path / "t.csv")
         lines = path.read_text().splitlines()
         path.write_text("\ufeff" + "\n".join(f"{line}, note" for line in lines), encoding="utf-8")
-        np.testing.assert_allclose(astuple(fit_table(path)[0]), astuple(GENERIC), rtol=0, atol=1e-9)
+        np.testing.assert_allclose(
+            astuple(fo.read_sand(path).stress_map), astuple(GENERIC), rtol=0, atol=1e-9
+        )
 
     @pytest.mark.parametrize(
         ("text", "message"),
@@ -154,14 +156,14 @@ class TestTableFit:
     def test_what_is_wrong_with_one_is_named(self, tmp_path, text, message):
         (tmp_path / "t.csv").write_text(text)
         with pytest.raises(FileError, match=rf"t\.csv.*{message}"):
-            fit_table(tmp_path / "t.csv")
+            fo.read_sand(tmp_path / "t.csv")
 
     @pytest.mark.parametrize("angles", [GRID[:4], GRID[GRID[:, 0] == 0]], ids=["few rows", "one angle"])
     def test_too_few_angles_cannot_determine_nine_coefficients(self, tmp_path, angles):
         with pytest.raises(FileError, match="do not determine the nine coefficients"):
-            fit_table(write_table(tmp_path / "t.csv", angles))
+            fo.read_sand(write_table(tmp_path / "t.csv", angles))
 
     def test_a_missing_file_is_named(self, tmp_path):
         with pytest.raises(FileError, match=r"nowhere\.csv.*cannot be read") as error:
-            Sand.from_table(tmp_path / "nowhere.csv")
+            fo.read_sand(tmp_path / "nowhere.csv")
         assert isinstance(error.value, OSError)

@@ -19,7 +19,7 @@ from study_pages import leave_job
 import footopt as fo
 from footopt.design import confirm
 from footopt.design.result import SHOWN
-from footopt.foot.outline import closed_contour
+from footopt.files.outline import closed_contour
 from footopt.report import figures, page, summary, terminal
 from footopt.report.numbers import title
 from footopt.report.page import walks

@@ -9,16 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import FileError, SettingError, check
+from footopt.errors import FileError, SettingError, Unusable, check, naming
 from footopt.files.drawings import MM, SOLE
-from footopt.files.io import Unusable, naming
 from footopt.files.soles import dxf, svg, table
 from footopt.files.soles.lines import JOIN, PIECES, TOO_MANY, UNITS, Line, crossing, join
+from footopt.foot import Foot
 
 Array = NDArray[np.float64]
 
@@ -31,37 +31,24 @@ LISTED = 4  # of a drawing's lines, in a message
 WORLD = 1e9  # m; no drawing has a point farther from its origin
 
 
-class Sole(NamedTuple):
-    """A sole in a file.
-
-    Parameters
-    ----------
-    points : (m, 2) array, m
-        From heel to toe.
-    notes : tuple of str
-        What of the file was left out.
-    """
-
-    points: Array
-    notes: tuple[str, ...]
-
-
-def read(
+def read_foot(
     path: str | Path,
+    *,
     units: str | None = None,
     scale: float = 1.0,
     layer: str | None = None,
     toe: str = "right",
     origin: str = "file",
-) -> Sole:
-    """Read the sole in a file.
+    **parameters: Any,
+) -> Foot:
+    """Read the foot whose sole is in a DXF, SVG or CSV file.
 
     Parameters
     ----------
     path : str or Path
         Ends in .dxf, .svg or .csv.
     units : str, optional
-        What one unit of the file is, a name in `UNITS`; by default what the file says.
+        What one unit of the file is, a name in `UNITS`; by default the file's own.
     scale : float
         Multiplies all lengths.
     layer : str, optional
@@ -70,11 +57,13 @@ def read(
         Where the toe is in the drawing; left mirrors it.
     origin : {"file", "centre"}
         The foot frame's origin: the file's, or the middle of the line's bounding box.
+    **parameters
+        ``width``, ``ankle``, ``closed`` and ``top``, as of every `Foot`.
 
     Returns
     -------
-    sole : Sole
-        Its points and notes.
+    foot : Foot
+        Its notes tell what of the file was left out.
 
     Raises
     ------
@@ -100,7 +89,7 @@ def read(
             points = points - 0.5 * (points.min(axis=0) + points.max(axis=0))
         sole = lower_edge(points) if line.closed else _from_heel(points)
         check_spikes(sole)
-        return Sole(sole, notes)
+    return Foot(sole, name=path.stem, notes=notes, **parameters)
 
 
 def lines_of(path: Path, units: str | None = None, scale: float = 1.0) -> list[Line]:

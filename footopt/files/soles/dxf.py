@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from footopt.files.io import Unusable, read_bytes
+from footopt.errors import Unusable
+from footopt.files.io import read_bytes
 from footopt.files.soles.lines import FLATTEN, PIECES, Line, from_points, unit_of
 
 UNITS = {1: "in", 4: "mm", 5: "cm", 6: "m"}  # of $INSUNITS

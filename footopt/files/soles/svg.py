@@ -12,7 +12,8 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.files.io import Unusable, read_text
+from footopt.errors import Unusable
+from footopt.files.io import read_text
 from footopt.files.soles.lines import FLATTEN, PIECES, TOO_MANY, UNITS, Line, unit_of
 
 Array = NDArray[np.float64]

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from footopt.files.io import Table, Unusable, read_table
+from footopt.errors import Unusable
+from footopt.files.io import Table, read_table
 from footopt.files.soles.lines import JOIN, Line, from_points, unit_of
 
 

@@ -11,6 +11,7 @@ from matplotlib.patches import Polygon, Rectangle
 from numpy.typing import NDArray
 
 from footopt.files.drawings import MM
+from footopt.files.outline import body_outline
 from footopt.foot import Foot, lower_hull
 from footopt.report.style import (
     BEST,
@@ -62,9 +63,9 @@ def drawing(foot: Foot, block: Sequence[float] | None = None) -> Figure:
     foot : Foot
         What is made.
     block : (float, float), m, optional
-        Length and height of a mounting block above the foot, see `Foot.body_outline`.
+        Length and height of a mounting block above the foot, see `footopt.files.outline.body_outline`.
     """
-    outline = MM * foot.body_outline(block)
+    outline = MM * body_outline(foot, block)
     (left, low), (right, high) = outline.min(axis=0), outline.max(axis=0)
     gap = 0.03 * (right - left)
     x, z = (left - 4 * gap, right + 4 * gap), (low - 2 * gap, high + (3 * gap if block is not None else gap))
