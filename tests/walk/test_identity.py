@@ -32,6 +32,8 @@ EFFECTS = {
 }
 #: Effects that are walked in three sands, at two presets, by fewer feet.
 FEWER = {"rest": (fo.Rest(),), "shadowing": (fo.Shadowing(),)}
+#: Sands differ in numbers, effects in code: one effect is walked in the first three sands, these in all.
+EVERYWHERE = ("plain", "all")
 #: How many of the 200 feet walk at each preset: the finer, the fewer.
 FEET = {"draft": 200, "standard": 200, "fine": 40, "reference": 2}
 STEPPERS = {
@@ -56,6 +58,8 @@ def cases():
     for sand in SANDS:
         scene = fo.Scene(sand=fo.Sand.named(sand))
         for effects, chosen in EFFECTS.items():
+            if sand not in SANDS[:3] and effects not in EVERYWHERE:
+                continue
             for preset, count in FEET.items():
                 if preset == "reference" and sand not in SANDS[:3]:
                     continue
