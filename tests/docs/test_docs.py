@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.errors import HydraException
-from running import LIMIT, composed, footopt
+from running import composed, footopt
 
 import footopt as fo
 from footopt.cli.compose import CONF, groups, read
@@ -119,21 +119,37 @@ def test_every_command_is_known_and_its_words_are_read():
         overrides(arguments or ())
 
 
+def bundles():
+    """Settings of all commands by group, those together that do not differ in one: composing takes a while.
+
+    One value of those of a sweep; what `examples` and the reader's own files add is left out.
+    """
+    found = []
+    for arguments in FOOTOPT:
+        if {"--config-dir", "--help", "--version"} & set(arguments):
+            continue
+        own = {}
+        for word in overrides(arguments):
+            key = word.key_or_group
+            if not key.startswith("hydra") and not word.is_interval_sweep():
+                swept = word.is_sweep_override()
+                line = f"{key}={next(word.sweep_string_iterator())}" if swept else word.input_line
+                own.setdefault(key.partition(".")[0], []).append(line)
+        fitting = (b for b in found if all(b.get(group, words) == words for group, words in own.items()))
+        bundle = next(fitting, None)
+        if bundle is None:
+            found.append(bundle := {})
+        bundle |= own
+    return [[word for words in bundle.values() for word in words] for bundle in found]
+
+
 @pytest.mark.slow
 def test_every_command_composes():
-    """One value of those of a sweep; what `examples` and the reader's own files add is left out."""
-    for arguments, page in FOOTOPT.items():
-        if not {"--config-dir", "--help", "--version"} & set(arguments):
-            found = [w for w in overrides(arguments) if not w.key_or_group.startswith("hydra")]
-            found = [w for w in found if not w.is_interval_sweep()]
-            words = [
-                f"{word.key_or_group}={next(word.sweep_string_iterator())}" if word.is_sweep_override()
-                else word.input_line for word in found
-            ]  # fmt: skip
-            try:
-                composed(*words)
-            except HydraException as error:
-                raise AssertionError(f"{page}: footopt {' '.join(arguments)}") from error
+    for words in bundles():
+        try:
+            composed(*words)
+        except HydraException as error:
+            raise AssertionError(f"footopt {' '.join(words)}") from error
 
 
 @pytest.mark.slow
@@ -191,15 +207,27 @@ PYTHON = {
 }
 
 
+RUN = """
+import sys
+from pathlib import Path
+
+for path in sys.argv[1:]:
+    exec(compile(Path(path).read_text(), path, "exec"), {"__name__": "__main__", "np": np, "fo": fo})
+"""
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("page", [page for page, code in PYTHON.items() if code])
-def test_the_python_of_a_page_runs_from_top_to_bottom(page, place):
-    """In a process of its own, because a page may register effects and objectives."""
-    (place / "block.py").write_text(PREAMBLE + PYTHON[page])
+def test_the_python_of_every_page_runs_from_top_to_bottom(place):
+    """Of one page after the other in a process of their own, because they register effects and objectives."""
+    (place / "pages.py").write_text(PREAMBLE + RUN)
+    pages = [page for page, code in PYTHON.items() if code]
+    for page in pages:
+        (place / page.replace("/", "_")).write_text(PYTHON[page])
     done = subprocess.run(
-        [sys.executable, "-W", "error", "block.py"], cwd=place, capture_output=True, text=True, timeout=LIMIT
-    )
-    assert done.returncode == 0, done.stderr
+        [sys.executable, "-W", "error", "pages.py", *(page.replace("/", "_") for page in pages)],
+        cwd=place, capture_output=True, text=True, timeout=500,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr  # names the page
 
 
 # --- links, extras, numbers -----------------------------------------------------------------------
