@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 
 from footopt.errors import FileError, FootoptError, SettingError, check
 from footopt.files.io import write_whole
-from footopt.report.figures.walker import letters, view_of
 from footopt.report.numbers import sand_title, title
-from footopt.report.stage import Stage, View, round_down
-from footopt.report.style import PAGE, new_figure, styled
+from footopt.report.stage import ARROW, Stage, draw_ground, draw_key, write
+from footopt.report.style import PAGE, SIDES, new_figure, styled
 from footopt.walk import Walk
 
 Array = NDArray[np.float64]
@@ -32,22 +31,7 @@ LONGEST = 0.06  # arrow there, m
 def check_film(
     path: str | Path, fps: int = 25, speed: float = 0.5, dpi: int = 120, setting: str = "path"
 ) -> Path:
-    """Raise unless such a film can be written; its folder is made.
-
-    Parameters
-    ----------
-    path, fps, speed, dpi
-        See `animate`.
-    setting : str
-        Which setting names the file, for the message.
-
-    Raises
-    ------
-    SettingError
-        The file has another ending, or a number cannot be used.
-    FileError
-        ffmpeg is missing, or there can be no such folder.
-    """
+    """Raise a `SettingError` or `FileError` unless `animate` can write such a film; make its folder."""
     path = Path(path)
     if path.suffix.lower() not in (".gif", ".mp4"):
         raise SettingError(setting, path.name, "a name that ends in .gif or .mp4", "Try walk.gif.")
@@ -140,45 +124,39 @@ def times(walk: Walk, fps: float, speed: float) -> Array:
 
 
 def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], None]]:
-    """A figure, and what moves the walker in it to the i-th of some times, s.
+    """A figure, and a function that moves the walker in it to the i-th of some times, s.
 
     Above is the walker with the whole force on each foot, below its feet, close, with the forces along them.
     """
     stage = Stage(walk, t)
-    far = view_of(stage)
-    left, right, low, high = far[:4]
+    left, right, low, high = stage.limits
     wide = min(right - left, WIDEST * (high - low))
-    far = far._replace(unit=letters(wide, PAGE))
     deep = min(float(stage.body.sole[..., 1].min()), 0.0) - 1.1 * LONGEST
-    reach, largest = 0.5 * CLOSE, max(float(np.linalg.norm(stage.forces.force, axis=-1).max()), 1e-9)
-    sizes = letters(CLOSE, PAGE), LONGEST / largest, round_down(0.8 * largest)
-    near = View(0.0, 0.0, deep, deep + CLOSE * NEAR, *sizes, close=True)
-    tall = (PAGE - 0.6) * (high - low) / wide
-    figure = new_figure(PAGE, tall + (PAGE - 0.6) * NEAR + 0.9)
-    whole, close = figure.subplots(2, 1, height_ratios=[tall, (PAGE - 0.6) * NEAR])
-    whole.set(ylabel="$z$ (m)", xlim=(left, left + wide), ylim=(low, high), aspect="equal")
-    whole.plot(*walk.com.T, color="black", lw=0.6, ls=":")
-    close.set(xlabel="$x$ (m)", ylabel="$z$ (m)", xlim=(-reach, reach), ylim=near[2:4], aspect="equal")
+    largest = max(float(np.linalg.norm(stage.forces.force, axis=-1).max()), 1e-9)
+    heights = [(PAGE - 0.6) * (high - low) / wide, (PAGE - 0.6) * NEAR]
+    figure = new_figure(PAGE, sum(heights) + 0.9)
+    whole, near = figure.subplots(2, 1, height_ratios=heights)
     figure.suptitle(f"{title(walk.foot.name)} on {sand_title(walk.scene.sand)}, {speed:g} × real time")
-    clock = whole.set_title(" ", loc="right", fontsize=10)
+
+    def show(i: int) -> None:
+        hip = float(stage.body.hip[i, 0])
+        middle = float(np.clip(hip, left + 0.5 * wide, right - 0.5 * wide))
+        views = (whole, middle, wide, (low, high)), (near, hip, CLOSE, (deep, deep + CLOSE * NEAR))
+        for axes, x, span, z in views:
+            axes.clear()
+            axes.set(xlim=(x - 0.5 * span, x + 0.5 * span), ylim=z, aspect="equal", ylabel="$z$ (m)")
+            draw_ground(axes, stage.ground)
+        whole.plot(*walk.com.T, color="black", lw=0.6, ls=":")
+        draw_key(whole, stage.draw_feet(whole, i, stage.scale), stage.scale * ARROW * high)
+        draw_key(near, stage.draw_feet(near, i, largest / LONGEST, close=True), 0.8 * largest)
+        for foot, (side, _) in enumerate(SIDES):
+            write(near, side, stage.body.legs[i, foot, 2], (0, 12), ha="center")
+        near.set_xlabel("$x$ (m)")
+        ended = f", failed: {walk.reason}" if walk.reason and t[i] >= walk.t[-1] else ""
+        whole.set_title(f"{t[i]:.2f} s{ended}", loc="right", fontsize=10)
+
+    show(0)
     for _ in range(2):  # each pass of the layout moves things a little
         figure.draw_without_rendering()
     figure.set_layout_engine("none")  # a layout of each frame's own would tremble
-    shown: list[Any] = []
-
-    def show(i: int) -> None:
-        while shown:
-            shown.pop().remove()
-        hip = float(stage.body.hip[i, 0])
-        middle = float(np.clip(hip, left + 0.5 * wide, right - 0.5 * wide))
-        views = (
-            far._replace(left=middle - 0.5 * wide, right=middle + 0.5 * wide),
-            near._replace(left=hip - reach, right=hip + reach),
-        )
-        for axes, view in zip((whole, close), views, strict=True):
-            shown.extend([*stage.draw_ground(axes, view), *stage.draw_feet(axes, i, view)])
-            axes.set_xlim(view[:2])
-        ended = f", failed: {walk.reason}" if walk.reason and t[i] >= walk.t[-1] else ""
-        clock.set_text(f"{t[i]:.2f} s{ended}")
-
     return figure, show

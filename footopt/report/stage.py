@@ -8,33 +8,95 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.patheffects import withStroke
+from matplotlib.quiver import Quiver
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.effects import Layers, Patches, Slope
-from footopt.report.body import ARROWS, body, forces_along
-from footopt.report.style import PALETTE, SAND, SIDES, STRONG_SAND, Axes
+from footopt.files.outline import closed_contour
+from footopt.report import style
+from footopt.report.numbers import sand_title, title
+from footopt.report.style import PALETTE, SIDES, Axes
 from footopt.walk import Scene, Walk
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
+ARROWS = 20  # parts of a sole, at most, that have a force each
+POSES = 9  # of the walker in the picture of a walk
+ARROW = 0.2  # of the picture's height: an arrow of half of the walk's largest force
 FAR = 1e6  # m, beyond any view
-SHORTEST = 0.8  # arrow that is drawn, in half letters: shorter ones would be heads alone
+WIDE, HIGH = 0.12, 0.05  # of a picture: a narrower patch or a thinner layer has no room for its name
 BOTH = (0, 1)  # feet, the left one first
 TIMES = "\N{MULTIPLICATION SIGN}"
-ROUND: dict[str, Any] = {"solid_capstyle": "round", "solid_joinstyle": "round"}
 
 
-class View(NamedTuple):
-    """What is seen, m, and how long forces are in it."""
+class Body(NamedTuple):
+    """Both feet, left one first, at M instants."""
 
-    left: float
-    right: float
-    low: float
-    high: float
-    unit: float  # half as high as letters are
-    metres: float = 0.0  # of an arrow per newton
-    newtons: float = 0.0  # of the arrow that is the key; 0: none
-    close: bool = False  # forces on parts of soles, ending there; else whole ones, from where they act
+    legs: Array  # (M, 2 feet, 3, 2), m: hip, knee, ankle
+    sole: Array  # (M, 2 feet, s, 2), m
+    outline: Array  # (M, 2 feet, p, 2), m: the sole and the foot's top
+
+    @property
+    def hip(self) -> Array:
+        """The COM, (M, 2), m."""
+        return self.legs[:, 0, 0]
+
+
+class Forces(NamedTuple):
+    """Forces of the sand on parts of both soles at M instants, each (M, 2 feet, parts, 2)."""
+
+    at: Array  # where they act, m
+    force: Array  # N
+
+    def resultant(self) -> Forces:
+        """The whole force on each foot, with one part.
+
+        Its place is the mean of the parts' places, weighted by their forces; NaN for a foot without a force.
+        """
+        size = np.linalg.norm(self.force, axis=-1, keepdims=True)
+        total = size.sum(axis=2, keepdims=True)
+        weight = size / np.where(total > 0.0, total, np.nan)
+        return Forces((weight * self.at).sum(axis=2, keepdims=True), self.force.sum(axis=2, keepdims=True))
+
+
+def legs(scene: Scene, t: ArrayLike, hip: Array) -> Array:
+    """Hip, knee and ankle of both legs at times t (M,) with the hip at (M, 2): (M, 2 feet, 3, 2), m."""
+    (thigh, _), (shank, _), _ = scene.gait.angles(np.asarray(t, float))
+
+    def segment(length: float, angle: Array) -> Array:  # hangs at an angle from the vertical, + forward
+        return length * np.stack([np.sin(angle), -np.cos(angle)], axis=-1)
+
+    top = np.broadcast_to(hip[:, None], (*thigh.shape, 2))
+    knee = top + segment(scene.walker.l1, thigh)
+    return np.stack([top, knee, knee + segment(scene.walker.l2, shank)], axis=2)
+
+
+def body(walk: Walk, t: ArrayLike) -> Body:
+    """A walk's body at times t (M,), linear between its samples."""
+    t = np.asarray(t, float)
+    hip = np.stack([np.interp(t, walk.t, walk.com[:, axis]) for axis in range(2)], axis=-1)
+    joints, pitch, foot = legs(walk.scene, t, hip), walk.scene.gait.angles(t)[2][0], walk.foot
+    turn = np.array([[np.cos(pitch), np.sin(pitch)], [-np.sin(pitch), np.cos(pitch)]])
+    turned = np.moveaxis(turn, (0, 1), (-2, -1))
+    outline = closed_contour(foot.contour, max(0.0, foot.contour[:, 1].max() + 0.005))
+    placed = (joints[:, :, 2, None] + (points - foot.ankle) @ turned for points in (foot.contour, outline))
+    return Body(joints, *placed)
+
+
+def forces_along(walk: Walk, index: Ints, parts: int = ARROWS) -> Forces:
+    """Forces along both soles at samples (M,) of a walk, summed over neighbouring plates."""
+    plates = walk.plates(index)
+    begin, size = groups(plates.position.shape[2], parts)
+    middle = np.add.reduceat(plates.position, begin, axis=2) / size[:, None]
+    return Forces(middle, np.add.reduceat(plates.force, begin, axis=2))
+
+
+def groups(count: int, parts: int) -> tuple[Ints, Ints]:
+    """Where groups of neighbours begin, for `np.add.reduceat`, and how many are in each: `parts` at most."""
+    parts = min(parts, count)
+    begin = count * np.arange(parts) // parts
+    return begin, np.diff(np.append(begin, count))
 
 
 def ground(scene: Scene) -> dict[str, list[dict[str, Any]]]:
@@ -42,55 +104,41 @@ def ground(scene: Scene) -> dict[str, list[dict[str, Any]]]:
 
     The page draws the same ones.
     """
-    found: list[tuple[str, float, float, float, float, float, str]] = []
     layers = [(0.0, -FAR, 1.0)]  # top, bottom, factor
+    strips, slopes = [], []
+
+    def strip(kind: str, x: tuple[float, float], z: tuple[float, float], factor: float, text: str) -> None:
+        place = {"begin": max(x[0], -FAR), "end": min(x[1], FAR), "top": z[0], "bottom": z[1]}
+        strips.append({"kind": kind, **place, "colour": _strength(factor), "text": text})
+
     for effect in scene.effects:
         if isinstance(effect, Layers):
             ends = [*(-d for d in effect.depths), -FAR]
             layers = [*zip([0.0, *ends], ends, [1.0, *effect.factors], strict=False)]
-            found += [
-                ("layer", -FAR, FAR, top, bottom, factor, f"layer {TIMES} {factor:g}")
-                for top, bottom, factor in layers[1:]
-            ]
+            for top, bottom, factor in layers[1:]:
+                strip("layer", (-FAR, FAR), (top, bottom), factor, f"layer {TIMES} {factor:g}")
     for effect in scene.effects:
         if isinstance(effect, Patches):
             for begin, end, factor in zip(effect.begins, effect.ends, effect.factors, strict=True):
-                begin, end = max(begin, -FAR), min(end, FAR)
                 for top, bottom, there in layers:
                     text = f"patch {TIMES} {factor:g}" * (top == 0.0)
-                    found.append(("patch", begin, end, top, bottom, factor * there, text))
-    names = ("kind", "begin", "end", "top", "bottom", "colour", "text")
-    strips = [
-        dict(zip(names, (*place, _strength(factor), text), strict=True)) for *place, factor, text in found
-    ]
-    x, z = ((part or 0.0) / scene.walker.g for part in scene.gravity)
-    slopes = [
-        {"x": x, "z": -abs(z), "words": [f"g = {scene.walker.g:g} m/s²", f"{abs(effect.angle):g}° "
-         f"{'uphill' if effect.angle > 0 else 'downhill'}"]}
-        for effect in scene.effects if isinstance(effect, Slope)
-    ]  # fmt: skip
+                    strip("patch", (begin, end), (top, bottom), factor * there, text)
+        if isinstance(effect, Slope):
+            x, z = ((part or 0.0) / scene.walker.g for part in scene.gravity)
+            way = f"{abs(effect.angle):g}° {'uphill' if effect.angle > 0 else 'downhill'}"
+            slopes.append({"x": x, "z": -abs(z), "words": [f"g = {scene.walker.g:g} m/s²", way]})
     return {"strips": strips, "gravity": slopes}
 
 
 def _strength(factor: float) -> str:
     """The colour of sand so many times as strong: darker is stronger."""
     weight = float(np.clip(0.7 * np.log10(factor), -0.8, 0.6)) if factor > 0.0 else -0.8
-    goal = np.array(to_rgb("white" if weight < 0 else STRONG_SAND))
-    return to_hex((1.0 - abs(weight)) * np.array(to_rgb(SAND)) + abs(weight) * goal)
+    goal = np.array(to_rgb("white" if weight < 0 else style.STRONG_SAND))
+    return to_hex((1.0 - abs(weight)) * np.array(to_rgb(style.SAND)) + abs(weight) * goal)
 
 
 class Stage:
-    """A walk at some instants, drawn on Axes in metres.
-
-    Parameters
-    ----------
-    walk : Walk
-        What is drawn.
-    t : (M,), s
-        The instants, in order.
-    parts : int
-        Of a sole, at most, that have an arrow each.
-    """
+    """A walk at instants t (M,), s, in order, drawn on Axes in m; `parts` of a sole have a force each."""
 
     def __init__(self, walk: Walk, t: ArrayLike, parts: int = ARROWS) -> None:
         self.walk, self.t = walk, np.asarray(t, float)
@@ -98,106 +146,139 @@ class Stage:
         self.body, self.forces = body(walk, self.t), forces_along(walk, index, parts)
         self.ground = ground(walk.scene)
 
-    def draw_ground(self, axes: Axes, view: View, words: bool = True) -> list[Any]:
-        """Draw the sand; with words, gravity and the key, too."""
-        drawn = draw_ground(axes, self.ground, view, words)
-        if words and view.newtons:
-            at, length = (view.left + view.unit, view.low + 1.5 * view.unit), view.metres * view.newtons
-            drawn += draw_arrows(axes, np.array([at]), np.array([[length, 0.0]]), view, "key")
-            place = at[0] + length + view.unit, at[1]
-            drawn += draw_words(axes, place, f"{view.newtons:g} N")
-        return drawn
+    @property
+    def limits(self) -> tuple[float, float, float, float]:
+        """Left, right, low and high around all that is drawn, m."""
+        points = np.concatenate([part.reshape(-1, 2) for part in (self.body.legs, self.body.outline)])
+        (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
+        low = min(low, 0.0)
+        tall = high - low
+        return left - 0.1 * tall, right + 0.1 * tall, low - 0.08 * tall, high + 0.08 * tall
+
+    @property
+    def scale(self) -> float:
+        """Newtons per metre of arrows of whole forces."""
+        return max(0.5 * float(np.abs(self.walk.force).max()), 1e-9) / (ARROW * self.limits[3])
 
     def draw_feet(
-        self, axes: Axes, i: int, view: View, feet: Sequence[int] = BOTH, label: bool = False
-    ) -> list[Any]:
-        """Draw some feet with their legs and forces, and the hip, at the i-th instant."""
-        drawn: list[Any] = []
+        self, axes: Axes, i: int, scale: float, feet: Sequence[int] = BOTH, close: bool = False, **leg: bool
+    ) -> Quiver:
+        """Draw some feet with their legs, the hip, and the forces at the i-th instant.
+
+        Arrows have `scale` newtons per metre; `close` ones are forces on parts of the soles and end there,
+        others are whole forces and begin where they act.
+        """
         for foot in feet:
-            side, colour = SIDES[foot]
-            joints, order = self.body.legs[i, foot], 1.7 + 0.4 * foot
-            outline, sole = self.body.outline[i, foot], self.body.sole[i, foot]
-            drawn += axes.fill(*outline.T, fc=colour, lw=0, alpha=0.16, zorder=order)
-            drawn += draw_leg(axes, foot, joints, label)
-            drawn += axes.plot(
-                *sole.T, color=colour, lw=1.9, zorder=order + 0.3, label=f"_{side}-sole", **ROUND
-            )
-            x, z = joints[2]
-            if view.close and len(feet) > 1 and view.left + 3 * view.unit < x < view.right - 3 * view.unit:
-                drawn += draw_words(axes, (x, z + 5.5 * view.unit), side, "center")
-        at, force = self.forces if view.close else self.forces.resultant()
-        arrows = view.metres * force[i, list(feet)].reshape(-1, 2)
-        begin = at[i, list(feet)].reshape(-1, 2) - view.close * arrows
-        drawn += draw_arrows(axes, begin, arrows, view, "force")
-        return drawn + draw_hip(axes, self.body.hip[i])
+            (side, colour), order = SIDES[foot], 1.7 + 0.4 * foot
+            axes.fill(*self.body.outline[i, foot].T, fc=colour, lw=0, alpha=0.16, zorder=order)
+            draw_leg(axes, foot, self.body.legs[i, foot], **leg)
+            sole = self.body.sole[i, foot].T
+            axes.plot(*sole, color=colour, lw=1.9, zorder=order + 0.3, label=f"_{side}-sole")
+        draw_hip(axes, self.body.hip[i])
+        shown = self.forces if close else self.forces.resultant()
+        at, force = (part[i, list(feet)].reshape(-1, 2) for part in shown)
+        pushed = np.any(force != 0.0, axis=1)
+        return draw_arrows(axes, at[pushed], force[pushed], scale, "tip" if close else "tail")
 
 
-def draw_ground(
-    axes: Axes, ground: dict[str, list[dict[str, Any]]], view: View, words: bool = True
-) -> list[Any]:
-    """Draw sand with its level surface, its strips, and gravity on a slope."""
-    unit, edge = view.unit, PALETTE["surface"]
-    ends = view.left, view.right
-    drawn = [axes.fill_between(ends, view.low, 0.0, fc=SAND, lw=0, zorder=1.0)]
+def draw_ground(axes: Axes, ground: dict[str, list[dict[str, Any]]], words: bool = True) -> None:
+    """Draw the sand within the limits of the axes: its surface, its strips, and gravity on a slope."""
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    axes.fill_between((left, right), low, 0.0, fc=style.SAND, lw=0, zorder=1.0)
+    edge = {"ec": style.SURFACE, "lw": 0.4, "zorder": 1.1, "label": "_strip"}
     for strip in ground["strips"]:
-        a, b = max(strip["begin"], view.left), min(strip["end"], view.right)
-        low, top = max(strip["bottom"], view.low), strip["top"]
-        if a >= b or low >= top:
+        a, b = np.clip((strip["begin"], strip["end"]), left, right)
+        c, d = np.clip((strip["bottom"], strip["top"]), low, high)
+        if a >= b or c >= d:
             continue
-        drawn += axes.fill([a, a, b, b], [low, top, top, low], fc=strip["colour"], lw=0, zorder=1.1)
-        drawn += axes.plot([a, a, b, b], [low, top, top, low], color=edge, lw=0.4, zorder=1.1, label="_strip")
-        if not words:
-            continue
-        if strip["kind"] == "layer":
-            place = b - 0.6 * unit, max(low + 1.3 * unit, top - 3 * unit)
-            drawn += draw_words(axes, place, strip["text"], "right")
-        elif len(strip["text"]) * unit <= b - a:  # where enough of it is seen for its name
-            place = a + 0.6 * unit, min(top - 1.6 * unit, view.low + (1.5 + 4.2 * view.close) * unit)
-            drawn += draw_words(axes, place, strip["text"])
-    drawn += axes.plot(ends, (0.0, 0.0), color=edge, lw=1.1, zorder=1.3, label="_surface", **ROUND)
+        axes.fill([a, a, b, b], [c, d, d, c], fc=strip["colour"], **edge)
+        if words and strip["kind"] == "layer" and d - c >= HIGH * (high - low):
+            write(axes, strip["text"], (b, c), (-3, 2), ha="right")
+        elif words and strip["kind"] == "patch" and b - a >= WIDE * (right - left):
+            write(axes, strip["text"], (a, d), (3, -2), va="top")
+    axes.plot((left, right), (0.0, 0.0), color=style.SURFACE, lw=1.1, zorder=1.3, label="_surface")
     for slope in ground["gravity"] if words else ():
-        begin = np.array([[view.right - 4 * unit, view.high - 5.4 * unit]])
-        along = 6 * unit * np.array([[slope["x"], slope["z"]]])
-        drawn += draw_arrows(axes, begin, along, view, "gravity", 1.4)
-        for line, down in zip(slope["words"], (1.5, 4.0), strict=True):
-            drawn += draw_words(axes, (view.right - unit, view.high - down * unit), line, "right")
-    return drawn
+        wide, tall = right - left, 0.2 * (high - low)
+        begin = np.array([[right - 0.03 * wide, high - 0.1 * tall]])
+        along = tall * np.array([[slope["x"], slope["z"]]])
+        draw_arrows(axes, begin, along, 1.0, "tail", "_gravity")
+        place = right - 0.04 * wide + min(along[0, 0], 0.0), high
+        write(axes, "\n".join(slope["words"]), place, (0, -2), ha="right", va="top")
 
 
-def draw_leg(axes: Axes, foot: int, joints: Array, label: bool = False) -> list[Any]:
+def draw_leg(axes: Axes, foot: int, joints: Array, label: bool = False) -> None:
     """Draw hip, knee and ankle (3, 2) of a leg."""
-    side, colour = SIDES[foot]
-    order, name = 1.8 + 0.4 * foot, f"{side} leg" if label else f"_{side}-leg"
-    leg = axes.plot(*joints.T, color=colour, lw=3.0, alpha=0.75, zorder=order, label=name, **ROUND)
-    dots = {"color": PALETTE["ink"], "ms": 4.5, "mew": 0, "label": "_joints"}
-    return [*leg, *axes.plot(*joints[1:].T, "o", **dots, zorder=order + 0.1)]
+    (side, colour), order = SIDES[foot], 1.8 + 0.4 * foot
+    name = f"{side} leg" if label else f"_{side}-leg"
+    looks = {"lw": 3.0, "alpha": 0.75, "solid_capstyle": "round", "solid_joinstyle": "round"}
+    axes.plot(*joints.T, color=colour, zorder=order, label=name, **looks)
+    axes.plot(*joints[1:].T, "o", color=PALETTE["ink"], ms=4.5, mew=0, zorder=order + 0.1, label="_joints")
 
 
-def draw_hip(axes: Axes, place: ArrayLike, label: str = "_hip") -> list[Any]:
+def draw_hip(axes: Axes, place: ArrayLike, label: str = "_hip") -> None:
     """Draw the hip, where the COM is."""
-    x, z = np.asarray(place, float)
-    return list(axes.plot(x, z, "o", color=PALETTE["ink"], ms=9.0, mew=0, zorder=3.0, label=label))
+    axes.plot(*np.asarray(place, float), "o", color=PALETTE["ink"], ms=9.0, mew=0, zorder=3.0, label=label)
 
 
 def draw_arrows(
-    axes: Axes, begin: Array, along: Array, view: View, name: str, width: float = 1.0
-) -> list[Any]:
-    """Draw arrows from places (n, 2) along vectors (n, 2), m, as one line with gaps."""
-    long = np.linalg.norm(along, axis=1)
-    seen = long > SHORTEST * view.unit
-    begin, along, long = begin[seen], along[seen], long[seen, None]
-    head, tip = np.minimum(1.3 * view.unit / np.maximum(long, view.unit), 0.5), begin + along
-    aside = 0.4 * along[:, ::-1] * [1.0, -1.0]
-    gap = np.full_like(tip, np.nan)
-    barbs = tip - head * (along + aside), tip, tip - head * (along - aside)
-    points = np.stack([begin, tip, gap, *barbs, gap], axis=1).reshape(-1, 2)
-    return list(axes.plot(*points.T, color=PALETTE["ink"], lw=width, zorder=2.7, label=f"_{name}", **ROUND))
+    axes: Axes, at: Array, along: Array, scale: float, pivot: str, label: str = "_force"
+) -> Quiver:
+    """Draw arrows at places (n, 2) m along vectors (n, 2), of which `scale` are a metre."""
+    looks = {"width": 0.014, "headwidth": 4.0, "headlength": 5.0, "headaxislength": 4.5, "minlength": 0.3}
+    units = {"angles": "xy", "scale_units": "xy", "scale": scale, "units": "inches"}
+    ink = {"color": PALETTE["ink"], "zorder": 2.7, "label": label}
+    arrows: Quiver = axes.quiver(*at.T, *along.T, pivot=pivot, **looks, **units, **ink)
+    return arrows
 
 
-def draw_words(axes: Axes, place: tuple[float, float], text: str, ha: str = "left") -> list[Any]:
-    """Write into the picture, from a place (ha="left"), to it or about it."""
+def draw_key(axes: Axes, arrows: Quiver, largest: float) -> None:
+    """Draw an arrow as long as a round number of newtons, at most the largest force, with the number."""
+    newtons, (left, right) = round_down(largest), axes.get_xlim()
+    tip = 0.03 + newtons / (arrows.scale or 1.0) / (right - left)
+    axes.quiverkey(arrows, tip, 0.06, newtons, f"{newtons:g} N", coordinates="axes", labelpos="E", zorder=6)
+
+
+def write(axes: Axes, text: str, place: ArrayLike, offset: tuple[float, float], **looks: Any) -> None:
+    """Write into the picture at a place in m, moved by an offset in points."""
     halo = [withStroke(linewidth=2.0, foreground="white")]
-    return [axes.text(*place, text, ha=ha, va="center", path_effects=halo, zorder=6, clip_on=True)]
+    axes.annotate(text, place, offset, textcoords="offset points", zorder=6, path_effects=halo, **looks)
+
+
+def draw_walk(axes: Axes, walk: Walk) -> None:
+    """The walker at equal times, the path of the COM, and the force of the sand on each foot."""
+    axes.set(xlabel="$x$ (m)", ylabel="$z$ (m)")
+    if len(walk.t) == 0:
+        style.message(axes, f"the walk failed: {walk.reason}, before its first step of time")
+        return
+    begin = min(max(walk.scene.gait.start, walk.t[0]), walk.t[-1])
+    index = np.unique(np.searchsorted(walk.t, np.linspace(begin, walk.t[-1], POSES)))
+    stage = Stage(walk, walk.t[index])
+    axes.set(xlim=stage.limits[:2], ylim=stage.limits[2:], aspect="equal")
+    draw_ground(axes, stage.ground)
+    for i in range(len(index)):
+        arrows = stage.draw_feet(axes, i, stage.scale, label=i == len(index) - 1)
+    draw_key(axes, arrows, 0.5 * float(np.abs(walk.force).max()))
+    axes.plot(*walk.com.T, color="black", lw=0.8, label="path of the COM", zorder=3.5)
+    step = f", every {walk.t[index[1]] - walk.t[index[0]]:.2g} s" if len(index) > 1 else ""
+    axes.set_title(style.walk_label(f"{title(walk.foot.name)} on {sand_title(walk.scene.sand)}{step}", walk))
+
+
+def draw_scene(axes: Axes, scene: Scene) -> None:
+    """The walker as it stands before the first step, and the ground that it will walk on."""
+    joints = legs(scene, [0.0], np.zeros((1, 2)))[0]
+    joints = joints - [0.0, joints[..., 1].min()]
+    height = float(joints[..., 1].max())
+    deep = [effect.depths[-1] for effect in scene.effects if isinstance(effect, Layers)]
+    far = [end for effect in scene.effects if isinstance(effect, Patches) for end in effect.ends]
+    right = max([1.7 * height, *(end + 0.15 for end in far)])
+    low = -max([0.2 * height, *(2.0 * d for d in deep)])
+    axes.set(xlabel="$x$ (m)", ylabel="$z$ (m)", aspect="equal")
+    axes.set(xlim=(-0.5 * height, right), ylim=(low, 1.12 * height))
+    axes.set_title(f"{style.as_text(scene.sand.name)} sand ($\\zeta$ = {scene.sand.zeta:g})")
+    draw_ground(axes, ground(scene))
+    for foot, leg in enumerate(joints):
+        draw_leg(axes, foot, leg, label=True)
+    draw_hip(axes, (0.0, height), f"COM, {scene.walker.mass:g} kg")
 
 
 def round_down(value: float) -> float:

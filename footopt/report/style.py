@@ -10,7 +10,7 @@ from __future__ import annotations
 import io
 import textwrap
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import wraps
 from pathlib import Path
@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from footopt.files.io import write_bytes
 from footopt.report.numbers import number
+from footopt.walk import Walk
 
 Array = NDArray[np.float64]
 Axes = Any  # matplotlib.axes.Axes
@@ -122,6 +123,22 @@ def new_figure(width: float, height: float) -> Figure:
     figure = Figure(figsize=(width, height), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
     return figure
+
+
+def fit_height(figure: Figure, column: Sequence[Axes]) -> None:
+    """Make a figure as high as the axes of its first column need at equal scales and full width."""
+    equal = [axes for axes in figure.axes if axes.get_aspect() == 1.0]
+    for axes in equal:
+        axes.set_aspect("auto")  # the layout leaves no room for the labels of axes that shrink
+    for _ in range(2):  # each pass of the layout moves things a little
+        figure.draw_without_rendering()
+    more = 0.0
+    for axes in (axes for axes in column if axes in equal):
+        box, (left, right), (low, high) = axes.get_window_extent(), axes.get_xlim(), axes.get_ylim()
+        more += box.width * (high - low) / (right - left) - box.height
+    figure.set_figheight(figure.get_figheight() + more / figure.dpi)
+    for axes in equal:
+        axes.set_aspect("equal")
 
 
 @styled
@@ -261,3 +278,8 @@ def as_text(name: str) -> str:
     """A user's name as a label: no formula between dollars, and no "_" before it, which would hide it."""
     plain = name.replace("$", r"\$")
     return f" {plain}" if plain.startswith("_") else plain
+
+
+def walk_label(label: str, walk: Walk) -> str:
+    """A walk's label, with the reason if it failed."""
+    return as_text(label) if walk.feasible else f"{as_text(label)} (failed: {walk.reason})"

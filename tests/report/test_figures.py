@@ -255,9 +255,9 @@ def test_parallel_axes_are_turned_so_that_better_is_up(table):
         ends = {f"{good[:, i].min():.4g}", f"{good[:, i].max():.4g}"}
         assert ends <= {text.rstrip("0").rstrip(".") for text in texts(figure)}
     drawn = lines(axes)
-    np.testing.assert_allclose(drawn["chosen"].get_ydata(), curves[6])  # row 7, after a failed one
-    np.testing.assert_allclose(drawn["flat sole"].get_ydata(), curves[0])
-    assert drawn["chosen"].get_linewidth() > 2 * axes.collections[0].get_linewidth()[0]
+    np.testing.assert_allclose(drawn["_chosen"].get_ydata(), curves[6])  # row 7, after a failed one
+    np.testing.assert_allclose(drawn["_flat sole"].get_ydata(), curves[0])
+    assert drawn["_chosen"].get_linewidth() > 2 * axes.collections[0].get_linewidth()[0]
     assert {"better", "29 designs on the front (1 failed, not drawn)"} <= set(texts(figure))
 
 

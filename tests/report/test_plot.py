@@ -19,9 +19,7 @@ from scipy.io import netcdf_file
 import footopt as fo
 from footopt.errors import FootoptError, MissingError, SettingError
 from footopt.files import io as files
-from footopt.report import body, plot
-from footopt.report.terminal import describe_outside
-from footopt.walk.validity import diagnose
+from footopt.report import plot, stage
 
 NASTY = '<script>alert("&")</script>'
 
@@ -100,10 +98,9 @@ def card_of(things):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_card_has_numbers_and_a_picture_with_words_for_who_cannot_see_it(card_of, name):
+def test_a_card_has_a_line_and_a_picture_with_words_for_the_blind(card_of, name):
     card = card_of(name)
     assert card.tags.count("img") == 1
-    assert card.tags.count("tr") >= 1
     assert card.image["alt"]
     picture = card.pixels()
     assert picture[..., :3].std() > 0.02  # something is drawn
@@ -128,26 +125,9 @@ def test_a_drawing_that_there_is_not_names_those_that_there_are(walked):
         fo.plot(walked, "energy")
 
 
-def test_the_cards_say_what_the_objects_hold(card_of, walked, many, searches):
-    text = card_of("walk").text
-    for name in ("distance", "work", "peak_power"):
-        assert f"{walked.objectives[name]:.4g}" in text
-    (outside,) = {describe_outside(d) for d in diagnose(walked) if d.outside}
-    assert outside in text
-    text = card_of("table").text
-    assert f"walked {int(many.feasible.sum())} of {len(many)}" in text
-    assert f"failed: sunk {len(many) - int(many.feasible.sum())}" in text
-    best = searches["one"]
-    text = card_of("one").text
-    assert ",".join(map(str, best.k[best.best])) in text
-    assert f"{best.values[best.best][0]:.4g} m" in text
-
-
-def test_a_failed_walk_says_why_and_has_no_objectives(card_of):
-    for name in ("sunk", "void"):
-        text = card_of(name).text
-        assert "failed sunk" in text
-        assert "peak power" not in text
+def test_a_card_has_the_objects_line(card_of, walked, many, searches):
+    for name, thing in (("walk", walked), ("table", many), ("one", searches["one"])):
+        assert repr(thing) in card_of(name).text
 
 
 def test_a_terminal_shows_numbers_with_units_and_no_arrays(things, searches):
@@ -202,7 +182,7 @@ def test_the_stress_map_is_the_sand_s(monkeypatch):
 
 def test_soles_are_where_the_plates_of_the_walk_are(walked):
     index = np.array([10, 200, len(walked.t) - 1])
-    placed, plates = body.body(walked, walked.t[index]), walked.plates(index)
+    placed, plates = stage.body(walked, walked.t[index]), walked.plates(index)
     for i in range(len(index)):
         for foot in range(2):
             away = np.linalg.norm(
@@ -213,10 +193,10 @@ def test_soles_are_where_the_plates_of_the_walk_are(walked):
 
 def test_the_arrow_of_a_foot_is_its_force(walked):
     index = np.arange(20, len(walked.t), 40)
-    at, force = body.forces_along(walked, index).resultant()
+    at, force = (part[:, :, 0] for part in stage.forces_along(walked, index).resultant())
     np.testing.assert_allclose(force, walked.force[index], rtol=1e-3, atol=0.1)
     loaded = np.linalg.norm(force, axis=-1) > 50
-    ankle = body.body(walked, walked.t[index]).legs[:, :, 2]
+    ankle = stage.body(walked, walked.t[index]).legs[:, :, 2]
     assert np.linalg.norm(at - ankle, axis=-1)[loaded].max() < 0.15  # within the foot
     airborne = np.linalg.norm(force, axis=-1) == 0
     assert airborne.any()

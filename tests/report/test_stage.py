@@ -1,4 +1,6 @@
-"""The stage: prints as deep as soles were, arrows as long as forces; the page draws what figures draw."""
+"""The page's stage draws what figures and films draw."""
+
+import json
 
 import numpy as np
 import pytest
@@ -7,7 +9,7 @@ from browsers import Page, browser_needed
 import footopt as fo
 from footopt.report import page
 from footopt.report.page.walks import ARROWS
-from footopt.report.stage import Stage, View
+from footopt.report.stage import Stage, draw_ground, draw_key
 from footopt.report.style import new_figure
 
 WORLD = (fo.Slope(5), fo.Patches((0.4,), (0.9,), (2.5,)), fo.Layers((0.03,), (0.3,)))
@@ -32,25 +34,33 @@ def test_the_page_draws_what_figures_and_films_draw(browser, tmp_path):
     here = Stage(walk, times, ARROWS)
     for i, t in enumerate(times):
         hip = here.body.hip[i, 0]
-        for view in (View(-0.5, 3.0, -0.2, 1.2, 0.03, 4e-4, 500.0),
-                     View(hip - 0.4, hip + 0.4, -0.2, 0.2, 0.007, 8e-4, 50.0, True)):  # fmt: skip
+        for left, right, low, high, close in (
+            (-0.5, 3.0, -0.2, 1.2, False),
+            (hip - 0.4, hip + 0.4, -0.2, 0.2, True),
+        ):
             axes = new_figure(7.0, 3.0).subplots()
-            here.draw_ground(axes, view)
-            here.draw_feet(axes, i, view)
+            axes.set(xlim=(left, right), ylim=(low, high))
+            draw_ground(axes, here.ground)
+            arrows = here.draw_feet(axes, i, 2000.0, close=close)
+            draw_key(axes, arrows, 500.0)
+            view = {"left": left, "right": right, "low": low, "high": high, "close": close,
+                    "unit": 1e-9, "metres": 1 / 2000.0, "newtons": 500.0}  # fmt: skip
             code = (
-                f"(() => {{ const walk = open(0), view = {page.file.json.dumps(view._asdict())}, "
-                f"ground = groundPicture(view), "
-                f"body = bodyPicture(instant(walk, {t}), view, [], []); "
+                f"(() => {{ const walk = open(0), view = {json.dumps(view)}, "
+                f"ground = groundPicture(view), body = bodyPicture(instant(walk, {t}), view, []); "
                 "return [[...ground.shapes, ...body.shapes], [...ground.words, ...body.words]]; })()"
-            )  # fmt: skip
+            )
             shapes, words = shown.js(code)
             found = {name.removesuffix(" dots"): np.array(points, float) for name, points, *_ in shapes}
-            for name in ("left-leg", "right-sole", "force", "key", "gravity"):
-                (drawn,) = lines(axes, name)
-                assert np.shape(found[name])[1] == 2
-                if name == "right-sole":  # the page has fewer points of it
-                    assert found[name][[0, -1]] == pytest.approx(drawn[[0, -1]], abs=2e-3)
-                else:
-                    assert found[name] == pytest.approx(drawn, abs=2e-3, nan_ok=True)
-            texts = {text.get_text(): text.get_position() for text in axes.texts}
-            assert {word[2] for word in words} == set(texts)
+            (leg,), (sole,) = lines(axes, "left-leg"), lines(axes, "right-sole")
+            assert found["left-leg"] == pytest.approx(leg, abs=2e-3)
+            assert found["right-sole"][[0, -1]] == pytest.approx(
+                sole[[0, -1]], abs=2e-3
+            )  # the page has fewer
+            begin, end = found["force"][0::7], found["force"][1::7]
+            along = np.stack([arrows.U, arrows.V], axis=1) / arrows.scale
+            at = arrows.get_offsets()
+            assert (end if close else begin) == pytest.approx(at, abs=2e-3)
+            assert end - begin == pytest.approx(along, abs=2e-3)
+            texts = {line for text in axes.texts for line in text.get_text().split("\n")}
+            assert texts <= {word[2] for word in words}

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
-from numpy.typing import NDArray
 
 from footopt.files.drawings import MM
 from footopt.files.outline import body_outline
@@ -21,36 +20,38 @@ from footopt.report.style import (
     PALE,
     Axes,
     as_text,
+    fit_height,
     legend_above,
     look,
     new_figure,
     styled,
-)
+)  # fmt: skip
 
-Array = NDArray[np.float64]
 Point = tuple[float, float]
 
-ANKLE: dict[str, Any] = {"marker": "+", "ls": "", "color": "black", "ms": 6, "mew": 1}
+ANKLE: dict[str, Any] = {"marker": "+", "ls": "", "color": "black", "ms": 6, "mew": 1, "zorder": 5}
 HOLLOW = 0.05  # mm; a smaller one is called none
 
 
 @styled
 def contour(foot: Foot) -> Figure:
     """The sole in its box with its waypoints, its lower convex hull and the depth of its hollow."""
-    figure = new_figure(COLUMN, foot_height(foot))
+    figure = new_figure(COLUMN, COLUMN)
     draw_contour(figure.subplots(), foot)
+    fit_height(figure, figure.axes)
     return figure
 
 
 @styled
 def contours(feet: Mapping[str, Foot]) -> Figure:
     """Several soles in one frame, by label."""
-    figure = new_figure(PAGE, _height(np.concatenate([f.contour for f in feet.values()]), PAGE))
+    figure = new_figure(PAGE, PAGE)
     axes = figure.subplots()
     for i, (label, foot) in enumerate(feet.items()):
         axes.plot(*(MM * foot.contour).T, **look(label, i), label=as_text(label))
     _label_axes(axes)
     legend_above(figure)
+    fit_height(figure, [axes])
     return figure
 
 
@@ -58,22 +59,16 @@ def contours(feet: Mapping[str, Foot]) -> Figure:
 def drawing(foot: Foot, block: Sequence[float] | None = None) -> Figure:
     """The outline that a workshop makes, with its dimensions in mm.
 
-    Parameters
-    ----------
-    foot : Foot
-        What is made.
-    block : (float, float), m, optional
-        Length and height of a mounting block above the foot, see `footopt.files.outline.body_outline`.
+    A mounting block above the foot has a length and a height, m; see `footopt.files.outline.body_outline`.
     """
     outline = MM * body_outline(foot, block)
     (left, low), (right, high) = outline.min(axis=0), outline.max(axis=0)
     gap = 0.03 * (right - left)
-    x, z = (left - 4 * gap, right + 4 * gap), (low - 2 * gap, high + (3 * gap if block is not None else gap))
-    figure = new_figure(PAGE, min(0.8 + 6.3 * (z[1] - z[0]) / (x[1] - x[0]), 6.0))
+    figure = new_figure(PAGE, PAGE)
     axes = figure.subplots()
     axes.add_patch(Polygon(outline, closed=True, fc=PALE, ec="black", lw=0.8))
     axes.plot(*(MM * foot.contour).T, color=BEST, zorder=3)
-    axes.plot(*(MM * np.array(foot.ankle)), **ANKLE, zorder=4)
+    axes.plot(*(MM * np.array(foot.ankle)), **ANKLE)
     _dimension(axes, (left, low - gap), (right, low - gap))
     _dimension(axes, (right + gap, low), (right + gap, high))
     if block is not None:
@@ -81,10 +76,10 @@ def drawing(foot: Foot, block: Sequence[float] | None = None) -> Figure:
         ends = middle - length / 2, middle + length / 2
         _dimension(axes, (ends[0], high + gap), (ends[1], high + gap))
         _dimension(axes, (ends[0] - 3 * gap, high - height), (ends[0] - 3 * gap, high))
+    axes.update_datalim([(left - 4 * gap, low), (right + 4 * gap, high)])
     axes.set_title(f"{MM * foot.width:.4g} mm wide", loc="left")
     _label_axes(axes)
-    axes.update_datalim(np.transpose([x, z]))
-    axes.margins(0.0)
+    fit_height(figure, [axes])
     return figure
 
 
@@ -100,7 +95,7 @@ def draw_contour(axes: Axes, foot: Foot) -> None:
         points = foot.space.x, foot.space.heights(foot.k)[0]
         axes.plot(*(MM * np.array(points)), "o", color=BEST, mfc="white", label="_waypoint", zorder=4)
     ankle = MM * np.array(foot.ankle)
-    axes.plot(*ankle, **ANKLE, zorder=5)
+    axes.plot(*ankle, **ANKLE)
     axes.annotate("ankle", ankle, (4, 3), **near)
     hull, x, low, high = lower_hull(foot.contour)
     depth = MM * foot.hollow
@@ -111,42 +106,21 @@ def draw_contour(axes: Axes, foot: Foot) -> None:
         axes.annotate(f"hollow {depth:.1f} mm", (MM * x, MM * low), (0, -8), **near, ha="center", va="top")
     circles = ["circles: waypoints"] * (foot.k is not None)
     axes.set_title("; ".join([*circles, "dotted: lower hull" if depth >= HOLLOW else "no hollow"]))
-    axes.update_datalim(MM * _points(foot))
     _label_axes(axes)
 
 
-def foot_height(foot: Foot) -> float:
-    """Height of a column-wide figure with a sole, its box and its ankle, inches."""
-    return _height(_points(foot), COLUMN)
-
-
-def _points(foot: Foot) -> Array:
-    """What a picture of a sole has room for: the sole, its box, its ankle, and words above and below."""
-    boxes = [] if foot.space is None else [[[foot.space.L, 0.0], [-foot.space.L, -foot.space.H]]]
-    points: Array = np.concatenate([foot.contour, [foot.ankle], *boxes])
-    (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
-    room = 0.04 * (right - left)  # of a line of words; below, a gap is above it
-    return np.concatenate([points, [[left, low - 2.2 * room], [left, high + room]]])
-
-
-def _height(points: Array, width: float) -> float:
-    """Height of a figure so wide (inches) whose axes, at equal scales, hold some points, inches."""
-    wide, high = np.ptp(points, axis=0)
-    # beside the axes are labels and ticks; within them the margins of `_label_axes`
-    return float(min(0.6 + (width - 0.65) * 1.4 / 1.1 * max(high, 0.12 * wide) / wide, 6.0))
-
-
 def _label_axes(axes: Axes) -> None:
+    """Label axes in mm with equal scales, and leave room for words above and below what is drawn."""
     axes.set(xlabel="$x_p$ (mm), to the toe", ylabel="$z_p$ (mm)")
-    axes.set_aspect("equal", adjustable="datalim")  # a box that shrinks loses its labels in the layout
-    axes.margins(0.05, 0.2)
+    axes.set_aspect("equal")
+    (low, high), room = axes.get_ylim(), 0.03 * np.ptp(axes.get_xlim())
+    axes.set_ylim(low - 3.0 * room, high + 2.0 * room)
 
 
 def _measure(axes: Axes, start: Point, end: Point, colour: str, heads: float = 10.0) -> None:
     """An arrow with two heads between two points."""
     looks = {"arrowstyle": "<->", "color": colour, "lw": 0.8, "shrinkA": 0, "shrinkB": 0}
-    looks["mutation_scale"] = heads
-    axes.annotate("", end, start, arrowprops=looks, zorder=4)
+    axes.annotate("", end, start, arrowprops=looks | {"mutation_scale": heads}, zorder=4)
 
 
 def _dimension(axes: Axes, start: Point, end: Point) -> None:

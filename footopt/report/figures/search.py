@@ -215,7 +215,7 @@ def draw_parallel(
     for name, row in found.items():
         y = place(row)
         more = {"lw": 2, "mew": 0.6, "clip_on": False, "ls": "--" if name == "flat sole" else "-"}
-        axes.plot(x, y, **MARKS[name] | more, label=name)
+        axes.plot(x, y, **MARKS[name] | more, label=f"_{name}")
         level = y[0] + 0.04 * (len(found) - 1) * (1 if y[0] == highest else -1)  # off the other's name
         axes.text(-0.07, level, name, ha="right", va="center", color=MARKS[name]["color"], zorder=7)
         if name == "chosen":

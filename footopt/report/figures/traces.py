@@ -17,12 +17,12 @@ from footopt.report.style import (
     PAGE,
     SIDES,
     Axes,
-    as_text,
     legend_above,
     look,
     message,
     new_figure,
     styled,
+    walk_label,
 )
 from footopt.walk import Walk
 
@@ -134,8 +134,3 @@ def _finish(axes: Axes, walks: Iterable[Walk]) -> list[float]:
     if not any(len(walk.t) for walk in shown):
         message(axes, "no samples: " + ", ".join(sorted({walk.reason for walk in shown})))
     return strikes
-
-
-def walk_label(label: str, walk: Walk) -> str:
-    """A walk's label, with the reason if it failed."""
-    return as_text(label) if walk.feasible else f"{as_text(label)} (failed: {walk.reason})"

@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 from footopt.design import EXHAUSTIVE, Confirmation, SearchResult
 from footopt.design.result import SHOWN
 from footopt.foot import Foot, Waypoints
-from footopt.report.body import forces_along, groups
 from footopt.report.numbers import percent, sand_title, title
 from footopt.report.page.file import column, packed
 from footopt.report.page.physics import ARROWS, physics
-from footopt.report.stage import ground
+from footopt.report.stage import forces_along, ground, groups
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
 from footopt.walk import FIVE, MEASURES, Accuracy, Scene, Walk
 from footopt.walk.phases import step_on_patch
