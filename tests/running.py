@@ -73,7 +73,7 @@ def footopt(*arguments, cwd, drawn=False):
                 handler.close()
             root.handlers[:] = handlers
             root.setLevel(level)
-            cli.Summary.failed, cli.Summary.folder = 0, ""
+            cli.Multirun.failed = 0
     assert "…" not in out.getvalue(), "a table is cut at 80 columns"
     return subprocess.CompletedProcess(arguments, code, out.getvalue(), err.getvalue())
 

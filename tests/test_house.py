@@ -21,7 +21,6 @@ SEAMS = {
     "dask": "design",
     "distributed": "design",
     "hydra": "cli",
-    "omegaconf": "cli",
     "matplotlib": "report",
 }
 HEAVY = {"numpy", "numba", "scipy", "pymoo", "hydra", "omegaconf", "matplotlib", "ezdxf", "rich", "pandas",

@@ -2,33 +2,41 @@
 
 from __future__ import annotations
 
+import itertools
 import logging
 import os
 import sys
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import hydra
+from hydra import compose
 from hydra.core.hydra_config import HydraConfig
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from hydra.errors import HydraException
+from hydra.experimental.callback import Callback
 from hydra.types import RunMode
-from omegaconf import DictConfig
+from omegaconf import DictConfig, OmegaConf, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
-from footopt.cli.compose import CONF, help_text, read, resolved, typed
-from footopt.cli.job import STOPPED, walk
+from footopt.cli.compose import CONF, groups, hydra_words, resolved, task_words
 from footopt.cli.messages import explain
-from footopt.cli.resume import resume
-from footopt.cli.sweep import Summary
+from footopt.cli.run import execute, remove_empty_run, resume
 from footopt.errors import ERROR_FILE, FootoptError
+from footopt.files import identity
 from footopt.files.identity import Occupied
 from footopt.files.io import write_text
+from footopt.report import summary
+from footopt.studies import reference
+from footopt.studies.base import answer
+from footopt.studies.build import absolute
 from footopt.studies.runs import result_of
 
+STOPPED = 130  # exit code after Ctrl-C, as of any program that a shell stops
+
 log = logging.getLogger("footopt")
-
-LAUNCHERS = ("submitit", "joblib")  # what their errors come from
-
 _wants_traceback = os.environ.get("HYDRA_FULL_ERROR") == "1"
 
 
@@ -36,14 +44,15 @@ def main() -> None:
     """Entry point. Errors that a user can mend end with one message and exit code 1."""
     os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra passes errors on instead of printing them itself
     given = sys.argv[1:]
+    topics = [word for word in given if word not in ("-h", "--help")]
     try:
         if any(word.startswith("resume=") for word in given):
-            Summary.failed = resume(given)
-        elif text := help_text(given):
-            print(text, flush=True)
+            Multirun.failed = resume(given)
+        elif topics and len(topics) < len(given) and {*topics} <= {*groups(), *reference.GROUPS}:
+            print(reference.text(tuple(topics)), flush=True)
         else:
             # flags first: what parses them takes no settings on both sides of one
-            sys.argv[1:] = sorted(read(given), key=lambda word: word not in ("-m", "--multirun"))
+            sys.argv[1:] = sorted(hydra_words(given), key=lambda word: word not in ("-m", "--multirun"))
             _job()
     except KeyboardInterrupt:
         sys.exit(STOPPED)
@@ -53,42 +62,74 @@ def main() -> None:
     except Exception as error:
         if _wants_traceback:
             raise
-        lost = Summary.folder and type(error).__module__.partition(".")[0] in LAUNCHERS
-        sys.exit(f"footopt: error: {Summary.lost(error) if lost else explain(error, given)}")
-    finally:
-        Summary.held.close()
-    if Summary.failed:
-        sys.exit(f"footopt: error: {Summary.failed} of the jobs failed; see the table above.")
+        sys.exit(f"footopt: error: {explain(error, given)}")
+    if Multirun.failed:
+        sys.exit(f"footopt: error: {Multirun.failed} of the jobs failed; see the table above.")
 
 
 @hydra.main(version_base="1.3", config_path=str(CONF), config_name="config")
 def _job(settings: DictConfig) -> Any:
     """One job: a single run, or one of a multirun; its objectives go to Hydra's sweepers and callbacks."""
     here = HydraConfig.get()
-    folder, words = Path(here.runtime.output_dir), typed(here)
+    folder, words = Path(here.runtime.output_dir), task_words(here)
     alone = here.mode != RunMode.MULTIRUN
     try:
-        told = walk(resolved(settings, words, str(here.job.config_name)), folder, words)
+        found = execute(resolved(settings, words, str(here.job.config_name)), folder, words)
     except KeyboardInterrupt:
         sys.exit(STOPPED)
     except (FootoptError, OmegaConfBaseException, OSError, MemoryError) as error:
         if alone and _wants_traceback:
             raise
-        said, own = explain(error, words), not isinstance(error, Occupied)  # the folder is another's then
+        message = explain(error, words)
         if alone:
-            if own:
-                Summary.tidy()
-            sys.exit(f"footopt: error: {said}")
-        # the other jobs go on; `Summary` reports this one at the end
-        log.error("job %s failed: %s", here.job.num, said)
-        if own:
-            write_text(folder / ERROR_FILE, f"{said}\n")
+            remove_empty_run(folder, task_words(here, "hydra"))
+            sys.exit(f"footopt: error: {message}")
+        log.error("job %s failed: %s", here.job.num, message)  # the other jobs go on
+        if not isinstance(error, Occupied):  # the folder is another's then
+            write_text(folder / ERROR_FILE, f"{message}\n")
         with suppress(FootoptError):  # an objective that is not known
-            from footopt.studies.base import answer
-
             return answer(settings.objective.names, {})
         return None
-    result = result_of(folder) if alone and settings.study.name == "simulate" else None
-    if result and not result["feasible"]:
+    if alone and (result := result_of(folder)) and not result.get("feasible", True):
         sys.exit(f"footopt: error: the walk failed: {result['reason']}. {folder} has all about it.")
-    return told
+    return found
+
+
+class Multirun(Callback):
+    """Writes down the jobs of a multirun, and after it a table on the terminal and as summary.csv."""
+
+    failed = 0
+
+    def on_multirun_start(self, config: DictConfig, **kwargs: Any) -> None:
+        """Refuse the folder of another multirun; leave in each job's folder what the job is."""
+        folder, begin = Path(config.hydra.sweep.dir), kwargs["config_name"]
+        if os.path.lexists(folder / "multirun.yaml"):  # a link, too: Hydra would write where it leads to
+            hint = f"footopt resume={folder} goes on with it; or choose another hydra.sweep.dir."
+            sys.exit(f"footopt: error: {folder}: holds a multirun. {hint}")  # Hydra passes nothing else on
+        with suppress(HydraException, OmegaConfBaseException):  # the sweeper, or the job, says so
+            for name, settings, words in _jobs(config, begin):
+                (folder / name).mkdir(parents=True, exist_ok=True)
+                with suppress(FootoptError):
+                    identity.write(folder / name, absolute(resolved(settings, words, begin)), words)
+
+    def on_multirun_end(self, config: DictConfig, **kwargs: Any) -> None:
+        """Read what the jobs left in their folders."""
+        Multirun.failed = summary.of_multirun(Path(config.hydra.sweep.dir))
+
+
+def _jobs(config: DictConfig, name: str) -> Iterator[tuple[str, DictConfig, list[str]]]:
+    """Folder, settings and words of every job; none for a sweeper that goes by results."""
+    if not config.hydra.sweeper._target_.endswith(".BasicSweeper"):
+        return
+    own = [f"{name}={value}" for name, value in (config.hydra.sweeper.params or {}).items()]
+    values = [
+        [f"{word.get_key_element()}={value}" for value in word.sweep_string_iterator()]
+        if word.is_sweep_override()
+        else [str(word.input_line)]
+        for word in OverridesParser.create().parse_overrides([*own, *task_words(config.hydra)])
+    ]
+    for number, words in enumerate(map(list, itertools.product(*values))):
+        settings = compose(name, [*task_words(config.hydra, "hydra"), *words], return_hydra_config=True)
+        with open_dict(settings):
+            settings.hydra.job.num, settings.hydra.job.id = number, str(number)
+        yield str(OmegaConf.select(settings, "hydra.sweep.subdir")), settings, words

@@ -1,20 +1,69 @@
-"""`run`: from Python, what the command line does."""
+"""One run from its settings to its end: `execute`, `resume`, and from Python `run`."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import logging
+import os
+import shlex
+import sys
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 from hydra import compose, initialize_config_dir
-from omegaconf import open_dict
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from omegaconf import OmegaConf
+from omegaconf.errors import OmegaConfBaseException
 
-from footopt.cli.compose import CONF, read, resolved
-from footopt.cli.job import tidier, walk
-from footopt.cli.messages import translate
-from footopt.cli.resume import resume
-from footopt.errors import FootoptError, check
+from footopt import studies
+from footopt.cli.compose import CONF, hydra_words, resolved
+from footopt.cli.messages import explain, translate
+from footopt.errors import ERROR_FILE, EngineError, FootoptError, check
+from footopt.files import identity
 from footopt.files.identity import Occupied
-from footopt.studies.runs import Run, load
+from footopt.files.io import write_text
+from footopt.report import summary
+from footopt.studies.build import absolute
+from footopt.studies.runs import (
+    BUDGETS,
+    SEARCHES,
+    Run,
+    check_may_change,
+    check_resumable,
+    finished,
+    load,
+    result_of,
+)
+from footopt.studies.settings import EngineConfig, structured
+
+TRUST, FORCE = "--trust", "--force"
+#: Settings by which a folder could have code run that nobody asked for, and files that a run writes.
+CODE, WRITTEN = ("plugins", "engine.address"), ("study.store", "study.video")
+
+
+def execute(settings: Mapping[str, Any], folder: Path, words: Sequence[str], resumed: bool = False) -> Any:
+    """Run the study of some resolved settings in a folder: see `footopt.studies.run`.
+
+    A run that is stopped, or loses its workers, says how to go on.
+    """
+    hint = f"; go on with: footopt resume={shlex.quote(str(folder))}"
+    try:
+        config: Any = OmegaConf.to_object(structured(settings))  # refuses what + has added
+        return studies.run(config, folder, absolute(settings), words, resumed)
+    except EngineError as error:
+        raise FootoptError(f"{error} All finished generations are in the store{hint}") from None
+    except KeyboardInterrupt as stop:
+        print(" ".join(["footopt: stopped", *map(str, stop.args)]) + hint, file=sys.stderr)
+        raise
+
+
+def remove_empty_run(folder: Path, words: Sequence[str]) -> None:
+    """Remove the folder of a refused run, and those above it if they are empty, unless it was chosen."""
+    if not any(word.startswith("hydra.run.dir") for word in words):
+        with suppress(OSError):
+            os.removedirs(os.path.relpath(folder))
 
 
 def run(words: Sequence[str] = (), folder: str | Path | None = None) -> Run:
@@ -38,29 +87,95 @@ def run(words: Sequence[str] = (), folder: str | Path | None = None) -> Run:
     FootoptError
         What the command line ends with: it names the setting and says what is allowed.
     """
-    if isinstance(words, str):
-        raise FootoptError(f"words = {words!r}: must be a list, such as [{words!r}].")
+    check(not isinstance(words, str), "words", words, f"a list, such as [{words!r}]")
     given = [str(word) for word in words]
     if resumed := [word.partition("=")[2] for word in given if word.startswith("resume=")]:
-        place = Path(resumed[-1]).expanduser()
         check(folder is None, "folder", folder, "left out with resume=FOLDER, where the run goes on")
-        several = (place / "multirun.yaml").is_file()
-        hint = "Finish it with `footopt resume=...`, and read it with fo.load_all."
-        check(not several, "resume", str(place), "the folder of one run, not of a multirun", hint)
         resume(given)
-        return load(place)
-    tidy = None
+        return load(resumed[-1])
+    there: Path | None = None
     try:
         with initialize_config_dir(str(CONF), version_base="1.3"):
-            settings = compose("config", read(given), return_hydra_config=True)
-            place = Path(folder or settings.hydra.run.dir).expanduser().absolute()
-            with open_dict(settings):
-                del settings["hydra"]
+            settings = compose("config", hydra_words(given), return_hydra_config=True)
+            there = Path(folder or settings.hydra.run.dir).expanduser().absolute()
             plain = resolved(settings, given)
-        tidy = tidier(place)
-        walk(plain, place, [word for word in read(given) if not word.startswith("hydra.")])
+        execute(plain, there, [word for word in hydra_words(given) if not word.startswith("hydra.")])
     except Exception as error:
-        if tidy and not isinstance(error, Occupied):  # the folder is another's then
-            tidy()
+        if there and not folder:
+            remove_empty_run(there, given)
         raise translate(error, given) or error from None
-    return load(place, trust=True)
+    return load(there, trust=True)
+
+
+def resume(given: Sequence[str]) -> int:
+    """Go on with the run, or the multirun, that resume=FOLDER names; how many jobs of a multirun failed.
+
+    A folder is read as data: code and files elsewhere that it names need --trust, a run of another version
+    needs --force, and settings given besides are `CHANGEABLE`. Designs in its store are not walked again.
+    """
+    name = next(word for word in given if word.startswith("resume=")).removeprefix("resume=")
+    check(name, "resume", name, "the folder of a run")
+    folder = Path(name).expanduser().absolute()
+    logging.basicConfig(level=logging.WARNING, stream=sys.stdout, format="[%(levelname)s] %(message)s")
+    changes = _changes(given)
+    if not (folder / "multirun.yaml").is_file():
+        _resume_run(folder, changes, given)
+        return 0
+    for job in identity.jobs(folder):
+        if (job / identity.FILE).exists():  # not refused before it had settings
+            _resume_job(job, changes, given)
+    return summary.of_multirun(folder)
+
+
+def _changes(given: Sequence[str]) -> dict[str, Any]:
+    """The settings that a run may change, and their values."""
+    words = hydra_words([word for word in given if not word.startswith(("resume=", TRUST, FORCE))])
+    for word in words:
+        check_may_change(word)
+    found = {}
+    for change in OverridesParser.create().parse_overrides(words):
+        check(not change.is_sweep_override(), "resume", change.input_line, "one value")
+        found[change.get_key_element()] = change.value()
+    return found
+
+
+def _resume_job(job: Path, changes: Mapping[str, Any], given: Sequence[str]) -> None:
+    """Go on with a job of a multirun, unless it has a result and no longer search is asked for."""
+    found = result_of(job)
+    longer = {*changes} & {f"solver.{name}" for name in BUDGETS}
+    if found and finished(found) and not (longer and found["study"] in SEARCHES):
+        return
+    try:
+        print(f"job {job.name}: {' '.join(identity.read(job).words)}", flush=True)
+        _resume_run(job, changes, given)
+    except Occupied as error:
+        print(f"job {job.name}: {error}")
+    except (FootoptError, OmegaConfBaseException, OSError) as error:
+        logging.getLogger("footopt").error("job %s failed: %s", job.name, explain(error))
+        if not finished(found):
+            write_text(job / ERROR_FILE, f"{explain(error)}\n")
+
+
+def _resume_run(folder: Path, changes: Mapping[str, Any], given: Sequence[str]) -> None:
+    """Go on with one run."""
+    run = identity.read(folder)
+    allowed = f"a run of footopt {version('footopt')}, which this is, not of {run.version}"
+    hint = f"Start a new run; or add {FORCE}, if you know that the walks are the same."
+    check(run.version == version("footopt") or FORCE in given, "resume", str(folder), allowed, hint)
+    settings, study = structured(run.settings), run.settings["study"]["name"]
+    for name in () if TRUST in given else (*CODE, *WRITTEN):
+        value, own = OmegaConf.select(settings, name), {name, name.partition(".")[0]} & {*changes}
+        inside = name in WRITTEN and (folder / str(value)).resolve().parent == folder.resolve()
+        hint = f"Add {TRUST} if you know it, or give your own."
+        check(not value or own or inside, name, value, f"trusted: it comes from {folder}", hint)
+    if FORCE in given and study in SEARCHES:
+        settings.study.reuse = True
+    for name, value in changes.items():
+        value = EngineConfig(name=value) if name == "engine" else value  # without engine.timeout
+        OmegaConf.update(settings, name, value, merge=False)
+    plain: Any = OmegaConf.to_container(settings, resolve=True)
+    check_resumable(folder, run.settings, plain)
+    groups = tuple(f"{name}." for name in changes)
+    kept = [word for word in run.words if not f"{word.partition('=')[0]}.".startswith(groups)]
+    words = [word for word in given if "=" in word and not word.startswith("resume=")]
+    execute(plain, folder, [*kept, *words], resumed=True)

@@ -1,63 +1,62 @@
-"""Studies: a module for each question; which settings each reads, and `run`, which asks one."""
+"""Studies, a module for each question; `check_read`, which settings count; `run`, which asks one."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from footopt.design import EXHAUSTIVE
-from footopt.errors import ERROR_FILE, SettingError
-from footopt.files.identity import locked
-from footopt.foot import SHAPES, Waypoints
-from footopt.studies.settings import SEARCHES, Config
+from footopt.errors import ERROR_FILE, FootoptError, SettingError
+from footopt.files.identity import FILE, locked
+from footopt.foot import SHAPES
+from footopt.studies.base import Study
+from footopt.studies.build import check_values, load_plugins, make_limits
+from footopt.studies.runs import enter
+from footopt.studies.settings import (
+    CHOICE,
+    CHOICES,
+    OUTLINE,
+    SHAPE,
+    SPACE,
+    STUDIES,
+    Config,
+    OwnSettings,
+    SearchSettings,
+    StudySettings,
+    leaves,
+)
+from footopt.walk.simulate import at_once
+
+__all__ = ["STUDIES", "StudySettings", "check_read", "read_by", "run"]
+
+#: footopt's own studies, each the class `Settings` and the function `run` of a module.
+OWN = ("optimize", "simulate", "accuracy", "stability", "effects", "paper", "robust", "export", "compare",
+       "doctor", "validate", "calibrate")  # fmt: skip
+for _name in OWN:
+    _module = import_module(f"footopt.studies.{_name}")
+    STUDIES[_name] = _module.Settings, _module.run
+    CHOICES["study"][_name] = _module.Settings
 
 #: Read for every study: how it is run, not what is asked. A constraint is refused elsewhere.
-ALWAYS = ("study.name", "plugins", "report", "engine.name", "engine.threads", "constraint", "hydra")
-
-WORLD = ("gait", "walker", "effects", "scene")
-SCENE = (*WORLD, "sand")
-SPACE = tuple(f"foot.{field.name}" for field in fields(Waypoints))
-SHAPE = ("foot.width", "foot.ankle", "foot.closed", "foot.top")
-ZETA = "study.spread.zeta"  # of the model's error, in whatever closes with objectives
-OUTLINE = ("path", "units", "scale", "layer", "toe", "origin")
-FIVE = (*SHAPE, "foot.length", "foot.apex", "foot.upright")
-SEARCH = (*SPACE, "foot.shape", "foot.k", "accuracy", "objective", "solver", "engine", "study.confirm",
-          "study.finalists", "study.store", "study.reuse")  # fmt: skip
-
-#: What each study reads of the settings, a name or a group each. A plugin's study reads what it likes.
-READS: dict[str, tuple[str, ...]] = {
-    "optimize": (
-        *SCENE, *SEARCH, "choose", "foot.block",
-        *(f"study.{n}" for n in ("video", "start", "certify", "spread.zeta")),
-    ),
-    "simulate": (*SCENE, "foot", "accuracy", "objective.names", "study.run", "study.video", ZETA),
-    "accuracy": (*WORLD, *SPACE, "solver.seed", "study.feet", "study.quick", ZETA),
-    "stability": (*SCENE, *SPACE, *FIVE, "foot.shape", "foot.k", *(f"foot.{n}" for n in OUTLINE), "accuracy",
-                  "study.cases", "study.methods"),
-    "effects": (*SCENE, *SPACE, "accuracy", "solver.seed", "study.feet"),
-    "paper": (
-        *WORLD, *SPACE, *FIVE, "foot.shape", "foot.k", "accuracy", "solver",
-        *(f"study.{n}" for n in ("cases", "shape_sand", "mount", "peak_power", "speed_loss", "confirm")),
-    ),
-    "robust": (
-        *SCENE, *SEARCH,
-        *(f"study.{n}" for n in ("scenarios", "draws", "measure", "tail", "spread", "quick")),
-    ),
-    "export": ("foot.k", "foot.block", "study.run", "export.mujoco"),
-    "compare": ("study.runs",),
-    "doctor": (),
-    "validate": ("study.cases",),
-    "calibrate": ("study.tests", "sand.name", "sand.coefficients", "sand.table"),
-}  # fmt: skip
+ALWAYS = (
+    "study.name",
+    "study.own",
+    "plugins",
+    "report",
+    "engine.name",
+    "engine.threads",
+    "constraint",
+    "hydra",
+)
 
 #: What each kind of one foot reads.
 FEET: dict[str, tuple[str, ...]] = {
     "waypoints": (*SPACE, "foot.k"),
     **dict.fromkeys(SHAPES, (*SHAPE, "foot.length")),
-    "outline": (*SHAPE, *(f"foot.{n}" for n in OUTLINE)),
+    "outline": (*SHAPE, *OUTLINE),
 }
 FEET["reversed_triangle"] += ("foot.apex",)
 FEET["reversed_l"] += ("foot.upright",)
@@ -83,11 +82,15 @@ ONLY: tuple[tuple[tuple[str, ...], Callable[[Config], bool], str], ...] = (
      "study.scenarios=drawn, laws"),
 )  # fmt: skip
 
-#: The setting that the choice of a group sets, where it is not its name.
-CHOICE = {"foot": "foot.shape", "objective": "objective.names", "planet": "walker.g", "effects": "effects"}
 
-#: Studies by name: each is the function `run` of the module of that name. A plugin adds its own function.
-STUDIES: dict[str, Callable[[Any], Any] | None] = dict.fromkeys(READS)
+def read_by(name: str) -> str:
+    """The studies that read a setting, as they are chosen; "" if there is none."""
+    return ", ".join(study for study in OWN if reads(name, _reads(study)))
+
+
+def _reads(study: str) -> tuple[str, ...]:
+    kind, _ = STUDIES[study]
+    return (*kind.reads, *dict(leaves(kind(), "study.")))
 
 
 def check_read(config: Config, words: Iterable[str]) -> None:
@@ -105,22 +108,22 @@ def check_read(config: Config, words: Iterable[str]) -> None:
     SettingError
         The study or its foot does not read one; the message says what does.
     """
-    study = config.study.name
+    study, shape = config.study.name, config.foot.shape
     groups = {field.name for field in fields(Config)} | {*CHOICE}
-    for word in words if study in READS else ():
+    for word in words if study in OWN else ():
         word = word.lstrip("+~/").partition("=")[0].partition("@")[0]
         group, dot, _ = word.partition(".")
-        shape = config.foot.shape
-        if group not in groups or (group == "foot" and study in SEARCHES and shape != "waypoints"):
+        searched = isinstance(config.study, SearchSettings)
+        if group not in groups or (group == "foot" and searched and shape != "waypoints"):
             continue  # a group of the user's own; a foot that the study refuses
         name = word if dot else CHOICE.get(word, f"{word}.name")
         if group == "foot" and not dot and shape == "waypoints":
             name = "foot.n"  # a space, which its choice describes
-        if not reads(name, (*ALWAYS, *READS[study])):
-            by = ", ".join(other for other, names in READS.items() if reads(name, names))
+        if not reads(name, (*ALWAYS, *_reads(study))):
+            by = read_by(name)
             raise _unread(config, name, f"study={study} does not read it", f"study={by}" if by else "")
-        if group == "foot" and name != "foot.block" and study in ("simulate", "stability", *SEARCHES):
-            of_run = study == "simulate" and config.study.run is not None
+        if group == "foot" and name != "foot.block" and (searched or study in ("simulate", "stability")):
+            of_run = study == "simulate" and getattr(config.study, "run", None) is not None
             own = ("foot.k",) if of_run else (*FEET.get(shape, ()), "foot.shape")
             if not reads(name, own):
                 what = "study=simulate run=..." if of_run else f"foot={shape}"
@@ -179,26 +182,41 @@ def run(
     SettingError
         There is no such study, or it does not go with the other settings.
     """
-    # what is imported here would slow `footopt --help` down
-    from footopt.studies.base import Study
-    from footopt.studies.build import check_lists, load_plugins, make_limits
-    from footopt.studies.runs import enter
-    from footopt.walk.simulate import at_once
-
-    check_lists(config)
+    check_values(config)
     at_once(config.engine.threads)
     load_plugins(config.plugins)
+    config = _chosen(config)
     check_read(config, words)
-    name = config.study.name
-    if name not in STUDIES:
-        raise SettingError("study.name", name, f"one of {', '.join(STUDIES)}")
-    if config.engine.name != "local" and name not in SEARCHES:
+    name, searches = config.study.name, isinstance(config.study, SearchSettings)
+    if config.engine.name != "local" and not searches:
         raise SettingError("engine", config.engine.name, f"local for study={name}")
     if name != "optimize" and (limits := make_limits(config)):
         raise SettingError("constraint", limits, f"left out for study={name}", "study=optimize keeps limits.")
-    ask = STUDIES[name] or import_module(f"footopt.studies.{name}").run
     with locked(folder):
+        (folder / ERROR_FILE).unlink(missing_ok=True)  # of a job that failed before
+        before = {*folder.iterdir()}
         if not resumed:
             enter(folder, settings, words)
-        (folder / ERROR_FILE).unlink(missing_ok=True)  # of a job that failed before
-        return ask(Study(config, folder, settings, words))
+        try:
+            return STUDIES[name][1](Study(config, folder, settings, words))
+        except FootoptError:
+            if {*folder.iterdir()} - before == {folder / FILE}:  # it was refused: there is no run
+                (folder / FILE).unlink()
+            raise
+
+
+def _chosen(config: Config) -> Config:
+    """The settings with those of a plugin's study as what the plugin has them."""
+    name = config.study.name
+    if name not in STUDIES:
+        hint = "A study of your own: plugins=[mine.py] study=own study.name=mine"
+        raise SettingError("study.name", name, f"one of {', '.join(STUDIES)}", hint)
+    kind, _ = STUDIES[name]
+    if isinstance(config.study, OwnSettings):
+        try:
+            return replace(config, study=kind(name, **(config.study.own or {})))
+        except TypeError as error:
+            raise SettingError("study.own", config.study.own, f"settings that it has ({error})") from None
+    if not isinstance(config.study, kind):
+        raise SettingError("study.name", name, f"chosen as a group: study={name}")
+    return config

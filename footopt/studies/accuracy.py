@@ -24,6 +24,7 @@ from footopt.report.figures.accuracy import work_precision
 from footopt.sand import Sand
 from footopt.studies.audit import own_time
 from footopt.studies.base import Study
+from footopt.studies.settings import FEET, SPACE, WORLD, StudySettings, setting
 from footopt.studies.validation.model import model_error
 from footopt.walk import FIVE, Accuracy, Scene, evaluate, simulate
 from footopt.walk.accuracy import PRESETS, TABLE_COLUMNS, work
@@ -55,6 +56,16 @@ CAPTION = (
     "Error of the worst objective, for 95 % of the feet, against the time that a design takes, for every "
     "stepper, time step and number of plates; the presets are marked."
 )
+
+
+@dataclass
+class Settings(StudySettings):
+    """What accuracy costs in time: steppers, time steps, plates and creep speeds."""
+
+    name: str = "accuracy"
+    feet: int = setting(40, FEET)
+    quick: bool = setting(False, "Whether a first look is enough.")
+    reads = (*WORLD, *SPACE, "solver.seed")
 
 
 @dataclass(frozen=True)
@@ -121,8 +132,8 @@ def run(study: Study) -> None:
             step(f"{accuracy.stepper}, dt {1e3 * accuracy.dt:g} ms, {accuracy.plates} plates")
     write_table(study, measured)
     study.save("accuracy", work_precision(measured, list(PRESETS.values())), CAPTION)
-    flat, spread = Foot.flat(space), study.options.spread.zeta
-    errors = [model_error(simulate(flat, scene, "fine"), spread=spread) for scene in scenes]
+    flat = Foot.flat(space)
+    errors = [model_error(simulate(flat, scene, "fine")) for scene in scenes]
     picks = {tolerance: cheapest(measured, tolerance) for tolerance in TOLERANCES}
     own = {m.accuracy: m for m in measured}
     presets = {name: own[nameless(name)] for name in ASKED}

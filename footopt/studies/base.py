@@ -29,7 +29,7 @@ from footopt.report import figures, page, terminal
 from footopt.report.progress import Step, progress
 from footopt.studies.build import make_accuracy, make_foot, make_scene, make_space
 from footopt.studies.runs import finished, result_of
-from footopt.studies.settings import REPORTS, Config, StudyConfig
+from footopt.studies.settings import REPORTS, Config
 from footopt.walk import MEASURES, Accuracy, Scene, simulate
 from footopt.walk.adapt import adapted
 from footopt.walk.objectives import lookup
@@ -66,8 +66,8 @@ class Study:
     # --- what the settings say --------------------------------------------------------------------
 
     @property
-    def options(self) -> StudyConfig:
-        """The settings of studies: config.study."""
+    def options(self) -> Any:
+        """The study's own settings: the class `Settings` of its module."""
         return self.config.study
 
     @property

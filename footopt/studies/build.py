@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import copy
 import math
+import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields, replace
+from functools import reduce
 from importlib import import_module
+from operator import getitem
 from pathlib import Path
 from typing import Any
 
 from footopt.design import Choice, FootProblem, Spread
 from footopt.effects import EFFECTS, Effect
 from footopt.errors import SettingError, check
+from footopt.files import identity
 from footopt.files.gaits import read_gait, read_strides
 from footopt.files.sands import read_sand
 from footopt.files.soles import read_foot
@@ -21,6 +26,7 @@ from footopt.foot import SHAPES, Foot, Waypoints
 from footopt.gait import Gait
 from footopt.sand import GENERIC, MEDIA, Sand, StressMap
 from footopt.studies.settings import (
+    CHOICE,
     AccuracyConfig,
     Config,
     EffectsConfig,
@@ -31,6 +37,53 @@ from footopt.studies.settings import (
 )
 from footopt.walk import Accuracy, Scene, Walker
 from footopt.walk.accuracy import PRESETS
+
+#: Settings that name files or folders to read.
+PATHS = ("foot.path", "gait.path", "sand.table", "study.store", "study.run", "study.runs",
+         "study.tests", "plugins")  # fmt: skip
+
+
+def absolute(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """The settings with files where they are, whatever folder they are read from later."""
+
+    def locate(name: str, value: Any) -> Any:
+        if isinstance(value, list):
+            return [locate(name, one) for one in value]
+        is_file = value and (name != "plugins" or value.endswith(".py"))  # a plugin may be a module
+        return os.path.abspath(os.path.expanduser(value)) if is_file else value
+
+    copied = copy.deepcopy(dict(settings))
+    for name in PATHS:
+        group, _, last = name.rpartition(".")
+        part = copied[group] if group else copied
+        if last in part:
+            part[last] = locate(name, part[last])
+    return copied
+
+
+#: Groups of settings that say in what world, and how finely, is walked.
+WALKED = ("sand", "gait", "walker", "effects", "scene", "accuracy")
+
+
+def in_world_of_run(
+    settings: Mapping[str, Any], default: Mapping[str, Any], given: Sequence[str]
+) -> dict[str, Any]:
+    """Settings with the foot and the world of the run that study.run names, but for those that are given.
+
+    The accuracy is that of the run's own numbers. `given` are the names of settings and groups on the command
+    line; what differs from `default` has been given, too.
+    """
+    run = copy.deepcopy(dict(identity.read(Path(settings["study"]["run"]).expanduser(), "run").settings))
+    if run["study"].get("confirm"):
+        run["accuracy"] = dict.fromkeys(run["accuracy"]) | {"name": run["study"]["confirm"]}
+    own = {name: settings["foot"][name] for name in ("k", "block")}
+    found = copy.deepcopy(dict(settings)) | {name: run[name] for name in WALKED} | {"foot": run["foot"] | own}
+    changed = {*identity.changed_settings(settings, default), *(CHOICE.get(name, name) for name in given)}
+    for name in sorted(changed):  # a group before what is in it
+        *groups, last = name.split(".")
+        if name.partition(".")[0] in WALKED:
+            reduce(getitem, groups, found)[last] = copy.deepcopy(reduce(getitem, name.split("."), settings))
+    return found
 
 
 def load_plugins(plugins: Sequence[str]) -> None:
@@ -62,7 +115,7 @@ def load_plugins(plugins: Sequence[str]) -> None:
         )
 
 
-def check_lists(config: Config) -> None:
+def check_values(config: Config) -> None:
     """Raise unless lists hold plain values, and no number is a NaN, be it read or not.
 
     OmegaConf lets lists in lists, interpolations and NaNs through.
@@ -77,6 +130,7 @@ def check_lists(config: Config) -> None:
 
 def make_sand(config: SandConfig) -> Sand:
     """The sand of the settings; one of `MEDIA` that was changed no longer has its name."""
+    check(0 <= config.spread <= 1, "sand.spread", config.spread, "a standard deviation >= 0 and <= 1")
     stress_map = StressMap(**asdict(config.coefficients))
     if config.table is None:
         own = MEDIA.get(config.name, config.zeta) != config.zeta or stress_map != GENERIC
@@ -118,9 +172,12 @@ def _reading(config: GaitConfig) -> tuple[dict[str, str], str | None, str | None
 def make_spread(config: Config) -> Spread:
     """How far the scenarios of the settings lie apart.
 
-    A period or angles that are null are measured: how the strides of the gait's file differ.
+    zeta is null for that of the sand; a period or angles that are null are measured: how the strides of the
+    gait's file differ.
     """
-    values = vars(config.study.spread)
+    values = dict(vars(config.study.spread))
+    if values["zeta"] is None:
+        values["zeta"] = config.sand.spread
     unknown = [name for name, value in values.items() if value is None]
     if not unknown:
         return Spread(**values)
@@ -197,7 +254,6 @@ def make_effects(config: EffectsConfig) -> tuple[Effect, ...]:
 
 def make_scene(config: Config) -> Scene:
     """The scene of the settings."""
-    Spread(zeta=config.study.spread.zeta)  # which the model's error needs: refused before anything walks
     check(
         not config.effects.auto,
         "effects.auto",

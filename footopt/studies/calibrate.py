@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from rich.table import Table
@@ -17,6 +17,18 @@ from footopt.sand import GENERIC, MEDIA, Sand
 from footopt.studies.base import Study
 from footopt.studies.build import make_sand
 from footopt.studies.calibration import SETTING, Calibration, Estimate, calibrate
+from footopt.studies.settings import StudySettings, setting
+
+
+@dataclass
+class Settings(StudySettings):
+    """zeta from tests with plates or a penetrometer, with its uncertainty, as a sand for other runs."""
+
+    name: str = "calibrate"
+    tests: str | None = setting(
+        None, "CSV of tests: depth_mm, force_N, area_cm2; if known, angle_deg, direction_deg, repeat."
+    )
+    reads = ("sand.name", "sand.coefficients", "sand.table")
 
 
 def run(study: Study) -> None:
@@ -91,21 +103,19 @@ def use(folder: Path, name: str, found: Calibration) -> str:
 
 
 def sand_file(name: str, source: str, found: Calibration, sand: Sand) -> str:
-    """The YAML of the sand: zeta, its spread for study=robust, and coefficients that are not generic."""
+    """The YAML of the sand: zeta, its spread, and coefficients that are not generic."""
 
     def interval(e: Estimate) -> str:
         return f"{e.low:.4g} to {e.high:.4g}"
 
     lines = [
-        "# @package _global_",
         f"# From {source}: zeta {interval(found.zeta)}, exponent of depth {interval(found.exponent)} (95 %).",
-        "sand:",
-        f"  name: {name}",
-        f"  zeta: {found.zeta.value:.4g}",
+        f"name: {name}",
+        f"zeta: {found.zeta.value:.4g}",
     ]
     if sand.stress_map != GENERIC:
-        lines += ["  coefficients:"]
-        lines += [f"    {key}: {value:.6g}" for key, value in asdict(sand.stress_map).items()]
+        lines += ["coefficients:"]
+        lines += [f"  {key}: {value:.6g}" for key, value in asdict(sand.stress_map).items()]
     if found.spread is not None:
-        lines += ["study:", "  spread:", f"    zeta: {min(found.spread, 1.0):.4g} # of its logarithm"]
+        lines += [f"spread: {min(found.spread, 1.0):.4g} # of the logarithm of zeta"]
     return "\n".join(lines) + "\n"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from footopt.compiled import folder, processor
@@ -10,9 +12,17 @@ from footopt.files import identity
 from footopt.report import terminal
 from footopt.sand import Sand
 from footopt.studies.base import Study
+from footopt.studies.settings import StudySettings
 from footopt.walk import FIVE, Scene, evaluate
 from footopt.walk.reference import LIMITS, PUBLISHED, RAMP
 from footopt.walk.simulate import available_threads
+
+
+@dataclass
+class Settings(StudySettings):
+    """Is the installation sound? Versions, processor, cache folder, and the published walks again."""
+
+    name: str = "doctor"
 
 
 def run(study: Study) -> None:

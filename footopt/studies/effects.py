@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from rich.table import Table
 
@@ -14,12 +15,22 @@ from footopt.studies.audit import Audit, audit, percent, switched
 from footopt.studies.auto_effects import audit_entry, screening_entry, screening_table, soles, tolerance
 from footopt.studies.base import Study, accuracy_entry, scene_entry
 from footopt.studies.screening import screening
+from footopt.studies.settings import FEET, SCENE, SPACE, StudySettings, setting
 from footopt.walk import FIVE, Scene, evaluate
 
 HEADER = (
     "effect", "sand", *(f"change_{n}" for n in FIVE), *(f"shift_{n}" for n in FIVE),
     "tau", "lost", "feet", "cost", "tolerance", "matters", "verdict",
 )  # fmt: skip
+
+
+@dataclass
+class Settings(StudySettings):
+    """Which effects a scene calls for: each is turned on alone on random soles of the design space."""
+
+    name: str = "effects"
+    feet: int = setting(40, FEET)
+    reads = (*SCENE, *SPACE, "accuracy", "solver.seed")
 
 
 def run(study: Study) -> None:

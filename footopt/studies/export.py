@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from footopt.files.outline import body_outline
 from footopt.report import figures, terminal
 from footopt.studies.base import Study, foot_entry
 from footopt.studies.runs import foot_of
+from footopt.studies.settings import StudySettings, setting
 
 #: What each file holds.
 HOLDS = {
@@ -30,6 +32,16 @@ HOLDS = {
 }
 
 
+@dataclass
+class Settings(StudySettings):
+    """The foot of a run as files to make it from; foot.k chooses another of its soles."""
+
+    name: str = "export"
+    run: str | None = setting(None, "Folder of the run whose foot is meant.")
+    mujoco: bool = setting(False, "Whether to write the foot as a body of MuJoCo, too.")
+    reads = ("foot.k", "foot.block")
+
+
 def run(study: Study) -> None:
     """Write the foot of the run `study.run` in every format."""
     config, folder = study.config, study.options.run
@@ -38,7 +50,7 @@ def run(study: Study) -> None:
         raise SettingError("run", None, "the folder of a run", advice)
     foot, block = foot_of(Path(folder), config.foot.k), config.foot.block
     written, notes = write_all(foot, study.folder, block)
-    if config.export.mujoco:
+    if study.options.mujoco:
         written += write_mjcf(foot.contour, foot.ankle, foot.width, study.folder)
     outline, width = MM * body_outline(foot, block), MM * foot.width
     area = float(Polygon(outline).area)

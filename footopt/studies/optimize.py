@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -44,6 +45,7 @@ from footopt.studies.base import (
     validity_entry,
 )
 from footopt.studies.build import check_searchable, make_problem
+from footopt.studies.settings import VIDEO, SearchSettings, setting
 from footopt.studies.simulate import check_film, write_film, write_walk
 from footopt.studies.validation.model import model_error
 from footopt.walk import gain_shares, simulate
@@ -51,6 +53,21 @@ from footopt.walk.resolution import error_of, resolution
 from footopt.walk.validity import diagnose
 
 LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
+
+
+@dataclass
+class Settings(SearchSettings):
+    """Search the design space and leave the best foot in every form."""
+
+    name: str = "optimize"
+    certify: bool | None = setting(
+        None, "Whether all soles near the best are walked; null: if they are fewer than the search walked."
+    )
+    start: list[int] | None = setting(
+        None, "Heights of the sole that a search begins with, or of several in a row."
+    )
+    video: str | None = setting(None, VIDEO)
+    reads = (*SearchSettings.reads, "choose", "foot.block")
 
 
 def run(study: Study) -> Answer:
@@ -81,7 +98,7 @@ def run(study: Study) -> Answer:
     if study.reports and options.confirm:
         with study.compiling("a walk for each law"):
             flat_k = np.full(problem.space.n, problem.space.K)
-            turns = ranks.ranks(problem, rivals, flat_k, options.spread.zeta)
+            turns = ranks.ranks(problem, rivals, flat_k, config.sand.spread)
 
     if study.reports:
         files.write_designs(study.folder / "designs.csv", result.columns)
@@ -92,7 +109,7 @@ def run(study: Study) -> Answer:
             "design": foot_entry(best),
             "objectives": values,
             "error_estimate": errors,
-            "model_error": (model := model_error(walk, chosen.left_out, options.spread.zeta)),
+            "model_error": (model := model_error(walk, chosen.left_out, config.sand.spread)),
             "ranks": ranks.entry(turns),
             "flat": base,
             "gain_shares": gain_shares(values, base),

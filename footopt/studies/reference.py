@@ -20,9 +20,11 @@ from footopt.design.scenarios import check_measure
 from footopt.effects import EFFECTS
 from footopt.errors import SettingError
 from footopt.report.terminal import described
-from footopt.studies import ALWAYS, CHOICE, READS, build, reads
-from footopt.studies.settings import AllEffects, everything, leaves
+from footopt.studies import ALWAYS, build, read_by, reads
+from footopt.studies.settings import CHOICE, AllEffects, Config, everything, known, leaves, study_kinds
 from footopt.walk import MEASURES, Walker
+
+GROUPS = tuple(field.name for field in fields(Config))
 
 #: Values that hardly any setting can have: those of a number first.
 WRONG = (math.nan, -1e30, -1, "?", ["?"])
@@ -34,9 +36,11 @@ def _limits(config: Any) -> None:
 
 
 def _study(config: Any) -> None:
-    build.make_spread(config)
-    check_finalists(config.study.finalists)
-    check_measure(config.study.measure, config.study.tail)
+    if hasattr(config.study, "finalists"):
+        check_finalists(config.study.finalists)
+    if hasattr(config.study, "measure"):
+        build.make_spread(config)
+        check_measure(config.study.measure, config.study.tail)
 
 
 #: What refuses the settings of a group: it is made of them.
@@ -71,20 +75,26 @@ def settings(groups: Container[str] | None = None) -> list[Setting]:
     """All settings, or those of some groups, in the order of the groups."""
     return [
         _setting(name, value)
-        for name, value in leaves(everything())
+        for name, value in known().items()
         if (groups is None or name.partition(".")[0] in groups) and not is_dataclass(value)
     ]
 
 
+def _owner(name: str) -> Any:
+    """Settings of which `name` is one: those of the first study that has it."""
+    own = next((kind() for kind in study_kinds() if name in dict(leaves(kind(), "study."))), None)
+    return replace(everything(), study=own) if own else everything()
+
+
 def _setting(name: str, value: Any) -> Setting:
     kind, meaning = _told(name)
-    readers = tuple(study for study, names in READS.items() if reads(name, names))
-    return Setting(name, value, kind, meaning, _allowed(name, value), () if reads(name, ALWAYS) else readers)
+    readers = () if reads(name, ALWAYS) else tuple(read_by(name).split(", "))
+    return Setting(name, value, kind, meaning, _allowed(name, value), readers)
 
 
 def _told(name: str) -> tuple[str, str]:
     """Kind, with its unit, and meaning of a setting: its own, else that of its group."""
-    told, owner, keys = ("", ""), everything(), name.split(".")
+    told, owner, keys = ("", ""), _owner(name), name.split(".")
     for key in keys:
         meaning = next(f for f in fields(owner) if f.name == key).metadata.get("meaning")
         if isinstance(meaning, str):
@@ -102,7 +112,7 @@ def _allowed(name: str, default: Any) -> str:
     for wrong in WRONG if groups and groups[0] in MADE else ():
         if isinstance(default, (int, float)) and not isinstance(wrong, (int, float)):
             continue
-        config = everything()
+        config = _owner(name)
         try:
             object.__setattr__(reduce(getattr, groups, config), last, wrong)  # effects are frozen
             MADE[groups[0]](config)

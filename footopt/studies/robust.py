@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -31,7 +31,7 @@ from footopt.report.figures.search import FRONT, history_label
 from footopt.report.progress import Step, report_generations
 from footopt.studies.base import Study, accuracy_entry, flat_efficiency, foot_entry, scene_entry
 from footopt.studies.build import check_searchable, make_scene, make_spread
-from footopt.studies.settings import Config
+from footopt.studies.settings import Config, SearchSettings, SpreadConfig, default, setting
 from footopt.studies.validation.model import model_error
 from footopt.walk import MEASURES, Accuracy, Scene, simulate
 
@@ -43,6 +43,22 @@ HELD_OUT = 200  # fresh scenarios that test the robust foot
 QUICK_DRAWS, QUICK_GENERATIONS, QUICK_HELD_OUT = 3, 5, 8
 SHOWN = 6  # scenarios that a table on the terminal has columns for
 MEDIAN, ROBUST = "median scene", "robust"
+
+
+@dataclass
+class Settings(SearchSettings):
+    """One foot for three sands, several laws, or drawn scenes, against the specialist of each."""
+
+    name: str = "robust"
+    quick: bool = setting(False, "Whether a first look is enough: three draws, five generations.")
+    scenarios: str = setting("sands", "What one foot is for: sands, laws, or drawn about the scene.")
+    draws: int = setting(16, "How many scenarios are drawn.")
+    measure: str = setting(
+        default(RobustProblem, "measure"),
+        "What counts of the loss over the scenarios: worst, mean, or tail (of the worst share).",
+    )
+    tail: float = setting(default(RobustProblem, "tail"), "The share of study.measure=tail.")
+    spread: Any = field(default_factory=lambda: SpreadConfig(zeta=None))
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +136,7 @@ def run(study: Study) -> None:
     fresh = held_out_regret(study, scene, judge, feet) if options.scenarios == "drawn" else None
     _write_files(study, judge, compared, foot, result)
     _save_figures(study, judge, compared, feet, result, fresh)
-    model = model_error(simulate(foot, scene, finer), spread=options.spread.zeta)
+    model = model_error(simulate(foot, scene, finer), spread=make_spread(config).zeta)
     objectives, regrets = judge.walk(feet[ROBUST][None])[0][0], compared.regrets.tolist()
     names = [s.name for s in scenarios]
     hollows = {name: 1e3 * Foot.from_waypoints(k.tolist(), judge.space).hollow for name, k in feet.items()}

@@ -5,16 +5,18 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
+
+from omegaconf import OmegaConf
+from omegaconf.errors import OmegaConfBaseException
 
 from footopt.design import SearchResult, Solver, Store, search
 from footopt.effects import EFFECTS
-from footopt.errors import ERROR_FILE, FileError, SettingError, flat
+from footopt.errors import ERROR_FILE, FileError, SettingError, check, flat
 from footopt.files import identity
 from footopt.files.identity import LOCK, Occupied, changed_settings
 from footopt.files.io import plain, read_json_file
@@ -28,7 +30,7 @@ from footopt.studies.build import (
     make_problem,
     make_scene,
 )
-from footopt.studies.settings import Config, FootConfig
+from footopt.studies.settings import REPORTS, Config, FootConfig, structured
 from footopt.walk import Accuracy, Scene, Walk, simulate
 
 __version__ = version("footopt")
@@ -39,12 +41,21 @@ CHANGEABLE = (
     "study.finalists", "study.store", "study.certify", "study.reuse", "study.video", "foot.block", "plugins",
 )  # fmt: skip
 
+SEARCHES = ("optimize", "robust")  # studies that keep what they evaluate, and go on where they stopped
+BUDGETS = ("walks", "n_gen")  # settings of the solver that may make a search longer
 LOG = "footopt.log"  # Hydra's, of what is logged
 
 
 def may_change(name: str) -> bool:
     """Whether a setting is one of `CHANGEABLE`, or of a group of them."""
     return any(name == other or name.startswith(f"{other}.") for other in CHANGEABLE)
+
+
+def check_may_change(word: str) -> None:
+    """Raise a `SettingError` unless a word of the command line sets one of `CHANGEABLE`."""
+    allowed = f"a setting that does not make another run ({', '.join(CHANGEABLE)})"
+    hint = "For anything else start a new run, without resume."
+    check("=" in word and may_change(word.partition("=")[0]), "resume", word, allowed, hint)
 
 
 def result_of(folder: Path) -> Mapping[str, Any] | None:
@@ -81,18 +92,32 @@ def enter(folder: Path, settings: Mapping[str, Any], words: Sequence[str]) -> No
     identity.write(folder, settings, words)
 
 
-def check_same(folder: Path, settings: Mapping[str, Any], found: Mapping[str, Any] | None) -> None:
-    """Raise a `FileError` unless a run's result was found with its settings, but for `CHANGEABLE`."""
-    if found is None:
-        return
-    names = [
-        name for name in changed_settings(plain(settings), found.get("settings")) if not may_change(name)
-    ]
-    if names:
+def check_resumable(folder: Path, before: Mapping[str, Any], after: Mapping[str, Any]) -> None:
+    """Raise an error unless a run with the settings `before` may go on with those `after`.
+
+    Its result is of these settings, but for `CHANGEABLE`; a finished search is only made longer.
+    """
+    found = result_of(folder)
+    other = (
+        [name for name in changed_settings(plain(before), found["settings"]) if not may_change(name)]
+        if found
+        else []
+    )
+    if other:
         raise FileError(
-            f"resume = {str(folder)!r}: its result.json is that of another run: {', '.join(names[:4])} "
+            f"resume = {str(folder)!r}: its result.json is that of another run: {', '.join(other[:4])} "
             f"differ from {identity.FILE}. Start a new run."
         )
+    study = before["study"]["name"]
+    if finished(found) and study not in SEARCHES:
+        raise SettingError("resume", str(folder), f"a run of study={', '.join(SEARCHES)}, not {study}")
+    for name in BUDGETS if finished(found) else ():  # a search that found less would replace its result
+        old, new = before["solver"][name], after["solver"][name]
+        hint = "A shorter search is a run of its own: leave out resume."
+        check(None in (old, new) or new >= old, f"solver.{name}", new, f"at least {old}, as before", hint)
+    old, new = before["report"], after["report"]
+    kept = not finished(found) or REPORTS.index(new) >= REPORTS.index(old)
+    check(kept, "report", new, f"{old} or more, as before")
 
 
 def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
@@ -163,12 +188,10 @@ class Run:
 
     @cached_property
     def config(self) -> Config:
-        """The settings as what studies take; names that this version does not have are a `SettingError`."""
+        """The settings as what studies take; a `FileError` if this version does not have one of them."""
         try:
-            found: Config = configured(self.settings)
-        except SettingError as error:
-            if self.version == __version__:
-                raise
+            found: Config = OmegaConf.to_object(structured(self.settings))  # type: ignore[assignment]
+        except OmegaConfBaseException as error:
             why = f"footopt {self.version} wrote this run, and this is {__version__} ({error})"
             raise FileError(f"{self.folder}: {why}. Install that version to load it.") from None
         return found
@@ -324,25 +347,3 @@ def _row(run: Run) -> dict[str, Any]:
         "warnings": len(result.get("warnings", [])),
         "note": note,
     }
-
-
-def configured(settings: Mapping[str, Any], into: Any = None, name: str = "") -> Any:
-    """A `Config` of plain settings; what they do not name has its default.
-
-    Raises
-    ------
-    SettingError
-        There is no such setting.
-    """
-    config = Config() if into is None else into
-    for key, value in settings.items():
-        if not hasattr(config, key):
-            raise SettingError(f"{name}{key}", value, "a setting of this version of footopt")
-        part = getattr(config, key)
-        if is_dataclass(part) and isinstance(value, Mapping):
-            configured(value, part, f"{name}{key}.")
-        elif isinstance(value, Mapping) and name == "effects." and key in EFFECTS:
-            setattr(config, key, SimpleNamespace(**value))  # the parameters of an effect
-        else:
-            setattr(config, key, value)
-    return config

@@ -1,28 +1,19 @@
 """The settings of a run: their names, their types, and where each default comes from.
 
-What the library has a default for takes it from there, so that a default is written once; the other defaults
-are written here. The YAML files of conf/ only name what differs. `footopt.studies.build` makes the library's
-objects of the settings, `footopt.cli` composes them.
+A default of the library is taken from there. The YAML files of conf/ only name what differs.
+`footopt.studies.build` makes the library's objects of the settings, `footopt.cli` composes them.
 """
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass, make_dataclass
-from typing import TYPE_CHECKING, Any, get_type_hints
+from typing import TYPE_CHECKING, Any, ClassVar, get_type_hints
 
-from footopt.design import (
-    EXHAUSTIVE,
-    SINGLE,
-    SOLVERS,
-    WAYS,
-    Choice,
-    RobustProblem,
-    Solver,
-    Spread,
-    make_executor,
-)
+from omegaconf import OmegaConf
+
+from footopt.design import EXHAUSTIVE, SINGLE, SOLVERS, WAYS, Choice, Solver, Spread, make_executor
 from footopt.design.problem import SETS
 from footopt.design.solvers.registry import AUTO
 from footopt.effects import EFFECTS
@@ -32,14 +23,14 @@ from footopt.gait import Gait
 from footopt.sand import MEDIA, Sand, StressMap
 from footopt.walk import MEASURES, PRESETS, Accuracy, Walker
 
+VIDEO = "Name of a film of the walk in the run's folder, .gif or .mp4 (needs ffmpeg); null: none."
+FEET = "How many random soles are walked."
+
 #: How much a run leaves: result.json, contour.csv and what it is resumed from; all but figures; everything.
 REPORTS = ("none", "light", "full")
 
 #: Solvers of several objectives.
 SEVERAL = [name for name in SOLVERS if name not in (*SINGLE, EXHAUSTIVE)]
-
-#: Studies that search: they walk where engine says, keep what they evaluate, and go on where they stopped.
-SEARCHES = ("optimize", "robust")
 
 
 def default(function: Callable[..., Any], name: str) -> Any:
@@ -48,10 +39,7 @@ def default(function: Callable[..., Any], name: str) -> Any:
 
 
 def setting(value: Any, meaning: str | type) -> Any:
-    """A field of settings: its default (a class stands for an object of it) and its meaning.
-
-    A class as the meaning is one of the library whose docstring says it.
-    """
+    """A field: its default (a class stands for an object of it) and its meaning (a class: its docstring)."""
     told = {"meaning": meaning}
     if isinstance(value, type):
         return field(default_factory=value, metadata=told)
@@ -87,7 +75,6 @@ def importable(made: type) -> Any:
 
 if TYPE_CHECKING:
     from footopt.design import Solver as SolverConfig
-    from footopt.design import Spread as SpreadConfig
     from footopt.foot import Waypoints as SpaceConfig
     from footopt.sand import StressMap as CoefficientsConfig
     from footopt.walk import Walker as WalkerConfig
@@ -95,52 +82,49 @@ else:
     SolverConfig, SpaceConfig, CoefficientsConfig, WalkerConfig = map(
         parameters, (Solver, Waypoints, StressMap, Walker)
     )
-    SpreadConfig = parameters(Spread, null=("period", "angles"))  # measured from the strides of gait.path
+SpreadConfig: Any = parameters(Spread, null=("zeta", "period", "angles"))  # of the sand, or the strides
 
 
 @dataclass
-class StudyConfig:
-    """Which question is asked, and what only one study or the other needs to know."""
+class StudySettings:
+    """Settings of a study, a class of its own in its module, with the other settings that it reads."""
 
-    name: str = setting("optimize", "The question.")
+    name: str = setting("optimize", "The question; with study=own, of a plugin.")
+    #: Groups and single settings that the study reads besides its own.
+    reads: ClassVar[tuple[str, ...]] = ()
+
+
+#: Studies by name: the settings of each, and the function that is called with a `Study`. Each module adds
+#: its own, and so does a plugin.
+STUDIES: dict[str, tuple[type[StudySettings], Callable[[Any], Any]]] = {}
+
+WORLD = ("gait", "walker", "effects", "scene")
+SCENE = (*WORLD, "sand")
+SPACE = tuple(f"foot.{field.name}" for field in fields(Waypoints))
+SHAPE = ("foot.width", "foot.ankle", "foot.closed", "foot.top")
+FIVE = (*SHAPE, "foot.length", "foot.apex", "foot.upright")
+OUTLINE = tuple(f"foot.{name}" for name in ("path", "units", "scale", "layer", "toe", "origin"))
+
+
+@dataclass
+class OwnSettings(StudySettings):
+    """Settings of a study that a plugin brings."""
+
+    name: str = ""
+    own: Any = setting(None, "Settings of a plugin's study, by name.")
+
+
+@dataclass
+class SearchSettings(StudySettings):
+    """Settings of studies that search: they keep what they evaluate, and go on where they stopped."""
+
     confirm: str | None = setting(
         "fine", "Accuracy at which finalists are walked again; null: the search's, under no other law."
     )
-    start: list[int] | None = setting(
-        None, "Heights of the sole that a search begins with, or of several in a row."
-    )
     finalists: int = setting(20, "How many of the best are walked again, and by other laws; a front whole.")
-    certify: bool | None = setting(
-        None, "Whether all soles near the best are walked; null: if they are fewer than the search walked."
-    )
     store: str | None = setting(None, "File of designs that runs may share; null: one in the folder.")
     reuse: bool = setting(False, "Whether to read what other code has walked from the store.")
-    feet: int = setting(40, "How many random soles are walked.")
-    quick: bool = setting(False, "Whether a first look is enough.")
-    cases: list[str] | None = setting(
-        None, "Names of the cases, or of what the paper leaves open; null: all."
-    )
-    methods: list[str] | None = setting(None, "Names of the steppers that are tried; null: all.")
-    shape_sand: str = setting("regular", "Sand on which the paper's five shapes walk.")
-    mount: str = setting("centre", "Where the shank meets a shape: its centre, or its top.")
-    peak_power: str = setting(
-        "stance", "When p_max is taken: stance, at any instant of it; single, while one foot stands."
-    )
-    speed_loss: str = setting(
-        "walk", "When dV_x is taken: walk, all of it; window, narrow: 1/4, 1/8 stride about strikes."
-    )
-    scenarios: str = setting("sands", "What one foot is for: sands, laws, or drawn about the scene.")
-    draws: int = setting(16, "How many scenarios are drawn.")
-    measure: str = setting(
-        default(RobustProblem, "measure"),
-        "What counts of the loss over the scenarios: worst, mean, or tail (of the worst share).",
-    )
-    tail: float = setting(default(RobustProblem, "tail"), "The share of study.measure=tail.")
-    spread: SpreadConfig = field(default_factory=SpreadConfig)
-    run: str | None = setting(None, "Folder of the run whose foot is meant.")
-    runs: list[str] = setting([], "Folders of the runs that are compared; * and ** as in a shell.")
-    video: str | None = setting(None, "Name of a film of the walk, .gif or .mp4; null: none.")
-    tests: str | None = setting(None, "File of tests with plates, from which zeta is found.")
+    reads = (*SCENE, *SPACE, "foot.shape", "foot.k", "accuracy", "objective", "solver", "engine")
 
 
 @dataclass
@@ -149,6 +133,7 @@ class SandConfig:
 
     name: str = setting(Sand.name, "For tables and legends.")
     zeta: float = setting(Sand.zeta, "Scale of the stress map on the Earth; 1 is the generic material.")
+    spread: float = setting(Spread.zeta, "What is not known of zeta: a standard deviation of its logarithm.")
     coefficients: CoefficientsConfig = setting(
         CoefficientsConfig, "In N/cm^3; Bm11, Cm11: the (-1, 1) terms."
     )
@@ -282,13 +267,6 @@ class EngineConfig:
 
 
 @dataclass
-class ExportConfig:
-    """What study=export writes beside the files for a workshop."""
-
-    mujoco: bool = setting(False, "Whether to write the foot as a body of MuJoCo, too.")
-
-
-@dataclass
 class Config:
     """All settings of a run, one group each; plugins are files or modules of the user's own."""
 
@@ -296,7 +274,7 @@ class Config:
         [], "Files (.py) or modules that register your effects, objectives, solvers, studies."
     )
     report: str = setting("full", "What a run leaves: full; light, without figures; none, numbers only.")
-    study: StudyConfig = field(default_factory=StudyConfig)
+    study: Any = field(default_factory=StudySettings)  # of the study that is chosen
     sand: SandConfig = field(default_factory=SandConfig)
     gait: GaitConfig = field(default_factory=GaitConfig)
     foot: FootConfig = field(default_factory=FootConfig)
@@ -312,7 +290,6 @@ class Config:
     )
     solver: SolverConfig = field(default_factory=SolverConfig)
     engine: EngineConfig = field(default_factory=EngineConfig)
-    export: ExportConfig = field(default_factory=ExportConfig)
 
 
 def everything() -> Config:
@@ -321,13 +298,31 @@ def everything() -> Config:
     return Config(effects=AllEffects(**effects))
 
 
-def known() -> list[str]:
-    """Full names of all settings, with those of effects that are not chosen."""
-    return [name for name, _ in leaves(everything())]
+def study_kinds() -> list[type[StudySettings]]:
+    """The settings of all studies, a class each."""
+    return [StudySettings, OwnSettings, *(kind for kind, _ in STUDIES.values())]
 
+
+def known() -> dict[str, Any]:
+    """Full names and defaults of all settings, with those of every effect and every study."""
+    study: dict[str, Any] = {}
+    for name, value in (leaf for kind in study_kinds() for leaf in leaves(kind(), "study.")):
+        study.setdefault(name, value)
+    found = [study if name == "study.name" else {name: value} for name, value in leaves(everything())]
+    return {name: value for part in found for name, value in part.items()}
+
+
+def structured(settings: Mapping[str, Any]) -> Any:
+    """Settings with their types, as OmegaConf has them: other names and kinds are refused."""
+    kind, _ = STUDIES.get(settings["study"]["name"], (OwnSettings, None))
+    return OmegaConf.merge(OmegaConf.structured(Config(study=kind())), settings)
+
+
+#: The setting that the choice of a group sets, where it is not its name.
+CHOICE = {"foot": "foot.shape", "objective": "objective.names", "planet": "walker.g", "effects": "effects"}
 
 #: Choices of groups that the library knows by name: what each sets. Those in conf/ join them.
-CHOICES: dict[str, dict[str, dict[str, Any]]] = {
+CHOICES: dict[str, dict[str, Any]] = {
     "sand": {name: {"name": name, "zeta": zeta} for name, zeta in MEDIA.items()},
     "foot": {name: {"shape": name} for name in SHAPES},
     "effects": {name: {name: {}} for name in EFFECTS},
@@ -335,6 +330,7 @@ CHOICES: dict[str, dict[str, dict[str, Any]]] = {
     "objective": {name: {"names": list(names)} for name, names in SETS.items()},
     "choose": {name: {"name": name} for name in WAYS},
     "solver": {name: {"name": name} for name in (AUTO, *SOLVERS) if name not in SEVERAL},
+    "study": {"own": OwnSettings},
 }
 
 #: Choices that change another group, too: a solver for several objectives searches the paper's five.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,11 +21,22 @@ from footopt.studies.auto_effects import choose_effects
 from footopt.studies.base import Answer, Study, answer, foot_entry, scene_entry, validity_entry
 from footopt.studies.build import make_space, make_strides
 from footopt.studies.runs import foot_of
+from footopt.studies.settings import SCENE, VIDEO, StudySettings, setting
 from footopt.studies.validation.model import model_error
 from footopt.walk import OBJECTIVES, Walk, simulate
 from footopt.walk.phases import stance
 from footopt.walk.resolution import error_of, resolution
 from footopt.walk.validity import diagnose
+
+
+@dataclass
+class Settings(StudySettings):
+    """Walk with one foot: foot.k, a shape, a drawing, that of a run, or else the flat sole."""
+
+    name: str = "simulate"
+    run: str | None = setting(None, "Folder of the run whose foot is meant, in whose world it walks.")
+    video: str | None = setting(None, VIDEO)
+    reads = (*SCENE, "foot", "accuracy", "objective.names")
 
 
 def run(study: Study) -> Answer:
@@ -57,7 +69,7 @@ def run(study: Study) -> Answer:
             "objectives": values,
             "flat": base,
             "error_estimate": errors,
-            "model_error": (model := model_error(walk, chosen.left_out, study.options.spread.zeta)),
+            "model_error": (model := model_error(walk, chosen.left_out, study.config.sand.spread)),
             **scene_entry(scene, walk.accuracy, names),
             **validity_entry(diagnostics),
             "notes": notes,

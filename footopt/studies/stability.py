@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import Any, NamedTuple
 
@@ -14,7 +14,7 @@ from footopt.errors import check
 from footopt.report import terminal
 from footopt.report.figures.stability import Cell, verdicts
 from footopt.studies.base import Study, foot_entry, scene_entry
-from footopt.studies.settings import Config
+from footopt.studies.settings import FIVE, OUTLINE, SCENE, SPACE, Config, StudySettings, setting
 from footopt.studies.stability_cases import CASES, Case, Setup
 from footopt.studies.stability_judges import LIMITS, Measure
 from footopt.walk import STEPPERS, Walk, simulate
@@ -43,6 +43,16 @@ EACH_CELL = (
     "Each cell: ok, or the measure furthest beyond its limit; and how often a stage was rescued (r) or the "
     "walk repeated with a shorter step (x). All the numbers: result.json."
 )
+
+
+@dataclass
+class Settings(StudySettings):
+    """Which stepper stays stable in which hard case; every case starts from the settings."""
+
+    name: str = "stability"
+    cases: list[str] | None = setting(None, "Names of the cases; null: all.")
+    methods: list[str] | None = setting(None, "Names of the steppers that are tried; null: all.")
+    reads = (*SCENE, *SPACE, *FIVE, *OUTLINE, "foot.shape", "foot.k", "accuracy")
 
 
 class Verdict(NamedTuple):
@@ -127,14 +137,12 @@ def chosen(config: Config) -> tuple[list[Case], list[str]]:
     """The cases and methods that the settings name; null is all."""
     cases = {case.name: case for case in CASES}
     named: dict[str, list[str]] = {}
-    for setting, known in (("cases", list(cases)), ("methods", list(METHODS))):
-        given = getattr(config.study, setting)
-        named[setting] = known if given is None else given
-        check(
-            bool(named[setting]), f"study.{setting}", given, f"null for all, or some of: {', '.join(known)}"
-        )
-        for word in named[setting]:
-            check(word in known, f"study.{setting}", word, f"one of: {', '.join(known)}")
+    for key, known in (("cases", list(cases)), ("methods", list(METHODS))):
+        given = getattr(config.study, key)
+        named[key] = known if given is None else given
+        check(bool(named[key]), f"study.{key}", given, f"null for all, or some of: {', '.join(known)}")
+        for word in named[key]:
+            check(word in known, f"study.{key}", word, f"one of: {', '.join(known)}")
     return [cases[name] for name in named["cases"]], named["methods"]
 
 

@@ -7,7 +7,7 @@ import shutil
 import pytest
 from running import folder_of, footopt
 
-from footopt.cli import job
+from footopt.cli import run as cli_run
 from footopt.files import identity
 
 JOBS = [0.2, 0.3, 0.5, 1.0]  # sand.zeta
@@ -42,7 +42,7 @@ def found(sweep):
 def halved(tmp_path_factory):
     """The folder of the same multirun, stopped before its third job."""
     cwd = tmp_path_factory.mktemp("halved")
-    run, count = job.studies.run, 0
+    run, count = cli_run.studies.run, 0
 
     def stop(*of):
         nonlocal count
@@ -52,7 +52,7 @@ def halved(tmp_path_factory):
         return run(*of)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("footopt.cli.job.studies.run", stop)
+        patch.setattr("footopt.cli.run.studies.run", stop)
         done = footopt(*SWEEP, "hydra.sweep.dir=sweep", cwd=cwd)
     assert done.returncode == 130
     assert len(list(cwd.glob("sweep/*/result.json"))) == 2
@@ -110,7 +110,7 @@ def test_a_job_that_cannot_be_is_written_down_and_so_are_those_after_it(whole, t
     def killed(*of, **options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("footopt.cli.main.walk", killed)
+    monkeypatch.setattr("footopt.cli.main.execute", killed)
     words = [*SWEEP[:4], f"study.run=missing,{whole / '0'},{whole / '1'}", "hydra.sweep.dir=sweep"]
     words += ["hydra.sweep.subdir=job_${hydra.job.num}"]  # no number, by which a job would be known
     assert footopt(*words, cwd=tmp_path).returncode == 130

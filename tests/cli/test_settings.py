@@ -17,15 +17,15 @@ from running import composed, tries
 
 import footopt as fo
 from footopt import studies
-from footopt.cli.compose import CONF, groups, read
+from footopt.cli.compose import CONF, groups, hydra_words
 from footopt.cli.messages import explain
 from footopt.design import Solver, make_executor
 from footopt.effects import EFFECTS
 from footopt.errors import FootoptError, SettingError
 from footopt.sand import MEDIA
-from footopt.studies import build
+from footopt.studies import build, read_by
 from footopt.studies.robust import make_scenarios
-from footopt.studies.settings import SEARCHES, Config, known
+from footopt.studies.settings import Config, known
 from footopt.walk import PRESETS
 from footopt.walk.accuracy import MARGIN, measured_settings, work
 
@@ -49,9 +49,9 @@ def test_settings_that_come_back_from_another_process_leave_those_here_as_they_a
 
 
 def test_infinity_is_what_the_pages_and_the_messages_say():
-    assert composed(*read(["foot.box_tolerance=.inf"])).foot.box_tolerance == math.inf
-    assert read(["foot.box_tolerance=0.05,.inf"]) == ["foot.box_tolerance=0.05,inf"]
-    assert read(["sand.name=my.inf"]) == ["sand.name=my.inf"]
+    assert composed(*hydra_words(["foot.box_tolerance=.inf"])).foot.box_tolerance == math.inf
+    assert hydra_words(["foot.box_tolerance=0.05,.inf"]) == ["foot.box_tolerance=0.05,inf"]
+    assert hydra_words(["sand.name=my.inf"]) == ["sand.name=my.inf"]
 
 
 class TestDefaults:
@@ -60,9 +60,9 @@ class TestDefaults:
         assert build.make_scene(config) == fo.Scene()
         assert build.make_space(config.foot) == fo.Waypoints()
         assert build.make_accuracy(config.accuracy) == fo.Accuracy.named("standard")
-        assert build.make_spread(config) == fo.Spread()
+        assert build.make_spread(composed("study=robust")) == fo.Spread()
         assert Solver(**vars(config.solver)) == Solver()
-        assert set(groups()["study"]) == set(studies.STUDIES)
+        assert set(groups()["study"]) == {*studies.STUDIES, "own"}
         assert {*EFFECTS} < {*groups()["effects"]}
         assert {*PRESETS} < {*groups()["accuracy"]}
         assert {*MEDIA} < {*groups()["sand"]}
@@ -96,7 +96,7 @@ class TestDefaults:
                 assert build.make_accuracy(config.accuracy) == PRESETS[name]
             if group == "sand" and name in MEDIA:
                 assert build.make_sand(config.sand) == fo.Sand.named(name)
-            if group in ("study", "sand", "gait", "scene", "accuracy", "solver"):
+            if group in ("study", "sand", "gait", "scene", "accuracy", "solver") and name != "own":
                 assert getattr(config, group).name == name
         if not {"gait=file", "effects=auto"} & {*row}:
             build.make_scene(config)
@@ -167,8 +167,10 @@ WITH = {
     **{f"effects.{effect}.": [f"effects={effect}"] for effect in EFFECTS},
     "foot.length": ["foot=ellipse"], "foot.apex": ["foot=reversed_triangle"], "foot.upright": ["foot=reversed_l"],
     "sand.": ["sand=custom"], "gait.path": ["gait=file"], "foot.path": ["foot=outline"],
-    "study.tail": ["study=robust"], "study.draws": ["study=robust", "study.scenarios=drawn"],
-    "study.spread": ["study=robust", "study.scenarios=drawn"],
+    "study.draws": ["study.scenarios=drawn"], "study.spread.": ["study.scenarios=drawn"],
+    **{f"{name}=": [f"study={read_by(name).split(', ')[-1]}"] for name in known()
+       if name.startswith("study.") and read_by(name) and name not in ("study.name", "study.run")},
+    "study.run=": ["study=export"],
 }  # fmt: skip
 ABSURD = (
     "0", "-1", "1e-300", "1e300", "10" * 40, "nan", ".inf", "-.inf", "null", "true", "", "''", "x", "'<script>'", "'\\n'",
@@ -196,8 +198,10 @@ def used(*overrides):
     )
     config = composed("accuracy=draft", *words, *overrides)
     study, engine = config.study, config.engine
-    build.check_lists(config)
-    if study.name not in studies.STUDIES or (engine.name != "local" and study.name not in SEARCHES):
+    build.check_values(config)
+    if study.name not in studies.STUDIES or (
+        engine.name != "local" and study.name not in ("optimize", "robust")
+    ):
         studies.run(config, None, {})
     scene, accuracy = build.make_scene(config), build.make_accuracy(config.accuracy)
     foot = build.make_foot(config.foot)
@@ -230,7 +234,7 @@ def told(*words):
 
 @pytest.mark.slow
 @settings(max_examples=tries(20), suppress_health_check=list(HealthCheck))
-@given(st.sampled_from(known()), ANY_VALUE)
+@given(st.sampled_from([*known()]), ANY_VALUE)
 def test_any_value_of_any_setting_is_used_or_refused_by_its_name(name, value):
     said = told(f"{name}={value}")
     assert not said or any(part in said for part in (name, name.rpartition(".")[2], name.partition(".")[0]))
@@ -246,7 +250,7 @@ HUGE = [
     ("simulate", "accuracy.dt=1e-8"), ("simulate", "accuracy.plates=1000000000"),
     ("simulate", "scene.t_f=1e6"), ("simulate", "gait.period=1e6"), ("simulate", "foot.n=1000000"),
     ("optimize", "foot.K=1000000000000"), ("optimize", "engine.threads=1000000000"),
-    ("paper", "foot.length=1e9"), ("robust", "study.spread.zeta=1e9"),
+    ("paper", "foot.length=1e9"), ("robust", "study.spread.zeta=1e9"), ("simulate", "sand.spread=2"),
 ]  # fmt: skip
 
 
@@ -260,7 +264,7 @@ def test_what_would_take_years_or_all_memory_is_refused_at_once(study, word, tmp
     assert not list(tmp_path.glob("*.json"))
 
 
-@pytest.mark.parametrize("word", ["study.spread.zeta=nan", "foot.length=nan", "foot.block=[nan]"])
+@pytest.mark.parametrize("word", ["foot.length=nan", "foot.block=[nan]"])
 def test_a_number_that_is_none_is_refused_where_nothing_reads_it_too(word, tmp_path):
     with pytest.raises(SettingError, match=rf"{word.partition('=')[0]} = "):
         studies.run(composed("study=doctor", word), tmp_path, {})

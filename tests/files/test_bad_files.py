@@ -17,7 +17,7 @@ from running import footopt, tries
 from shapely import LineString
 
 import footopt as fo
-from footopt.cli.resume import resume
+from footopt.cli.run import resume
 from footopt.design import FootProblem, Store
 from footopt.errors import FileError, FootoptError, SettingError
 from footopt.files import identity

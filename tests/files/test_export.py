@@ -23,8 +23,9 @@ from footopt.files.outline import WALL, body_outline, closed_contour
 from footopt.files.soles import lines_of
 from footopt.foot import SHAPES
 from footopt.report import figures
+from footopt.studies import export as study
 from footopt.studies.runs import foot_of
-from footopt.studies.settings import Config, FootConfig, StudyConfig
+from footopt.studies.settings import Config, FootConfig
 
 heights = st.lists(st.integers(1, 10), min_size=4, max_size=15)
 WRITTEN = [end for end in FORMATS if end != "step" or find_spec("OCP")]
@@ -164,7 +165,7 @@ class TestStudy:
         exported.mkdir()
         result = {"design": {"k": [4] * 11, "name": "flat"}, "settings": {"foot": asdict(FootConfig())}}
         (run / "result.json").write_text(json.dumps(result))
-        config = Config(study=StudyConfig(name="export", run=str(run)), foot=FootConfig(block=[0.06, 0.02]))
+        config = Config(study=study.Settings(run=str(run)), foot=FootConfig(block=[0.06, 0.02]))
         studies.run(config, exported, {})
         check_page(exported)
         page = data_of(exported)

@@ -1,4 +1,4 @@
-"""`export.mujoco=true`: what it writes is the foot, and its script runs as it is."""
+"""`study.mujoco=true`: what it writes is the foot, and its script runs as it is."""
 
 import json
 import runpy
@@ -7,7 +7,8 @@ from dataclasses import asdict
 import pytest
 
 from footopt import studies
-from footopt.studies.settings import Config, ExportConfig, FootConfig, StudyConfig
+from footopt.studies import export
+from footopt.studies.settings import Config, FootConfig
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -22,9 +23,8 @@ def test_a_run_becomes_a_body_with_its_ankle_and_a_script_that_drops_it(tmp_path
     (run / "result.json").write_text(json.dumps({"design": design, "settings": {"foot": asdict(saved)}}))
     config = Config(
         report="none",
-        study=StudyConfig(name="export", run=str(run)),
+        study=export.Settings(run=str(run), mujoco=True),
         foot=FootConfig(),
-        export=ExportConfig(mujoco=True),
     )
     studies.run(config, exported, {})
     assert {"foot.xml", "drop.py"} <= set(json.loads((exported / "result.json").read_text())["files"])

@@ -122,12 +122,12 @@ def test_the_study_leaves_a_sand_that_runs_use(tmp_path):
     assert done.returncode == 0, done.stderr
     assert "does not grow linearly" in done.stdout
     file = yaml.safe_load((tmp_path / "found" / "sand" / "my_beach.yaml").read_text())
-    assert file["sand"]["zeta"] == pytest.approx(0.94, rel=0.15)
+    assert file["zeta"] == pytest.approx(0.94, rel=0.15)
     used = footopt(
         "--config-dir", "found", "study=simulate", "sand=my_beach", "accuracy=draft", "report=none",
         "hydra.run.dir=walk", cwd=tmp_path,
     )  # fmt: skip
     assert used.returncode == 0, used.stderr
     run = fo.load(tmp_path / "walk")
-    assert run.scene.sand.zeta == pytest.approx(file["sand"]["zeta"])
-    assert run.config.study.spread.zeta == pytest.approx(file["study"]["spread"]["zeta"])
+    assert run.scene.sand.zeta == pytest.approx(file["zeta"])
+    assert run.config.sand.spread == pytest.approx(file["spread"])

@@ -10,8 +10,8 @@ import footopt as fo
 from footopt.errors import FileError, SettingError
 from footopt.files import identity
 from footopt.studies import run
-from footopt.studies.compare import run_folders
-from footopt.studies.settings import Config, StudyConfig
+from footopt.studies.compare import Settings, run_folders
+from footopt.studies.settings import Config
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +37,7 @@ def runs(tmp_path, walks):
 
 def compare(folder, *patterns):
     folder.mkdir()
-    run(Config(study=StudyConfig(name="compare", runs=list(patterns))), folder, {})
+    run(Config(study=Settings(runs=list(patterns))), folder, {})
 
 
 def test_a_table_a_file_and_a_page(runs, capsys):

@@ -11,14 +11,14 @@ import footopt as fo
 from footopt import studies
 from footopt.errors import FootoptError
 from footopt.studies import doctor
-from footopt.studies.settings import Config, StudyConfig
+from footopt.studies.settings import Config
 from footopt.walk.reference import LIMITS, PUBLISHED, RAMP
 
 ROOT = Path(fo.__file__).parent.parent
 
 
 def examine(folder):
-    studies.run(Config(study=StudyConfig(name="doctor")), folder, {})
+    studies.run(Config(study=doctor.Settings()), folder, {})
 
 
 def test_the_readme_says_what_the_walk_is_held_to():

@@ -10,18 +10,25 @@ from footopt import studies
 from footopt.errors import SettingError
 
 PLUGIN = """
+from dataclasses import dataclass
+
 from footopt.report import figures, terminal
-from footopt.studies import STUDIES
+from footopt.studies import STUDIES, StudySettings
 
 
 def run(study):
     study.save("contour", figures.contour(study.foot), "The sole.")
     table = terminal.table(("hollow (mm)",))
-    table.add_row(f"{1e3 * study.foot.hollow:.1f}")
+    table.add_row(f"{study.options.times * study.foot.hollow:.1f}")
     study.conclude("A sole", [table], {"hollow": study.foot.hollow}, said=["It is hollow."])
 
 
-STUDIES["hollow"] = run
+@dataclass
+class Settings(StudySettings):
+    times: float = 1e3
+
+
+STUDIES["hollow"] = Settings, run
 """
 MADE = ("versions", "commit", "machine", "wall_time_s", "wall_time_covers")  # how a result was
 
@@ -33,8 +40,9 @@ def test_it_is_found_by_its_name(tmp_path, capsys, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
     words = ("foot.k=[5,8,9,8,5,4,4,2,2,3,4]", f"plugins=[{tmp_path / 'hollow_study.py'}]")
     with pytest.raises(SettingError, match=r"study\.name = 'hollow': must be one of optimize"):
-        studies.run(composed("study.name=hollow"), tmp_path, {})
-    studies.run(composed("study.name=hollow", *words), tmp_path, {"any": 1})
+        studies.run(composed("study=own", "study.name=hollow"), tmp_path, {})
+    own = composed("study=own", "study.name=hollow", "study.own={times: 2e3}", *words)
+    studies.run(own, tmp_path, {"any": 1})
     check_page(tmp_path)
     result = json.loads((tmp_path / "result.json").read_text())
     assert list(result) == ["study", "hollow", "settings", *MADE]

@@ -20,7 +20,7 @@ from footopt.studies.build import make_effects
 from footopt.studies.paper import run, study, walks
 from footopt.studies.paper.claims import CLAIMS
 from footopt.studies.paper.study import VERDICTS, judge
-from footopt.studies.paper.walks import CHOICES, changes, evidence, make_shapes
+from footopt.studies.paper.walks import CHOICES, Settings, changes, evidence, make_shapes
 from footopt.studies.settings import Config
 
 REFERENCE = Path(__file__).parents[2] / "outputs/reference/paper"
@@ -29,7 +29,7 @@ SMALL = {"study__confirm": "draft", "accuracy__name": "draft", "solver__pop_size
 
 class TestChoices:
     def test_one_at_a_time_is_made_otherwise_than_the_settings(self):
-        default = dict(changes(Config()))
+        default = dict(changes(Config(study=Settings())))
         assert len(default) == sum(len(words.split()) - 1 for words in CHOICES.values())
         own = dict(changes(config(foot__width=0.05, study__cases=["foot.width", "effects"])))
         assert list(own) == ["foot.width=0.1", "foot.width=0.15", "effects=leading_edge", "effects=shadowing"]

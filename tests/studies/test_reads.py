@@ -3,10 +3,11 @@
 from copy import deepcopy
 
 import pytest
+from hydra.errors import ConfigCompositionException
 from running import composed
 
 from footopt.errors import SettingError
-from footopt.studies import FEET, READS, STUDIES, build, check_read
+from footopt.studies import FEET, STUDIES, build, check_read
 from footopt.studies.settings import known
 
 #: Other values of settings that are no numbers.
@@ -20,7 +21,7 @@ OTHER = {
 }  # fmt: skip
 #: Read where this test does not look: how a run is made, what it leaves, what it returns, files.
 ELSEWHERE = ("study.", "plugins", "report", "engine.", "objective.", "foot.block", "foot.shape", "foot.path",
-             "foot.box_tolerance", "sand.table", "gait.path", "gait.name", "scene.name",
+             "sand.spread", "foot.box_tolerance", "sand.table", "gait.path", "gait.name", "scene.name",
              "effects.", "constraint.")  # fmt: skip
 
 
@@ -68,15 +69,14 @@ def test_of_a_walk_every_setting_counts_or_is_refused(shape):
 
 def test_every_study_says_what_it_reads_of_settings_that_there_are():
     names = known()
-    assert set(READS) == set(STUDIES)
-    for study, reads in READS.items():
-        for read in reads:
+    for study, (settings, _) in STUDIES.items():
+        for read in settings.reads:
             assert any(name == read or name.startswith(f"{read}.") for name in names), (study, read)
 
 
-def test_the_spread_of_zeta_is_read_where_a_model_error_is_shown_and_no_other_spread_is():
-    for study in ("optimize", "simulate", "accuracy", "robust"):
-        config = composed(f"study={study}")
-        check_read(config, ["study.spread.zeta=0.1"])
-        with pytest.raises(SettingError, match=r"study\.spread\.mass = 0\.1: must be left out"):
-            check_read(config, ["study.spread.mass=0.1"])
+def test_only_drawn_scenarios_read_how_far_they_lie_apart():
+    check_read(composed("study=robust", "study.scenarios=drawn"), ["study.spread.mass=0.1"])
+    with pytest.raises(SettingError, match=r"study\.spread\.mass = 0\.1: must be left out"):
+        check_read(composed("study=robust"), ["study.spread.mass=0.1"])
+    with pytest.raises(ConfigCompositionException, match=r"study\.spread\.mass"):
+        composed("study=simulate", "study.spread.mass=0.1")

@@ -98,9 +98,9 @@ class TestStudy:
 
     def test_an_unknown_case_or_stepper_is_refused(self):
         for setting, value in (("cases", ["flying"]), ("methods", ["leapfrog"]), ("cases", [])):
-            config = Config()
+            config = Config(study=stability.Settings())
             setattr(config.study, setting, value)
             with pytest.raises(SettingError, match=rf"study\.{setting} = "):
                 stability.chosen(config)
-        cases, methods = stability.chosen(Config())
+        cases, methods = stability.chosen(Config(study=stability.Settings()))
         assert (cases, methods) == (list(CASES), list(stability.METHODS))

@@ -19,7 +19,7 @@ from footopt.files.tasks import Tasks
 from footopt.foot import SHAPES, Foot, lower_hull
 from footopt.sand import Sand
 from footopt.studies.build import make_accuracy, make_foot, make_scene, make_space
-from footopt.studies.settings import Config, StudyConfig
+from footopt.studies.settings import FIVE, SPACE, WORLD, Config, StudySettings, setting
 from footopt.walk import OBJECTIVES, Accuracy, Walk, simulate
 from footopt.walk.objectives import SLOW
 
@@ -53,24 +53,44 @@ CHOICES = {
 }
 
 
-def changed(config: Config, setting: str, value: Any) -> Config:
-    """Return the configuration with one setting changed, or one more effect; the one given is left alone."""
-    if setting == "effects":
-        setting, value = f"effects.{value}", EFFECTS[value]()
-    group, name = setting.split(".")
+@dataclass
+class Settings(StudySettings):
+    """The paper's study from nothing: its figures, and its claims judged one by one."""
+
+    name: str = "paper"
+    cases: list[str] | None = setting(
+        None, "Names of what the paper leaves open, such as foot.apex; null: all; []: none."
+    )
+    shape_sand: str = setting("regular", "Sand on which the paper's five shapes walk.")
+    mount: str = setting("centre", "Where the shank meets a shape: its centre, or its top.")
+    peak_power: str = setting(
+        "stance", "When p_max is taken: stance, at any instant of it; single, while one foot stands."
+    )
+    speed_loss: str = setting(
+        "walk", "When dV_x is taken: walk, all of it; window, narrow: 1/4, 1/8 stride about strikes."
+    )
+    confirm: str | None = setting("fine", "Accuracy of the walks that claims are measured on.")
+    reads = (*WORLD, *SPACE, *FIVE, "foot.shape", "foot.k", "accuracy", "solver")
+
+
+def changed(config: Config, name_: str, value: Any) -> Config:
+    """Return the configuration with one name_ changed, or one more effect; the one given is left alone."""
+    if name_ == "effects":
+        name_, value = f"effects.{value}", EFFECTS[value]()
+    group, name = name_.split(".")
     part = replace(getattr(config, group), **{name: value})
     return replace(config, **{group: part})
 
 
 def changes(config: Config) -> Iterator[tuple[str, Config]]:
-    """Yield the configuration with each open choice made otherwise, one at a time, as "setting=level"."""
-    for setting in CHOICES if config.study.cases is None else config.study.cases:
-        check(setting in CHOICES, "study.cases", setting, f"some of {', '.join(CHOICES)}")
-        group, _, name = setting.partition(".")
+    """Yield the configuration with each open choice made otherwise, one at a time, as "choice=level"."""
+    for choice in CHOICES if config.study.cases is None else config.study.cases:
+        check(choice in CHOICES, "study.cases", choice, f"some of {', '.join(CHOICES)}")
+        group, _, name = choice.partition(".")
         own = getattr(getattr(config, group), name) if name else None
-        for word in CHOICES[setting].split():
+        for word in CHOICES[choice].split():
             if (level := yaml.safe_load(word)) != own:
-                yield f"{setting}={word}", changed(config, setting, level)
+                yield f"{choice}={word}", changed(config, choice, level)
 
 
 class Readings(NamedTuple):
@@ -86,7 +106,7 @@ class Readings(NamedTuple):
     speed_loss: str = "walk"
 
     @classmethod
-    def of(cls, config: StudyConfig) -> Readings:
+    def of(cls, config: Settings) -> Readings:
         """Return the readings that the settings name."""
         for name, allowed in (("peak_power", ("stance", "single")), ("speed_loss", SPEED_LOSS)):
             value = getattr(config, name)
