@@ -1,4 +1,4 @@
-"""A solver of your own: hill climbing with random restarts, as many climbers as `pop_size`.
+"""A solver of your own: hill climbing with random restarts, as many climbers as designs in a generation.
 
 A climber tries one waypoint a step up or down and keeps what is better; after 30 misses it starts anew.
 """
@@ -34,7 +34,7 @@ class HillClimbing(Algorithm):
 
 def hill_climbing(solver, n_obj):
     algorithm = HillClimbing()
-    algorithm.climbers = solver.pop_size
+    algorithm.climbers = solver.size
     return algorithm
 
 

@@ -83,6 +83,7 @@ class TestPlugins:
     def test_a_solver_joins_those_of_one_objective(self):
         load_plugins([str(CUSTOM / "solver.py")])
         problem = fo.FootProblem(space=fo.Waypoints(n=5), accuracy="draft")
+        assert len(fo.search(problem, "hill_climbing", walks=100, seed=2).k) <= 100  # at its default size
         results = [fo.search(problem, "hill_climbing", pop_size=20, n_gen=6, seed=2) for _ in range(2)]
         np.testing.assert_array_equal(results[0].k, results[1].k)
         first = results[0].values[results[0].generation == 1][:, problem.record.index("efficiency")]

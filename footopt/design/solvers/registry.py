@@ -159,7 +159,7 @@ def register(build: Callable[[Solver, int], Any], single: bool = False) -> Calla
     Parameters
     ----------
     build : callable
-        From a `Solver` (pop_size, seed, ...) and the number of objectives to the algorithm. Designs are
+        From a `Solver` (size, seed, ...) and the number of objectives to the algorithm. Designs are
         whole numbers: what the algorithm asks for is rounded.
     single : bool
         Whether it is for one objective, or for several.
