@@ -1,17 +1,18 @@
 """An effect of one's own: a file, and nothing else."""
 
 import importlib.util
-import os
-import subprocess
 import sys
 
 import numpy as np
 import pytest
 from every_effect import DOWN, LAYERS
 from feet_in_sand import blade, force
+from numba.core.caching import NullCache
 
 from footopt.effects import laws
 from footopt.errors import SettingError
+from footopt.walk.loop import compiled
+from footopt.walk.steppers import STEPPERS
 
 OWN = """
 from dataclasses import dataclass
@@ -61,23 +62,12 @@ class TestAnEffectOfOnesOwn:
         added = force(*state, LAYERS, own.Damp(), z=-0.03) - force(*state, LAYERS, z=-0.03)
         np.testing.assert_allclose(added, [0.0, 2000.0 * speed * 0.016**2], rtol=1e-9, atol=1e-12)
 
-    @pytest.mark.slow
-    def test_that_was_edited_is_compiled_again(self, tmp_path):
-        """Compiled code on disk never outlives the hook that it was compiled from."""
-        environment = os.environ | {"PYTHONPATH": str(tmp_path)}
-        code = "import own_effect as o, footopt as fo; s = fo.Scene(effects=(o.Damp(),), t_f=1.2)\n"
-        code += "print(fo.simulate(fo.Foot.flat(), s, 'draft').totals['work'])"
-        found = []
-        for factor in ("1.0", "3.0"):
-            (tmp_path / "own_effect.py").write_text(OWN.replace("1.0", factor))
-            run = [sys.executable, "-B", "-c", code]
-            done = subprocess.run(run, env=environment, capture_output=True, check=True, text=True)
-            found.append(float(done.stdout))
-        assert found[0] != found[1]
-        # ... and is no trap for a process that does not know the effect
-        code = "import footopt as fo; print(fo.simulate(fo.Foot.flat(), fo.Scene(t_f=1.2), 'draft').reason)"
-        run, alone = [sys.executable, "-c", code], environment | {"PYTHONPATH": ""}
-        assert subprocess.run(run, env=alone, capture_output=True, check=True).stdout.strip() == b""
+    def test_is_never_kept_on_disk(self, own):
+        """Compiled code there cannot outlive an effect that was edited, nor reach a process without it."""
+        stepper = STEPPERS["sdirk2"].parameters
+        kept, not_kept = compiled(stepper), compiled(stepper, [own.Damp().law])
+        assert isinstance(not_kept._cache, NullCache)
+        assert not isinstance(kept._cache, NullCache)
 
     def test_a_law_without_hooks_is_refused(self, own):
         class Loose(own.Damp):
