@@ -28,11 +28,19 @@ EFFECTS = {
     "leading edge": (fo.LeadingEdge(),),
     "inertia": (fo.Inertia(),),
     "slope": (fo.Slope(),),
-    "all": (fo.Layers(), fo.Patches(), fo.LeadingEdge(), fo.Inertia(), fo.Slope()),
+    "all": (  # as many interfaces and patches as in `every_effect`: another number is compiled again
+        fo.Layers((0.02, 0.05), (0.6, 1.5)),
+        fo.Patches((0.35, 1.2), (0.95, 1.6), (0.7, 1.5)),
+        fo.LeadingEdge(),
+        fo.Inertia(),
+        fo.Slope(),
+        fo.Shadowing(),
+    ),
 }
 #: Effects that are walked in three sands, at two presets, by fewer feet.
 FEWER = {"rest": (fo.Rest(),), "shadowing": (fo.Shadowing(),)}
-#: Sands differ in numbers, effects in code: one effect is walked in the first three sands, these in all.
+#: Sands differ in numbers, effects in code, and so does reference, which controls no step. So one effect is
+#: walked in the first three sands and not at reference, these in all sands, at reference in the first three.
 EVERYWHERE = ("plain", "all")
 #: How many of the 200 feet walk at each preset: the finer, the fewer.
 FEET = {"draft": 200, "standard": 200, "fine": 40, "reference": 2}
@@ -58,10 +66,11 @@ def cases():
     for sand in SANDS:
         scene = fo.Scene(sand=fo.Sand.named(sand))
         for effects, chosen in EFFECTS.items():
-            if sand not in SANDS[:3] and effects not in EVERYWHERE:
-                continue
             for preset, count in FEET.items():
-                if preset == "reference" and sand not in SANDS[:3]:
+                few = effects not in EVERYWHERE
+                if (few and preset == "reference") or (
+                    sand not in SANDS[:3] and (few or preset == "reference")
+                ):
                     continue
                 yield f"{sand}, {effects}, {preset}", feet[:count], replace(scene, effects=chosen), preset
     for sand in SANDS[:3]:
