@@ -9,8 +9,8 @@ import pytest
 import footopt as fo
 from footopt.errors import SettingError
 from footopt.report import figures
-from footopt.report.figures import fronts, paper
-from footopt.report.figures.fronts import Fronts
+from footopt.report.figures import paper
+from footopt.report.summary import Fronts
 from footopt.walk.objectives import FIVE, OBJECTIVES
 
 HOLLOW = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)
@@ -298,7 +298,7 @@ def test_fronts_of_seeds_share_a_colour_and_say_their_hypervolume():
     values = [np.array([[1.0, 3.0], [2.0, 4.0]]), np.array([[1.0, 2.0], [2.0, 3.0]])]
     found = Fronts(("distance", "work"), [0, 1, 2], ["ga", "ga", "de"], [*values, values[0]],
                    [0.5, 0.7, 0.9])  # fmt: skip
-    axes = fronts.fronts(found).axes[0]
+    axes = found.figure().axes[0]
     points, _ = axes.get_lines()
     np.testing.assert_array_equal(points.get_xydata(), np.concatenate(values))
     assert {"ga: 2 seeds, hypervolume 60 %", "de: hypervolume 90 %"} <= set(texts(axes.figure))
