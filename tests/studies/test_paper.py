@@ -12,7 +12,6 @@ from study_pages import check_page
 
 import footopt as fo
 from footopt.errors import SettingError
-from footopt.files.tasks import Tasks
 from footopt.foot import SHAPES
 from footopt.report.figures.paper import CAPTIONS
 from footopt.studies.base import Study
@@ -41,7 +40,7 @@ class TestChoices:
     @pytest.mark.slow
     def test_every_choice_moves_the_walks(self):
         """Shapes or best feet, as they are read, differ from those at the settings."""
-        done = Tasks()
+        done = {}
 
         def numbers(settings):
             found = evidence(settings, done)
@@ -110,11 +109,6 @@ def test_the_study_leaves_figures_claims_and_a_page_and_searches_nothing_twice(t
     assert f"{len(CLAIMS)} claims" in capsys.readouterr().out
     check_page(tmp_path)
     assert len(searched) == 6  # how the triangle stands does not move the best feet
-    with open(tmp_path / "tasks.jsonl", "a") as file:
-        file.write("\n[[")  # torn by a kill
-    run(Study(replace(settings, report="none"), tmp_path, {}))
-    assert len(searched) == 6
-    assert json.loads((tmp_path / "result.json").read_text())["claims"] == found["claims"]
 
 
 def test_a_search_without_a_feasible_foot_leaves_its_claims_undecided(tmp_path, monkeypatch):
@@ -142,4 +136,4 @@ def test_bad_settings_are_refused_before_anything_is_searched(settings, name, tm
     with pytest.raises(SettingError) as error:
         run(Study(config(**settings), tmp_path, {}))
     assert error.value.setting == name
-    assert not (tmp_path / "tasks.jsonl").exists()
+    assert not list(tmp_path.iterdir())

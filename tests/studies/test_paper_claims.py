@@ -4,6 +4,7 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from footopt.design import Solver, search
 from footopt.foot import SHAPES
 from footopt.studies.paper import claims, walks
 from footopt.studies.paper.claims import CLAIMS, LIMITS, MEASURES, measure
-from footopt.studies.paper.walks import SANDS, Readings, read, switch_losses
+from footopt.studies.paper.walks import SANDS, Settings, objective, read, switch_losses
 
 STORED = json.loads((Path(__file__).parents[2] / "outputs/reference/paper/claims.json").read_text())
 
@@ -25,7 +26,13 @@ def scene(sand):
 
 def walked(settings, feet):
     """The study's evidence with feet that are given, not searched."""
-    return walks.evidence(settings, lambda task, search: list(feet[task[0]]))
+
+    def search(problem, solver):
+        return SimpleNamespace(foot=SimpleNamespace(k=feet[problem.scene.sand.name]))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(walks, "search", search)
+        return walks.evidence(settings, {})
 
 
 @pytest.fixture(scope="module")
@@ -47,18 +54,18 @@ def failed():
 
 class TestReadings:
     def test_the_library_s_own_change_nothing_and_narrower_ones_find_less(self, walk):
-        assert read(walk, Readings()).objectives == walk.objectives
-        losses = [read(walk, Readings(speed_loss=name)).objectives["speed_loss"] for name in walks.SPEED_LOSS]
+        assert read(walk, Settings()).objectives == walk.objectives
+        losses = [read(walk, Settings(speed_loss=name)).objectives["speed_loss"] for name in walks.SPEED_LOSS]
         assert losses == sorted(losses, reverse=True)
         assert losses[-1] > 0.0
-        single = read(walk, Readings(peak_power="single")).objectives["peak_power"]
+        single = read(walk, Settings(peak_power="single")).objectives["peak_power"]
         assert 0.0 < single <= walk.objectives["peak_power"]
 
     @pytest.mark.parametrize("name", walks.SPEED_LOSS)
     def test_a_fall_at_a_switch_is_found_there_and_nowhere_else(self, walk, name):
         velocity = np.ones_like(walk.velocity)
         velocity[walk.t > 1.7] = 0.7
-        losses = switch_losses(replace(walk, velocity=velocity), Readings(speed_loss=name))
+        losses = switch_losses(replace(walk, velocity=velocity), name)
         np.testing.assert_allclose(losses, [0.0, 0.3, 0.0], atol=1e-12)
 
     def test_power_while_both_feet_stand_does_not_count_in_single_stance(self, walk):
@@ -68,14 +75,16 @@ class TestReadings:
         assert walks.single_stance_power(replace(walk, power=power)) == walks.single_stance_power(walk)
 
     def test_a_failed_walk_has_no_readings(self, failed):
-        assert math.isnan(read(failed, Readings("single", "window")).objectives["efficiency"])
-        assert np.isnan(switch_losses(failed, Readings())).all()
+        assert math.isnan(
+            read(failed, Settings(peak_power="single", speed_loss="window")).objectives["efficiency"]
+        )
+        assert np.isnan(switch_losses(failed, "walk")).all()
 
-    @pytest.mark.parametrize("chosen", [Readings(), Readings("single", "narrow")])
+    @pytest.mark.parametrize("chosen", [Settings(), Settings(peak_power="single", speed_loss="narrow")])
     def test_a_search_ranks_by_what_is_read(self, chosen):
-        problem = fo.FootProblem(scene("hard"), chosen.objective(), accuracy="draft")
+        problem = fo.FootProblem(scene("hard"), objective(chosen), accuracy="draft")
         result = search(problem, Solver("ga", pop_size=8, n_gen=1, seed=1))
-        for k, j in zip(result.k, result.column(chosen.objective()), strict=True):
+        for k, j in zip(result.k, result.column(objective(chosen)), strict=True):
             walk = fo.simulate(fo.Foot.from_waypoints(k), scene("hard"), "draft")
             assert j == pytest.approx(read(walk, chosen).objectives["efficiency"], rel=1e-12)
 
@@ -171,9 +180,8 @@ class TestQuantities:
             assert claims.inward_turn(foot) == pytest.approx(0.0, abs=1e-6)
         assert claims.inward_turn(fo.Foot.from_waypoints(HOLLOW)) > 10.0
 
-    def test_a_filled_foot_is_the_hull_and_has_no_hollow(self):
-        foot = fo.Foot.from_waypoints(HOLLOW)
-        full = walks.filled(foot)
+    def test_a_filled_foot_is_the_hull_and_has_no_hollow(self, evidence):
+        foot, full = fo.Foot.from_waypoints(HOLLOW), evidence.filled.foot
         assert foot.hollow > 0.003
         assert full.hollow == pytest.approx(0.0, abs=1e-12)
         z = np.interp(foot.contour[:, 0], *full.contour.T)

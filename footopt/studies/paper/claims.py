@@ -37,35 +37,35 @@ LIMITS = {
 
 
 def mean(walk: Walk, trace: Array) -> float:
-    """Return the mean over time of a trace, (T,)."""
+    """The mean over time of a trace, (T,)."""
     late = walk.t >= walk.scene.gait.heel_strike
     t = walk.t[late]
     return float(np.trapezoid(trace[late], t) / (t[-1] - t[0]))
 
 
 def mean_drag(walk: Walk, way: int) -> float:
-    """Return the mean over time of the forward (1) or backward (-1) part of both feet's f_x, N."""
+    """The mean over time of the forward (1) or backward (-1) part of both feet's f_x, N."""
     return mean(walk, np.maximum(way * walk.force[..., 0], 0.0).sum(axis=1))
 
 
 def peak_drag(walk: Walk, way: int) -> float:
-    """Return the largest f_x of one foot, forwards (1) or backwards (-1), N."""
+    """The largest f_x of one foot, forwards (1) or backwards (-1), N."""
     return float((way * walk.force[walk.t >= walk.scene.gait.heel_strike, :, 0]).max())
 
 
 def contact_share(walk: Walk) -> float:
-    """Return the share of the time that a foot is in contact, mean of both feet."""
+    """The share of the time that a foot is in contact, mean of both feet."""
     return mean(walk, (walk.force[..., 1] > LIMITS["contact"]).mean(axis=1))
 
 
 def time_to_speed(walk: Walk) -> float:
-    """Return the time at which V_x first reaches the normal speed, s; t_f if it never does."""
+    """The time at which V_x first reaches the normal speed, s; t_f if it never does."""
     fast = np.flatnonzero(walk.velocity[:, 0] >= LIMITS["normal_speed"])
     return float(walk.t[fast[0]]) if len(fast) else walk.scene.duration
 
 
 def work_after_three_steps(walk: Walk) -> float:
-    """Return |W| of both feet half a stride after the third heel strike, or at t_f if that is sooner, J."""
+    """|W| of both feet half a stride after the third heel strike, or at t_f if that is sooner, J."""
     end = walk.scene.gait.heel_strike + 1.5 * walk.scene.gait.period
     return abs(float(np.interp(end, walk.t, walk.work.sum(axis=1))))
 
@@ -74,32 +74,32 @@ def work_after_three_steps(walk: Walk) -> float:
 
 
 def first_step(walk: Walk) -> slice:
-    """Return its samples, none if the foot never stands."""
+    """its samples, none if the foot never stands."""
     found = stance(walk)
     return slice(found.first, found.last + 1) if found else slice(0, 0)
 
 
 def push(walk: Walk) -> tuple[Array, Array, Array]:
-    """Return the forward force on the foot, N, how long each sample lasts, s, and its time, s."""
+    """The forward force on the foot, N, how long each sample lasts, s, and its time, s."""
     step = first_step(walk)
     t = walk.t[step]
     return np.maximum(walk.force[step, RIGHT, 0], 0.0), np.diff(walk.t, prepend=0.0)[step], t - t[:1]
 
 
 def push_time(walk: Walk) -> float:
-    """Return how long the sand pushes the foot forwards, s."""
+    """how long the sand pushes the foot forwards, s."""
     force, lasts, _ = push(walk)
     return float(lasts[force > 0.0].sum())
 
 
 def push_share(walk: Walk) -> float:
-    """Return the share of the forward impulse that comes when push-off has begun."""
+    """The share of the forward impulse that comes when push-off has begun."""
     force, lasts, t = push(walk)
     return float((force * lasts)[t >= LIMITS["push_off"]].sum() / (force * lasts).sum())
 
 
 def contact_zone(walk: Walk, instants: int = 100) -> tuple[float, float, float]:
-    """Return what of the sole is in the sand, mean over so many instants of the step.
+    """what of the sole is in the sand, mean over so many instants of the step.
 
     The share of all plates, that of the plates of the middle third, and x_p where the vertical force acts, m.
     """
@@ -120,7 +120,7 @@ def contact_zone(walk: Walk, instants: int = 100) -> tuple[float, float, float]:
 
 
 def convexity(foot: Foot) -> float:
-    """Return one level of the waypoints, H/K, less the hollow, mm: a smaller hollow may be the grid's own."""
+    """one level of the waypoints, H/K, less the hollow, mm: a smaller hollow may be the grid's own."""
     return np.nan if foot.space is None else 1e3 * (foot.space.H / foot.space.K - foot.hollow)
 
 
@@ -131,12 +131,12 @@ def _bends(foot: Foot) -> tuple[Array, Array]:
 
 
 def inward_turn(foot: Foot) -> float:
-    """Return the angle that the sole turns the wrong way for a convex one, deg."""
+    """The angle that the sole turns the wrong way for a convex one, deg."""
     return float(np.degrees(np.maximum(-_bends(foot)[0], 0.0).sum()))
 
 
 def rms_curvature(foot: Foot) -> float:
-    """Return the root mean square of the curvature along the arc, 1/m."""
+    """The root mean square of the curvature along the arc, 1/m."""
     turn, length = _bends(foot)
     return float(np.sqrt(np.mean((turn / length) ** 2)))
 
@@ -145,33 +145,33 @@ def rms_curvature(foot: Foot) -> float:
 
 
 def number(walk: Walk, what: Number) -> float:
-    """Return a number of a walk; NaN if it failed."""
+    """a number of a walk; NaN if it failed."""
     if not walk.feasible:
         return np.nan
     return walk.objectives[what] if isinstance(what, str) else what(walk)
 
 
 def lead(walks: Walks, what: Number, *names: str) -> float:
-    """Return how far the numbers of some walks are above those of all others."""
+    """how far the numbers of some walks are above those of all others."""
     values = {name: number(walk, what) for name, walk in walks.items()}
     mine = [values.pop(name) for name in names]
     return float(np.min(mine) - np.max(list(values.values())))
 
 
 def trail(walks: Walks, what: Number, *names: str) -> float:
-    """Return how far the numbers of some walks are below those of all others."""
+    """how far the numbers of some walks are below those of all others."""
     return lead(walks, lambda walk: -number(walk, what), *names)
 
 
 def loses_most(e: Evidence, walks: Walks, name: str) -> float:
-    """Return how much more speed a walk loses than all others, at the switch where that is least."""
-    losses = {other: switch_losses(walk, e.readings) for other, walk in walks.items()}
+    """how much more speed a walk loses than all others, at the switch where that is least."""
+    losses = {other: switch_losses(walk, e.readings["speed_loss"]) for other, walk in walks.items()}
     own = losses.pop(name)
     return float(np.min(own - np.max(list(losses.values()), axis=0)))
 
 
 def vertical_parting(walks: Walks) -> float:
-    """Return the largest rms distance of a walk's V_z(t) from the walks' mean, over the rms of the mean."""
+    """The largest rms distance of a walk's V_z(t) from the walks' mean, over the rms of the mean."""
     if not all(walk.feasible for walk in walks.values()):
         return np.nan
     scene = next(iter(walks.values())).scene
@@ -183,17 +183,17 @@ def vertical_parting(walks: Walks) -> float:
 
 
 def soft_drag(e: Evidence, drag: Callable[..., float]) -> float:
-    """Return how much larger a drag on soft sand is, in the direction where that is least."""
+    """how much larger a drag on soft sand is, in the direction where that is least."""
     return float(np.min([lead(e.optima, partial(drag, way=way), "soft") for way in (1, -1)]))
 
 
 def regular_foot(e: Evidence, what: Number) -> float:
-    """Return how much more of something the foot for regular sand has on hard sand than its own foot."""
+    """how much more of something the foot for regular sand has on hard sand than its own foot."""
     return number(e.crossed, what) - number(e.optima["hard"], what)
 
 
 def flatter(e: Evidence, sand: str) -> float:
-    """Return how much less the best foot of a sand curves than that for hard sand."""
+    """how much less the best foot of a sand curves than that for hard sand."""
     return rms_curvature(e.optima["hard"].foot) - rms_curvature(e.optima[sand].foot)
 
 
@@ -208,7 +208,7 @@ MEASURES: dict[str, Callable[[Evidence], float]] = {
     "circle_highest": lambda e: lead(e.shapes, "mean_height", "circle"),
     "circle_shortest": lambda e: trail(e.shapes, "distance", "circle"),
     "circle_loses": lambda e: (
-        float(np.min(switch_losses(e.shapes["circle"], e.readings))) - LIMITS["marked_loss"]
+        float(np.min(switch_losses(e.shapes["circle"], e.readings["speed_loss"]))) - LIMITS["marked_loss"]
     ),
     "circle_loses_most": lambda e: loses_most(e, e.shapes, "circle"),
     "same_vertical_velocity": lambda e: LIMITS["not_obvious"] - vertical_parting(e.shapes),
@@ -255,6 +255,6 @@ for said in CLAIMS.values():
 
 
 def measure(evidence: Evidence) -> dict[str, float]:
-    """Return the margins of all claims, by their names."""
+    """The margins of all claims, by their names."""
     with np.errstate(invalid="ignore"):
         return {name: float(margin(evidence)) for name, margin in MEASURES.items()}

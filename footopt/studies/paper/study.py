@@ -9,7 +9,6 @@ from typing import Any
 
 from footopt.errors import FootoptError
 from footopt.files.io import plain, write_text
-from footopt.files.tasks import Tasks
 from footopt.foot import Foot
 from footopt.foot.waypoints import written
 from footopt.report import terminal
@@ -32,19 +31,19 @@ def run(study: Study) -> None:
     """Repeat the paper: search its feet, draw its figures, judge its claims."""
     config = study.config
     check_searchable(config.foot)
-    done, others = Tasks(study.folder / "tasks.jsonl"), dict(changes(config))
+    searched, others = dict[str, list[int]](), dict(changes(config))
     study.say(f"Searching feet for {', '.join(SANDS)} sand, {1 + len(others)} times")
     with study.compiling():
         simulate(Foot.flat(), study.scene, study.accuracy)
     margins = {}
     with study.progress(1 + len(others), "choice") as step:
-        own = evidence(config, done)
+        own = evidence(config, searched)
         step(news="the settings")
         for name, figure in figures.all_figures(own.shapes, own.optima, own.crossed).items():
             study.save(name, figure, figures.CAPTIONS[name])
         for name, other in others.items():
             try:
-                margins[name] = measure(evidence(other, done))
+                margins[name] = measure(evidence(other, searched))
             except FootoptError:  # a search found no foot at all
                 margins[name] = dict.fromkeys(CLAIMS, nan)
             step(news=name)
@@ -62,7 +61,7 @@ def run(study: Study) -> None:
             "seed": config.solver.seed,
             **found,
             **scene_entry(own.crossed.scene, own.crossed.accuracy, tuple(OBJECTIVES)),
-            "readings": own.readings._asdict(),
+            "readings": own.readings,
         },
         said=(
             f"{summary(found)}.",
@@ -87,7 +86,7 @@ def judge(margin: float, changed: Mapping[str, float]) -> dict[str, Any]:
 
 
 def content(own: Evidence, margins: Mapping[str, Mapping[str, float]]) -> dict[str, Any]:
-    """Return what result.json holds, in JSON's own types; `margins`: of each claim by each change."""
+    """what result.json holds, in JSON's own types; `margins`: of each claim by each change."""
     claims = []
     for name, margin in measure(own).items():
         judged = judge(margin, {change: found[name] for change, found in margins.items()})
@@ -102,7 +101,7 @@ def _walk_entry(walk: Walk) -> dict[str, Any]:
 
 
 def summary(found: Entry) -> str:
-    """Return how many claims hold, in one line."""
+    """how many claims hold, in one line."""
     verdicts = [claim["verdict"] for claim in found["claims"]]
     hold, fail, depend, _ = map(verdicts.count, VERDICTS)
     return f"{len(verdicts)} claims: {hold} hold, {fail} do not hold, {depend} hang on a choice"
@@ -112,7 +111,7 @@ def summary(found: Entry) -> str:
 
 
 def tables(found: Entry) -> list[tuple[str, Sequence[str], list[list[str]]]]:
-    """Return the tables of the terminal and of claims.md from `content`: a title, a head and rows each."""
+    """The tables of the terminal and of claims.md from `content`: a title, a head and rows each."""
     measures = ("distance (m)", "mean height (m)", "work (J)", "peak power (W)", "speed loss (m/s)", "J_W")
     claims = [[c["place"], c["says"], *_judgement(c)] for c in found["claims"]]
     feet = [
@@ -128,7 +127,7 @@ def tables(found: Entry) -> list[tuple[str, Sequence[str], list[list[str]]]]:
 
 
 def _judgement(claim: Entry) -> list[str]:
-    """Return the margin of a claim, and its verdict with what it hangs on."""
+    """The margin of a claim, and its verdict with what it hangs on."""
     margin, verdict, turned = claim["margin"], claim["verdict"], ", ".join(claim["hangs_on"])
     if turned:
         verdict = f"holds, but not with {turned}" if margin > 0.0 else f"holds only with {turned}"
@@ -140,14 +139,12 @@ def _cells(walk: Entry) -> list[str]:
 
 
 def markdown(found: Entry) -> str:
-    """Return the page claims.md: `content`, as result.json has it, in words, and the errata."""
+    """The page claims.md: `content`, as result.json has it, in words, and the errata."""
     page = (
         f"# The paper, claim by claim\n\n{summary(found)}. A margin is positive where a claim holds at the "
-    )
-    page += (
         "settings. A claim hangs on what the paper leaves open where another choice turns it; choices are "
+        "made otherwise one at a time, and feet are searched again for each.\n"
     )
-    page += "made otherwise one at a time, and feet are searched again for each.\n"
     for title, head, rows in tables(found):
         page += f"\n## {title}\n\n{terminal.markdown_rows([head, ['---'] * len(head), *rows])}\n"
     return f"{page}\n#{files(__package__).joinpath('errata.md').read_text(encoding='utf-8')}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from math import nan
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import yaml
@@ -15,7 +15,6 @@ from footopt.design import FootProblem, Solver, search
 from footopt.design.store import context, digest, plain
 from footopt.effects import EFFECTS
 from footopt.errors import check
-from footopt.files.tasks import Tasks
 from footopt.foot import SHAPES, Foot, lower_hull
 from footopt.sand import Sand
 from footopt.studies.build import make_accuracy, make_foot, make_scene, make_space
@@ -73,11 +72,16 @@ class Settings(StudySettings):
     reads = (*WORLD, *SPACE, *FIVE, "foot.shape", "foot.k", "accuracy", "solver")
 
 
-def changed(config: Config, name_: str, value: Any) -> Config:
-    """Return the configuration with one name_ changed, or one more effect; the one given is left alone."""
-    if name_ == "effects":
-        name_, value = f"effects.{value}", EFFECTS[value]()
-    group, name = name_.split(".")
+#: What settings of the study are allowed.
+ALLOWED = {"shape_sand": SANDS, "mount": ("centre", "top"), "peak_power": ("stance", "single"),
+           "speed_loss": tuple(SPEED_LOSS)}  # fmt: skip
+
+
+def changed(config: Config, choice: str, value: Any) -> Config:
+    """The settings with one of them changed, or one more effect; those given are left alone."""
+    if choice == "effects":
+        choice, value = f"effects.{value}", EFFECTS[value]()
+    group, name = choice.split(".")
     part = replace(getattr(config, group), **{name: value})
     return replace(config, **{group: part})
 
@@ -93,75 +97,54 @@ def changes(config: Config) -> Iterator[tuple[str, Config]]:
                 yield f"{choice}={word}", changed(config, choice, level)
 
 
-class Readings(NamedTuple):
-    """How two quantities that the paper does not define are read.
+def objective(study: Settings) -> str:
+    """Name of J_W with p_max and dV_x as they are read; but the library's own needs every trace."""
+    if (study.peak_power, study.speed_loss) == ("stance", "walk"):
+        return "efficiency"
+    name, own = f"efficiency_{study.peak_power}_{study.speed_loss}", OBJECTIVES["efficiency"]
+    SLOW[name] = replace(
+        own, name=name, value=lambda walk: read(walk, study).objectives["efficiency"], of="walk"
+    )
+    return name
+
+
+def read(walk: Walk, study: Settings) -> Walk:
+    """The walk with p_max and dV_x, which the paper does not define, as they are read; J_W follows.
 
     p_max is taken at any instant after the first heel strike ("stance"); or only while the other foot
     carries less than `LIFTED` of the weight ("single"). dV_x is the largest fall below the running maximum
     from the first heel strike to t_f ("walk"); or the largest one within a quarter of a stride about a heel
     strike ("window"), or an eighth ("narrow"), which is about as long as both feet stand.
     """
-
-    peak_power: str = "stance"
-    speed_loss: str = "walk"
-
-    @classmethod
-    def of(cls, config: Settings) -> Readings:
-        """Return the readings that the settings name."""
-        for name, allowed in (("peak_power", ("stance", "single")), ("speed_loss", SPEED_LOSS)):
-            value = getattr(config, name)
-            check(value in allowed, f"study.{name}", value, f"one of {', '.join(allowed)}")
-        return cls(config.peak_power, config.speed_loss)
-
-    def objective(self) -> str:
-        """Return the name of J_W as it is read; other readings than the library's own need every trace."""
-        if self == Readings():
-            return "efficiency"
-        name = f"efficiency_{self.peak_power}_{self.speed_loss}"
-        SLOW[name] = replace(
-            OBJECTIVES["efficiency"],
-            name=name,
-            value=lambda walk: read(walk, self).objectives["efficiency"],
-            of="walk",
-        )
-        return name
-
-
-def read(walk: Walk, readings: Readings) -> Walk:
-    """Return the walk with p_max and dV_x as they are read; J_W follows.
-
-    The default readings are the library's own, with extremes between steps; the others are taken from the
-    traces, at the ends of steps.
-    """
     totals = dict(walk.totals)
-    if walk.feasible and readings.peak_power == "single":
+    if walk.feasible and study.peak_power == "single":
         totals["peak_power"] = single_stance_power(walk)
-    window = SPEED_LOSS[readings.speed_loss]
+    window = SPEED_LOSS[study.speed_loss]
     if walk.feasible and window is not None:
         totals["speed_loss"] = max(_falls(walk, window, window), default=nan)
     return replace(walk, totals=totals)
 
 
 def single_stance_power(walk: Walk) -> float:
-    """Return the largest |sum f.v| of a foot that stands alone, W; NaN if none ever does."""
+    """The largest |sum f.v| of a foot that stands alone, W; NaN if none ever does."""
     after = walk.t >= walk.scene.gait.heel_strike
     alone = np.abs(walk.force[after, ::-1, 1]) < LIFTED * walk.scene.walker.weight
     return float(np.abs(walk.power[after])[alone].max()) if alone.any() else nan
 
 
-def switch_losses(walk: Walk, readings: Readings) -> NDArray[np.float64]:
-    """Return the fall of V_x about each of the paper's three switches, (3,), m/s; NaN where there is none.
+def switch_losses(walk: Walk, speed_loss: str) -> NDArray[np.float64]:
+    """The fall of V_x about each of the paper's three switches, (3,), m/s; NaN where there is none.
 
-    The fall is that within the window of the reading; for "walk", from a quarter of a stride before the heel
+    The fall is that within the window of `SPEED_LOSS`; for "walk", from a quarter of a stride before the heel
     strike to the next one.
     """
-    window = SPEED_LOSS[readings.speed_loss]
+    window = SPEED_LOSS[speed_loss]
     losses = _falls(walk, 0.25, 0.5) if window is None else _falls(walk, window, window)
     return np.array([*losses, *[nan] * SWITCHES])[:SWITCHES]
 
 
 def _falls(walk: Walk, before: float, behind: float) -> list[float]:
-    """Return the fall of V_x from and to so many strides about each heel strike, m/s."""
+    """The fall of V_x from and to so many strides about each heel strike, m/s."""
     gait, losses = walk.scene.gait, []
     for strike in gait.heel_strikes(walk.scene.duration) if walk.feasible else ():
         since, until = strike - before * gait.period, strike + behind * gait.period
@@ -172,23 +155,16 @@ def _falls(walk: Walk, before: float, behind: float) -> list[float]:
 
 
 def make_shapes(config: Config) -> dict[str, Foot]:
-    """Return the five shapes by name; foot.ankle shifts the ankle from where `study.mount` puts it.
+    """The five shapes by name; foot.ankle shifts the ankle from where `study.mount` puts it.
 
     That is the centre of the shape's bounding box, or the middle of its upper side, "top".
     """
-    mount = config.study.mount
-    check(mount in ("centre", "top"), "study.mount", mount, "one of centre, top")
     feet = {name: make_foot(replace(config.foot, shape=name)) for name in SHAPES}
-    for name, foot in feet.items() if mount == "top" else ():
+    for name, foot in feet.items() if config.study.mount == "top" else ():
         # the box's centre is the origin, and every shape's contact line reaches its lower side
         x, z = foot.ankle
         feet[name] = replace(foot, ankle=(x, z - float(foot.contour[:, 1].min())))
     return feet
-
-
-def filled(foot: Foot) -> Foot:
-    """Return the foot with its hollow filled up: its lower convex hull."""
-    return replace(foot, contour=lower_hull(foot.contour)[0], name="filled", k=None, space=None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,43 +175,47 @@ class Evidence:
     optima: Mapping[str, Walk]  # of the best foot of each sand on that sand, by sand
     crossed: Walk  # of the best foot for regular sand, on hard sand
     filled: Walk  # of the best foot for hard sand with its hollow filled up, on hard sand
-    readings: Readings
+    readings: Mapping[str, str]  # how p_max and dV_x are read
 
 
-def evidence(config: Config, done: Tasks) -> Evidence:
+def evidence(config: Config, found: dict[str, list[int]]) -> Evidence:
     """Search the best feet by J_W as it is read, and walk all that claims need.
 
     Parameters
     ----------
     config : Config
         The settings.
-    done : Tasks
-        Where the soles that searches find are kept: no search is done twice.
+    found : dict
+        The soles that searches have found, by what was searched: no search is done twice.
     """
-    study, solver, readings = config.study, Solver(**vars(config.solver)), Readings.of(config.study)
-    check(study.shape_sand in SANDS, "study.shape_sand", study.shape_sand, f"one of {', '.join(SANDS)}")
+    study, solver = config.study, Solver(**vars(config.solver))
+    for name, allowed in ALLOWED.items():
+        value = getattr(study, name)
+        check(value in allowed, f"study.{name}", value, f"one of {', '.join(allowed)}")
     if not (solver.walks or solver.n_gen):
         solver = replace(solver, walks=EVALUATIONS)
-    shapes, space, accuracy = make_shapes(config), make_space(config.foot), make_accuracy(config.accuracy)
+    space, accuracy, scene = make_space(config.foot), make_accuracy(config.accuracy), make_scene(config)
     confirm = Accuracy.named(study.confirm) if study.confirm else accuracy
-    scene = make_scene(config)
     scene.need_heel_strike()
     scenes = {sand: replace(scene, sand=Sand.named(sand)) for sand in SANDS}
 
     def best(sand: str) -> Foot:
-        problem = FootProblem(scenes[sand], readings.objective(), space, accuracy, config.engine.threads)
-        task = [sand, digest([context(problem), plain(space), plain(solver)])]
-        k = done(task, lambda: [int(height) for height in search(problem, solver).foot.k or ()])
-        return replace(Foot.from_waypoints(k, space), name=sand)
+        problem = FootProblem(scenes[sand], objective(study), space, accuracy, config.engine.threads)
+        key = digest([context(problem), plain(space), plain(solver)])
+        if key not in found:
+            found[key] = [int(height) for height in search(problem, solver).foot.k or ()]
+        return replace(Foot.from_waypoints(found[key], space), name=sand)
 
     def walk(foot: Foot, sand: str) -> Walk:
-        return read(simulate(foot, scenes[sand], confirm), readings)
+        return read(simulate(foot, scenes[sand], confirm), study)
 
-    feet = {sand: best(sand) for sand in SANDS}
+    shapes, feet = make_shapes(config), {sand: best(sand) for sand in SANDS}
+    hull = lower_hull(feet["hard"].contour)[0]
+    filled = replace(feet["hard"], contour=hull, name="filled", k=None, space=None)
     return Evidence(
         shapes={name: walk(foot, study.shape_sand) for name, foot in shapes.items()},
         optima={sand: walk(foot, sand) for sand, foot in feet.items()},
         crossed=walk(feet["regular"], "hard"),
-        filled=walk(filled(feet["hard"]), "hard"),
-        readings=readings,
+        filled=walk(filled, "hard"),
+        readings={"peak_power": study.peak_power, "speed_loss": study.speed_loss},
     )
