@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from footopt.errors import check, one_line
 from footopt.foot.hull import hollow
-from footopt.foot.plates import RULES, Fill, Plates, along_arc
+from footopt.foot.plates import RULES, Fill, Plates, along_arc, arc_and_turns
 from footopt.foot.shapes import shape
 from footopt.foot.waypoints import Waypoints, check_ankle, check_length, check_top, written
 
@@ -144,12 +145,19 @@ class Foot:
         """
         return cls(shape(name, length, **options), width, ankle, name, closed=closed, top=top)
 
+    @cached_property
+    def arc_and_turns(self) -> tuple[Array, Array]:
+        """Arc length (m) and turn (rad) of the contour at its points, each (m,)."""
+        arc, turns = arc_and_turns(self.contour)
+        return arc, turns
+
     def points(self, steps: int, parts: int = 1) -> Array:
         """Points at equal steps along the sole's arc, (steps parts + 1, 2), m; a step ends at each corner."""
         if self.space is not None and self.k is not None:
-            points: Array = self.space.points(self.k, steps * parts)[0]
-            return points
-        return along_arc(self.contour, steps, parts)
+            found: Array = self.space.points(self.k, steps * parts)[0]
+        else:
+            found = along_arc(self.contour, *self.arc_and_turns, steps, parts)
+        return found
 
     def plates(
         self,
@@ -170,6 +178,17 @@ class Foot:
     def box_violation(self) -> float | None:
         """How far a waypoint sole leaves its box, m; None for any other sole."""
         return None if self.space is None else float(self.space.box_violation(self.k)[0])  # type: ignore[arg-type]
+
+
+def points_of(feet: Sequence[Foot], steps: int, parts: int = 1) -> Array:
+    """`Foot.points` of some feet, (feet, steps parts + 1, 2), m; those of one space at once."""
+    space, k = feet[0].space, [foot.k for foot in feet if foot.k is not None]
+    if space is not None and len(k) == len(feet) and all(foot.space == space for foot in feet):
+        return space.points(k, steps * parts)
+    points = np.empty((len(feet), steps * parts + 1, 2))
+    for foot, own in zip(feet, points, strict=True):
+        own[:] = foot.points(steps, parts)
+    return points
 
 
 def as_feet(feet: Any) -> Any:
@@ -214,7 +233,7 @@ def as_plates(
         bodies = feet
         closed = {foot.closed for foot in feet}
         check(len(closed) == 1, "foot.closed", "both in one batch", "the same for all feet of a batch")
-        points = np.stack([foot.points(plates, parts) for foot in feet])
+        points = points_of(feet, plates, parts)
     else:
         heights = np.atleast_2d(feet)
         space = space or Waypoints(n=heights.shape[-1])

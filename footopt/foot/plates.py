@@ -162,44 +162,67 @@ def bent(points: Array, parts: int) -> Array:
     """By how much soles (designs, m, 2) turn within plates of `parts` chords each, (designs, plates), rad."""
     if parts == 1:  # chords stand for themselves
         return np.zeros((len(points), points.shape[1] - 1))
-    turns = np.abs(turns_of(points))
-    between = turns[:, ::parts]
-    between[between > CORNER] = 0.0  # a corner between two plates bends neither
-    inside = turns[:, :-1].reshape(len(points), -1, parts).sum(axis=2)
-    return np.asarray(inside + 0.5 * (between[:, 1:] - between[:, :-1]))
-
-
-def along_arc(polyline: Array, plates: int, parts: int = 1) -> Array:
-    """Points along the arc of a polyline (m, 2), m: (plates parts + 1, 2), m, at equal steps between corners.
-
-    At a corner (`corners`) one plate ends and the next begins: a plate around it would have the mean of two
-    directions. Between two corners plates are equally long.
-    """
-    arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(polyline, axis=0).T))])
-    ends = np.concatenate([[0.0], arc[corners(polyline, (plates - 1) // 2)], arc[-1:]])
-    share = np.diff(ends) / arc[-1] * (plates - len(ends) + 1)
-    count = 1 + share.astype(np.int64)  # one each, and the others by length
-    rest = np.argsort(-(share % 1.0), kind="stable")[: plates - count.sum()]
-    count[rest] += 1
-    pieces = zip(ends[:-1], ends[1:], parts * count, strict=True)
-    at = np.concatenate([*(a + (b - a) * np.arange(n) / n for a, b, n in pieces), arc[-1:]])
-    return np.stack([np.interp(at, arc, polyline[:, 0]), np.interp(at, arc, polyline[:, 1])], axis=1)
-
-
-def corners(polyline: Array, most: int | None = None) -> NDArray[np.int64]:
-    """The points of a polyline (m, 2) where it turns by more than `CORNER`; of many the `most` sharpest."""
-    distinct = np.flatnonzero(np.append(True, (polyline[1:] != polyline[:-1]).any(axis=1)))
-    turns = np.zeros(len(polyline))
-    turns[distinct] = np.abs(turns_of(polyline[distinct][None])[0])
-    found = np.flatnonzero(turns > CORNER)
-    if most is not None and len(found) > most:
-        found = np.sort(found[np.argsort(-turns[found], kind="stable")[:most]])
-    return found
-
-
-def turns_of(points: Array) -> Array:
-    """By how much polylines (designs, m, 2) turn at their points, (designs, m), rad; 0 at the ends."""
     dx, dz = np.moveaxis(points[:, 1:] - points[:, :-1], -1, 0)
     across = dx[:, :-1] * dz[:, 1:] - dz[:, :-1] * dx[:, 1:]
     ahead = dx[:, :-1] * dx[:, 1:] + dz[:, :-1] * dz[:, 1:]
-    return np.pad(np.arctan2(across, ahead), ((0, 0), (1, 1)))
+    turn = np.pad(np.abs(np.arctan2(across, ahead)), ((0, 0), (1, 1)))
+    between = turn[:, ::parts]
+    between[between > CORNER] = 0.0  # a corner between two plates bends neither
+    inside = turn[:, :-1].reshape(len(points), -1, parts).sum(axis=2)
+    return np.asarray(inside + 0.5 * (between[:, 1:] - between[:, :-1]))
+
+
+@cached_njit(nogil=True, error_model="numpy")
+def along_arc(polyline, arc, turns, plates, parts):  # type: ignore[no-untyped-def]
+    """Points along the arc of a polyline (m, 2), m: (plates parts + 1, 2), m, at equal steps between corners.
+
+    At a corner (`corners` of its `turns`) one plate ends and the next begins: a plate around it would have
+    the mean of two directions. Between two corners plates are equally long.
+    """
+    ends = np.concatenate((np.zeros(1), arc[corners(turns, (plates - 1) // 2)], arc[-1:]))
+    share = np.diff(ends) / arc[-1] * (plates - len(ends) + 1)
+    count = 1 + share.astype(np.int64)  # one each, and the others by length
+    rest = np.argsort(-(share % 1.0), kind="mergesort")[: plates - count.sum()]  # a stable order
+    count[rest] += 1
+    points, k, side = np.empty((plates * parts + 1, 2)), 0, 0
+    for i in range(len(count)):
+        n = parts * count[i]
+        for j in range(n):
+            at = ends[i] + (ends[i + 1] - ends[i]) * j / n
+            while side < len(arc) - 2 and arc[side + 1] <= at:
+                side += 1
+            for axis in range(2):
+                rise = polyline[side + 1, axis] - polyline[side, axis]
+                slope = rise / (arc[side + 1] - arc[side])
+                points[k, axis] = slope * (at - arc[side]) + polyline[side, axis]
+            k += 1
+    points[-1] = polyline[-1]
+    return points
+
+
+@cached_njit(nogil=True, error_model="numpy")
+def corners(turns, most):  # type: ignore[no-untyped-def]
+    """The points where a polyline turns by more than `CORNER`, rad: the `most` sharpest of them."""
+    sharp = np.abs(turns)
+    found = np.flatnonzero(sharp > CORNER)
+    if len(found) > most:
+        found = np.sort(found[np.argsort(-sharp[found], kind="mergesort")[:most]])
+    return found
+
+
+@cached_njit(nogil=True, error_model="numpy")
+def arc_and_turns(polyline):  # type: ignore[no-untyped-def]
+    """Arc length (m) and turn (rad) of a polyline (m, 2) at its points, each (m,).
+
+    It turns by 0 at its ends, and at a point that repeats the one before.
+    """
+    arc, turns = np.zeros(len(polyline)), np.zeros(len(polyline))
+    at, ax, az = 0, 0.0, 0.0  # the last point that repeats none, and the side that ends there
+    for i in range(1, len(polyline)):
+        bx, bz = polyline[i, 0] - polyline[i - 1, 0], polyline[i, 1] - polyline[i - 1, 1]
+        arc[i] = arc[i - 1] + np.hypot(bx, bz)
+        if bx != 0.0 or bz != 0.0:
+            if at > 0:
+                turns[at] = np.arctan2(ax * bz - az * bx, ax * bx + az * bz)
+            at, ax, az = i, bx, bz
+    return arc, turns

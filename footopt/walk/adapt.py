@@ -22,19 +22,22 @@ Some things make a walk harder than those, and each is a rule here:
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from footopt.compiled import FAST, cached_njit, inlined_fast
 from footopt.effects import LeadingEdge, Patches, Rest, laws
 from footopt.effects import base as effects
 from footopt.effects.shadowing import filler
 from footopt.errors import SettingError
 from footopt.foot import Foot, Plates, Waypoints
-from footopt.foot.plates import corners, turns_of
+from footopt.foot.foot import points_of
+from footopt.foot.plates import CORNER
 from footopt.gait import Gait
 from footopt.walk.accuracy import MOST_PLATES, Accuracy
 from footopt.walk.scene import Scene, Walker
@@ -63,7 +66,7 @@ PROBES = 3  # random soles that stand for a space
 PITCHES = np.radians([-20.0, -10.0, 0.0, 10.0, 20.0])
 POINTS = 200  # along a sole that stands
 PLACES = 64  # on the walker's way, of which the one with the strongest sand counts
-DEEPEST, HALVES = 10.0, 30  # m, and halvings of it: to 10 nm
+DEEPEST, NEARLY = 10.0, 1e-8  # m: how deep a sole may stand, and how exactly that is found
 
 
 def adapted(accuracy: Accuracy, scene: Scene, sole: Foot | Waypoints) -> Accuracy:
@@ -74,33 +77,11 @@ def adapted(accuracy: Accuracy, scene: Scene, sole: Foot | Waypoints) -> Accurac
     accuracy : Accuracy
         A preset, or one within a tolerance.
     scene : Scene
-        Who walks, and on what.
+        The walker, its gait and the sand.
     sole : Foot or Waypoints
         One foot, or the space of all feet: these share a number of plates.
     """
-    if not accuracy.adapt:
-        return accuracy
-    if isinstance(sole, Foot) and sole.space is not None:
-        sole = sole.space
-    period = scene.gait.period / PERIOD
-    legs = (scene.walker.l1 + scene.walker.l2) / LEG
-    slower, shorter = min(legs / period, 1.0), min(period, 1.0)
-    level, control = _keeps_level(scene.gait), accuracy.control
-    needed = _needed(scene, sole) * (EVENLY if level else 1.0)
-    kinds = {type(effect) for effect in scene.effects}
-    slip = SLOWER if level else 1.0
-    blows = needed > 1.0 or Rest in kinds or any(laws(scene.effects))
-    step, held = (SHORTER, CLOSER) if blows else (1.0, 1.0)
-    if level and Rest in kinds:
-        step, held = SHORTER * step, SETTLING * held
-    return replace(
-        accuracy,
-        dt=step * shorter * accuracy.dt,
-        control=None if control is None else held * slower * control,
-        creep=accuracy.creep * max(min(slower, _crept(scene, sole)) * slip, SLOWEST),
-        plates=_blocks(accuracy.plates, min(_finer(scene) * needed, MOST)),
-        adapt=False,
-    )
+    return _each(accuracy, scene, [sole])[0]
 
 
 def accuracies(
@@ -111,12 +92,50 @@ def accuracies(
         return {replace(accuracy, adapt=False): list(range(len(feet.x)))}
     if len(feet) == 0:
         raise SettingError("feet", "[]", "at least one foot")
+    if not isinstance(feet[0], Foot):
+        return {adapted(accuracy, scene, space or Waypoints(n=len(feet[0]))): list(range(len(feet)))}
     found: dict[Accuracy, list[int]] = {}
-    if isinstance(feet[0], Foot):
-        for i, foot in enumerate(feet):
-            found.setdefault(adapted(accuracy, scene, foot), []).append(i)
-        return found
-    return {adapted(accuracy, scene, space or Waypoints(n=len(feet[0]))): list(range(len(feet)))}
+    for i, own in enumerate(_each(accuracy, scene, feet)):
+        found.setdefault(own, []).append(i)
+    return found
+
+
+def _each(accuracy: Accuracy, scene: Scene, soles: Sequence[Foot | Waypoints]) -> list[Accuracy]:
+    """What an accuracy comes to by sole."""
+    if not accuracy.adapt:
+        return [accuracy] * len(soles)
+    period = scene.gait.period / PERIOD
+    legs = (scene.walker.l1 + scene.walker.l2) / LEG
+    slower, shorter = min(legs / period, 1.0), min(period, 1.0)
+    level, kinds = _keeps_level(scene.gait), {type(effect) for effect in scene.effects}
+    slip, evenly = (SLOWER, EVENLY) if level else (1.0, 1.0)
+    settles, pushed = level and Rest in kinds, Rest in kinds or any(laws(scene.effects))
+    finer, weight = _finer(scene), scene.walker.mass * scene.gravity[1]
+
+    @cache
+    def numbers(needed: float, area: float) -> Accuracy:
+        # the share of the creep speed at which `standard` creeps by `CREPT` of a foot's depth in a stride
+        crept = CREPT * (weight / area) / (STATED_CREEP * scene.gait.period)
+        step, held = (SHORTER, CLOSER) if needed > 1.0 or pushed else (1.0, 1.0)
+        if settles:
+            step, held = SHORTER * step, SETTLING * held
+        return replace(
+            accuracy,
+            dt=step * shorter * accuracy.dt,
+            control=None if accuracy.control is None else held * slower * accuracy.control,
+            creep=accuracy.creep * max(min(slower, crept) * slip, SLOWEST),
+            plates=_blocks(accuracy.plates, min(finer * needed, MOST)),
+            adapt=False,
+        )
+
+    bodies = [getattr(sole, "space", None) or sole for sole in soles]
+    distinct = list(dict.fromkeys(bodies))
+    found = {}
+    for sole, standing in zip(distinct, _standing(scene, distinct), strict=True):
+        bends, length = _outline(sole)
+        needed = min(max(1.0, max(bends, standing, _narrow(scene, length)) / STATED), MOST)
+        found[sole] = numbers(needed * evenly, scene.scale.stress * length * sole.width)
+    return [found[sole] for sole in bodies]
 
 
 @lru_cache(maxsize=64)
@@ -125,12 +144,6 @@ def _keeps_level(gait: Gait) -> bool:
     walks = replace(gait, start=0.0)
     t = walks.heel_strike + walks.period * np.arange(PHASES) / PHASES
     return bool(np.ptp(walks.pose(t, LEG / 2, LEG / 2).pitch[:, 0]) < LEVEL)
-
-
-def _needed(scene: Scene, sole: Foot | Waypoints) -> float:
-    """How many times more plates the shape of a sole and the hardness of the sand need."""
-    needed = max(_bends(sole), _touching(scene, sole), _narrow(scene, sole)) / STATED
-    return min(max(1.0, needed), MOST)
 
 
 def _blocks(preset: int, times: float) -> int:
@@ -148,81 +161,109 @@ def _finer(scene: Scene) -> float:
     return NORMAL if Rest in kinds or laws(scene.effects).pushes else 1.0
 
 
-def _crept(scene: Scene, sole: Foot | Waypoints) -> float:
-    """The share of the creep speed at which `standard` creeps by `CREPT` of a foot's depth in a stride."""
-    depth = scene.walker.mass * scene.gravity[1] / (scene.scale.stress * _length(sole) * sole.width)
-    return CREPT * depth / (STATED_CREEP * scene.gait.period)
-
-
-def _length(sole: Foot | Waypoints) -> float:
-    """Of the sole, m."""
-    return 2.0 * sole.L if isinstance(sole, Waypoints) else float(np.ptp(sole.contour[:, 0]))
-
-
-def _bends(sole: Foot | Waypoints) -> float:
-    """Plates that the contour needs, however soft the sand."""
+def _outline(sole: Foot | Waypoints) -> tuple[float, float]:
+    """Plates that the outline of a sole needs, however soft the sand, and its length, m."""
     if isinstance(sole, Waypoints):
-        return EACH * (sole.n - 1)
-    sharp = corners(sole.contour)
-    turns = np.abs(turns_of(sole.contour[None])[0])
-    turns[sharp] = 0.0
-    return EACH * (len(sharp) + 1) + float(turns.sum()) / BEND
+        return EACH * (sole.n - 1), 2.0 * sole.L
+    bends, length = outline_of(sole.contour, sole.arc_and_turns[1])
+    return bends, length
 
 
-def _narrow(scene: Scene, sole: Foot | Waypoints) -> float:
-    """Plates that are no longer than the narrowest patch, or gap between two."""
+@cached_njit(nogil=True, error_model="numpy")
+def outline_of(contour, turns):  # type: ignore[no-untyped-def]
+    """Plates for the sides of a contour between corners and for the bends of each, and its length, m."""
+    bends = 1.0 * EACH
+    for turn in np.abs(turns):
+        bends += EACH if turn > CORNER else turn / BEND
+    return bends, contour[:, 0].max() - contour[:, 0].min()
+
+
+def _narrow(scene: Scene, length: float) -> float:
+    """Plates of a sole (m) that are no longer than the narrowest patch, or gap between two."""
     patches = next((effect for effect in scene.effects if isinstance(effect, Patches)), None)
     if patches is None:
         return 0.0
     edges = np.unique([*patches.begins, *patches.ends])
-    return _length(sole) / max(float(np.diff(edges).min()), patches.blur / 2)
+    return length / max(float(np.diff(edges).min()), patches.blur / 2)
 
 
-def _touching(scene: Scene, sole: Foot | Waypoints) -> float:
-    """Plates of which enough are in the sand under a walker who stands on one foot."""
-    if isinstance(sole, Foot):
-        return _standing(scene, sole.points(POINTS)[None], sole.width)
+def _standing(scene: Scene, soles: Sequence[Foot | Waypoints]) -> list[float]:
+    """Plates of which enough are in the sand under a walker that stands on one foot, by sole."""
+    feet = [sole for sole in soles if isinstance(sole, Foot)]
+    drawn = iter(_under_feet(scene, feet) if feet else ())
+    return [next(drawn) if isinstance(sole, Foot) else _of_space(scene, sole) for sole in soles]
+
+
+def _of_space(scene: Scene, space: Waypoints) -> float:
+    """The most plates that a few random soles of a space need."""
     try:
-        return _of_space(scene, sole)
+        return _probed(scene, space)
     except TypeError:  # an effect of a user's own that cannot be hashed
-        return _of_space.__wrapped__(scene, sole)
+        return _probed.__wrapped__(scene, space)
 
 
 @lru_cache(maxsize=256)
-def _of_space(scene: Scene, space: Waypoints) -> float:
+def _probed(scene: Scene, space: Waypoints) -> float:
     heights = np.random.default_rng(0).integers(1, space.K + 1, (PROBES, space.n))
-    return _standing(scene, space.points(heights, POINTS), space.width)
+    return max(_under_feet(scene, [Foot.from_waypoints(k, space) for k in heights]))
 
 
-def _standing(scene: Scene, points: Array, width: float) -> float:
-    """Plates that soles (designs, m, 2), m, need at whichever of `PITCHES` the most."""
-    fill = filler(scene.effects)
+def _under_feet(scene: Scene, feet: Sequence[Foot]) -> list[float]:
+    """`_standing` of feet."""
+    points, fill = points_of(feet, POINTS), filler(scene.effects)
     points = points if fill is None else fill(points)
-    middle = 0.5 * (points[:, 1:] + points[:, :-1])
-    length = np.linalg.norm(np.diff(points, axis=1), axis=2)
-    sin, cos = np.sin(PITCHES)[:, None, None], np.cos(PITCHES)[:, None, None]
-    rise = sin * middle[..., 0] + cos * middle[..., 1]
-    rise -= rise.min(axis=2, keepdims=True)
-    scale, loads, place = scene.scale, laws(scene.effects).loads, np.zeros(1)
+    scale, loads, place = scene.scale, laws(scene.effects).loads, 0.0
     if loads is not None:  # where the sand is strongest on the way
-        way = np.linspace(0.0, scale.distance, PLACES)
-        place = way[np.argmax(_strength(loads, np.full(PLACES, scale.depth), way))]
-    low, high = np.zeros((len(PITCHES), len(points), 1)), np.full((len(PITCHES), len(points), 1), DEEPEST)
-    for _ in range(HALVES):
-        middle_depth = 0.5 * (low + high)
-        strength = _strength(loads, np.maximum(middle_depth - rise, 0.0), place)
-        carried = scale.stress * width * (strength * length).sum(axis=2, keepdims=True)
-        enough = carried >= scene.walker.mass * scene.gravity[1]
-        low, high = np.where(enough, low, middle_depth), np.where(enough, middle_depth, high)
-    touches = high > rise
-    share = (touches * length).sum(axis=2) / length.sum(axis=1)
-    pieces = touches[..., 0] + (touches[..., 1:] & ~touches[..., :-1]).sum(axis=2)
-    return float((np.maximum(TOUCHING, PIECE * pieces) / share).max())
+        way, none = np.linspace(0.0, scale.distance, PLACES), np.zeros(PLACES)
+        depth = none + scale.depth
+        place = float(way[np.argmax(effects.load(loads, (depth, none + 1.0, none), depth, way)[0])])
+    area = scene.walker.mass * scene.gravity[1] / (scale.stress * np.array([foot.width for foot in feet]))
+    found: list[float] = standing_plates(points, area, loads, place).tolist()
+    return found
 
 
-def _strength(loads: Any, depth: Array, place: Array) -> Array:
-    """Strength of the sand integrated over depth, m."""
+@cached_njit(nogil=True, error_model="numpy", fastmath=FAST)
+def standing_plates(points, area, loads, place):  # type: ignore[no-untyped-def]
+    """Plates that soles (designs, m, 2), m, need at whichever of `PITCHES` the most, (designs,).
+
+    A sole stands so deep that its lengths times the sand's strengths there sum to `area` (designs,), m^2.
+    """
+    designs, m = len(points), points.shape[1] - 1
+    found, rise, length = np.zeros(designs), np.empty(m), np.empty(m)
+    for d in range(designs):
+        for pitch in PITCHES:
+            sin, cos = np.sin(pitch), np.cos(pitch)
+            for i in range(m):
+                ax, az, bx, bz = points[d, i, 0], points[d, i, 1], points[d, i + 1, 0], points[d, i + 1, 1]
+                rise[i] = sin * 0.5 * (ax + bx) + cos * 0.5 * (az + bz)
+                length[i] = np.sqrt((bx - ax) ** 2 + (bz - az) ** 2)
+            rise -= rise.min()
+            low, high, depth = 0.0, DEEPEST, area[d] / length.sum()
+            while high - low > NEARLY:
+                carried, slope = 0.0, 0.0
+                for i in range(m):
+                    if depth > rise[i]:
+                        strength, by_depth = _strength(loads, depth - rise[i], place)
+                        carried, slope = carried + length[i] * strength, slope + length[i] * by_depth
+                low, high = (low, depth) if carried >= area[d] else (depth, high)
+                step = (area[d] - carried) / slope
+                if abs(step) < NEARLY:
+                    break
+                depth = depth + step if low < depth + step < high else 0.5 * (low + high)
+            high = depth
+            touching, pieces = 0.0, 0
+            for i in range(m):
+                if high > rise[i]:
+                    touching += length[i]
+                    pieces += i == 0 or high <= rise[i - 1]
+            found[d] = max(found[d], max(TOUCHING, PIECE * pieces) * length.sum() / touching)
+    return found
+
+
+@inlined_fast
+def _strength(loads, depth, place):  # type: ignore[no-untyped-def]
+    """Strength of the sand integrated over depth, m, and its derivative."""
     if loads is None:
-        return depth
-    none = np.zeros_like(depth)
-    return np.asarray(effects.load(loads, (depth, none + 1.0, none), depth, none + place)[0])
+        return depth, 1.0
+    strength, by_depth, _ = effects.load(loads, (depth, 1.0, 0.0), depth, place)
+    return strength, by_depth

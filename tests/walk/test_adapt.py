@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import footopt as fo
-from footopt.foot.plates import CORNER, along_arc, corners
+from footopt.foot.plates import CORNER, arc_and_turns, corners
 from footopt.walk.accuracy import PRESETS
 from footopt.walk.adapt import EACH, MOST, adapted
 
@@ -136,14 +136,14 @@ class TestCorners:
     @pytest.mark.parametrize("plates", [1, 2, 3, 5, 7, 19, 20, 64])
     def test_there_are_as_many_points_as_asked_for(self, plates):
         contour = np.repeat(comb(5).contour, 2, axis=0)  # each point twice
-        points = along_arc(contour, plates, 4)
+        points = fo.Foot(contour).points(plates, 4)
         assert points.shape == (4 * plates + 1, 2)
         np.testing.assert_allclose(points[[0, -1]], contour[[0, -1]], atol=1e-15)
         if plates >= 20:
             found = {tuple(np.round(p, 9)) for p in points[::4]}
-            assert {tuple(np.round(p, 9)) for p in contour[corners(contour)]} <= found
+            assert {tuple(np.round(p, 9)) for p in contour[corners(arc_and_turns(contour)[1], 99)]} <= found
 
     def test_what_turns_less_is_a_curve(self):
         bent = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, np.tan(0.9 * CORNER)]])
-        assert len(corners(bent)) == 0
-        assert len(corners(bent * [1.0, 2.0])) == 1
+        assert len(corners(arc_and_turns(bent)[1], 9)) == 0
+        assert len(corners(arc_and_turns(bent * [1.0, 2.0])[1], 9)) == 1
