@@ -97,7 +97,7 @@ def picture(thing: object, rows: Sequence[Sequence[str]]) -> Figure:
         for j, name in enumerate(row):
             axes = figure.add_subplot(parts[0, j], axes_class=Panel)
             found[name](axes, thing)
-            if axes.get_legend_handles_labels()[0]:
+            if axes.get_legend_handles_labels()[0] and axes.get_legend() is None:
                 axes.legend(loc="best")
     if len(rows) == 1:
         fit_height(figure, figure.axes[:1])

@@ -10,15 +10,14 @@ from __future__ import annotations
 import io
 import textwrap
 import threading
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import wraps
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 import matplotlib
 import numpy as np
-from fontTools import subset
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -81,6 +80,8 @@ STYLE: dict[str, Any] = {
     "axes.formatter.limits": (-3, 5),
     "axes.spines.top": False,
     "axes.spines.right": False,
+    "grid.color": GRID,
+    "grid.linewidth": 0.6,
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
     "lines.linewidth": 1.2,
@@ -94,9 +95,6 @@ STYLE: dict[str, Any] = {
     "pdf.fonttype": 42,  # text stays text, as journals ask
     "svg.hashsalt": "footopt",
 }
-
-#: What of a font draws its letters, and finds them by their code.
-FONT_TABLES = {"glyf", "head", "hhea", "hmtx", "loca", "maxp", "cvt ", "fpgm", "prep", "cmap", "GlyphOrder"}
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -143,28 +141,9 @@ def fit_height(figure: Figure, column: Sequence[Axes]) -> None:
 
 @styled
 def save(figure: Figure, folder: str | Path, name: str, svg: bool = False) -> tuple[Path, Path]:
-    """Write a figure as PNG (200 dpi) and PDF, and as SVG for a page; the same figure gives the same bytes.
+    """Write a figure as NAME.png (200 dpi) and NAME.pdf, and as SVG for a page, into a folder.
 
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        What to write.
-    folder : str or Path
-        Where; made if it is not there.
-    name : str
-        Of the files, without an ending.
-    svg : bool
-        Whether to write the SVG, too.
-
-    Returns
-    -------
-    png, pdf : Path
-        The files.
-
-    Raises
-    ------
-    FileError
-        A file cannot be written.
+    The same figure gives the same bytes. Raises `FileError` where a file cannot be written.
     """
     folder = Path(folder)
     picture, page = folder / f"{name}.png", folder / f"{name}.pdf"
@@ -174,36 +153,16 @@ def save(figure: Figure, folder: str | Path, name: str, svg: bool = False) -> tu
         figure.set_layout_engine(None)  # with "none" it would be drawn once more before each file
     dates = {"pdf": "CreationDate"} | ({"svg": "Date"} if svg else {})
     made = {}
-    with _bare_fonts():
-        for ending, date in dates.items():
-            file = io.BytesIO()  # matplotlib's errors on a full disk are of many kinds
-            figure.savefig(file, format=ending, metadata={date: None})
-            made[ending] = file.getvalue()
+    for ending, date in dates.items():
+        file = io.BytesIO()  # matplotlib's errors on a full disk are of many kinds
+        figure.savefig(file, format=ending, metadata={date: None})
+        made[ending] = file.getvalue()
     with suppress(OSError):  # `write_bytes` says where it cannot write
         folder.mkdir(parents=True, exist_ok=True)
     write_bytes(picture, png(figure, DPI))
     for ending, content in made.items():
         write_bytes(folder / f"{name}.{ending}", content)
     return picture, page
-
-
-@contextmanager
-def _bare_fonts() -> Iterator[None]:
-    """Read of fonts what a PDF needs of them (ISO 32000-1, 9.9): the rest is half of a PDF's time."""
-    load = subset.load_font
-
-    def bare(*given: Any, **options: Any) -> Any:
-        font = load(*given, **options)
-        font.setGlyphOrder([f"g{i}" for i in range(font["maxp"].numGlyphs)])  # names are in a table left out
-        for table in {*font.keys()} - FONT_TABLES:
-            del font[table]
-        return font
-
-    subset.load_font = bare
-    try:
-        yield
-    finally:
-        subset.load_font = load
 
 
 @styled
@@ -235,19 +194,10 @@ def legend_above(figure: Figure) -> None:
             handle.set_markersize(max(handle.get_markersize(), 4.0))
 
 
-def line(i: int) -> dict[str, Any]:
-    """Colour and dashes of the i-th line: 35 before a pair returns."""
-    return {"color": COLOURS[i % len(COLOURS)], "ls": DASHES[i % len(DASHES)]}
-
-
 def look(name: str, i: int) -> dict[str, Any]:
-    """Colour and dashes of a line by its role, that of the first word of its name, or by its number.
-
-    A line of "soft, changed somehow" is that of "soft", thicker.
-    """
-    head, _, changed = name.partition(", ")
-    role = ROLES.get(head.split(" (")[0])
-    return role | ({"lw": 2.2} if changed else {}) if role else line(i)
+    """Colour and dashes of a line by its role, with which its name begins, or by its number."""
+    line = {"color": COLOURS[i % len(COLOURS)], "ls": DASHES[i % len(DASHES)]}  # 35 before a pair returns
+    return ROLES.get(name.split(" (")[0], line)
 
 
 def marker(i: int) -> dict[str, Any]:
@@ -259,13 +209,6 @@ def message(axes: Axes, text: str) -> None:
     """A plain statement where there is nothing to draw; ticks would be those of no data."""
     axes.tick_params(left=False, labelleft=False)
     axes.text(0.5, 0.5, textwrap.fill(text, 60), transform=axes.transAxes, ha="center", va="center")
-
-
-def no_frame(axes: Axes) -> None:
-    """Take away ticks and frame of a table that is drawn as cells."""
-    axes.tick_params(which="both", length=0)
-    for side in axes.spines.values():
-        side.set_visible(False)
 
 
 def formula(value: float) -> str:

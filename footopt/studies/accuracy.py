@@ -20,7 +20,7 @@ from rich.table import Table as RichTable
 from footopt.errors import check
 from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
-from footopt.report.figures.accuracy import work_precision
+from footopt.report.figures.studies import work_precision
 from footopt.sand import Sand
 from footopt.studies.audit import own_time
 from footopt.studies.base import Study

@@ -12,7 +12,7 @@ from rich.text import Text
 from footopt.errors import SettingError
 from footopt.files.io import write_text
 from footopt.report import terminal
-from footopt.report.figures.calibration import calibration as draw
+from footopt.report.figures.studies import calibration as draw
 from footopt.sand import GENERIC, MEDIA, Sand
 from footopt.studies.base import Study
 from footopt.studies.build import make_sand

@@ -10,7 +10,7 @@ from rich.table import Table
 from footopt.effects import EFFECTS, Effect
 from footopt.errors import check
 from footopt.report import terminal
-from footopt.report.figures.effects import changes
+from footopt.report.figures.studies import changes
 from footopt.studies.audit import Audit, audit, percent, switched
 from footopt.studies.auto_effects import audit_entry, screening_entry, screening_table, soles, tolerance
 from footopt.studies.base import Study, accuracy_entry, scene_entry

@@ -26,7 +26,7 @@ from footopt.files import io as files
 from footopt.files.feet import write_foot
 from footopt.foot import Foot, Waypoints
 from footopt.report import figures, terminal
-from footopt.report.figures import robust as robust_figures
+from footopt.report.figures import tables
 from footopt.report.figures.search import FRONT, history_label
 from footopt.report.progress import Step, report_generations
 from footopt.studies.base import Study, accuracy_entry, flat_efficiency, foot_entry, scene_entry
@@ -254,7 +254,7 @@ def _save_figures(
     caption = "The specialists' soles and the robust one, or the median scene's."
     study.save("contours", figures.contours(soles), caption)
     scenarios = [s.name for s in judge.scenarios]
-    regrets = robust_figures.regrets(compared.regrets, compared.names, scenarios)
+    regrets = tables.regrets(compared.regrets, compared.names, scenarios)
     study.save("regrets", regrets, "What each foot loses in each scenario against the best specialist there.")
     own = np.array(np.sign(compared.references[0]))  # of a walk as good as the reference
 
@@ -269,7 +269,7 @@ def _save_figures(
     study.save("convergence", figures.convergence(history, label), caption)
     if fresh is not None:
         caption = "Regret of the robust foot against the median scene's, in scenarios that neither knew."
-        study.save("held_out", robust_figures.held_out(fresh), caption)
+        study.save("held_out", tables.held_out(fresh), caption)
     if judge.n_obj > 1:
         columns = [judge.record.index(name) for name in judge.names]
         front = result.values[result.shown][:, columns]

@@ -12,7 +12,7 @@ from rich.text import Text
 
 from footopt.errors import check
 from footopt.report import terminal
-from footopt.report.figures.stability import Cell, verdicts
+from footopt.report.figures.tables import Cell, verdicts
 from footopt.studies.base import Study, foot_entry, scene_entry
 from footopt.studies.settings import FIVE, OUTLINE, SCENE, SPACE, Config, StudySettings, setting
 from footopt.studies.stability_cases import CASES, Case, Setup

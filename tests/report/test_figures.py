@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 import footopt as fo
-from footopt.errors import SettingError
 from footopt.report import figures
-from footopt.report.figures import paper
+from footopt.report.figures import tables
 from footopt.report.summary import Fronts
 from footopt.walk.objectives import FIVE, OBJECTIVES
 
@@ -255,9 +254,9 @@ def test_parallel_axes_are_turned_so_that_better_is_up(table):
         ends = {f"{good[:, i].min():.4g}", f"{good[:, i].max():.4g}"}
         assert ends <= {text.rstrip("0").rstrip(".") for text in texts(figure)}
     drawn = lines(axes)
-    np.testing.assert_allclose(drawn["_chosen"].get_ydata(), curves[6])  # row 7, after a failed one
-    np.testing.assert_allclose(drawn["_flat sole"].get_ydata(), curves[0])
-    assert drawn["_chosen"].get_linewidth() > 2 * axes.collections[0].get_linewidth()[0]
+    np.testing.assert_allclose(drawn["chosen"].get_ydata(), curves[6])  # row 7, after a failed one
+    np.testing.assert_allclose(drawn["flat sole"].get_ydata(), curves[0])
+    assert drawn["chosen"].get_linewidth() > 2 * axes.collections[0].get_linewidth()[0]
     assert {"better", "29 designs on the front (1 failed, not drawn)"} <= set(texts(figure))
 
 
@@ -274,19 +273,12 @@ def test_odd_tables_are_drawn(table):
     figures.parallel(table[:, :1], FIVE[:1]).draw_without_rendering()
 
 
-def test_a_table_that_does_not_fit_its_names_is_refused(table):
-    with pytest.raises(SettingError, match="4 columns"):
-        figures.parallel(table, FIVE[:4])
-    with pytest.raises(SettingError, match=r"objective\.names"):
-        figures.scatter_matrix({"front": table[:, :2]}, ["speed", "work"])
-
-
 # --- studies --------------------------------------------------------------------------------------
 
 
 def test_claims_say_where_they_hold():
     entry = {"says": "it holds", "margin": 0.1, "changed": {"foot.width=0.05": -0.2, "foot.apex=toe": None}}
-    (axes,) = paper.claims([entry, {**entry, "says": "never", "margin": -1.0}]).axes
+    (axes,) = tables.claims([entry, {**entry, "says": "never", "margin": -1.0}]).axes
     assert {"it holds", "never", "the settings", "foot.apex=toe"} <= set(texts(axes.figure))
     holds, not_, undecided = axes.images[0].get_array()[0]
     assert np.allclose(axes.images[0].get_array()[1, 0], not_)

@@ -13,7 +13,6 @@ from study_pages import check_page
 import footopt as fo
 from footopt.errors import SettingError
 from footopt.foot import SHAPES
-from footopt.report.figures.paper import CAPTIONS
 from footopt.studies.base import Study
 from footopt.studies.build import make_effects
 from footopt.studies.paper import run, study, walks
@@ -96,7 +95,7 @@ def test_the_study_leaves_figures_claims_and_a_page_and_searches_nothing_twice(t
     monkeypatch.setattr(walks, "search", lambda *given: searched.append(given) or search(*given))
     settings = config(study__name="paper", study__cases=["foot.apex", "foot.box_tolerance"], **SMALL)
     run(Study(settings, tmp_path, {}))
-    assert {f"{name}.png" for name in CAPTIONS} <= {p.name for p in (tmp_path / "figures").iterdir()}
+    assert len(list((tmp_path / "figures").glob("fig*.png"))) == 10
     found = json.loads((tmp_path / "result.json").read_text())
     assert [entry["id"] for entry in found["claims"]] == list(CLAIMS)
     for entry in found["claims"]:

@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.errors import check
 from footopt.report.style import (
     BEST,
     COLUMN,
@@ -28,7 +27,7 @@ from footopt.report.style import (
     message,
     new_figure,
     styled,
-)
+)  # fmt: skip
 from footopt.walk.objectives import Objective, lookup
 
 Array = NDArray[np.float64]
@@ -52,14 +51,8 @@ def history_label(names: Sequence[str]) -> str:
 def convergence(history: Sequence[Any], label: str, base: float | None = None) -> Figure:
     """The best value, or the hypervolume, and the population's median against the number of evaluations.
 
-    Parameters
-    ----------
-    history : sequence of footopt.design.Generation
-        Of a search.
-    label : str
-        Of the value, with its unit if it has one.
-    base : float, optional
-        Of the flat foot: values are then multiples of it.
+    `history` is that of a search (`footopt.design.Generation`), `label` the value's with its unit. With the
+    flat foot's value as `base`, values are multiples of it.
     """
     figure = new_figure(COLUMN, 2.4)
     draw_convergence(figure.subplots(), history, label, base)
@@ -96,26 +89,13 @@ def draw_convergence(axes: Axes, history: Sequence[Any], label: str, base: float
 def scatter_matrix(
     groups: Mapping[str, ArrayLike], names: Sequence[str], marks: Mapping[str, ArrayLike] | None = None
 ) -> Figure:
-    """Every pair of objectives of many designs.
+    """Every pair of two or more objectives of designs, in groups (designs, objectives) by label.
 
-    Parameters
-    ----------
-    groups : mapping of str to (designs, objectives)
-        By label, each in its own colour; rows with a NaN failed and are not drawn. Of more than 5,000 an
-        even selection is drawn.
-    names : sequence of str
-        Of the objectives, two or more (`footopt.walk.objectives.OBJECTIVES`).
-    marks : mapping of str to (objectives,), optional
-        Designs to point out, by name in `MARKS`.
-
-    Raises
-    ------
-    SettingError
-        The values do not fit the names.
+    Rows with a NaN failed and are not drawn; of more than `POINTS` an even selection is. `marks` are designs
+    to point out, by name in `MARKS`.
     """
-    tables = dict(_drawn(label, _table(values, names)) for label, values in groups.items())
-    check(len(names) > 1, "names", names, "two objectives or more")
-    found, n = _marks(marks), len(names)
+    tables = dict(_drawn(label, _table(values)) for label, values in groups.items())
+    found, n = _known(marks), len(names)
     size = min(PAGE, 1.6 * n + 1.0)
     figure = new_figure(size, size if n > 2 else 0.75 * size)
     grid = figure.subplots(n - 1, n - 1, squeeze=False)
@@ -125,24 +105,16 @@ def scatter_matrix(
             axes.set_axis_off()
             continue
         for i, (label, table) in enumerate(tables.items()):
-            looks = _points(i, len(tables)) | {
-                "ms": 2.5,
-                "alpha": 0.6,
-                "label": as_text(label) if len(tables) > 1 else None,
-            }
-            axes.plot(*table[:, [column, row + 1]].T, **looks)
+            # a single group has the designs' own colour and a title
+            looks = marker(i) | ({"label": as_text(label)} if len(tables) > 1 else {"color": DESIGNS})
+            axes.plot(*table[:, [column, row + 1]].T, **looks, ms=2.5, alpha=0.6)
         for name, values in found.items():
-            looks = MARKS[name] | {"clip_on": False, "mew": 0.6, "ls": "", "label": name}
-            axes.plot(*values[[column, row + 1]], **looks)
-        axes.xaxis.set_major_locator(MaxNLocator(3))
-        axes.yaxis.set_major_locator(MaxNLocator(3))
-        axes.tick_params(labelbottom=row == n - 2, labelleft=column == 0)
-        if row == n - 2:
-            axes.set_xlabel(labels[column])
-        if column == 0:
-            axes.set_ylabel(labels[row + 1])
+            axes.plot(*values[[column, row + 1]], **MARKS[name], clip_on=False, mew=0.6, ls="", label=name)
+        axes.locator_params(nbins=3)
+        axes.label_outer()
+        axes.set(xlabel=labels[column] if row == n - 2 else "", ylabel="" if column else labels[row + 1])
     figure.align_labels()
-    if len(tables) == 1:  # a cloud leaves no room beside it
+    if len(tables) == 1:
         grid[0, 0].set_title(as_text(next(iter(tables))), color=DARK)
     legend_above(figure)
     return figure
@@ -155,25 +127,9 @@ def parallel(
     marks: Mapping[str, ArrayLike] | None = None,
     what: str = "designs",
 ) -> Figure:
-    """Parallel coordinates of many designs: better is up on every axis.
-
-    Parameters
-    ----------
-    values : (designs, objectives)
-        In natural signs; rows with a NaN failed and are not drawn.
-    names, marks
-        As for `scatter_matrix`.
-    what : str
-        What the designs are.
-
-    Raises
-    ------
-    SettingError
-        The values do not fit the names.
-    """
+    """Parallel coordinates of many designs: better is up on every axis; see `draw_parallel`."""
     figure = new_figure(PAGE, 2.8)
-    axes = figure.subplots()
-    draw_parallel(axes, values, names, marks, what)
+    draw_parallel(figure.subplots(), values, names, marks, what)
     return figure
 
 
@@ -184,12 +140,14 @@ def draw_parallel(
     marks: Mapping[str, ArrayLike] | None = None,
     what: str = "designs",
 ) -> None:
-    """Parallel coordinates on one axes, see `parallel`."""
-    table, objectives, found = _table(values, names), lookup(names), _marks(marks)
-    failed = len(np.atleast_2d(values)) - len(table)
+    """Parallel coordinates of designs (designs, objectives), natural signs, called `what`.
+
+    Rows with a NaN failed and are not drawn; `marks` are designs to point out, by name in `MARKS`.
+    """
+    table, objectives, found = _table(values), lookup(names), _known(marks)
+    failed, n = len(np.atleast_2d(values)) - len(table), len(objectives)
     axes.set_axis_off()
-    n = len(objectives)
-    axes.set(xlim=(-0.55, n - 0.4), ylim=(-0.44, 1.16))
+    axes.set(xlim=(-0.35, n - 0.4), ylim=(-0.44, 1.16))
     if len(table) == 0:
         message(axes, f"no design to show: {failed} failed, not drawn")
         return
@@ -211,19 +169,17 @@ def draw_parallel(
         axes.text(i, 1.07, formula(sign[i] * high[i]), ha="center", va="bottom")
         axes.text(i, -0.07, formula(sign[i] * low[i]), ha="center", va="top")
         axes.text(i, -0.2, _two_lines(o), ha="center", va="top")
-    highest = max((place(row)[0] for row in found.values()), default=0.0)
     for name, row in found.items():
-        y = place(row)
-        more = {"lw": 2, "mew": 0.6, "clip_on": False, "ls": "--" if name == "flat sole" else "-"}
-        axes.plot(x, y, **MARKS[name] | more, label=f"_{name}")
-        level = y[0] + 0.04 * (len(found) - 1) * (1 if y[0] == highest else -1)  # off the other's name
-        axes.text(-0.07, level, name, ha="right", va="center", color=MARKS[name]["color"], zorder=7)
-        if name == "chosen":
-            box = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": BEST, "lw": 0.5}
-            for i in range(n):
-                axes.text(i + 0.06, y[i], formula(row[i]), va="center", bbox=box, zorder=7)
-    axes.annotate("", (-0.43, 0.2), (-0.43, 0.8), arrowprops={"arrowstyle": "<-", "lw": 0.8})
-    axes.text(-0.46, 0.5, "better", rotation=90, ha="right", va="center")
+        dashes = "--" if name == "flat sole" else "-"
+        axes.plot(x, place(row), **MARKS[name], lw=2, mew=0.6, clip_on=False, ls=dashes, label=name)
+    if "chosen" in found:
+        box = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": BEST, "lw": 0.5}
+        for i, (y, value) in enumerate(zip(place(found["chosen"]), found["chosen"], strict=True)):
+            axes.text(i + 0.06, y, formula(value), va="center", bbox=box, zorder=7)
+    axes.annotate("", (-0.2, 0.2), (-0.2, 0.8), arrowprops={"arrowstyle": "<-", "lw": 0.8})
+    axes.text(-0.23, 0.5, "better", rotation=90, ha="right", va="center")
+    if found:
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.0)
     left_out = [f"{failed} failed, not drawn"] * (failed > 0) + [f"1 of {every} is drawn"] * (every > 1)
     said = f" ({'; '.join(left_out)})" if left_out else ""
     axes.set_title(f"{len(table)} {what}{said}", color=DARK)
@@ -235,22 +191,15 @@ def _drawn(label: str, table: Array) -> tuple[str, Array]:
     return (f"{label} (1 of {every} is drawn)", table[::every]) if every > 1 else (label, table)
 
 
-def _points(i: int, groups: int) -> dict[str, Any]:
-    """Of the i-th group of designs; a single one has the designs' own colour."""
-    return marker(i) | ({"color": DESIGNS} if groups == 1 else {})
-
-
-def _table(values: ArrayLike, names: Sequence[str]) -> Array:
-    """The rows of a table that have all values; raises `SettingError` if it does not fit its names."""
+def _table(values: ArrayLike) -> Array:
+    """The rows of a table that have all values."""
     table = np.atleast_2d(np.asarray(values, float))
-    check(table.shape[1] == len(names), "values", table.shape, f"an array with {len(names)} columns")
     return np.asarray(table[np.isfinite(table).all(axis=1)])
 
 
-def _marks(marks: Mapping[str, ArrayLike] | None) -> dict[str, Array]:
+def _known(marks: Mapping[str, ArrayLike] | None) -> dict[str, Array]:
     """The designs to point out that have all values."""
     rows = {name: np.asarray(row, float) for name, row in (marks or {}).items()}
-    check(set(rows) <= set(MARKS), "marks", sorted(rows), f"of {', '.join(MARKS)}")
     return {name: row for name, row in rows.items() if np.isfinite(row).all()}
 
 

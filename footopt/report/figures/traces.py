@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from itertools import chain
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from footopt.report.style import (
     COLOURS,
@@ -23,61 +21,50 @@ from footopt.report.style import (
     new_figure,
     styled,
     walk_label,
-)
+)  # fmt: skip
 from footopt.walk import Walk
 
-Array = NDArray[np.float64]
-
 ROUNDING = 12  # digits behind the point: what is smaller is no motion, force or power
-STRIKE: dict[str, Any] = {"color": GREY, "lw": 0.5, "zorder": 0}
 
-#: A quantity of a walk: the trace's name, which of its components, and the label of its axis.
+#: A panel of a figure of walks: the trace's name, which of its components, and the label of its axis.
 Panel = tuple[str, tuple[int, ...], str]
 
 
 @styled
 def com(walks: Mapping[str, Walk]) -> Figure:
     """Position and velocity of the centre of mass against time, of walks by label."""
-    rows: list[list[Panel]] = [
-        [("com", (i,), rf"${axis}_{{\mathrm{{COM}}}}$ (m)") for i, axis in enumerate("xz")],
-        [("velocity", (i,), f"$V_{axis}$ (m/s)") for i, axis in enumerate("xz")],
-    ]
-    return _panels(walks, rows, sharey=False)
+    panels: list[Panel] = [("com", (i,), rf"${axis}_{{\mathrm{{COM}}}}$ (m)") for i, axis in enumerate("xz")]
+    panels += [("velocity", (i,), f"$V_{axis}$ (m/s)") for i, axis in enumerate("xz")]
+    return _panels(walks, panels)
 
 
 @styled
 def forces(walks: Mapping[str, Walk]) -> Figure:
     """Force of the sand on each foot against time: f_x left, f_z right; a row for each foot."""
-    rows: list[list[Panel]] = [
-        [("force", (foot, i), f"{side} foot $f_{axis}$ (N)") for i, axis in enumerate("xz")]
-        for foot, (side, _) in enumerate(SIDES)
-    ]
-    return _panels(walks, rows, sharey="col")
+    feet = enumerate(side for side, _ in SIDES)
+    panels = [("force", (foot, i), f"{side} foot $f_{'xz'[i]}$ (N)") for foot, side in feet for i in range(2)]
+    return _panels(walks, panels, sharey="col")
 
 
 @styled
 def power_work(walks: Mapping[str, Walk]) -> Figure:
     """Power and cumulative work of the sand on each foot against time; a row for each foot."""
-    rows: list[list[Panel]] = [
-        [
-            ("power", (foot,), f"{side} foot power $P_{side[0]}$ (W)"),
-            ("work", (foot,), f"{side} foot work $W_{side[0]}$ (J)"),
-        ]
-        for foot, (side, _) in enumerate(SIDES)
-    ]
-    return _panels(walks, rows, sharey="col")
+    panels: list[Panel] = []
+    for foot, (side, _) in enumerate(SIDES):
+        panels.append(("power", (foot,), f"{side} foot power $P_{side[0]}$ (W)"))
+        panels.append(("work", (foot,), f"{side} foot work $W_{side[0]}$ (J)"))
+    return _panels(walks, panels, sharey="col")
 
 
-def _panels(walks: Mapping[str, Walk], rows: Sequence[Sequence[Panel]], sharey: Any) -> Figure:
-    """Traces of walks by label, a panel for each quantity."""
+def _panels(walks: Mapping[str, Walk], panels: Iterable[Panel], sharey: Any = False) -> Figure:
+    """Traces of walks by label, in two rows of two panels."""
     figure = new_figure(PAGE, 3.6)
-    grid = figure.subplots(len(rows), len(rows[0]), sharex=True, sharey=sharey)
-    for axes, (name, index, label) in zip(grid.flat, chain(*rows), strict=True):
-        for i, (who, walk) in enumerate(walks.items()):
-            looks = look(who, i) | {"label": walk_label(who, walk)}
-            _draw(axes, walk, name, index, looks)
+    grid = figure.subplots(2, 2, sharex=True, sharey=sharey)
+    for axes, (name, index, label) in zip(grid.flat, panels, strict=True):
+        for i, (key, walk) in enumerate(walks.items()):
+            _draw(axes, walk, name, index, look(key, i) | {"label": walk_label(key, walk)})
         strikes = _finish(axes, walks.values())
-        axes.set(ylabel=label)
+        axes.set_ylabel(label)
     for axes in grid[-1]:
         axes.set_xlabel("time $t$ (s)")
     figure.align_ylabels()
@@ -88,7 +75,7 @@ def _panels(walks: Mapping[str, Walk], rows: Sequence[Sequence[Panel]], sharey: 
     return figure
 
 
-#: What `draw_components` shows of a walk: the label of the axis, and each line's label, component and looks.
+#: The components of a quantity of a walk: the label of the axis, and each line's label, component and looks.
 _AXES = (("forward $x$", (0,), {"color": COLOURS[0]}), ("up $z$", (1,), {"color": COLOURS[1], "ls": "--"}))
 _FEET = tuple((f"{side} foot", (i,), {"color": c, "ls": ("-", "--")[i]}) for i, (side, c) in enumerate(SIDES))
 _FORCES = tuple(
@@ -129,7 +116,7 @@ def _finish(axes: Axes, walks: Iterable[Walk]) -> list[float]:
     scenes = [walk.scene for walk in shown]
     strikes = sorted({float(h) for s in scenes for h in s.gait.heel_strikes(s.duration)})
     for strike in strikes:
-        axes.axvline(strike, **STRIKE)
+        axes.axvline(strike, color=GREY, lw=0.5, zorder=0)
     axes.set_xlim(0.0, max((s.duration for s in scenes), default=1.0))
     if not any(len(walk.t) for walk in shown):
         message(axes, "no samples: " + ", ".join(sorted({walk.reason for walk in shown})))

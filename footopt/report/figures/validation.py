@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 from footopt.report.style import (
     COLOURS,
     DASHES,
-    GRID,
     MARKERS,
     PAGE,
     PALE,
@@ -68,7 +67,7 @@ def experiment(found: Comparisons, x: str = "") -> Figure:
     for ax, quantity in zip(axes, quantities, strict=True):
         own = [c for c in found if c.quantity == quantity]
         draw(ax, own, [COLOURS[laws.index(c.law)] for c in own])
-        ax.grid(color=GRID, lw=0.6)
+        ax.grid()
         if draw is _against_x:
             ax.set_xlabel(x)
     legend_above(figure)
@@ -148,7 +147,7 @@ def overview(found: Comparisons, titles: Mapping[str, str]) -> Figure:
     ax.set_ylim(rows[-1] + 0.7, rows[0] - 1.7)
     ax.tick_params(axis="y", length=0)
     ax.tick_params(axis="x", which="minor", length=0)
-    ax.grid(axis="x", color=GRID, lw=0.6)
+    ax.grid(axis="x")
     return figure
 
 

@@ -12,7 +12,8 @@ from footopt.files.io import plain, write_text
 from footopt.foot import Foot
 from footopt.foot.waypoints import written
 from footopt.report import terminal
-from footopt.report.figures import paper as figures
+from footopt.report.figures.paper import all_figures
+from footopt.report.figures.tables import claims
 from footopt.report.numbers import number
 from footopt.studies.base import Study, foot_entry, scene_entry
 from footopt.studies.build import check_searchable
@@ -23,6 +24,7 @@ from footopt.walk import OBJECTIVES, Walk, simulate
 from footopt.walk.validity import diagnose
 
 Entry = Mapping[str, Any]
+CAPTION = "Every claim: whether it holds at the settings, and with each open choice made otherwise."
 VERDICTS = ("holds", "does not hold", "hangs on a choice", "undecided")
 WORDS = ("figure", "claim", "verdict", "sand", "k", "shape")  # columns of words
 
@@ -39,8 +41,8 @@ def run(study: Study) -> None:
     with study.progress(1 + len(others), "choice") as step:
         own = evidence(config, searched)
         step(news="the settings")
-        for name, figure in figures.all_figures(own.shapes, own.optima, own.crossed).items():
-            study.save(name, figure, figures.CAPTIONS[name])
+        for name, (figure, caption) in all_figures(own.shapes, own.optima, own.crossed).items():
+            study.save(name, figure, caption)
         for name, other in others.items():
             try:
                 margins[name] = measure(evidence(other, searched))
@@ -48,7 +50,7 @@ def run(study: Study) -> None:
                 margins[name] = dict.fromkeys(CLAIMS, nan)
             step(news=name)
     found = content(own, margins)
-    study.save("claims", figures.claims(found["claims"]), figures.CAPTIONS["claims"])
+    study.save("claims", claims(found["claims"]), CAPTION)
     write_text(study.folder / "claims.md", markdown(found))
     shown = [terminal.table(head, WORDS, title, rows) for title, head, rows in tables(found)]
     for sand, walk in own.optima.items():

@@ -1,0 +1,136 @@
+"""Tables as heat maps, the number in each cell and its colour for the eye: regrets, stability, claims."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.colors import Colormap, ListedColormap, Normalize
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike, NDArray
+
+from footopt.report.style import BEST, COLUMN, GREY, PAGE, Axes, new_figure, styled
+
+Array = NDArray[np.float64]
+
+ROW = 0.21  # height of a row, inches
+SHORT = 7  # letters that a column of a narrow table has room for
+WORDS = ("sunk", "backward", "diverged", "no failure", "refused", "accepted")  # verdicts without a number
+CHECK = "✓"
+VERDICTS = ListedColormap(["#F7C6A3", "#DBEAF3"])  # not stable, stable
+
+
+def draw_heat_map(
+    axes: Axes,
+    values: Array,
+    rows: Sequence[str],
+    columns: Sequence[str],
+    texts: Sequence[Sequence[str]],
+    cmap: str | Colormap,
+    most: float = 1.0,
+) -> None:
+    """One cell a value from 0 to `most`, (rows, columns), with its text; white where there is none."""
+    colours = colormaps.get_cmap(cmap).with_extremes(bad="white")
+    shade = colours(np.ma.masked_invalid(Normalize(0.0, most)(values)))
+    axes.imshow(shade, aspect="auto", interpolation="nearest")
+    for row, column in np.ndindex(values.shape):
+        dark = shade[row, column, :3] @ (0.299, 0.587, 0.114) < 0.55
+        look = {"fontsize": 7, "color": "white" if dark else "black"}
+        axes.text(column, row, texts[row][column], ha="center", va="center_baseline", **look)
+    axes.set_xticks(range(len(columns)), columns, fontsize=7)
+    axes.set_yticks(range(len(rows)), rows)
+    axes.set_xticks(np.arange(len(columns) - 1) + 0.5, minor=True)
+    axes.set_yticks(np.arange(len(rows) - 1) + 0.5, minor=True)
+    axes.grid(which="minor", color="white", lw=1.0)
+    axes.xaxis.tick_top()
+    axes.tick_params(which="both", length=0)
+    axes.spines[:].set_visible(False)
+
+
+@styled
+def regrets(values: ArrayLike, feet: Sequence[str], scenarios: Sequence[str]) -> Figure:
+    """What each foot (row) loses in each scenario (column) relative to the best known there, %."""
+    table = 100.0 * np.asarray(values, float)
+    summary = np.stack([table.mean(axis=1), table.max(axis=1)], axis=1)
+    many = len(scenarios) > 6
+    longest = max(len(word) for name in scenarios for word in name.split())
+    width = PAGE if many else COLUMN + (0.3 * len(scenarios) if longest > SHORT else 0.0)
+    figure = new_figure(width, 0.95 + ROW * len(feet))
+    left, right = figure.subplots(1, 2, sharey=True, width_ratios=[len(scenarios), 2])
+    most = max(1.0, float(np.nanmax(table, initial=0.0)))
+    names = [name.removeprefix("draw ") if many else name.replace(" ", "\n") for name in scenarios]
+    for axes, part, columns in ((left, table, names), (right, summary, ["mean", "worst"])):
+        texts = [[f"{v:.1f}" if np.isfinite(v) else "failed" for v in row] for row in part]
+        draw_heat_map(axes, part, feet, columns, texts, "Blues", most)
+    right.tick_params(labelleft=False)
+    left.set_ylabel("foot made for")
+    figure.supxlabel("loss against the best specialist in each scenario (%)")
+    return figure
+
+
+@styled
+def held_out(values: ArrayLike) -> Figure:
+    """Distribution of the robust foot's loss against the median scene's in fresh scenarios, %.
+
+    Negative is a gain. Scenarios in which one of them fails are left out.
+    """
+    loss = np.sort(100.0 * np.asarray(values, float))
+    loss = loss[np.isfinite(loss)]
+    figure = new_figure(COLUMN, 2.2)
+    axes = figure.subplots()
+    axes.axvline(0.0, color=GREY, lw=0.8, ls="--")
+    axes.step(loss, 100.0 * np.arange(1, len(loss) + 1) / len(loss), where="post", color=BEST)
+    axes.set(ylim=(0, 100), ylabel=f"share of {len(loss)} scenarios (%)")
+    axes.set_xlabel("loss against the median scene's foot (%)\n\N{LEFTWARDS ARROW} robust foot better")
+    return figure
+
+
+class Cell(NamedTuple):
+    """A verdict: stable or not, by which measure and what value."""
+
+    stable: bool
+    measure: str
+    value: float
+
+    @property
+    def text(self) -> str:
+        """What decides, and its value to two digits; one where it takes an exponent."""
+        if self.measure in WORDS:
+            return self.measure
+        value = f"{self.value:.0e}" if not 1e-2 <= self.value < 1e3 else f"{self.value:.2g}"
+        value = "0" if self.value == 0.0 else value.replace("e-0", "e-").replace("e+0", "e")
+        return f"{self.measure} {value}"
+
+
+@styled
+def verdicts(cases: Sequence[str], methods: Sequence[str], cells: Mapping[tuple[str, str], Cell]) -> Figure:
+    """Stable (a tick) or not (what decides, and its value), for each case and method."""
+    figure = new_figure(PAGE, 0.75 + ROW * len(cases))
+    rows = [[cells[case, method] for method in methods] for case in cases]
+    stable = np.array([[cell.stable for cell in row] for row in rows], float)
+    texts = [[CHECK if cell.stable else cell.text for cell in row] for row in rows]
+    names = ["\n".join(method.rsplit("_", 1)).replace("_", " ") for method in methods]
+    draw_heat_map(figure.subplots(), stable, cases, names, texts, VERDICTS)
+    figure.supxlabel(f"{CHECK} stable; where it is not: the measure that is furthest beyond its limit")
+    return figure
+
+
+@styled
+def claims(entries: Sequence[Mapping[str, Any]]) -> Figure:
+    """Every claim, and whether it holds at the settings and with each open choice made otherwise.
+
+    The claims are those of result.json, with `says`, `margin` and `changed`; a margin that is None is white.
+    """
+    figure = new_figure(PAGE, 1.6 + 0.17 * len(entries))
+    axes = figure.subplots()
+    columns = ["the settings", *entries[0]["changed"]]
+    margins = np.array([[e["margin"], *e["changed"].values()] for e in entries], float)
+    holds = np.where(np.isfinite(margins), margins > 0.0, np.nan)
+    blank = [[""] * len(columns)] * len(entries)
+    draw_heat_map(axes, holds, [entry["says"] for entry in entries], columns, blank, VERDICTS)
+    axes.tick_params(axis="x", rotation=90)
+    axes.tick_params(axis="y", labelsize=7)
+    figure.supxlabel("blue: the claim holds; orange: it does not")
+    return figure
