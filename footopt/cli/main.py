@@ -30,7 +30,7 @@ from footopt.files.identity import Occupied
 from footopt.files.io import write_text
 from footopt.report import summary
 from footopt.studies import reference
-from footopt.studies.base import answer
+from footopt.studies.base import sweeper_value
 from footopt.studies.build import absolute
 from footopt.studies.runs import result_of
 
@@ -88,7 +88,7 @@ def _job(settings: DictConfig) -> Any:
         if not isinstance(error, Occupied):  # the folder is another's then
             write_text(folder / ERROR_FILE, f"{message}\n")
         with suppress(FootoptError):  # an objective that is not known
-            return answer(settings.objective.names, {})
+            return sweeper_value(settings.objective.names, {})
         return None
     if alone and (result := result_of(folder)) and not result.get("feasible", True):
         sys.exit(f"footopt: error: the walk failed: {result['reason']}. {folder} has all about it.")

@@ -5,7 +5,7 @@ pymoo's algorithms take a third of a second to import: nothing here imports them
 
 from footopt.design.archive import Evaluator
 from footopt.design.executor import ENGINES, make_executor
-from footopt.design.fronts import WAYS, Choice
+from footopt.design.fronts import FRONT_RULES, Choice
 from footopt.design.problem import Evaluated, FootProblem
 from footopt.design.result import Confirmation, Generation, SearchResult, confirm
 from footopt.design.robust import RobustProblem, own_best
@@ -18,10 +18,10 @@ __all__ = [
     "AUTO",
     "ENGINES",
     "EXHAUSTIVE",
+    "FRONT_RULES",
     "SINGLE",
     "SOLVERS",
     "WALKS",
-    "WAYS",
     "Choice",
     "Confirmation",
     "Evaluated",

@@ -118,8 +118,8 @@ class Archive:
         self._good = np.empty(0, np.bool_)  # which are feasible
         self._known = Known()  # where a design is in `designs`
         self._latest = np.empty(0, np.int64)
-        self._column = problem.record.index(problem.guide)
-        self._sign = MEASURES[problem.guide].sign
+        self._column = problem.record.index(problem.ranking_objective)
+        self._sign = MEASURES[problem.ranking_objective].sign
         self._box: tuple[Array, Array] | None = None  # worst values and ranges that volumes are measured by
         self._hypervolume = Volume()
         # at the end of a generation: generations, designs, and the front, what an interrupted search reports

@@ -15,7 +15,7 @@ from pymoo.problems.static import StaticProblem
 from footopt.design.known import Known
 from footopt.design.problem import Array, FootProblem, Ints, whole
 from footopt.design.solvers import Solver
-from footopt.design.solvers.moves import ASKED
+from footopt.design.solvers.moves import KNOWN
 from footopt.errors import SettingError, check, check_kind
 
 REPEATS = 10  # times as many generations as its walks need, where a solver asks for designs again
@@ -77,7 +77,7 @@ class Algorithm:
         solver.check_space(problem.space)
         self._algorithm = solver.build(problem.n_obj)
         self._problem, self._known = problem, Known()
-        self._algorithm.data[ASKED] = self._known
+        self._algorithm.data[KNOWN] = self._known
         most = solver.n_gen or REPEATS * solver.generations(problem.space)
         ends = copy.deepcopy(termination) or ("n_gen", most)
         try:

@@ -172,7 +172,7 @@ def _judged(problem: FootProblem, k: Ints, values: Array, reasons: Words) -> Arr
 
 def _change(result: SearchResult, confirmed: Confirmation) -> float:
     """The largest relative change of a good finalist's objective between the two accuracies."""
-    column = result.problem.record.index(result.problem.guide)
+    column = result.problem.record.index(result.problem.ranking_objective)
     before = result.values[confirmed.designs[confirmed.good], column]
     change = np.abs(confirmed.values[confirmed.good, column] / before - 1.0)
     return float(change.max(initial=0.0, where=np.isfinite(change)))

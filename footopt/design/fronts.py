@@ -20,7 +20,7 @@ DIRECTIONS = 2048  # that a larger one is estimated in
 BLOCK = 256  # designs that are looked at together
 
 #: Ways to choose, in words.
-WAYS = {
+FRONT_RULES = {
     "knee": "the design nearest to the ideal point, with objectives scaled to the front",
     "weights": "the design whose worst weighted distance from the ideal point is least",
     "limits": "the best in the first objective of those within the limits",
@@ -108,8 +108,8 @@ class Choice:
     Parameters
     ----------
     by : str
-        A name of `WAYS`. "knee" is compromise programming with equal weights (Zeleny 1973), "weights" an
-        achievement scalarising function (Wierzbicki 1980).
+        A name of `FRONT_RULES`. "knee" is compromise programming with equal weights (Zeleny 1973),
+        "weights" an achievement scalarising function (Wierzbicki 1980).
     weights : dict of str to float
         Of the objectives, for "weights": the more, the nearer to its best; 1 for those not named.
     limits : dict of str to float
@@ -126,7 +126,7 @@ class Choice:
     limits: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        check(self.by in WAYS, "choose", self.by, f"one of {', '.join(WAYS)}")
+        check(self.by in FRONT_RULES, "choose", self.by, f"one of {', '.join(FRONT_RULES)}")
         for name in ("weights", "limits"):
             given, setting, needed = getattr(self, name), f"choose.{name}", self.by == name
             hint = f"Try choose={name} 'choose.{name}={{work:2}}'"

@@ -116,7 +116,7 @@ class FootProblem(Problem):
         return tuple(o.name for o in self.objectives)
 
     @property
-    def guide(self) -> str:
+    def ranking_objective(self) -> str:
         """Name of the value that ranks designs: the single objective, or J_W when there are several."""
         return self.names[0] if len(self.names) == 1 else "efficiency"
 

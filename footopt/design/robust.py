@@ -42,11 +42,11 @@ class RobustProblem(FootProblem):
     tail : float
         The share of the scenarios that "tail" averages over.
     references : (scenarios,), optional
-        The value of `guide` that a good foot has in each scenario, by whose magnitude it is divided
-        there: the measure is then one of the loss relative to it (`regret`). By default each scenario's
-        own best: before the first walk, one default search of each (`own_best`), 10,000 walks, which
-        ``fo.search(..., progress=True)`` shows. Ones leave the values as they are: the worst J_W of three
-        sands is that on soft sand, where J_W is a tenth, and the foot that is best by it a specialist.
+        The value of `ranking_objective` that a good foot has in each scenario, by whose magnitude it is
+        divided there: the measure is then one of the loss relative to it (`regret`). By default each
+        scenario's own best: before the first walk, one default search of each (`own_best`), 10,000 walks,
+        which ``fo.search(..., progress=True)`` shows. Ones leave the values as they are: the worst J_W of
+        three sands is that on soft sand, where J_W is a tenth, and the foot that is best by it a specialist.
 
     Raises
     ------
@@ -78,7 +78,7 @@ class RobustProblem(FootProblem):
 
     @property
     def references(self) -> Array:
-        """The value of `guide` that a good foot has in each scenario, (scenarios,)."""
+        """The value of `ranking_objective` that a good foot has in each scenario, (scenarios,)."""
         self.prepare()
         return cast(Array, self._references)
 
@@ -116,7 +116,7 @@ class RobustProblem(FootProblem):
 
     def _measured(self, values: Array, reasons: Words) -> tuple[Array, Words]:
         """The same of what `walk_each` returns."""
-        values[..., self.record.index(self.guide)] /= np.abs(self.references)[:, None]
+        values[..., self.record.index(self.ranking_objective)] /= np.abs(self.references)[:, None]
         sign = np.array([MEASURES[name].sign for name in self.record])
         weights = np.array([s.weight for s in self.scenarios])
         total = sign * measured(sign * values, weights, self.measure, self.tail)
@@ -135,7 +135,7 @@ def own_best(
     executor: Executor | None = None,
     progress: bool = False,
 ) -> Array:
-    """What `problem.guide` is of the best foot of each scenario alone, (scenarios,), as a search finds it.
+    """The ranking objective of the best foot of each scenario alone, (scenarios,), as a search finds it.
 
     It is the default search, or every sole of a space that has no more than that walks with.
 
@@ -160,11 +160,13 @@ def own_best(
     few = problem.space.K**problem.space.n <= FEW
     found = []
     for s in problem.scenarios:
-        alone = FootProblem(s.scene, problem.guide, s.space(problem.space), problem.accuracy, problem.threads)
+        alone = FootProblem(
+            s.scene, problem.ranking_objective, s.space(problem.space), problem.accuracy, problem.threads
+        )
         try:
             if progress:
                 print(
-                    f"The best foot for {s.name} alone, to which {problem.guide} is relative:",
+                    f"The best foot for {s.name} alone, to which {problem.ranking_objective} is relative:",
                     file=sys.stderr,
                 )
             result = search(alone, EXHAUSTIVE if few else None, progress, store, executor)
@@ -172,7 +174,7 @@ def own_best(
             raise FootoptError(f"{s.name}: {error}") from None
         if result.interrupted:
             raise KeyboardInterrupt(f"while searching the best foot for {s.name} alone")
-        found.append(result.column(problem.guide)[result.best])
+        found.append(result.column(problem.ranking_objective)[result.best])
     return _checked(found, len(found))
 
 

@@ -98,7 +98,7 @@ def write(folder: Path, settings: Mapping[str, Any], words: Sequence[str]) -> No
     write_text(folder / FILE, HEAD + yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=100))
 
 
-def lacking(folder: Path, file: str) -> str:
+def missing_file_error(folder: Path, file: str) -> str:
     """Why a folder without a file is none of a run."""
     return f"it has no {file}" if folder.is_dir() else "there is no such folder"
 
@@ -114,7 +114,7 @@ def read(folder: Path, setting: str = "resume") -> Identity:
     path = folder / FILE
     if not path.exists():
         raise FileError(
-            f"{setting} = {str(folder)!r}: not the folder of a run ({lacking(folder, FILE)}). "
+            f"{setting} = {str(folder)!r}: not the folder of a run ({missing_file_error(folder, FILE)}). "
             "Give one such as outputs/optimize/2026-01-31_12-00-00-000000."
         )
     try:

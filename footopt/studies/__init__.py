@@ -14,7 +14,7 @@ from footopt.files.identity import FILE, locked
 from footopt.foot import SHAPES
 from footopt.studies.base import Study
 from footopt.studies.build import check_values, load_plugins, make_limits
-from footopt.studies.runs import enter
+from footopt.studies.runs import claim_folder
 from footopt.studies.settings import (
     CHOICE,
     CHOICES,
@@ -196,7 +196,7 @@ def run(
         (folder / ERROR_FILE).unlink(missing_ok=True)  # of a job that failed before
         before = {*folder.iterdir()}
         if not resumed:
-            enter(folder, settings, words)
+            claim_folder(folder, settings, words)
         try:
             return STUDIES[name][1](Study(config, folder, settings, words))
         except FootoptError:

@@ -35,7 +35,7 @@ from footopt.walk.adapt import adapted
 from footopt.walk.objectives import lookup
 from footopt.walk.validity import Diagnostic
 
-Answer = float | tuple[float, ...]
+SweeperValue = float | tuple[float, ...]
 
 
 class Study:
@@ -254,14 +254,14 @@ class Study:
 
 def flat_efficiency(problem: FootProblem) -> float | None:
     """J_W of the flat foot, below 0; None where it has none, or a problem seeks something else."""
-    if problem.guide != "efficiency":
+    if problem.ranking_objective != "efficiency":
         return None
     flat = simulate(Foot.flat(problem.space), problem.scene, problem.accuracy)
-    value = float(flat.objectives[problem.guide])
+    value = float(flat.objectives[problem.ranking_objective])
     return value if value < 0.0 else None
 
 
-def answer(names: Sequence[str], values: Mapping[str, float]) -> Answer:
+def sweeper_value(names: Sequence[str], values: Mapping[str, float]) -> SweeperValue:
     """What a job returns to a sweeper and to callbacks: its objective, or a tuple of several.
 
     Signs are natural. Where there is no value, because a walk or the job failed, it is the objective's worst:

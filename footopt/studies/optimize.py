@@ -13,7 +13,7 @@ import numpy as np
 
 from footopt.design import (
     EXHAUSTIVE,
-    WAYS,
+    FRONT_RULES,
     Confirmation,
     Evaluator,
     FootProblem,
@@ -36,12 +36,12 @@ from footopt.report.progress import report_generations
 from footopt.studies import ranks
 from footopt.studies.auto_effects import choose_effects
 from footopt.studies.base import (
-    Answer,
     Study,
+    SweeperValue,
     accuracy_entry,
-    answer,
     foot_entry,
     scene_entry,
+    sweeper_value,
     validity_entry,
 )
 from footopt.studies.build import check_searchable, make_problem
@@ -70,7 +70,7 @@ class Settings(SearchSettings):
     reads = (*SearchSettings.reads, "choose", "foot.block")
 
 
-def run(study: Study) -> Answer:
+def run(study: Study) -> SweeperValue:
     """Search, then walk with the best foot and leave everything about it; returns its objectives."""
     config, options = study.config, study.options
     check_searchable(config.foot)
@@ -94,11 +94,11 @@ def run(study: Study) -> Answer:
     errors = error_of(walk, problem.record)
     values, base = walk.judged(problem.record), flat.judged(problem.record)
     diagnostics = [*diagnose(walk), *resolution(walk, errors)]
-    rivals, turns = result.k[confirmed.designs[: options.finalists]], []
+    finalists, rank_changes = result.k[confirmed.designs[: options.finalists]], []
     if study.reports and options.confirm:
         with study.compiling("a walk for each law"):
             flat_k = np.full(problem.space.n, problem.space.K)
-            turns = ranks.ranks(problem, rivals, flat_k, config.sand.spread)
+            rank_changes = ranks.ranks(problem, finalists, flat_k, config.sand.spread)
 
     if study.reports:
         files.write_designs(study.folder / "designs.csv", result.columns)
@@ -110,7 +110,7 @@ def run(study: Study) -> Answer:
             "objectives": values,
             "error_estimate": errors,
             "model_error": (model := model_error(walk, chosen.left_out, config.sand.spread)),
-            "ranks": ranks.entry(turns),
+            "ranks": ranks.entry(rank_changes),
             "flat": base,
             "gain_shares": gain_shares(values, base),
             **scene_entry(scene, walk.accuracy, problem.record),
@@ -127,8 +127,8 @@ def run(study: Study) -> Answer:
     write_film(study, walk)
 
     several = problem.n_obj > 1
-    by_j = (choice.by if several else problem.guide) == "efficiency"
-    which = f"Of the front {WAYS[choice.by]}" if several else "Best design"
+    by_j = (choice.by if several else problem.ranking_objective) == "efficiency"
+    which = f"Of the front {FRONT_RULES[choice.by]}" if several else "Best design"
     feet = [("best", values), ("flat", base)]
     study.say(
         terminal.describe_search(result),
@@ -136,9 +136,9 @@ def run(study: Study) -> Answer:
         *([] if certificate is None else [str(certificate)]),
         f"{which}: {terminal.describe_foot(best)}",
         terminal.objective_table(
-            feet, problem.record, errors, gain=True, shares=by_j, turned=ranks.turned_by(turns)
+            feet, problem.record, errors, gain=True, shares=by_j, turned=ranks.turned_by(rank_changes)
         ),
-        *ranks.describe(turns, len(rivals)),
+        *ranks.describe(rank_changes, len(finalists)),
         *terminal.describe_model([model]),
     )
     for words in _warnings(problem, values, base, by_j):
@@ -149,7 +149,7 @@ def run(study: Study) -> Answer:
     if result.interrupted:
         done, every = len(result.history), solver.generations(problem.space)
         raise KeyboardInterrupt(f"after {_unit(solver)} {done} of {every}, with a full report")
-    return answer(problem.names, values)
+    return sweeper_value(problem.names, values)
 
 
 def _warnings(
@@ -158,8 +158,8 @@ def _warnings(
     """What is wrong with the best design: it is no better than the flat sole, or breaks a limit."""
     said = []
     if problem.n_obj == 1 or by_j:
-        guide = "efficiency" if by_j else problem.names[0]
-        said += terminal.describe_loss(guide, values[guide], base[guide])
+        by = "efficiency" if by_j else problem.names[0]
+        said += terminal.describe_loss(by, values[by], base[by])
     for name, limit in problem.limits.items():
         if excess(name, limit, np.array([values[name]]))[0] > 0.0:
             value = objective_quantity(name, values[name])
@@ -190,8 +190,8 @@ def _search(
         if known := store.describe():
             study.say(known)
         with study.progress(solver.generations(space), _unit(solver)) as step:
-            guide = problem.names[0]
-            tell = report_generations(step, guide, base=base if guide == "efficiency" else None)
+            first = problem.names[0]
+            tell = report_generations(step, first, base=base if first == "efficiency" else None)
             start = _start(study.options.start, space)
             result = search(problem, solver, tell, store, executor, start=start)
         finer, finalists = study.finer_accuracy, study.options.finalists
@@ -260,7 +260,9 @@ def _drawings(result: SearchResult, leaders: Any, flat: dict[str, float]) -> dic
     """What draws the figures of a search, by name: with its best designs and the flat sole's values."""
     problem, drawn = result.problem, dict[str, Callable[[], Any]]()
     if result.solver.name != EXHAUSTIVE:
-        relative = problem.n_obj == 1 and problem.guide == "efficiency" and flat["efficiency"] < 0.0
+        relative = (
+            problem.n_obj == 1 and problem.ranking_objective == "efficiency" and flat["efficiency"] < 0.0
+        )
         base = flat["efficiency"] if relative else None
         label = history_label(problem.names)
         drawn["convergence"] = partial(figures.convergence, result.history, label, base)

@@ -84,11 +84,11 @@ def ranks(problem: FootProblem, finalists: Ints, flat: Ints, spread: float) -> l
         both = np.isfinite(order) & np.isfinite(score)
         lost = math.nan
         if problem.n_obj == 1:
-            column = values[:-1, problem.record.index(problem.guide)]
-            maximise = MEASURES[problem.guide].maximise
+            column = values[:-1, problem.record.index(problem.ranking_objective)]
+            maximise = MEASURES[problem.ranking_objective].maximise
             if np.isfinite(column).any():
                 best = (np.nanmax if maximise else np.nanmin)(column)
-                lost = float(regret(column[:1], np.array(best), problem.guide)[0])
+                lost = float(regret(column[:1], np.array(best), problem.ranking_objective)[0])
         place = 1 + int((score < score[0]).sum()) if np.isfinite(score[0]) else len(score)
         with np.errstate(divide="ignore", invalid="ignore"):
             change = dict(zip(problem.record, (values[0] / values[-1] - 1.0).tolist(), strict=True))

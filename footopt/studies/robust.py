@@ -74,7 +74,7 @@ class Comparison:
     reasons : (scenarios, feet)
         Of failed walks.
     references : (scenarios,)
-        The guide's value of the specialist that is best in each.
+        The ranking objective's value of the specialist that is best in each.
     regrets : (feet, scenarios)
         Against these.
     """
@@ -147,7 +147,7 @@ def run(study: Study) -> None:
             "design": foot_entry(foot),
             "objectives": dict(zip(judge.record, objectives.tolist(), strict=True)),
             "model_error": model,
-            "measure": {"name": options.measure, "tail": options.tail, "of": judge.guide},
+            "measure": {"name": options.measure, "tail": options.tail, "of": judge.ranking_objective},
             "feet": {name: k.tolist() for name, k in feet.items()},
             "hollow_mm": hollows,
             "scenarios": [scenario_entry(s, finer, judge.space) for s in scenarios],
@@ -191,7 +191,7 @@ def _search(
     if isinstance(problem, RobustProblem):
         units, base, scale = len(problem.scenarios), np.sign(problem.references[0]), "the specialist's"
     try:
-        tell = report_generations(step, problem.guide, units, f"{name}: ", base, scale)
+        tell = report_generations(step, problem.ranking_objective, units, f"{name}: ", base, scale)
         with study.store(problem) as store:
             result = search(problem, solver, tell, store, executor)
     except FootoptError as error:
@@ -204,10 +204,10 @@ def _search(
 def compare(judge: RobustProblem, feet: Heights) -> Comparison:
     """Walk with all feet in all scenarios."""
     values, reasons = judge.walk_each(np.array(list(feet.values())))
-    guide = values[..., judge.record.index(judge.guide)]
-    specialists = guide[:, [name != ROBUST for name in feet]]
-    references = (np.nanmax if MEASURES[judge.guide].maximise else np.nanmin)(specialists, axis=1)
-    regrets = regret(guide, references[:, None], judge.guide).T
+    ranked = values[..., judge.record.index(judge.ranking_objective)]
+    specialists = ranked[:, [name != ROBUST for name in feet]]
+    references = (np.nanmax if MEASURES[judge.ranking_objective].maximise else np.nanmin)(specialists, axis=1)
+    regrets = regret(ranked, references[:, None], judge.ranking_objective).T
     return Comparison(tuple(feet), values, reasons, references, regrets)
 
 
@@ -217,8 +217,8 @@ def held_out_regret(study: Study, scene: Scene, judge: RobustProblem, feet: Heig
     fresh = draw(scene, make_spread(study.config), count, study.seed + 1)
     problem = RobustProblem(fresh, judge.names, judge.space, judge.accuracy, judge.threads)
     values, _ = problem.walk_each(np.array([feet[MEDIAN], feet[ROBUST]]))
-    guide = values[..., judge.record.index(judge.guide)]
-    return regret(guide[:, 1], guide[:, 0], judge.guide)
+    ranked = values[..., judge.record.index(judge.ranking_objective)]
+    return regret(ranked[:, 1], ranked[:, 0], judge.ranking_objective)
 
 
 def _write_files(
@@ -259,7 +259,7 @@ def _save_figures(
     own = np.array(np.sign(compared.references[0]))  # of a walk as good as the reference
 
     def percent(value: float) -> Array:
-        return 100.0 * regret(np.array(value), own, judge.guide)
+        return 100.0 * regret(np.array(value), own, judge.ranking_objective)
 
     history = [
         replace(g, best=float(percent(g.best)), median=float(percent(g.median))) for g in result.history
@@ -280,7 +280,7 @@ def _save_figures(
 def table(judge: RobustProblem, compared: Comparison) -> RichTable:
     """The regrets for the terminal."""
     scenarios = [s.name for s in judge.scenarios]
-    title = judge.guide.replace("_", " ")
+    title = judge.ranking_objective.replace("_", " ")
     columns = scenarios if len(scenarios) <= SHOWN else []
     shown = terminal.table(
         ("foot", *columns, "mean", "worst", "worst in"),

@@ -72,7 +72,7 @@ def finished(result: Mapping[str, Any] | None) -> bool:
     return result is not None and not result.get("interrupted", False)
 
 
-def enter(folder: Path, settings: Mapping[str, Any], words: Sequence[str]) -> None:
+def claim_folder(folder: Path, settings: Mapping[str, Any], words: Sequence[str]) -> None:
     """Begin a run in a folder, or go on with the same one that was stopped there: leave what it is.
 
     A finished run there, or what another one has left, is `Occupied`.
@@ -151,7 +151,7 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
         raise
     except (FileError, LookupError, TypeError, ValueError) as error:
         missing = not os.path.exists(folder / "result.json")
-        why = identity.lacking(folder, "result.json") if missing else f"{error}".rstrip(".")
+        why = identity.missing_file_error(folder, "result.json") if missing else f"{error}".rstrip(".")
         raise FileError(
             f"run = {str(folder)!r}: not the folder of a run with one foot ({why}). "
             "Give one of study=optimize or simulate."

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, get_type_hints
 
 from omegaconf import OmegaConf
 
-from footopt.design import EXHAUSTIVE, SINGLE, SOLVERS, WAYS, Choice, Solver, Spread, make_executor
+from footopt.design import EXHAUSTIVE, FRONT_RULES, SINGLE, SOLVERS, Choice, Solver, Spread, make_executor
 from footopt.design.problem import SETS
 from footopt.design.solvers.registry import AUTO
 from footopt.effects import EFFECTS
@@ -328,7 +328,7 @@ CHOICES: dict[str, dict[str, Any]] = {
     "effects": {name: {name: {}} for name in EFFECTS},
     "accuracy": {name: {"name": name} for name in (*PRESETS, "custom")},
     "objective": {name: {"names": list(names)} for name, names in SETS.items()},
-    "choose": {name: {"name": name} for name in WAYS},
+    "choose": {name: {"name": name} for name in FRONT_RULES},
     "solver": {name: {"name": name} for name in (AUTO, *SOLVERS) if name not in SEVERAL},
     "study": {"own": OwnSettings},
 }

@@ -18,7 +18,14 @@ from footopt.report import figures, film, page, terminal
 from footopt.report.figures.gait import gait_fit
 from footopt.report.numbers import title
 from footopt.studies.auto_effects import choose_effects
-from footopt.studies.base import Answer, Study, answer, foot_entry, scene_entry, validity_entry
+from footopt.studies.base import (
+    Study,
+    SweeperValue,
+    foot_entry,
+    scene_entry,
+    sweeper_value,
+    validity_entry,
+)
 from footopt.studies.build import make_space, make_strides
 from footopt.studies.runs import foot_of
 from footopt.studies.settings import SCENE, VIDEO, StudySettings, setting
@@ -39,7 +46,7 @@ class Settings(StudySettings):
     reads = (*SCENE, "foot", "accuracy", "objective.names")
 
 
-def run(study: Study) -> Answer:
+def run(study: Study) -> SweeperValue:
     """Walk with one foot and leave everything about the walk; returns the objectives of the settings."""
     check_film(study)
     folder, k, accuracy = study.options.run, study.config.foot.k, study.accuracy
@@ -93,7 +100,7 @@ def run(study: Study) -> Answer:
     terminal.print_validity(study.console, diagnostics)
     study.say(*notes)
     study.close()
-    return answer(study.config.objective.names, values)
+    return sweeper_value(study.config.objective.names, values)
 
 
 def _undefined(walk: Walk, values: Mapping[str, float]) -> list[str]:

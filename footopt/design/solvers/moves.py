@@ -22,7 +22,7 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 DRAWS = 200  # batches of random designs at most, of which as many as are wanted should be inside their box
-ASKED = "asked"  # in an algorithm's data: the designs that have been asked for, `Known`
+KNOWN = "known"  # in an algorithm's data: the designs that have been asked for, `Known`
 IDLE = 8  # batches that may bring nothing new before a space counts as used up
 
 
@@ -100,6 +100,6 @@ class OnlyNew(Repair):
             return pop
         X = pop.get("X")
         kept = allowed(problem, X)
-        if algorithm is not None and ASKED in algorithm.data:
-            kept &= algorithm.data[ASKED].places(X) < 0
+        if algorithm is not None and KNOWN in algorithm.data:
+            kept &= algorithm.data[KNOWN].places(X) < 0
         return pop[kept]
