@@ -119,7 +119,7 @@ def cached_cfunc(signature: Any) -> Callable[[Callable[..., Any]], Any]:
 
 
 def _unowned(typingctx: Any, array: Any) -> Any:
-    """An array that does not know who owns its memory."""
+    """An array without a reference to the owner of its memory."""
 
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         view = context.make_array(signature.args[0])(context, builder, args[0])

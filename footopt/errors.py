@@ -59,7 +59,7 @@ class Unusable(ValueError):
 
 
 class EngineError(FootoptError):
-    """Those who evaluate designs cannot go on; the finished generations are in the store."""
+    """The workers that evaluate designs cannot go on; the finished generations are in the store."""
 
 
 class MissingError(FootoptError, ImportError):

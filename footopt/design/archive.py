@@ -37,7 +37,7 @@ class Evaluator:
     store : Store, optional
         Of the same problem; `ValueError` if it is of another one.
     executor : Executor, optional
-        Who walks; by default this process.
+        Of the workers that evaluate; by default this process.
 
     Attributes
     ----------

@@ -15,7 +15,7 @@ from footopt.foot import Waypoints
 from footopt.walk.accuracy import Accuracy
 
 MOST = 20_000  # soles of a neighbourhood: of a larger space only nearer ones are asked for
-SAFETY = 2.0  # times the largest change of a finalist between accuracies: who is nearer is walked finely
+SAFETY = 2.0  # times the largest change of a finalist between accuracies: closer designs are evaluated finely
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Certificate:
     soles, inside : int
         How many neighbours there are, and how many of them stay in their box: the others are no feet.
     walks : int
-        Of these, how many the search had not walked with.
+        Of these, how many the search had not evaluated.
     finely : int
         How many are so near in value that they were walked at the finer accuracy, too.
     accuracy : str
@@ -42,7 +42,7 @@ class Certificate:
     steps : int
         How often a better neighbour took the place of what the search had found.
     holds : bool
-        Whether no neighbour is better; otherwise they were not all walked with.
+        Whether no neighbour is better; otherwise they were not all evaluated.
     """
 
     k: tuple[int, ...]
@@ -71,7 +71,7 @@ class Certificate:
             return f"Certificate: {near} ({known}{found})"
         return (
             f"No certificate: the best design has {self.inside:,} neighbours in their box, more than the "
-            f"search has walked with{found}. study.certify=true walks with them all"
+            f"search has evaluated{found}. study.certify=true evaluates them all"
         )
 
 
@@ -112,7 +112,7 @@ def certified(
     accuracy, finalists
         As in `footopt.design.confirm`.
     evaluator : Evaluator
-        Who walks, and keeps the walks.
+        Evaluates designs, and keeps the results.
     most : float
         Walks for it, at most; if it would take more, it does not hold.
 

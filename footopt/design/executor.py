@@ -153,7 +153,7 @@ def _received(sent: bytes) -> FootProblem:
 
 
 class Workers:
-    """The workers of an executor, who walk with designs of a problem as `walk` does here."""
+    """The workers of an executor, which evaluate designs of a problem as `walk` does here."""
 
     def __init__(self, problem: FootProblem, executor: Executor) -> None:
         self.problem, self.executor = problem, executor

@@ -137,7 +137,7 @@ def own_best(
 ) -> Array:
     """The ranking objective of the best foot of each scenario alone, (scenarios,), as a search finds it.
 
-    It is the default search, or every sole of a space that has no more than that walks with.
+    It is the default search, or every sole of a space with no more soles than that evaluates.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def own_best(
     store : str or Path, optional
         A file to keep every walk in.
     executor : Executor, optional
-        Who walks.
+        Of the workers that evaluate.
     progress : bool
         Whether to show on standard error how far it is.
 

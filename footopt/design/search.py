@@ -54,8 +54,8 @@ def search(
         stopped: nothing is walked twice, and the result is the same, to the last bit, as that of a
         search never stopped.
     executor : concurrent.futures.Executor, optional
-        Who walks: threads, processes, a dask client's executor, MPI. By default this process does. The
-        result is the same, to the last bit.
+        Of the workers that evaluate: threads, processes, a dask client's executor, MPI; by default this
+        process. The result is the same, to the last bit.
     stop : pymoo.core.termination.Termination, optional
         Ends it before its last generation, in place of walks and n_gen; its short form ("n_gen", 50) will do.
     start : (designs, n), optional

@@ -61,7 +61,7 @@ FEET: dict[str, tuple[str, ...]] = {
 FEET["reversed_triangle"] += ("foot.apex",)
 FEET["reversed_l"] += ("foot.upright",)
 
-#: Settings that are read only where others have certain values: which, whether they have, and who reads them.
+#: Settings that are read only where others have certain values: which, whether they have, and the readers.
 ONLY: tuple[tuple[tuple[str, ...], Callable[[Config], bool], str], ...] = (
     (("gait.names", "gait.side", "gait.units", "gait.window"),
      lambda c: c.gait.path is not None and not c.gait.path.lower().endswith(".json"),

@@ -38,7 +38,7 @@ class Audit:
     scene : Scene
         Without it.
     changes : (objectives,)
-        Relative, not exceeded by 95 % of the feet; columns `FIVE`. NaN if no foot walks with and without it.
+        Relative, not exceeded by 95 % of the feet; columns `FIVE`. NaN if no foot walks in both.
     shifts : (objectives,)
         The median change with its sign.
     tau : float

@@ -170,7 +170,7 @@ def _warnings(
 
 
 def _unit(solver: Solver) -> str:
-    """What a solver walks with at once."""
+    """The unit of progress: the designs that a solver proposes at once."""
     return "batch" if solver.name == EXHAUSTIVE else "generation"
 
 

@@ -209,7 +209,7 @@ class Run:
 
     @cached_property
     def foot(self) -> Foot:
-        """The foot that it chose or walked with; `FileError` if it has none."""
+        """The foot that it chose or simulated; `FileError` if it has none."""
         return foot_of(self.folder)
 
     @cached_property

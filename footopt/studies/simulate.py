@@ -143,7 +143,7 @@ def write_walk(
         "power_work": partial(figures.power_work, walks),
         "contour": partial(figures.contour, walk.foot),
     }
-    if stance(walk) is not None:  # of who stands there would be nothing on it
+    if stance(walk) is not None:  # a walker that stands takes no step
         drawings["step"] = partial(figures.step, walk)
     files.write_walk(study.folder / "walk.nc", walk.variables, {"reason": walk.reason})
     _, notes = write_all(walk.foot, study.folder, study.config.foot.block)

@@ -1,4 +1,4 @@
-"""Which stepper stays stable where? Hard cases, each walked with every method and judged by numbers."""
+"""Which stepper stays stable where? Hard cases, each simulated with every method and judged by numbers."""
 
 from __future__ import annotations
 

@@ -238,8 +238,8 @@ class Archive(Moves):
 
     def __init__(self, pop_size: int | None = None, **kwargs: Any) -> None:
         super().__init__(pop_size, **kwargs)
-        self.alone: list[Memetic] = []  # who seek the best by one objective each
-        self.turn, self.sought = 0, 0  # who of them asked for how many of a generation, its first designs
+        self.alone: list[Memetic] = []  # searches of one objective each
+        self.turn, self.sought = 0, 0  # whose turn it is; how many first designs are theirs
 
     def _advance(self, infills: Any = None, **kwargs: Any) -> None:
         from pymoo.operators.survival.rank_and_crowding import RankAndCrowding

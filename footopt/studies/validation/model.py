@@ -70,10 +70,10 @@ def model_error(
     errors["efficiency"] = math.sqrt(sum(error**2 for error in errors.values()))
     own = np.array([walk.objectives[name] for name in JUDGED])
     changes = np.zeros(len(JUDGED))
-    compared = walk.scene.duration > walk.scene.gait.heel_strike  # who stands cannot be
+    compared = walk.scene.duration > walk.scene.gait.heel_strike  # a walker that stands cannot be
     for other in harder_and_softer(walk.scene, spread) if compared else ():
         values = evaluate([walk.foot], other.scene, walk.accuracy, JUDGED, threads=1).values[0]
-        with np.errstate(divide="ignore", invalid="ignore"):  # who never brakes loses no speed
+        with np.errstate(divide="ignore", invalid="ignore"):  # a walker that never brakes loses no speed
             change = np.where(values == own, 0.0, np.abs(values / own - 1.0))
         changes = np.maximum(changes, np.nan_to_num(change, nan=1.0, posinf=1.0))
     return {
