@@ -17,7 +17,7 @@ from footopt.design.solvers import Solver
 
 # functions of the same names hide these modules in their packages
 simulate_module = import_module("footopt.walk.simulate")
-prepare_module = import_module("footopt.walk.prepare")
+prepare_module = import_module("footopt.walk.discretize")
 problem_module = import_module("footopt.design.problem")
 
 

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 import footopt as fo
 from footopt.foot import as_plates
 from footopt.walk.contact import foot_force
-from footopt.walk.prepare import sole, world
-from footopt.walk.state import Pose, Sole, World
+from footopt.walk.discretize import sole_of, world
+from footopt.walk.state import Ankle, Sole, World
 
 Array = NDArray[np.float64]
 Sums = Callable[[int], Array]
@@ -37,10 +37,8 @@ def _repeat(out, sole, world, motion, jacobian, repeats, change):
     out[:] = 0.0
     za, vx, vz, cos, sin, rate, creep = motion
     for r in range(repeats):
-        ankle = Pose(0.0, za, vx + change * r, vz, cos, sin, rate)
-        sums = foot_force(
-            sole, world.law, None, None, None, None, 0, len(sole.x), ankle, creep, jacobian, None
-        )  # fmt: skip
+        ankle = Ankle(0.0, za, vx + change * r, vz, cos, sin, rate)
+        sums = foot_force(world.law, world.effects, sole, ankle, creep, jacobian, None)
         for j in range(7):
             out[j] += sums[j]
 
@@ -49,7 +47,7 @@ def submerged_sole(plates: int) -> tuple[Sole, World]:
     """A random foot's plates, a multiple of `contact.LANES`, and regular sand's law."""
     space = fo.Waypoints()
     feet = as_plates(space.random(1, 5, inside=True), plates, "arc", space)
-    return sole(feet), world(fo.Scene(sand=fo.Sand.named("regular")), fo.Accuracy())
+    return sole_of(feet), world(fo.Scene(sand=fo.Sand.named("regular")), fo.Accuracy())
 
 
 def compiled(plates: int, jacobian: bool) -> Sums:

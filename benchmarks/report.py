@@ -173,13 +173,8 @@ def ga(quick: bool) -> Iterator[Row]:
 
 
 def scenes(quick: bool) -> Iterator[Row]:
-    """8: what effects cost where a scene names them, and where it does not."""
+    """8: what effects cost where a scene names them."""
     for sand, found in effects.compare(quick=quick).items():
-        yield (
-            f"the walk with the effects' code deleted, {sand} sand",
-            f"the bare walk takes **{1.0 / found[effects.DELETED][0]:.3f}** times its time",
-            "<= 1.02",
-        )
         sets = [name for name in effects.SETS if name in found]
         added = [f"{name} {found[name][0]:.2f} ({found[name][1]:.2f})" for name in sets]
         yield (

@@ -17,10 +17,10 @@ from typing import Any
 import llvmlite
 import numba
 from filelock import FileLock
-from numba import cfunc, config, njit
+from numba import cfunc, config, njit, types
 from numba.core import cgutils
 from numba.core.caching import FunctionCache
-from numba.extending import intrinsic, register_jitable
+from numba.extending import intrinsic, overload, register_jitable
 
 log = logging.getLogger("footopt")
 
@@ -47,6 +47,23 @@ inlined = register_jitable(**INLINE)
 inlined_fast = register_jitable(fastmath=FAST, **INLINE)
 called = register_jitable(**{**INLINE, "forceinline": False})  # rounds alike wherever it is taken from
 called_fast = register_jitable(fastmath=FAST, **{**INLINE, "forceinline": False})
+
+
+def unless_none(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A function, compiled inline, that is None wherever its first argument is None.
+
+    numba leaves out a branch on None where there is None, not where there is something else: the result of a
+    function with such a branch may then be None, and what comes of it is not vectorised.
+    """
+
+    def given(*arguments: Any) -> Any:
+        return None if arguments[0] is None else function(*arguments)
+
+    def resolve(*arguments: Any) -> Any:
+        return (lambda *arguments: None) if isinstance(arguments[0], types.NoneType) else function
+
+    overload(given, strict=False, jit_options=INLINE)(resolve)
+    return given
 
 
 class _Cache(FunctionCache):  # type: ignore[misc]  # numba has no types

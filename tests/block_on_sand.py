@@ -44,9 +44,9 @@ def settle(model, data, seconds):
 
 
 @njit(error_model="numpy")
-def _forces(friction, loads, gates, pushes, faces, law, up, surface, forward, twist, c, turn, h0):
+def _forces(friction, acting, faces, law, up, surface, forward, twist, c, turn, h0):
     """`footopt.mujoco.faces.forces`, compiled."""
-    return forces(friction, loads, gates, pushes, faces, law, up, surface, forward, twist, c, turn, h0)
+    return forces(friction, acting, faces, law, up, surface, forward, twist, c, turn, h0)
 
 
 def feel(contact, up, twist, height, c=0.0, turn=1e9, bristles=None):
@@ -54,9 +54,9 @@ def feel(contact, up, twist, height, c=0.0, turn=1e9, bristles=None):
     body, twist = contact._bodies[0], np.asarray(twist, float)
     faces = contact._space.faces[0].reshape(COLUMNS, -1)
     h0 = np.zeros_like(faces[:3]) if bristles is None else bristles.reshape(3, -1)
-    way, (loads, gates, pushes) = c * twist, contact.acting
+    way, acting = c * twist, contact.acting
     surface = float(height + up @ way[:3]), tuple((up - np.cross(way[3:], up)).tolist())
     forward, up = (0.0, (1.0, 0.0, 0.0)), tuple(np.asarray(up, float).tolist())
-    acting = (float(body["friction"]), loads, None, pushes) if body["mesh"] else (None, loads, gates, pushes)
+    acting = (float(body["friction"]), acting._replace(gates=None)) if body["mesh"] else (None, acting)
     total, rows = _forces(*acting, faces, body["law"], up, surface, forward, twist, c, turn, h0)
     return np.array(total), np.array(rows)

@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 import footopt as fo
 from footopt.effects import laws
 from footopt.foot import Plates
-from footopt.walk.loop import compiled_contact
-from footopt.walk.prepare import sole, world
+from footopt.walk.cache_key import compiled
+from footopt.walk.discretize import sole_of, world
+from footopt.walk.loop import both_feet
 from footopt.walk.state import COUNTS, Force
 
 PITCH, RATE, SPEED = st.floats(-1.2, 1.2), st.floats(-6.0, 6.0), st.floats(-1.5, 1.5)
@@ -31,8 +32,8 @@ def feel(plates, pose, vx, vz, *on, zeta=1.0, creep=1e-2, stage=None, x=0.0, z=0
     if not acting.directed:
         plates = plates._replace(tx=None, tz=None)
     counts, constants = np.zeros(1, COUNTS)[0], world(scene, fo.Accuracy(creep=creep))
-    state = constants, sole(plates), np.array([pose, SKY]), x, z, vx, vz, creep, stage, counts
-    found = compiled_contact(acting)(*state)
+    state = constants, sole_of(plates), np.array([pose, SKY]), x, z, vx, vz, creep, stage, counts
+    found = compiled(both_feet, acting.all)(*state)
     assert found.right == Force(*[0.0] * 7)
     return np.array(found.left), counts
 

@@ -3,8 +3,27 @@
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from footopt.effects.shadowing import filler
-from footopt.walk.plates import plate_states
+from footopt.effects import base as effects
+from footopt.effects import laws, reshaping
+from footopt.sand.law import by_angles
+
+
+def plates_by_angles(plates, pose, com, velocity, scene, creep):
+    """Force and velocity of chord plates at M instants, (M, 2 feet, N, 2): eqs. 4 and 1 as published."""
+    x, z, tx, tz = plates.x[0], plates.z[0], plates.tx[0], plates.tz[0]
+    cos, sin, rate = np.cos(pose.pitch)[..., None], np.sin(pose.pitch)[..., None], pose.rate[..., None]
+    ahead, up = cos * x - sin * z, sin * x + cos * z
+    vx = (velocity[:, 0, None] + pose.vx)[..., None] - rate * up
+    vz = (velocity[:, 1, None] + pose.vz)[..., None] + rate * ahead
+    depth = np.maximum(-((com[:, 1, None] + pose.z)[..., None] + up), 0.0)
+    place = (com[:, 0, None] + pose.x)[..., None] + ahead
+    v, normal = np.stack([vx, vz], axis=-1), np.stack([sin * tx + cos * tz, sin * tz - cos * tx], axis=-1)
+    stress = by_angles(np.arctan2(tz, tx) + pose.pitch[..., None], v, creep, scene.sand.stress_map)
+    acting, vn = laws(scene.effects), np.sum(normal * v, axis=-1)
+    load, gate = effects.load(acting.loads, depth, place), effects.gate(acting.gates, vn / creep)
+    push = effects.push(acting.pushes, vn, depth)
+    area = plates.area[0]
+    return (scene.zeta * load * gate * area)[..., None] * stress - (push * area)[..., None] * normal, v
 
 
 def lsoda_objectives(walk, rtol=1e-9):
@@ -15,26 +34,27 @@ def lsoda_objectives(walk, rtol=1e-9):
     """
     scene, accuracy = walk.scene, walk.accuracy
     walker, t_f = scene.walker, scene.duration
-    plates = walk.foot.plates(accuracy.plates, "chord", directed=True, fill=filler(scene.effects))
+    plates = walk.foot.plates(accuracy.plates, "chord", directed=True, fill=reshaping(scene.effects))
     tilt, g = scene.gravity
 
     def at(t, state):
-        """The plates at times (T,) in states (4, T)."""
+        """Force and power of the plates at times (T,) in states (4, T)."""
         pose = scene.gait.pose(t, walker.l1, walker.l2)
-        return plate_states(plates, pose, state[:2].T, state[2:].T, scene, accuracy.creep, angles=True)
+        force, v = plates_by_angles(plates, pose, state[:2].T, state[2:].T, scene, accuracy.creep)
+        return force, np.sum(force * v, axis=-1)
 
     def rate(t, y):
-        states = at(np.array([t]), y[:4, None])
-        fx, fz = states.total.sum(axis=(0, 1))
-        ax, az = fx / walker.mass + (tilt or 0.0), fz / walker.mass - g
-        return np.array([y[2], y[3], ax, az, states.power.sum(), y[1]])
+        force, power = at(np.array([t]), y[:4, None])
+        fx, fz = force.sum(axis=(0, 1, 2))
+        ax, az = fx / walker.mass + tilt, fz / walker.mass - g
+        return np.array([y[2], y[3], ax, az, power.sum(), y[1]])
 
     start, tight = [0.0, walk.start[1], 0.0, 0.0, 0.0, 0.0], {"rtol": rtol, "atol": 1e-2 * rtol}
     solution = solve_ivp(rate, (0.0, t_f), start, "LSODA", max_step=5e-3, dense_output=True, **tight)
     t = np.linspace(scene.gait.heel_strike, t_f, 20_001)
     states = solution.sol(t)[:4]
     pieces = [slice(i, i + 1000) for i in range(0, len(t), 1000)]
-    power = np.concatenate([at(t[piece], states[:, piece]).power.sum(axis=-1) for piece in pieces])
+    power = np.concatenate([at(t[piece], states[:, piece])[1].sum(axis=-1) for piece in pieces])
     return {
         "distance": float(solution.y[0, -1]),
         "mean_height": float(solution.y[5, -1] / t_f),

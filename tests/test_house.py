@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import footopt
+from footopt.effects import EFFECTS
 
 ROOT = Path(footopt.__file__).parent
 #: The rooms from the ground up: a file imports from its own room and from those before it.
@@ -78,6 +79,17 @@ def test_no_two_files_import_each_other_by_any_way_round():
 
     for module in MODULES:
         follow(module)
+
+
+def test_an_effect_is_named_in_its_own_file_only():
+    """The rooms that compute ask an effect for its answers (`effects.base.Effect`), none by its name."""
+    own = {kind.__module__: kind.__name__ for kind in EFFECTS.values()}
+    for module, path in MODULES.items():
+        if room(module) in ("sand", "foot", "gait", "walk", "mujoco"):
+            assert not IMPORTS[module] & set(own), module
+            tree = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+            names = {getattr(node, "id", getattr(node, "attr", getattr(node, "name", ""))) for node in tree}
+            assert not names & set(own.values()), module
 
 
 def test_foot_and_gait_do_not_know_each_other():

@@ -7,36 +7,30 @@ Physical Review E 70, 041301 (2004). Here the depth-linear stress is multiplied 
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-
 import footopt as fo
-from footopt.effects import base as effects
+from footopt.effects import EFFECTS, Effect
+from footopt.effects.dual import clipped, exp
 
 
 class FloorLaw(NamedTuple):
     depth: float  # D, m
     length: float  # l, m
 
+    def load(self, load, depth, x):
+        return load * (1.0 + exp(clipped(depth - self.depth, -10.0, 0.1) / self.length))
+
 
 @dataclass(frozen=True)
-class Floor:
+class Floor(Effect):
     depth: float = 0.10
     length: float = 0.01
-    nothing = False
 
     @property
     def law(self):
         return FloorLaw(self.depth, self.length)
 
 
-def floor_load(law, state, depth, x):
-    load, grow, slide = state  # strength integrated over depth, and its derivatives by depth and by x
-    rise = np.exp(np.minimum(depth - law.depth, 0.1) / law.length)
-    return load * (1.0 + rise), grow * (1.0 + rise) + load * rise / law.length, slide * (1.0 + rise)
-
-
-effects.register(FloorLaw, load=floor_load)
-effects.EFFECTS["floor"] = Floor
+EFFECTS["floor"] = Floor
 
 if __name__ == "__main__":
     for found in ((), (Floor(0.10),), (Floor(0.05),)):

@@ -25,8 +25,8 @@ import numpy as np
 
 from footopt.design.problem import Array, FootProblem
 from footopt.errors import FileError, flat, named
+from footopt.walk.cache_key import is_own, own_code, source_of
 from footopt.walk.objectives import MEASURES
-from footopt.walk.sources import is_users, text_of, users_own
 from footopt.walk.steppers import STEPPERS
 
 APPLICATION = int.from_bytes(b"foot")  # marks the file as ours (SQLite's application_id)
@@ -261,7 +261,7 @@ def context(problem: FootProblem) -> dict[str, Any]:
     laws = [effect.law for effect in problem.scene.effects if effect.law is not None]
     judges = [MEASURES[name].value for name in problem.record if name in MEASURES]
     kinds = type(problem).__mro__
-    own = (*judges, *users_own(stepper, laws), *kinds[: kinds.index(FootProblem)])
+    own = (*judges, *own_code(laws, stepper), *kinds[: kinds.index(FootProblem)])
     return {
         "problem": type(problem).__name__,
         **{name: plain(value) for name, value in problem.conditions.items()},
@@ -269,7 +269,7 @@ def context(problem: FootProblem) -> dict[str, Any]:
         "space": space,
         "record": plain(problem.record),
         # the files of a user's own objectives, effects, stepper and problem
-        "own": {o.__qualname__: hashlib.sha256(text_of(o)).hexdigest() for o in own if is_users(o)},
+        "own": {o.__qualname__: hashlib.sha256(source_of(o)).hexdigest() for o in own if is_own(o)},
         "versions": _versions(),
         "machine": _machine(),
     }

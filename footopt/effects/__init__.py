@@ -9,10 +9,11 @@ from footopt.effects.base import (
     Effect,
     Laws,
     Scale,
+    bristle_length,
+    gravity,
     laws,
     name_of,
-    readable,
-    register,
+    reshaping,
 )
 from footopt.effects.inertia import Inertia
 
@@ -39,10 +40,11 @@ __all__ = [
     "Scale",
     "Shadowing",
     "Slope",
+    "bristle_length",
+    "gravity",
     "laws",
     "name_of",
-    "readable",
-    "register",
+    "reshaping",
 ]
 
 for _module in pkgutil.iter_modules(__path__):

@@ -1,63 +1,50 @@
-"""What an effect is, and how the effects of a scene become compiled code: only those that are named.
+"""The base of all effects, and how the effects of a scene become compiled code: only those that are named.
 
-An effect is a frozen dataclass with its parameters; its ``law`` holds them as plain numbers for the
-compiled loop. A law changes the force on a plate at one or more of three places, by a small function
-``hook(law, state, u, v) -> state`` that changes what the effects before it made:
+An effect is a frozen dataclass with its parameters, on top of `Effect`, which says what a walk asks of it.
+One that changes the force on a plate has a ``law``: a NamedTuple with its parameters as plain numbers, and
+with one or more of three methods, which are compiled into the loop over plates:
 
-- load, of depth (m) and x (m). The state is the strength of the sand integrated over the depth, m (the
-  plain law's is the depth itself), and its derivatives by depth and by x.
-- gate, of vn = n.v, the speed along the outward normal (m/s), and the speed over which it opens; where the
-  scene has bristles (`rest`), of n.h and a width instead. The state is the share of the stress that the
-  plate feels, and its derivative by vn.
-- push, of vn and depth. The state is a pressure against the outward normal, Pa, and its derivatives by
-  both.
+- ``load(self, load, depth, x)``: the strength of the sand integrated over the depth, m, from that of the
+  effects before it (the plain law's is the depth itself), at a depth (m) and a place (m).
+- ``gate(self, lead)``: the share of the stress that a plate feels, from how far it leads: n.v over the speeds
+  along the normal within the plate; where the scene has bristles, n.h over `footopt.walk.contact.EDGE`.
+  It leads as a whole from 1 on and trails from -1 on.
+- ``push(self, vn, depth)``: a pressure against the outward normal, Pa, at a speed n.v along it, m/s.
 
-The force on a plate of area dA is then zeta load share (a - M h) dA - push n dA. The same hooks are
-compiled into the loop over plates and, called with arrays, are the readable form (`readable`). A new
-effect is a file beside this one, or a user's own: a law, a dataclass, a hook, `register`, and an entry in
-`EFFECTS` by which settings find it.
+The force on a plate of area dA is then zeta load share (a - M h) dA - push n dA. What these methods are given
+are numbers with their derivatives (`footopt.effects.dual`), so that they give theirs: write them with + - * /
+and that module's functions. A new effect is a file beside this one, or a user's own: a law, a dataclass, and
+an entry in `EFFECTS` by which settings find it.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, is_dataclass
-from typing import Any, NamedTuple, Protocol
+from functools import reduce
+from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
-from numba.extending import overload
+from numba import njit, types
+from numba.extending import overload, register_jitable
 from numpy.typing import NDArray
 
 from footopt.compiled import FAST, INLINE
 from footopt.errors import SettingError, check
 
 Array = NDArray[np.float64]
-Hook = Callable[..., Any]
+Reshape = Callable[[Array], Array]  # of soles (designs, points, 2), m
 
 MOST = 100  # layers, or patches: a walk looks at each
 FEW = 8  # numbers of a law's list that are compiled one by one, so that the loop over plates is vectorised
+HOOKS = ("load", "gate", "push")  # of a law
+BRISTLE_LENGTH = 1e-6  # m: the delta of bristles where none is given
 
 
 def numbers(values: Sequence[float]) -> tuple[float, ...] | Array:
     """A law's list of numbers: a few as a tuple, whose loop is unrolled, many as an array, whose is not."""
     return tuple(values) if len(values) <= FEW else np.array(values, dtype=np.float64)
-
-
-class Effect(Protocol):
-    """What a scene asks of an effect.
-
-    Optional, for the table of what a scene calls for: ``estimate(scale) -> float``, the relative change of
-    the force on a typical plate; ``number``, what that is in words; ``source``, of its parameters.
-    """
-
-    @property
-    def law(self) -> Any:
-        """Its numbers, a NamedTuple for which `register` was called; None if it changes no stress."""
-
-    @property
-    def nothing(self) -> bool:
-        """Whether its parameters are such that it changes nothing: then it is left out."""
 
 
 class Scale(NamedTuple):
@@ -72,21 +59,62 @@ class Scale(NamedTuple):
     sweep: float = 0.0  # fastest of a foot that is no higher over the other one than that has sunk, m/s
 
 
+class Effect:
+    """What a walk asks of an effect: this one's answers are those of an effect that changes nothing.
+
+    ``number`` says in words what `estimate` is, ``source`` where the parameters are from, ``literature``
+    whether the default ones are of sand in general, so that an effect may be proposed to any scene.
+    """
+
+    number = "its own estimate"
+    source = "the scene itself"
+    literature = False
+
+    @property
+    def law(self) -> Any:
+        """Its numbers as a NamedTuple with the methods that are compiled; None if it changes no stress."""
+        return None
+
+    @property
+    def is_identity(self) -> bool:
+        """Whether its parameters are such that it changes nothing: then it is left out."""
+        return False
+
+    @property
+    def bristle_length(self) -> float | None:
+        """Length over which the sand under a plate gives way elastically, m; None without bristles."""
+        return None
+
+    @property
+    def plates_factor(self) -> float:
+        """How many times more plates a sole needs."""
+        return 1.0
+
+    @property
+    def zones(self) -> tuple[tuple[float, float], ...]:
+        """Where on the way the sand is another: from and to, m."""
+        return ()
+
+    @property
+    def narrowest(self) -> float:
+        """The least length along the way over which the sand changes, m."""
+        return math.inf
+
+    def gravity(self, g: float) -> tuple[float, float]:
+        """Gravity along the surface (negative uphill) and against its normal, m/s^2, from g."""
+        return 0.0, g
+
+    def reshape(self, points: Array) -> Array:
+        """Soles (designs, points, 2), m, as plates are to be cut from them."""
+        return points
+
+    def estimate(self, scale: Scale) -> float:
+        """The relative change of the force on a typical plate."""
+        return math.nan
+
+
 #: Effects by the names that settings give them, in the order in which they act.
 EFFECTS: dict[str, type[Any]] = {}
-
-#: Hooks by the type of their law.
-LOADS: dict[type, Hook] = {}
-GATES: dict[type, Hook] = {}
-PUSHES: dict[type, Hook] = {}
-HOOKS = (LOADS, GATES, PUSHES)
-
-
-def register(law: type, load: Hook | None = None, gate: Hook | None = None, push: Hook | None = None) -> None:
-    """Join the type of a law, a NamedTuple of numbers, to what it does; see the top of this module."""
-    for hooks, function in zip(HOOKS, (load, gate, push), strict=True):
-        if function is not None:
-            hooks[law] = function
 
 
 def name_of(effect: Effect) -> str:
@@ -108,17 +136,37 @@ def ordered(effects: Sequence[Effect]) -> tuple[Effect, ...]:
     SettingError
         They are no sequence of effects, or two are of one kind.
     """
-    given = isinstance(effects, (list, tuple)) and all(
-        hasattr(effect, "nothing") and not isinstance(effect, type) for effect in effects
-    )
+    given = isinstance(effects, (list, tuple)) and all(isinstance(effect, Effect) for effect in effects)
     check(given, "effects", effects, "a list of effects", "Try effects=[fo.Rest(), fo.LeadingEdge()]")
     kinds = [type(effect) for effect in effects]
     for kind in kinds:
         if kinds.count(kind) > 1:
             raise SettingError("effects", kind.__name__, "at most one effect of a kind")
     order = list(EFFECTS.values())
-    active = [effect for effect in effects if not effect.nothing]
+    active = [effect for effect in effects if not effect.is_identity]
     return tuple(sorted(active, key=lambda e: order.index(type(e)) if type(e) in order else len(order)))
+
+
+def bristle_length(effects: Sequence[Effect]) -> float | None:
+    """The delta of a scene's bristles, m; None without them."""
+    return next((e.bristle_length for e in effects if e.bristle_length is not None), None)
+
+
+def reshape_soles(effects: Sequence[Effect]) -> list[Effect]:
+    """Those that change soles before plates are cut from them."""
+    return [effect for effect in effects if type(effect).reshape is not Effect.reshape]
+
+
+def reshaping(effects: Sequence[Effect]) -> Reshape | None:
+    """What a scene's effects make of soles before plates are cut from them; None if nothing."""
+    steps = [effect.reshape for effect in reshape_soles(effects)]
+    return (lambda points: reduce(lambda sole, step: step(sole), steps, points)) if steps else None
+
+
+def gravity(effects: Sequence[Effect], g: float) -> tuple[float, float]:
+    """Gravity along a scene's surface (negative uphill) and against its normal, m/s^2."""
+    found = (effect.gravity(g) for effect in effects if type(effect).gravity is not Effect.gravity)
+    return next(found, (0.0, g))
 
 
 class Laws(NamedTuple):
@@ -133,69 +181,62 @@ class Laws(NamedTuple):
         """Whether plates must know their outward normal."""
         return self.gates is not None or self.pushes is not None
 
+    @property
+    def all(self) -> tuple[Any, ...]:
+        """Every law, once for each of its methods."""
+        return tuple(law for laws in self for law in laws or ())
+
 
 def laws(effects: Sequence[Effect]) -> Laws:
     """What the compiled loop gets of a scene's effects."""
     found = [effect.law for effect in effects if effect.law is not None]
     for law in found:
-        if not any(type(law) in hooks for hooks in HOOKS):
-            raise SettingError("effects", type(law).__name__, "a law for which effects.register was called")
-    picked = (tuple(law for law in found if type(law) in hooks) for hooks in HOOKS)
-    return Laws(*(chosen or None for chosen in picked))
+        if not any(hasattr(law, hook) for hook in HOOKS):
+            raise SettingError("effects", type(law).__name__, f"a law with a method {', '.join(HOOKS)}")
+    return Laws(*(tuple(law for law in found if hasattr(law, hook)) or None for hook in HOOKS))
 
 
-def _through(hooks: dict[type, Hook]) -> Hook:
-    """A function that takes a state through the hooks of a tuple of laws, one after the other.
+def _over(hook: str, join: Callable[..., Any]) -> Callable[..., Any]:
+    """A function that goes through a tuple of laws (or None) and joins what their hooks make of a state.
 
     In compiled code the hooks are found by the laws' types when it is compiled.
     """
     options = INLINE | {"fastmath": FAST}
+    joined = register_jitable(**options)(join)
 
-    def take(laws, state, u, v):
-        for law in laws:
-            state = hooks[type(law)](law, state, u, v)
+    def through(laws, state, u, v):
+        for law in laws or ():
+            state = join(getattr(type(law), hook), law, state, u, v)
         return state
 
-    @overload(take, jit_options=options)
+    @overload(through, jit_options=options)
     def resolve(laws, state, u, v):
-        if len(laws) == 0:
+        if isinstance(laws, types.NoneType) or len(laws) == 0:
             return lambda laws, state, u, v: state
-        first = njit(**options)(hooks[laws.types[0].instance_class])
+        first = njit(**options)(getattr(laws.types[0].instance_class, hook))
+        return lambda laws, state, u, v: through(laws[1:], joined(first, laws[0], state, u, v), u, v)
 
-        def go_on(laws, state, u, v):
-            return take(laws[1:], first(laws[0], state, u, v), u, v)
-
-        return go_on
-
-    return take
+    return through
 
 
-#: load(laws, (depth, 1.0, 0.0), depth, x), gate(laws, (1.0, 0.0), vn, width) and
-#: push(laws, (0.0, 0.0, 0.0), vn, depth): a plate's, with all effects of a scene.
-load, gate, push = _through(LOADS), _through(GATES), _through(PUSHES)
+_load = _over("load", lambda hook, law, load, depth, x: hook(law, load, depth, x))
+_gate = _over("gate", lambda hook, law, share, lead, _: share * hook(law, lead))
+_push = _over("push", lambda hook, law, pressure, vn, depth: pressure + hook(law, vn, depth))
 
 
-def readable(
-    effects: Sequence[Effect], depth: Array, x: Array, vn: Array, leads: Array, edge: float | Array
-) -> tuple[Array, Array, Array]:
-    """What effects make of plates: load (m), share of the stress, and pressure (Pa), as arrays.
+@register_jitable(**INLINE)
+def load(laws, depth, x):
+    """Strength of the sand integrated over a plate's depth, m, with all effects of a scene; x, m."""
+    return _load(laws, depth, depth, x)
 
-    Parameters
-    ----------
-    effects : sequence of Effect
-        Of the scene.
-    depth, x : arrays, m
-        Of each plate.
-    vn : array, m/s
-        Each plate's speed along its outward normal.
-    leads : array
-        n.v or n.h, by which a gate opens.
-    edge : float or array
-        Over which it opens: the creep speed, or its like for n.h.
-    """
-    loads, gates, pushes = laws(effects)
-    none = np.zeros_like(depth)
-    strength = depth if loads is None else load(loads, (depth, none + 1.0, none), depth, x)[0]
-    share = none + 1.0 if gates is None else gate(gates, (none + 1.0, none), leads, edge)[0]
-    pressure = none if pushes is None else push(pushes, (none, none, none), vn, depth)[0]
-    return strength, share, pressure
+
+@register_jitable(**INLINE)
+def gate(laws, lead):
+    """Share of the stress that a plate feels that leads so far."""
+    return _gate(laws, 1.0, lead, lead)
+
+
+@register_jitable(**INLINE)
+def push(laws, vn, depth):
+    """Pressure against a plate's outward normal, Pa, at a speed along it, m/s, and a depth, m."""
+    return _push(laws, 0.0, vn, depth)

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-
-from footopt.effects.base import EFFECTS, Scale, register
+from footopt.effects.base import EFFECTS, Effect, Scale
+from footopt.effects.dual import clipped, positive
 from footopt.errors import check
 
 SKIN = 1e-3  # m: a plate throws all of it aside from this depth on, and in proportion above it
@@ -18,9 +17,14 @@ class InertiaLaw(NamedTuple):
 
     density: float
 
+    def push(self, vn, depth):
+        """lambda rho (n.v)^2, in proportion to the depth within the `SKIN`."""
+        speed = positive(vn)
+        return self.density * speed * speed * clipped(depth / SKIN, 0.0, 1.0)
+
 
 @dataclass(frozen=True)
-class Inertia:
+class Inertia(Effect):
     """The sand that a leading face throws aside: a traction -n lambda rho (n.v)^2 for n.v > 0.
 
     Source: dynamic RFT, Agarwal, Karsai, Goldman & Kamrin, Science Advances 7 (2021). Range: their drag
@@ -42,6 +46,7 @@ class Inertia:
 
     factor: float = 1.1
     rho: float = 1600.0
+    literature, plates_factor = True, 2.0
     number, source = "lambda rho v^2 / (lambda rho v^2 + zeta alpha_z z), swung", "Agarwal et al. (2021)"
 
     def __post_init__(self) -> None:
@@ -54,7 +59,7 @@ class Inertia:
         return InertiaLaw(self.factor * self.rho)
 
     @property
-    def nothing(self) -> bool:
+    def is_identity(self) -> bool:
         """Whether lambda rho is 0."""
         return self.factor * self.rho == 0.0
 
@@ -64,19 +69,4 @@ class Inertia:
         return inertial / (inertial + scale.stress * scale.depth)
 
 
-def inertial_push(law, state, vn, depth):
-    """lambda rho (n.v)^2, in proportion to the depth within the `SKIN`."""
-    push, by_vn, by_depth = state
-    speed = np.maximum(vn, 0.0)
-    part = np.minimum(depth / SKIN, 1.0)
-    growing = (depth < SKIN) / SKIN
-    pressure = law.density * speed * speed
-    return (
-        push + part * pressure,
-        by_vn + 2.0 * law.density * part * speed,
-        by_depth + growing * pressure,
-    )
-
-
 EFFECTS["inertia"] = Inertia
-register(InertiaLaw, push=inertial_push)

@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from footopt.effects.base import EFFECTS, MOST, Array, Scale, numbers, register
+from footopt.effects.base import EFFECTS, MOST, Array, Effect, Scale, numbers
+from footopt.effects.dual import positive
 from footopt.errors import check
 
 
@@ -18,9 +19,15 @@ class LayersLaw(NamedTuple):
     depths: tuple[float, ...] | Array
     jumps: tuple[float, ...] | Array
 
+    def load(self, load, depth, x):
+        """The integral of zeta over depth: each interface adds its jump times the depth below it."""
+        for i in range(len(self.depths)):
+            load = load + self.jumps[i] * positive(depth - self.depths[i])
+        return load
+
 
 @dataclass(frozen=True)
-class Layers:
+class Layers(Effect):
     """Layers: the stress is the integral of zeta over depth, so that it is continuous at an interface.
 
     The first layer, from the surface to the first interface, is the scene's sand. With one sand the
@@ -69,25 +76,13 @@ class Layers:
         return LayersLaw(numbers(self.depths), numbers(np.diff((1.0, *self.factors)).tolist()))
 
     @property
-    def nothing(self) -> bool:
+    def is_identity(self) -> bool:
         """Whether all layers are the same sand."""
         return all(f == 1.0 for f in self.factors)
 
     def estimate(self, scale: Scale) -> float:
         """Relative change of the stress at the depth to which a foot sinks."""
-        load, _, _ = layered_load(self.law, (scale.depth, 1.0, 0.0), scale.depth, 0.0)
-        return abs(float(load) / scale.depth - 1.0)
-
-
-def layered_load(law, state, depth, x):
-    """The integral of zeta over depth: each interface adds its jump times the depth below it."""
-    load, by_depth, by_x = state
-    for i in range(len(law.depths)):
-        beyond = depth - law.depths[i]
-        load = load + law.jumps[i] * np.maximum(beyond, 0.0)
-        by_depth = by_depth + law.jumps[i] * (beyond > 0.0)
-    return load, by_depth, by_x
+        return abs(float(self.law.load(scale.depth, scale.depth, 0.0)) / scale.depth - 1.0)
 
 
 EFFECTS["layers"] = Layers
-register(LayersLaw, load=layered_load)

@@ -5,17 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-
-from footopt.effects.base import EFFECTS, Scale, register
+from footopt.effects.base import EFFECTS, Effect, Scale
+from footopt.effects.dual import smooth_step
 
 
 class LeadingEdgeLaw(NamedTuple):
     """It has no parameters."""
 
+    def gate(self, lead):
+        """A cubic step from 0 where the whole plate trails to 1 where all of it leads."""
+        return smooth_step(lead)
+
 
 @dataclass(frozen=True)
-class LeadingEdge:
+class LeadingEdge(Effect):
     """Only faces that lead, n.v > 0, feel sand: what trails leaves a gap behind and is not pulled.
 
     Smoothed over the speeds along the normal that a plate holds (`footopt.walk.contact`), at least the creep
@@ -27,7 +30,7 @@ class LeadingEdge:
     """
 
     law = LeadingEdgeLaw()
-    nothing = False
+    literature, plates_factor = True, 4.0
     number, source = "stress of a plate pulled up / pushed down", "Agarwal, Goldman & Kamrin (2023)"
 
     def estimate(self, scale: Scale) -> float:
@@ -35,13 +38,4 @@ class LeadingEdge:
         return abs(scale.pull) / scale.stress
 
 
-def leading_gate(law, state, vn, width):
-    """A cubic step from 0 at n.v = -w to 1 at n.v = w."""
-    share, by_vn = state
-    s = np.minimum(np.maximum(vn / width, -1.0), 1.0)
-    step, slope = 0.5 + s * (0.75 - 0.25 * s * s), 0.75 * (1.0 - s * s) / width
-    return share * step, by_vn * step + share * slope
-
-
 EFFECTS["leading_edge"] = LeadingEdge
-register(LeadingEdgeLaw, gate=leading_gate)

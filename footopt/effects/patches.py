@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from footopt.effects.base import EFFECTS, MOST, Array, Scale, numbers, register
+from footopt.effects.base import EFFECTS, MOST, Array, Effect, Scale, numbers
+from footopt.effects.dual import clipped
 from footopt.errors import check
 
 
@@ -20,9 +21,20 @@ class PatchesLaw(NamedTuple):
     extra: tuple[float, ...] | Array
     blur: float
 
+    def load(self, load, depth, x):
+        """Strength times 1 + sum of (factor - 1) inside each patch, with cubic steps at its sides."""
+        total = load
+        for i in range(len(self.begins)):
+            s = clipped((x - self.begins[i]) / self.blur + 0.5, 0.0, 1.0)
+            r = clipped((x - self.ends[i]) / self.blur + 0.5, 0.0, 1.0)
+            # the step down is that of the end, so that a patch narrower than the blur keeps its integral
+            inside = s * s * (3.0 - 2.0 * s) - r * r * (3.0 - 2.0 * r)
+            total = total + load * (self.extra[i] * inside)
+        return total
+
 
 @dataclass(frozen=True)
-class Patches:
+class Patches(Effect):
     """Patches along the way: zeta changes with x, smoothly over a stated length.
 
     Source: footopt's own. Range: a plate feels the sand under itself only, so that a patch must be longer
@@ -61,9 +73,9 @@ class Patches:
             list(self.ends),
             f"as many as effects.patches.begins ({count}), in m",
         )
-        for begin, end in zip(self.begins, self.ends, strict=True):
+        for begin, end in self.zones:
             check(begin < end, "effects.patches.ends", end, f"beyond the patch's begin at {begin:g} m")
-        places = sorted(zip(self.begins, self.ends, strict=True))
+        places = sorted(self.zones)
         for (_, end), (begin, _) in itertools.pairwise(places):
             hint = "Where patches overlap it is not said how strong the sand is: cut them at their edges."
             check(end <= begin, "effects.patches.begins", begin, f"at or beyond the end at {end:g} m", hint)
@@ -82,9 +94,20 @@ class Patches:
         return PatchesLaw(numbers(self.begins), numbers(self.ends), extra, float(self.blur))
 
     @property
-    def nothing(self) -> bool:
+    def is_identity(self) -> bool:
         """Whether all patches are the same sand."""
         return all(f == 1.0 for f in self.factors)
+
+    @property
+    def zones(self) -> tuple[tuple[float, float], ...]:
+        """Begin and end of each patch, m."""
+        return tuple(zip(self.begins, self.ends, strict=True))
+
+    @property
+    def narrowest(self) -> float:
+        """The narrowest patch, or gap between two, and at least half the blur."""
+        edges = np.unique([*self.begins, *self.ends])
+        return max(float(np.diff(edges).min()), self.blur / 2)
 
     def estimate(self, scale: Scale) -> float:
         """Largest relative change of the stress on the way."""
@@ -93,20 +116,4 @@ class Patches:
         return max(on_the_way, default=0.0)
 
 
-def patchy_load(law, state, depth, x):
-    """Strength times 1 + sum of (factor - 1) inside each patch, with cubic steps at its sides."""
-    load, by_depth, by_x = state
-    strength, change = 1.0, 0.0
-    for i in range(len(law.begins)):
-        s = np.minimum(np.maximum((x - law.begins[i]) / law.blur + 0.5, 0.0), 1.0)
-        r = np.minimum(np.maximum((x - law.ends[i]) / law.blur + 0.5, 0.0), 1.0)
-        # the step down is that of the end, so that a patch narrower than the blur keeps its integral
-        inside = s * s * (3.0 - 2.0 * s) - r * r * (3.0 - 2.0 * r)
-        slope = (s * (1.0 - s) - r * (1.0 - r)) * 6.0 / law.blur
-        strength = strength + law.extra[i] * inside
-        change = change + law.extra[i] * slope
-    return load * strength, by_depth * strength, by_x * strength + load * change
-
-
 EFFECTS["patches"] = Patches
-register(PatchesLaw, load=patchy_load)

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
-from footopt.effects.base import EFFECTS, Effect, Scale
+from footopt.effects.base import BRISTLE_LENGTH, EFFECTS, Effect, Scale
 from footopt.errors import check
 
 
 @dataclass(frozen=True)
-class Rest:
-    """Friction with memory: who stands stays, and the walker's first instant carries his weight.
+class Rest(Effect):
+    """Friction with memory: a walker that stands stays, and its first instant carries its weight.
 
     The direction h of a plate in the sand follows its motion over a length delta and stays in the unit
     disc (`footopt.walk.bristles`), so that at rest the force is what balance needs. Without it
-    h = v / sqrt(|v|^2 + eps^2), and a walker who stands sinks on at about the creep speed eps.
+    h = v / sqrt(|v|^2 + eps^2), and a walker that stands sinks on at about the creep speed eps.
 
     Source: an elastic displacement in friction, Dahl, "A solid friction model", The Aerospace
     Corporation (1968), and Dupont, Hayward, Armstrong & Altpeter, IEEE Trans. Automatic Control 47 (2002),
@@ -34,9 +33,8 @@ class Rest:
         The length is beyond 1e-8 to 1e-3 m.
     """
 
-    length: float = 1e-6
-    law = None
-    nothing = False
+    length: float = BRISTLE_LENGTH
+    plates_factor = 2.0
     number, source = "elastic length / z", "Dahl (1968)"
 
     def __post_init__(self) -> None:
@@ -48,14 +46,14 @@ class Rest:
             "It is over that length that the force builds up; 1e-6 changes walks by less than 0.5 %.",
         )
 
+    @property
+    def bristle_length(self) -> float:
+        """delta, m."""
+        return float(self.length)
+
     def estimate(self, scale: Scale) -> float:
         """delta over the depth to which a foot sinks."""
         return self.length / scale.depth
-
-
-def rest_length(effects: Sequence[Effect]) -> float | None:
-    """delta, m; None where no bristles are asked for."""
-    return next((float(effect.length) for effect in effects if isinstance(effect, Rest)), None)
 
 
 EFFECTS["rest"] = Rest

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Shadowing:
+class Shadowing(Effect):
     """A groove counts with a part of its depth: the sole comes nearer to its lower convex hull.
 
     Each point of the sole is moved straight down, in the foot frame, until its gap to the convex hull is
@@ -38,14 +37,14 @@ class Shadowing:
     """
 
     effective: float = 1.0 / 3.0
-    law = None
+    literature = True
     number, source = "depth of the hollow that does not count / z", "Agarwal et al. (2021)"
 
     def __post_init__(self) -> None:
         check(0 <= self.effective <= 1, "effects.shadowing.effective", self.effective, "a part, from 0 to 1")
 
     @property
-    def nothing(self) -> bool:
+    def is_identity(self) -> bool:
         """Whether all of a groove counts."""
         return self.effective == 1.0
 
@@ -53,14 +52,9 @@ class Shadowing:
         """What a groove loses of its depth, over the depth to which a foot sinks."""
         return (1.0 - self.effective) * scale.hollow / scale.depth
 
-    def __call__(self, points: Array) -> Array:
-        """Soles (designs, points, 2), m, as plates are cut from them."""
+    def reshape(self, points: Array) -> Array:
+        """Soles (designs, points, 2), m, with what is left of their grooves."""
         return np.asarray(filled(points, self.effective))
-
-
-def filler(effects: Sequence[Effect]) -> Shadowing | None:
-    """A scene's shadowing, which fills soles before `foot.Plates` are cut; None without it."""
-    return next((effect for effect in effects if isinstance(effect, Shadowing)), None)
 
 
 @cached_njit(nogil=True, error_model="numpy")

@@ -1,18 +1,16 @@
-"""An inclined plane: gravity tilts in its frame. No other file knows how."""
+"""An inclined plane: gravity tilts in its frame."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
-from footopt.compiled import inlined
 from footopt.effects.base import EFFECTS, Effect, Scale
 from footopt.errors import check
 
 
 @dataclass(frozen=True)
-class Slope:
+class Slope(Effect):
     """A plane inclined by an angle, uphill positive.
 
     x runs along the surface, z along its normal, and so do depth, angles of the gait, distance and
@@ -31,7 +29,6 @@ class Slope:
     """
 
     angle: float = 5.0
-    law = None
     number = "weight along the plane / weight"
 
     def __post_init__(self) -> None:
@@ -44,33 +41,18 @@ class Slope:
         )
 
     @property
-    def nothing(self) -> bool:
+    def is_identity(self) -> bool:
         """Whether the plane is level."""
         return self.angle == 0.0
+
+    def gravity(self, g: float) -> tuple[float, float]:
+        """-g sin(angle) along the plane, g cos(angle) against its normal."""
+        angle = math.radians(self.angle)
+        return -g * math.sin(angle), g * math.cos(angle)
 
     def estimate(self, scale: Scale) -> float:
         """Weight along the plane over weight."""
         return abs(math.sin(math.radians(self.angle)))
-
-
-def gravity(effects: Sequence[Effect], g: float) -> tuple[float | None, float]:
-    """Gravity along the surface (negative uphill; None if it is level) and against its normal, m/s^2."""
-    for effect in effects:
-        if isinstance(effect, Slope):
-            angle = math.radians(effect.angle)
-            return -g * math.sin(angle), g * math.cos(angle)
-    return None, g
-
-
-@inlined
-def tilted(value, tilt, time):
-    """What gravity along the surface adds to a velocity (m/s) in a time (s); with 1 s, to an acceleration.
-
-    tilt: m/s^2; None on level ground, where nothing is compiled.
-    """
-    if tilt is None:
-        return value
-    return value + time * tilt
 
 
 EFFECTS["slope"] = Slope

@@ -81,7 +81,7 @@ class Plates(NamedTuple):
         top : (designs,), m, optional
             z_p of a flat top that closes each contour with vertical sides (see `cap`).
         fill : callable, optional
-            What an effect makes of the points before they are cut (`footopt.effects.shadowing.filler`).
+            What an effect makes of the points before they are cut (`footopt.effects.reshaping`).
 
         Returns
         -------

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.effects import Effect, Rest
-from footopt.effects.shadowing import filler
+from footopt.effects import Effect, reshaping
+from footopt.effects.base import BRISTLE_LENGTH
 from footopt.errors import SettingError, needed
 from footopt.foot import Foot, Plates
 from footopt.mujoco.callback import ATTACHED, MOST, callback, compiled, functions
@@ -20,7 +20,7 @@ from footopt.mujoco.step import BODY, COUNTED, END, FREEDOM, MEAN, STEP, Workspa
 from footopt.sand import Sand
 from footopt.sand.law import EARTH
 from footopt.walk.accuracy import Accuracy
-from footopt.walk.prepare import world
+from footopt.walk.discretize import world
 from footopt.walk.scene import Scene
 
 Array = NDArray[np.float64]
@@ -49,7 +49,7 @@ class Contact:
     sand : Sand or Grains
         Soles feel its planar law, meshes 3D-RFT (`footopt.mujoco.intrusion`).
     effects : sequence of Effect
-        As in a `Scene`; a `Rest` says over which length the sand holds, and is there without being named.
+        As in a `Scene`; the sand holds by bristles, whether an effect says over which length or not.
     plates : int, 1
         Of a sole: half of them along each of two lines, where Gauss's rule has them across the width.
 
@@ -78,8 +78,8 @@ class Contact:
             raise SettingError("feet", {}, "a body and its foot, at least")
         if plates < 4 or plates % 2:
             raise SettingError("plates", plates, "an even number from 4")
-        if found.tilt is not None:
-            raise SettingError("effects", "slope", "one that MuJoCo has not", "Tilt model.opt.gravity.")
+        if found.tilt:
+            raise SettingError("effects", "an inclined plane", "on a level one", "Tilt model.opt.gravity.")
         bodies, tables, first = np.zeros(len(feet), BODY), [], 0
         for body, (name, foot) in zip(bodies, feet.items(), strict=True):
             row = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name)
@@ -87,7 +87,9 @@ class Contact:
                 names = [model.body(i).name for i in range(1, model.nbody)]
                 raise SettingError("feet", name, f"the name of a body: {', '.join(names)}")
             if isinstance(foot, Foot):
-                table = _sole(foot.plates(plates // 2, directed=True, fill=filler(scene.effects)), foot.width)
+                table = _sole(
+                    foot.plates(plates // 2, directed=True, fill=reshaping(scene.effects)), foot.width
+                )
                 body["law"] = g * np.array(found.law)
             else:
                 table = _mesh(mujoco, model, row, foot)
@@ -99,7 +101,7 @@ class Contact:
         step, n = np.zeros(1, STEP), 6 * len(feet)
         step["start"], step["dt"], step["gravity"] = -np.inf, model.opt.timestep, model.opt.gravity
         step["rk4"] = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
-        step["length"] = found.rest or Rest().length
+        step["length"] = found.bristle_length or BRISTLE_LENGTH
         self._space = Workspace(
             step, bodies, _freedoms(mujoco, model), model.M_colind[None].astype(np.int64), data.M[None],
             data.xpos, data.xmat.reshape(-1, 9), data.qvel[None], data.qfrc_passive[None],
@@ -107,7 +109,7 @@ class Contact:
             np.zeros((n, model.nv)), np.zeros((n // 6, 9)),
         )  # fmt: skip
         self.data, self.names, self._bodies = data, tuple(feet), bodies
-        self.acting = found.loads, found.gates, found.pushes
+        self.acting = found.effects
         self._compiled = compiled(pickle.dumps(self.acting))
         self.addresses = np.array([*((a.ctypes.data, *a.shape, 0)[:3] for a in self._space), functions()])
         if data._address not in _KEPT and len(_KEPT) == MOST:

@@ -20,8 +20,7 @@ from footopt.errors import needed
 from footopt.mujoco import step as steps
 from footopt.mujoco.implicit import solve
 from footopt.mujoco.step import BODY, FREEDOM, HOLD, MEAN, STEP, Workspace, align, product
-from footopt.walk.sources import users_own
-from footopt.walk.steppers import STEPPERS
+from footopt.walk.cache_key import own_code
 
 MOST, ARRAYS = 256, len(Workspace._fields)  # models on sand at once in one process, and arrays of each
 #: What is attached: address of its MjData, of its `Contact.addresses`, and of its compiled step.
@@ -71,9 +70,8 @@ def functions() -> tuple[int, int, int]:
 
 @lru_cache
 def compiled(effects: bytes) -> Any:
-    """The step with some effects, a pickled tuple of loads, gates and pushes, which is compiled once."""
+    """The step with some effects, pickled `Laws`, which is compiled once."""
     acting = pickle.loads(effects)
-    laws = STEPPERS["sdirk2"].parameters, [law for laws in acting for law in laws or ()]
 
     def passive(model, data, address):
         table, time = carray(pointer(address), (ARRAYS + 1, 3), np.int64), np.zeros(1)
@@ -100,7 +98,7 @@ def compiled(effects: bytes) -> Any:
 
     passive.__qualname__ = f"passive_{hashlib.sha256(effects).hexdigest()[:16]}"  # a file of its own
     signature = types.void(types.intp, types.intp, types.intp)
-    return (cfunc if users_own(*laws) else cached_cfunc)(signature)(passive)
+    return (cfunc if own_code(acting.all) else cached_cfunc)(signature)(passive)
 
 
 @lru_cache(maxsize=1)

@@ -23,14 +23,13 @@ import numpy as np
 
 from footopt.compiled import inlined, inlined_fast
 from footopt.effects import base as effects
-from footopt.effects.leading_edge import leading_gate
+from footopt.effects.dual import Dual, lift, smooth_step
 from footopt.mujoco.intrusion import TABLE
 from footopt.sand.law import Law
 from footopt.walk.contact import EDGE, rsqrt
 
 #: Rows of a table of faces: place, m; area, m^2; outward normal; <n n>'s xx, xz and zz.
 X, Y, Z, AREA, NX, NY, NZ, QXX, QXZ, QZZ, COLUMNS = range(11)
-leads = inlined(leading_gate)
 NUDGE = 1e-5  # of h, over which 3D-RFT's derivative is taken
 
 
@@ -110,8 +109,7 @@ def stress(n, h, up, surface):
     inwards = max(-(f1 + f2 * x3 + f3 * x2), 0.0)  # sand pushes and never pulls
     tangent = plus(times(f2, plus(times(1.0 / size, h), -x3, n)), -f3, plus(up, x2, n))
     slip = min(1.0, surface * inwards / max(np.sqrt(dot(tangent, tangent)), 1e-12))
-    share = leads(None, (1.0, 0.0), x3, EDGE)[0]
-    return times(size * share, plus(times(slip, tangent), -inwards, n))
+    return times(size * smooth_step(x3 / EDGE), plus(times(slip, tangent), -inwards, n))
 
 
 @inlined
@@ -150,12 +148,13 @@ def add(total, a, one, b, two):
 
 
 @inlined_fast
-def forces(friction, loads, gates, pushes, faces, a, u, surface, forward, twist, c, turn, h0):
+def forces(friction, acting, faces, a, u, surface, forward, twist, c, turn, h0):
     """The wrench (6,) on a body about its origin, N and N m, and its derivative (6, 6) by the twist.
 
     The loop over a sole's plates stores nothing, so that it is vectorised: five times faster.
 
-    friction: of a mesh's surface, None for a sole. loads, gates, pushes: laws of effects, or None. a: the
+    friction: of a mesh's surface, None for a sole. acting: `Laws` of effects, whose derivatives are here by
+    depth and place, and by n.v and depth. a: the
     `footopt.sand.law.Law` times zeta, N/m^3, or xi of a mesh. u: up. surface, forward: height and x of a face
     at the stage's end are the first number, m, plus the other three by its place. twist: (6,), at the stage's
     end. c: its length, s. turn: c over delta, s/m. h0: bristles.
@@ -175,24 +174,22 @@ def forces(friction, loads, gates, pushes, faces, a, u, surface, forward, twist,
             if depth == 0.0:
                 continue
             p, by_h = solid(law.A00, friction, n, u, h)
-        k, by_depth, push, push_by_vn, push_by_depth = depth, 1.0, 0.0, 0.0, 0.0
-        if loads is not None:
-            k, by_depth, _ = effects.load(loads, (k, 1.0, 0.0), depth, forward[0] + dot(forward[1], r))
-        if gates is not None:
-            share, opens = effects.gate(gates, (1.0, 0.0), dot(h, n), EDGE)
+        place = forward[0] + dot(forward[1], r)
+        load = effects.load(acting.loads, Dual(depth, 1.0, 0.0), Dual(place, 0.0, 1.0))
+        gate = lift(effects.gate(acting.gates, Dual(dot(h, n) / EDGE, 1.0 / EDGE, 0.0)))
+        push = lift(effects.push(acting.pushes, Dual(dot(v, n), 1.0, 0.0), Dual(depth, 0.0, 1.0)))
+        if acting.gates is not None:
             by_h = (
-                plus(times(share, by_h[0]), opens * p[0], n),
-                plus(times(share, by_h[1]), opens * p[1], n),
-                plus(times(share, by_h[2]), opens * p[2], n),
+                plus(times(gate.value, by_h[0]), gate.dx * p[0], n),
+                plus(times(gate.value, by_h[1]), gate.dx * p[1], n),
+                plus(times(gate.value, by_h[2]), gate.dx * p[2], n),
             )
-            p = times(share, p)
-        if pushes is not None:
-            push, push_by_vn, push_by_depth = effects.push(pushes, (0.0, 0.0, 0.0), dot(v, n), depth)
-        f = plus(times(area * k, p), -area * push, n)
+            p = times(gate.value, p)
+        f = plus(times(area * load.value, p), -area * push.value, n)
         torque = cross(r, f)
         total = add(total, 1.0, (f[0], f[1], f[2], torque[0], torque[1], torque[2]), 0.0, total)
-        k, throw = area * k * q * turn, times(area * push_by_vn, n)
-        w = times(-c * area if depth > 0.0 else 0.0, plus(times(by_depth, p), -push_by_depth, n))
+        k, throw = area * load.value * q * turn, times(area * push.dx, n)
+        w = times(-c * area if depth > 0.0 else 0.0, plus(times(load.dx, p), -push.dz, n))
         x = by_twist(r, k, by_h[0], h, slides, w[0], u, throw[0], n)
         y = by_twist(r, k, by_h[1], h, slides, w[1], u, throw[1], n)
         z = by_twist(r, k, by_h[2], h, slides, w[2], u, throw[2], n)

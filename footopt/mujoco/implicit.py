@@ -18,6 +18,7 @@ import math
 import numpy as np
 
 from footopt.compiled import called_fast, inlined_fast
+from footopt.effects import Laws
 from footopt.mujoco.faces import COLUMNS, cross, dot, forces, moved, plus
 from footopt.mujoco.step import BEFORE, END, FREE, GAINED, MEAN, TWIST, of_body, product
 from footopt.walk.contact import rsqrt
@@ -96,7 +97,7 @@ def newton(space, effects, near, mobility, base, v0, v, c, turn, h0, f):
     Sand resists motion, so that dv . (F - f) falls along a step dv: a step is cut where it changes its sign,
     as where a face comes to rest. The size of F - f rises there.
     """
-    n, load, (loads, gates, pushes) = len(v), f.copy(), effects
+    n, load, meshed = len(v), f.copy(), Laws(effects.loads, None, effects.pushes)
     stiffness, wide, dv, dload = np.zeros((n, 6)), np.ones(n), np.zeros(n), np.zeros(n)
     slope, t, low, high, at_low, at_high = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0  # of a step: 0 before, 1 in full
     for i in range(n):
@@ -112,9 +113,9 @@ def newton(space, effects, near, mobility, base, v0, v, c, turn, h0, f):
             faces, h = of_body(space.faces[0], body, COLUMNS), of_body(h0, body, 3)
             state = faces, body.law, up, surface, forward, v[six], c, turn, h
             if body.mesh:
-                total, rows = forces(body.friction, loads, None, pushes, *state)
+                total, rows = forces(body.friction, meshed, *state)
             else:
-                total, rows = forces(None, loads, gates, pushes, *state)
+                total, rows = forces(None, effects, *state)
             for i in range(6):
                 f[6 * k + i] = total[i]
                 for j in range(6):

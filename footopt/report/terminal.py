@@ -12,7 +12,7 @@ import threading
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich import box
@@ -180,7 +180,8 @@ def describe_scene(scene: Scene) -> str:
 
 
 def _parameter(effect: Effect, name: str, value: object) -> str:
-    unit = described(type(effect)).get(name, ("", ""))[0].partition(", ")[2]
+    kind: Any = type(effect)
+    unit = described(kind).get(name, ("", ""))[0].partition(", ")[2]
     unit = unit.removesuffix("optional").rstrip(", ")  # "1" is none
     values = value if isinstance(value, (tuple, list)) else [value]
     listed = " and ".join(f"{v:g}" if isinstance(v, float) else str(v) for v in values)

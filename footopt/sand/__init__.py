@@ -2,7 +2,7 @@
 
 from footopt.sand import law as stress
 from footopt.sand.fit import fit_stress_map
-from footopt.sand.law import GENERIC, StressMap, affine, affine_direction, alpha
+from footopt.sand.law import GENERIC, StressMap, affine, alpha
 from footopt.sand.media import MEDIA, Sand
 
 __all__ = [
@@ -11,7 +11,6 @@ __all__ = [
     "Sand",
     "StressMap",
     "affine",
-    "affine_direction",
     "alpha",
     "fit_stress_map",
     "stress",

@@ -6,8 +6,8 @@ A plate with world angle beta (counter-clockwise, rad) that moves in the directi
     f_x = -zeta alpha_x(beta, gamma) |z| dA,    f_z = +zeta alpha_z(beta, gamma) |z| dA
 
 with nine Fourier coefficients (Li, Zhang & Goldman, Science 339, 2013, table S2): the paper's eq. 1.
-`alpha` is that map as published, and `by_angles` the stress that it gives a moving plate; `affine` and
-`by_direction` are the same law without an angle in it, as the compiled code has it.
+`alpha` is that map as published, and `by_angles` the stress that it gives a moving plate; `affine` is the
+same law as the compiled code has it (`footopt.walk.contact.stress`).
 """
 
 from __future__ import annotations
@@ -198,27 +198,11 @@ def affine(beta: ArrayLike, stress_map: StressMap = GENERIC) -> tuple[Array, Arr
     M : array of shape S + (2, 2), N/m^3
         The matrix.
     """
-    b = np.asarray(beta, float)
-    return affine_direction(np.cos(2 * b), np.sin(2 * b), stress_map)
-
-
-def affine_direction(c: Array, s: Array, stress_map: StressMap = GENERIC) -> tuple[Array, Array]:
-    """`affine` from c = cos 2 beta and s = sin 2 beta, or from their means over a curved plate."""
-    law = stress_map.law
+    b, law = np.asarray(beta, float), stress_map.law
+    c, s = np.cos(2 * b), np.sin(2 * b)
     a = np.stack([-law.D10 * s, law.A00 + law.A10 * c], axis=-1)
     rows = [
         np.stack([law.C01 + law.C_sum * c, law.C_diff * s], axis=-1),
         np.stack([-law.B_diff * s, law.B01 + law.B_sum * c], axis=-1),
     ]
     return PER_CM3 * a, PER_CM3 * np.stack(rows, axis=-2)
-
-
-def by_direction(c: Array, s: Array, h: Array, stress_map: StressMap = GENERIC) -> Array:
-    """`by_angles` from c = cos 2 beta and s = sin 2 beta, or their means: a - M h, (*S, 2), N/m^3."""
-    a, m = affine_direction(c, s, stress_map)
-    return np.asarray(a - np.einsum("...ij,...j->...i", m, h))
-
-
-def smoothed(velocity: Array, creep: float | Array) -> Array:
-    """The direction h = v / sqrt(|v|^2 + creep^2) of velocities (*S, 2), m/s, with the creep speed, m/s."""
-    return np.asarray(velocity / np.sqrt(np.sum(velocity**2, axis=-1, keepdims=True) + creep**2))

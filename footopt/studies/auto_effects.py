@@ -10,14 +10,14 @@ import numpy as np
 from rich.table import Table
 from rich.text import Text
 
-from footopt.effects.base import parameters
+from footopt.effects.base import EFFECTS, parameters
 from footopt.errors import check
 from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
 from footopt.studies.audit import QUANTILE, Audit, audit
 from footopt.studies.base import Study
 from footopt.studies.build import make_scene
-from footopt.studies.screening import LITERATURE, Criterion, screening
+from footopt.studies.screening import Criterion, screening
 from footopt.studies.settings import Config
 from footopt.walk import FIVE, Scene, evaluate
 from footopt.walk.accuracy import TOLERANCES
@@ -85,7 +85,8 @@ def choose_effects(study: Study, foot: Foot | None = None) -> Chosen:
     limit = tolerance(config)
     screened = screening(scene, soles(feet, study.space), limit)
     study.say(screening_table(screened))
-    undecided = [kind() for kind in LITERATURE if not any(isinstance(e, kind) for e in scene.effects)]
+    known = [kind for kind in EFFECTS.values() if kind.literature]
+    undecided = [kind() for kind in known if not any(isinstance(e, kind) for e in scene.effects)]
     found: list[Audit] = []
     with study.compiling("a walk for each effect, minutes in all"):
         for effect in undecided:  # each where those that matter are on: inertia acts on faces that lead

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footopt.effects import EFFECTS, Inertia, LeadingEdge, Shadowing, Slope
+from footopt.effects import EFFECTS
 from footopt.foot import Foot
 from footopt.walk.scene import SOLE, Scene
 
@@ -30,10 +30,6 @@ def bearing_factor(friction: float) -> float:
     return (n_q - 1.0) / math.tan(friction)
 
 
-#: Effects whose parameters the literature has. The others say what the ground is like.
-LITERATURE: tuple[type, ...] = (LeadingEdge, Inertia, Shadowing)
-
-SCENE = "the scene itself"  # the source of an effect that names none
 EFFECT, RANGE, LACKS = "effect", "tested range", "not in footopt"
 
 
@@ -121,18 +117,17 @@ def screening(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> li
     found = []
     for name, kind in EFFECTS.items():
         given = next((effect for effect in scene.effects if isinstance(effect, kind)), None)
-        if given is None and kind not in LITERATURE:
+        if given is None and not kind.literature:  # such an effect says what the ground is like
             continue
         effect = given or kind()
-        if not hasattr(effect, "estimate"):
+        if math.isnan(value := effect.estimate(scale)):
             continue
-        value, title = effect.estimate(scale), name.replace("_", " ")
-        number, source = getattr(effect, "number", "its own estimate"), getattr(effect, "source", SCENE)
-        found.append(Criterion(title, EFFECT, number, value, tolerance, source, given is not None))
+        title, on = name.replace("_", " "), given is not None
+        found.append(Criterion(title, EFFECT, effect.number, value, tolerance, effect.source, on))
 
     cone = DENSITY * area * math.sqrt(area / math.pi) * math.tan(CONE) / 3.0
     sides = (length + width) * depth**2 * DENSITY * g * FRICTION**2
-    angle = next((abs(e.angle) for e in scene.effects if isinstance(e, Slope)), 0.0)
+    angle = math.degrees(math.atan2(abs(scene.gravity[0]), scene.gravity[1]))
     rows = [
         ("depth", RANGE, "depth / width of the foot", depth / width, 1.0, "Li, Zhang & Goldman (2013)"),
         ("ankle", RANGE, "depth / height of the ankle", depth / ankle if ankle > 0 else math.inf, 1.0,

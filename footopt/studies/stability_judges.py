@@ -10,13 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.effects import Rest
-from footopt.effects.rest import rest_length
+from footopt.effects import bristle_length
 from footopt.walk import FIVE, Walk, simulate
 from footopt.walk.balances import energy_gap, power_from_sand, sinking_speed, smoothing_power
 from footopt.walk.objectives import FLOORS
@@ -93,8 +92,8 @@ def judge_rest(walk: Walk, converged: Converged) -> list[Measure]:
     truth, scene, accuracy = converged(), walk.scene, walk.accuracy
     if walk.reason or truth.reason:
         return [outcome(walk, truth.reason)]
-    if length := rest_length(scene.effects):
-        shorter = (Rest(length / 10.0) if isinstance(e, Rest) else e for e in scene.effects)
+    if bristle_length(scene.effects):
+        shorter = (_shortened(e) if e.bristle_length else e for e in scene.effects)
         scene = replace(scene, effects=tuple(shorter))
     else:
         accuracy = replace(accuracy, creep=accuracy.creep / 10.0)
@@ -105,6 +104,11 @@ def judge_rest(walk: Walk, converged: Converged) -> list[Measure]:
         Measure("rest", float(np.hypot(*np.ptp(com, axis=0))), LIMITS["rest"]),
         Measure("place", max(places), LIMITS["place"]),
     ]
+
+
+def _shortened(effect: Any) -> Any:
+    """An effect whose bristles are a tenth as long."""
+    return replace(effect, length=effect.length / 10.0)
 
 
 def judge_long_walk(walk: Walk, converged: Converged) -> list[Measure]:
@@ -138,7 +142,7 @@ def _sound(walk: Walk) -> list[Measure]:
         Measure("not finite", float(missing) if missing > 1e-9 else 0.0, 0.0),
         Measure("energy", energy_gap(walk), LIMITS["energy"]),
     ]
-    if not rest_length(walk.scene.effects):
+    if not bristle_length(walk.scene.effects):
         allowed = smoothing_power(walk.scene.sand.stress_map)
         found.append(Measure("power", power_from_sand(walk), allowed))
     return found

@@ -28,7 +28,7 @@ class Accuracy:
     stepper : str
         The method of integration, a name in `footopt.walk.steppers.STEPPERS`.
     dt : float, s
-        Largest time step of the walk (`footopt.walk.prepare.time_grid`).
+        Largest time step of the walk (`footopt.walk.discretize.time_grid`).
     plates : int
         N, plates along the sole.
     creep : float, m/s

@@ -6,17 +6,17 @@ Some things make a walk harder than those, and each is a rule here:
   period, the control and the creep speed to the legs' length over it, and never larger than the preset's.
 - A sole with more waypoints or corners needs more plates, at `standard` `EACH` a waypoint.
 - No plate is to be longer than the narrowest patch of sand.
-- The harder the sand under a light walker, the shorter the part of the sole that carries him. At least
-  `TOUCHING` plates are to touch the sand when he stands, whatever the pitch of his foot, and `PIECE` in each
+- The harder the sand under a light walker, the shorter the part of the sole that carries it. At least
+  `TOUCHING` plates are to touch the sand when it stands, whatever the pitch of its foot, and `PIECE` in each
   piece of a sole that touches it in several, as a comb does.
-- Where effects ask for the plates' normals, or bristles remember their motion, a plate's mean is of a lower
-  order: there are `NORMAL` times more plates, and `LEADING` times where only faces that lead feel sand.
+- Where the force depends on the plates' normals, or bristles remember their motion, a plate's mean is of a
+  lower order: such an effect says how many times more plates there are to be (`Effect.plates_factor`).
 - A foot that sticks creeps. Over a stride it is to creep by at most `CREPT` of the depth to which it sinks.
 - A foot that is kept level strikes with its whole sole at once, and no turn of it smooths the direction of
   motion. It has `EVENLY` times more plates and half the creep speed; with bristles, shorter steps, too.
-- Effects that change the force on a plate make blows short, as hard sand does, and bristles bend within them.
-  Where there are such, or more plates than the preset's, steps are half as long and held to a quarter of the
-  control.
+- Effects that change the force on a plate make impacts short, as hard sand does, and bristles bend within
+  them. Where there are such, or more plates than the preset's, steps are half as long and held to a quarter
+  of the control.
 """
 
 from __future__ import annotations
@@ -30,16 +30,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.compiled import FAST, cached_njit, inlined_fast
-from footopt.effects import LeadingEdge, Patches, Rest, laws
+from footopt.compiled import cached_njit
 from footopt.effects import base as effects
-from footopt.effects.shadowing import filler
+from footopt.effects import bristle_length, laws, reshaping
+from footopt.effects.dual import Dual
 from footopt.errors import SettingError
 from footopt.foot import Foot, Plates, Waypoints
 from footopt.foot.foot import points_of
 from footopt.foot.plates import CORNER
 from footopt.gait import Gait
 from footopt.walk.accuracy import MOST_PLATES, Accuracy
+from footopt.walk.cache_key import compiled
 from footopt.walk.scene import Scene, Walker
 from footopt.walk.state import LANES
 
@@ -51,11 +52,9 @@ STATED_CREEP = 1e-4  # m/s, of which `CREPT` is stated
 EACH = 5  # plates a waypoint, or a straight side between two corners
 BEND = 0.2  # rad by which a sole turns within a plate: five a waypoint of a rough sole
 TOUCHING, PIECE = 8, 4  # plates in the sand under who stands, and in each piece of the sole there
-LEADING = 4.0  # times more plates where only faces that lead feel sand
-NORMAL = 2.0  # ... where the force depends on their normals , or bristles hold them
 SLOWEST = 0.05  # times the creep speed, at least: evaluations double where it is a fifth and feet are level
 CREPT = 0.03  # of the depth to which a level foot sinks: on hard sand so much at `standard`
-SHORTER, CLOSER = 0.5, 0.25  # times the step, and its control, where blows are short
+SHORTER, CLOSER = 0.5, 0.25  # times the step, and its control, where impacts are short
 LEVEL = 0.1  # rad by which a foot's pitch changes in a stride, at most, if it is kept level
 EVENLY, SLOWER = 1.5, 0.5  # times more plates, and times the creep speed, of such a foot
 SETTLING = 0.125  # times the control once more, in half the step again, where bristles hold such a foot
@@ -107,17 +106,17 @@ def _each(accuracy: Accuracy, scene: Scene, soles: Sequence[Foot | Waypoints]) -
     period = scene.gait.period / PERIOD
     legs = (scene.walker.l1 + scene.walker.l2) / LEG
     slower, shorter = min(legs / period, 1.0), min(period, 1.0)
-    level, kinds = _keeps_level(scene.gait), {type(effect) for effect in scene.effects}
+    level, bristles = _keeps_level(scene.gait), bristle_length(scene.effects) is not None
     slip, evenly = (SLOWER, EVENLY) if level else (1.0, 1.0)
-    settles, pushed = level and Rest in kinds, Rest in kinds or any(laws(scene.effects))
+    impacts = bristles or any(laws(scene.effects))
     finer, weight = _finer(scene), scene.walker.mass * scene.gravity[1]
 
     @cache
     def numbers(needed: float, area: float) -> Accuracy:
         # the share of the creep speed at which `standard` creeps by `CREPT` of a foot's depth in a stride
         crept = CREPT * (weight / area) / (STATED_CREEP * scene.gait.period)
-        step, held = (SHORTER, CLOSER) if needed > 1.0 or pushed else (1.0, 1.0)
-        if settles:
+        step, held = (SHORTER, CLOSER) if needed > 1.0 or impacts else (1.0, 1.0)
+        if level and bristles:
             step, held = SHORTER * step, SETTLING * held
         return replace(
             accuracy,
@@ -155,10 +154,7 @@ def _blocks(preset: int, times: float) -> int:
 
 def _finer(scene: Scene) -> float:
     """How many times more plates the effects of a scene need."""
-    kinds = {type(effect) for effect in scene.effects}
-    if LeadingEdge in kinds:
-        return LEADING
-    return NORMAL if Rest in kinds or laws(scene.effects).pushes else 1.0
+    return max((effect.plates_factor for effect in scene.effects), default=1.0)
 
 
 def _outline(sole: Foot | Waypoints) -> tuple[float, float]:
@@ -179,12 +175,8 @@ def outline_of(contour, turns):  # type: ignore[no-untyped-def]
 
 
 def _narrow(scene: Scene, length: float) -> float:
-    """Plates of a sole (m) that are no longer than the narrowest patch, or gap between two."""
-    patches = next((effect for effect in scene.effects if isinstance(effect, Patches)), None)
-    if patches is None:
-        return 0.0
-    edges = np.unique([*patches.begins, *patches.ends])
-    return length / max(float(np.diff(edges).min()), patches.blur / 2)
+    """Plates of a sole (m) that are no longer than the least length over which the sand changes."""
+    return length / min((effect.narrowest for effect in scene.effects), default=math.inf)
 
 
 def _standing(scene: Scene, soles: Sequence[Foot | Waypoints]) -> list[float]:
@@ -210,19 +202,17 @@ def _probed(scene: Scene, space: Waypoints) -> float:
 
 def _under_feet(scene: Scene, feet: Sequence[Foot]) -> list[float]:
     """`_standing` of feet."""
-    points, fill = points_of(feet, POINTS), filler(scene.effects)
+    points, fill = points_of(feet, POINTS), reshaping(scene.effects)
     points = points if fill is None else fill(points)
     scale, loads, place = scene.scale, laws(scene.effects).loads, 0.0
     if loads is not None:  # where the sand is strongest on the way
-        way, none = np.linspace(0.0, scale.distance, PLACES), np.zeros(PLACES)
-        depth = none + scale.depth
-        place = float(way[np.argmax(effects.load(loads, (depth, none + 1.0, none), depth, way)[0])])
+        way = np.linspace(0.0, scale.distance, PLACES)
+        place = float(way[np.argmax(effects.load(loads, np.full(PLACES, scale.depth), way))])
     area = scene.walker.mass * scene.gravity[1] / (scale.stress * np.array([foot.width for foot in feet]))
-    found: list[float] = standing_plates(points, area, loads, place).tolist()
+    found: list[float] = compiled(standing_plates, loads or ())(points, area, loads, place).tolist()
     return found
 
 
-@cached_njit(nogil=True, error_model="numpy", fastmath=FAST)
 def standing_plates(points, area, loads, place):  # type: ignore[no-untyped-def]
     """Plates that soles (designs, m, 2), m, need at whichever of `PITCHES` the most, (designs,).
 
@@ -243,8 +233,9 @@ def standing_plates(points, area, loads, place):  # type: ignore[no-untyped-def]
                 carried, slope = 0.0, 0.0
                 for i in range(m):
                     if depth > rise[i]:
-                        strength, by_depth = _strength(loads, depth - rise[i], place)
-                        carried, slope = carried + length[i] * strength, slope + length[i] * by_depth
+                        strength = effects.load(loads, Dual(depth - rise[i], 1.0, 0.0), place)
+                        carried += length[i] * strength.value
+                        slope += length[i] * strength.dx
                 low, high = (low, depth) if carried >= area[d] else (depth, high)
                 step = (area[d] - carried) / slope
                 if abs(step) < NEARLY:
@@ -258,12 +249,3 @@ def standing_plates(points, area, loads, place):  # type: ignore[no-untyped-def]
                     pieces += i == 0 or high <= rise[i - 1]
             found[d] = max(found[d], max(TOUCHING, PIECE * pieces) * length.sum() / touching)
     return found
-
-
-@inlined_fast
-def _strength(loads, depth, place):  # type: ignore[no-untyped-def]
-    """Strength of the sand integrated over depth, m, and its derivative."""
-    if loads is None:
-        return depth, 1.0
-    strength, by_depth, _ = effects.load(loads, (depth, 1.0, 0.0), depth, place)
-    return strength, by_depth

@@ -26,7 +26,7 @@ def energy_gap(walk: Walk) -> float:
     kinetic = 0.5 * walker.mass * float(np.sum(walk.velocity[-1] ** 2))
     tilt, g = walk.scene.gravity
     x, z = (walk.com[-1] - walk.start).tolist()
-    potential = float(walker.mass * (g * z - (tilt or 0.0) * x))
+    potential = float(walker.mass * (g * z - tilt * x))
     sand = float(walk.work[-1].sum())
     return abs(kinetic + potential - sand - walk.totals["net_joint_work"]) / max(abs(sand), 1e-300)
 
@@ -85,6 +85,6 @@ def momentum_gap(walk: Walk) -> Array:
     """Momentum that neither the sand's impulse nor gravity explains, (2,), N s; rounding only."""
     walker = walk.scene.walker
     tilt, g = walk.scene.gravity
-    gravity = walker.mass * np.array([tilt or 0.0, -g])
+    gravity = walker.mass * np.array([tilt, -g])
     impulse = np.array([walk.totals["impulse_x"], walk.totals["impulse_z"]]) + gravity * walk.t[-1]
     return np.asarray(walker.mass * walk.velocity[-1] - impulse)

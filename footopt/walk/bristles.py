@@ -1,4 +1,4 @@
-"""What the sand under each plate remembers: the bristles of the effect `rest`.
+"""Bristles: the elastic displacement that the sand under each plate remembers.
 
 A plate's direction h is bent by its motion over the length delta and stays in the unit disc. Over a time
 c, from h_0 at its beginning (a return map, as in plasticity)::
@@ -15,8 +15,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.compiled import inlined, inlined_fast
-from footopt.walk.contact import ankle_of, rsqrt, submerged
+from footopt.compiled import inlined, inlined_fast, unless_none
+from footopt.walk.contact import bristles_between, direction, in_world, kinematics, plates_between, submerged
+from footopt.walk.state import ankle_of
 
 Array = NDArray[np.float64]
 
@@ -24,9 +25,9 @@ Array = NDArray[np.float64]
 class Bristles(NamedTuple):
     """h of every plate, (2 feet, 2 components, padded plates) each; 0 in the air."""
 
-    now: Array  # at the step's beginning
-    middle: Array  # where its second stage begins
-    end: Array  # at its end
+    h_n: Array  # at the step's beginning
+    h_stage: Array  # where its second stage begins
+    h_next: Array  # at its end
 
 
 class Stage(NamedTuple):
@@ -37,47 +38,43 @@ class Stage(NamedTuple):
     share: float  # of the way from before to its end that after is to be; 1 is the end
 
 
-@inlined
-def bristles_at_start(rest, plates):
-    """Under a walker that has sunk straight down to where it stands; None without bristles."""
-    if rest is None:
-        return None
-    now = np.zeros((2, 2, plates))
+@unless_none
+def bristles_at_start(length, plates):
+    """Under a walker that has sunk straight down to where it stands."""
+    h_n = np.zeros((2, 2, plates))
     for i in range(plates):
-        now[0, 1, i] = now[1, 1, i] = -1.0
-    return Bristles(now, np.zeros((2, 2, plates)), np.zeros((2, 2, plates)))
+        h_n[0, 1, i] = h_n[1, 1, i] = -1.0
+    return Bristles(h_n, np.zeros((2, 2, plates)), np.zeros((2, 2, plates)))
 
 
-@inlined
+@unless_none
+def beginning(bristles):
+    """h at a step's beginning."""
+    return bristles.h_n
+
+
+@unless_none
 def stage_of(bristles):
     """An implicit stage that is the whole step."""
-    if bristles is None:
-        return None
-    return Stage(bristles.now, bristles.end, 1.0)
+    return Stage(bristles.h_n, bristles.h_next, 1.0)
 
 
-@inlined
+@unless_none
 def first_stage(bristles, share):
     """The first of two stages; the second begins on its slope, a share of its way from the beginning."""
-    if bristles is None:
-        return None
-    return Stage(bristles.now, bristles.middle, share)
+    return Stage(bristles.h_n, bristles.h_stage, share)
 
 
-@inlined
+@unless_none
 def second_stage(bristles):
     """The second of two stages, which ends with the step."""
-    if bristles is None:
-        return None
-    return Stage(bristles.middle, bristles.end, 1.0)
+    return Stage(bristles.h_stage, bristles.h_next, 1.0)
 
 
-@inlined
+@unless_none
 def next_step(bristles):
     """A step's end is the beginning of the next one."""
-    if bristles is None:
-        return None
-    return Bristles(bristles.end, bristles.middle, bristles.now)
+    return Bristles(bristles.h_next, bristles.h_stage, bristles.h_n)
 
 
 @inlined
@@ -87,35 +84,34 @@ def record(trace, row, bristles):
     A trace of one row holds the last ones.
     """
     if bristles is not None:
-        now, row = bristles.now, row % len(trace)
+        h, row = bristles.h_n, row % len(trace)
         for foot in range(2):  # loops: numba takes 20 s to compile an assignment of arrays
-            for i in range(now.shape[2]):
-                trace[row, foot, 0, i], trace[row, foot, 1, i] = now[foot, 0, i], now[foot, 1, i]
+            for i in range(h.shape[2]):
+                trace[row, foot, 0, i], trace[row, foot, 1, i] = h[foot, 0, i], h[foot, 1, i]
 
 
 @inlined_fast
-def bend(sole, poses, x, z, vx, vz, turn, stage):
+def update_bristles(sole, poses, x, z, vx, vz, creep, stage):
     """Bend the bristles of both feet over a stage.
 
-    x, z, vx, vz: the hip's place (m) and velocity (m/s) at its end. turn: the stage's time over delta, s/m.
+    x, z, vx, vz: the hip's place (m) and velocity (m/s) at its end. creep: delta over the stage's time, m/s.
     """
-    before, after, share = stage.before, stage.after, stage.share
+    after, share = stage.after, stage.share
     for foot in range(2):
-        ankle = ankle_of(poses, foot, x, z, vx, vz)
+        ankle = in_world(ankle_of(poses, foot), x, z, vx, vz)
         first, last = submerged(sole, ankle)
-        rate_cos, rate_sin = ankle.rate * ankle.cos, ankle.rate * ankle.sin
         for i in range(first):
             after[foot, 0, i] = after[foot, 1, i] = 0.0
         for i in range(last, len(sole.x)):
             after[foot, 0, i] = after[foot, 1, i] = 0.0
-        px, pz = sole.x[first:last], sole.z[first:last]
-        bx, bz = before[foot, 0, first:last], before[foot, 1, first:last]
-        hx, hz = after[foot, 0, first:last], after[foot, 1, first:last]
-        for i in range(len(px)):
-            rz = ankle.sin * px[i] + ankle.cos * pz[i]
-            ux = bx[i] + (ankle.vx - ankle.rate * rz) * turn
-            uz = bz[i] + (ankle.vz + rate_cos * px[i] - rate_sin * pz[i]) * turn
-            q = rsqrt(max(ux * ux + uz * uz, 1.0))
-            in_sand = 1.0 if ankle.z + rz < 0.0 else 0.0
-            hx[i] = in_sand * (bx[i] + share * (ux * q - bx[i]))
-            hz[i] = in_sand * (bz[i] + share * (uz * q - bz[i]))
+        part = plates_between(sole, first, last)
+        h0, (hx, hz) = (
+            bristles_between(stage.before, foot, first, last),
+            bristles_between(after, foot, first, last),
+        )
+        for i in range(len(part.x)):
+            motion = kinematics(ankle, part.x[i], part.z[i])
+            h = direction(motion, creep, 0.0, h0, i)
+            in_sand = 1.0 if motion.z < 0.0 else 0.0
+            hx[i] = in_sand * (h0[0][i] + share * (h.x - h0[0][i]))
+            hz[i] = in_sand * (h0[1][i] + share * (h.z - h0[1][i]))

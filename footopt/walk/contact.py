@@ -1,27 +1,59 @@
-"""The compiled contact: RFT on every plate of both feet, with its analytic Jacobian.
+"""The compiled contact: RFT on every plate of both feet, with its Jacobian.
 
-The paper's eq. 4 places and moves each plate, eq. 1 gives its force, eq. 2 adds the plates of a foot. The
-law is the affine form of `footopt.sand.law.affine`, so that the loop over plates holds no angle and no
-branch. Directions of motion are smoothed by the creep speed, h = v / sqrt(|v|^2 + eps^2), so that the law
-is single-valued at rest and implicit steps converge. What a scene's effects change is in their own files
-(`footopt.effects`); an effect that the scene does not name is None here, and not compiled.
+The paper's eq. 4 places and moves each plate (`kinematics`), eq. 1 gives its stress (`stress`), effects
+change it (`plate_force`), eq. 2 adds the plates of a foot (`foot_force`). The law is the affine form of
+`footopt.sand.law.affine`, so that the loop over plates holds no angle and no branch. Directions of motion are
+smoothed by the creep speed, h = v / sqrt(|v|^2 + eps^2), so that the law is single-valued at rest and
+implicit steps converge.
 
-A foot's sum depends on nothing but that foot: results do not change with the batch or the number of
-threads.
+Everything that depends on the hip's velocity is a `Dual` in an implicit stage and a plain number without one.
+What is None is not compiled: the stage, bristles, tangents, and the effects that a scene does not name.
+A foot's sum depends on nothing but that foot: results do not change with the batch or the number of threads.
 """
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
-from footopt.compiled import inlined, inlined_fast
+from footopt.compiled import inlined, inlined_fast, unless_none
 from footopt.effects import base as effects
-from footopt.walk.state import LANES, Contact, Force, Pose, no_force, pose_of
+from footopt.effects.dual import dual, lift, positive, value
+from footopt.walk.state import LANES, Ankle, Contact, Force, Sole, Tangent, ankle_of, no_force
 
 TURN = 0.25  # of the difference in speed along a turning plate, over which its direction is smoothed
-SEEN = 0.5  # of the same, over which a gate opens
+EXPOSED = 0.5  # of the same, over which a gate opens
 BENT = 0.75  # of the angle by which a plate is bent, over which a gate opens
 EDGE = 0.05  # n.h over which an effect's gate opens where bristles say how a plate moves
+
+
+class Motion(NamedTuple):
+    """A plate in the world."""
+
+    x: float  # m
+    z: float
+    vx: float  # m/s
+    vz: float
+
+
+class Direction(NamedTuple):
+    """A plate's direction of motion h, |h| <= 1, with dh/dv = rate (I - slides h h^T)."""
+
+    x: float
+    z: float
+    rate: float  # s/m
+    slides: float  # 0 where bristles hold the plate, else 1
+
+
+class PlateForce(NamedTuple):
+    """A plate in the sand, and the force on it."""
+
+    x: Any  # N, a `Dual` in an implicit stage
+    z: Any
+    motion: Motion
+    normal_x: float  # outward, a unit vector; 0 for plates without a tangent
+    normal_z: float
 
 
 @inlined_fast
@@ -35,153 +67,151 @@ def rsqrt(square):
 
 
 @inlined_fast
-def motion(ankle, x, z):
-    """Height (m) and velocity (m/s) of the plate at (x, z) in the foot's frame, by the paper's eq. 4."""
-    rise = ankle.sin * x + ankle.cos * z
-    vx = ankle.vx - ankle.rate * rise
-    vz = ankle.vz + ankle.rate * ankle.cos * x - ankle.rate * ankle.sin * z
-    return ankle.z + rise, vx, vz
+def kinematics(ankle, x, z):
+    """The plate at (x, z) in the foot's frame, m: the paper's eq. 4."""
+    along, rise = ankle.cos * x - ankle.sin * z, ankle.sin * x + ankle.cos * z
+    vx, vz = ankle.vx - ankle.rate * rise, ankle.vz + ankle.rate * along
+    return Motion(ankle.x + along, ankle.z + rise, vx, vz)
 
 
 @inlined_fast
-def foot_force(sole, law, loads, gates, pushes, tangent, first, last, ankle, creep, stage, h0):
-    """F = sum of f: the force on one foot by the paper's eq. 2, its power, and its derivatives.
+def placed(stage, number, by_x, by_z):
+    """A number with its derivatives by the hip's place, which follows its velocity: dx/dv_x is `stage`, s."""
+    follows = 0.0 if stage is None else stage
+    return dual(stage, number, follows * by_x, follows * by_z)
 
-    What may be None is an argument of its own: numba leaves out branches on arguments only.
+
+@inlined_fast
+def direction(motion, creep, turning, h0, i):
+    """h of plate i: v / |v|, smoothed over the creep speed and the plate's own turning, or held by bristles.
+
+    Along a plate that turns the velocity differs by `turning`, m/s: near the centre of the turn the mean
+    direction over the plate is smooth where that in its middle jumps. Bristles are bent from `h0`
+    by the motion over a length, and `creep` is that length over the time for which they are.
+    """
+    vx, vz = motion.vx, motion.vz
+    if h0 is None:
+        rate = rsqrt(vx * vx + vz * vz + (creep * creep + TURN * TURN * turning * turning))
+        return Direction(vx * rate, vz * rate, rate, 1.0)
+    turn = 1.0 / creep
+    ux, uz = h0[0][i] + vx * turn, h0[1][i] + vz * turn
+    square = ux * ux + uz * uz
+    inside = rsqrt(max(square, 1.0))
+    return Direction(ux * inside, uz * inside, inside * turn, 1.0 if square > 1.0 else 0.0)
+
+
+@inlined_fast
+def stress(law, c, s, h, stage):
+    """p = a - M h, the stress per depth in x and z, N/m^3: the paper's eq. 1 in its affine form.
+
+    c, s: cosine and sine of twice the plate's angle in the world. By dh/dv, dp/dv = -rate (M - (M h) h^T).
+    """
+    mxx, mxz = law.C01 + law.C_sum * c, law.C_diff * s
+    mzx, mzz = -law.B_diff * s, law.B01 + law.B_sum * c
+    x, z = mxx * h.x + mxz * h.z, mzx * h.x + mzz * h.z  # M h
+    slides_x, slides_z = h.slides * x, h.slides * z
+    px = dual(stage, -law.D10 * s - x, -h.rate * (mxx - slides_x * h.x), -h.rate * (mxz - slides_x * h.z))
+    pz = dual(
+        stage, law.A00 + law.A10 * c - z, -h.rate * (mzx - slides_z * h.x), -h.rate * (mzz - slides_z * h.z)
+    )
+    return px, pz
+
+
+@inlined_fast
+def outward_normal(tangent, i, ankle):
+    """Of plate i in the world; 0 where no effect needs it."""
+    if tangent is None:
+        return 0.0, 0.0
+    cos, sin, x, z = ankle.cos, ankle.sin, tangent.x[i], tangent.z[i]
+    return sin * x + cos * z, sin * z - cos * x
+
+
+@inlined_fast
+def lead(tangent, i, motion, nx, nz, h, creep, turning, h0, stage):
+    """How far plate i leads, for gates: n.v over the speeds along the normal within it, or n.h over `EDGE`.
+
+    These speeds differ as the plate turns and is bent.
+    """
+    if tangent is None:
+        return dual(stage, 0.0, 0.0, 0.0)
+    if h0 is None:
+        vx, vz = motion.vx, motion.vz
+        bent = BENT * tangent.turn[i]
+        bent *= bent
+        square = creep * creep + EXPOSED * EXPOSED * turning * turning + bent * (vx * vx + vz * vz)
+        narrow = rsqrt(square)
+        ratio = (vx * nx + vz * nz) / (square * narrow)
+        wider = ratio * bent * narrow  # the width grows with the speed
+        return dual(stage, ratio, narrow * (nx - wider * vx), narrow * (nz - wider * vz))
+    hn = h.x * nx + h.z * nz
+    rate, sliding = h.rate / EDGE, h.slides * hn
+    return dual(stage, hn / EDGE, rate * (nx - sliding * h.x), rate * (nz - sliding * h.z))
+
+
+@inlined_fast
+def plate_force(law, acting, sole, i, ankle, creep, stage, h0):
+    """The force on plate i of a foot, with the effects of a scene; arguments as in `foot_force`.
+
+    zeta load share (a - M h) dA - pressure n dA, and its motion.
+    """
+    area = sole.area[i]
+    motion = kinematics(ankle, sole.x[i], sole.z[i])
+    depth, x = positive(placed(stage, -motion.z, 0.0, -1.0)), placed(stage, motion.x, 1.0, 0.0)
+    turning = ankle.rate * sole.span
+    h = direction(motion, creep, turning, h0, i)
+
+    cos2, sin2 = ankle.cos * ankle.cos - ankle.sin * ankle.sin, 2.0 * ankle.sin * ankle.cos
+    c, s = sole.c2[i] * cos2 - sole.s2[i] * sin2, sole.s2[i] * cos2 + sole.c2[i] * sin2
+    px, pz = stress(law, c, s, h, stage)
+
+    nx, nz = outward_normal(sole.tangent, i, ankle)
+    vn = dual(stage, motion.vx * nx + motion.vz * nz, nx, nz)
+    leads = lead(sole.tangent, i, motion, nx, nz, h, creep, turning, h0, stage)
+    pull = area * effects.load(acting.loads, depth, x) * effects.gate(acting.gates, leads)
+    push = area * effects.push(acting.pushes, vn, depth)
+    return PlateForce(pull * px - push * nx, pull * pz - push * nz, motion, nx, nz)
+
+
+@inlined_fast
+def foot_force(law, acting, sole, ankle, creep, stage, h0):
+    """F = sum of f over some plates: the paper's eq. 2, with their power and derivatives.
 
     Parameters
     ----------
-    sole : Sole
-        Its plates, of which those from `first` to `last` are summed; the others are not in the sand.
     law : Law
         The stress map times zeta, N/m^3.
-    loads, gates, pushes : tuple or None
-        The laws of the scene's effects (`World`).
-    tangent : Tangent or None
-        The sole's.
-    ankle : Pose
+    acting : Laws
+        Of the scene's effects.
+    sole : Sole
+        The plates that are summed.
+    ankle : Ankle
         In the world.
-    creep, stage, h0
-        As in `contact`; `h0` of this foot, (2, plates).
+    creep, stage
+        As in `contact`.
+    h0 : (h_x, h_z), each (plates,), or None
+        Bristles of these plates.
 
     Returns
     -------
     Force
     """
-    c2p, s2p = ankle.cos * ankle.cos - ankle.sin * ankle.sin, 2.0 * ankle.sin * ankle.cos
-    cos, sin = ankle.cos, ankle.sin
-    eps2 = creep * creep
-    fx = fz = power = jxx = jxz = jzx = jzz = 0.0
-    # slices from 0: an index that could be negative would keep the loop from being vectorised
-    x, z, area = sole.x[first:last], sole.z[first:last], sole.area[first:last]
-    c2, s2 = sole.c2[first:last], sole.s2[first:last]
-    if h0 is not None:
-        turn = 1.0 / creep
-        h0x, h0z = h0[0, first:last], h0[1, first:last]
-    if tangent is not None:
-        tx, tz, turns = tangent.x[first:last], tangent.z[first:last], tangent.turn[first:last]
-        along = ankle.rate * sole.span  # speeds along the normal that differ within a straight plate
-        turning2 = eps2 + (SEEN * SEEN - TURN * TURN) * along * along  # eps2 has the part of TURN
-    for i in range(len(x)):
-        height, vx, vz = motion(ankle, x[i], z[i])
-        depth = max(-height, 0.0)
-        k = area[i] * depth
-
-        # the direction of motion h = v / |v|: smoothed, or held by the sand's bristles
-        if h0 is None:
-            q = rsqrt(vx * vx + vz * vz + eps2)
-            hx, hz = vx * q, vz * q
-        else:
-            bent_x, bent_z = h0x[i] + vx * turn, h0z[i] + vz * turn
-            square = bent_x * bent_x + bent_z * bent_z
-            q = rsqrt(max(square, 1.0))
-            hx, hz = bent_x * q, bent_z * q
-            slides = 1.0 if square > 1.0 else 0.0
-            q *= turn
-
-        # eq. 1: the stress per depth, p = a - M h, with cos and sin of twice the plate's angle in the world
-        c = c2[i] * c2p - s2[i] * s2p
-        s = s2[i] * c2p + c2[i] * s2p
-        mxx = law.C01 + law.C_sum * c
-        mxz = law.C_diff * s
-        mzx = -law.B_diff * s
-        mzz = law.B01 + law.B_sum * c
-        turned_x, turned_z = mxx * hx + mxz * hz, mzx * hx + mzz * hz  # M h
-        px = -law.D10 * s - turned_x
-        pz = law.A00 + law.A10 * c - turned_z
-
-        # effects: the strength over the depth in place of it, a share of the stress, a pressure
-        if loads is not None:
-            place = ankle.x + cos * x[i] - sin * z[i]
-            strength, by_depth, by_x = effects.load(loads, (depth, 1.0, 0.0), depth, place)
-            k = area[i] * strength
-        if stage is not None:
-            sinking = stage * area[i] if depth > 0.0 else 0.0  # -dk/dv_z
-            kq = k * q  # dh/dv = (I - h h^T) / |v|
-        if tangent is not None:
-            nx, nz = sin * tx[i] + cos * tz[i], sin * tz[i] - cos * tx[i]  # outward normal
-            vn = vx * nx + vz * nz
-        if gates is not None:
-            if h0 is None:
-                # as wide as the speeds along the normal within a plate, which turns and is bent
-                bent = BENT * turns[i]
-                bent *= bent
-                wide2 = turning2 + bent * (vx * vx + vz * vz)
-                narrow = rsqrt(wide2)
-                share, by_vn = effects.gate(gates, (1.0, 0.0), vn, wide2 * narrow)
-            else:
-                share, by_vn = effects.gate(gates, (1.0, 0.0), hx * nx + hz * nz, EDGE)
-            if stage is not None:
-                if h0 is None:
-                    wider = vn * bent * narrow * narrow  # the gate, with the speed
-                    gx, gz = nx - wider * vx, nz - wider * vz
-                else:
-                    sliding = slides * (hx * nx + hz * nz)
-                    gx, gz = q * (nx - sliding * hx), q * (nz - sliding * hz)
-                jxx += k * by_vn * px * gx
-                jxz += k * by_vn * px * gz
-                jzx += k * by_vn * pz * gx
-                jzz += k * by_vn * pz * gz
-                kq *= share
-            px, pz = share * px, share * pz
-        if pushes is not None:
-            push, push_by_vn, push_by_depth = effects.push(pushes, (0.0, 0.0, 0.0), vn, depth)
-            fx -= area[i] * push * nx
-            fz -= area[i] * push * nz
-            power -= area[i] * push * vn
-            if stage is not None:
-                jxx -= area[i] * push_by_vn * nx * nx
-                jxz -= area[i] * push_by_vn * nx * nz - sinking * push_by_depth * nx
-                jzx -= area[i] * push_by_vn * nx * nz
-                jzz -= area[i] * push_by_vn * nz * nz - sinking * push_by_depth * nz
-
-        # eq. 2, F = sum f with f = p |z| dA, and eq. 7, P = sum f.v
-        fx += k * px
-        fz += k * pz
-        power += k * (px * vx + pz * vz)
-
-        # dF/dV: the place follows the velocity, and h turns
-        if stage is not None:
-            if loads is not None:
-                jxx += sinking * by_x * px
-                jzx += sinking * by_x * pz
-                sinking *= by_depth
-            jxz -= sinking * px
-            jzz -= sinking * pz
-            if h0 is not None:
-                turned_x, turned_z = slides * turned_x, slides * turned_z
-            jxx -= kq * (mxx - turned_x * hx)  # M dh/dv = (M - (M h) h^T) / |v|
-            jxz -= kq * (mxz - turned_x * hz)
-            jzx -= kq * (mzx - turned_z * hx)
-            jzz -= kq * (mzz - turned_z * hz)
-    return Force(fx, fz, power, jxx, jxz, jzx, jzz)
+    x = z = power = xx = xz = zx = zz = 0.0
+    for i in range(len(sole.x)):
+        f = plate_force(law, acting, sole, i, ankle, creep, stage, h0)
+        x += value(f.x)
+        z += value(f.z)
+        power += value(f.x) * f.motion.vx + value(f.z) * f.motion.vz  # eq. 7
+        xx += lift(f.x).dx
+        xz += lift(f.x).dz
+        zx += lift(f.z).dx
+        zz += lift(f.z).dz
+    return Force(x, z, power, xx, xz, zx, zz)
 
 
 @inlined
-def ankle_of(poses, foot, x, z, vx, vz):
-    """Pose of a foot in the world, from its pose relative to the hip, the hip's place and its velocity."""
-    pose = pose_of(poses, foot)
-    return Pose(x + pose.x, z + pose.z, vx + pose.vx, vz + pose.vz, pose.cos, pose.sin, pose.rate)
+def in_world(ankle, x, z, vx, vz):
+    """An ankle in the world, from the ankle relative to the hip, the hip's place and its velocity."""
+    return Ankle(x + ankle.x, z + ankle.z, vx + ankle.vx, vz + ankle.vz, ankle.cos, ankle.sin, ankle.rate)
 
 
 @inlined
@@ -206,6 +236,24 @@ def _lowest(sole, block, cos, sin):
 
 
 @inlined
+def plates_between(sole, first, last):
+    """A part of a sole.
+
+    Slices, each from 0: an index that could be negative keeps the loop over plates from being vectorised.
+    """
+    return Sole(
+        sole.x[first:last], sole.z[first:last], sole.c2[first:last], sole.s2[first:last],
+        sole.area[first:last], sole.block_x, sole.block_z, sole.block_dx, sole.block_dz, sole.reach,
+        sole.span, _tangent_between(sole.tangent, first, last),
+    )  # fmt: skip
+
+
+@unless_none
+def _tangent_between(tangent, first, last):
+    return Tangent(tangent.x[first:last], tangent.z[first:last], tangent.turn[first:last])
+
+
+@inlined
 def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, counts):
     """Force of the sand on both feet at the hip's place (m) and velocity (m/s).
 
@@ -216,7 +264,7 @@ def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, counts):
     sole : Sole
         The plates of either foot.
     poses : (2 feet, 7)
-        Both feet relative to the hip, see `state.pose_of`.
+        Both feet relative to the hip, see `state.ankle_of`.
     creep : float, m/s
         eps; with bristles, delta over the time for which they have followed the plates.
     stage : float, s, or None
@@ -234,35 +282,18 @@ def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, counts):
     counts.evaluations += 1
     left, right = no_force(), no_force()
     for foot in range(2):  # one copy of the loop over plates: what is written twice is compiled twice
-        ankle = ankle_of(poses, foot, x, z, vx, vz)
+        ankle = in_world(ankle_of(poses, foot), x, z, vx, vz)
         first, last = submerged(sole, ankle)
         force = no_force()
         if first < last:
             counts.plates += last - first
-            force = foot_force(
-                sole, world.law, world.loads, world.gates, world.pushes, sole.tangent, first, last, ankle,
-                _slip(creep, ankle.rate, sole.span, h0), stage, _of_foot(h0, foot),
-            )  # fmt: skip
+            part, bristles = plates_between(sole, first, last), bristles_between(h0, foot, first, last)
+            force = foot_force(world.law, world.effects, part, ankle, creep, stage, bristles)
         left, right = right, force
     return Contact(left, right)
 
 
-@inlined
-def _slip(creep, rate, span, h0):
-    """Speed over which the direction of a foot's plates is smoothed, m/s.
-
-    Along a plate that turns, the velocity differs by rate * span; near the centre of the turn, the mean
-    direction over the plate is smooth where the direction in its middle jumps. Bristles need no smoothing.
-    """
-    if h0 is None:
-        turn = TURN * rate * span
-        return np.sqrt(creep * creep + turn * turn)
-    return creep
-
-
-@inlined
-def _of_foot(h0, foot):
-    """One foot's bristles, or None."""
-    if h0 is None:
-        return None
-    return h0[foot]
+@unless_none
+def bristles_between(h0, foot, first, last):
+    """Those of some plates of one foot."""
+    return h0[foot, 0, first:last], h0[foot, 1, first:last]

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from footopt.compiled import inlined
-from footopt.walk.state import pose_of
+from footopt.walk.state import ankle_of
 
 
 class Raw(NamedTuple):
@@ -169,11 +169,11 @@ def sinkage_of(sole, poses, z):
     """Depth of the lowest plate of both feet below the surface, m; 0 when both are above."""
     depth = 0.0
     for foot in range(2):
-        pose = pose_of(poses, foot)
-        za = z + pose.z
+        ankle = ankle_of(poses, foot)
+        za = z + ankle.z
         if za <= sole.reach:
             for i in range(len(sole.x)):
-                depth = max(depth, -(za + pose.sin * sole.x[i] + pose.cos * sole.z[i]))
+                depth = max(depth, -(za + ankle.sin * sole.x[i] + ankle.cos * sole.z[i]))
     return depth
 
 

@@ -6,9 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from footopt.compiled import inlined
-from footopt.effects.slope import tilted
-from footopt.walk.bristles import bend
+from footopt.compiled import inlined, unless_none
+from footopt.walk.bristles import update_bristles
 from footopt.walk.contact import contact
 from footopt.walk.state import Contact, Force, no_force
 
@@ -69,7 +68,7 @@ def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, bristles, count
     """
     guess_x, guess_z = vx, vz
     inv = c / world.mass
-    turning_speed = _turning_speed(world.rest, world.creep, c)
+    turning_speed = _turning_speed(world.bristle_length, world.creep, c)
     creep, best, tries = turning_speed, np.inf, 0
     rescue, ratio, solved_at, viscous = False, 0.25, np.inf, np.inf
     dvx = dvz = 0.0
@@ -78,7 +77,7 @@ def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, bristles, count
         x, z = x0 + c * vx, z0 + c * vz
         at = contact(world, sole, poses, x, z, vx, vz, creep, c, _h0(bristles), counts)
         left, right = at.left, at.right
-        rx = vx - tilted(vx0, world.tilt, c) - inv * (left.x + right.x)
+        rx = vx - (vx0 + c * world.tilt) - inv * (left.x + right.x)
         rz = vz - vz0 - inv * (left.z + right.z) + c * world.g
         residual = rx * rx + rz * rz
         tries += 1
@@ -115,11 +114,11 @@ def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, bristles, count
         # a rescue follows the plate that sticks, whatever the mean speed of the others
         speed = creep
         if not rescue and force > 0.0:
-            speed = _least_speed(world.rest, creep) + min(_speed(left, force), _speed(right, force))
-        enough = _smooth_step(world.tolerance * speed, creep, world.gates)
+            speed = _least_speed(world.bristle_length, creep) + min(_speed(left, force), _speed(right, force))
+        enough = _smooth_step(world.tolerance * speed, creep, world.effects.gates)
         if size <= rounding or (force > 0.0 and size <= enough + rounding):
             if creep == turning_speed:
-                _bend(sole, poses, x0 + c * vx, z0 + c * vz, vx, vz, 1.0 / creep, bristles)
+                _bend(sole, poses, x0 + c * vx, z0 + c * vz, vx, vz, creep, bristles)
                 return Stage(
                     vx, vz, Contact(_extrapolated(left, dvx, dvz), _extrapolated(right, dvx, dvz)), True
                 )
@@ -141,33 +140,31 @@ def _speed(foot, both):
 
 
 @inlined
-def _turning_speed(rest, creep, c):
+def _turning_speed(length, creep, c):
     """The speed over which a plate's direction turns over in a stage, m/s."""
-    if rest is None:
+    if length is None:
         return creep
-    return rest / c
+    return length / c
 
 
 @inlined
-def _least_speed(rest, creep):
+def _least_speed(length, creep):
     """The least speed against which a step of Newton's method is small, m/s: at rest it would be a drift."""
-    if rest is None:
+    if length is None:
         return creep
     return 1e-3 * creep
 
 
 @inlined
-def _bend(sole, poses, x, z, vx, vz, turn, bristles):
+def _bend(sole, poses, x, z, vx, vz, creep, bristles):
     """Bend the bristles, where there are any."""
     if bristles is not None:
-        bend(sole, poses, x, z, vx, vz, turn, bristles)
+        update_bristles(sole, poses, x, z, vx, vz, creep, bristles)
 
 
-@inlined
+@unless_none
 def _h0(bristles):
-    """Directions at the stage's beginning, or None."""
-    if bristles is None:
-        return None
+    """Directions at the stage's beginning."""
     return bristles.before
 
 

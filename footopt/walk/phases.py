@@ -6,11 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from footopt.effects import Patches
 from footopt.gait import LEFT, RIGHT
 from footopt.walk.results import Walk
 
-STANDS = 1.0  # vertical force above which a foot stands on the sand, N
+LEAST_FORCE = 1.0  # N, vertical: above it a foot stands on the sand
 
 
 class Stance(NamedTuple):
@@ -31,7 +30,7 @@ def stance(walk: Walk, step: int = 0) -> Stance | None:
     """
     gait, foot = walk.scene.gait, LEFT if step % 2 else RIGHT
     strike, quarter = gait.heel_strike + step * gait.period / 2.0, gait.period / 4.0
-    on = walk.force[:, foot, 1] > STANDS
+    on = walk.force[:, foot, 1] > LEAST_FORCE
     after = np.flatnonzero(on & (walk.t >= strike - 1e-9))
     if len(after) == 0:
         return None
@@ -46,12 +45,7 @@ def stance(walk: Walk, step: int = 0) -> Stance | None:
 
 def step_on_patch(walk: Walk) -> int:
     """The first step in whose middle the foot is on a patch of other sand; 0 where there is none."""
-    patches = [
-        patch
-        for effect in walk.scene.effects
-        if isinstance(effect, Patches)
-        for patch in zip(effect.begins, effect.ends, strict=True)
-    ]
+    patches = [zone for effect in walk.scene.effects for zone in effect.zones]
     for step in range(len(walk.scene.gait.heel_strikes(walk.scene.duration)) if patches else 0):
         if (contact := stance(walk, step)) is None:
             continue

@@ -1,18 +1,22 @@
-"""Every plate's place, motion and force, by the law in its readable form: what figures and tests ask."""
+"""Every plate's place, motion and force, by the compiled law of the walk: what figures and studies ask."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.effects import base as effects
+from footopt.compiled import unless_none
 from footopt.foot import Plates
 from footopt.gait.gait import Pose
-from footopt.sand.law import by_angles, by_direction, smoothed
-from footopt.walk.contact import BENT, EDGE, SEEN, TURN
+from footopt.walk.accuracy import Accuracy
+from footopt.walk.cache_key import compiled
+from footopt.walk.contact import TURN, in_world, plate_force
+from footopt.walk.discretize import sole_of, world
 from footopt.walk.scene import Scene
+from footopt.walk.state import ankle_of
 
 Array = NDArray[np.float64]
 
@@ -26,8 +30,12 @@ class PlateStates:
     force: Array  # N
     normal: Array  # outward, into the sand
     area: Array  # (N,), m^2
-    depth: Array  # (M, 2 feet, N), m: below the sand's surface, 0 above
     slip: Array  # (M, 2 feet), m/s: the speed over which directions are smoothed
+
+    @property
+    def depth(self) -> Array:
+        """Below the sand's surface, (M, 2 feet, N), m; 0 above."""
+        return np.maximum(-self.position[..., 1], 0.0)
 
     @property
     def total(self) -> Array:
@@ -47,12 +55,9 @@ def plate_states(
     velocity: Array,
     scene: Scene,
     creep: float,
-    angles: bool = False,
     bristles: Array | None = None,
 ) -> PlateStates:
     """The plates of one foot shape under a walker in some states, with the effects of a scene.
-
-    The paper's eq. 4 gives places and velocities, eq. 1 the forces; `PlateStates.total` is eq. 2.
 
     Parameters
     ----------
@@ -66,81 +71,38 @@ def plate_states(
         Its sand and effects count.
     creep : float, m/s
         Speed over which the law's jump at rest is smoothed.
-    angles : bool
-        Whether the law is computed from angles, as published; only for flat plates (rule "chord").
     bristles : (M, 2, N, 2), optional
         Directions h that the sand's bristles hold (`bristles.Bristles`), in place of the smoothed velocity's.
     """
-    assert plates.tx is not None, "plates must be directed"
-    assert plates.tz is not None, "plates must be directed"
-    x, z, tx, tz = plates.x[0], plates.z[0], plates.tx[0], plates.tz[0]
-    cos, sin, rate = np.cos(pose.pitch)[..., None], np.sin(pose.pitch)[..., None], pose.rate[..., None]
-    rx, rz = cos * x - sin * z, sin * x + cos * z
-    position = np.stack(
-        [(com[:, 0, None] + pose.x)[..., None] + rx, (com[:, 1, None] + pose.z)[..., None] + rz], axis=-1
-    )
-    v = np.stack(
-        [
-            (velocity[:, 0, None] + pose.vx)[..., None] - rate * rz,
-            (velocity[:, 1, None] + pose.vz)[..., None] + rate * rx,
-        ],
-        axis=-1,
-    )
-    normal = np.stack([sin * tx + cos * tz, sin * tz - cos * tx], axis=-1)
-    span = 0.0 if plates.span is None else plates.span[0]
-    slip = np.hypot(creep, TURN * span * rate)
-    h = smoothed(v, slip[..., None]) if bristles is None else bristles
-    if angles:
-        beta = np.arctan2(tz, tx) + pose.pitch[..., None]
-        stress = by_angles(beta, v, slip, scene.sand.stress_map)
-    else:
-        c2p, s2p = np.cos(2.0 * pose.pitch)[..., None], np.sin(2.0 * pose.pitch)[..., None]
-        c, s = plates.c2[0] * c2p - plates.s2[0] * s2p, plates.s2[0] * c2p + plates.c2[0] * s2p
-        stress = by_direction(c, s, h, scene.sand.stress_map)
-    edge: float | Array = EDGE
-    if bristles is None:
-        bent = 0.0 if plates.turn is None else plates.turn[0]
-        speed = np.linalg.norm(v, axis=-1)
-        edge = np.sqrt(creep**2 + (SEEN * span * rate) ** 2 + (BENT * bent * speed) ** 2)
-    force = forces(stress, position, v, normal, plates.area[0], scene, edge, bristles)
-    return PlateStates(position, v, force, normal, plates.area[0], depth_of(position), slip[..., 0])
+    constants, sole, count = world(scene, Accuracy(creep=creep)), sole_of(plates), plates.x.shape[1]
+    h0, hip, out = None, np.column_stack([com, velocity]), np.zeros((*pose.x.shape, len(sole.x), 8))
+    if bristles is not None:
+        h0 = np.zeros((*pose.x.shape, 2, len(sole.x)))
+        h0[..., :count] = np.moveaxis(bristles, 3, 2)
+    over = creep if h0 is None else np.inf  # s/m: bristles are as they are
+    compiled(each_plate, constants.effects.all)(constants, sole, pose.table(), hip, over, h0, out)
+    place, moves, force, normal = (out[:, :, :count, i : i + 2] for i in range(0, 8, 2))
+    slip = np.hypot(creep, TURN * float(sole.span) * pose.rate)
+    return PlateStates(place, moves, force, normal, plates.area[0], slip)
 
 
-def depth_of(position: Array) -> Array:
-    """Depth below the sand's surface, m, 0 above; positions are (..., 2), m."""
-    return np.maximum(-position[..., 1], 0.0)
+def each_plate(world: Any, sole: Any, poses: Array, hip: Array, creep: float, h0: Any, out: Array) -> None:
+    """Compiled: fill `out` (M, feet, plates, 8) with place, velocity, force and normal of every plate.
 
-
-def forces(
-    stress: Array,
-    position: Array,
-    velocity: Array,
-    normal: Array,
-    area: Array,
-    scene: Scene,
-    edge: float | Array,
-    bristles: Array | None = None,
-) -> Array:
-    """zeta load share stress dA - pressure n dA: the force on plates with a scene's effects, (*S, 2), N.
-
-    Parameters
-    ----------
-    stress : (*S, 2), N/m^3
-        Per depth, for zeta = 1.
-    position, velocity, normal : (*S, 2), m, m/s and 1
-        Of the plates, in x and z.
-    area : broadcast to S, m^2
-        Of the plates.
-    scene : Scene
-        Its sand and effects count.
-    edge : float or broadcast to S
-        The speed over which a gate opens, m/s; with bristles `contact.EDGE`.
-    bristles : (*S, 2), optional
-        Which way a plate faces, in place of its velocity.
+    poses: (M, feet, 7). hip: (M, 4), its place and velocity. h0: bristles (M, feet, 2, plates), or None.
     """
-    depth = depth_of(position)
-    vn = np.sum(normal * velocity, axis=-1)
-    leads = vn if bristles is None else np.sum(normal * bristles, axis=-1)
-    load, share, push = effects.readable(scene.effects, depth, position[..., 0], vn, leads, edge)
-    pull = scene.zeta * load * share * area
-    return np.asarray(pull[..., None] * stress - (push * area)[..., None] * normal)
+    for m in range(len(hip)):
+        for foot in range(poses.shape[1]):
+            ankle = in_world(ankle_of(poses[m], foot), hip[m, 0], hip[m, 1], hip[m, 2], hip[m, 3])
+            bristles = _bristles_at(h0, m, foot)
+            for i in range(len(sole.x)):
+                f = plate_force(world.law, world.effects, sole, i, ankle, creep, None, bristles)
+                row, motion = out[m, foot, i], f.motion
+                row[0], row[1], row[2], row[3] = motion.x, motion.z, motion.vx, motion.vz
+                row[4], row[5], row[6], row[7] = f.x, f.z, f.normal_x, f.normal_z
+
+
+@unless_none
+def _bristles_at(h0: Any, m: int, foot: int) -> Any:
+    """Those of a foot at a sample."""
+    return h0[m, foot, 0], h0[m, foot, 1]

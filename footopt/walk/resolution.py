@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from footopt.foot import Foot
-from footopt.walk import prepare
+from footopt.walk import discretize
 from footopt.walk.accuracy import TOLERANCES, Accuracy, resolve
 from footopt.walk.objectives import FIVE, FLOORS, OBJECTIVES
 from footopt.walk.results import Walk
@@ -110,7 +110,7 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
     changes = {
         cause: abs(simulate(walk.foot, walk.scene, one).objectives[worst] - values[worst])
         for cause, one in finer(walk.accuracy).items()
-        if not prepare.too_long(walk.scene, one)
+        if not discretize.too_long(walk.scene, one)
     }
     if not changes:
         return []
@@ -122,7 +122,7 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
 def _outcome(walk: Walk, limit: float) -> list[Diagnostic]:
     """Whether a finer walk fails where this one did not."""
     finer = walk.accuracy.refined(2)
-    if prepare.too_many_poses(walk.scene, finer):
+    if discretize.too_many_poses(walk.scene, finer):
         return []
     ends = {one.reason for one in (simulate(walk.foot, walk.scene, walk.accuracy.refined(n)) for n in (1, 2))}
     said = ", ".join(sorted(ends - {""}))

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.effects.shadowing import filler
+from footopt.effects import reshaping
 from footopt.errors import check, needed
 from footopt.foot import Foot, Plates
 from footopt.walk.accuracy import Accuracy
@@ -135,7 +135,7 @@ class Walk:
         What was simulated, and how finely.
     t : (T,), s
         The first is the end of the first step: exactly at rest the smoothed force is 3/8 of the one that
-        carries the weight (all of it in a scene with `effects.Rest`).
+        carries the weight (all of it in a scene with bristles).
     com, velocity : (T, 2), m and m/s
         Of the hip, in x, z.
     force : (T, 2 feet, 2), N
@@ -145,7 +145,7 @@ class Walk:
     start : (2,), m
         Hip at t = 0.
     bristles : (T, 2 feet, N, 2), optional
-        What the sand under each plate remembers (`effects.Rest`).
+        What the sand under each plate remembers (`footopt.walk.bristles`).
     reason : str
         "" or why the walk failed (then the traces end there).
     totals : dict
@@ -263,5 +263,5 @@ class Walk:
 
     @property
     def _plates(self) -> Plates:
-        fill = filler(self.scene.effects)
+        fill = reshaping(self.scene.effects)
         return self.foot.plates(self.accuracy.plates, self.accuracy.rule, directed=True, fill=fill)

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from footopt.effects import slope
+from footopt.effects import base as effects
 from footopt.effects.base import Effect, Scale, ordered
 from footopt.errors import SettingError, check, check_kind
 from footopt.gait import Gait
@@ -134,9 +134,9 @@ class Scene:
         return self.sand.zeta * (self.walker.g / EARTH)
 
     @property
-    def gravity(self) -> tuple[float | None, float]:
-        """Gravity along the surface (None if it is level) and against its normal, m/s^2."""
-        return slope.gravity(self.effects, self.walker.g)
+    def gravity(self) -> tuple[float, float]:
+        """Gravity along the surface (negative uphill, 0 if it is level) and against its normal, m/s^2."""
+        return effects.gravity(self.effects, self.walker.g)
 
     @cached_property
     def scale(self) -> Scale:

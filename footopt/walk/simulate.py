@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.effects import base as effects
-from footopt.effects.shadowing import filler
 from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Foot, Plates, Waypoints, as_feet, as_plates
 from footopt.foot.plates import RULES
-from footopt.walk import prepare
+from footopt.walk import discretize
 from footopt.walk.accuracy import Accuracy, resolve
 from footopt.walk.adapt import accuracies, adapted
 from footopt.walk.loop import BACKWARD, DIVERGED, OK, SUNK, walk_range
@@ -67,14 +66,14 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
     scene = _scene(scene)
     accuracy = adapted(resolve(accuracy), scene, foot)
     check(
-        prepare.bristle_bytes(scene, accuracy) <= prepare.MOST_BYTES,
+        discretize.bristle_bytes(scene, accuracy) <= discretize.MOST_BYTES,
         "accuracy.plates",
         accuracy.plates,
-        f"fewer for a walk of {scene.duration:g} s with effects=rest, which keeps them at every step",
+        f"fewer for a walk of {scene.duration:g} s with bristles, which are kept at every step",
         "Or take a longer accuracy.dt; evaluate keeps nothing.",
     )
     directed = effects.laws(scene.effects).directed
-    plates = foot.plates(accuracy.plates, accuracy.rule, directed, filler(scene.effects))
+    plates = foot.plates(accuracy.plates, accuracy.rule, directed, effects.reshaping(scene.effects))
     walked = _walk(plates, scene, accuracy, _Asked(sink=True, threads=1, traced=True))
     rows, h = 1 + np.flatnonzero(np.isfinite(walked.trace[1:]).all(axis=1)), walked.bristle_trace
     c: Any = Sample(*walked.trace[rows].T)  # columns
@@ -173,7 +172,9 @@ def estimated(
     walks that refinement by chance changes little. NaN where a refined walk ends otherwise, or is too long.
     """
     finer = [accuracy.refined(times) for times in (1, 2)]
-    too_long = prepare.too_long if any(m.of == "walk" for m in lookup(names)) else prepare.too_many_poses
+    too_long = (
+        discretize.too_long if any(m.of == "walk" for m in lookup(names)) else discretize.too_many_poses
+    )
     if any(too_long(scene, one) for one in finer):
         return np.full_like(values, np.nan)
     once, twice = (_evaluated(feet, scene, one, names, space, threads).values for one in finer)
@@ -253,12 +254,13 @@ def at_once(given: int | None, setting: str = "engine.threads") -> int:
 
 def _chunks(feet: Any, scene: Scene, accuracy: Accuracy, space: Waypoints | None) -> Iterator[Plates]:
     """The feet's plates, a bounded number of designs at a time."""
-    directed, fill = effects.laws(scene.effects).directed, filler(scene.effects)
+    directed, fill = effects.laws(scene.effects).directed, effects.reshaping(scene.effects)
     if isinstance(feet, Plates):
         if directed and feet.tx is None:
             raise SettingError("feet", "plates without directions", "plates made with directed=True")
         if fill is not None:
-            raise SettingError("feet", "plates", "feet or heights: effects.shadowing changes soles")
+            names = ", ".join(map(effects.name_of, effects.reshape_soles(scene.effects)))
+            raise SettingError("feet", "plates", f"feet or heights: effects={names} changes soles")
         yield from (feet.take(slice(i, i + CHUNK)) for i in range(0, len(feet.x), CHUNK))
         return
     size = max(1, min(CHUNK, POINTS // (accuracy.plates * RULES[accuracy.rule])))
@@ -296,7 +298,7 @@ def _walk(plates: Plates, scene: Scene, accuracy: Accuracy, asked: _Asked) -> _W
     for repeat in range(1, MAX_REPEATS + 1):
         again = np.flatnonzero(walked.status == DIVERGED)
         finer = replace(accuracy, dt=accuracy.dt / 4**repeat)
-        if len(again) == 0 or prepare.pose_rows(scene, finer) > prepare.ROWS:
+        if len(again) == 0 or discretize.pose_rows(scene, finer) > discretize.ROWS:
             break
         shorter = _run(plates.take(again), scene, finer, asked)
         walked.raw[again], walked.status[again] = shorter.raw, shorter.status
@@ -310,14 +312,14 @@ def _walk(plates: Plates, scene: Scene, accuracy: Accuracy, asked: _Asked) -> _W
 def _run(plates: Plates, scene: Scene, accuracy: Accuracy, asked: _Asked) -> _Walked:
     """`_walk` once, with the given time step."""
     stepper, designs = STEPPERS[accuracy.stepper], len(plates.x)
-    times, pose0, tables = prepare.poses(scene, accuracy)
-    soles = prepare.soles(plates)
+    times, pose0, tables = discretize.poses(scene, accuracy)
+    soles = discretize.soles(plates)
     raw = np.empty((designs, len(RAW)))
     status, counts = np.empty(designs, np.int64), np.zeros(designs, COUNTS)
     trace = np.full((len(tables[-1]) + 1 if asked.traced else 0, len(TRACE)), np.nan)
-    constants = prepare.world(scene, accuracy)
+    constants = discretize.world(scene, accuracy)
     shape = len(trace) if asked.remembers else 1, 2, 2, soles.x.shape[1]
-    bristle_trace = None if constants.rest is None else np.zeros(shape, np.float32)
+    bristle_trace = None if constants.bristle_length is None else np.zeros(shape, np.float32)
 
     def run(begin: int) -> None:
         end = min(begin + BLOCK, designs)

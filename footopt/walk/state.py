@@ -8,7 +8,8 @@ import numpy as np
 from numba.extending import overload
 from numpy.typing import NDArray
 
-from footopt.compiled import INLINE, inlined, unowned
+from footopt.compiled import INLINE, inlined, unless_none, unowned
+from footopt.effects import Laws
 from footopt.sand.law import Law
 
 Array = NDArray[np.float64]
@@ -26,13 +27,11 @@ class World(NamedTuple):
     law: Law  # N/m^3
     mass: float  # kg
     g: float  # against the surface's normal, m/s^2
-    tilt: float | None  # gravity along the surface, m/s^2; None if it is level
+    tilt: float  # gravity along the surface, m/s^2: 0 if it is level
     creep: float  # m/s
-    rest: float | None  # over which a plate's bristles bend, m; None without them
+    bristle_length: float | None  # over which a plate's bristles bend, m; None without them
     tolerance: float  # of Newton's method: last step over the plates' mean speed
-    loads: tuple[Any, ...] | None  # laws of the scene's effects: `footopt.effects.Laws`
-    gates: tuple[Any, ...] | None
-    pushes: tuple[Any, ...] | None
+    effects: Laws
 
 
 class Tangent(NamedTuple):
@@ -64,7 +63,7 @@ class Sole(NamedTuple):
     tangent: Tangent | None  # where an effect needs the plates' normals
 
 
-class Pose(NamedTuple):
+class Ankle(NamedTuple):
     """Where a foot is and how it moves: relative to the hip in tables of poses, in the world in `contact`."""
 
     x: float  # ankle, m
@@ -120,7 +119,7 @@ class State(NamedTuple):
     solved: bool  # whether the step to here could be made
 
 
-def lent(array):
+def borrowed(array):
     """An array that the caller keeps alive: references to it are not counted.
 
     To count one is an atomic instruction, and in these was half of a walk's time.
@@ -128,7 +127,7 @@ def lent(array):
     return array
 
 
-overload(lent, jit_options=INLINE)(lambda array: lambda array: unowned(array))
+overload(borrowed, jit_options=INLINE)(lambda array: lambda array: unowned(array))
 
 
 @inlined
@@ -138,36 +137,34 @@ def no_force():
 
 
 @inlined
-def pose_of(poses, foot):
-    """A foot's pose in a row of the table, (2 feet, 7), that `gait.Pose.table` makes."""
+def ankle_of(poses, foot):
+    """A foot's ankle in a row of the table, (2 feet, 7), that `gait.Pose.table` makes."""
     row = poses[foot]
-    return Pose(row[0], row[1], row[2], row[3], row[4], row[5], row[6])
+    return Ankle(row[0], row[1], row[2], row[3], row[4], row[5], row[6])
 
 
 @inlined
-def sole_of(soles, design):
+def sole_at(soles, design):
     """One design's plates out of a batch's."""
     return Sole(
-        lent(soles.x)[design],
-        lent(soles.z)[design],
-        lent(soles.c2)[design],
-        lent(soles.s2)[design],
-        lent(soles.area)[design],
-        lent(soles.block_x)[design],
-        lent(soles.block_z)[design],
-        lent(soles.block_dx)[design],
-        lent(soles.block_dz)[design],
+        borrowed(soles.x)[design],
+        borrowed(soles.z)[design],
+        borrowed(soles.c2)[design],
+        borrowed(soles.s2)[design],
+        borrowed(soles.area)[design],
+        borrowed(soles.block_x)[design],
+        borrowed(soles.block_z)[design],
+        borrowed(soles.block_dx)[design],
+        borrowed(soles.block_dz)[design],
         soles.reach[design],
         soles.span[design],
-        _tangent_of(soles.tangent, design),
+        _tangent_at(soles.tangent, design),
     )
 
 
-@inlined
-def _tangent_of(tangent, design):
-    if tangent is None:
-        return None
-    return Tangent(lent(tangent.x)[design], lent(tangent.z)[design], lent(tangent.turn)[design])
+@unless_none
+def _tangent_at(tangent, design):
+    return Tangent(borrowed(tangent.x)[design], borrowed(tangent.z)[design], borrowed(tangent.turn)[design])
 
 
 @inlined

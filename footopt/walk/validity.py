@@ -14,8 +14,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.effects import Inertia
-from footopt.effects.rest import rest_length
+from footopt.effects import EFFECTS, bristle_length, laws
+from footopt.effects import base as effects
 from footopt.foot import Foot
 from footopt.walk.balances import creep_while_standing
 from footopt.walk.objectives import measure
@@ -82,9 +82,9 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
     speed = np.linalg.norm(states.velocity, axis=-1)
     vn = np.sum(states.normal * states.velocity, axis=-1)
     power = lasts * np.abs(np.sum(states.force * states.velocity, axis=-1))
-    counted = [effect for effect in walk.scene.effects if isinstance(effect, Inertia)]
-    density = (counted[0] if counted else Inertia()).law.density
-    inertia = lasts * density * np.maximum(vn, 0.0) ** 2 * states.area * (depth > 0)
+    counted = laws(walk.scene.effects).pushes
+    pushes = counted or laws([kind() for kind in EFFECTS.values()]).pushes  # that it has, or might have
+    inertia = lasts * effects.push(pushes, vn, depth) * states.area
     total_force, total_power = max(size.sum(), 1e-300), max(power.sum(), 1e-300)
     return [
         Diagnostic(
@@ -123,19 +123,19 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
             "faces that trail are counted as in the paper; effects=leading_edge leaves them out",
         ),
         *standing(walk),
-        *giving(walk),
+        *non_dissipative(walk),
     ]
 
 
 def standing(walk: Walk) -> list[Diagnostic]:
     """How far smoothing lets the walker sink before the gait starts, where that is more than a millimetre."""
-    sinks = 0.0 if rest_length(walk.scene.effects) else creep_while_standing(walk)
-    why = "the smoothed law lets who stands sink; effects=rest holds him"
+    sinks = 0.0 if bristle_length(walk.scene.effects) else creep_while_standing(walk)
+    why = "the smoothed law lets a walker that stands sink; effects=rest holds it"
     found = Diagnostic("sinking while standing", sinks, "m", 1e-3, why)
     return [found] if found.outside else []
 
 
-def giving(walk: Walk) -> list[Diagnostic]:
+def non_dissipative(walk: Walk) -> list[Diagnostic]:
     """How much a sand gives that does not dissipate everywhere: nothing bounds a walk's error there."""
     gives = -walk.scene.sand.stress_map.dissipation()
     why = (

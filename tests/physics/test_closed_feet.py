@@ -35,15 +35,17 @@ def test_the_sole_comes_first_and_is_the_open_one():
 
 
 def test_a_side_of_no_length_has_no_area_and_is_finite():
-    plates = fo.Foot.shape("circle", closed=True).plates(40, directed=True, fill=SHADES)
+    plates = fo.Foot.shape("circle", closed=True).plates(40, directed=True, fill=SHADES.reshape)
     assert all(np.isfinite(column).all() for column in plates)
     assert plates.area.min() == pytest.approx(0.0, abs=1e-20)
 
 
 def test_a_population_and_a_foot_have_the_same_plates():
     space = fo.Waypoints(closed=True, top=0.01)
-    alone = fo.Foot.from_waypoints(K, space).plates(48, directed=True, fill=SHADES)
-    for a, b in zip(as_plates([K, K], 48, "arc", space, directed=True, fill=SHADES), alone, strict=True):
+    alone = fo.Foot.from_waypoints(K, space).plates(48, directed=True, fill=SHADES.reshape)
+    for a, b in zip(
+        as_plates([K, K], 48, "arc", space, directed=True, fill=SHADES.reshape), alone, strict=True
+    ):
         np.testing.assert_array_equal(a[1], b[0])
 
 

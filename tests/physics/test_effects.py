@@ -11,14 +11,15 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import footopt as fo
-from footopt.effects import EFFECTS, Inertia, Layers, LeadingEdge, Patches, Slope, laws
+from footopt.effects import EFFECTS, Inertia, Layers, LeadingEdge, Patches, Slope, laws, reshaping
 from footopt.effects import base as effects
-from footopt.effects.shadowing import filler
+from footopt.effects.dual import Dual
 from footopt.errors import SettingError
 from footopt.foot import as_plates
 from footopt.walk.balances import energy_gap, momentum_gap
-from footopt.walk.loop import compiled_contact
-from footopt.walk.prepare import NEWTON, sole, world
+from footopt.walk.cache_key import compiled
+from footopt.walk.discretize import NEWTON, sole_of, world
+from footopt.walk.loop import both_feet
 from footopt.walk.state import COUNTS
 
 
@@ -28,20 +29,15 @@ def test_every_effect_is_tested_here():
 
 
 class TestStrength:
-    @given(st.floats(1e-4, 0.1), PLACE, st.floats(0.1, 2.0), st.floats(0.1, 2.0), st.floats(-5.0, 5.0))
+    @given(st.floats(1e-4, 0.1), PLACE)
     @pytest.mark.parametrize("on", [(LAYERS,), (PATCHES,), (LAYERS, PATCHES)])
-    def test_strength_has_its_derivatives(self, on, depth, x, load, grow, slide):
-        """Also after other effects: the state before it changes with depth and x, too."""
+    def test_strength_has_its_derivatives(self, on, depth, x):
         assume(min(abs(depth - interface) for interface in LAYERS.depths) > 1e-5)
         found = laws(on).loads
 
-        def strength(dd, dx):
-            before = (load + grow * dd + slide * dx, grow, slide)
-            return effects.load(found, before, depth + dd, x + dx)[0]
-
-        _, by_depth, by_x = effects.load(found, (load, grow, slide), depth, x)
-        assert by_depth == pytest.approx(difference(lambda d: strength(d, 0.0)), abs=1e-5)
-        assert by_x == pytest.approx(difference(lambda d: strength(0.0, d)), abs=1e-3)
+        _, by_depth, by_x = effects.load(found, Dual(depth, 1.0, 0.0), Dual(x, 0.0, 1.0))
+        assert by_depth == pytest.approx(difference(lambda d: effects.load(found, depth + d, x)), abs=1e-5)
+        assert by_x == pytest.approx(difference(lambda d: effects.load(found, depth, x + d)), abs=1e-3)
 
 
 class TestContact:
@@ -64,17 +60,17 @@ class TestContact:
         np.testing.assert_allclose(jacobian, np.stack(slopes, axis=1), rtol=0, atol=tolerance)
 
     @given(st.floats(0.5, 2.9), PLACE, st.floats(0.75, 0.95), SPEED, SPEED)
-    def test_readable_and_compiled_form_are_one_law(self, regular_walk, t, x, z, vx, vz):
-        """`Walk.plates` of one instant against the kernel, both feet, each added up."""
+    def test_plates_add_up_to_the_contact(self, regular_walk, t, x, z, vx, vz):
+        """`Walk.plates` of one instant against the contact of both feet."""
         scene = replace(regular_walk.scene, effects=ALL)
         instant = {"t": np.array([t]), "com": np.array([[x, z]]), "velocity": np.array([[vx, vz]])}
         states = replace(regular_walk, scene=scene, **instant).plates([0])
         accuracy = regular_walk.accuracy
-        plates = regular_walk.foot.plates(accuracy.plates, accuracy.rule, directed=True, fill=filler(ALL))
+        plates = regular_walk.foot.plates(accuracy.plates, accuracy.rule, directed=True, fill=reshaping(ALL))
         pose = scene.gait.pose([t], scene.walker.l1, scene.walker.l2).table()[0]
         counts, constants = np.zeros(1, COUNTS)[0], world(scene, accuracy)
-        state = constants, sole(plates), pose, x, z, vx, vz, accuracy.creep, None, counts
-        out = np.array(compiled_contact(laws(scene.effects))(*state))
+        state = constants, sole_of(plates), pose, x, z, vx, vz, accuracy.creep, None, counts
+        out = np.array(compiled(both_feet, laws(scene.effects).all)(*state))
         tolerance = 1e-10 * (1.0 + np.abs(states.force).sum())
         np.testing.assert_allclose(states.force[0].sum(axis=1), out[:, :2], rtol=0, atol=tolerance)
         power = states.power[0].sum(axis=1)

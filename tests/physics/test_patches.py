@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 import footopt as fo
 from footopt.effects import Patches, laws
 from footopt.effects import base as effects
+from footopt.effects.dual import Dual
 from footopt.errors import SettingError
 
 
@@ -52,10 +53,10 @@ class TestPatchesTogether:
         if law is None:  # every factor is 1
             return
         x, d = np.linspace(-0.5, 9.0, 9001), 1e-7
-        strength, _, slide = effects.load(law, (1.0, 1.0, 0.0), 0.03, x)
+        strength, _, slide = effects.load(law, Dual(1.0, 0.0, 0.0), Dual(x, 0.0, 1.0))
         assert strength.min() > min(1.0, factors.min()) - 1e-12
         assert strength.max() < max(1.0, factors.max()) + 1e-12
-        ahead, behind = (effects.load(law, (1.0, 1.0, 0.0), 0.03, x + s)[0] for s in (d, -d))
+        ahead, behind = (effects.load(law, 1.0, x + s) for s in (d, -d))
         np.testing.assert_allclose((ahead - behind) / (2 * d), slide, rtol=0, atol=1e-3 * np.abs(slide).max())
 
     def test_patches_that_overlap_are_refused(self):
@@ -68,7 +69,7 @@ class TestPatchesTogether:
     def test_a_patch_keeps_its_integral_however_narrow_it_is(self, width):
         x = np.linspace(-0.5, 1.0, 150_001)
         law = laws([Patches((0.1,), (0.1 + width,), (10.0,), blur=0.05)]).loads
-        strength, _, _ = effects.load(law, (1.0, 1.0, 0.0), 0.03, x)
+        strength = effects.load(law, 1.0, x)
         assert np.trapezoid(strength - 1.0, x) == pytest.approx(9.0 * width, rel=1e-6)
 
     @pytest.mark.slow

@@ -12,7 +12,7 @@ from rest_matrix import spread, stand
 import footopt as fo
 from footopt.errors import SettingError
 from footopt.walk.contact import contact
-from footopt.walk.prepare import MOST_BYTES, bristle_bytes, sole, world
+from footopt.walk.discretize import MOST_BYTES, bristle_bytes, sole_of, world
 from footopt.walk.state import COUNTS
 
 STILL = fo.Gait.human(start=math.inf)
@@ -104,12 +104,14 @@ def test_the_force_has_its_analytic_derivative_where_plates_stick_and_where_they
     constants = world(fo.Scene(effects=(fo.Rest(), *effects)), fo.Accuracy())
     poses = np.zeros((2, 7))
     poses[:, 4], poses[0, 1], poses[1, 1], poses[0, 6] = 1.0, -0.02, 1.0, 1e-3
-    before = np.random.default_rng(2).uniform(-0.6, 0.6, (2, 2, len(sole(plates).x)))
+    before = np.random.default_rng(2).uniform(-0.6, 0.6, (2, 2, len(sole_of(plates).x)))
     stage, counts = 1e-3, np.zeros(1, COUNTS)[0]
 
     def left(vx, vz):
-        slip, z = constants.rest / stage, stage * vz
-        return felt(constants, sole(plates), poses, stage * vx, z, vx, vz, slip, stage, before, counts).left
+        slip, z = constants.bristle_length / stage, stage * vz
+        return felt(
+            constants, sole_of(plates), poses, stage * vx, z, vx, vz, slip, stage, before, counts
+        ).left
 
     for vx, vz in ((2e-4, -1e-4), (5e-3, -0.02)):
         here, d = left(vx, vz), 1e-9

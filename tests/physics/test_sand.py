@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 
 import footopt as fo
 from footopt.errors import FileError, FootoptError, SettingError
-from footopt.sand import GENERIC, MEDIA, Sand, StressMap, affine, affine_direction
+from footopt.sand import GENERIC, MEDIA, Sand, StressMap, affine
 from footopt.sand.law import PER_CM3
+from footopt.walk.contact import Direction, stress
 
 ANGLE = st.floats(-2 * math.pi, 2 * math.pi)
 COEFFICIENT = st.floats(-1.0, 1.0)
@@ -67,12 +68,15 @@ class TestAffineForm:
         scale = PER_CM3 * max(sum(map(abs, astuple(stress_map))), 1e-3)
         np.testing.assert_allclose(f, [-ax, az], rtol=0, atol=1e-12 * scale)
 
-    def test_is_linear_in_them(self):
-        """So that a plate may stand for several chords by the mean of theirs."""
-        beta = np.array([-0.7, 0.1, 0.9])
-        mean = affine_direction(np.cos(2 * beta).mean(), np.sin(2 * beta).mean())
-        for by_mean, each in zip(mean, affine(beta), strict=True):
-            np.testing.assert_allclose(by_mean, each.mean(axis=0), rtol=1e-12)
+    @given(ANGLE, st.tuples(ANGLE, ANGLE, ANGLE))
+    def test_compiled_for_the_mean_of_plates_is_the_mean_of_their_stresses(self, gamma, beta):
+        """So that a plate may stand for several chords by the mean of their cos 2 beta and sin 2 beta."""
+        h = Direction(math.cos(gamma), -math.sin(gamma), 0.0, 1.0)
+        found = stress(
+            GENERIC.law, np.cos(2 * np.array(beta)).mean(), np.sin(2 * np.array(beta)).mean(), h, None
+        )
+        ax, az = fo.stress.alpha(beta, gamma)
+        np.testing.assert_allclose(found, [-ax.mean() / PER_CM3, az.mean() / PER_CM3], rtol=0, atol=1e-12)
 
 
 class TestSand:

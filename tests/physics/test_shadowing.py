@@ -11,7 +11,7 @@ from footopt.effects.shadowing import filled
 from footopt.errors import SettingError
 from footopt.foot import as_plates, lower_hull
 from footopt.studies.validation.rig import blades
-from footopt.walk.prepare import NEWTON
+from footopt.walk.discretize import NEWTON
 
 PART = st.floats(0.0, 1.0)
 

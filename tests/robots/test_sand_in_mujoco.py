@@ -9,13 +9,12 @@ from numba import njit
 import footopt as fo
 from footopt.effects import Inertia, Layers, LeadingEdge, Rest, Slope
 from footopt.errors import SettingError
+from footopt.gait.gait import Pose
 from footopt.mujoco import Grains, attach
 from footopt.mujoco.faces import stress
 from footopt.mujoco.intrusion import DOWN, TABLE
 from footopt.sand import alpha
-from footopt.sand.law import by_direction
-from footopt.walk.contact import EDGE
-from footopt.walk.plates import forces as law_forces
+from footopt.walk.plates import plate_states
 
 mujoco = pytest.importorskip("mujoco")
 walker = pytest.importorskip("mujoco_walker")
@@ -105,19 +104,13 @@ def test_forces_are_those_of_the_planar_law_with_its_effects(block, effects):
     for _ in range(20):
         pitch, vx, vz, rate = rng.uniform(-0.6, 0.6), *rng.uniform(-1, 1, 2), rng.uniform(-4, 4)
         height = rng.uniform(-0.05, 0.04)
-        cos, sin = np.cos(pitch), np.sin(pitch)
-        rx, rz = cos * plates.x[0] - sin * plates.z[0], sin * plates.x[0] + cos * plates.z[0]
-        v = np.stack([vx - rate * rz, vz + rate * rx], axis=-1)
-        h = v / np.linalg.norm(v, axis=-1, keepdims=True)
-        c2, s2 = (
-            plates.c2[0] * np.cos(2 * pitch) - plates.s2[0] * np.sin(2 * pitch),
-            plates.s2[0] * np.cos(2 * pitch) + plates.c2[0] * np.sin(2 * pitch),
-        )
-        place = np.stack([rx, height + rz], axis=-1)
-        normal = np.stack(
-            [sin * plates.tx[0] + cos * plates.tz[0], sin * plates.tz[0] - cos * plates.tx[0]], -1
-        )
-        each = law_forces(by_direction(c2, s2, h), place, v, normal, plates.area[0], scene, EDGE, bristles=h)
+        cos, sin, none = np.cos(pitch), np.sin(pitch), np.zeros((1, 1))
+        pose = Pose(none, none, none, none, none + pitch, none + rate)
+        h, place = np.zeros((1, 1, 64, 2)), np.array([[0.0, height]])
+        moving = plate_states(plates, pose, place, np.array([[vx, vz]]), scene, 1e-4, h)
+        h = moving.velocity / np.linalg.norm(moving.velocity, axis=-1, keepdims=True)
+        states = plate_states(plates, pose, place, np.array([[vx, vz]]), scene, 1e-4, h)
+        each, (rx, rz) = states.force[0, 0], states.position[0, 0].T - [[0.0], [height]]
         twist = (cos * vx + sin * vz, 0.0, -sin * vx + cos * vz, 0.0, -rate, 0.0)
         wrench, _ = feel(contact, np.array([sin, 0.0, cos]), twist, height)
         found = cos * wrench[0] - sin * wrench[2], sin * wrench[0] + cos * wrench[2]

@@ -15,7 +15,7 @@ from footopt.studies import effects as effects_study
 from footopt.studies.stability import judge
 from footopt.studies.stability_cases import CASES
 from footopt.studies.validation.model import model_error
-from footopt.walk.adapt import LEADING, adapted
+from footopt.walk.adapt import adapted
 
 K = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)
 HARD = ("standing on zeta 5", "a foot set down at 3 m/s", "spiky soles", "creep 1e-9 on zeta 50",
@@ -92,7 +92,7 @@ def test_the_study_from_the_command_line(tmp_path):
     for name, accuracy in walked.items():
         scene = fo.Scene(effects=(EFFECTS[name](),))
         assert accuracy == adapted(fo.Accuracy.named("draft"), scene, fo.Waypoints())
-    assert walked["leading_edge"].plates == LEADING * walked["slope"].plates
+    assert walked["leading_edge"].plates == fo.LeadingEdge().plates_factor * walked["slope"].plates
     check_page(tmp_path / "out")
     assert "leading edge changes" in done.stdout
     assert {c["kind"] for c in result["screening"]} == {"effect", "tested range", "not in footopt"}

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import footopt
 from footopt import compiled
-from footopt.walk.sources import digest_of
+from footopt.walk.cache_key import cache_key
 
 
 def test_every_module_that_a_walk_is_compiled_from_is_part_of_its_key():
@@ -60,10 +60,10 @@ def test_an_effect_of_a_user_that_was_edited_is_compiled_again(tmp_path):
         exec(compile(text, str(path), "exec"), namespace)
         return namespace["hook"]
 
-    first = digest_of((loaded("def hook(a):\n    return a\n"),))
-    second = digest_of((loaded("def hook(a):\n    return 2 * a\n"),))
+    first = cache_key((loaded("def hook(a):\n    return a\n"),))
+    second = cache_key((loaded("def hook(a):\n    return 2 * a\n"),))
     typed = [eval(f"lambda a: {n} * a") for n in (1, 2)]
-    assert len({digest_of(()), first, second, *(digest_of((f,)) for f in typed)}) == 5
+    assert len({cache_key(()), first, second, *(cache_key((f,)) for f in typed)}) == 5
 
 
 SLOWLY = """

@@ -2,10 +2,7 @@
 
 import math
 import re
-import runpy
-import sys
 from collections import Counter
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,92 +13,61 @@ from hypothesis import strategies as st
 from numba import njit
 
 import footopt as fo
+from footopt.compiled import FAST
 from footopt.effects import laws
-from footopt.walk import loop
-from footopt.walk.prepare import sole, world
-from footopt.walk.state import LANES, Contact, Force, Pose
-
-DELETED = runpy.run_path(str(Path(fo.__file__).parents[1] / "benchmarks" / "deleted.py"))
+from footopt.effects.dual import positive
+from footopt.walk.contact import direction, foot_force, kinematics, placed, stress
+from footopt.walk.discretize import sole_of, world
+from footopt.walk.state import LANES, Ankle
 
 #: Floating-point instructions of LLVM, and calls of its mathematical functions.
 OPERATION = re.compile(r"= (?:tail )?(fadd|fsub|fmul|fdiv|fneg|fcmp|select|call[^@]*@llvm\.\w+)\b")
 
 
-def part(loop, name):
-    """A module beside a loop."""
-    return sys.modules[f"{loop.__package__}.{name}"]
+@njit(error_model="numpy", fastmath=FAST)
+def bare_force(world, sole, ankle, stage):
+    """The law of one foot as if there were no effects: f = (a - M h) |z| dA, added up."""
+    x = z = power = xx = xz = zx = zz = 0.0
+    cos2, sin2 = ankle.cos * ankle.cos - ankle.sin * ankle.sin, 2.0 * ankle.sin * ankle.cos
+    for i in range(len(sole.x)):
+        motion = kinematics(ankle, sole.x[i], sole.z[i])
+        h = direction(motion, world.creep, ankle.rate * sole.span, None, i)
+        c, s = sole.c2[i] * cos2 - sole.s2[i] * sin2, sole.s2[i] * cos2 + sole.c2[i] * sin2
+        px, pz = stress(world.law, c, s, h, stage)
+        pull = sole.area[i] * positive(placed(stage, -motion.z, 0.0, -1.0))
+        fx, fz = pull * px, pull * pz
+        x, z, power = x + fx.value, z + fz.value, power + (fx.value * motion.vx + fz.value * motion.vz)
+        xx, xz, zx, zz = xx + fx.dx, xz + fx.dz, zx + fz.dx, zz + fz.dz
+    return x, z, power, xx, xz, zx, zz
 
 
-def operations(compiled):
-    """How often each floating-point operation is in a function's optimised intermediate form."""
-    (text,) = compiled.inspect_llvm().values()
-    assert "fmul" in text
-    return Counter(OPERATION.findall(text))
+@njit(error_model="numpy", fastmath=FAST)
+def whole_force(world, sole, ankle, stage):
+    return foot_force(world.law, world.effects, sole, ankle, world.creep, stage, None)
 
 
-def step(loop, *on):
-    """Operations of what effects change of a step, compiled here for a scene: plates and acceleration."""
-    foot_force, acceleration = part(loop, "contact").foot_force, part(loop, "steppers").acceleration
+def operations(compiled, *on):
+    """How often each floating-point operation is in a function's optimised form; and what it returns."""
     scene = fo.Scene(effects=on)
-
-    @njit(error_model="numpy")
-    def both(sole, world, ankle, at):
-        force = foot_force(
-            sole, world.law, world.loads, world.gates, world.pushes, sole.tangent, 0,
-            len(sole.x), ankle, world.creep, 1e-3, None,
-        )  # fmt: skip
-        return force, acceleration(world, at)
-
-    plates = fo.Foot.flat().plates(64, directed=laws(scene.effects).directed)
-    none = Force(*[0.0] * 7)
-    ankle = Pose(0.1, -0.1, 0.3, -0.2, 0.9, 0.1, 0.5)
-    both(sole(plates), world(scene, fo.Accuracy()), ankle, Contact(none, none))
-    return operations(both)
-
-
-@pytest.fixture(scope="module")
-def deleted(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("deleted")
-    DELETED["write"](folder)
-    return DELETED["load"](folder)
-
-
-@pytest.fixture(scope="module")
-def bare(deleted):
-    return step(deleted)
+    plates = fo.Foot.from_waypoints([3, 5] * 5 + [3]).plates(64, directed=laws(scene.effects).directed)
+    ankle = Ankle(0.1, -0.1, 0.3, -0.2, math.cos(0.1), math.sin(0.1), 0.5)
+    arguments = world(scene, fo.Accuracy()), sole_of(plates), ankle, 1e-3
+    result = compiled(*arguments)
+    *_, text = compiled.inspect_llvm().values()
+    assert "fmul" in text
+    return Counter(OPERATION.findall(text)), np.array(result)
 
 
 class TestNothingForNothing:
-    def test_the_deleted_source_knows_no_effect(self, deleted):
-        """What is compared with is really without: no hook, no normal, no tilt is computed."""
-        here, there = (Path(part(p, "contact").__file__).read_text() for p in (loop, deleted))
-        for trace in ("effects.load(", "effects.gate(", "effects.push(", "nx", "vn", "slides"):
-            assert trace in here
-            assert trace not in there.split("def foot_force")[1]
-        tilt = Path(part(deleted, "contact").__file__).with_name("slope.py").read_text()
-        assert "time * tilt" not in tilt.split("def tilted")[1]
-
-    def test_a_bare_step_has_the_operations_of_the_deleted_source(self, bare):
-        assert step(loop) == bare
+    def test_the_contact_without_effects_has_the_operations_of_the_law_alone(self):
+        (bare, law), (whole, force) = operations(bare_force), operations(whole_force)
+        assert whole.total() <= 1.02 * bare.total()  # the compiler orders sums as it likes
+        np.testing.assert_allclose(force, law, rtol=1e-12)
 
     @pytest.mark.slow
-    def test_effects_that_are_named_have_more(self, bare):
-        found = step(loop, *ALL)
-        assert found.total() > bare.total()
-        assert not bare - found
-
-    @pytest.mark.slow
-    def test_a_whole_bare_walk_has_the_operations_of_the_deleted_source(self, deleted, tmp_path, regular):
-        DELETED["write"](tmp_path, "footopt_copy", delete=False)
-        copy = DELETED["load"](tmp_path, "footopt_copy")
-        found = []
-        for package in (copy, deleted):
-            with DELETED["walking"](package):
-                table = fo.evaluate([[5] * 11], regular)
-            found.append(
-                (operations(package.compiled(part(package, "steppers").sdirk2.SDIRK2())), table.raw.tobytes())
-            )
-        assert found[0] == found[1]
+    def test_effects_that_are_named_have_more(self):
+        bare, found = operations(whole_force)[0], operations(whole_force, *ALL)[0]
+        assert found.total() > 1.2 * bare.total()
 
     @pytest.mark.parametrize("on", [(), ALL], ids=["bare", "all effects"])
     @given(foot=SOLES, height=st.floats(-0.1, 0.25), pitch=PITCH, rate=RATE, vx=SPEED, vz=SPEED)

@@ -7,7 +7,7 @@ import pytest
 
 import footopt as fo
 from footopt.errors import SettingError
-from footopt.walk.prepare import long_pose_tables, pose_rows, pose_tables, poses
+from footopt.walk.discretize import long_pose_tables, pose_rows, pose_tables, poses
 
 
 class TestSettings:
@@ -33,7 +33,7 @@ class TestSettings:
 
     def test_a_walk_too_long_to_be_refined_has_no_error_estimate(self, ramp_foot, monkeypatch):
         rows = pose_rows(fo.Scene(), fo.Accuracy.named("draft"))
-        monkeypatch.setattr(sys.modules["footopt.walk.prepare"], "ROWS", 1.5 * rows)
+        monkeypatch.setattr(sys.modules["footopt.walk.discretize"], "ROWS", 1.5 * rows)
         assert fo.simulate(ramp_foot, accuracy="draft").feasible
         assert all(map(math.isnan, fo.estimate_error(ramp_foot, accuracy="draft").values()))
 
@@ -65,7 +65,7 @@ class TestSettings:
 def test_poses_of_long_motions_do_not_pile_up(monkeypatch):
     """A motion of ten minutes takes 290 MB: of such ones two are kept, of short ones many."""
     monkeypatch.setattr(
-        sys.modules["footopt.walk.prepare"],
+        sys.modules["footopt.walk.discretize"],
         "LONG",
         pose_rows(fo.Scene(t_f=1.5), fo.Accuracy.named("standard")),
     )

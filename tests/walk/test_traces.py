@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import footopt as fo
-from footopt.walk.prepare import HALVINGS, NEWTON, time_grid
+from footopt.walk.discretize import HALVINGS, NEWTON, time_grid
 from footopt.walk.validity import diagnose
 
 
@@ -108,7 +108,7 @@ class TestTraces:
     def test_long_steps_while_standing_change_nothing(self, ramp_foot, monkeypatch):
         scene = fo.Scene(t_f=2.8)  # a scene of its own: pose tables are cached
         long = fo.simulate(ramp_foot, scene).objectives
-        monkeypatch.setattr(sys.modules["footopt.walk.prepare"], "REST", 1)
+        monkeypatch.setattr(sys.modules["footopt.walk.discretize"], "REST", 1)
         short = fo.simulate(ramp_foot, replace(scene, t_f=2.8 + 1e-12)).objectives
         for name in ("distance", "mean_height", "work", "peak_power", "speed_loss"):
             assert long[name] == pytest.approx(short[name], rel=5e-5)

@@ -179,7 +179,7 @@ function footForce(W, sole, poses, p, hipX, hipZ, hipVx, hipVz, creep, c, out, o
   const ax = hipX + poses[p], az = hipZ + poses[p + 1], avx = hipVx + poses[p + 2], avz = hipVz + poses[p + 3];
   const cos = poses[p + 4], sin = poses[p + 5], rate = poses[p + 6];
   const c2p = cos * cos - sin * sin, s2p = 2 * sin * cos;
-  const along = rate * sole.span, { turn, seen, bent } = P.accuracy, eps2 = creep * creep + (turn * along) ** 2;
+  const along = rate * sole.span, { turn, exposed, bent } = P.accuracy, eps2 = creep * creep + (turn * along) ** 2;
   let fx = 0, fz = 0, power = 0, jxx = 0, jxz = 0, jzx = 0, jzz = 0;
   for (let i = 0; i < X.length; i++) {
     const rise = sin * X[i] + cos * Z[i], depth = -(az + rise);
@@ -208,7 +208,7 @@ function footForce(W, sole, poses, p, hipX, hipZ, hipVx, hipVz, creep, c, out, o
       if (gates.length) {
         gate[0] = 1;
         gate[1] = 0;
-        const bend = (bent * sole.turn[i]) ** 2, wide2 = creep * creep + (seen * along) ** 2 + bend * (vx * vx + vz * vz);
+        const bend = (bent * sole.turn[i]) ** 2, wide2 = creep * creep + (exposed * along) ** 2 + bend * (vx * vx + vz * vz);
         for (const hook of gates) hook(vn, Math.sqrt(wide2));
         const by = k * gate[1], wider = (vn * bend) / wide2, gx = nx - wider * vx, gz = nz - wider * vz;
         jxx += by * px * gx;

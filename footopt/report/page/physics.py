@@ -13,9 +13,9 @@ from footopt.foot.waypoints import FINE, slope_matrix
 from footopt.gait import start
 from footopt.report.page.file import packed
 from footopt.sand.law import EARTH, PER_CM3
-from footopt.walk import Accuracy, Scene, newton, prepare
+from footopt.walk import Accuracy, Scene, discretize, newton
 from footopt.walk.adapt import adapted
-from footopt.walk.contact import BENT, SEEN, TURN
+from footopt.walk.contact import BENT, EXPOSED, TURN
 from footopt.walk.loop import NEAR, PEAK
 from footopt.walk.objectives import FLOORS
 from footopt.walk.simulate import MAX_REPEATS
@@ -78,15 +78,15 @@ def physics(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> dict[st
             "creep": accuracy.creep,
             "control": accuracy.control,
             "gamma": STEPPERS[STEPPER].parameters.gamma,
-            "rest": prepare.REST,
-            "halvings": prepare.HALVINGS,
-            "newton": prepare.NEWTON,
+            "rest": discretize.REST,
+            "halvings": discretize.HALVINGS,
+            "newton": discretize.NEWTON,
             "most": newton.MAX_NEWTON,
             "rescue": newton.MAX_RESCUE,
             "gated": newton.GATED,
             "stands": newton.STANDS,
             "turn": TURN,
-            "seen": SEEN,
+            "exposed": EXPOSED,
             "bent": BENT,
             "corner": CORNER,
             "near": NEAR,
@@ -122,7 +122,7 @@ def refusal(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> str:
         return f"accuracy.stepper={accuracy.stepper} of this run is not in the page's own walk"
     if foot.closed:
         return "foot.closed=true of this run is not in the page's own walk"
-    if prepare.pose_rows(scene, accuracy) > ROWS:
+    if discretize.pose_rows(scene, accuracy) > ROWS:
         return "the walk of this run is too long, or its steps are too short, to be made while one waits"
     return ""
 

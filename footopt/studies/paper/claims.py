@@ -18,7 +18,7 @@ from footopt.foot import Foot
 from footopt.gait.gait import RIGHT
 from footopt.studies.paper.walks import Evidence, switch_losses
 from footopt.walk import Walk
-from footopt.walk.phases import STANDS, stance
+from footopt.walk.phases import LEAST_FORCE, stance
 
 Array = NDArray[np.float64]
 Walks = Mapping[str, Walk]
@@ -30,7 +30,7 @@ LIMITS = {
     "normal_speed": 1.0,  # m/s (the paper: "around 1 m/s")
     "not_obvious": 0.2,  # how far curves may part that a reader sees as one, over their own rms
     "push_off": 0.27,  # s after touch-down, when push-off begins (the paper)
-    "contact": STANDS,  # N, vertical force above which a foot is in contact
+    "contact": LEAST_FORCE,  # N, vertical force above which a foot is in contact
 }
 
 # --- numbers of a walk from the first heel strike on ----------------------------------------------

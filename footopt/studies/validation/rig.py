@@ -1,8 +1,7 @@
 """A small rig: bodies pushed quasi-statically through the sand of the walk, in a balance of load.
 
 Every rig takes an experiment's set-up, its inputs and the effects that are on, and gives what the law
-predicts for each quantity, in SI units. The law is the readable form that the compiled contact is tested
-against; effects and plates are those of the walk.
+predicts for each quantity, in SI units. Law, effects and plates are those of the walk.
 """
 
 from __future__ import annotations
@@ -14,15 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.effects import Effect, Inertia
-from footopt.effects.shadowing import filler
-from footopt.foot import Foot
+from footopt.effects import Effect, Inertia, reshaping
+from footopt.foot import Foot, Plates
 from footopt.gait.gait import Pose
 from footopt.mujoco.intrusion import material_constant
 from footopt.sand import Sand, StressMap, alpha
-from footopt.sand.law import PER_CM3, by_angles
+from footopt.sand.law import PER_CM3
 from footopt.walk import Scene, simulate
-from footopt.walk.plates import forces, plate_states
+from footopt.walk.plates import plate_states
 
 Array = NDArray[np.float64]
 Values = Mapping[str, Any]
@@ -44,7 +42,7 @@ def scene_of(zeta: float, effects: Effects) -> Scene:
 
 def body(foot: Foot, scene: Scene, plates: int) -> Body:
     """Cut a body into plates, and return its force in a scene."""
-    cut = foot.plates(plates, "chord", directed=True, fill=filler(scene.effects))
+    cut = foot.plates(plates, "chord", directed=True, fill=reshaping(scene.effects))
 
     def force(height: Array, velocity: ArrayLike, rate: ArrayLike = 0.0) -> Array:
         count = len(height)
@@ -115,11 +113,12 @@ def plate(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[s
     """Stress per depth on small plates at all angles of a table, for each direction of motion."""
     beta, gamma = angles(setup)
     velocity = np.stack([np.cos(gamma), -np.sin(gamma)], axis=-1)
-    normal = np.stack([np.sin(beta), -np.cos(beta)], axis=-1)
-    place = np.broadcast_to(np.array(DOWN), velocity.shape)  # at a depth of 1 m: stress per metre
-    scene, area = scene_of(inputs["zeta"], effects), np.ones_like(beta)
-    stress = by_angles(beta, velocity, CREEP, scene.sand.stress_map)
-    force = forces(stress, place, velocity, normal, area, scene, CREEP)
+    level = Plates(*np.array([0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0])[:, None, None])  # of 1 m^2
+    none, down = np.zeros((len(beta), 1)), np.broadcast_to(np.array(DOWN), velocity.shape)
+    pose = Pose(none, none, none, none, beta[:, None], none)
+    scene = scene_of(inputs["zeta"], effects)
+    # at a depth of 1 m: stress per metre
+    force = plate_states(level, pose, down, velocity, scene, CREEP).total[:, 0]
     return {"alpha_x": -force[:, 0], "alpha_z": force[:, 1]}
 
 

@@ -23,8 +23,7 @@ import numpy as np
 from numba.extending import overload
 
 from footopt.compiled import INLINE, inlined
-from footopt.effects.slope import tilted
-from footopt.walk.bristles import bend, next_step, stage_of
+from footopt.walk.bristles import next_step, stage_of, update_bristles
 from footopt.walk.contact import contact
 from footopt.walk.state import Integrals, State
 
@@ -88,7 +87,7 @@ def _resolve(method, world, sole, poses, state, h, counts):
 @inlined
 def acceleration(world, at):
     """Of the hip, from a contact: a_x, a_z in m/s^2 (the paper's eq. 5)."""
-    ax = tilted((at.left.x + at.right.x) / world.mass, world.tilt, 1.0)
+    ax = (at.left.x + at.right.x) / world.mass + world.tilt
     return ax, (at.left.z + at.right.z) / world.mass - world.g
 
 
@@ -100,8 +99,8 @@ def touch(world, sole, poses, x, z, vx, vz, bristles, time, counts):
     """
     if bristles is None:
         return contact(world, sole, poses, x, z, vx, vz, world.creep, None, None, counts)
-    turning_speed = world.rest / time if time > 0.0 else np.inf
-    return contact(world, sole, poses, x, z, vx, vz, turning_speed, None, bristles.now, counts)
+    turning_speed = world.bristle_length / time if time > 0.0 else np.inf
+    return contact(world, sole, poses, x, z, vx, vz, turning_speed, None, bristles.h_n, counts)
 
 
 @inlined
@@ -109,7 +108,7 @@ def arrive(world, sole, poses, x, z, vx, vz, integrals, bristles, h, counts):
     """The state at the end of an explicit step."""
     at = touch(world, sole, poses, x, z, vx, vz, bristles, h, counts)
     if bristles is not None:
-        bend(sole, poses, x, z, vx, vz, h / world.rest, stage_of(bristles))
+        update_bristles(sole, poses, x, z, vx, vz, world.bristle_length / h, stage_of(bristles))
     return State(x, z, vx, vz, at, integrals, next_step(bristles), True)
 
 

@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.effects import base as effects
-from footopt.effects.rest import rest_length
 from footopt.errors import SettingError
 from footopt.foot import Plates
 from footopt.sand.law import PER_CM3, Law
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.scene import Scene, Walker
-from footopt.walk.state import LANES, Sole, Tangent, World, sole_of
+from footopt.walk.state import LANES, Sole, Tangent, World, sole_at
 from footopt.walk.steppers import STEPPERS
 
 Array = NDArray[np.float64]
@@ -35,19 +34,17 @@ def world(scene: Scene, accuracy: Accuracy) -> World:
     """What the compiled loops need to know of a scene."""
     law = Law(*(float(scene.zeta * PER_CM3 * c) for c in scene.sand.stress_map.law))
     tilt, g = scene.gravity
-    laws, rest = effects.laws(scene.effects), rest_length(scene.effects)
+    length = effects.bristle_length(scene.effects)
     # floats throughout: a whole number would be another type, and compile the loop again
     return World(
         law=law,
         mass=float(scene.walker.mass),
         g=float(g),
-        tilt=None if tilt is None else float(tilt),
+        tilt=float(tilt),
         creep=float(accuracy.creep),
-        rest=rest,
-        tolerance=NEWTON if rest is None else STICKING,
-        loads=laws.loads,
-        gates=laws.gates,
-        pushes=laws.pushes,
+        bristle_length=length,
+        tolerance=NEWTON if length is None else STICKING,
+        effects=effects.laws(scene.effects),
     )
 
 
@@ -85,7 +82,7 @@ def too_long(scene: Scene, accuracy: Accuracy) -> bool:
 
 def bristle_bytes(scene: Scene, accuracy: Accuracy) -> float:
     """How much the bristles of a traced walk take at most, in single precision."""
-    if rest_length(scene.effects) is None:
+    if effects.bristle_length(scene.effects) is None:
         return 0.0
     steps = scene.duration / accuracy.dt * (1 if accuracy.control is None else 2**HALVINGS)
     return steps * accuracy.plates * 16.0
@@ -151,9 +148,9 @@ def soles(plates: Plates) -> Sole:
     )
 
 
-def sole(plates: Plates) -> Sole:
+def sole_of(plates: Plates) -> Sole:
     """The first foot's plates, as one contact takes them."""
-    first: Sole = sole_of(soles(plates), 0)
+    first: Sole = sole_at(soles(plates), 0)
     return first
 
 

@@ -1,0 +1,164 @@
+"""Dual numbers: a value with its derivatives by the hip's velocity, so that no law is derived by hand.
+
+`Dual` knows + - * / with itself and with plain numbers, compiled and in Python. The functions below take
+plain numbers, arrays and dual numbers; with plain numbers nothing of the derivatives is computed.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import types
+from numba.extending import overload, register_jitable
+
+from footopt.compiled import FAST, INLINE
+
+VALUE = INLINE | {"fastmath": FAST}
+#: A derivative that is zero by its structure may be left out, as if no factor could be NaN: values, by which
+#: a walk that diverges is seen, are computed without that.
+DERIVATIVE = INLINE | {"fastmath": FAST | {"nnan"}}
+
+
+class Dual(NamedTuple):
+    """A value and its derivatives by V_x and V_z (where the law is asked for others, by those)."""
+
+    value: Any
+    dx: Any
+    dz: Any
+
+
+def is_dual(kind: Any) -> bool:
+    """Whether one of numba's types is that of a `Dual`."""
+    return isinstance(kind, types.BaseNamedTuple) and kind.instance_class is Dual
+
+
+def dual(stage: Any, number: Any, dx: Any, dz: Any) -> Any:
+    """A number with its derivatives; where there is no implicit stage (None) the number alone."""
+    return number if stage is None else Dual(number, dx, dz)
+
+
+@overload(dual, jit_options=VALUE)
+def _dual(stage, number, dx, dz):
+    if isinstance(stage, types.NoneType):
+        return lambda stage, number, dx, dz: number
+    return lambda stage, number, dx, dz: Dual(number, dx, dz)
+
+
+def value(x: Any) -> Any:
+    """Of a number, whatever it is."""
+    return x.value if isinstance(x, Dual) else x
+
+
+@overload(value, jit_options=VALUE)
+def _value(x):
+    return (lambda x: x.value) if is_dual(x) else (lambda x: x)
+
+
+def lift(x: Any) -> Dual:
+    """A number as a `Dual`: a plain one is a constant."""
+    return x if isinstance(x, Dual) else Dual(x, 0.0, 0.0)
+
+
+@overload(lift, jit_options=VALUE)
+def _lift(x):
+    return (lambda x: x) if is_dual(x) else (lambda x: Dual(x, 0.0, 0.0))
+
+
+@register_jitable(**DERIVATIVE)
+def _combined(a, da, b, db):
+    """a da + b db"""
+    return a * da + b * db
+
+
+@register_jitable(**VALUE)
+def _add(a, b):
+    a, b = lift(a), lift(b)
+    return Dual(a.value + b.value, a.dx + b.dx, a.dz + b.dz)
+
+
+@register_jitable(**VALUE)
+def _subtract(a, b):
+    a, b = lift(a), lift(b)
+    return Dual(a.value - b.value, a.dx - b.dx, a.dz - b.dz)
+
+
+@register_jitable(**VALUE)
+def _multiply(a, b):
+    a, b = lift(a), lift(b)
+    dx, dz = _combined(b.value, a.dx, a.value, b.dx), _combined(b.value, a.dz, a.value, b.dz)
+    return Dual(a.value * b.value, dx, dz)
+
+
+@register_jitable(**VALUE)
+def _divide(a, b):
+    a, b = lift(a), lift(b)
+    ratio, inverse = a.value / b.value, 1.0 / b.value
+    dx, dz = (
+        _combined(inverse, a.dx, -ratio * inverse, b.dx),
+        _combined(inverse, a.dz, -ratio * inverse, b.dz),
+    )
+    return Dual(ratio, dx, dz)
+
+
+def _offer(symbol: Callable[..., Any], rule: Callable[..., Any]) -> None:
+    """Have an operator follow a rule where one of its operands is a `Dual`, compiled and in Python."""
+
+    def resolve(a, b):
+        return (lambda a, b: rule(a, b)) if is_dual(a) or is_dual(b) else None
+
+    overload(symbol, jit_options=VALUE)(resolve)
+    setattr(Dual, f"__{symbol.__name__}__", rule)
+    setattr(Dual, f"__r{symbol.__name__}__", lambda b, a: rule(a, b))
+
+
+setattr(Dual, "__array_ufunc__", None)  # noqa: B010  an array on the left leaves the operation to the number
+for _symbol, _rule in (
+    (operator.add, _add),
+    (operator.sub, _subtract),
+    (operator.mul, _multiply),
+    (operator.truediv, _divide),
+):
+    _offer(_symbol, _rule)
+
+
+def chain(x: Any, f: Any, slope: Any) -> Any:
+    """A function of x, from its value and its derivative at x: the chain rule."""
+    return Dual(f, slope * x.dx, slope * x.dz) if isinstance(x, Dual) else f
+
+
+@overload(chain, jit_options=DERIVATIVE)
+def _chain(x, f, slope):
+    if is_dual(x):
+        return lambda x, f, slope: Dual(f, slope * x.dx, slope * x.dz)
+    return lambda x, f, slope: f
+
+
+@register_jitable(**VALUE)
+def positive(x):
+    """max(x, 0)"""
+    v = value(x)
+    return chain(x, np.maximum(v, 0.0), 1.0 * (v > 0.0))
+
+
+@register_jitable(**VALUE)
+def clipped(x, low, high):
+    """X, but no less than `low` and no more than `high`."""
+    v = value(x)
+    return chain(x, np.minimum(np.maximum(v, low), high), 1.0 * ((v > low) & (v < high)))
+
+
+@register_jitable(**VALUE)
+def smooth_step(x):
+    """From 0 at x = -1 to 1 at x = 1, a cubic."""
+    s = np.minimum(np.maximum(value(x), -1.0), 1.0)
+    return chain(x, 0.5 + s * (0.75 - 0.25 * s * s), 0.75 * (1.0 - s * s))
+
+
+@register_jitable(**VALUE)
+def exp(x):
+    """e^x"""
+    grown = np.exp(value(x))
+    return chain(x, grown, grown)

@@ -1,0 +1,64 @@
+"""What compiled code depends on beyond footopt: a user's own types and functions, by their sources."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import marshal
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from numba import njit
+
+from footopt.compiled import cached_njit
+from footopt.effects import HOOKS
+from footopt.walk import steppers
+
+#: Where types and functions come from that every process can import.
+HOME = ("footopt.", __name__.rpartition(".")[0] + ".")
+
+
+def is_own(thing: Any) -> bool:
+    """Whether a type or function is a user's, not footopt's."""
+    return not thing.__module__.startswith(HOME)
+
+
+def own_code(laws: Sequence[Any], stepper: Any = None) -> tuple[Any, ...]:
+    """A user's own types and functions among those that a walk with some effects and a stepper needs."""
+    hooks = [getattr(type(law), hook) for law in laws for hook in HOOKS if hasattr(law, hook)]
+    step = () if stepper is None else (type(stepper), steppers.STEPS[type(stepper)])
+    return tuple(filter(is_own, (*step, *map(type, laws), *hooks)))
+
+
+@lru_cache(maxsize=8)
+def cache_key(functions: tuple[Any, ...]) -> str:
+    """A digest of the sources of functions."""
+    return hashlib.sha256(b"".join(map(source_of, functions))).hexdigest()
+
+
+def source_of(thing: Any) -> bytes:
+    """The file that a function or type is in, with what it may call; its code if typed into a session."""
+    try:
+        return Path(inspect.getfile(thing)).read_bytes()
+    except (OSError, TypeError):
+        parts = vars(thing).values() if isinstance(thing, type) else [thing]
+        return b"".join(marshal.dumps(part.__code__) for part in parts if hasattr(part, "__code__"))
+
+
+@lru_cache(maxsize=32)
+def _compiled(function: Callable[..., Any], key: str, compiler: Callable[..., Any]) -> Any:
+    """A function, compiled anew for every key."""
+    return compiler(nogil=True, error_model="numpy")(function)
+
+
+def compiled(function: Callable[..., Any], laws: Sequence[Any], stepper: Any = None) -> Any:
+    """A function that takes the laws of effects, compiled.
+
+    With a user's own effect or stepper it is not kept on disk: what is kept there is read by every process,
+    and not all of them can import a user's types. It is compiled again after an edit of theirs.
+    """
+    own = own_code(laws, stepper)
+    key = cache_key(tuple(thing for thing in own if not isinstance(thing, type)))
+    return _compiled(function, key, njit if own else cached_njit)
