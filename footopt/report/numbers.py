@@ -42,20 +42,6 @@ def change(name: str, value: float, base: float) -> str:
     return f"x {ratio:.2f}" if name == "efficiency" else f"{100 * (ratio - 1):+.1f} %"
 
 
-def duration(seconds: float) -> str:
-    """Seconds as one says them: 0.4 s, 45 s, 3 min 20 s, 2 h 5 min."""
-    if not math.isfinite(seconds):
-        return "?"
-    if seconds < 10.0:
-        return f"{seconds:.1f} s"
-    whole = round(seconds)
-    if whole < 120:
-        return f"{whole} s"
-    if whole < 7200:
-        return f"{whole // 60} min {whole % 60} s"
-    return f"{whole // 3600} h {whole % 3600 // 60} min"
-
-
 def title(name: str) -> str:
     """The name of an objective or of a shape as a reader sees it."""
     return {"efficiency": "efficiency J_W", "reversed_l": "reversed L"}.get(name, name.replace("_", " "))

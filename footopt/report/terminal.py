@@ -107,30 +107,17 @@ def objective_table(
     shares: bool = True,
     turned: Mapping[str, Sequence[str]] | None = None,
 ) -> RichTable:
-    """Objectives (rows) of feet (columns).
+    """Objectives (rows) of feet (columns, by title), with the estimated errors of the first foot's.
 
-    Parameters
-    ----------
-    feet : sequence of (str, dict)
-        Title and values by name of each foot.
-    names : sequence of str
-        Of the objectives.
-    errors : dict
-        Estimated errors of the first foot's values, by name.
-    gain : bool
-        Whether to show the change from the second foot to the first.
-    shares : bool
-        Whether to show each factor's share in the gain of J_W, if there is one.
-    turned : mapping, optional
-        Laws under which the two feet change places, by objective: their changes are marked.
+    With `gain` it has the change from the second foot to the first, with `shares` each factor's share in the
+    gain of J_W, if there is one. `turned` are the laws under which the two feet change places, by objective.
     """
     (first, values), *others = feet
     titles = ["objective", "unit", first, "error", *(title for title, _ in others)]
-    if gain:
-        base = others[0][1]
-        parts = gain_shares(values, base)
-        gained = shares and any(map(math.isfinite, parts.values()))
-        titles += ["change from flat", *(["share of J_W's gain"] if gained else [])]
+    base = others[0][1] if gain else {}
+    parts = gain_shares(values, base) if gain and shares else {}
+    gained = any(map(math.isfinite, parts.values()))
+    titles += ["change from flat"] * gain + ["share of J_W's gain"] * gained
     shown = table(titles, words=("objective", "unit"))
     for name in names:
         o, value = MEASURES[name], values[name]
@@ -138,24 +125,22 @@ def objective_table(
         cells += [percent(abs(errors[name] / value)) if value else "-", *(number(v[name]) for _, v in others)]
         if gain:
             cells += [change(name, value, base[name]) + (" *" if name in (turned or {}) else "")]
-            if gained:
-                cells += [f"{100 * parts[name] + 0.0:.1f} %" if name in parts else ""]
+        if gained:
+            cells += [f"{100 * parts[name] + 0.0:.1f} %" if name in parts else ""]
         shown.add_row(*cells)
     if turned:
         by = "; ".join(f"{name.replace('_', ' ')}: {', '.join(laws)}" for name, laws in turned.items())
-        shown.caption = f"* another law turns the order of the two feet round ({by})"
+        shown.caption = f"* under another sand law the order of the two feet is reversed ({by})"
     return shown
 
 
 def describe_loss(name: str, value: float, flat: float) -> list[str]:
-    """What to say where a search has found no foot that is better than the flat sole in an objective."""
+    """A warning where a search has found no foot that is better than the flat sole in an objective."""
     if MEASURES[name].sign * (value - flat) < 0.0:
         return []
     how = "no better" if value == flat else "worse"
-    return [
-        f"The best design is {how} than the flat sole in {title(name)}: {number(value)} against "
-        f"{number(flat)}. Search longer, or wear the flat sole."
-    ]
+    values = f"{number(value)} against {number(flat)}"
+    return [f"The best design is {how} than the flat sole in {title(name)}: {values}. Search longer."]
 
 
 def describe_foot(foot: Foot) -> str:
@@ -209,7 +194,7 @@ def describe_setup(scene: Scene, foot: Foot | Waypoints) -> str:
         what, (length, height) = f"Sole ({title(foot.name)}) of", np.ptp(foot.contour, axis=0)
     law = "the generic stress map" if scene.sand.stress_map == GENERIC else "a stress map of its own"
     if not any(isinstance(effect, LeadingEdge) for effect in scene.effects):
-        law += "; faces that trail count, as in the paper"
+        law += "; trailing faces carry stress, as in the paper"
     size = " x ".join(f"{round(1e3 * value, 6):.4g}" for value in (length, height, foot.width))
     return (
         f"Walker: {walker.mass:g} kg, legs {walker.l1:g} + {walker.l2:g} m, g {walker.g:g} m/s^2; "
@@ -223,31 +208,30 @@ def describe_search(result: SearchResult) -> str:
     """What a search did, in one line."""
     from footopt.design.archive import causes  # a foot is drawn without the optimiser
 
-    bad = result.infeasible
-    why = f" ({causes(result.failures)})" if bad else ""
     reused = f", {result.reused} of them known" if result.reused else ""
+    why = f" ({causes(result.failures)})" if result.infeasible else ""
     shown = f" ({len(result.shown)} of them shown)" if len(result.shown) < len(result.front) else ""
     front = f", {len(result.front)} on the front{shown}" if result.problem.n_obj > 1 else ""
-    why_stopped = f" (stopped {result.stopped})" if result.stopped else ""
-    stopped = " (interrupted)" if result.interrupted else why_stopped
+    stopped = f" (stopped {result.stopped})" if result.stopped else ""
+    ended = " (interrupted)" if result.interrupted else stopped
     return (
         f"{result.solver.name}, seed {result.solver.seed}: {result.evaluations} evaluations of "
-        f"{result.designs} designs{reused} in {result.seconds:.1f} s, {bad} infeasible{why}"
-        f"{front}{stopped}"
+        f"{result.designs} designs{reused} in {result.seconds:.1f} s, {result.infeasible} infeasible{why}"
+        f"{front}{ended}"
     )
 
 
 def describe_confirmation(confirmed: Confirmation) -> str:
-    """What a second walk with the finalists has shown, in one line."""
-    verdict = "the best stays the best" if confirmed.agrees else "another one is now the best"
+    """What the finalists are at a finer accuracy, in one line."""
+    finalists, accuracy = len(confirmed.designs), confirmed.accuracy.name
     if math.isnan(confirmed.largest_change):
-        return (
-            f"None of {len(confirmed.designs)} finalists can be walked at accuracy {confirmed.accuracy.name}"
-        )
-    lost = f", {lost} of them no longer good" if (lost := int((~confirmed.good).sum())) else ""
+        return f"None of {finalists} finalists is feasible at accuracy {accuracy}"
+    verdict = "the best design is unchanged" if confirmed.agrees else "another design is now the best"
+    lost = int((~confirmed.good).sum())
+    worse = f"; {lost} finalists became infeasible or dominated" if lost else ""
     return (
-        f"{len(confirmed.designs)} finalists walked again at accuracy {confirmed.accuracy.name}: "
-        f"values change by up to {percent(confirmed.largest_change)}, {verdict}{lost}"
+        f"{finalists} finalists evaluated again at accuracy {accuracy}: values change by up to "
+        f"{percent(confirmed.largest_change)}, {verdict}{worse}"
     )
 
 

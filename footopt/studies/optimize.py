@@ -164,7 +164,7 @@ def _warnings(
         if excess(name, limit, np.array([values[name]]))[0] > 0.0:
             value = objective_quantity(name, values[name])
             said.append(
-                f"The best design breaks constraint.{name}={limit:g} when it is walked finely: {value}."
+                f"The best design violates constraint.{name}={limit:g} at the finer accuracy: {value}."
             )
     return said
 

@@ -69,7 +69,7 @@ class TestOptimize:
         assert confirmed["k"][0] == result["design"]["k"]
         assert 1 < len(j) <= 20
         assert 0 < confirmed["largest_change"] < 0.1
-        assert "walked again at accuracy fine" in run_ga[0].stdout
+        assert "evaluated again at accuracy fine" in run_ga[0].stdout
 
     def test_designs_csv_holds_every_design(self, run_ga):
         with open(run_ga[1] / "designs.csv", newline="") as file:
@@ -202,7 +202,7 @@ class TestSimulateARun:
         assert second.startswith(
             f"Sole (best of memetic) of {size} (length, height, width) on {scene.sand.name} sand"
         )
-        assert second.endswith("the generic stress map; faces that trail count, as in the paper")
+        assert second.endswith("the generic stress map; trailing faces carry stress, as in the paper")
 
     def test_a_default_that_is_given_counts(self, tmp_path):
         moon = ["study=simulate", "planet=moon", "report=none", "accuracy=draft", "hydra.run.dir=moon"]

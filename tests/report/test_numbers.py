@@ -5,7 +5,7 @@ import math
 import pytest
 
 import footopt as fo
-from footopt.report.numbers import change, duration, number, percent, sand_title, title
+from footopt.report.numbers import change, number, percent, sand_title, title
 from footopt.report.style import formula
 from footopt.report.terminal import describe_scene
 
@@ -47,7 +47,3 @@ def test_names_are_words():
         "soft sand",
         "sand of zeta 2.5",
     ]
-
-
-def test_durations_as_one_says_them():
-    assert [duration(t) for t in (0.25, 200.0, 7500.0)] == ["0.2 s", "3 min 20 s", "2 h 5 min"]

@@ -11,17 +11,7 @@ from footopt.sand.law import PER_CM3, alpha
 
 
 def draw_stress(axes: Axes, sand: Sand, component: str = "alpha_z") -> None:
-    """The stress per depth, N/cm^3, that a plate feels, by its angle beta and its motion's, gamma.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    sand : Sand
-        Its zeta is in the stress.
-    component : str
-        "alpha_x" or "alpha_z".
-    """
+    """The stress per depth, zeta alpha_x or zeta alpha_z, by a plate's angle beta and its motion's, gamma."""
     angle = np.linspace(-90.0, 90.0, 181)
     gamma, beta = np.meshgrid(np.radians(angle), np.radians(angle))
     found = alpha(beta, gamma, sand.stress_map)

@@ -15,13 +15,13 @@ from footopt.report.style import (
     PAGE,
     PALE,
     VERDICTS,
+    Axes,
     legend_above,
     marker,
     new_figure,
     styled,
-)
+)  # fmt: skip
 
-Axes = Any
 #: Comparisons as `footopt.studies.validation.compare.Comparison` has them.
 Comparisons = Sequence[Any]
 
@@ -46,15 +46,10 @@ def axis_name(c: Any) -> str:
 
 @styled
 def experiment(found: Comparisons, x: str = "") -> Figure:
-    """Every quantity of an experiment: data, and what each law predicts, with 2 standard uncertainties.
+    """Every quantity of an experiment: data, and the prediction of each law, with 2 standard uncertainties.
 
-    Parameters
-    ----------
-    found : sequence of Comparison
-        Of one experiment, under all its laws.
-    x : str
-        What the points are numbered by. Points with names are drawn a row each; where there are many, a
-        prediction is drawn against its measurement.
+    Numbered points are on the axis `x`, points with names in a row each; many of these are drawn as the
+    prediction against the measurement.
     """
     quantities = list(dict.fromkeys(c.quantity for c in found))
     laws = list(dict.fromkeys(c.law for c in found))
@@ -120,13 +115,8 @@ def _parity(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
 @styled
 def overview(found: Comparisons, titles: Mapping[str, str]) -> Figure:
     """A row for each comparison: its error over the data's scale, and what it could have resolved."""
-    places: list[float] = []
-    labels: list[str] = []
-    for i, c in enumerate(found):
-        new = i == 0 or found[i - 1].experiment != c.experiment
-        places.append((places[-1] + 1.0 if places else 0.0) + (1.15 if new else 0.0))
-        labels.append(f"{NAMES.get(c.quantity, c.quantity)}, {law_name(c.law)}")
-    rows = np.array(places)
+    begins = np.array([i == 0 or found[i - 1].experiment != c.experiment for i, c in enumerate(found)])
+    rows = np.arange(len(found)) + 1.15 * np.cumsum(begins)  # room for the experiments' titles
     figure = new_figure(PAGE, 0.7 + 0.165 * rows[-1])
     ax = figure.subplots()
     ax.set_xscale("log")
@@ -135,19 +125,18 @@ def overview(found: Comparisons, titles: Mapping[str, str]) -> Figure:
         own = [i for i, c in enumerate(found) if c.verdict == verdict]
         size = [percent(found[i].size, found[i]) for i in own]
         ax.plot(size, rows[own], shape, color=colour, ms=5.5, mew=0, clip_on=False, label=verdict)
-    for i, c in enumerate(found):
-        if i == 0 or found[i - 1].experiment != c.experiment:
-            ax.text(FLOOR, rows[i] - 1.0, f" {titles[c.experiment]}", va="center", weight="bold")
+    for row, c in zip(rows[begins], (c for c, new in zip(found, begins, strict=True) if new), strict=True):
+        ax.text(FLOOR, row - 1.0, f" {titles[c.experiment]}", va="center", weight="bold")
     ax.set_xlim(FLOOR, 1200.0)
     ticks = [1, 3, 10, 30, 100, 300, 1000]
     ax.set_xticks(ticks, [f"≤ {FLOOR:g} %", *(f"{tick} %" for tick in ticks[1:])])
-    words = "● agrees, ✖ differs, ■ cannot be told; grey: 2 u"
-    ax.set_xlabel(f"error (rms of S − D) over the scale of the data\n{words}")
-    ax.set_yticks(rows, labels)
+    ax.set_xlabel("error (rms of S − D) over the scale of the data")
+    ax.set_yticks(rows, [f"{NAMES.get(c.quantity, c.quantity)}, {law_name(c.law)}" for c in found])
     ax.set_ylim(rows[-1] + 0.7, rows[0] - 1.7)
     ax.tick_params(axis="y", length=0)
     ax.tick_params(axis="x", which="minor", length=0)
     ax.grid(axis="x")
+    legend_above(figure)
     return figure
 
 

@@ -44,7 +44,7 @@ function rewalk() {
 function drawTools(holder, now, show, settle) {
   const why = P.refusal ?? (sketch ? "" : null);
   if (why === null || data.jobs) return { section: el("div", {}), redraw: () => {} };
-  if (why) return { section: el("p", { class: "note", id: "no-drawing" }, `No other sole can be drawn and walked here: ${why}.`), redraw: () => {} };
+  if (why) return { section: el("p", { class: "note", id: "no-drawing" }, `No other sole can be drawn and simulated here: ${why}.`), redraw: () => {} };
   let rest = 0;
   const snapshot = () => ({ design: now(), k: heights(now()), zeta: sketch.zeta, mass: sketch.mass });
   const put = ({ k, zeta, mass }) => {
@@ -113,9 +113,9 @@ function drawTools(holder, now, show, settle) {
   const sliders = [slider("zeta", "sand strength, zeta", P.sand.zeta), slider("mass", "mass, kg", P.walker.mass)];
   const back = el("button", { type: "button", id: "undo", click: undo }, "Undo"), commands = el("pre", { id: "commands" });
   const section = el("div", { id: "draw" },
-    el("p", { class: "note" }, kOf ? "Drag a waypoint of the sole, or choose one and press the up and down keys: the page walks with it. k has their levels from heel to toe, counted downwards." : "This sole has no waypoints to drag; sand and mass can be changed."),
+    el("p", { class: "note" }, kOf ? "Drag a waypoint of the sole, or choose one and press the up and down keys: the page simulates its walk. k has their levels from heel to toe, counted downwards." : "This sole has no waypoints to drag; sand and mass can be changed."),
     el("div", { class: "bar" }, ...sliders.map(({ row }) => row), back),
-    folded("Commands that walk with this sole, or search from it", () => commands));
+    folded("Commands that simulate this sole, or search from it", () => commands));
   function redraw() {
     sliders.forEach((s) => s.redraw());
     back.disabled = !sketch.past.length;

@@ -2,14 +2,14 @@
 
 /** The first lines: what this run is and what it found. */
 function headline() {
-  const warnings = [...(entry.warnings ?? []).map((text) => `Outside what the theory is tested for: ${text}.`), ...(data.warnings ?? [])]
+  const warnings = [...(entry.warnings ?? []).map((text) => `Outside the tested range: ${text}.`), ...(data.warnings ?? [])]
     .map((text) => el("p", { class: "warning" }, text));
   const badge = el("details", { id: "warnings" }, el("summary", {}, `${warnings.length} warning${warnings.length > 1 ? "s" : ""}`), ...warnings);
   const [first, ...more] = data.headline ?? [], short = data.walks ? [] : more;
   return [...(first ? [el("p", {}, first)] : []), ...short.map((text) => el("p", {}, text)), ...(warnings.length ? [badge] : [])];
 }
 
-/** What became of an objective: J_W as a multiple, others in %. */
+/** The change of an objective: of J_W the multiple, of others in %. */
 function change(value, base, column) {
   const ratio = value / base;
   if (!Number.isFinite(ratio) || Math.abs(base) < ROUNDING) return "–";
@@ -20,7 +20,7 @@ function change(value, base, column) {
 /** A design's value of each column, the finest there is. */
 const valueOf = (i, c) => (i === data.best && data.bestValues ? data.bestValues[c] : values[i * WIDTH + c]);
 
-/** Bars of change against the flat foot, with the error of the numbers and the range under other laws. */
+/** Bars of change against the flat foot, with error ticks and circles under other sand laws. */
 function bars(i, width) {
   const laws = i === data.best ? entry.ranks?.laws ?? [] : [], colour = i === data.best ? "var(--best)" : "var(--chosen)";
   const rows = data.columns.flatMap((column, c) => {
@@ -102,12 +102,12 @@ function designSection() {
     drawing.replaceChildren(soleDrawing(points, { width: widthOf(drawing), k, top: own("top", chosen), colour: data.jobs ? COLOURS[chosen % COLOURS.length] : best ? "var(--best)" : "var(--chosen)",
       ghost: same ? null : flat?.points }));
     if (focus) drawing.querySelector(`[data-waypoint="${focus}"]`)?.focus({ preventScroll: true });
-    const finer = best && data.bestValues, accuracy = data.jobs ? "" : `Walked at accuracy ${(finer ? entry.accuracy : entry.search_accuracy ?? entry.accuracy)?.name}. `;
+    const finer = best && data.bestValues, accuracy = data.jobs ? "" : `Evaluated at accuracy ${(finer ? entry.accuracy : entry.search_accuracy ?? entry.accuracy)?.name}. `;
     const compared = entry.flat && feasible[chosen] && !flat?.reason && !same;
     exact.hidden = !compared;
     numbers.replaceChildren(...(compared
-      ? [gain(chosen), bars(chosen, Math.max(widthOf(numbers), 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Ticks at the end of a bar: ± the numerical error.",
-        best && entry.ranks?.laws?.some((law) => law.change) ? " Circles: under other laws of the sand." : "", ` ${accuracy}`, gain(chosen) && "J_W, which the paper minimises: −distance × mean height / (work × peak power × speed loss)."), model()]
+      ? [gain(chosen), bars(chosen, Math.max(widthOf(numbers), 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Error ticks: the numerical error.",
+        best && entry.ranks?.laws?.some((law) => law.change) ? " Circles: the result under other sand laws." : "", ` ${accuracy}`, gain(chosen) && "J_W, which the paper minimises: −distance × mean height / (work × peak power × speed loss)."), model()]
       : [scrolled("Values", valueTable(chosen, same ? null : entry.flat)), el("p", { class: "note" }, accuracy), model()]));
     exact.refresh();
     tools.redraw();
@@ -139,7 +139,7 @@ function glance() {
   return { section, show };
 }
 
-/** How a search got there: convergence, and each design that was the best for a while. */
+/** The search: convergence, and each design that was the best for a while. */
 function searchSection(choose) {
   const holder = el("div", { class: "plot" }), several = data.objectives.length > 1;
   const looks = { best: { stroke: "var(--best)", "stroke-width": 2.2 }, median: { stroke: "var(--flat)", "stroke-dasharray": "6 4" } };
@@ -165,7 +165,7 @@ function searchSection(choose) {
     el("figure", {}, holder),
     folded("The search as a table", () => table(["evaluations", ...(several ? ["hypervolume", "front"] : [`best ${named(guide)}`, "median"])],
       data.history.map((r) => [r.evaluations, number(several ? r.best : guide.show(r.best)), several ? r.front : number(guide.show(r.median))].map(String)))),
-    ...(buttons.length ? [el("h3", {}, "Lineage: each sole that was the best at the end of a generation"),
+    ...(buttons.length ? [el("h3", {}, "Lineage: the best sole after each generation that improved it"),
       el("div", { class: "lineage" }, ...buttons)] : []));
   const mark = (i) => buttons.forEach((b) => b.setAttribute("aria-pressed", String(+b.dataset.design === i)));
   return { section, draw, mark };
@@ -190,7 +190,7 @@ function jobsSection(choose) {
     ...(data.jobs.some((job) => job.link) ? [el("p", { class: "note" }, `A ${what}'s link opens its own page.`)] : []));
 }
 
-/** What the jobs' walks have in common to look at: traces over time, a colour and a dash for each job. */
+/** Traces of the jobs' walks over time, a colour and a dash for each job. */
 function tracesSection() {
   const jobs = data.traces.map((raw) => ({ label: data.designs.labels[raw.design], t: unpack(raw.t),
     ...Object.fromEntries(["height", "speed", "power", "work"].map((name) => [name, unpack(raw[name])])), looks: jobLine(raw.design) }));
@@ -221,7 +221,7 @@ function studySections() {
   ];
 }
 
-/** Config, seed, versions, errors, time: what a reader needs to make the same page again. */
+/** Settings, seed, versions, errors, time: all that reproduces the page. */
 function footer() {
   const facts = [
     ["seed", entry.seed ?? undefined], ["wall time", entry.wall_time_s === undefined ? undefined : `${entry.wall_time_s.toFixed(1)} s`],

@@ -34,42 +34,17 @@ def write_study(
     entry: Mapping[str, Any],
     warnings: Sequence[str] = (),
 ) -> Path:
-    """Write the page of a study of many walks.
+    """Write the page of a study of many walks, report.html.
 
-    A cell of a table that is the name of a file in the folder is a link to it.
-
-    Parameters
-    ----------
-    folder : Path
-        Of the run; its folder "figures" holds the figures as SVG.
-    title : str
-        Of the page.
-    headline : sequence of str
-        What was found, a paragraph each.
-    figures : mapping of str to str
-        What each figure shows, in words, by its name.
-    tables : sequence of rich.table.Table
-        As the terminal shows them.
-    entry : mapping
-        What result.json says of the run.
-    warnings : sequence of str
-        A marked paragraph each.
-
-    Returns
-    -------
-    Path
-        The page.
-
-    Raises
-    ------
-    FileError
-        The page cannot be written.
+    The folder of the run has the `figures` (captions by name) as SVG in its folder "figures". `headline` and
+    `warnings` are paragraphs, `tables` those of the terminal; a cell that is the name of a file in the folder
+    is a link to it. `entry` is the run's result.json.
     """
     files = {path.name for path in folder.iterdir() if path.is_file()}
     content = {
         "title": title,
-        "headline": list(headline),
-        "warnings": list(warnings),
+        "headline": headline,
+        "warnings": warnings,
         "figures": [
             {"says": says, **_inline(folder / "figures" / f"{name}.svg")} for name, says in figures.items()
         ],

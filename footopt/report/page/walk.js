@@ -51,10 +51,10 @@ function isFlat(points) {
   return Boolean(flat) && [0, -1].every((end) => same(points.at(end)[0], flat.at(end)[0])) && points.every(([, z]) => same(z, flat[0][1]));
 }
 
-/** In words that a walk made here hangs on its last digits; nothing where it does not. */
-function hangs(i) {
+/** A sentence where a walk made here is sensitive to rounding; else nothing. */
+function sensitivity(i) {
   const found = walked.has(i) && rounding(walked.get(i).arc, i === DRAWN ? sketch : { zeta: P.sand.zeta, mass: P.walker.mass });
-  return found ? `This walk hangs on its last digits: rounding alone changes its ${found[0].replaceAll("_", " ")} by ${Number.isFinite(found[1]) ? percent(found[1]) : "all of it"}. Walked again by footopt it may differ by as much.` : "";
+  return found ? `This walk is sensitive to rounding, which alone changes its ${found[0].replaceAll("_", " ")} by ${Number.isFinite(found[1]) ? percent(found[1]) : "all of it"}. footopt may differ by as much.` : "";
 }
 
 /** The section of the walk; `show(i)` puts the walk of a design on it. */
@@ -102,8 +102,8 @@ function walkSection() {
     const { walk } = state, failed = !walk || walk.t.length < 2;
     title.textContent = `The walk${COUNT > 1 ? `: ${label(state.chosen)}` : ""}`;
     message.textContent = !walk
-      ? `No walk of ${label(state.chosen)} is on this page; footopt study=simulate foot.k=[${heights(state.chosen)}] walks with it, with this run's own sand and other settings beside.`
-      : walk.reason ? `This walk failed: ${walk.reason}${failed ? ", at once" : `, at ${number(walk.t.at(-1))} s`}.` : hangs(state.chosen);
+      ? `The walk of ${label(state.chosen)} is not on this page: footopt study=simulate run=${data.folder ?? "FOLDER"} 'foot.k=[${heights(state.chosen)}]' simulates it.`
+      : walk.reason ? `This walk failed: ${walk.reason}${failed ? ", at once" : `, at ${number(walk.t.at(-1))} s`}.` : sensitivity(state.chosen);
     picture.hidden = failed;
     if (keep) keep.hidden = failed;
     if (failed) { stop(); return; }
