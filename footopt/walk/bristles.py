@@ -54,7 +54,7 @@ def beginning(bristles):
 
 
 @unless_none
-def stage_of(bristles):
+def whole_step(bristles):
     """An implicit stage that is the whole step."""
     return Stage(bristles.h_n, bristles.h_next, 1.0)
 

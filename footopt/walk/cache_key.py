@@ -14,7 +14,6 @@ from numba import njit
 
 from footopt.compiled import cached_njit
 from footopt.effects import HOOKS
-from footopt.walk import steppers
 
 #: Where types and functions come from that every process can import.
 HOME = ("footopt.", __name__.rpartition(".")[0] + ".")
@@ -28,7 +27,7 @@ def is_own(thing: Any) -> bool:
 def own_code(laws: Sequence[Any], stepper: Any = None) -> tuple[Any, ...]:
     """A user's own types and functions among those that a walk with some effects and a stepper needs."""
     hooks = [getattr(type(law), hook) for law in laws for hook in HOOKS if hasattr(law, hook)]
-    step = () if stepper is None else (type(stepper), steppers.STEPS[type(stepper)])
+    step = () if stepper is None else (type(stepper), type(stepper).step)
     return tuple(filter(is_own, (*step, *map(type, laws), *hooks)))
 
 

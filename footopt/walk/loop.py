@@ -15,7 +15,7 @@ from footopt.walk.contact import contact
 from footopt.walk.metrics import no_extremes, raw_of, sample_of, sinkage_of, step_error, updated
 from footopt.walk.standing import static_height
 from footopt.walk.state import Integrals, Sole, State, World, borrowed, sole_at, write
-from footopt.walk.steppers import acceleration, advance, touch
+from footopt.walk.steppers import acceleration, advance, explicit_contact
 
 NEAR = 0.9  # of the largest |P| of a foot so far: from there a step may hold the peak of the whole walk
 PEAK = 0.1  # of its control is what such a step is held to: the peak follows the speed's error at one instant
@@ -63,7 +63,7 @@ def walk_designs(
         z = static_height(world, sole, pose0, beginning(bristles))
         if not np.isfinite(z):
             continue
-        at = touch(world, sole, pose0, 0.0, z, 0.0, 0.0, bristles, 0.0, count)
+        at = explicit_contact(world, sole, pose0, 0.0, z, 0.0, 0.0, bristles, 0.0, count)
         state = State(0.0, z, 0.0, 0.0, at, Integrals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), bristles, True)
         extremes = no_extremes()
         if traced:

@@ -1,43 +1,39 @@
-"""What a stepper is: a function that advances the walker by one time step, and its entry in `STEPPERS`.
+"""What a stepper is: a NamedTuple of its parameters with a method that advances the walker by one time step.
 
-The function makes the state at t + h out of that at t, and changes nothing but the counts:
+The method makes the state at t + h out of that at t, and changes nothing but the counts:
 
-    state = step(method, world, sole, poses, state, h, counts)
+    state = self.step(world, sole, poses, state, h, counts)
 
-- ``method``: the stepper's parameters, an instance of a NamedTuple of its own. By its type the loop over
-  steps finds the function when it is compiled: it holds one stepper only, inlined, and is kept on disk for
-  each.
+- By the type of ``self`` the loop over steps finds it when it is compiled: the loop holds one stepper only,
+  inlined, and is kept on disk for each.
 - ``world``, ``sole``, ``state``, ``counts``: see `footopt.walk.state`. ``state.contact`` is the contact at
-  the state's own time; ``state.integrals`` grow by the step's own quadrature of every stage (`add`).
-- ``poses`` (nodes, 2, 7): both feet at t + node h, for the registered nodes; the last node is 1.
+  the state's own time; ``state.integrals`` grow by the step's own quadrature of every stage (`accumulate`).
+- ``poses`` (nodes, 2, 7): both feet at t + node h, for the stepper's nodes; the last node is 1.
 - ``solved`` of the new state says whether the step could be made.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba.extending import overload
+from numba.extending import overload, register_jitable
 
 from footopt.compiled import INLINE, inlined
-from footopt.walk.bristles import next_step, stage_of, update_bristles
+from footopt.walk.bristles import next_step, update_bristles, whole_step
 from footopt.walk.contact import contact
 from footopt.walk.state import Integrals, State
 
 
 @dataclass(frozen=True)
 class Stepper:
-    """A stepper's entry.
+    """A stepper's entry in `STEPPERS`.
 
     Parameters
     ----------
     parameters : NamedTuple
-        An instance of a class of its own.
-    step : callable
-        See the top of this module.
+        With the method `step`, see the top of this module.
     nodes : tuple of float
         Where in a step it needs the pose, as shares of the step.
     order : int
@@ -49,39 +45,26 @@ class Stepper:
     """
 
     parameters: Any
-    step: Callable[..., State]
     nodes: tuple[float, ...]
     order: int
-    implicit: bool
-    source: str
+    implicit: bool = False
+    source: str = ""
 
 
 STEPPERS: dict[str, Stepper] = {}
-STEPS: dict[type, Callable[..., State]] = {}
-
-
-def register(
-    name: str,
-    parameters: Any,
-    step: Callable[..., State],
-    nodes: tuple[float, ...],
-    order: int,
-    implicit: bool = False,
-    source: str = "",
-) -> None:
-    """Offer a stepper under a name; see `Stepper`."""
-    STEPPERS[name] = Stepper(parameters, step, nodes, order, implicit, source)
-    STEPS[type(parameters)] = step
 
 
 def advance(method, world, sole, poses, state, h, counts):
     """The step of whichever stepper the first argument is; resolved when the loop is compiled."""
-    return STEPS[type(method)](method, world, sole, poses, state, h, counts)
+    return method.step(world, sole, poses, state, h, counts)
 
 
 @overload(advance, jit_options=INLINE)
 def _resolve(method, world, sole, poses, state, h, counts):
-    return STEPS[method.instance_class]
+    step = register_jitable(**INLINE)(method.instance_class.step)
+    return lambda method, world, sole, poses, state, h, counts: step(
+        method, world, sole, poses, state, h, counts
+    )
 
 
 @inlined
@@ -92,8 +75,8 @@ def acceleration(world, at):
 
 
 @inlined
-def touch(world, sole, poses, x, z, vx, vz, bristles, time, counts):
-    """The contact at the hip's place (m) and velocity (m/s), without its derivatives.
+def explicit_contact(world, sole, poses, x, z, vx, vz, bristles, time, counts):
+    """The contact at the hip's place (m) and velocity (m/s), without derivatives.
 
     time: since the step's beginning, s, for which bristles have followed the plates.
     """
@@ -104,16 +87,16 @@ def touch(world, sole, poses, x, z, vx, vz, bristles, time, counts):
 
 
 @inlined
-def arrive(world, sole, poses, x, z, vx, vz, integrals, bristles, h, counts):
+def finish_step(world, sole, poses, x, z, vx, vz, integrals, bristles, h, counts):
     """The state at the end of an explicit step."""
-    at = touch(world, sole, poses, x, z, vx, vz, bristles, h, counts)
+    at = explicit_contact(world, sole, poses, x, z, vx, vz, bristles, h, counts)
     if bristles is not None:
-        update_bristles(sole, poses, x, z, vx, vz, world.bristle_length / h, stage_of(bristles))
+        update_bristles(sole, poses, x, z, vx, vz, world.bristle_length / h, whole_step(bristles))
     return State(x, z, vx, vz, at, integrals, next_step(bristles), True)
 
 
 @inlined
-def add(sums, weight, z, vx, vz, at):
+def accumulate(sums, weight, z, vx, vz, at):
     """Integrals along the walk with one stage more, of a weight in s, a height, a velocity, a contact."""
     left, right = at.left, at.right
     joint_left = left.x * vx + left.z * vz - left.power
