@@ -17,17 +17,7 @@ from footopt.walk import MEASURES
 
 
 def jobs_content(folder: Path, runs: Sequence[Any], common: Collection[str]) -> dict[str, Any]:
-    """The page over several runs.
-
-    Parameters
-    ----------
-    folder : Path
-        That the page is for.
-    runs : sequence of footopt.report.summary.Run
-        What is compared.
-    common : collection of str
-        Settings that all of them share.
-    """
+    """The page in a folder over several runs (`footopt.report.summary.Run`) that share some overrides."""
     done = [run for run in runs if run.result]
     results = [run.result for run in done]
     known = {name: (objective.unit, objective.maximise) for name, objective in MEASURES.items()}
@@ -35,15 +25,12 @@ def jobs_content(folder: Path, runs: Sequence[Any], common: Collection[str]) -> 
         known |= {name: (result["units"][name], most) for name, most in result.get("maximise", {}).items()}
     # what not all have could not be compared
     names = [name for name in known if done and all(name in run.objectives for run in done)]
-    values = np.array([[run.objectives[name] for name in names] for run in done]).reshape(
-        len(done), len(names)
-    )
+    values = np.array([[run.objectives[name] for name in names] for run in done], float)
     columns = [column(name, *known[name]) for name in names]
     flat = np.array([(result.get("flat") or {}).get("efficiency", np.nan) for result in results], float)
     if "efficiency" in names and np.isfinite(flat).all():
         values[:, names.index("efficiency")] /= flat
         columns[names.index("efficiency")] |= {"title": "J_W", "unit": "x of flat", "maximise": True}
-    feet = [result["settings"]["foot"] for result in results]
     return {
         "title": f"{len(runs)} {runs[0].name.split()[0]}s",
         "headline": [
@@ -56,8 +43,8 @@ def jobs_content(folder: Path, runs: Sequence[Any], common: Collection[str]) -> 
                 "name": run.name,
                 "place": run.place,
                 "settings": " ".join(o for o in run.overrides if o not in common),
-                "hollow": number(run.result["design"]["hollow_mm"]) if run.result else "-",
-                "efficiency": run.objectives.get("efficiency") if run in done else None,
+                "hollow": number(run.more.get("hollow_mm", np.nan)),
+                "efficiency": run.objectives.get("efficiency"),
                 "note": run.note,
                 "seed": run.result.get("seed"),
                 "seconds": run.result.get("wall_time_s"),
@@ -74,14 +61,14 @@ def jobs_content(folder: Path, runs: Sequence[Any], common: Collection[str]) -> 
             "reasons": [result.get("reason", "") for result in results],
             "soles": [packed(run.contour) for run in done],
         },
-        "top": [foot["top"] for foot in feet],
-        "width": [foot["width"] for foot in feet],
+        "top": [result["settings"]["foot"]["top"] for result in results],
+        "width": [result["settings"]["foot"]["width"] for result in results],
         "best": 0,
         "entry": {"versions": results[0]["versions"]} if done else None,
         "traces": [
-            {"design": i} | {name: packed(trace) for name, trace in traces.items()}
+            {"design": i} | {name: packed(trace) for name, trace in run.traces.items()}
             for i, run in enumerate(done)
-            if (traces := run.traces) is not None
+            if run.traces
         ],
     }
 
