@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import check
+from footopt.errors import check, is_number
 from footopt.walk.objectives import MEASURES
 
 Array = NDArray[np.float64]
@@ -133,7 +133,7 @@ class Choice:
             allowed = f"{'' if needed else 'not '}given with choose={self.by}"
             check(bool(given) == needed, setting, dict(given), allowed, hint)
         for key, value in self.weights.items():
-            good = isinstance(value, (int, float)) and 0 < value < np.inf
+            good = is_number(value) and 0 < value < np.inf
             check(good, f"choose.weights.{key}", value, "a number > 0")
 
     def check_names(self, names: Sequence[str]) -> None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from footopt.design.fronts import nondominated
 from footopt.design.problem import Array, FootProblem, Ints
 from footopt.design.solvers import Solver
-from footopt.errors import check
+from footopt.errors import check_whole
 from footopt.foot import Foot
 from footopt.walk.accuracy import Accuracy, resolve
 from footopt.walk.objectives import MEASURES
@@ -168,6 +168,8 @@ class SearchResult:
 
     def column(self, name: str) -> Array:
         """A recorded value of every design, (designs,), natural sign."""
+        if name not in self.problem.record:
+            raise KeyError(f"no {name!r} is recorded: there are {', '.join(self.problem.record)}")
         return np.asarray(self.values[:, self.problem.record.index(name)])
 
     @property
@@ -275,4 +277,4 @@ def confirm(result: SearchResult, accuracy: Accuracy | str, finalists: int = 20)
 
 def check_finalists(finalists: int) -> None:
     """Raise a `SettingError` unless so many designs can be walked again by `confirm`."""
-    check(1 <= finalists <= 10_000, "study.finalists", finalists, "a whole number >= 1 and <= 10,000")
+    check_whole(finalists, "study.finalists", 1, 10_000)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.effects import Effect, LeadingEdge, Shadowing
-from footopt.errors import check
+from footopt.errors import check, check_whole
 from footopt.foot import Waypoints
 from footopt.gait import Gait
 from footopt.gait.fourier import Fourier
@@ -169,7 +169,7 @@ def draw(scene: Scene, spread: Spread, count: int, seed: int = 1) -> tuple[Scena
     """
     from scipy.special import ndtri
 
-    check(1 <= count <= 10_000, "study.draws", count, "a whole number >= 1 and <= 10,000")
+    check_whole(count, "study.draws", 1, 10_000)
     rng = np.random.default_rng(seed)
     strata = np.stack([rng.permutation(count) for _ in COLUMNS], axis=1)
     normals = ndtri((strata + rng.random(strata.shape)) / count)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.compiled import cached_njit
-from footopt.errors import SettingError, check
+from footopt.errors import SettingError, check, check_whole
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -68,14 +68,9 @@ class Waypoints:
     top: float = 0.0
 
     def __post_init__(self) -> None:
-        check(
-            _is_int(self.n) and 4 <= self.n <= 200,
-            "foot.n",
-            self.n,
-            "a whole number from 4 to 200",
-            "A not-a-knot cubic spline needs four points; the paper's feet have 11.",
-        )
-        check(_is_int(self.K) and 1 <= self.K <= 10**6, "foot.K", self.K, "a whole number from 1 to 1e6")
+        hint = "A not-a-knot cubic spline needs four points; the paper's feet have 11."
+        check_whole(self.n, "foot.n", 4, 200, hint)
+        check_whole(self.K, "foot.K", 1, 10**6)
         for name in ("L", "H", "width"):
             value = getattr(self, name)
             check_length(f"foot.{name}", value)
@@ -207,10 +202,6 @@ def check_ankle(ankle: tuple[float, float]) -> None:
 def check_top(top: float) -> None:
     """Raise unless the top's height is a number."""
     check(abs(top) <= 10.0, "foot.top", top, "a finite height in the foot frame, from -10 to 10, in m")
-
-
-def _is_int(value: object) -> bool:
-    return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
 
 
 @lru_cache

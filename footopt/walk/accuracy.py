@@ -10,7 +10,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from footopt.errors import SettingError, check, check_kind
+from footopt.errors import SettingError, check, check_kind, check_whole
 from footopt.foot.plates import RULES
 from footopt.walk.steppers import STEPPERS
 
@@ -66,13 +66,7 @@ class Accuracy:
         if self.stepper not in STEPPERS:
             raise SettingError("accuracy.stepper", self.stepper, f"one of {', '.join(STEPPERS)}")
         check(LEAST_DT <= self.dt <= 1.0, "accuracy.dt", self.dt, "a time step from 1e-9 to 1, in s")
-        check(
-            isinstance(self.plates, int) and 2 <= self.plates <= MOST_PLATES,
-            "accuracy.plates",
-            self.plates,
-            f"a whole number from 2 to {MOST_PLATES}",
-            "The paper's is 100.",
-        )
+        check_whole(self.plates, "accuracy.plates", 2, MOST_PLATES, "The paper's is 100.")
         check(
             LEAST <= self.creep <= 1.0,
             "accuracy.creep",

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import SettingError, check
+from footopt.errors import SettingError, check, is_number
 from footopt.walk.metrics import RAW
 from footopt.walk.scene import Scene
 
@@ -67,7 +67,7 @@ class Objective:
     def check_limit(self, setting: str, limit: Any) -> None:
         """Raise a `SettingError` for a limit that is no finite number, or that no walk could keep."""
         least = -math.inf if self.maximise else self.least
-        number = float(limit) if isinstance(limit, (int, float, np.number)) else math.nan
+        number = float(limit) if is_number(limit) else math.nan
         check(
             math.isfinite(number) and number >= least,
             setting,

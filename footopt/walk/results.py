@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.effects import reshaping
-from footopt.errors import check, needed
+from footopt.errors import needed
 from footopt.foot import Foot, Plates
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.metrics import RAW
@@ -75,15 +75,21 @@ class Table:
         return len(self.values)
 
     def column(self, name: str) -> Array:
-        """Any objective by name, (designs,), whether it is among `names` or not.
+        """An objective by name, (designs,), whether it is among `names` or not.
 
-        `maximum_sinkage`, and what is measured in Python, must have been asked for in `evaluate`.
+        Raises
+        ------
+        KeyError
+            It is `maximum_sinkage` or measured in Python, and `evaluate` was not asked for it.
         """
-        found = lookup([name])[0]
-        if found.of == "raw":
-            return np.asarray(found.value(by_name(self.raw), self.scene))
-        check(name in self.names, "name", name, f"one of {', '.join(self.names)}: what was asked for")
-        return self.values[:, self.names.index(name)]
+        if name in self.names:
+            return self.values[:, self.names.index(name)]
+        there = [n for n, o in OBJECTIVES.items() if n != "maximum_sinkage" and o.of == "raw"]
+        if name not in there:
+            raise KeyError(
+                f"no {name!r} in this table: it has {', '.join(dict.fromkeys([*self.names, *there]))}"
+            )
+        return np.asarray(OBJECTIVES[name].value(by_name(self.raw), self.scene))
 
     @property
     def efficiency(self) -> Array:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.effects import base as effects
-from footopt.errors import SettingError, check, check_kind
+from footopt.errors import SettingError, check, check_kind, check_whole
 from footopt.foot import Foot, Plates, Waypoints, as_feet, as_plates
 from footopt.foot.plates import RULES
 from footopt.walk import discretize
@@ -65,13 +65,6 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
     check_kind(foot, Foot, "foot", "Try fo.Foot.from_waypoints(heights)")
     scene = _scene(scene)
     accuracy = adapted(resolve(accuracy), scene, foot)
-    check(
-        discretize.bristle_bytes(scene, accuracy) <= discretize.MOST_BYTES,
-        "accuracy.plates",
-        accuracy.plates,
-        f"fewer for a walk of {scene.duration:g} s with bristles, which are kept at every step",
-        "Or take a longer accuracy.dt; evaluate keeps nothing.",
-    )
     directed = effects.laws(scene.effects).directed
     plates = foot.plates(accuracy.plates, accuracy.rule, directed, effects.reshaping(scene.effects))
     walked = _walk(plates, scene, accuracy, _Asked(sink=True, threads=1, traced=True))
@@ -103,7 +96,7 @@ def evaluate(
     feet: Foot | Sequence[Foot] | Plates | ArrayLike,
     scene: Scene | None = None,
     accuracy: Accuracy | str = "standard",
-    objectives: Sequence[str] = FIVE,
+    objectives: str | Sequence[str] = FIVE,
     space: Waypoints | None = None,
     threads: int | None = None,
     errors: bool = False,
@@ -118,8 +111,9 @@ def evaluate(
         The soles; an array holds heights of waypoints in `space`.
     scene, accuracy
         As in `simulate`.
-    objectives : sequence of str
-        Names from `footopt.walk.objectives.MEASURES`; those that are measured in Python are slow.
+    objectives : str or sequence of str
+        One name, or several, of `footopt.walk.objectives.MEASURES`; those that are measured in Python
+        are slow.
     space : Waypoints, optional
         Of the heights; the paper's by default.
     threads : int, optional
@@ -141,6 +135,7 @@ def evaluate(
     scene, accuracy = _scene(scene), resolve(accuracy)
     bodies = as_feet(feet)
     scene.need_heel_strike()
+    objectives = (objectives,) if isinstance(objectives, str) else tuple(objectives)
     lookup(objectives)
     check(not (errors and isinstance(bodies, Plates)), "errors", True, "false where feet are plates")
     parts, order = [], []
@@ -248,8 +243,10 @@ def available_threads() -> int:
 
 def at_once(given: int | None, setting: str = "engine.threads") -> int:
     """How many threads or workers there are to be; None: as many as the process may run on."""
-    check(given is None or 1 <= given <= 4096, setting, given, "a whole number >= 1 and <= 4096 (null: all)")
-    return available_threads() if given is None else given
+    if given is None:
+        return available_threads()
+    check_whole(given, setting, 1, 4096, "Or null: all.")
+    return int(given)
 
 
 def _chunks(feet: Any, scene: Scene, accuracy: Accuracy, space: Waypoints | None) -> Iterator[Plates]:
@@ -311,6 +308,15 @@ def _walk(plates: Plates, scene: Scene, accuracy: Accuracy, asked: _Asked) -> _W
 
 def _run(plates: Plates, scene: Scene, accuracy: Accuracy, asked: _Asked) -> _Walked:
     """`_walk` once, with the given time step."""
+    remembers = asked.traced and asked.remembers
+    check(
+        not remembers or discretize.bristle_bytes(scene, accuracy) <= discretize.MOST_BYTES,
+        "accuracy.plates",
+        accuracy.plates,
+        f"fewer for a walk of {scene.duration:g} s in steps of {accuracy.dt:.2g} s with bristles, "
+        "which are kept at every step",
+        "Or take a longer accuracy.dt; evaluate keeps nothing.",
+    )
     stepper, designs = STEPPERS[accuracy.stepper], len(plates.x)
     times, pose0, tables = discretize.poses(scene, accuracy)
     soles = discretize.soles(plates)

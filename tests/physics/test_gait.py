@@ -55,7 +55,10 @@ class TestHumanWalk:
         assert dict(gait.residual) == {"thigh": 0.23, "knee": 0.55}
         assert dict(fo.Gait.human(harmonics=3).residual) == {"thigh": 0.5, "knee": 1.83}
 
-    @pytest.mark.parametrize("harmonics", [0, -1, 9])
+    def test_harmonics_may_be_of_numpy(self):
+        assert fo.Gait.human(harmonics=np.int64(3)) == fo.Gait.human(harmonics=3)
+
+    @pytest.mark.parametrize("harmonics", [0, -1, 9, 2.5, True])
     def test_harmonics_beyond_the_data_are_refused(self, harmonics):
         with pytest.raises(SettingError, match=rf"gait\.harmonics = {harmonics}: .*from 1 to 8"):
             fo.Gait.human(harmonics=harmonics)

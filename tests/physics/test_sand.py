@@ -95,7 +95,7 @@ class TestSand:
         for word in ("sand = 'concrete'", *MEDIA, "sand.zeta"):
             assert word in str(error.value)
 
-    @pytest.mark.parametrize("zeta", [0, -1.0, math.nan, math.inf, -math.inf, "5", None])
+    @pytest.mark.parametrize("zeta", [0, -1.0, math.nan, math.inf, -math.inf, "5", None, True])
     def test_an_impossible_zeta_is_refused_by_name_value_and_allowed_range(self, zeta):
         with pytest.raises(SettingError, match=r"^sand\.zeta = .*must be a number > 0") as error:
             Sand(zeta)

@@ -102,7 +102,7 @@ def test_walks_that_raise_are_left_out_and_tried_again(tmp_path, caplog, monkeyp
     [
         ({"name": "mpi"}, "engine = 'mpi': must be one of local, processes, dask"),
         ({"workers": 2}, "engine.workers = 2: must be null"),
-        ({"name": "processes", "workers": 0}, "engine.workers = 0: must be a whole number >= 1"),
+        ({"name": "processes", "workers": 0}, "engine.workers = 0: must be a whole number from 1"),
         ({"name": "dask"}, "engine.address = None: must be that of a scheduler"),
         ({"name": "dask", "address": "node7:8786"}, "engine.address = 'node7:8786'"),
         (

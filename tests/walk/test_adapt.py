@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import footopt as fo
+from footopt.errors import SettingError
 from footopt.foot.plates import CORNER, arc_and_turns, corners
 from footopt.walk.accuracy import PRESETS
 from footopt.walk.adapt import EACH, MOST, adapted
@@ -36,6 +37,13 @@ def test_numbers_by_hand_are_taken_as_they_are(ramp_foot):
     walk = fo.simulate(ramp_foot, light)
     assert walk.accuracy != STANDARD
     assert adapted(walk.accuracy, fo.Scene(), PAPER) == walk.accuracy  # so that a walk can be repeated
+
+
+def test_plates_are_whole_numbers_of_any_kind():
+    assert fo.Accuracy(plates=np.int64(24)) == fo.Accuracy(plates=24)
+    for plates in (24.0, True, "24"):
+        with pytest.raises(SettingError, match=r"accuracy\.plates = .*: must be a whole number"):
+            fo.Accuracy(plates=plates)
 
 
 def test_plates_follow_hardness_and_mass():

@@ -152,6 +152,21 @@ class TestTable:
         np.testing.assert_array_equal(table.values[:, [3, 0]], five.values[:, [0, 4]])
         np.testing.assert_array_equal(table.efficiency, five.efficiency)
 
+    def test_a_string_is_one_name(self, ramp_foot, regular):
+        table = fo.evaluate(ramp_foot, regular, objectives="distance")
+        assert table.names == ("distance",)
+        assert table.values[0, 0] == fo.evaluate(ramp_foot, regular).column("distance")[0]
+
+    @pytest.mark.parametrize("name", ["maximum_sinkage", "hollow", "speed"])
+    def test_a_column_that_is_not_there_is_a_key_error_that_names_those_that_are(
+        self, name, ramp_foot, regular
+    ):
+        table = fo.evaluate(ramp_foot, regular, objectives=("distance", "thickness"))
+        assert np.isfinite(table.column("thickness")).all()
+        assert np.isfinite(table.column("work")).all()  # what costs nothing is there unasked
+        with pytest.raises(KeyError, match=f"{name}.* distance, thickness.*work"):
+            table.column(name)
+
     def test_a_walk_without_a_heel_strike_is_not_compared(self, ramp_foot):
         short = fo.Scene(t_f=1.0)
         with pytest.raises(SettingError, match=r"scene\.t_f = 1\.0: must be later than .* at 1\.1 s"):

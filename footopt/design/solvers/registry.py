@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any
 
-from footopt.errors import SettingError, check
+from footopt.errors import SettingError, check, is_number
 from footopt.foot import Waypoints
 
 #: Walks with every design of a small space, for one objective or several.
@@ -148,7 +148,7 @@ class Solver:
             allowed = f"one of {', '.join(known)}" if known else f"left out with solver={name}"
             check(word in known, "solver.operators", word, allowed)
             most = 1 if word == "CR" or word.endswith("_prob") else 100
-            good = isinstance(value, (int, float)) and 0 <= value <= most
+            good = is_number(value) and 0 <= value <= most
             check(good, f"solver.operators.{word}", value, f"a number from 0 to {most}")
         return SOLVERS[name](self, n_obj)
 
