@@ -13,11 +13,11 @@ from study_pages import check_page
 import footopt as fo
 from footopt.errors import SettingError
 from footopt.foot import SHAPES
+from footopt.studies import paper as study
 from footopt.studies.base import Study
 from footopt.studies.build import make_effects
-from footopt.studies.paper import run, study, walks
+from footopt.studies.paper import VERDICTS, judge, run, walks
 from footopt.studies.paper.claims import CLAIMS
-from footopt.studies.paper.study import VERDICTS, judge
 from footopt.studies.paper.walks import CHOICES, Settings, changes, evidence, make_shapes
 from footopt.studies.settings import Config
 

@@ -1,6 +1,148 @@
-"""The paper, reproduced and judged: its figures, its claims one by one, and its slips."""
+"""The paper's study from nothing: search the feet, draw the figures, measure and judge the claims."""
 
-from footopt.studies.paper.study import run
-from footopt.studies.paper.walks import Settings
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from importlib.resources import files
+from math import isfinite, nan
+from typing import Any
+
+from footopt.errors import FootoptError
+from footopt.files.io import plain, write_text
+from footopt.foot import Foot
+from footopt.foot.waypoints import written
+from footopt.report import terminal
+from footopt.report.figures.paper import all_figures
+from footopt.report.figures.tables import claims as draw_claims
+from footopt.report.numbers import number
+from footopt.studies.base import Study, foot_entry, scene_entry
+from footopt.studies.build import check_searchable
+from footopt.studies.paper.claims import CLAIMS, measure
+from footopt.studies.paper.walks import SANDS, Evidence, Settings, changes, evidence
+from footopt.studies.validation.model import JUDGED, model_error
+from footopt.walk import OBJECTIVES, Walk, simulate
+from footopt.walk.validity import diagnose
 
 __all__ = ["Settings", "run"]
+
+Entry = Mapping[str, Any]
+CAPTION = "Every claim: whether it holds at the settings, and with each open choice made otherwise."
+VERDICTS = ("holds", "does not hold", "hangs on a choice", "undecided")
+WORDS = ("figure", "claim", "verdict", "sand", "k", "shape")  # columns of words
+
+
+def run(study: Study) -> None:
+    """Repeat the paper: search its feet, draw its figures, judge its claims."""
+    config = study.config
+    check_searchable(config.foot)
+    searched, others = dict[str, list[int]](), dict(changes(config))
+    study.say(f"Searching feet for {', '.join(SANDS)} sand, {1 + len(others)} times")
+    with study.compiling():
+        simulate(Foot.flat(), study.scene, study.accuracy)
+    margins = {}
+    with study.progress(1 + len(others), "choice") as step:
+        own = evidence(config, searched)
+        step(news="the settings")
+        for name, (figure, caption) in all_figures(own.shapes, own.optima, own.crossed).items():
+            study.save(name, figure, caption)
+        for name, other in others.items():
+            try:
+                margins[name] = measure(evidence(other, searched))
+            except FootoptError:  # a search found no foot at all
+                margins[name] = dict.fromkeys(CLAIMS, nan)
+            step(news=name)
+    found = content(own, margins)
+    study.save("claims", draw_claims(found["claims"]), CAPTION)
+    write_text(study.folder / "claims.md", markdown(found))
+    shown = [terminal.table(head, WORDS, title, rows) for title, head, rows in tables(found)]
+    for sand, walk in own.optima.items():
+        study.say(f"The best foot for {sand} sand, on it:")
+        terminal.print_validity(study.console, diagnose(walk))
+    study.conclude(
+        "The paper, judged",
+        shown,
+        {
+            "seed": config.solver.seed,
+            **found,
+            **scene_entry(own.crossed.scene, own.crossed.accuracy, tuple(OBJECTIVES)),
+            "readings": own.readings,
+        },
+        said=(
+            f"{summary(found)}.",
+            *terminal.describe_model(model_error(walk) for walk in own.optima.values()),
+            "The page claims.md has all of it in words, with the errata.",
+        ),
+    )
+
+
+def judge(margin: float, changed: Mapping[str, float]) -> dict[str, Any]:
+    """Judge a claim by its margin at the settings and with each open choice made otherwise.
+
+    It hangs on the choices that turn it. A margin that is NaN, of a walk that failed, turns nothing.
+    """
+    turned = [name for name, m in changed.items() if isfinite(m + margin) and (m > 0.0) != (margin > 0.0)]
+    own = (0 if margin > 0.0 else 1) if isfinite(margin) else 3
+    verdict = VERDICTS[2 if turned else own]
+    return {"margin": margin, "verdict": verdict, "hangs_on": turned, "changed": dict(changed)}
+
+
+def content(own: Evidence, margins: Mapping[str, Mapping[str, float]]) -> dict[str, Any]:
+    """what result.json holds, in JSON's own types; `margins`: of each claim by each change."""
+    claims = []
+    for name, margin in measure(own).items():
+        judged = judge(margin, {change: found[name] for change, found in margins.items()})
+        claims.append({"id": name, **CLAIMS[name], **judged})
+    feet = {sand: foot_entry(walk.foot) | _walk_entry(walk) for sand, walk in own.optima.items()}
+    shapes = {name: _walk_entry(walk) for name, walk in own.shapes.items()}
+    return dict(plain({"claims": claims, "optima": feet, "shapes": shapes}))
+
+
+def _walk_entry(walk: Walk) -> dict[str, Any]:
+    return {"reason": walk.reason, "objectives": {name: walk.objectives[name] for name in JUDGED}}
+
+
+def summary(found: Entry) -> str:
+    """how many claims hold, in one line."""
+    verdicts = [claim["verdict"] for claim in found["claims"]]
+    hold, fail, depend, _ = map(verdicts.count, VERDICTS)
+    return f"{len(verdicts)} claims: {hold} hold, {fail} do not hold, {depend} hang on a choice"
+
+
+def tables(found: Entry) -> list[tuple[str, Sequence[str], list[list[str]]]]:
+    """The tables of the terminal and of claims.md from `content`: a title, a head and rows each."""
+    measures = ("distance (m)", "mean height (m)", "work (J)", "peak power (W)", "speed loss (m/s)", "J_W")
+    claims = [[c["place"], c["says"], *_judgement(c)] for c in found["claims"]]
+    feet = [
+        [sand, written(foot["k"]), number(foot["hollow_mm"]), *_cells(foot)]
+        for sand, foot in found["optima"].items()
+    ]
+    shapes = [[name, *_cells(shape)] for name, shape in found["shapes"].items()]
+    return [
+        ("Claims", ("figure", "claim", "margin", "verdict"), claims),
+        ("The best foot of each sand, on that sand", ("sand", "k", "hollow (mm)", *measures), feet),
+        ("The five shapes", ("shape", *measures), shapes),
+    ]
+
+
+def _judgement(claim: Entry) -> list[str]:
+    """The margin of a claim, and its verdict with what it hangs on."""
+    margin, verdict, turned = claim["margin"], claim["verdict"], ", ".join(claim["hangs_on"])
+    if turned:
+        verdict = f"holds, but not with {turned}" if margin > 0.0 else f"holds only with {turned}"
+    return ["-" if margin is None else f"{margin:+.3g} {claim['unit']}".rstrip(), verdict]
+
+
+def _cells(walk: Entry) -> list[str]:
+    return [walk["reason"] or "-" if v is None else number(v) for v in walk["objectives"].values()]
+
+
+def markdown(found: Entry) -> str:
+    """The page claims.md: `content`, as result.json has it, in words, and the errata."""
+    page = (
+        f"# The paper, claim by claim\n\n{summary(found)}. A margin is positive where a claim holds at the "
+        "settings. A claim hangs on what the paper leaves open where another choice turns it; choices are "
+        "made otherwise one at a time, and feet are searched again for each.\n"
+    )
+    for title, head, rows in tables(found):
+        page += f"\n## {title}\n\n{terminal.markdown_rows([head, ['---'] * len(head), *rows])}\n"
+    return f"{page}\n#{files(__package__).joinpath('errata.md').read_text(encoding='utf-8')}"

@@ -33,8 +33,6 @@ LIMITS = {
     "contact": LEAST_FORCE,  # N, vertical force above which a foot is in contact
 }
 
-# --- numbers of a walk from the first heel strike on ----------------------------------------------
-
 
 def mean(walk: Walk, trace: Array) -> float:
     """The mean over time of a trace, (T,)."""
@@ -68,9 +66,6 @@ def work_after_three_steps(walk: Walk) -> float:
     """|W| of both feet half a stride after the third heel strike, or at t_f if that is sooner, J."""
     end = walk.scene.gait.heel_strike + 1.5 * walk.scene.gait.period
     return abs(float(np.interp(end, walk.t, walk.work.sum(axis=1))))
-
-
-# --- numbers of the right foot's first step -------------------------------------------------------
 
 
 def first_step(walk: Walk) -> slice:
@@ -116,9 +111,6 @@ def contact_zone(walk: Walk, instants: int = 100) -> tuple[float, float, float]:
     return float(inside.mean()), float(inside[:, middle].mean()), float((up @ x).sum() / up.sum())
 
 
-# --- numbers of a sole ----------------------------------------------------------------------------
-
-
 def convexity(foot: Foot) -> float:
     """one level of the waypoints, H/K, less the hollow, mm: a smaller hollow may be the grid's own."""
     return np.nan if foot.space is None else 1e3 * (foot.space.H / foot.space.K - foot.hollow)
@@ -139,9 +131,6 @@ def rms_curvature(foot: Foot) -> float:
     """The root mean square of the curvature along the arc, 1/m."""
     turn, length = _bends(foot)
     return float(np.sqrt(np.mean((turn / length) ** 2)))
-
-
-# --- margins --------------------------------------------------------------------------------------
 
 
 def number(walk: Walk, what: Number) -> float:
