@@ -64,27 +64,6 @@ class TestSeveralObjectives:
         assert all(v["peak_power"] <= 400 and v["thickness"] >= 1e-4 for v in values)
         assert result["constraints"] == {"peak_power": 400, "thickness": 1e-4}
 
-    @pytest.mark.parametrize(
-        ("words", "said"),
-        [
-            (
-                ["choose=knee"],
-                "choose.name = 'knee': must be left out",
-            ),
-            (
-                ["study=simulate", "constraint.work=9"],
-                "constraint = {'work': 9.0}: must be left out for study=simulate",
-            ),
-            (["constraint.colour=9"], "constraint.colour: there is no such setting"),
-            (["constraint.own={colour:9}"], "constraint = 'colour': must be one of distance"),
-            ([*FRONT, "choose=limits"], "must be given with choose=limits"),
-        ],
-    )
-    def test_what_is_asked_wrongly_is_refused(self, words, said, tmp_path):
-        done = footopt(*words, cwd=tmp_path)
-        assert done.returncode == 1
-        assert said in done.stderr
-
 
 class TestControl:
     @pytest.mark.slow

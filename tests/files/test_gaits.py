@@ -45,9 +45,9 @@ def drawn(seed):
 
 
 class TestStrides:
-    @pytest.mark.parametrize("seeds", [range(20), pytest.param(range(20, 120), marks=pytest.mark.slow)])
+    @pytest.mark.parametrize("seeds", [range(20), pytest.param(range(20, 50), marks=pytest.mark.slow)])
     def test_of_random_recordings_period_and_angles_are_right(self, seeds):
-        """In 200 the period is right to 0.1 % and the angles to 0.5 deg."""
+        """In 400 the largest error of an angle was half a degree: docs/files.md."""
         for seed in seeds:
             gait, t, angles = drawn(seed)
             found = fo.fit_gait(t, *angles.values())

@@ -1,7 +1,5 @@
 """Patches: the strength changes along the way."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from every_effect import PATCHES
@@ -9,7 +7,6 @@ from feet_in_sand import HEIGHT, PITCH, RATE, SOLES, SPEED, feel, pose_of
 from hypothesis import given
 from hypothesis import strategies as st
 
-import footopt as fo
 from footopt.effects import Patches, laws
 from footopt.effects import base as effects
 from footopt.effects.dual import Dual
@@ -24,17 +21,6 @@ class TestPatches:
         plain = feel(*state, zeta=factor)[0]
         scale = 1e-12 * np.abs(plain).max()
         np.testing.assert_allclose(feel(*state, PATCHES, x=x)[0], plain, rtol=1e-12, atol=scale)
-
-
-@pytest.mark.slow
-class TestPatchesOnTheWay:
-    def test_a_walk_inside_one_patch_is_a_walk_on_its_sand(self, regular, ramp_foot):
-        wide = Patches((-10.0, 30.0), (20.0, 40.0), (0.6, 1.5))
-        steps = fo.Accuracy("sdirk2", 1e-3, 64)  # the same with patches and without
-        inside = fo.simulate(ramp_foot, replace(regular, effects=(wide,)), steps)
-        there = fo.simulate(ramp_foot, replace(regular, sand=fo.Sand(0.6)), steps)
-        assert inside.start[1] == pytest.approx(there.start[1], abs=1e-12)
-        np.testing.assert_allclose(inside.com, there.com, rtol=0, atol=1e-8)
 
 
 class TestPatchesTogether:
