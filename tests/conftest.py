@@ -26,6 +26,11 @@ settings.register_profile("footopt", deadline=None, derandomize=True, database=N
 settings.load_profile("footopt")
 
 
+def pytest_collection_modifyitems(items):
+    """Walks first: they have the longest tests, for which no worker should be left alone at the end."""
+    items.sort(key=lambda item: item.path.parent.name != "walk")
+
+
 def pytest_collection_finish():
     """Modules and tests stay: looking for garbage among them is a tenth of the time of small tests."""
     gc.freeze()

@@ -44,7 +44,7 @@ def test_a_wheel_with_nothing_but_what_it_asks_for_runs_a_small_job(tmp_path):
     venv.create(tmp_path / "env")
     place = {"base": str(tmp_path / "env"), "platbase": str(tmp_path / "env")}
     site, programs = (Path(sysconfig.get_path(name, vars=place)) for name in ("purelib", "scripts"))
-    install = [*pip, "--python", programs / "python", "install", *quiet, wheel]
+    install = [*pip, "--python", programs / "python", "install", "--no-compile", *quiet, wheel]
     subprocess.run(install, check=True, capture_output=True, timeout=LIMIT)
     (metadata,) = site.glob("footopt-*.dist-info/METADATA")
     lines = metadata.read_text(encoding="utf-8").partition("\n\n")[0].splitlines()
@@ -57,7 +57,8 @@ def test_a_wheel_with_nothing_but_what_it_asks_for_runs_a_small_job(tmp_path):
     (tmp_path / "conf").mkdir()
     own = "defaults: [config]\nsolver: {n_gen: 2, pop_size: 8}\nhydra: {searchpath: ['pkg://footopt.conf']}\n"
     (tmp_path / "conf" / "mine.yaml").write_text(own)
-    job = [programs / "footopt", "-cp", tmp_path / "conf", "-cn", "mine", "accuracy=draft"]
+    small = ["accuracy=draft", "study.confirm=null", "study.finalists=2", "engine.threads=1"]
+    job = [programs / "footopt", "-cp", tmp_path / "conf", "-cn", "mine", *small]
     environment = {**os.environ, "PYTHONPATH": str(UNRENDERED)}  # and nothing else
     done = subprocess.run(job, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=LIMIT)
     assert done.returncode == 0, done.stderr
