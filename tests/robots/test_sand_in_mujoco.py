@@ -24,7 +24,8 @@ robots = pytest.importorskip("stiff_robots")
 HARD, settle, feel = shared.HARD, shared.settle, shared.feel
 
 HOLLOW = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
-GRAINS = (Inertia(1.1, 900.0),)  # a callback is compiled for each choice of effects, with their numbers
+#: Effects of all tests that have some: a callback is compiled for each choice of them, with their numbers.
+SOME = (LeadingEdge(), Inertia(), Layers((0.01,), (3.0,)))
 INTEGRATORS = [name.removeprefix("mjINT_") for name in mujoco.mjtIntegrator.__members__]
 SPELLED = {"EULER": "Euler", "RK4": "RK4"}
 
@@ -94,9 +95,7 @@ def test_planar_walker_agrees_with_simulate_on_random_soles_and_sands():
     assert worst < 0.01
 
 
-@pytest.mark.parametrize(
-    "effects", [(), pytest.param((LeadingEdge(), Inertia(), Layers((0.01,), (3.0,))), marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("effects", [(), pytest.param(SOME, marks=pytest.mark.slow)], ids=["none", "some"])
 def test_forces_are_those_of_the_planar_law_with_its_effects(block, effects):
     _, _, contact = block(effects=effects, foot=HOLLOW, plates=128)
     scene = fo.Scene(sand=HARD, effects=effects)
@@ -119,9 +118,9 @@ def test_forces_are_those_of_the_planar_law_with_its_effects(block, effects):
         assert wrench[[1, 3, 5]] == pytest.approx(0.0, abs=1e-8)
 
 
+@pytest.mark.slow  # of compiling
 def test_stiffness_is_the_derivative_of_the_wrench(block):
-    effects = LeadingEdge(), Inertia(), Layers((0.01,), (3.0,))
-    _, _, contact = block(effects=effects, foot=HOLLOW)
+    _, _, contact = block(effects=SOME, foot=HOLLOW)
     rng = np.random.default_rng(5)
     for _ in range(10):
         up = rng.normal(size=3) * 0.3 + [0, 0, 1]
@@ -253,11 +252,12 @@ def test_a_plate_pushed_into_quartz_sand_feels_what_was_measured(request):
     assert stress == pytest.approx(2.02e6, rel=0.06)
 
 
+@pytest.mark.slow  # of compiling
 def test_a_plate_dragged_fast_feels_the_inertia_of_the_grains(block):
     # F = K |z| + lambda rho A v^2, Agarwal et al., Science Advances 7 (2021), with their lambda and rho
-    rho, area, depth = GRAINS[0].rho, 0.016 * 0.03, 0.03
+    rho, area, depth = Inertia().rho, 0.016 * 0.03, 0.03
     wall = fo.Foot(np.array([[0.0, -0.016], [0.0, 0.016]]), width=0.03)
-    _, _, contact = block(effects=GRAINS, foot=wall, plates=32)
+    _, _, contact = block(effects=SOME, foot=wall, plates=32)
     drags = []
     for speed in (0.04, 0.16, 0.32, 0.64):
         wrench, _ = feel(contact, np.array([0.0, 0.0, 1.0]), (speed, 0, 0, 0, 0, 0), -depth)
@@ -329,7 +329,7 @@ def test_an_attitude_turns_the_motion_with_it(block):
 @pytest.mark.slow
 def test_each_data_has_its_own_sand_and_others_none(block):
     model, data, contact = block()
-    soft_model, soft_data, soft = block(fo.Sand(0.2), effects=GRAINS)
+    soft_model, soft_data, soft = block(fo.Sand(0.2), effects=SOME)
     other = mujoco.MjData(model)
     for one, state in ((model, data), (soft_model, soft_data), (model, other)):
         settle(one, state, 1.0)
