@@ -82,7 +82,10 @@ STRIPES = Patches(
     (10.0,) * 100,
     1e-3,
 )
-ALL = (Layers((0.02, 0.05), (0.6, 1.5)), Patches(), LeadingEdge(), Inertia(), Slope(3.0), Shadowing())
+ALL = (
+    Layers((0.02, 0.05), (0.6, 1.5)), Patches((0.35, 1.2), (0.95, 1.6), (0.7, 1.5)),
+    LeadingEdge(), Inertia(), Slope(3.0), Shadowing(),
+)  # fmt: skip
 
 
 def standing(name: str, zeta: float, accuracy: Mapping[str, Any] | None = None) -> Case:

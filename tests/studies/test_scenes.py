@@ -4,6 +4,7 @@ import csv
 import json
 
 import pytest
+from every_effect import ALL
 from running import composed, footopt, only_folder
 from study_pages import check_page
 
@@ -124,11 +125,14 @@ def test_auto_simulates_what_matters_and_what_is_given_and_records_why(given, tm
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("effect", EFFECTS)
+@pytest.mark.parametrize(
+    "effects", [(fo.Rest(),), (fo.LeadingEdge(),), ALL], ids=["rest", "leading edge", "all"]
+)
 @pytest.mark.parametrize("case", HARD)
-def test_hard_cases_are_stable_with_each_effect(effect, case):
+def test_hard_cases_are_stable_with_effects(effects, case):
+    """With the two that turn forces off and on, and with all but rest at once. Each is compiled twice."""
     (chosen,) = (c for c in CASES if c.name == case)
-    scene = fo.Scene(effects=(EFFECTS[effect](),))
+    scene = fo.Scene(effects=effects)
     base = (fo.Foot.from_waypoints(K), scene, fo.Accuracy.named("standard"))
     (verdict,) = judge(chosen, base, ["sdirk2_control"])
     assert verdict.stable, verdict.measures
