@@ -1,8 +1,9 @@
-"""What the page needs to walk by itself: the run's constants; and where it cannot, why not."""
+"""The run's constants for the page's own walk; and where it cannot walk, why not."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 from footopt.effects import Effect, Inertia, Layers, LeadingEdge, Patches, Slope, name_of
@@ -28,21 +29,9 @@ ROWS = 200_000  # poses, at most, of a walk that a browser is to tabulate: 22 MB
 
 
 def physics(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> dict[str, Any]:
-    """The constants of a run's walks, as the page's own walk reads them, in SI units.
+    """The constants, in SI units, of the page's walks: of its one foot, or of all soles of a space.
 
-    Parameters
-    ----------
-    scene : Scene
-        Of the run.
-    accuracy : Accuracy
-        At which the page walks: that of the values on it.
-    foot : Foot or Waypoints
-        The one foot of the page, or the space of its designs.
-
-    Returns
-    -------
-    dict
-        With "refusal" alone if the page cannot walk: in words, why not.
+    Where the page cannot walk, only the reason, as "refusal".
     """
     accuracy = adapted(accuracy, scene, foot)
     if why := refusal(scene, accuracy, foot):
@@ -58,7 +47,7 @@ def physics(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> dict[st
             "unit": PER_CM3,
             "law": scene.sand.stress_map.law._asdict(),
         },
-        "walker": {"mass": walker.mass, "l1": walker.l1, "l2": walker.l2, "weight": walker.g},
+        "walker": asdict(walker),
         "gravity": {"g": g, "tilt": tilt},
         "gait": {
             "thigh": gait.thigh._asdict(),
@@ -71,12 +60,8 @@ def physics(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> dict[st
         "end": scene.duration,
         "strike": gait.heel_strike,
         "accuracy": {
-            "name": accuracy.name,
-            "dt": accuracy.dt,
-            "plates": accuracy.plates,
+            **asdict(accuracy),
             "parts": parts,
-            "creep": accuracy.creep,
-            "control": accuracy.control,
             "gamma": STEPPERS[STEPPER].parameters.gamma,
             "rest": discretize.REST,
             "halvings": discretize.HALVINGS,
@@ -99,10 +84,7 @@ def physics(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> dict[st
         "foot": {"ankle": foot.ankle, "width": foot.width},
         "space": space
         and {
-            "n": space.n,
-            "K": space.K,
-            "H": space.H,
-            "L": space.L,
+            **asdict(space),
             "fine": FINE,
             "slopes": slope_matrix(space.n),
             "tolerance": space.box_tolerance * space.H,

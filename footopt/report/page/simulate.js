@@ -244,7 +244,7 @@ function objectives(raw, mass) {
   return {
     ...raw,
     efficiency: -(raw.distance * raw.mean_height) / floored.reduce((a, b) => a * b),
-    cost_of_transport: raw.distance > ROUNDING ? raw.work / (mass * P.walker.weight * raw.distance) : NaN,
+    cost_of_transport: raw.distance > ROUNDING ? raw.work / (mass * P.walker.g * raw.distance) : NaN,
   };
 }
 
