@@ -94,7 +94,7 @@ def _add_foot(run: Run, result: Mapping[str, Any]) -> None:
         "warnings": float(len(result["warnings"])) if "warnings" in result else math.nan,
     }
     contour = np.loadtxt(run.folder / "contour.csv", delimiter=",", skiprows=1, ndmin=2) / MM
-    if contour.shape[1:] != (2,) or not np.isfinite([*contour.flat, foot["top"], foot["width"]]).all():
+    if contour.shape[1:] != (2,) or not np.isfinite([*contour.flat, foot["top"]]).all():
         raise ValueError("contour.csv holds no points")
     run.contour, run.traces = contour, _traces(run.folder / "walk.nc")
     run.note = result.get("reason", "") or ("interrupted" if result.get("interrupted") else "")

@@ -153,33 +153,23 @@ def test_a_contour_shows_sole_waypoints_box_and_hollow_in_mm(foot):
 
 
 def test_convergence_plots_best_and_median_against_evaluations():
-    axes = figures.convergence(HISTORY, "work (J)").axes[0]
-    best, _, median = axes.get_lines()
-    assert axes.get_ylabel() == "work (J)"
+    best, _, median = figures.convergence(HISTORY, "work (J)").axes[0].get_lines()
     np.testing.assert_array_equal(best.get_ydata(), [np.nan, -2.0, -2.5, -4.0])
     np.testing.assert_array_equal(median.get_xdata(), [10, 20, 30, 40])
     assert best.get_linestyle() != median.get_linestyle()
-    assert "best −4" in texts(axes)
+    for history in ([], HISTORY[:1]):
+        (axes,) = figures.convergence(history, "$J_W$").axes
+        assert axes.texts  # no feasible design
+        assert not axes.lines
 
 
-def test_convergence_of_j_w_is_a_multiple_of_the_flat_foots_with_the_value_behind():
+def test_convergence_of_j_w_is_a_multiple_of_the_flat_foots():
     axes = figures.convergence(HISTORY, "efficiency $J_W$", -2.0).axes[0]
     np.testing.assert_array_equal(axes.get_lines()[0].get_ydata(), [np.nan, 1.0, 1.25, 2.0])
-    assert "best × 2.00 of flat, −4" in texts(axes)
-
-
-@pytest.mark.parametrize("history", [[], HISTORY[:1]])
-def test_a_search_without_a_feasible_design_says_so(history):
-    assert "no feasible design was found" in texts(figures.convergence(history, "$J_W$"))
 
 
 # --- walks ----------------------------------------------------------------------------------------
 
-UNITS = {
-    "com": ["(m)", "(m)", "(m/s)", "(m/s)"],
-    "forces": [f"{side} foot $f_{axis}$ (N)" for side in ("left", "right") for axis in "xz"],
-    "power_work": ["left foot power $P_l$ (W)", "$W_l$ (J)", "right foot power $P_r$ (W)", "$W_r$ (J)"],
-}
 TRACES = {
     "com": lambda w: [w.com[:, 0], w.com[:, 1], w.velocity[:, 0], w.velocity[:, 1]],
     "forces": lambda w: [w.force[:, 0, 0], w.force[:, 0, 1], w.force[:, 1, 0], w.force[:, 1, 1]],
@@ -187,15 +177,12 @@ TRACES = {
 }
 
 
-@pytest.mark.parametrize("name", UNITS)
+@pytest.mark.parametrize("name", TRACES)
 def test_traces_are_the_walk_s_with_units_and_heel_strikes(name, hard, soft):
     figure = getattr(figures, name)({"hard sand": hard, "soft sand": soft})
-    assert [
-        axes.get_ylabel()[-len(unit) :] for axes, unit in zip(figure.axes, UNITS[name], strict=True)
-    ] == UNITS[name]
-    assert all(axes.get_xlabel() == "time $t$ (s)" for axes in figure.axes[2:])
     for axes, first, second in zip(figure.axes, TRACES[name](hard), TRACES[name](soft), strict=True):
         drawn = lines(axes)
+        assert axes.get_ylabel().rpartition(" ")[2] in ("(m)", "(m/s)", "(N)", "(W)", "(J)")
         np.testing.assert_allclose(drawn["hard sand"].get_ydata(), first, rtol=0, atol=1e-12)
         np.testing.assert_allclose(drawn["soft sand"].get_ydata(), second, rtol=0, atol=1e-12)
         np.testing.assert_array_equal(drawn["hard sand"].get_xdata(), hard.t)
@@ -203,7 +190,6 @@ def test_traces_are_the_walk_s_with_units_and_heel_strikes(name, hard, soft):
         assert drawn["hard sand"].get_color() != drawn["soft sand"].get_color()
         strikes = [x[0] for x in (line.get_xdata() for line in axes.get_lines()) if len(x) == 2]
         assert strikes[:3] == pytest.approx([1.1, 1.7, 2.3])
-    assert {"hard sand", "soft sand", "heel strike"} <= set(texts(figure))
 
 
 def test_a_walk_that_fails_on_its_way_ends_in_a_cross(hard, sunk):
@@ -213,9 +199,6 @@ def test_a_walk_that_fails_on_its_way_ends_in_a_cross(hard, sunk):
         crosses = [line for line in axes.get_lines() if line.get_marker() == "x"]
         assert [line.get_xdata()[0] for line in crosses] == [sunk.t[-1]]
         assert axes.get_xlim() == (0.0, hard.scene.duration)
-
-
-# --- one step -------------------------------------------------------------------------------------
 
 
 # --- many designs ---------------------------------------------------------------------------------
@@ -237,7 +220,6 @@ def test_a_scatter_matrix_shows_each_pair_once_and_what_stands_out(table):
             looks = {(line.get_marker(), line.get_markerfacecolor()) for line in (points, more, star, square)}
             assert len(looks) == 4
     assert not any(grid[row, column].axison for row in range(4) for column in range(row + 1, 4))
-    assert {"front", "other", "chosen", "flat sole"} <= set(texts(figure))
 
 
 def test_parallel_axes_are_turned_so_that_better_is_up(table):
@@ -257,7 +239,6 @@ def test_parallel_axes_are_turned_so_that_better_is_up(table):
     np.testing.assert_allclose(drawn["chosen"].get_ydata(), curves[6])  # row 7, after a failed one
     np.testing.assert_allclose(drawn["flat sole"].get_ydata(), curves[0])
     assert drawn["chosen"].get_linewidth() > 2 * axes.collections[0].get_linewidth()[0]
-    assert {"better", "29 designs on the front (1 failed, not drawn)"} <= set(texts(figure))
 
 
 def test_odd_tables_are_drawn(table):

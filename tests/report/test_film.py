@@ -43,13 +43,6 @@ def test_a_gif_that_would_fill_the_memory_is_refused(walk, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_times_end_with_the_walk(walk):
-    t = film.times(walk, 25, 0.5)
-    assert t[0] == walk.t[0]
-    assert t[-1] == walk.t[-1]
-    np.testing.assert_allclose(np.diff(t)[:-1], 0.02)
-
-
 def line(axes, part):
     """The points of a part of the picture on axes."""
     return next(found.get_xydata() for found in axes.lines if found.get_label() == f"_{part}")

@@ -6,7 +6,6 @@ import io
 import json
 import random
 import re
-from collections import Counter
 
 import numpy as np
 import pytest
@@ -232,12 +231,6 @@ class TestExplorer:
 
 
 @browser_needed
-class TestAxes:
-    def shown(self, page):
-        return [axis.get_attribute("data-axis") for axis in page.all("#parallel line[data-axis]")]
-
-
-@browser_needed
 class TestLooks:
     @pytest.mark.parametrize(
         ("kind", "scheme", "width"),
@@ -250,13 +243,6 @@ class TestLooks:
         assert shown.judged() == []
         shown.emulate(prefers_color_scheme="light")
         browser.set_window_size(1280, 900)
-
-    def test_motion_stands_still_for_those_who_want_none(self, pages, browser):
-        shown = Page(browser, pages["front"])
-        shown.emulate(prefers_reduced_motion="reduce")
-        browser.refresh()
-        assert shown.text("#design .loop") == "Play"
-        shown.emulate(prefers_reduced_motion="no-preference")
 
 
 @browser_needed
@@ -316,14 +302,10 @@ class TestWalk:
             away = np.array([force["at"] for force in forces])[:, None] - np.array(feet[foot])
             assert np.linalg.norm(away, axis=-1).min(axis=1).max() < 0.02  # the arrows end on the sole
 
-    def test_a_legend_names_the_lines(self, pages, browser):
-        shown = Page(browser, pages["front"])
-        assert [name.text for name in shown.all("#walk .legend span")] == ["left foot", "right foot", "flat"]
-
 
 @browser_needed
 class TestDownloads:
-    def test_dxf_csv_and_stl_hold_the_sole_that_is_shown(self, front, pages, browser, downloads):
+    def test_dxf_and_csv_hold_the_sole_that_is_shown(self, front, pages, browser, downloads):
         import ezdxf
 
         foot = front[2].foot
@@ -342,14 +324,6 @@ class TestDownloads:
         assert drawn.is_closed
         points = np.array([v.dxf.location.vec2 for v in drawn.vertices])
         assert Polygon(points).area == pytest.approx(area, rel=1e-5)
-
-        shown["#download-stl"].click()
-        vertices = re.findall(r"vertex (\S+) (\S+) (\S+)", arrived(downloads, "stl"))
-        facets = np.array(vertices, float).reshape(-1, 3, 3)
-        volume = np.einsum("ij,ij->", facets[:, 0], np.cross(facets[:, 1], facets[:, 2])) / 6
-        assert volume == pytest.approx(area * 1e3 * foot.width, rel=1e-5)  # outward normals: positive
-        edges = Counter((tuple(f[i]), tuple(f[(i + 1) % 3])) for f in facets.tolist() for i in range(3))
-        assert all(edges[b, a] == n == 1 for (a, b), n in edges.items())  # watertight
 
 
 @browser_needed
@@ -396,13 +370,8 @@ class TestVerdict:
             for name, o in zip(FIVE, lookup(FIVE), strict=True)
         }
         gain, loss = min(changes, key=changes.get), max(changes, key=changes.get)
-        assert title(gain) in said
-        assert title(loss) in said
-        assert said.endswith("than a flat one")
-
-    def test_of_the_flat_foot_itself_nothing_is_claimed(self, front):
-        flat = front[3]
-        assert walks.verdict(flat, flat) == "A foot without a hollow for hard sand"
+        assert said.index(title(gain)) < said.index(title(loss))
+        assert ":" not in walks.verdict(flat, flat)  # nothing is claimed of the flat foot itself
 
 
 class TestFile:
@@ -452,12 +421,3 @@ class TestFile:
             assert browser.execute_script("return window.ran") is None, name
             assert len(browser.find_elements("css selector", "script")) == 2
             assert not browser.find_elements("css selector", "[src=x]")
-
-    def test_a_multirun_of_a_study_without_one_best_foot_has_a_page_too(self, tmp_path):
-        results = {"effects": {}, "stability": {}}
-        for i, (name, more) in enumerate(results.items()):
-            (tmp_path / str(i)).mkdir()
-            (tmp_path / str(i) / "result.json").write_text(json.dumps({"study": name, **more}))
-        assert summary.of_multirun(tmp_path) == 0
-        text = (tmp_path / "report.html").read_text()
-        assert all(f"study={name}: see its own folder" in text for name in results)

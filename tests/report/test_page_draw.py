@@ -118,7 +118,7 @@ class TestDrawing:
         drag(shown, 5, 8)
         k = heights(shown)
         contour = fo.Foot.from_waypoints(k).contour
-        for ending in ("csv", "dxf", "stl"):
+        for ending in ("csv", "dxf"):
             shown[f"#download-{ending}"].click()
             text = arrived(downloads, ending)
             if ending == "csv":

@@ -75,33 +75,18 @@ function explorer(choose, beside, glimpse) {
       ...told.map((c) => number(c.of(i))), ...(kOf ? [heights(i).join(" ")] : [])]));
   });
   const axesList = el("div", { class: "bar", id: "axes-list" });
-  const axesBox = el("details", { id: "axes" }, el("summary", {}, "Axes: which, and in which order"), axesList);
-  /** Put a column at a place among the axes; -1 takes it away. */
-  function place(c, to) {
-    order = order.filter((other) => other !== c);
-    if (to >= 0) order.splice(Math.min(to, order.length), 0, c);
-    listAxes();
+  const axesBox = el("details", { id: "axes" }, el("summary", {}, "Axes"), axesList);
+  axesList.append(...COLUMNS.map((c) => el("label", {}, el("input", { type: "checkbox", checked: order.includes(c), "data-axis": c.name, change: () => {
+    order = COLUMNS.filter((other) => (other === c) !== order.includes(other));
     drawParallel();
-  }
-  function listAxes() {
-    const button = (c, text, words, to) => el("button", { type: "button", "aria-label": `${c.title} ${words}`, "data-axis": c.name, click: () => {
-      place(c, to);
-      axesList.querySelector(`[aria-label="${c.title} ${words}"]`)?.focus();
-    } }, text);
-    axesList.replaceChildren(...[...order, ...COLUMNS.filter((c) => !order.includes(c))].map((c) => {
-      const at = order.indexOf(c);
-      return el("span", { class: "axis-choice" }, el("label", {}, el("input", { type: "checkbox", checked: at >= 0, "data-axis": c.name, change: () => place(c, at >= 0 ? -1 : order.length) }), c.title),
-        ...(at >= 0 ? [button(c, "←", "to the left", Math.max(at - 1, 0)), button(c, "→", "to the right", at + 1)] : []));
-    }));
-  }
-  listAxes();
+  } }), c.title)));
   const section = el("section", { id: "explore" },
     el("h2", {}, data.jobs ? "Their best designs" : "The designs"),
     el("div", { class: "grid wide" }, beside,
       el("figure", {},
         el("div", { class: "bar" }, el("label", {}, "across", across), el("label", {}, "up", up)), flat)),
     el("p", { class: "note" }, "Drag along an axis, or across the scatter, to set limits: both then show what is within them. ",
-      "Click a line or a point to choose that design; drag a name to move its axis. Better is up on every axis of an objective.",
+      "Click a line or a point to choose that design. Better is up on every axis of an objective.",
       numbers ? " A design's number is its row in designs.csv, from 0." : "",
       COUNT > MOST ? ` Of more than ${MOST} lines an even selection is drawn.` : "",
       front.size && entry.front_size > front.size ? ` Of the ${entry.front_size} designs on the front ${front.size} are here.` : ""),
@@ -232,7 +217,6 @@ function explorer(choose, beside, glimpse) {
       }
     });
     const near = (x) => order.findIndex((_, j) => Math.abs(X(j) - x) < 20);
-    const slot = (x) => order.filter((_, j) => X(j) < x).length;
     const under = ([x, y], most) => {
       let k = 0;
       while (k < order.length - 2 && X(k + 1) < x) k++;
@@ -243,10 +227,6 @@ function explorer(choose, beside, glimpse) {
       drag: ([x0, y0], [x1, y1], done) => {
         const j = near(x0);
         if (j < 0) return null;
-        if (y0 < top - 14) { // by its name
-          if (done && Math.abs(x1 - x0) > 20) place(order[j], slot(x1) - (x1 > x0 ? 1 : 0));
-          return rectangle(x1 - 9, 0, x1 + 9, top);
-        }
         // beyond the end of an axis there is no limit
         const up = order[j].maximise ? 1 : -1, end = (y) => (y < top ? up * Infinity : y > bottom ? -up * Infinity : fromY(j, y));
         if (done) setLimit(order[j].name, tidy(end(y0)), tidy(end(y1)));

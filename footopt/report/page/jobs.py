@@ -62,7 +62,6 @@ def jobs_content(folder: Path, runs: Sequence[Any], common: Collection[str]) -> 
             "soles": [packed(run.contour) for run in done],
         },
         "top": [result["settings"]["foot"]["top"] for result in results],
-        "width": [result["settings"]["foot"]["width"] for result in results],
         "best": 0,
         "entry": {"versions": results[0]["versions"]} if done else None,
         "traces": [

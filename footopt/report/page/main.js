@@ -79,7 +79,7 @@ function designSection() {
   const tools = drawTools(drawing, () => chosen, (i) => show(i), (i) => choose(i));
   const buttons = Object.entries(FORMATS).map(([ending, { text, type }]) => el("button", {
     type: "button", id: `download-${ending}`,
-    click: () => download(`sole-${label(chosen).replace(/[^\w.-]+/g, "-")}.${ending}`, text({ points: sole(chosen), top: own("top", chosen), width: own("width", chosen) }), type),
+    click: () => download(`sole-${label(chosen).replace(/[^\w.-]+/g, "-")}.${ending}`, text({ points: sole(chosen), top: own("top", chosen) }), type),
   }, ending.toUpperCase()));
   const back = el("button", { type: "button", id: "back", click: () => choose(data.best) }, `Back to the ${BEST}`);
   const exact = folded("These numbers as a table", () => valueTable(chosen));

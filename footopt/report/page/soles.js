@@ -80,46 +80,10 @@ function toDxf({ points, top }) {
   ].map(([code, value]) => `${code}\n${value}\n`).join("");
 }
 
-/** The triangles of a simple polygon that runs counter-clockwise, by cutting ears: [[i, j, k], ...]. */
-function triangles(polygon) {
-  const left = polygon.map((_, i) => i), found = [];
-  const turn = (a, b, c) => (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-  while (left.length > 3) {
-    let ear = left.findIndex((j, at) => {
-      const i = left.at(at - 1), k = left[(at + 1) % left.length], [a, b, c] = [i, j, k].map((p) => polygon[p]);
-      return turn(a, b, c) > 0 && !left.some((p) => p !== i && p !== j && p !== k &&
-        turn(a, b, polygon[p]) >= 0 && turn(b, c, polygon[p]) >= 0 && turn(c, a, polygon[p]) >= 0);
-    });
-    if (ear < 0) ear = 0; // only points in one line are left
-    found.push([left.at(ear - 1), left[ear], left[(ear + 1) % left.length]]);
-    left.splice(ear, 1);
-  }
-  return [...found, left];
-}
-
-/** The outline extruded to the foot's width, in mm: x to the toe, y to the left, z up. */
-function toStl({ points, top, width }) {
-  const shape = outline(points, top), n = shape.length, caps = triangles(shape);
-  const at = (i, y) => [MM * shape[i % n][0], MM * y, MM * shape[i % n][1]];
-  const solid = [
-    ...caps.map((t) => t.map((i) => at(i, 0))), // seen from the side of -y they run counter-clockwise
-    ...caps.map((t) => t.map((i) => at(i, width)).reverse()),
-    ...shape.flatMap((_, i) => [[at(i, 0), at(i, width), at(i + 1, width)], [at(i, 0), at(i + 1, width), at(i + 1, 0)]]),
-  ];
-  const facets = solid.map(([a, b, c]) => {
-    const u = b.map((v, i) => v - a[i]), w = c.map((v, i) => v - a[i]);
-    const cross = [u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]];
-    const long = Math.hypot(...cross) || 1, vertex = (p) => `vertex ${p.map((v) => v.toFixed(4)).join(" ")}\n`;
-    return `facet normal ${cross.map((v) => (v / long).toFixed(6)).join(" ")}\nouter loop\n${[a, b, c].map(vertex).join("")}endloop\nendfacet\n`;
-  });
-  return `solid sole\n${facets.join("")}endsolid sole\n`;
-}
-
 /** Files of a sole by ending: its text, and what kind of file it is. */
 const FORMATS = {
   dxf: { text: toDxf, type: "image/vnd.dxf" },
   csv: { text: toCsv, type: "text/csv" },
-  stl: { text: toStl, type: "model/stl" },
 };
 
 /** A sole in its box with its waypoints, in mm, as a drawing of a given width. */

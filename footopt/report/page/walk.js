@@ -64,14 +64,6 @@ function walkSection() {
   const compare = el("select", { id: "walk-compare", change: () => redraw() },
     ...[...others.keys()].map((name) => el("option", { value: name }, name || "none")));
   compare.value = others.has("flat") ? "flat" : "";
-  const keep = COUNT > 1 ? el("button", { id: "keep", type: "button", click: () => {
-    const kept = state.walk;
-    others.set("kept", () => kept);
-    compare.querySelector("[value=kept]")?.remove();
-    compare.append(el("option", { value: "kept" }, kept.label));
-    compare.value = "kept";
-    redraw();
-  } }, "Compare others with this one") : null;
   const play = el("button", { id: "play", type: "button", click: () => (state.playing ? stop() : start()) }, "Play");
   const speed = el("select", { id: "speed" },
     ...[["1", "real time"], ["0.5", "1/2"], ["0.25", "1/4"], ["0.1", "1/10"]].map(([value, text]) => el("option", { value }, text)));
@@ -96,7 +88,7 @@ function walkSection() {
     el("div", { class: "grid plots", style: "--columns:3" }, ...plots.map((plot) => el("figure", {}, plot))),
     samples);
   const section = el("section", { id: "walk" }, title,
-    el("div", { class: "bar" }, others.size > 1 || keep ? el("label", {}, "compare with", compare) : null, keep), message, picture);
+    el("div", { class: "bar" }, others.size > 1 ? el("label", {}, "compare with", compare) : null), message, picture);
 
   function redraw() {
     const { walk } = state, failed = !walk || walk.t.length < 2;
@@ -105,7 +97,6 @@ function walkSection() {
       ? `The walk of ${label(state.chosen)} is not on this page: footopt study=simulate run=${data.folder ?? "FOLDER"} 'foot.k=[${heights(state.chosen)}]' simulates it.`
       : walk.reason ? `This walk failed: ${walk.reason}${failed ? ", at once" : `, at ${number(walk.t.at(-1))} s`}.` : sensitivity(state.chosen);
     picture.hidden = failed;
-    if (keep) keep.hidden = failed;
     if (failed) { stop(); return; }
     const com = pairs(walk.com), low = deepest(walk) - 0.05, x = range(com.map((p) => p[0]), 0);
     const found = others.get(compare.value)?.(), other = found && found !== walk && found.t.length > 1 && !(found === flatWalk() && isFlat(walk.points)) ? found : null;

@@ -43,7 +43,6 @@ def walk_content(walk: Walk, entry: dict[str, Any], flat: Walk | None = None) ->
         "headline": [f"{describe_scene(walk.scene)}; {describe_foot(foot)}"],
         "space": spline and splines(spline),
         "top": foot.top,
-        "width": foot.width,
         "designs": {
             "values": packed(np.array([list(values.values())], float)),
             "labels": [title(foot.name)],
@@ -97,7 +96,6 @@ def search_content(
         },
         "space": splines(problem.space),
         "top": problem.space.top,
-        "width": problem.space.width,
         "best": int(np.searchsorted(rows, chosen)),
         "bestValues": confirmed.values[0],
         "front": packed(np.searchsorted(rows, result.shown if several else [])),
