@@ -20,7 +20,7 @@ def plates_by_angles(plates, pose, com, velocity, scene, creep):
     v, normal = np.stack([vx, vz], axis=-1), np.stack([sin * tx + cos * tz, sin * tz - cos * tx], axis=-1)
     stress = by_angles(np.arctan2(tz, tx) + pose.pitch[..., None], v, creep, scene.sand.stress_map)
     acting, vn = laws(scene.effects), np.sum(normal * v, axis=-1)
-    load, gate = effects.load(acting.loads, depth, place), effects.gate(acting.gates, vn / creep)
+    load, gate = effects.load(acting.loads, depth, place), effects.gate(acting.gates, vn / creep, depth)
     push = effects.push(acting.pushes, vn, depth)
     area = plates.area[0]
     return (scene.zeta * load * gate * area)[..., None] * stress - (push * area)[..., None] * normal, v

@@ -6,9 +6,9 @@ with one or more of three methods, which are compiled into the loop over plates:
 
 - ``load(self, load, depth, x)``: the strength of the sand integrated over the depth, m, from that of the
   effects before it (the plain law's is the depth itself), at a depth (m) and a place (m).
-- ``gate(self, lead)``: the share of the stress that a plate feels, from how far it leads: n.v over the speeds
-  along the normal within the plate; where the scene has bristles, n.h over `footopt.walk.contact.EDGE`.
-  It leads as a whole from 1 on and trails from -1 on.
+- ``gate(self, lead, depth)``: the share of the stress that a plate feels, from how far it leads: n.v over
+  the speeds along the normal within the plate; where the scene has bristles, n.h over
+  `footopt.walk.contact.EDGE`. It leads as a whole from 1 on and trails from -1 on.
 - ``push(self, vn, depth)``: a pressure against the outward normal, Pa, at a speed n.v along it, m/s.
 
 The force on a plate of area dA is then zeta load share (a - M h) dA - push n dA. What these methods are given
@@ -196,47 +196,33 @@ def laws(effects: Sequence[Effect]) -> Laws:
     return Laws(*(tuple(law for law in found if hasattr(law, hook)) or None for hook in HOOKS))
 
 
-def _over(hook: str, join: Callable[..., Any]) -> Callable[..., Any]:
-    """A function that goes through a tuple of laws (or None) and joins what their hooks make of a state.
+def _over(hook: str, none: Callable[..., Any], join: Callable[..., Any]) -> Callable[..., Any]:
+    """A function that goes through a tuple of laws (or None) and joins what their hooks make of two numbers.
 
     In compiled code the hooks are found by the laws' types when it is compiled.
     """
     options = INLINE | {"fastmath": FAST}
     joined = register_jitable(**options)(join)
 
-    def through(laws, state, u, v):
+    def through(laws, u, v):
+        found = none(laws, u, v)
         for law in laws or ():
-            state = join(getattr(type(law), hook), law, state, u, v)
-        return state
+            found = join(getattr(type(law), hook), law, found, u, v)
+        return found
 
     @overload(through, jit_options=options)
-    def resolve(laws, state, u, v):
+    def resolve(laws, u, v):
         if isinstance(laws, types.NoneType) or len(laws) == 0:
-            return lambda laws, state, u, v: state
-        first = njit(**options)(getattr(laws.types[0].instance_class, hook))
-        return lambda laws, state, u, v: through(laws[1:], joined(first, laws[0], state, u, v), u, v)
+            return none
+        last = njit(**options)(getattr(laws.types[-1].instance_class, hook))
+        return lambda laws, u, v: joined(last, laws[-1], through(laws[:-1], u, v), u, v)
 
     return through
 
 
-_load = _over("load", lambda hook, law, load, depth, x: hook(law, load, depth, x))
-_gate = _over("gate", lambda hook, law, share, lead, _: share * hook(law, lead))
-_push = _over("push", lambda hook, law, pressure, vn, depth: pressure + hook(law, vn, depth))
-
-
-@register_jitable(**INLINE)
-def load(laws, depth, x):
-    """Strength of the sand integrated over a plate's depth, m, with all effects of a scene; x, m."""
-    return _load(laws, depth, depth, x)
-
-
-@register_jitable(**INLINE)
-def gate(laws, lead):
-    """Share of the stress that a plate feels that leads so far."""
-    return _gate(laws, 1.0, lead, lead)
-
-
-@register_jitable(**INLINE)
-def push(laws, vn, depth):
-    """Pressure against a plate's outward normal, Pa, at a speed along it, m/s, and a depth, m."""
-    return _push(laws, 0.0, vn, depth)
+#: load(laws, depth, x): strength of the sand integrated over a plate's depth, m, with all effects of a scene.
+load = _over("load", lambda laws, u, v: u, lambda hook, law, found, u, v: hook(law, found, u, v))
+#: gate(laws, lead, depth): share of the stress that a plate feels.
+gate = _over("gate", lambda laws, u, v: 1.0, lambda hook, law, found, u, v: found * hook(law, u, v))
+#: push(laws, vn, depth): pressure against a plate's outward normal, Pa.
+push = _over("push", lambda laws, u, v: 0.0, lambda hook, law, found, u, v: found + hook(law, u, v))

@@ -73,26 +73,22 @@ def _combined(a, da, b, db):
     return a * da + b * db
 
 
-@register_jitable(**VALUE)
 def _add(a, b):
     a, b = lift(a), lift(b)
     return Dual(a.value + b.value, a.dx + b.dx, a.dz + b.dz)
 
 
-@register_jitable(**VALUE)
 def _subtract(a, b):
     a, b = lift(a), lift(b)
     return Dual(a.value - b.value, a.dx - b.dx, a.dz - b.dz)
 
 
-@register_jitable(**VALUE)
 def _multiply(a, b):
     a, b = lift(a), lift(b)
     dx, dz = _combined(b.value, a.dx, a.value, b.dx), _combined(b.value, a.dz, a.value, b.dz)
     return Dual(a.value * b.value, dx, dz)
 
 
-@register_jitable(**VALUE)
 def _divide(a, b):
     a, b = lift(a), lift(b)
     ratio, inverse = a.value / b.value, 1.0 / b.value
@@ -107,7 +103,7 @@ def _offer(symbol: Callable[..., Any], rule: Callable[..., Any]) -> None:
     """Have an operator follow a rule where one of its operands is a `Dual`, compiled and in Python."""
 
     def resolve(a, b):
-        return (lambda a, b: rule(a, b)) if is_dual(a) or is_dual(b) else None
+        return rule if is_dual(a) or is_dual(b) else None
 
     overload(symbol, jit_options=VALUE)(resolve)
     setattr(Dual, f"__{symbol.__name__}__", rule)
@@ -136,11 +132,16 @@ def _chain(x, f, slope):
     return lambda x, f, slope: f
 
 
-@register_jitable(**VALUE)
-def positive(x):
+def positive(x: Any) -> Any:
     """max(x, 0)"""
-    v = value(x)
-    return chain(x, np.maximum(v, 0.0), 1.0 * (v > 0.0))
+    return chain(x, np.maximum(value(x), 0.0), 1.0 * (value(x) > 0.0))
+
+
+@overload(positive, jit_options=DERIVATIVE)
+def _positive(x):
+    if is_dual(x):
+        return lambda x: Dual(np.maximum(x.value, 0.0), (x.value > 0.0) * x.dx, (x.value > 0.0) * x.dz)
+    return lambda x: np.maximum(x, 0.0)
 
 
 @register_jitable(**VALUE)

@@ -12,7 +12,7 @@ from footopt.effects.dual import smooth_step
 class LeadingEdgeLaw(NamedTuple):
     """It has no parameters."""
 
-    def gate(self, lead):
+    def gate(self, lead, depth):
         """A cubic step from 0 where the whole plate trails to 1 where all of it leads."""
         return smooth_step(lead)
 

@@ -176,7 +176,7 @@ def forces(friction, acting, faces, a, u, surface, forward, twist, c, turn, h0):
             p, by_h = solid(law.A00, friction, n, u, h)
         place = forward[0] + dot(forward[1], r)
         load = effects.load(acting.loads, Dual(depth, 1.0, 0.0), Dual(place, 0.0, 1.0))
-        gate = lift(effects.gate(acting.gates, Dual(dot(h, n) / EDGE, 1.0 / EDGE, 0.0)))
+        gate = lift(effects.gate(acting.gates, Dual(dot(h, n) / EDGE, 1.0 / EDGE, 0.0), depth))
         push = lift(effects.push(acting.pushes, Dual(dot(v, n), 1.0, 0.0), Dual(depth, 0.0, 1.0)))
         if acting.gates is not None:
             by_h = (

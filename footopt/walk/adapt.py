@@ -222,13 +222,15 @@ def standing_plates(points, area, loads, place):  # type: ignore[no-untyped-def]
     found, rise, length = np.zeros(designs), np.empty(m), np.empty(m)
     for d in range(designs):
         for pitch in PITCHES:
-            sin, cos = np.sin(pitch), np.cos(pitch)
+            sin, cos, lowest, whole = np.sin(pitch), np.cos(pitch), np.inf, 0.0
             for i in range(m):
                 ax, az, bx, bz = points[d, i, 0], points[d, i, 1], points[d, i + 1, 0], points[d, i + 1, 1]
                 rise[i] = sin * 0.5 * (ax + bx) + cos * 0.5 * (az + bz)
                 length[i] = np.sqrt((bx - ax) ** 2 + (bz - az) ** 2)
-            rise -= rise.min()
-            low, high, depth = 0.0, DEEPEST, area[d] / length.sum()
+                lowest, whole = min(lowest, rise[i]), whole + length[i]
+            for i in range(m):
+                rise[i] -= lowest
+            low, high, depth = 0.0, DEEPEST, area[d] / whole
             while high - low > NEARLY:
                 carried, slope = 0.0, 0.0
                 for i in range(m):
@@ -247,5 +249,5 @@ def standing_plates(points, area, loads, place):  # type: ignore[no-untyped-def]
                 if high > rise[i]:
                     touching += length[i]
                     pieces += i == 0 or high <= rise[i - 1]
-            found[d] = max(found[d], max(TOUCHING, PIECE * pieces) * length.sum() / touching)
+            found[d] = max(found[d], max(TOUCHING, PIECE * pieces) * whole / touching)
     return found

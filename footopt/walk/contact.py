@@ -167,7 +167,7 @@ def plate_force(law, acting, sole, i, ankle, creep, stage, h0):
     nx, nz = outward_normal(sole.tangent, i, ankle)
     vn = dual(stage, motion.vx * nx + motion.vz * nz, nx, nz)
     leads = lead(sole.tangent, i, motion, nx, nz, h, creep, turning, h0, stage)
-    pull = area * effects.load(acting.loads, depth, x) * effects.gate(acting.gates, leads)
+    pull = area * effects.load(acting.loads, depth, x) * effects.gate(acting.gates, leads, depth)
     push = area * effects.push(acting.pushes, vn, depth)
     return PlateForce(pull * px - push * nx, pull * pz - push * nz, motion, nx, nz)
 

@@ -29,7 +29,7 @@ class TestLeadingEdge:
 
     def test_the_share_rises_smoothly(self):
         lead = Dual(np.linspace(-1.5, 1.5, 301), 1.0, 0.0)
-        share, bend, _ = effects.gate(laws([LeadingEdge()]).gates, lead)
+        share, bend, _ = effects.gate(laws([LeadingEdge()]).gates, lead, 0.1)
         assert (np.diff(share) >= 0.0).all()
         assert (share[0], share[150], share[-1]) == (0.0, pytest.approx(0.5), 1.0)
         assert np.abs(np.diff(bend)).max() < 0.05 * bend.max()  # no jump in the derivative either
@@ -37,5 +37,5 @@ class TestLeadingEdge:
     @given(st.floats(-3.0, 3.0))
     def test_gate_has_its_derivative(self, s):
         found = laws([LeadingEdge()]).gates
-        slope = difference(lambda d: effects.gate(found, s + d))
-        assert effects.gate(found, Dual(s, 1.0, 0.0)).dx == pytest.approx(slope, abs=1e-6)
+        slope = difference(lambda d: effects.gate(found, s + d, 0.1))
+        assert effects.gate(found, Dual(s, 1.0, 0.0), 0.1).dx == pytest.approx(slope, abs=1e-6)
