@@ -11,7 +11,6 @@ from footopt.errors import SettingError, check
 from footopt.files.drawings import MM
 from footopt.files.soles.lines import SAME, crossing
 from footopt.foot import Foot
-from footopt.foot.waypoints import check_top
 
 Array = NDArray[np.float64]
 
@@ -26,7 +25,6 @@ def closed_contour(sole: Array, top: float) -> Array:
     """
     from shapely import LinearRing, Polygon
 
-    check_top(top)
     level = max(top, float(sole[:, 1].max()))
     corners = np.array([[sole[-1, 0], level], [sole[0, 0], level]])
     # an end that is already at the top has no side above it; twin points upset a CAD program

@@ -14,7 +14,7 @@ from footopt.errors import check, one_line
 from footopt.foot.hull import hollow
 from footopt.foot.plates import RULES, Fill, Plates, along_arc, arc_and_turns
 from footopt.foot.shapes import shape
-from footopt.foot.waypoints import Waypoints, check_ankle, check_length, check_top, written
+from footopt.foot.waypoints import Waypoints, check_worn, written
 
 Array = NDArray[np.float64]
 
@@ -71,10 +71,8 @@ class Foot:
             contour.shape,
             "at least two points (x_p, z_p), finite, in m",
         )
-        check_length("foot.width", self.width)
-        check_ankle(self.ankle)
+        check_worn(self.width, self.ankle, self.top)
         object.__setattr__(self, "ankle", tuple(self.ankle))
-        check_top(self.top)
         object.__setattr__(self, "contour", contour)
 
     def __repr__(self) -> str:
@@ -114,17 +112,7 @@ class Foot:
         return replace(cls.from_waypoints([space.K] * space.n, space), name="flat")
 
     @classmethod
-    def shape(
-        cls,
-        name: str,
-        length: float = 0.26,
-        *,
-        width: float = width,
-        ankle: tuple[float, float] = ankle,
-        closed: bool = closed,
-        top: float = top,
-        **options: str,
-    ) -> Foot:
+    def shape(cls, name: str, length: float = 0.26, **parameters: Any) -> Foot:
         """Make one of the paper's five shapes (Fig. 3).
 
         Parameters
@@ -133,17 +121,17 @@ class Foot:
             The shape.
         length : float, m
             Of the contact line.
-        width, ankle, closed, top
-            As of every `Foot`.
-        **options
-            ``upright`` of an L, ``apex`` of a triangle (see `footopt.foot.shapes`).
+        **parameters
+            ``width``, ``ankle``, ``closed`` and ``top`` as of every `Foot`; ``upright`` of an L and ``apex``
+            of a triangle (see `footopt.foot.shapes`).
 
         Raises
         ------
         SettingError
             There is no such shape, or a value is out of range.
         """
-        return cls(shape(name, length, **options), width, ankle, name, closed=closed, top=top)
+        options = {word: parameters.pop(word) for word in ("upright", "apex") if word in parameters}
+        return cls(shape(name, length, **options), name=name, **parameters)
 
     @cached_property
     def arc_and_turns(self) -> tuple[Array, Array]:

@@ -20,7 +20,7 @@ Fill = Callable[[Array], Array]  # what an effect makes of soles (designs, point
 #: (cos 2 beta, sin 2 beta), so that this leaves only their covariance within a plate as an error.
 RULES = {"chord": 1, "arc": 4}
 
-CORNER = 0.3  # rad: who draws a curve by chords turns less from one to the next
+CORNER = 0.3  # rad: chords that stand for a curve turn by less
 
 
 class Plates(NamedTuple):

@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.compiled import cached_njit
+from footopt.compiled import cached_njit, inlined
 from footopt.errors import SettingError, check, check_whole
 
 Array = NDArray[np.float64]
@@ -71,11 +71,9 @@ class Waypoints:
         hint = "A not-a-knot cubic spline needs four points; the paper's feet have 11."
         check_whole(self.n, "foot.n", 4, 200, hint)
         check_whole(self.K, "foot.K", 1, 10**6)
-        for name in ("L", "H", "width"):
-            value = getattr(self, name)
-            check_length(f"foot.{name}", value)
-        check_ankle(self.ankle)
-        check_top(self.top)
+        check_length("foot.L", self.L)
+        check_length("foot.H", self.H)
+        check_worn(self.width, self.ankle, self.top)
         check(
             self.box_tolerance >= 0,
             "foot.box_tolerance",
@@ -91,31 +89,26 @@ class Waypoints:
     def check(self, k: ArrayLike) -> Ints:
         """The heights as whole numbers, (designs, n); raises `SettingError` for what is none in the space."""
         try:
-            said = np.asarray(k)
-        except ValueError:  # of different lengths
-            raise SettingError("foot.k", k, f"{self.n} heights a design (foot.n = {self.n})") from None
-        given = np.atleast_2d(said)
+            given = np.atleast_2d(np.asarray(k, float))
+        except (TypeError, ValueError):  # words, or rows of different lengths
+            raise SettingError("foot.k", k, f"whole numbers from 1 to {self.K}, {self.n} a design") from None
         if given.ndim != 2 or given.shape[1] != self.n:
             raise SettingError(
                 "foot.k",
-                said.tolist(),
+                np.asarray(k).tolist(),
                 f"{self.n} heights a design (foot.n = {self.n})",
                 f"These are {given.shape[-1]}: give {self.n} of 1 to {self.K}, or change foot.n.",
             )
-        try:
-            as_float = given.astype(float)
-        except (TypeError, ValueError):
-            raise SettingError("foot.k", said.tolist(), f"whole numbers from 1 to {self.K}") from None
-        bad = ~((as_float >= 1) & (as_float <= self.K) & (as_float == np.round(as_float)))
+        bad = ~((given >= 1) & (given <= self.K) & (given == np.round(given)))
         if bad.any():
             row, column = map(int, np.argwhere(bad)[0])
             raise SettingError(
                 f"foot.k[{column}]",
-                as_float[row, column].item(),
+                given[row, column].item(),
                 f"a whole number from 1 to K = {self.K}",
                 "Raise foot.K for a finer grid.",
             )
-        return as_float.astype(np.int64)
+        return given.astype(np.int64)
 
     def heights(self, k: ArrayLike) -> Array:
         """z_p of the waypoints, (designs, n), m."""
@@ -126,7 +119,7 @@ class Waypoints:
         z = self.heights(k)
         u = _fine(self.n)
         x = -self.L + 2.0 * self.L * u / (self.n - 1)
-        return np.stack([np.broadcast_to(x, (len(z), len(u))), _spline(z, _slopes(z))], axis=-1)
+        return np.stack([np.broadcast_to(x, (len(z), len(u))), fine_heights(z, _slopes(z))], axis=-1)
 
     def points(self, k: ArrayLike, steps: int) -> Array:
         """Points on the spline at equal steps along its arc, (designs, steps + 1, 2), m."""
@@ -189,18 +182,15 @@ def check_length(setting: str, value: float) -> None:
     check(1e-4 <= value <= 10.0, setting, value, "a length from 1e-4 to 10, in m")
 
 
-def check_ankle(ankle: tuple[float, float]) -> None:
-    """Raise unless the ankle is a point."""
+def check_worn(width: float, ankle: tuple[float, float], top: float) -> None:
+    """Raise unless these are a foot's width, the ankle's place in its frame, and its top's height."""
+    check_length("foot.width", width)
     check(
         len(ankle) == 2 and all(abs(at) <= 10.0 for at in ankle),
         "foot.ankle",
         ankle,
         "two numbers [x_p, z_p] from -10 to 10, in m",
     )
-
-
-def check_top(top: float) -> None:
-    """Raise unless the top's height is a number."""
     check(abs(top) <= 10.0, "foot.top", top, "a finite height in the foot frame, from -10 to 10, in m")
 
 
@@ -241,36 +231,51 @@ def _slopes(z: Array) -> Array:
     return total
 
 
-def _spline(z: Array, slopes: Array) -> Array:
-    """The splines (designs, n) at `_fine` points, (designs, (n-1) FINE + 1)."""
-    z0, d0, d1 = z[:, :-1, None], slopes[:, :-1, None], slopes[:, 1:, None]
-    rise = z[:, 1:, None] - z0
-    quadratic, cubic = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
-    s = np.arange(FINE + 1) / FINE
-    value = z0 + s * (d0 + s * (quadratic + s * cubic))  # a piece's last point is the next one's first
-    return np.concatenate([value[:, :, :-1].reshape(len(z), -1), value[:, -1, -1:]], axis=1)
+@inlined
+def _piece(z, slopes, i):  # type: ignore[no-untyped-def]
+    """The coefficients of a spline (n,) between its waypoints i and i + 1, by the powers of u - i."""
+    rise, d0, d1 = z[i + 1] - z[i], slopes[i], slopes[i + 1]
+    return z[i], d0, 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
+
+
+@inlined
+def _height(piece, s):  # type: ignore[no-untyped-def]
+    """The height of a piece where s = u - i, m."""
+    z, slope, quadratic, cubic = piece
+    return z + s * (slope + s * (quadratic + s * cubic))
+
+
+@cached_njit(nogil=True, error_model="numpy")
+def fine_heights(z, slopes):  # type: ignore[no-untyped-def]  # numba finds its types
+    """The splines (designs, n), m, at `FINE` steps a piece, (designs, (n-1) FINE + 1), m."""
+    designs, n = z.shape
+    out = np.empty((designs, (n - 1) * FINE + 1))
+    for d in range(designs):
+        for i in range(n - 1):
+            piece = _piece(z[d], slopes[d], i)
+            for j in range(FINE + 1):  # a piece's last point is the next one's first
+                out[d, i * FINE + j] = _height(piece, j / FINE)
+    return out
 
 
 @cached_njit(nogil=True, error_model="numpy", fastmath={"nnan", "nsz"})
-def extremes(z, slopes):  # type: ignore[no-untyped-def]  # numba finds its types
-    """Least and largest of what `_spline` gives, (2, designs), m: the same numbers, several times faster."""
-    out = np.empty((2, len(z)))
-    for d in range(len(z)):
+def extremes(z, slopes):  # type: ignore[no-untyped-def]
+    """Least and largest of `fine_heights`, (2, designs), m."""
+    designs, n = z.shape
+    out = np.empty((2, designs))
+    for d in range(designs):
         low, high = np.inf, -np.inf
-        for i in range(z.shape[1] - 1):
-            z0, d0, d1 = z[d, i], slopes[d, i], slopes[d, i + 1]
-            rise = z[d, i + 1] - z0
-            quadratic, cubic = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
-            for j in range(FINE + 1 if i == z.shape[1] - 2 else FINE):
-                s = j / FINE
-                value = z0 + s * (d0 + s * (quadratic + s * cubic))
+        for i in range(n - 1):
+            piece = _piece(z[d], slopes[d], i)
+            for j in range(FINE + 1 if i == n - 2 else FINE):
+                value = _height(piece, j / FINE)
                 low, high = min(low, value), max(high, value)
         out[0, d], out[1, d] = low, high
     return out
 
 
 @cached_njit(nogil=True, error_model="numpy")
-def arc_points(z, slopes, spacing, steps):  # type: ignore[no-untyped-def]  # numba finds its types
+def arc_points(z, slopes, spacing, steps):  # type: ignore[no-untyped-def]
     """Points at equal steps along the arcs of splines z(u), (designs, steps + 1, 2), m.
 
     z and its slopes dz/du are (designs, n), m; u counts waypoints from 0, `spacing` is dx/du, m. The arc
@@ -286,9 +291,8 @@ def arc_points(z, slopes, spacing, steps):  # type: ignore[no-untyped-def]  # nu
         for j in range(pieces + 1):
             i = min(j // FINE, n - 2)
             s = j / FINE - i
-            rise, d0, d1 = z[d, i + 1] - z[d, i], slopes[d, i], slopes[d, i + 1]
-            quadratic, cubic = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
-            rate = d0 + s * (2.0 * quadratic + 3.0 * s * cubic)
+            _, slope, quadratic, cubic = _piece(z[d], slopes[d], i)
+            rate = slope + s * (2.0 * quadratic + 3.0 * s * cubic)
             speed = np.sqrt(spacing * spacing + rate * rate)
             if j > 0:
                 arc[j] = arc[j - 1] + 0.5 * (before + speed)
@@ -300,9 +304,6 @@ def arc_points(z, slopes, spacing, steps):  # type: ignore[no-untyped-def]  # nu
                 j += 1
             u = (j + min(max((at - arc[j]) / (arc[j + 1] - arc[j]), 0.0), 1.0)) / FINE
             i = min(int(u), n - 2)
-            s = u - i
-            rise, d0, d1 = z[d, i + 1] - z[d, i], slopes[d, i], slopes[d, i + 1]
-            quadratic, cubic = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
             out[d, m, 0] = spacing * (u - 0.5 * (n - 1))
-            out[d, m, 1] = z[d, i] + s * (d0 + s * (quadratic + s * cubic))
+            out[d, m, 1] = _height(_piece(z[d], slopes[d], i), u - i)
     return out

@@ -76,7 +76,7 @@ class StressMap:
         """Slope beyond which a level sole slides for ever, deg; 19.9 for the generic map.
 
         Its tangent is the drag over the lift of a level plate in level motion. On a slope below it, a
-        walker slides until his foot is deep enough.
+        walker slides until its foot is deep enough.
         """
         law = self.law
         return float(np.degrees(np.arctan2(law.C01 + law.C_sum, law.A00 + law.A10)))

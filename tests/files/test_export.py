@@ -71,7 +71,7 @@ class TestOutline:
         with pytest.raises(SettingError, match=r"foot\.top"):
             closed(fo.Foot(np.array([[-0.1, 0.0], [0.1, 0.0]])))
         with pytest.raises(SettingError, match="finite"):
-            closed(fo.Foot.flat(), float("nan"))
+            fo.Foot(fo.Foot.flat().contour, top=float("nan"))
 
     @given(k=heights)
     def test_of_a_body_is_in_one_piece(self, k):
