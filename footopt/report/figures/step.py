@@ -55,12 +55,11 @@ def steps(walks: Mapping[str, Walk], number: int = 0) -> Figure:
             arrows = step.stage.draw_feet(axes, j, largest / LONGEST, [step.foot], close=True)
             if axes is grid[0, 0]:
                 draw_key(axes, arrows, 0.8 * largest)
-            axes.set_title(f"{step.since[j]:.2f} s", loc="left")
+            axes.text(0.02, 0.98, f"{step.since[j]:.2f} s", va="top", transform=axes.transAxes)
             axes.xaxis.set_major_locator(MaxNLocator(3))
             axes.yaxis.set_major_locator(MaxNLocator(4))
             axes.tick_params(labelbottom=axes in rows[-1])
-        above = {"xycoords": "axes fraction", "textcoords": "offset points", "ha": "center"}
-        rows[0, COLUMNS // 2].annotate(textwrap.fill(step.title, 125), (0.5, 1.0), (0, 18), **above)
+        rows[0, COLUMNS // 2].set_title(textwrap.fill(step.title, 125))
     figure.supxlabel("$x$ (m)")
     figure.supylabel("$z$ (m)")
     fit_height(figure, grid[:, 0].tolist())
