@@ -1,1 +1,1 @@
-"""What a reader looks at: figures of feet, walks and searches. Only this package imports matplotlib."""
+"""Figures, films, pages and terminal output. Only this package imports matplotlib."""

@@ -39,10 +39,10 @@ def check_film(
     check(0 < speed < math.inf, "speed", speed, "a number > 0: 1 is as in life, 0.25 four times slower")
     check(20 <= dpi <= 600, "dpi", dpi, "a number of dots per inch from 20 to 600")
     if path.suffix.lower() == ".mp4" and not FFMpegWriter.isAvailable():
+        other = path.with_suffix(".gif").name
         raise FileError(
-            f"{path}: an .mp4 needs the program ffmpeg, which is not installed (on Debian or Ubuntu: apt "
-            "install ffmpeg; conda install ffmpeg; brew install ffmpeg). A .gif needs nothing: try "
-            f"{path.with_suffix('.gif').name}."
+            f"{path}: an .mp4 needs the program ffmpeg, which is not installed (apt install ffmpeg; conda "
+            f"install ffmpeg; brew install ffmpeg). A .gif needs nothing: try {other}."
         )
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -88,13 +88,8 @@ def animate(walk: Walk, path: str | Path, fps: int = 25, speed: float = 0.5, dpi
     kind: Any
     kind, rate = (PillowWriter, gif_rate(fps)) if path.suffix.lower() == ".gif" else (FFMpegWriter, fps)
     at = times(walk, rate, speed)
-    check(
-        len(at) <= FRAMES or kind is not PillowWriter,
-        "speed",
-        speed,
-        f"such that a GIF has at most {FRAMES} frames, not {len(at)}",
-        "Make an .mp4, or film a shorter walk.",
-    )
+    most, hint = f"such that a GIF has at most {FRAMES} frames, not {len(at)}", "Make an .mp4."
+    check(len(at) <= FRAMES or kind is not PillowWriter, "speed", speed, most, hint)
     (figure, show), writer = scene_of(walk, at, speed), kind(rate)
     try:
         with write_whole(path) as new, writer.saving(figure, str(new), dpi):

@@ -35,7 +35,7 @@ def percent(share: float) -> str:
 
 
 def change(name: str, value: float, base: float) -> str:
-    """What became of an objective: of J_W the multiple of its base, "x 1.79", of others "-2.3 %"."""
+    """The change of an objective: of J_W the multiple of its base, "x 1.79", of others "-2.3 %"."""
     ratio = value / base if base else math.nan
     if not math.isfinite(ratio):
         return "-"

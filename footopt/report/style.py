@@ -43,7 +43,7 @@ MARKERS = "osD^vP*"
 SANDS = ("soft", "hard", "regular")
 #: Name and colour of the left and the right leg.
 SIDES = (("left", "#0072B2"), ("right", "#D55E00"))
-#: What is designed (the best foot, the chosen one), and the flat sole that it is compared with.
+#: Designs (the best foot, the chosen one, all), and the flat sole that they are compared with.
 BEST, FLAT, CHOSEN, DESIGNS = "#009E73", "#707070", "#882255", "#56B4E9"
 DARK = "#23709C"  # of words about designs: their own colour is too pale for letters
 SAND, SURFACE, STRONG_SAND = "#F3E9D2", "#E69F00", "#7A5230"

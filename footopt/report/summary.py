@@ -32,13 +32,13 @@ SHOWN = 60  # runs of the table on the terminal
 ROOM, COLUMN = 26, 10  # letters of its first and last column, and of each between
 SEED = "solver.seed"
 #: Settings that do not change which problem is searched.
-HOW = ("solver.", "engine.", "study.", "choose.", "report", "plugins", "accuracy.")
+OUTSIDE_PROBLEM = ("solver.", "engine.", "study.", "choose.", "report", "plugins", "accuracy.")
 QUANTILES = {"median": 0.5, "q1": 0.25, "q3": 0.75}
 
 
 @dataclass
 class Run:
-    """What a run, or a job of a multirun, left in its folder.
+    """A run, or a job of a multirun, as its folder has it.
 
     Tables call it by its `name` ("job 3"), summary.csv by its `key`. `result` is its result.json, if that
     is about one foot, and `note` says why there is none, or no better one.
@@ -227,7 +227,7 @@ def fronts(runs: Sequence[Run]) -> list[Fronts]:
     for i, run in enumerate(runs):
         names = tuple(run.result.get("objective_names", ()))
         if len(names) > 1 and run.result.get("front_values"):
-            problem = (item for item in run.settings.items() if not item[0].startswith(HOW))
+            problem = (item for item in run.settings.items() if not item[0].startswith(OUTSIDE_PROBLEM))
             groups.setdefault((names, *problem), []).append(i)
     own = _varied(runs).drop(columns=SEED, errors="ignore").to_numpy().tolist()
     found = []

@@ -1,4 +1,4 @@
-"""What a run says on the terminal: tables, descriptions in a line, warnings. Plain lines in a log file."""
+"""Output of a run on the terminal: tables, descriptions in a line, warnings. Plain lines in a log file."""
 
 from __future__ import annotations
 
@@ -180,13 +180,13 @@ def described(kind: type) -> dict[str, tuple[str, str]]:
     part = text.partition("Parameters\n----------\n")[2]
     part = re.split(r"\n\n\w+\n-+\n", part)[0]
     found: dict[str, tuple[str, str]] = {}
-    for names, told, words in re.findall(r"^(\w[\w, ]*) : (.*)\n((?:[ ]+.*\n?|\n)+)", part + "\n", re.M):
-        found |= {n.strip(): (told, " ".join(words.split())) for n in names.split(",")}
+    for names, typed, words in re.findall(r"^(\w[\w, ]*) : (.*)\n((?:[ ]+.*\n?|\n)+)", part + "\n", re.M):
+        found |= {n.strip(): (typed, " ".join(words.split())) for n in names.split(",")}
     return found
 
 
 def describe_setup(scene: Scene, foot: Foot | Waypoints) -> str:
-    """What is walked, in two lines: the walker and the gait; the foot or its space, the sand and the law."""
+    """A walk in two lines: the walker and the gait; the foot or its space, the sand and the law."""
     walker, gait = scene.walker, scene.gait
     if isinstance(foot, Waypoints):
         what, length, height = "Soles in a box of", 2.0 * foot.L, foot.H
@@ -205,7 +205,7 @@ def describe_setup(scene: Scene, foot: Foot | Waypoints) -> str:
 
 
 def describe_search(result: SearchResult) -> str:
-    """What a search did, in one line."""
+    """A search in one line: its evaluations, and how many designs were infeasible."""
     from footopt.design.archive import causes  # a foot is drawn without the optimiser
 
     reused = f", {result.reused} of them known" if result.reused else ""
@@ -222,7 +222,7 @@ def describe_search(result: SearchResult) -> str:
 
 
 def describe_confirmation(confirmed: Confirmation) -> str:
-    """What the finalists are at a finer accuracy, in one line."""
+    """The finalists at the finer accuracy, in one line."""
     finalists, accuracy = len(confirmed.designs), confirmed.accuracy.name
     if math.isnan(confirmed.largest_change):
         return f"None of {finalists} finalists is feasible at accuracy {accuracy}"
@@ -256,7 +256,7 @@ def print_validity(out: Console, diagnostics: Sequence[Diagnostic]) -> None:
 
 
 def describe_outside(d: Diagnostic) -> str:
-    """What a value outside the tested range means, with the value and its limit."""
+    """A value outside the tested range, with its limit and the consequence."""
     return f"{d.name} {quantity(d.value, d.unit)} is above {quantity(d.limit, d.unit)}: {d.why}"
 
 

@@ -8,15 +8,7 @@ from matplotlib.figure import Figure
 from footopt.files.strides import Strides
 from footopt.gait import Gait
 from footopt.gait.gait import ankle
-from footopt.report.style import (
-    COLOURS,
-    COLUMN,
-    GREY,
-    Axes,
-    legend_above,
-    new_figure,
-    styled,
-)
+from footopt.report.style import COLOURS, COLUMN, GREY, Axes, legend_above, new_figure, styled
 from footopt.walk import Walker
 
 SIGNS = {"thigh": "forward", "knee": "flexed", "foot": "toe up"}

@@ -43,7 +43,7 @@ MARKS: dict[str, dict[str, Any]] = {
 
 
 def history_label(names: Sequence[str]) -> str:
-    """What a search for these objectives makes better (`footopt.design.Generation`)."""
+    """The label of what a search for these objectives improves (`footopt.design.Generation`)."""
     return lookup(names)[0].label if len(names) == 1 else "hypervolume (1: box of the first generation)"
 
 

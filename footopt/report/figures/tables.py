@@ -51,7 +51,7 @@ def draw_heat_map(
 
 @styled
 def regrets(values: ArrayLike, feet: Sequence[str], scenarios: Sequence[str]) -> Figure:
-    """What each foot (row) loses in each scenario (column) relative to the best known there, %."""
+    """The regret of each foot (row) in each scenario (column) against the best foot known there, %."""
     table = 100.0 * np.asarray(values, float)
     summary = np.stack([table.mean(axis=1), table.max(axis=1)], axis=1)
     many = len(scenarios) > 6
@@ -66,7 +66,7 @@ def regrets(values: ArrayLike, feet: Sequence[str], scenarios: Sequence[str]) ->
         draw_heat_map(axes, part, feet, columns, texts, "Blues", most)
     right.tick_params(labelleft=False)
     left.set_ylabel("foot made for")
-    figure.supxlabel("loss against the best specialist in each scenario (%)")
+    figure.supxlabel("regret against the best specialist in each scenario (%)")
     return figure
 
 
@@ -96,7 +96,7 @@ class Cell(NamedTuple):
 
     @property
     def text(self) -> str:
-        """What decides, and its value to two digits; one where it takes an exponent."""
+        """The deciding measure and its value to two digits; one where it takes an exponent."""
         if self.measure in WORDS:
             return self.measure
         value = f"{self.value:.0e}" if not 1e-2 <= self.value < 1e3 else f"{self.value:.2g}"

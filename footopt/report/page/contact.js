@@ -167,7 +167,7 @@ const EFFECTS = {
 const hooks = Object.entries(P.effects ?? {}).map(([name, law]) => EFFECTS[name](law));
 const [loads, gates, pushes] = [load, gate, push].map((state) => hooks.filter(([of]) => of === state).map(([, hook]) => hook));
 
-/** What a walk takes of the settings: the law in N/m^3 and the mass, kg. */
+/** The law in N/m^3 and the mass, kg, of a walk. */
 function world(zeta, mass) {
   const unit = zeta * P.sand.gravity * P.sand.unit;
   return { mass, ...Object.fromEntries(Object.entries(P.sand.law).map(([name, c]) => [name, unit * c])) };

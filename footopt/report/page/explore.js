@@ -9,7 +9,7 @@ const reasonCodes = data.designs.reason && unpack(data.designs.reason);
 const front = new Set(data.front ? unpack(data.front) : []);
 const MOST = 1000; // parallel lines of a colour at most
 
-/** What designs can be filtered and drawn by: the recorded values, when a search came to them, and what they are made of. */
+/** Columns to filter and draw designs by: recorded values, the generation, the hollow, and heights. */
 const COLUMNS = data.columns.map((column, c) => {
   const flat = entry.flat?.[column.name];
   // J_W is told as a multiple of the flat foot's: both are negative
@@ -251,7 +251,7 @@ function explorer(choose, beside, glimpse) {
     }
     return found;
   }
-  /** What a design under the pointer says. */
+  /** The text of a design under the pointer. */
   const told = (i) => {
     if (i !== state.near) {
       glimpse((state.near = i) < 0 ? state.chosen : i);

@@ -216,7 +216,7 @@ function studySections() {
     return [title ? el("h3", {}, title) : null, scrolled(title ?? "A table", made), caption ? el("p", { class: "note" }, caption) : null];
   });
   return [
-    ...(tables.length ? [el("section", { id: "tables" }, el("h2", {}, "What was found"), ...tables)] : []),
+    ...(tables.length ? [el("section", { id: "tables" }, el("h2", {}, "Results"), ...tables)] : []),
     ...(figures.length ? [el("section", { id: "figures" }, el("h2", {}, "Figures"), ...figures)] : []),
   ];
 }

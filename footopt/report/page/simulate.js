@@ -80,8 +80,8 @@ function solveStage(W, sole, poses, p, x0, z0, vx0, vz0, c, vx, vz) {
 const accelX = (W, F) => (F[0] + F[7]) / W.mass + (P.gravity.tilt ?? 0);
 const accelZ = (W, F) => (F[1] + F[8]) / W.mass - P.gravity.g;
 
-/** What adds up along the walk, with one stage more: work of both feet, height, joints' work (positive, net), impulse. */
-function add(sums, weight, z, vx, vz, F) {
+/** Accumulate one stage: work of both feet, height, positive joint work. */
+function accumulate(sums, weight, z, vx, vz, F) {
   const left = F[0] * vx + F[1] * vz - F[2], right = F[7] * vx + F[8] * vz - F[9];
   sums[0] += weight * F[LEFT_POWER];
   sums[1] += weight * F[RIGHT_POWER];
@@ -103,7 +103,7 @@ function sdirk2(W, sole, poses, p, now, after, h) {
   after.sums.set(now.sums);
   if (!solveStage(W, sole, poses, p, x, z, vx, vz, c, ...guess(vx, vz, c * ax, c * az))) return false;
   const ux = implicit.vx, uz = implicit.vz, bx = accelX(W, implicit.force), bz = accelZ(W, implicit.force);
-  add(after.sums, r, z + c * uz, ux, uz, implicit.force);
+  accumulate(after.sums, r, z + c * uz, ux, uz, implicit.force);
   const x1 = x + r * ux, z1 = z + r * uz;
   // the guess follows the change of acceleration so far, to the end of the step
   const whole = guess(ux, uz, r * (bx + (bx - ax)), r * (bz + (bz - az)));
@@ -113,7 +113,7 @@ function sdirk2(W, sole, poses, p, now, after, h) {
   after.x = x1 + c * implicit.vx;
   after.z = z1 + c * implicit.vz;
   after.force.set(implicit.force);
-  add(after.sums, c, after.z, implicit.vx, implicit.vz, implicit.force);
+  accumulate(after.sums, c, after.z, implicit.vx, implicit.vz, implicit.force);
   return solved;
 }
 

@@ -18,7 +18,7 @@ SCALE = 2.1  # pixels of the page for a point of a figure: a wide one then fills
 
 NOTHING = {"values": packed(np.empty((0, 0))), "feasible": [], "reasons": []}  # of designs
 
-#: What the foot of a page says of a study, of all that is in its result.json.
+#: Entries of result.json at the foot of a study's page.
 FOOTER = (
     "seed", "wall_time_s", "accuracy", "evaluations", "designs", "versions", "error_estimate", "settings",
     "scene",

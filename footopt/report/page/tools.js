@@ -1,4 +1,4 @@
-// What every part of the page needs: the data, elements, scales, tables, downloads.
+// Tools of every part of the page: the data, elements, scales, tables, downloads.
 
 const data = JSON.parse(document.getElementById("data").textContent);
 const entry = data.entry ?? {};
@@ -217,7 +217,7 @@ function table(head, rows, attributes = {}) {
     el("tbody", {}, ...rows.map((row) => el("tr", {}, ...row.map((cell) => el("td", {}, cell))))));
 }
 
-/** What scrolls where it is too large. */
+/** A box that scrolls where it is too large. */
 const scrolled = (label, ...children) => el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": label }, ...children);
 
 /** A table that opens on demand and is filled then. */

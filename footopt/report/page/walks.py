@@ -124,13 +124,15 @@ def verdict(best: Walk, flat: Walk, sought: Sequence[str] = ()) -> str:
     for name in dict.fromkeys([*goals, *FIVE]):
         if (base := flat.objectives[name]) and math.isfinite(change := best.objectives[name] / base - 1.0):
             gains[name] = -MEASURES[name].sign * change
-    told = []
+    phrases = []
     best_of_goals = sorted(gains.keys() & goals, key=gains.__getitem__)[-1:]
     for name in dict.fromkeys([*best_of_goals, *sorted(gains, key=gains.__getitem__)[:1]]):
         if abs(gains[name]) >= TELLING:
             less = (gains[name] > 0.0) == (MEASURES[name].sign > 0.0)
-            told.append(f"{percent(abs(gains[name]))} {'less' if less else 'more'} {title(name)}")
-    return f"{kind} for {sand_title(best.scene.sand)}" + f": {', '.join(told)} than a flat one" * bool(told)
+            phrases.append(f"{percent(abs(gains[name]))} {'less' if less else 'more'} {title(name)}")
+    return f"{kind} for {sand_title(best.scene.sand)}" + f": {', '.join(phrases)} than a flat one" * bool(
+        phrases
+    )
 
 
 def successive_bests(result: SearchResult) -> Ints:
