@@ -59,6 +59,8 @@ def footopt(*arguments, cwd, drawn=False):
         patch.setattr(sys, "argv", ["footopt", *arguments])
         patch.setenv("HYDRA_FULL_ERROR", "0")
         patch.setenv("COLUMNS", "80")
+        # Hydra composes everything once more to see whether hydra.mode is set, which no test does
+        patch.setattr("hydra._internal.hydra.Hydra.get_mode", lambda *_, **__: None)
         if not drawn:
             unrender(patch)
         try:

@@ -118,7 +118,6 @@ def test_forces_are_those_of_the_planar_law_with_its_effects(block, effects):
         assert wrench[[1, 3, 5]] == pytest.approx(0.0, abs=1e-8)
 
 
-@pytest.mark.slow  # of compiling
 def test_stiffness_is_the_derivative_of_the_wrench(block):
     _, _, contact = block(effects=SOME, foot=HOLLOW)
     rng = np.random.default_rng(5)
@@ -252,7 +251,6 @@ def test_a_plate_pushed_into_quartz_sand_feels_what_was_measured(request):
     assert stress == pytest.approx(2.02e6, rel=0.06)
 
 
-@pytest.mark.slow  # of compiling
 def test_a_plate_dragged_fast_feels_the_inertia_of_the_grains(block):
     # F = K |z| + lambda rho A v^2, Agarwal et al., Science Advances 7 (2021), with their lambda and rho
     rho, area, depth = Inertia().rho, 0.016 * 0.03, 0.03
