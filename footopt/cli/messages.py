@@ -49,6 +49,8 @@ def translate(error: BaseException, words: Sequence[str]) -> FootoptError | None
     text = str(cause).partition("\n")[0]
     key = (getattr(cause, "full_key", None) or "").partition("[")[0]  # of a list, without the place in it
     group, _, choice = (getattr(error, "missing_cfg_file", None) or "").rpartition("/")
+    if "" in given:
+        return FootoptError(f"={given['']}: {_syntax('', '', '')}")
     if "Config group override must be" in text:  # sand=2.5
         group, choice = next((name, given[name]) for name in given if name in groups())
     if isinstance(error, OverrideParseException):
