@@ -106,15 +106,15 @@ def draw_contour(axes: Axes, foot: Foot) -> None:
         axes.annotate(f"hollow {depth:.1f} mm", (MM * x, MM * low), (0, -8), **near, ha="center", va="top")
     circles = ["circles: waypoints"] * (foot.k is not None)
     axes.set_title("; ".join([*circles, "dotted: lower hull" if depth >= HOLLOW else "no hollow"]))
-    _label_axes(axes)
+    _label_axes(axes, 0.09, 0.06)  # for words
 
 
-def _label_axes(axes: Axes) -> None:
-    """Label axes in mm with equal scales, and leave room for words above and below what is drawn."""
+def _label_axes(axes: Axes, below: float = 0.03, above: float = 0.03) -> None:
+    """Label axes in mm with equal scales, with room below and above what is drawn, as parts of the width."""
     axes.set(xlabel="$x_p$ (mm), to the toe", ylabel="$z_p$ (mm)")
     axes.set_aspect("equal")
-    (low, high), room = axes.get_ylim(), 0.03 * np.ptp(axes.get_xlim())
-    axes.set_ylim(low - 3.0 * room, high + 2.0 * room)
+    (low, high), wide = axes.get_ylim(), np.ptp(axes.get_xlim())
+    axes.set_ylim(low - below * wide, high + above * wide)
 
 
 def _measure(axes: Axes, start: Point, end: Point, colour: str, heads: float = 10.0) -> None:

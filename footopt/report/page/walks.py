@@ -130,9 +130,8 @@ def verdict(best: Walk, flat: Walk, sought: Sequence[str] = ()) -> str:
         if abs(gains[name]) >= TELLING:
             less = (gains[name] > 0.0) == (MEASURES[name].sign > 0.0)
             phrases.append(f"{percent(abs(gains[name]))} {'less' if less else 'more'} {title(name)}")
-    return f"{kind} for {sand_title(best.scene.sand)}" + f": {', '.join(phrases)} than a flat one" * bool(
-        phrases
-    )
+    said = f": {', '.join(phrases)} than a flat one" if phrases else ""
+    return f"{kind} for {sand_title(best.scene.sand)}{said}"
 
 
 def successive_bests(result: SearchResult) -> Ints:
