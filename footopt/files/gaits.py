@@ -15,7 +15,7 @@ from footopt.files import io
 from footopt.files.strides import Strides, average, check_angles, check_period, cut
 from footopt.gait import Fourier, Gait
 from footopt.gait.fourier import finite
-from footopt.gait.gait import HARMONICS, JOINTS
+from footopt.gait.gait import HARMONICS, JOINTS, RESIDUAL
 
 Array = NDArray[np.float64]
 
@@ -88,13 +88,14 @@ def read_gait(
                 f"not a gait in JSON ({type(error).__name__}: {error}). It must hold period_s, and thigh "
                 "and knee each with a0, a and b in degrees."
             ) from None
-        series = {name: joint for name in JOINTS if (joint := getattr(gait, name)) is not None}
-        check_angles({name: np.degrees(joint.at(phase)[0]) for name, joint in series.items()})
+        check_angles({name: np.degrees(joint.at(phase)[0]) for name, joint in gait.series.items()})
     return replace(gait, name=Path(path).stem)
 
 
 def write_gait(gait: Gait, path: str | Path) -> None:
     """Write the series and the period to a file of coefficients (JSON), which `read_gait` reads back.
+
+    Both are the same, to the last bit. How the foot turns and when the walk starts are not written.
 
     Raises
     ------
@@ -104,7 +105,9 @@ def write_gait(gait: Gait, path: str | Path) -> None:
         The file cannot be written.
     """
     check(Path(path).suffix.lower() == ".json", "path", str(path), "a file that ends in .json")
-    io.write_json(Path(path), gait.numbers)
+    series = {name: joint._asdict() for name, joint in gait.series.items()}
+    residual = {str(max(len(joint.a) for joint in gait.series.values())): dict(gait.residual)}
+    io.write_json(Path(path), {"source": gait.source, "period_s": gait.period, **series, RESIDUAL: residual})
 
 
 def fit_gait(

@@ -26,11 +26,13 @@ from footopt.gait import start
 from footopt.gait.fourier import Fourier, finite
 
 Array = NDArray[np.float64]
+Angle = tuple[Array, Array]  # and its rate
 
 LEFT, RIGHT = 0, 1
 HUMAN = Path(__file__).parent / "data" / "human_walk.json"
 HARMONICS = 6  # of the series, where nothing else is asked for
 JOINTS = ("thigh", "knee", "foot")
+RESIDUAL = "rms_residual_deg_by_harmonics"  # its name in files
 
 
 class Pose(NamedTuple):
@@ -97,9 +99,8 @@ class Gait:
         check(self.pitch in ("shank", "measured"), "gait.pitch", self.pitch, "shank or measured")
         if self.pitch == "measured" and self.foot is None:
             raise SettingError("gait.pitch", "measured", "shank: this gait has no measured pitch of the foot")
-        for joint in (self.thigh, self.knee, self.foot):
-            if joint is not None and not np.isfinite([joint.a0, *joint.a, *joint.b]).all():
-                raise SettingError("gait", self.name, "made of finite coefficients")
+        finite = all(np.isfinite([s.a0, *s.a, *s.b]).all() for s in self.series.values())
+        check(finite, "gait", self.name, "made of finite coefficients")
 
     @classmethod
     def human(
@@ -111,7 +112,7 @@ class Gait:
 
     @classmethod
     def from_numbers(cls, numbers: Mapping[str, Any], harmonics: int | None = None) -> Gait:
-        """The gait of Fourier coefficients, as JSON has them: the reverse of `numbers`.
+        """The gait of Fourier coefficients in JSON's types, as files of gaits hold them.
 
         Parameters
         ----------
@@ -128,35 +129,27 @@ class Gait:
         SettingError
             There are fewer harmonics.
         """
-        joints = {n: Fourier.from_numbers(numbers[n]) for n in JOINTS if n != "foot" or n in numbers}
-        many = [len(joint.a) for joint in joints.values()]
-        if harmonics is not None:
+        series = {n: Fourier.from_numbers(numbers[n]) for n in JOINTS if n != "foot" or n in numbers}
+        many = [len(joint.a) for joint in series.values()]
+        if harmonics is None:
+            harmonics = max(many)
+        else:
             check_whole(harmonics, "gait.harmonics", 1, min(many), "These are the harmonics of the data.")
-        used = max(many) if harmonics is None else harmonics
-        misfit = numbers.get("rms_residual_deg_by_harmonics", {}).get(str(used), {})
+        series = {name: joint.truncated(harmonics) for name, joint in series.items()}
+        misfit = numbers.get(RESIDUAL, {}).get(str(harmonics), {})
         return cls(
-            thigh=joints["thigh"].truncated(used),
-            knee=joints["knee"].truncated(used),
-            foot=joints["foot"].truncated(used) if "foot" in joints else None,
+            thigh=series["thigh"],
+            knee=series["knee"],
+            foot=series.get("foot"),
             period=finite(numbers["period_s"]),
             source=str(numbers.get("source", "")),
             residual=tuple((str(joint), finite(rms)) for joint, rms in misfit.items()),
         )
 
     @property
-    def numbers(self) -> dict[str, Any]:
-        """The series and the period in JSON's types, to the last bit.
-
-        How the foot turns and when the walk starts are no part of them.
-        """
-        joints = {name: joint for name in JOINTS if (joint := getattr(self, name)) is not None}
-        many = max(len(joint.a) for joint in joints.values())
-        return {
-            "source": self.source,
-            "period_s": self.period,
-            **{name: joint._asdict() for name, joint in joints.items()},
-            "rms_residual_deg_by_harmonics": {str(many): dict(self.residual)},
-        }
+    def series(self) -> dict[str, Fourier]:
+        """The joints' series by name: thigh, knee and perhaps foot."""
+        return {name: joint for name in JOINTS if (joint := getattr(self, name)) is not None}
 
     @property
     def heel_strike(self) -> float:
@@ -170,7 +163,7 @@ class Gait:
         steps = math.floor((t_f - self.heel_strike) / (self.period / 2.0) + 1e-9) + 1
         return self.heel_strike + np.arange(steps, dtype=np.float64) * (self.period / 2.0)
 
-    def cycle(self, phase: ArrayLike) -> tuple[tuple[Array, Array], tuple[Array, Array], tuple[Array, Array]]:
+    def cycle(self, phase: ArrayLike) -> tuple[Angle, Angle, Angle]:
         """Thigh, shank and pitch of the steady walk: each an angle (rad) and its rate (rad/stride)."""
         p = np.asarray(phase, float)
         (thigh, thigh_rate), (knee, knee_rate) = self.thigh.at(p), self.knee.at(p)
@@ -179,7 +172,7 @@ class Gait:
             return (thigh, thigh_rate), shank, self.foot.at(p)
         return (thigh, thigh_rate), shank, shank
 
-    def angles(self, t: ArrayLike) -> tuple[tuple[Array, Array], tuple[Array, Array], tuple[Array, Array]]:
+    def angles(self, t: ArrayLike) -> tuple[Angle, Angle, Angle]:
         """Thigh, shank and pitch at times t (T,): each angles (T, 2 feet), rad, and rates, rad/s."""
         phase, phase_rate, w, w_rate = start.ramp(np.asarray(t, float), self.start, self.period)
         joints = []
