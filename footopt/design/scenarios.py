@@ -40,7 +40,7 @@ class Scenario:
     name : str
         For tables and the reasons of failed walks.
     scene : Scene
-        What is walked through.
+        The scene to simulate.
     ankle : (float, float), m
         Added to the ankle's place in the foot frame.
     weight : float

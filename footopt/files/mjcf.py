@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from footopt.files.io import write_text
+from footopt.foot import Foot
 
 BODY = """<mujoco model="foot">
   <asset><mesh name="foot" file="contour.stl" scale="0.001 0.001 0.001"/></asset>
@@ -33,15 +31,10 @@ print("sunk (m):", sand.depth["foot"], "carried (N):", sand.force["foot"][2])
 '''
 
 
-def write_mjcf(
-    outline: NDArray[np.float64], ankle: tuple[float, float], width: float, folder: Path
-) -> list[Path]:
-    """Write foot.xml, with the mesh contour.stl and the site ankle, and drop.py, which lets it fall.
-
-    The outline (p, 2), the ankle and the width are in metres.
-    """
-    (x, z), width = (float(v) for v in ankle), float(width)
-    height = 0.02 + z - float(outline[:, 1].min())  # the sole 2 cm above the sand
+def write_mjcf(foot: Foot, folder: Path) -> list[Path]:
+    """Write foot.xml, with the mesh contour.stl and the site ankle, and drop.py, which lets it fall."""
+    x, z = (float(v) for v in foot.ankle)
+    height = 0.02 + z - float(foot.contour[:, 1].min())  # the sole 2 cm above the sand
     write_text(folder / "foot.xml", BODY.format(height=height, x=-x, z=-z))
-    write_text(folder / "drop.py", SCRIPT.format(width=width, ankle=(x, z)))
+    write_text(folder / "drop.py", SCRIPT.format(width=float(foot.width), ankle=(x, z)))
     return [folder / "foot.xml", folder / "drop.py"]

@@ -21,7 +21,7 @@ LATE = 0.1  # of a stride; a heel strike that is farther inside is where it ough
 BACKWARDS = -0.15  # of the ranges of thigh and knee, what their loop encloses; in walks it is 0.3 to 0.75
 BENDS = 25.0  # deg; a knee that bends by less says nothing of the direction
 ANGLES = ("thigh", "knee")
-#: What a joint of a walker can do, deg; a table in other units or with other columns leaves it.
+#: The range of a walker's joints, deg; a table in other units or with other columns leaves it.
 LIMITS = {"thigh": (-90.0, 120.0), "knee": (-12.0, 170.0), "foot": (-120.0, 120.0)}
 LEAST = 3.0  # deg that a thigh moves in a walk; one in radians moves by less
 HOLE = (4.0, 0.05)  # a step of time longer than so many usual ones, and than so many s
@@ -41,7 +41,7 @@ class Strides(NamedTuple):
     periods : (strides,) array, s
         Duration of each stride.
     notes : tuple of str
-        What was recognised or assumed.
+        Recognised or assumed properties.
     source : str
         The file.
     """
@@ -66,7 +66,7 @@ class Strides(NamedTuple):
 
 
 def average(strides: Strides) -> dict[str, Array]:
-    """The mean curve of each joint, closed: what its ends differ by is spread over the stride."""
+    """The mean curve of each joint, closed: the gap between its ends is spread over the stride."""
     means = {joint: curve.mean(axis=0) for joint, curve in strides.curves.items()}
     return {j: mean - (strides.phase - 0.5) * (mean[-1] - mean[0]) for j, mean in means.items()}
 
@@ -86,7 +86,7 @@ def cut(
         One stride. By default all whole strides of the period of thigh and knee are taken; if they have none,
         and end as they began, the whole recording is one stride.
     notes : tuple of str
-        What was recognised or assumed of the file.
+        Recognised or assumed properties of the file.
 
     Raises
     ------

@@ -44,7 +44,7 @@ class Foot:
     top : float, m
         z_p of the flat top.
     notes : tuple of str
-        What of its file was left out.
+        Parts of its file that were left out.
 
     Raises
     ------
@@ -92,7 +92,7 @@ class Foot:
         space : Waypoints, optional
             The design space; by default the paper's, with n = len(k).
         **parameters
-            What is different in the space: K, L, H, width, ankle, box_tolerance, closed or top.
+            Other values of the space: K, L, H, width, ankle, box_tolerance, closed or top.
 
         Raises
         ------

@@ -87,7 +87,7 @@ class Waypoints:
         return -self.L + 2.0 * self.L * np.arange(self.n) / (self.n - 1)
 
     def check(self, k: ArrayLike) -> Ints:
-        """The heights as whole numbers, (designs, n); raises `SettingError` for what is none in the space."""
+        """The heights as whole numbers, (designs, n); raises `SettingError` for others."""
         try:
             given = np.atleast_2d(np.asarray(k, float))
         except (TypeError, ValueError):  # words, or rows of different lengths

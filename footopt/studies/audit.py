@@ -1,5 +1,6 @@
-"""The effect audit: what an effect changes in a scene, in every objective and in the ranking of feet,
-and what it costs in time. Simulate only the effects that a scene calls for.
+"""The effect audit: how much an effect changes each objective and the ranking of feet, and its cost in time.
+
+Simulate only the effects that a scene calls for.
 """
 
 from __future__ import annotations
@@ -29,12 +30,12 @@ QUANTILE = 95.0  # of the feet: the change that this share of them does not exce
 
 @dataclass(frozen=True, eq=False)
 class Audit:
-    """What one effect does in a scene.
+    """The changes that one effect makes in a scene.
 
     Parameters
     ----------
     effect : Effect
-        What was switched on.
+        The effect that was switched on.
     scene : Scene
         Without it.
     changes : (objectives,)
@@ -104,14 +105,14 @@ def audit(
     space: Waypoints | None = None,
     repeats: int = 3,
 ) -> Audit:
-    """Walk with feet through a scene, with an effect and without it.
+    """Evaluate feet in a scene with an effect and without it.
 
     Parameters
     ----------
     effect : Effect
         Switched on, in place of one of its kind.
     scene : Scene
-        What else is on stays on.
+        Its other effects stay on.
     feet : sequence of Foot, or (designs, n)
         As in `evaluate`.
     accuracy : Accuracy or str
@@ -126,7 +127,7 @@ def audit(
     Returns
     -------
     Audit
-        What it changes, and at what cost.
+        Its changes and its cost.
     """
     accuracy, scenes = resolve(accuracy), switched(effect, scene)
     tables = [evaluate(feet, s, accuracy, space=space) for s in scenes]  # compiled, poses made

@@ -1,9 +1,9 @@
 """zeta, and the exponent of depth, from plates or penetrometers pushed into one's own sand.
 
 A plate of area A at depth z feels F = zeta P z against its motion, with P = A (alpha_x cos g + alpha_z sin g)
-of the stress map. What repeats of a test share, as the sand was prepared once for each, is not known: each is
-fitted alone by least squares, and the mean over the repeats has Student's interval. With one repeat there is
-only the interval of its own least squares.
+of the stress map. The sand is prepared once for each repeat, whose forces share that error: each repeat is
+fitted alone by least squares, and the mean over the repeats has Student's interval. A single repeat has only
+the interval of its own least squares.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class SetUp(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """What tests say of a sand."""
+    """The estimates that tests give of a sand, with their intervals."""
 
     zeta: Estimate  # with force that grows linearly with depth, as footopt's law has it
     exponent: Estimate  # of depth, in a law with zeta (z / reference)^(exponent - 1)
@@ -92,7 +92,7 @@ class Calibration:
 
     @property
     def warnings(self) -> list[str]:
-        """What keeps the tests from saying what they are to say."""
+        """Reasons to doubt the estimates."""
         said = []
         shallow, deep, n = self.depth.min(), self.depth.max(), self.exponent
         low, high = self.zeta_at(shallow), self.zeta_at(deep)
@@ -136,7 +136,7 @@ def calibrate(path: str | Path, stress_map: StressMap = GENERIC) -> Calibration:
         level), ``direction_deg`` (of the motion, 90 is down) and ``repeat`` (the preparation of the sand, any
         word); others are ignored.
     stress_map : StressMap
-        What zeta scales.
+        The map that zeta scales.
 
     Returns
     -------

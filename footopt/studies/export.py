@@ -51,7 +51,7 @@ def run(study: Study) -> None:
     foot, block = foot_of(Path(folder), config.foot.k), config.foot.block
     written, notes = write_all(foot, study.folder, block)
     if study.options.mujoco:
-        written += write_mjcf(foot.contour, foot.ankle, foot.width, study.folder)
+        written += write_mjcf(foot, study.folder)
     outline, width = MM * body_outline(foot, block), MM * foot.width
     area = float(Polygon(outline).area)
     caption = "The outline of every file, with its sole (blue) and ankle (+), in mm."

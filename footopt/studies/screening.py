@@ -16,7 +16,7 @@ from footopt.effects import EFFECTS
 from footopt.foot import Foot
 from footopt.walk.scene import SOLE, Scene
 
-# what the numbers of sand assume: quartz sand as on a beach
+# assumed of the sand: quartz as on a beach
 DENSITY = 1600.0  # kg/m^3
 GRAIN = 3e-4  # m
 COHESION, INNER = 1.04e3, math.radians(28.0)  # Pa, and angle of friction: a dry sand in Wong (2008)
@@ -44,7 +44,7 @@ class Criterion:
     kind : str
         `EFFECT`, `RANGE` or `LACKS`.
     number : str
-        What the value is.
+        Its formula, in words.
     value : float
         Dimensionless.
     threshold : float
@@ -81,7 +81,7 @@ class Criterion:
 
     @property
     def warning(self) -> str:
-        """What to say where a scene is outside of what was tested; "" inside."""
+        """The warning where a scene is outside of the tested range; "" inside."""
         if self.kind != RANGE or not self.above:
             return ""
         about = f"{self.number} is about {self.value:.2g}"
@@ -94,7 +94,7 @@ def screening(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> li
     Parameters
     ----------
     scene : Scene
-        What is simulated.
+        The scene to simulate.
     feet : sequence of Foot
         Their medians count.
     tolerance : float
@@ -103,7 +103,7 @@ def screening(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> li
     Returns
     -------
     list of Criterion
-        Effects, what the law is tested for, and what footopt lacks.
+        Of effects, of the law's tested ranges, and of effects that footopt lacks.
     """
     scale = scene.scale
     size = np.median([[*np.ptp(foot.contour, axis=0), foot.width, foot.hollow] for foot in feet], axis=0)

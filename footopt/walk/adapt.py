@@ -100,7 +100,7 @@ def accuracies(
 
 
 def _each(accuracy: Accuracy, scene: Scene, soles: Sequence[Foot | Waypoints]) -> list[Accuracy]:
-    """What an accuracy comes to by sole."""
+    """The numbers that an accuracy comes to for each of some soles."""
     if not accuracy.adapt:
         return [accuracy] * len(soles)
     period = scene.gait.period / PERIOD

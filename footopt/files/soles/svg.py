@@ -18,7 +18,7 @@ from footopt.files.soles.lines import FLATTEN, PIECES, TOO_MANY, UNITS, Line, un
 
 Array = NDArray[np.float64]
 
-#: Numbers, paths and transforms: the library leaves out silently what is none of them.
+#: Numbers, paths and transforms: the library silently leaves out anything else.
 NUMBER = r"[+-]?(?:\d++\.?\d*+|\.\d++)(?:[eE][+-]?\d++)?"
 FORMS = {
     "d": re.compile(rf"\s*(?:[Mm](?:[MmZzLlHhVvCcSsQqTtAa\s,]|{NUMBER})*+)?"),
@@ -78,7 +78,7 @@ def read(path: Path, units: str | None, scale: float) -> Iterator[Line]:
 
 
 def _hide(root: ElementTree.Element) -> None:
-    """Take out what is not drawn where it stands, which the library would draw: masks, markers, symbols."""
+    """Remove masks, markers and symbols, which the library would draw where they are defined."""
     for parent in list(root.iter()):
         space, brace, _ = parent.tag.rpartition("}")
         for child in list(parent):
@@ -93,7 +93,7 @@ def _hide(root: ElementTree.Element) -> None:
 
 
 def _check(root: ElementTree.Element) -> None:
-    """Raise if a path or a transform has what is none, or there are more points than in any sole."""
+    """Raise if a path or a transform is malformed, or there are more points than in any sole."""
     numbers = 0
     for element in root.iter():
         parts = {name for name, value in element.items() if name in SIZES and value.strip().endswith("%")}
