@@ -72,7 +72,7 @@ def regrets(values: ArrayLike, feet: Sequence[str], scenarios: Sequence[str]) ->
 
 @styled
 def held_out(values: ArrayLike) -> Figure:
-    """Distribution of the robust foot's loss against the median scene's in fresh scenarios, %.
+    """Distribution of the robust foot's regret against the median scene's in fresh scenarios, %.
 
     Negative is a gain. Scenarios in which one of them fails are left out.
     """
@@ -83,7 +83,7 @@ def held_out(values: ArrayLike) -> Figure:
     axes.axvline(0.0, color=GREY, lw=0.8, ls="--")
     axes.step(loss, 100.0 * np.arange(1, len(loss) + 1) / len(loss), where="post", color=BEST)
     axes.set(ylim=(0, 100), ylabel=f"share of {len(loss)} scenarios (%)")
-    axes.set_xlabel("loss against the median scene's foot (%)\n\N{LEFTWARDS ARROW} robust foot better")
+    axes.set_xlabel("regret against the median scene's foot (%)\n\N{LEFTWARDS ARROW} robust foot better")
     return figure
 
 

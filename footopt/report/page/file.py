@@ -27,7 +27,7 @@ SCRIPTS = (  # in this order: each uses those before it
 
 
 def write(path: Path, content: dict[str, Any]) -> Path:
-    """Write a page of `search_content`, `walk_content`, `jobs_content` or `study_content`."""
+    """Write a page of `search_content`, `walk_content` or `jobs_content`; `write_study` makes its own."""
     write_text(path, text(content))
     return path
 
