@@ -68,9 +68,16 @@ def _lift(x):
 
 
 @register_jitable(**DERIVATIVE)
-def _combined(a, da, b, db):
+def combined(a, da, b, db):
     """a da + b db"""
     return a * da + b * db
+
+
+@register_jitable(**DERIVATIVE)
+def placed(stage, number, by_x, by_z):
+    """A number with its derivatives by the hip's place, which follows its velocity: dx/dv_x is `stage`, s."""
+    follows = 0.0 if stage is None else stage
+    return dual(stage, number, follows * by_x, follows * by_z)
 
 
 def _add(a, b):
@@ -85,7 +92,7 @@ def _subtract(a, b):
 
 def _multiply(a, b):
     a, b = lift(a), lift(b)
-    dx, dz = _combined(b.value, a.dx, a.value, b.dx), _combined(b.value, a.dz, a.value, b.dz)
+    dx, dz = combined(b.value, a.dx, a.value, b.dx), combined(b.value, a.dz, a.value, b.dz)
     return Dual(a.value * b.value, dx, dz)
 
 
@@ -93,8 +100,8 @@ def _divide(a, b):
     a, b = lift(a), lift(b)
     ratio, inverse = a.value / b.value, 1.0 / b.value
     dx, dz = (
-        _combined(inverse, a.dx, -ratio * inverse, b.dx),
-        _combined(inverse, a.dz, -ratio * inverse, b.dz),
+        combined(inverse, a.dx, -ratio * inverse, b.dx),
+        combined(inverse, a.dz, -ratio * inverse, b.dz),
     )
     return Dual(ratio, dx, dz)
 
@@ -140,8 +147,8 @@ def positive(x: Any) -> Any:
 @overload(positive, jit_options=DERIVATIVE)
 def _positive(x):
     if is_dual(x):
-        return lambda x: Dual(np.maximum(x.value, 0.0), (x.value > 0.0) * x.dx, (x.value > 0.0) * x.dz)
-    return lambda x: np.maximum(x, 0.0)
+        return lambda x: Dual(max(x.value, 0.0), (x.value > 0.0) * x.dx, (x.value > 0.0) * x.dz)
+    return lambda x: max(x, 0.0)
 
 
 @register_jitable(**VALUE)

@@ -7,7 +7,7 @@ A plate with world angle beta (counter-clockwise, rad) that moves in the directi
 
 with nine Fourier coefficients (Li, Zhang & Goldman, Science 339, 2013, table S2): the paper's eq. 1.
 `alpha` is that map as published, and `by_angles` the stress that it gives a moving plate; `affine` is the
-same law as the compiled code has it (`footopt.walk.contact.stress`).
+same law as the compiled code has it (`footopt.walk.contact.resistance`).
 """
 
 from __future__ import annotations

@@ -91,14 +91,14 @@ def record(trace, row, bristles):
 
 
 @inlined_fast
-def update_bristles(sole, poses, x, z, vx, vz, creep, stage):
+def update_bristles(sole, poses, hip, creep, stage):
     """Bend the bristles of both feet over a stage.
 
-    x, z, vx, vz: the hip's place (m) and velocity (m/s) at its end. creep: delta over the stage's time, m/s.
+    hip: its `Motion` at the stage's end. creep: delta over the stage's time, m/s.
     """
     after, share = stage.after, stage.share
     for foot in range(2):
-        ankle = in_world(ankle_of(poses, foot), x, z, vx, vz)
+        ankle = in_world(ankle_of(poses, foot), hip)
         first, last = submerged(sole, ankle)
         for i in range(first):
             after[foot, 0, i] = after[foot, 1, i] = 0.0

@@ -1,6 +1,6 @@
 """The compiled contact: RFT on every plate of both feet, with its Jacobian.
 
-The paper's eq. 4 places and moves each plate (`kinematics`), eq. 1 gives its stress (`stress`), effects
+The paper's eq. 4 places and moves each plate (`kinematics`), eq. 1 gives its force (`resistance`), effects
 change it (`plate_force`), eq. 2 adds the plates of a foot (`foot_force`). The law is the affine form of
 `footopt.sand.law.affine`, so that the loop over plates holds no angle and no branch. Directions of motion are
 smoothed by the creep speed, h = v / sqrt(|v|^2 + eps^2), so that the law is single-valued at rest and
@@ -19,22 +19,13 @@ import numpy as np
 
 from footopt.compiled import inlined, inlined_fast, unless_none
 from footopt.effects import base as effects
-from footopt.effects.dual import dual, lift, positive, value
-from footopt.walk.state import LANES, Ankle, Contact, Force, Sole, Tangent, ankle_of, no_force
+from footopt.effects.dual import combined, dual, lift, placed, positive, value
+from footopt.walk.state import LANES, Ankle, Contact, Force, Motion, Sole, Tangent, ankle_of, no_force
 
 TURN = 0.25  # of the difference in speed along a turning plate, over which its direction is smoothed
 EXPOSED = 0.5  # of the same, over which a gate opens
 BENT = 0.75  # of the angle by which a plate is bent, over which a gate opens
 EDGE = 0.05  # n.h over which an effect's gate opens where bristles say how a plate moves
-
-
-class Motion(NamedTuple):
-    """A plate in the world."""
-
-    x: float  # m
-    z: float
-    vx: float  # m/s
-    vz: float
 
 
 class Direction(NamedTuple):
@@ -75,13 +66,6 @@ def kinematics(ankle, x, z):
 
 
 @inlined_fast
-def placed(stage, number, by_x, by_z):
-    """A number with its derivatives by the hip's place, which follows its velocity: dx/dv_x is `stage`, s."""
-    follows = 0.0 if stage is None else stage
-    return dual(stage, number, follows * by_x, follows * by_z)
-
-
-@inlined_fast
 def direction(motion, creep, turning, h0, i):
     """h of plate i: v / |v|, smoothed over the creep speed and the plate's own turning, or held by bristles.
 
@@ -101,20 +85,21 @@ def direction(motion, creep, turning, h0, i):
 
 
 @inlined_fast
-def stress(law, c, s, h, stage):
-    """p = a - M h, the stress per depth in x and z, N/m^3: the paper's eq. 1 in its affine form.
+def resistance(law, c, s, h, pull, stage):
+    """f = pull (a - M h), N in x and z: the paper's eq. 1 in its affine form, the stress times pull.
 
-    c, s: cosine and sine of twice the plate's angle in the world. By dh/dv, dp/dv = -rate (M - (M h) h^T).
+    c, s: cosine and sine of twice the plate's angle in the world. pull: area times depth, m^3, with effects.
+    The stress p changes with the direction of motion, dp/dv = -rate (M - (M h) h^T).
     """
     mxx, mxz = law.C01 + law.C_sum * c, law.C_diff * s
     mzx, mzz = -law.B_diff * s, law.B01 + law.B_sum * c
     x, z = mxx * h.x + mxz * h.z, mzx * h.x + mzz * h.z  # M h
-    slides_x, slides_z = h.slides * x, h.slides * z
-    px = dual(stage, -law.D10 * s - x, -h.rate * (mxx - slides_x * h.x), -h.rate * (mxz - slides_x * h.z))
-    pz = dual(
-        stage, law.A00 + law.A10 * c - z, -h.rate * (mzx - slides_z * h.x), -h.rate * (mzz - slides_z * h.z)
-    )
-    return px, pz
+    px, pz = -law.D10 * s - x, law.A00 + law.A10 * c - z
+    k, rate = lift(pull), -h.rate * value(pull)
+    x, z = h.slides * x, h.slides * z
+    xx, xz = combined(px, k.dx, rate, mxx - x * h.x), combined(px, k.dz, rate, mxz - x * h.z)
+    zx, zz = combined(pz, k.dx, rate, mzx - z * h.x), combined(pz, k.dz, rate, mzz - z * h.z)
+    return dual(stage, k.value * px, xx, xz), dual(stage, k.value * pz, zx, zz)
 
 
 @inlined_fast
@@ -160,16 +145,18 @@ def plate_force(law, acting, sole, i, ankle, creep, stage, h0):
     turning = ankle.rate * sole.span
     h = direction(motion, creep, turning, h0, i)
 
-    cos2, sin2 = ankle.cos * ankle.cos - ankle.sin * ankle.sin, 2.0 * ankle.sin * ankle.cos
-    c, s = sole.c2[i] * cos2 - sole.s2[i] * sin2, sole.s2[i] * cos2 + sole.c2[i] * sin2
-    px, pz = stress(law, c, s, h, stage)
-
     nx, nz = outward_normal(sole.tangent, i, ankle)
     vn = dual(stage, motion.vx * nx + motion.vz * nz, nx, nz)
     leads = lead(sole.tangent, i, motion, nx, nz, h, creep, turning, h0, stage)
     pull = area * effects.load(acting.loads, depth, x) * effects.gate(acting.gates, leads, depth)
-    push = area * effects.push(acting.pushes, vn, depth)
-    return PlateForce(pull * px - push * nx, pull * pz - push * nz, motion, nx, nz)
+
+    cos2, sin2 = ankle.cos * ankle.cos - ankle.sin * ankle.sin, 2.0 * ankle.sin * ankle.cos
+    c, s = sole.c2[i] * cos2 - sole.s2[i] * sin2, sole.s2[i] * cos2 + sole.c2[i] * sin2
+    fx, fz = resistance(law, c, s, h, pull, stage)
+    if acting.pushes is not None:  # without one nothing is to be computed that could be NaN
+        push = area * effects.push(acting.pushes, vn, depth)
+        fx, fz = fx - push * nx, fz - push * nz
+    return PlateForce(fx, fz, motion, nx, nz)
 
 
 @inlined_fast
@@ -209,9 +196,10 @@ def foot_force(law, acting, sole, ankle, creep, stage, h0):
 
 
 @inlined
-def in_world(ankle, x, z, vx, vz):
-    """An ankle in the world, from the ankle relative to the hip, the hip's place and its velocity."""
-    return Ankle(x + ankle.x, z + ankle.z, vx + ankle.vx, vz + ankle.vz, ankle.cos, ankle.sin, ankle.rate)
+def in_world(ankle, hip):
+    """An ankle in the world, from the ankle relative to the hip, and the hip's motion."""
+    x, z, vx, vz = hip.x + ankle.x, hip.z + ankle.z, hip.vx + ankle.vx, hip.vz + ankle.vz
+    return Ankle(x, z, vx, vz, ankle.cos, ankle.sin, ankle.rate)
 
 
 @inlined
@@ -254,8 +242,8 @@ def _tangent_between(tangent, first, last):
 
 
 @inlined
-def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, counts):
-    """Force of the sand on both feet at the hip's place (m) and velocity (m/s).
+def contact(world, sole, poses, hip, creep, stage, h0, counts):
+    """Force of the sand on both feet.
 
     Parameters
     ----------
@@ -265,6 +253,8 @@ def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, counts):
         The plates of either foot.
     poses : (2 feet, 7)
         Both feet relative to the hip, see `state.ankle_of`.
+    hip : Motion
+        Of the hip.
     creep : float, m/s
         eps; with bristles, delta over the time for which they have followed the plates.
     stage : float, s, or None
@@ -282,7 +272,7 @@ def contact(world, sole, poses, x, z, vx, vz, creep, stage, h0, counts):
     counts.evaluations += 1
     left, right = no_force(), no_force()
     for foot in range(2):  # one copy of the loop over plates: what is written twice is compiled twice
-        ankle = in_world(ankle_of(poses, foot), x, z, vx, vz)
+        ankle = in_world(ankle_of(poses, foot), hip)
         first, last = submerged(sole, ankle)
         force = no_force()
         if first < last:

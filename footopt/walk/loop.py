@@ -5,115 +5,150 @@ Both are the same compiled code, which asks once a step whether there is a trace
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from footopt.compiled import inlined
 from footopt.walk.bristles import beginning, bristles_at_start, record
 from footopt.walk.cache_key import compiled
 from footopt.walk.contact import contact
 from footopt.walk.metrics import no_extremes, raw_of, sample_of, sinkage_of, step_error, updated
 from footopt.walk.standing import static_height
-from footopt.walk.state import Integrals, Sole, State, World, borrowed, sole_at, write
+from footopt.walk.state import (
+    Contact,
+    Integrals,
+    Motion,
+    Sole,
+    State,
+    World,
+    borrowed,
+    no_force,
+    sole_at,
+    write,
+)
 from footopt.walk.steppers import acceleration, advance, explicit_contact
 
-NEAR = 0.9  # of the largest |P| of a foot so far: from there a step may hold the peak of the whole walk
+Array = NDArray[np.float64]
+
+NEAR_PEAK = 0.9  # of the largest |P| of a foot so far: from there a step may hold the peak of the whole walk
 PEAK = 0.1  # of its control is what such a step is held to: the peak follows the speed's error at one instant
+LENGTHEN = 0.1  # of what a step may err: below it the next is twice as long, with 8 times the error
+FASTEST = 1e4  # m/s: beyond it a walk has diverged
 
 OK, SUNK, BACKWARD, DIVERGED = range(4)
 
 
-def walk_designs(
-    method,
-    soles,
-    world,
-    pose0,
-    poses,
-    times,
-    control,
-    strike,
-    begin,
-    end,
-    raw,
-    status,
-    counts,
-    trace,
-    bristle_trace,
-    sink,
-):
-    """Walk the designs begin..end of a population.
+class Course(NamedTuple):
+    """How feet move, and how finely that is followed."""
 
-    soles: `Sole` of all designs. times: (steps + 1,), s, the first is 0. pose0: (2, 7) at t = 0.
-    poses: a table for whole steps, (steps, nodes, 2, 7), then for halves, quarters, ... of them.
-    control: the largest `step_error`, m/s, or None for steps that are never shortened.
-    strike: first heel strike, s. sink: whether to follow the maximum sinkage.
-    Filled: raw (designs, len(RAW)), status (designs,), counts (designs,) of `COUNTS`, and trace
-    (shortest steps + 1, len(TRACE)) for one design: its row 0 is the start, rows inside longer steps
-    are left as they were; without rows, nothing is traced. bristle_trace: the bristles of each row,
-    (rows, 2 feet, 2, plates), or None.
+    times: Array  # (steps + 1,), s, the first is 0
+    start: Array  # (2, 7): both feet at t = 0
+    poses: Any  # a table for whole steps, (steps, nodes, 2, 7), then for halves, quarters, ... of them
+    control: float | None  # m/s, the largest `step_error`; None for steps that are never shortened
+    strike: float  # s, the first heel strike
+    sink: bool  # whether to follow the maximum sinkage
+
+
+class Output(NamedTuple):
+    """What is filled; the traces are those of one design.
+
+    Row 0 of the traces is the start; rows inside longer steps are left as they were.
     """
-    steps = len(times) - 1
-    finest, traced = len(poses) - 1, len(trace) > 0
+
+    raw: Array  # (designs, len(RAW))
+    status: Any  # (designs,)
+    counts: Any  # (designs,) of `COUNTS`
+    trace: Array  # (shortest steps + 1, len(TRACE)); without rows, nothing is traced
+    bristles: Any  # (rows, 2 feet, 2, plates), or None
+
+
+def walk_designs(method, soles, world, course, out, begin, end):
+    """Walk the designs begin..end of a population; soles: `Sole` of all designs."""
     for d in range(begin, end):
-        sole, count = sole_at(soles, d), counts[d]
-        for column in range(raw.shape[1]):
-            raw[d, column] = np.nan
-        status[d] = SUNK
-        bristles = bristles_at_start(world.bristle_length, len(sole.x))
-        z = static_height(world, sole, pose0, beginning(bristles))
-        if not np.isfinite(z):
+        count = out.counts[d]
+        for column in range(out.raw.shape[1]):
+            out.raw[d, column] = np.nan
+        state, extremes, status = _walk(method, sole_at(soles, d), world, course, out, count)
+        if status == OK:
+            if state.hip.x <= 0.0 and extremes.speed > -np.inf:
+                status = BACKWARD
+            write(out.raw[d], raw_of(state, extremes, course.times[-1]))
+        out.status[d] = status
+
+
+@inlined
+def _walk(method, sole, world, course, out, count):
+    """One design's last state, its extremes and its status."""
+    times, control, poses = course.times, course.control, course.poses
+    steps, finest = len(times) - 1, len(poses) - 1
+    state, extremes = _standing(world, sole, course.start, count), no_extremes()
+    if not state.solved:
+        return state, extremes, SUNK
+    _trace(out, 0, 0.0, state)
+    n = place = 0  # the step n is walked up to place / 2^finest of it
+    level = finest  # it begins to sink: the first steps would be shortened as far
+    while n < steps:
+        stride = 1 << (finest - level)
+        h = (times[n + 1] - times[n]) / (1 << level)
+        index = (n << level) + place // stride
+        new = advance(method, world, sole, borrowed(poses[level])[index], state, h, count)
+        ax0, az0 = acceleration(world, state.contact)
+        ax1, az1 = acceleration(world, new.contact)
+        error = step_error(state.hip.vx, new.hip.vx, ax0, ax1, h)
+        error += step_error(state.hip.vz, new.hip.vz, az0, az1, h)
+        allowed = _allowed(control, extremes, new.contact)
+        if level < finest and not (new.solved and error <= allowed):
+            level += 1
+            count.shortened += 1
             continue
-        at = explicit_contact(world, sole, pose0, 0.0, z, 0.0, 0.0, bristles, 0.0, count)
-        state = State(0.0, z, 0.0, 0.0, at, Integrals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), bristles, True)
-        extremes = no_extremes()
-        if traced:
-            write(trace[0], sample_of(0.0, state))
-            record(bristle_trace, 0, state.bristles)
-        status[d] = OK
-        n = place = 0  # the step n is walked up to place / 2^finest of it
-        level = finest  # it begins to sink: the first steps would be shortened as far
-        while n < steps:
-            stride = 1 << (finest - level)
-            h = (times[n + 1] - times[n]) / (1 << level)
-            index = (n << level) + place // stride
-            after = advance(method, world, sole, borrowed(poses[level])[index], state, h, count)
-            ax0, az0 = acceleration(world, state.contact)
-            ax1, az1 = acceleration(world, after.contact)
-            if control is not None:
-                error = step_error(state.vx, after.vx, ax0, ax1, h)
-                error += step_error(state.vz, after.vz, az0, az1, h)
-                power = max(abs(after.contact.left.power), abs(after.contact.right.power))
-                near = extremes.power > 0.0 and power >= NEAR * extremes.power
-                allowed = PEAK * control if near else control
-                if level < finest and not (after.solved and error <= allowed):
-                    level += 1
-                    count.shortened += 1
-                    continue
-            if not after.solved or not abs(after.vx) + abs(after.vz) < 1e4:
-                status[d] = DIVERGED
-                break
-            if after.z <= 0.0:
-                status[d] = SUNK
-                break
-            place += stride
-            row = (n << finest) + place
-            t = times[n] + place / (1 << finest) * (times[n + 1] - times[n])
-            if place == 1 << finest:
-                n, place = n + 1, 0
-                t = times[n]
-            depth = sinkage_of(sole, poses[level][index, -1], after.z) if sink else 0.0
-            extremes = updated(extremes, state, after, ax0, ax1, t, h, strike, depth)
-            state = after
-            if traced:
-                write(trace[row], sample_of(t, state))
-                record(bristle_trace, row, state.bristles)
-            if control is not None:  # noqa: SIM102  only such a test on its own is pruned
-                if level > 0 and place % (2 * stride) == 0 and error < 0.1 * allowed:
-                    level -= 1  # a step twice as long has 8 times the error, if of order 2
-        if status[d] == OK:
-            if state.x <= 0.0 and extremes.speed > -np.inf:
-                status[d] = BACKWARD
-            write(raw[d], raw_of(state, extremes, times[steps]))
+        if not new.solved or not abs(new.hip.vx) + abs(new.hip.vz) < FASTEST:
+            return state, extremes, DIVERGED
+        if new.hip.z <= 0.0:
+            return state, extremes, SUNK
+        place += stride
+        row = (n << finest) + place
+        t = times[n] + place / (1 << finest) * (times[n + 1] - times[n])
+        if place == 1 << finest:
+            n, place = n + 1, 0
+            t = times[n]
+        depth = sinkage_of(sole, poses[level][index, -1], new.hip.z) if course.sink else 0.0
+        extremes = updated(extremes, state, new, ax0, ax1, t, h, course.strike, depth)
+        state = new
+        _trace(out, row, t, state)
+        if level > 0 and place % (2 * stride) == 0 and error < LENGTHEN * allowed:
+            level -= 1
+    return state, extremes, OK
+
+
+@inlined
+def _standing(world, sole, poses, count):
+    """The walker at rest where the sand carries it; not solved where it does not."""
+    bristles = bristles_at_start(world.bristle_length, len(sole.x))
+    z = static_height(world, sole, poses, beginning(bristles))
+    hip, none = Motion(0.0, z, 0.0, 0.0), Integrals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    if not np.isfinite(z):
+        return State(hip, Contact(no_force(), no_force()), none, bristles, False)
+    return State(hip, explicit_contact(world, sole, poses, hip, bristles, 0.0, count), none, bristles, True)
+
+
+@inlined
+def _allowed(control, extremes, at):
+    """The error that a step may have, m/s: less where it may hold the peak of the whole walk."""
+    if control is None:
+        return np.inf
+    power = max(abs(at.left.power), abs(at.right.power))
+    near = extremes.power > 0.0 and power >= NEAR_PEAK * extremes.power
+    return PEAK * control if near else control
+
+
+@inlined
+def _trace(out, row, t, state):
+    """Write a state into a row of the traces, where there are any."""
+    if len(out.trace) > 0:
+        write(out.trace[row], sample_of(t, state))
+        record(out.bristles, row, state.bristles)
 
 
 def walk_range(stepper: Any, soles: Sole, world: World, *rest: Any) -> None:
@@ -121,6 +156,6 @@ def walk_range(stepper: Any, soles: Sole, world: World, *rest: Any) -> None:
     compiled(walk_designs, world.effects.all, stepper)(stepper, soles, world, *rest)
 
 
-def both_feet(world, sole, poses, x, z, vx, vz, creep, stage, counts):
+def both_feet(world, sole, poses, hip, creep, stage, counts):
     """`contact` without bristles, to be compiled for Python."""
-    return contact(world, sole, poses, x, z, vx, vz, creep, stage, None, counts)
+    return contact(world, sole, poses, hip, creep, stage, None, counts)

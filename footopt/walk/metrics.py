@@ -83,7 +83,7 @@ def updated(extremes, before, after, a0, a1, t, h, strike, sinkage):
     before, after: states at its ends. a0, a1: forward accelerations there, m/s^2. strike: first heel
     strike, s. sinkage: of the deepest plate at its end, m.
     """
-    now, v0, v1 = after.contact, before.vx, after.vx
+    now, v0, v1 = after.contact, before.hip.vx, after.hip.vx
     speed, fall, power = extremes.speed, extremes.fall, extremes.power
     left, right = _next(extremes.left, abs(now.left.power)), _next(extremes.right, abs(now.right.power))
     times = _next(extremes.times, t)
@@ -180,9 +180,9 @@ def sinkage_of(sole, poses, z):
 @inlined
 def sample_of(t, state):
     """A row of the trace."""
-    left, right, sums = state.contact.left, state.contact.right, state.integrals
+    hip, left, right, sums = state.hip, state.contact.left, state.contact.right, state.integrals
     return Sample(
-        t, state.x, state.z, state.vx, state.vz, left.x, left.z, left.power, sums.work_left, right.x, right.z,
+        t, hip.x, hip.z, hip.vx, hip.vz, left.x, left.z, left.power, sums.work_left, right.x, right.z,
         right.power, sums.work_right,
     )  # fmt: skip
 
@@ -194,7 +194,7 @@ def raw_of(state, extremes, t_f):
     if extremes.speed == -np.inf:  # no heel strike
         power = fall = np.nan
     return Raw(
-        distance=state.x,
+        distance=state.hip.x,
         mean_height=sums.height / t_f,
         work=abs(sums.work_left + sums.work_right),
         peak_power=power,

@@ -9,54 +9,74 @@ import numpy as np
 from footopt.compiled import inlined, unless_none
 from footopt.walk.bristles import update_bristles
 from footopt.walk.contact import contact
-from footopt.walk.state import Contact, Force, no_force
+from footopt.walk.state import Contact, Force, Motion, no_force
 
 MAX_NEWTON = 20  # contact evaluations of one implicit stage at one creep speed, back-tracking included
 MAX_RESCUE = 1000  # ... and in all, if it has to be approached from a larger creep speed
-GATED = 2.0  # last step of Newton's method over the creep speed, where an effect's gate is
-STANDS = 10.0  # speed of the hip over the creep speed, below which the walker stands
+GATE_STEP = 2.0  # largest last step of Newton's method over the creep speed, where an effect has a gate
+STANDING = 10.0  # speed of the hip over the creep speed, below which the walker stands
+LEAST_STRIDE = 0.97  # of a rescue, as the ratio of two creep speeds: beyond it is given up
 
 
 class Stage(NamedTuple):
     """The end of an implicit stage."""
 
-    vx: float  # m/s
-    vz: float
+    hip: Motion
     contact: Contact
     solved: bool
+
+
+class Iterate(NamedTuple):
+    """Where Newton's method is."""
+
+    vx: float  # m/s, tried next
+    vz: float
+    dvx: float  # m/s, the step to there
+    dvz: float
+    creep: float  # m/s, for which the stage is solved at present
+    best: float  # least residual squared at this creep speed, m^2/s^2
+    tries: int  # evaluations at it
+
+
+class Rescue(NamedTuple):
+    """The approach from a creep speed so large that the law is viscous."""
+
+    on: bool
+    viscous: float  # m/s, that creep speed
+    ratio: float  # of a creep speed to the one before
+    solved_at: float  # m/s, the last creep speed for which the stage is solved
+    vx: float  # m/s, the solution there; the guess before there is one
+    vz: float
 
 
 @inlined
 def guess(creep, vx, vz, change_x, change_z):
     """A velocity to begin Newton's method with, m/s: the last one, with its change unless the walker stands.
 
-    While he stands, friction follows his velocity within the creep speed: extrapolated, it leads away.
+    While it stands, friction follows its velocity within the creep speed: extrapolated, it leads away.
     """
-    if abs(vx) + abs(vz) < STANDS * creep and abs(change_x) + abs(change_z) > creep:
+    if abs(vx) + abs(vz) < STANDING * creep and abs(change_x) + abs(change_z) > creep:
         return vx, vz
     return vx + change_x, vz + change_z
 
 
 @inlined
-def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, bristles, counts):
+def solve_stage(world, sole, poses, start, c, vx, vz, bristles, counts):
     """Velocity V of an implicit stage: V = v0 + c a(r0 + c V, V), by Newton's method.
 
-    Starts from the guess (vx, vz) and halves a step that makes the residual larger. It ends with a
-    step that is small against the speed at which the plates of the slower foot move through the sand
-    (`_speed`, at least the creep speed), on which the law is smooth: Newton's method has then
-    converged to the square of that ratio. The stage's forces are carried along the last step to first
-    order, so that its momentum balance closes to rounding.
-
-    Where that fails, because the law turns too sharply on the way, the stage is rescued: it is
-    solved for a creep speed so large that the law is viscous, then for smaller and smaller ones,
-    each from the solution before. Rescues are counted.
+    Starts from the guess (vx, vz) and halves a step that makes the residual larger (`back_track`). It ends
+    with a step that is small (`converged`): Newton's method has then converged to the square of that ratio.
+    The stage's forces are carried along the last step to first order, so that its momentum balance closes to
+    rounding. Where that fails, because the law turns too sharply on the way, the stage is rescued (`rescue`).
 
     Parameters
     ----------
-    x0, z0, vx0, vz0 : float, m and m/s
-        r0 and v0.
+    start : Motion
+        r0, m, and v0, m/s.
     c : float, s
         The stage's coefficient times the time step.
+    vx, vz : float, m/s
+        The guess.
     bristles : bristles.Stage or None
         What the stage bends.
     world, sole, poses, counts
@@ -66,65 +86,98 @@ def solve_stage(world, sole, poses, x0, z0, vx0, vz0, c, vx, vz, bristles, count
     -------
     Stage
     """
-    guess_x, guess_z = vx, vz
-    inv = c / world.mass
-    turning_speed = _turning_speed(world.bristle_length, world.creep, c)
-    creep, best, tries = turning_speed, np.inf, 0
-    rescue, ratio, solved_at, viscous = False, 0.25, np.inf, np.inf
-    dvx = dvz = 0.0
+    inv, goal = c / world.mass, _turning_speed(world.bristle_length, world.creep, c)
+    now = Iterate(vx, vz, 0.0, 0.0, goal, np.inf, 0)
+    way = Rescue(False, np.inf, 0.25, np.inf, vx, vz)
     at = Contact(no_force(), no_force())
     for _ in range(MAX_RESCUE):
-        x, z = x0 + c * vx, z0 + c * vz
-        at = contact(world, sole, poses, x, z, vx, vz, creep, c, _h0(bristles), counts)
-        left, right = at.left, at.right
-        rx = vx - (vx0 + c * world.tilt) - inv * (left.x + right.x)
-        rz = vz - vz0 - inv * (left.z + right.z) + c * world.g
-        residual = rx * rx + rz * rz
-        tries += 1
-        if residual > best and tries <= MAX_NEWTON:  # go back half of the way
-            dvx, dvz = 0.5 * dvx, 0.5 * dvz
-            vx, vz = vx - dvx, vz - dvz
-            if abs(dvx) + abs(dvz) < 1e-13 * (1.0 + abs(vx) + abs(vz)):
-                best = np.inf  # nothing but rounding is left to gain
-            continue
-        if tries > MAX_NEWTON or not residual < 1e18:
-            if not rescue:
-                rescue = True
-                counts.rescues += 1
-                creep = viscous = 10.0 * (1.0 + abs(guess_x) + abs(guess_z))
-            else:  # a smaller stride from the last creep speed that went well
-                ratio = np.sqrt(ratio)
-                if ratio > 0.97 or creep == viscous:
-                    break
-                creep = max(ratio * solved_at, turning_speed)
-            vx, vz = guess_x, guess_z
-            best, tries = np.inf, 0
-            continue
-        best = residual
-        jxx = 1.0 - inv * (left.xx + right.xx)
-        jxz = -inv * (left.xz + right.xz)
-        jzx = -inv * (left.zx + right.zx)
-        jzz = 1.0 - inv * (left.zz + right.zz)
-        det = 1.0 / (jxx * jzz - jxz * jzx)
-        dvx, dvz = (jxz * rz - jzz * rx) * det, (jzx * rx - jxx * rz) * det
-        vx, vz = vx + dvx, vz + dvz
-        size = abs(dvx) + abs(dvz)
-        force = (abs(left.x) + abs(left.z)) + (abs(right.x) + abs(right.z))
-        rounding = 1e-13 * (1.0 + abs(vx) + abs(vz))
-        # a rescue follows the plate that sticks, whatever the mean speed of the others
-        speed = creep
-        if not rescue and force > 0.0:
-            speed = _least_speed(world.bristle_length, creep) + min(_speed(left, force), _speed(right, force))
-        enough = _smooth_step(world.tolerance * speed, creep, world.effects.gates)
-        if size <= rounding or (force > 0.0 and size <= enough + rounding):
-            if creep == turning_speed:
-                _bend(sole, poses, x0 + c * vx, z0 + c * vz, vx, vz, creep, bristles)
-                return Stage(
-                    vx, vz, Contact(_extrapolated(left, dvx, dvz), _extrapolated(right, dvx, dvz)), True
-                )
-            guess_x, guess_z, solved_at = vx, vz, creep
-            creep, best, tries = max(ratio * creep, turning_speed), np.inf, 0
-    return Stage(vx, vz, at, False)
+        hip = Motion(start.x + c * now.vx, start.z + c * now.vz, now.vx, now.vz)
+        at = contact(world, sole, poses, hip, now.creep, c, _h0(bristles), counts)
+        rx, rz = residual(world, start, c, hip, at)
+        square, tries = rx * rx + rz * rz, now.tries + 1
+        if square > now.best and tries <= MAX_NEWTON:
+            now = back_track(now, tries)
+        elif tries > MAX_NEWTON or not square < 1e18:
+            counts.rescues += 0 if way.on else 1
+            way, creep = rescue(way, now.creep, goal)
+            if not way.on:
+                break
+            now = Iterate(way.vx, way.vz, now.dvx, now.dvz, creep, np.inf, 0)
+        else:
+            dvx, dvz = newton_step(inv, at, rx, rz)
+            vx, vz = now.vx + dvx, now.vz + dvz
+            now = Iterate(vx, vz, dvx, dvz, now.creep, square, tries)
+            if converged(world, now, at, way.on):
+                if now.creep == goal:
+                    end = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
+                    _bend(bristles, sole, poses, end, goal)
+                    left, right = _extrapolated(at.left, dvx, dvz), _extrapolated(at.right, dvx, dvz)
+                    return Stage(end, Contact(left, right), True)
+                way = Rescue(True, way.viscous, way.ratio, now.creep, vx, vz)
+                now = Iterate(vx, vz, dvx, dvz, max(way.ratio * now.creep, goal), np.inf, 0)
+    return Stage(start, at, False)
+
+
+@inlined
+def residual(world, start, c, hip, at):
+    """V - v0 - c a, m/s."""
+    inv, left, right = c / world.mass, at.left, at.right
+    rx = hip.vx - (start.vx + c * world.tilt) - inv * (left.x + right.x)
+    return rx, hip.vz - start.vz - inv * (left.z + right.z) + c * world.g
+
+
+@inlined
+def newton_step(inv, at, rx, rz):
+    """The solution of (1 - c/M dF/dV) dV = -r, m/s; inv: c/M."""
+    left, right = at.left, at.right
+    jxx = 1.0 - inv * (left.xx + right.xx)
+    jxz = -inv * (left.xz + right.xz)
+    jzx = -inv * (left.zx + right.zx)
+    jzz = 1.0 - inv * (left.zz + right.zz)
+    det = 1.0 / (jxx * jzz - jxz * jzx)
+    return (jxz * rz - jzz * rx) * det, (jzx * rx - jxx * rz) * det
+
+
+@inlined
+def back_track(now, tries):
+    """Half of the way back, where a step has made the residual larger."""
+    dvx, dvz = 0.5 * now.dvx, 0.5 * now.dvz
+    vx, vz = now.vx - dvx, now.vz - dvz
+    only_rounding = abs(dvx) + abs(dvz) < 1e-13 * (1.0 + abs(vx) + abs(vz))
+    return Iterate(vx, vz, dvx, dvz, now.creep, np.inf if only_rounding else now.best, tries)
+
+
+@inlined
+def converged(world, now, at, rescued):
+    """Whether a step is small against the speed at which the plates of the slower foot move through the sand.
+
+    That speed (`_speed`) is at least the creep speed, on which the law is smooth. A rescue follows the plate
+    that sticks, whatever the mean speed of the others.
+    """
+    left, right = at.left, at.right
+    size = abs(now.dvx) + abs(now.dvz)
+    force = (abs(left.x) + abs(left.z)) + (abs(right.x) + abs(right.z))
+    rounding = 1e-13 * (1.0 + abs(now.vx) + abs(now.vz))
+    speed = now.creep
+    if not rescued and force > 0.0:
+        speed = _least_speed(world.bristle_length, now.creep) + min(_speed(left, force), _speed(right, force))
+    enough = _smooth_step(world.tolerance * speed, now.creep, world.effects.gates)
+    return size <= rounding or (force > 0.0 and size <= enough + rounding)
+
+
+@inlined
+def rescue(way, creep, goal):
+    """The next creep speed, m/s, for which the stage is solved, where Newton's method has failed at one.
+
+    The first is so large that the law is viscous; from there they are smaller and smaller, each begun from
+    the solution before, in shorter strides where one fails. Off where there is no shorter stride.
+    """
+    if not way.on:
+        viscous = 10.0 * (1.0 + abs(way.vx) + abs(way.vz))
+        return Rescue(True, viscous, way.ratio, way.solved_at, way.vx, way.vz), viscous
+    ratio = np.sqrt(way.ratio)
+    on = not (ratio > LEAST_STRIDE or creep == way.viscous)
+    return Rescue(on, way.viscous, ratio, way.solved_at, way.vx, way.vz), max(ratio * way.solved_at, goal)
 
 
 @inlined
@@ -155,11 +208,10 @@ def _least_speed(length, creep):
     return 1e-3 * creep
 
 
-@inlined
-def _bend(sole, poses, x, z, vx, vz, creep, bristles):
-    """Bend the bristles, where there are any."""
-    if bristles is not None:
-        update_bristles(sole, poses, x, z, vx, vz, creep, bristles)
+@unless_none
+def _bend(bristles, sole, poses, hip, creep):
+    """Bend the bristles."""
+    update_bristles(sole, poses, hip, creep, bristles)
 
 
 @unless_none
@@ -187,4 +239,4 @@ def _smooth_step(step, creep, gates):
     """A step of Newton's method on which the law is smooth, m/s: a gate turns within the creep speed."""
     if gates is None:
         return step
-    return min(step, GATED * creep)
+    return min(step, GATE_STEP * creep)

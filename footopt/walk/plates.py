@@ -16,7 +16,7 @@ from footopt.walk.cache_key import compiled
 from footopt.walk.contact import TURN, in_world, plate_force
 from footopt.walk.discretize import sole_of, world
 from footopt.walk.scene import Scene
-from footopt.walk.state import ankle_of
+from footopt.walk.state import Motion, ankle_of
 
 Array = NDArray[np.float64]
 
@@ -92,8 +92,9 @@ def each_plate(world: Any, sole: Any, poses: Array, hip: Array, creep: float, h0
     poses: (M, feet, 7). hip: (M, 4), its place and velocity. h0: bristles (M, feet, 2, plates), or None.
     """
     for m in range(len(hip)):
+        moving = Motion(hip[m, 0], hip[m, 1], hip[m, 2], hip[m, 3])
         for foot in range(poses.shape[1]):
-            ankle = in_world(ankle_of(poses[m], foot), hip[m, 0], hip[m, 1], hip[m, 2], hip[m, 3])
+            ankle = in_world(ankle_of(poses[m], foot), moving)
             bristles = _bristles_at(h0, m, foot)
             for i in range(len(sole.x)):
                 f = plate_force(world.law, world.effects, sole, i, ankle, creep, None, bristles)

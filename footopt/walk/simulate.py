@@ -19,7 +19,7 @@ from footopt.foot.plates import RULES
 from footopt.walk import discretize
 from footopt.walk.accuracy import Accuracy, resolve
 from footopt.walk.adapt import accuracies, adapted
-from footopt.walk.loop import BACKWARD, DIVERGED, OK, SUNK, walk_range
+from footopt.walk.loop import BACKWARD, DIVERGED, OK, SUNK, Course, Output, walk_range
 from footopt.walk.metrics import RAW, TRACE, Sample
 from footopt.walk.objectives import FIVE, Objective, by_name, lookup
 from footopt.walk.results import Table, Walk, joined
@@ -67,8 +67,8 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
     accuracy = adapted(resolve(accuracy), scene, foot)
     directed = effects.laws(scene.effects).directed
     plates = foot.plates(accuracy.plates, accuracy.rule, directed, effects.reshaping(scene.effects))
-    walked = _walk(plates, scene, accuracy, _Asked(sink=True, threads=1, traced=True))
-    rows, h = 1 + np.flatnonzero(np.isfinite(walked.trace[1:]).all(axis=1)), walked.bristle_trace
+    walked = _walk(plates, scene, accuracy, _Options(sink=True, threads=1, traced=True))
+    rows, h = 1 + np.flatnonzero(np.isfinite(walked.trace[1:]).all(axis=1)), walked.bristles
     c: Any = Sample(*walked.trace[rows].T)  # columns
     return Walk(
         foot=foot,
@@ -142,10 +142,10 @@ def evaluate(
     for finely, index in accuracies(bodies, scene, accuracy, space).items():
         whole = isinstance(bodies, Plates) or len(index) == len(bodies)
         some = bodies if whole else [bodies[i] for i in index]
-        asked = some, scene, finely, objectives, space, threads
-        part = _evaluated(*asked)
+        given = some, scene, finely, objectives, space, threads
+        part = _evaluated(*given)
         if errors:
-            part = replace(part, errors=estimated(part.values, *asked))
+            part = replace(part, errors=estimated(part.values, *given))
         parts.append(part)
         order += index
     return joined(parts, np.argsort(order))
@@ -187,7 +187,7 @@ def _evaluated(
     """`evaluate` at an accuracy that holds for all feet."""
     chosen, sink = lookup(objectives), "maximum_sinkage" in objectives
     chunks = _chunks(feet, scene, accuracy, space)
-    parts = [_walk(plates, scene, accuracy, _Asked(sink, threads))[:3] for plates in chunks]
+    parts = [_walk(plates, scene, accuracy, _Options(sink, threads))[:3] for plates in chunks]
     raw, status, counts = (np.concatenate(column) for column in zip(*parts, strict=True))
     raw[status != OK] = np.nan
     if not sink:
@@ -267,7 +267,7 @@ def _chunks(feet: Any, scene: Scene, accuracy: Accuracy, space: Waypoints | None
     )
 
 
-class _Asked(NamedTuple):
+class _Options(NamedTuple):
     """How the compiled loop walks with a batch; see `evaluate`."""
 
     sink: bool  # whether to follow the maximum sinkage
@@ -276,39 +276,29 @@ class _Asked(NamedTuple):
     remembers: bool = True  # whether a trace has the bristles of every row, or the last
 
 
-class _Walked(NamedTuple):
-    """What the compiled loop makes of a batch."""
-
-    raw: Array  # (designs, len(RAW))
-    status: NDArray[np.int64]  # (designs,)
-    counts: NDArray[Any]  # (designs,) of COUNTS
-    trace: Array  # of one design, (rows, len(TRACE)); without rows where nothing is traced
-    bristle_trace: NDArray[np.float32] | None  # (rows, 2 feet, 2, plates)
-
-
-def _walk(plates: Plates, scene: Scene, accuracy: Accuracy, asked: _Asked) -> _Walked:
+def _walk(plates: Plates, scene: Scene, accuracy: Accuracy, options: _Options) -> Output:
     """Run the compiled loop over a batch.
 
     Walks that diverge are repeated with a quarter of the time step, `MAX_REPEATS` times at most.
     """
-    walked = _run(plates, scene, accuracy, asked)
+    walked = _run(plates, scene, accuracy, options)
     for repeat in range(1, MAX_REPEATS + 1):
         again = np.flatnonzero(walked.status == DIVERGED)
         finer = replace(accuracy, dt=accuracy.dt / 4**repeat)
         if len(again) == 0 or discretize.pose_rows(scene, finer) > discretize.ROWS:
             break
-        shorter = _run(plates.take(again), scene, finer, asked)
+        shorter = _run(plates.take(again), scene, finer, options)
         walked.raw[again], walked.status[again] = shorter.raw, shorter.status
         for name in COUNTS.names or ():
             walked.counts[name][again] += shorter.counts[name]
         walked.counts["repeats"][again] = repeat
-        walked = walked._replace(trace=shorter.trace, bristle_trace=shorter.bristle_trace)
+        walked = walked._replace(trace=shorter.trace, bristles=shorter.bristles)
     return walked
 
 
-def _run(plates: Plates, scene: Scene, accuracy: Accuracy, asked: _Asked) -> _Walked:
+def _run(plates: Plates, scene: Scene, accuracy: Accuracy, options: _Options) -> Output:
     """`_walk` once, with the given time step."""
-    remembers = asked.traced and asked.remembers
+    remembers = options.traced and options.remembers
     check(
         not remembers or discretize.bristle_bytes(scene, accuracy) <= discretize.MOST_BYTES,
         "accuracy.plates",
@@ -320,22 +310,23 @@ def _run(plates: Plates, scene: Scene, accuracy: Accuracy, asked: _Asked) -> _Wa
     stepper, designs = STEPPERS[accuracy.stepper], len(plates.x)
     times, pose0, tables = discretize.poses(scene, accuracy)
     soles = discretize.soles(plates)
-    raw = np.empty((designs, len(RAW)))
-    status, counts = np.empty(designs, np.int64), np.zeros(designs, COUNTS)
-    trace = np.full((len(tables[-1]) + 1 if asked.traced else 0, len(TRACE)), np.nan)
-    constants = discretize.world(scene, accuracy)
-    shape = len(trace) if asked.remembers else 1, 2, 2, soles.x.shape[1]
-    bristle_trace = None if constants.bristle_length is None else np.zeros(shape, np.float32)
+    rows, constants = len(tables[-1]) + 1 if options.traced else 0, discretize.world(scene, accuracy)
+    shape = rows if options.remembers else 1, 2, 2, soles.x.shape[1]
+    course = Course(times, pose0, tables, accuracy.control, scene.gait.heel_strike, options.sink)
+    out = Output(
+        raw=np.empty((designs, len(RAW))),
+        status=np.empty(designs, np.int64),
+        counts=np.zeros(designs, COUNTS),
+        trace=np.full((rows, len(TRACE)), np.nan),
+        bristles=None if constants.bristle_length is None else np.zeros(shape, np.float32),
+    )
 
     def run(begin: int) -> None:
         end = min(begin + BLOCK, designs)
-        walk_range(
-            stepper.parameters, soles, constants, pose0, tables, times, accuracy.control,
-            scene.gait.heel_strike, begin, end, raw, status, counts, trace, bristle_trace, asked.sink,
-        )  # fmt: skip
+        walk_range(stepper.parameters, soles, constants, course, out, begin, end)
 
     blocks = range(0, designs, BLOCK)
-    workers = min(at_once(asked.threads), len(blocks))
+    workers = min(at_once(options.threads), len(blocks))
     with ThreadPoolExecutor(workers) if workers > 1 else nullcontext() as pool:
         list((pool.map if pool else map)(run, blocks))
-    return _Walked(raw, status, counts, trace, bristle_trace)
+    return out

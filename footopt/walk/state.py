@@ -75,6 +75,15 @@ class Ankle(NamedTuple):
     rate: float  # rad/s
 
 
+class Motion(NamedTuple):
+    """Place and velocity in the world: of the hip, of a plate."""
+
+    x: float  # m
+    z: float
+    vx: float  # m/s
+    vz: float
+
+
 class Force(NamedTuple):
     """Of the sand on one foot, with its derivatives by the hip's velocity."""
 
@@ -109,14 +118,17 @@ class Integrals(NamedTuple):
 class State(NamedTuple):
     """The walker at one time."""
 
-    x: float  # hip, m
-    z: float
-    vx: float  # m/s
-    vz: float
+    hip: Motion
     contact: Contact
     integrals: Integrals
     bristles: Any  # `bristles.Bristles`, or None without them
     solved: bool  # whether the step to here could be made
+
+
+@inlined
+def moved(start, time, vx, vz, ax, az):
+    """A motion after a time (s) at constant velocity (m/s) and acceleration (m/s^2), each for itself."""
+    return Motion(start.x + time * vx, start.z + time * vz, start.vx + time * ax, start.vz + time * az)
 
 
 def borrowed(array):

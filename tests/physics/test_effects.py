@@ -20,7 +20,7 @@ from footopt.walk.balances import energy_gap, momentum_gap
 from footopt.walk.cache_key import compiled
 from footopt.walk.discretize import NEWTON, sole_of, world
 from footopt.walk.loop import both_feet
-from footopt.walk.state import COUNTS
+from footopt.walk.state import COUNTS, Motion
 
 
 def test_every_effect_is_tested_here():
@@ -69,7 +69,7 @@ class TestContact:
         plates = regular_walk.foot.plates(accuracy.plates, accuracy.rule, directed=True, fill=reshaping(ALL))
         pose = scene.gait.pose([t], scene.walker.l1, scene.walker.l2).table()[0]
         counts, constants = np.zeros(1, COUNTS)[0], world(scene, accuracy)
-        state = constants, sole_of(plates), pose, x, z, vx, vz, accuracy.creep, None, counts
+        state = constants, sole_of(plates), pose, Motion(x, z, vx, vz), accuracy.creep, None, counts
         out = np.array(compiled(both_feet, laws(scene.effects).all)(*state))
         tolerance = 1e-10 * (1.0 + np.abs(states.force).sum())
         np.testing.assert_allclose(states.force[0].sum(axis=1), out[:, :2], rtol=0, atol=tolerance)

@@ -15,7 +15,7 @@ from footopt.errors import SettingError
 from footopt.walk import discretize
 from footopt.walk.contact import contact
 from footopt.walk.discretize import MOST_BYTES, bristle_bytes, sole_of, world
-from footopt.walk.state import COUNTS
+from footopt.walk.state import COUNTS, Motion
 
 simulated = import_module("footopt.walk.simulate")  # a function of this name hides it
 STILL = fo.Gait.human(start=math.inf)
@@ -90,7 +90,7 @@ def test_a_walk_whose_memory_would_not_fit_is_refused(ramp_foot):
 
 def test_a_repeat_in_shorter_steps_must_fit_too(ramp_foot, monkeypatch):
     scene, accuracy = fo.Scene(effects=(fo.Rest(),)), fo.Accuracy()
-    monkeypatch.setattr(simulated, "walk_range", lambda *given: given[11].fill(simulated.DIVERGED))
+    monkeypatch.setattr(simulated, "walk_range", lambda *given: given[4].status.fill(simulated.DIVERGED))
     monkeypatch.setattr(discretize, "MOST_BYTES", 3 * bristle_bytes(scene, accuracy))
     with pytest.raises(SettingError, match=r"accuracy\.plates = 64: .* in steps of 0\.001"):
         fo.simulate(ramp_foot, scene, accuracy)
@@ -104,8 +104,8 @@ def test_the_plates_forces_add_up_to_the_walks(ramp_foot):
 
 
 @njit(error_model="numpy")
-def felt(world, soles, poses, x, z, vx, vz, slip, stage, before, counts):
-    return contact(world, soles, poses, x, z, vx, vz, slip, stage, before, counts)
+def felt(world, soles, poses, hip, slip, stage, before, counts):
+    return contact(world, soles, poses, hip, slip, stage, before, counts)
 
 
 @pytest.mark.parametrize("effects", [(), (fo.LeadingEdge(),)], ids=["plain", "leading edge"])
@@ -119,10 +119,8 @@ def test_the_force_has_its_analytic_derivative_where_plates_stick_and_where_they
     stage, counts = 1e-3, np.zeros(1, COUNTS)[0]
 
     def left(vx, vz):
-        slip, z = constants.bristle_length / stage, stage * vz
-        return felt(
-            constants, sole_of(plates), poses, stage * vx, z, vx, vz, slip, stage, before, counts
-        ).left
+        slip, hip = constants.bristle_length / stage, Motion(stage * vx, stage * vz, vx, vz)
+        return felt(constants, sole_of(plates), poses, hip, slip, stage, before, counts).left
 
     for vx, vz in ((2e-4, -1e-4), (5e-3, -0.02)):
         here, d = left(vx, vz), 1e-9

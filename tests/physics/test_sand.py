@@ -12,7 +12,7 @@ import footopt as fo
 from footopt.errors import FileError, FootoptError, SettingError
 from footopt.sand import GENERIC, MEDIA, Sand, StressMap, affine
 from footopt.sand.law import PER_CM3
-from footopt.walk.contact import Direction, stress
+from footopt.walk.contact import Direction, resistance
 
 ANGLE = st.floats(-2 * math.pi, 2 * math.pi)
 COEFFICIENT = st.floats(-1.0, 1.0)
@@ -72,9 +72,8 @@ class TestAffineForm:
     def test_compiled_for_the_mean_of_plates_is_the_mean_of_their_stresses(self, gamma, beta):
         """So that a plate may stand for several chords by the mean of their cos 2 beta and sin 2 beta."""
         h = Direction(math.cos(gamma), -math.sin(gamma), 0.0, 1.0)
-        found = stress(
-            GENERIC.law, np.cos(2 * np.array(beta)).mean(), np.sin(2 * np.array(beta)).mean(), h, None
-        )
+        c, s = np.cos(2 * np.array(beta)).mean(), np.sin(2 * np.array(beta)).mean()
+        found = resistance(GENERIC.law, c, s, h, 1.0, None)
         ax, az = fo.stress.alpha(beta, gamma)
         np.testing.assert_allclose(found, [-ax.mean() / PER_CM3, az.mean() / PER_CM3], rtol=0, atol=1e-12)
 

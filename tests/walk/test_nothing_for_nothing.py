@@ -15,8 +15,8 @@ from numba import njit
 import footopt as fo
 from footopt.compiled import FAST
 from footopt.effects import laws
-from footopt.effects.dual import positive
-from footopt.walk.contact import direction, foot_force, kinematics, placed, stress
+from footopt.effects.dual import placed, positive
+from footopt.walk.contact import direction, foot_force, kinematics, resistance
 from footopt.walk.discretize import sole_of, world
 from footopt.walk.state import LANES, Ankle
 
@@ -33,9 +33,8 @@ def bare_force(world, sole, ankle, stage):
         motion = kinematics(ankle, sole.x[i], sole.z[i])
         h = direction(motion, world.creep, ankle.rate * sole.span, None, i)
         c, s = sole.c2[i] * cos2 - sole.s2[i] * sin2, sole.s2[i] * cos2 + sole.c2[i] * sin2
-        px, pz = stress(world.law, c, s, h, stage)
         pull = sole.area[i] * positive(placed(stage, -motion.z, 0.0, -1.0))
-        fx, fz = pull * px, pull * pz
+        fx, fz = resistance(world.law, c, s, h, pull, stage)
         x, z, power = x + fx.value, z + fz.value, power + (fx.value * motion.vx + fz.value * motion.vz)
         xx, xz, zx, zz = xx + fx.dx, xz + fx.dz, zx + fz.dx, zz + fz.dz
     return x, z, power, xx, xz, zx, zz

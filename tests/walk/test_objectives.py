@@ -71,7 +71,10 @@ def power_of(samples, times, strike=1.0):
     """The largest |P| after a strike of a walk with these samples of the left foot's."""
     none = SimpleNamespace(power=0.0, z=0.0)
     states = [
-        SimpleNamespace(vx=1.0, contact=SimpleNamespace(left=SimpleNamespace(power=-p, z=0.0), right=none))
+        SimpleNamespace(
+            hip=SimpleNamespace(vx=1.0),
+            contact=SimpleNamespace(left=SimpleNamespace(power=-p, z=0.0), right=none),
+        )
         for p in samples
     ]
     found = no_extremes()

@@ -17,7 +17,7 @@ from footopt.sand.law import EARTH, PER_CM3
 from footopt.walk import Accuracy, Scene, discretize, newton
 from footopt.walk.adapt import adapted
 from footopt.walk.contact import BENT, EXPOSED, TURN
-from footopt.walk.loop import NEAR, PEAK
+from footopt.walk.loop import NEAR_PEAK, PEAK
 from footopt.walk.objectives import FLOORS
 from footopt.walk.simulate import MAX_REPEATS
 from footopt.walk.steppers import STEPPERS
@@ -68,13 +68,13 @@ def physics(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> dict[st
             "newton": discretize.NEWTON,
             "most": newton.MAX_NEWTON,
             "rescue": newton.MAX_RESCUE,
-            "gated": newton.GATED,
-            "stands": newton.STANDS,
+            "gated": newton.GATE_STEP,
+            "stands": newton.STANDING,
             "turn": TURN,
             "exposed": EXPOSED,
             "bent": BENT,
             "corner": CORNER,
-            "near": NEAR,
+            "near": NEAR_PEAK,
             "peak": PEAK,
             "repeats": MAX_REPEATS,
         },

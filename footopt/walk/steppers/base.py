@@ -75,36 +75,36 @@ def acceleration(world, at):
 
 
 @inlined
-def explicit_contact(world, sole, poses, x, z, vx, vz, bristles, time, counts):
-    """The contact at the hip's place (m) and velocity (m/s), without derivatives.
+def explicit_contact(world, sole, poses, hip, bristles, time, counts):
+    """The contact at a motion of the hip, without derivatives.
 
     time: since the step's beginning, s, for which bristles have followed the plates.
     """
     if bristles is None:
-        return contact(world, sole, poses, x, z, vx, vz, world.creep, None, None, counts)
+        return contact(world, sole, poses, hip, world.creep, None, None, counts)
     turning_speed = world.bristle_length / time if time > 0.0 else np.inf
-    return contact(world, sole, poses, x, z, vx, vz, turning_speed, None, bristles.h_n, counts)
+    return contact(world, sole, poses, hip, turning_speed, None, bristles.h_n, counts)
 
 
 @inlined
-def finish_step(world, sole, poses, x, z, vx, vz, integrals, bristles, h, counts):
+def finish_step(world, sole, poses, hip, integrals, bristles, h, counts):
     """The state at the end of an explicit step."""
-    at = explicit_contact(world, sole, poses, x, z, vx, vz, bristles, h, counts)
+    at = explicit_contact(world, sole, poses, hip, bristles, h, counts)
     if bristles is not None:
-        update_bristles(sole, poses, x, z, vx, vz, world.bristle_length / h, whole_step(bristles))
-    return State(x, z, vx, vz, at, integrals, next_step(bristles), True)
+        update_bristles(sole, poses, hip, world.bristle_length / h, whole_step(bristles))
+    return State(hip, at, integrals, next_step(bristles), True)
 
 
 @inlined
-def accumulate(sums, weight, z, vx, vz, at):
-    """Integrals along the walk with one stage more, of a weight in s, a height, a velocity, a contact."""
+def accumulate(sums, weight, hip, at):
+    """Integrals along the walk with one stage more, of a weight in s, a motion of the hip, a contact."""
     left, right = at.left, at.right
-    joint_left = left.x * vx + left.z * vz - left.power
-    joint_right = right.x * vx + right.z * vz - right.power
+    joint_left = left.x * hip.vx + left.z * hip.vz - left.power
+    joint_right = right.x * hip.vx + right.z * hip.vz - right.power
     return Integrals(
         work_left=sums.work_left + weight * left.power,
         work_right=sums.work_right + weight * right.power,
-        height=sums.height + weight * z,
+        height=sums.height + weight * hip.z,
         joint=sums.joint + weight * max(joint_left, 0.0) + weight * max(joint_right, 0.0),
         joint_net=sums.joint_net + weight * joint_left + weight * joint_right,
         impulse_x=sums.impulse_x + weight * left.x + weight * right.x,

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from footopt.walk.state import moved
 from footopt.walk.steppers.base import (
     STEPPERS,
     Stepper,
@@ -32,21 +33,17 @@ class Tableau(NamedTuple):
 
     def step(self, world, sole, poses, state, h, counts):
         """The first stage is the contact that the state holds."""
-        x0, z0, vx0, vz0, at = state.x, state.z, state.vx, state.vz, state.contact
+        start, hip, at = state.hip, state.hip, state.contact
         ax, az = acceleration(world, at)
         weight = self.b[0] * h
-        sums = accumulate(state.integrals, weight, z0, vx0, vz0, at)
-        x, z, vx, vz = x0 + weight * vx0, z0 + weight * vz0, vx0 + weight * ax, vz0 + weight * az
-        ux, uz = vx0, vz0  # velocity of the stage before
+        sums, end = accumulate(state.integrals, weight, hip, at), moved(start, weight, hip.vx, hip.vz, ax, az)
         for i in range(1, len(self.b)):
-            reach, weight = self.c[i] * h, self.b[i] * h
-            x1, z1, ux1, uz1 = x0 + reach * ux, z0 + reach * uz, vx0 + reach * ax, vz0 + reach * az
-            ux, uz, pose = ux1, uz1, poses[self.pose[i]]
-            at = explicit_contact(world, sole, pose, x1, z1, ux, uz, state.bristles, reach, counts)
-            sums = accumulate(sums, weight, z1, ux, uz, at)
+            reach, weight, pose = self.c[i] * h, self.b[i] * h, poses[self.pose[i]]
+            hip = moved(start, reach, hip.vx, hip.vz, ax, az)
+            at = explicit_contact(world, sole, pose, hip, state.bristles, reach, counts)
             ax, az = acceleration(world, at)
-            x, z, vx, vz = x + weight * ux, z + weight * uz, vx + weight * ax, vz + weight * az
-        return finish_step(world, sole, poses[-1], x, z, vx, vz, sums, state.bristles, h, counts)
+            sums, end = accumulate(sums, weight, hip, at), moved(end, weight, hip.vx, hip.vz, ax, az)
+        return finish_step(world, sole, poses[-1], end, sums, state.bristles, h, counts)
 
 
 def runge_kutta(c: tuple[float, ...], b: tuple[float, ...], order: int, source: str) -> Stepper:

@@ -22,14 +22,11 @@ class ImplicitEuler(NamedTuple):
 
     def step(self, world, sole, poses, state, h, counts):
         """One implicit stage, the end of the step."""
-        x, z, vx, vz = state.x, state.z, state.vx, state.vz
-        ax, az = acceleration(world, state.contact)
-        gx, gz = guess(world.creep, vx, vz, h * ax, h * az)
-        bristles = whole_step(state.bristles)
-        end = solve_stage(world, sole, poses[0], x, z, vx, vz, h, gx, gz, bristles, counts)
-        x, z = x + h * end.vx, z + h * end.vz
-        sums = accumulate(state.integrals, h, z, end.vx, end.vz, end.contact)
-        return State(x, z, end.vx, end.vz, end.contact, sums, next_step(state.bristles), end.solved)
+        start, (ax, az) = state.hip, acceleration(world, state.contact)
+        gx, gz = guess(world.creep, start.vx, start.vz, h * ax, h * az)
+        end = solve_stage(world, sole, poses[0], start, h, gx, gz, whole_step(state.bristles), counts)
+        sums = accumulate(state.integrals, h, end.hip, end.contact)
+        return State(end.hip, end.contact, sums, next_step(state.bristles), end.solved)
 
 
 STEPPERS["implicit_euler"] = Stepper(

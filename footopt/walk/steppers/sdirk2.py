@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from footopt.walk.bristles import first_stage, next_step, second_stage
 from footopt.walk.newton import guess, solve_stage
-from footopt.walk.state import State
+from footopt.walk.state import State, moved
 from footopt.walk.steppers.base import STEPPERS, Stepper, acceleration, accumulate
 
 
@@ -27,23 +27,21 @@ class SDIRK2(NamedTuple):
     def step(self, world, sole, poses, state, h, counts):
         """The unknown of a stage is the hip's velocity; its place follows from it."""
         c, r = self.gamma * h, (1.0 - self.gamma) * h
-        x0, z0, vx0, vz0 = state.x, state.z, state.vx, state.vz
-        ax, az = acceleration(world, state.contact)
+        start, (ax, az) = state.hip, acceleration(world, state.contact)
         half, whole = first_stage(state.bristles, r / c), second_stage(state.bristles)
-        gx, gz = guess(world.creep, vx0, vz0, c * ax, c * az)
-        one = solve_stage(world, sole, poses[0], x0, z0, vx0, vz0, c, gx, gz, half, counts)
+        gx, gz = guess(world.creep, start.vx, start.vz, c * ax, c * az)
+        one = solve_stage(world, sole, poses[0], start, c, gx, gz, half, counts)
         if not one.solved:
-            return State(x0, z0, vx0, vz0, state.contact, state.integrals, state.bristles, False)
-        sums = accumulate(state.integrals, r, z0 + c * one.vz, one.vx, one.vz, one.contact)
+            return State(start, state.contact, state.integrals, state.bristles, False)
+        sums = accumulate(state.integrals, r, one.hip, one.contact)
         bx, bz = acceleration(world, one.contact)
-        x1, z1, vx1, vz1 = x0 + r * one.vx, z0 + r * one.vz, vx0 + r * bx, vz0 + r * bz
+        middle = moved(start, r, one.hip.vx, one.hip.vz, bx, bz)
         # the guess follows the change of acceleration so far, to the end of the step
         dvx, dvz = r * (bx + (bx - ax)), r * (bz + (bz - az))
-        gx, gz = guess(world.creep, one.vx, one.vz, dvx, dvz)
-        two = solve_stage(world, sole, poses[1], x1, z1, vx1, vz1, c, gx, gz, whole, counts)
-        x, z = x1 + c * two.vx, z1 + c * two.vz
-        sums = accumulate(sums, c, z, two.vx, two.vz, two.contact)
-        return State(x, z, two.vx, two.vz, two.contact, sums, next_step(state.bristles), two.solved)
+        gx, gz = guess(world.creep, one.hip.vx, one.hip.vz, dvx, dvz)
+        two = solve_stage(world, sole, poses[1], middle, c, gx, gz, whole, counts)
+        sums = accumulate(sums, c, two.hip, two.contact)
+        return State(two.hip, two.contact, sums, next_step(state.bristles), two.solved)
 
 
 STEPPERS["sdirk2"] = Stepper(

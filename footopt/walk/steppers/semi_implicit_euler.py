@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from footopt.walk.state import moved
 from footopt.walk.steppers.base import STEPPERS, Stepper, acceleration, accumulate, finish_step
 
 
@@ -15,11 +16,10 @@ class SemiImplicitEuler(NamedTuple):
 
     def step(self, world, sole, poses, state, h, counts):
         """v + h a, r + h v of the new v."""
-        ax, az = acceleration(world, state.contact)
-        sums = accumulate(state.integrals, h, state.z, state.vx, state.vz, state.contact)
-        vx, vz = state.vx + h * ax, state.vz + h * az
-        x, z = state.x + h * vx, state.z + h * vz
-        return finish_step(world, sole, poses[0], x, z, vx, vz, sums, state.bristles, h, counts)
+        start, (ax, az) = state.hip, acceleration(world, state.contact)
+        sums = accumulate(state.integrals, h, start, state.contact)
+        end = moved(start, h, start.vx + h * ax, start.vz + h * az, ax, az)
+        return finish_step(world, sole, poses[0], end, sums, state.bristles, h, counts)
 
 
 STEPPERS["semi_implicit_euler"] = Stepper(
