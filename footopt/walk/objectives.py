@@ -196,7 +196,7 @@ def efficiency(raw: Raw, scene: Scene) -> Array:
 
 @objective("CoT", "", maximise=False, worst=1e6, least=0.0)
 def cost_of_transport(raw: Raw, scene: Scene) -> Array:
-    """|W| / (M g distance); NaN for a walker who does not get forward."""
+    """|W| / (M g distance); NaN for a walker that does not get forward."""
     forward = np.where(raw["distance"] > 1e-12, raw["distance"], np.nan)
     value: Array = raw["work"] / (scene.walker.weight * forward)
     return value

@@ -91,7 +91,7 @@ class Scene:
     Raises
     ------
     SettingError
-        t_f is not allowed, or missing for a walker who stands still; two effects are of one kind.
+        t_f is not allowed, or missing for a walker that stands still; two effects are of one kind.
     """
 
     sand: Sand = field(default_factory=lambda: Sand.named("hard"))
@@ -110,7 +110,7 @@ class Scene:
                 raise SettingError(
                     "scene.t_f",
                     None,
-                    "given, in s, for a walker who stands still",
+                    "given, in s, for a walker that stands still",
                     "Try scene.t_f=10, or a finite gait.start.",
                 )
         else:
