@@ -118,7 +118,7 @@ def cached_njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     def decorate(function: Callable[..., Any]) -> Any:
         compiled = njit(**options)(function)
         with _in_folder() as there:
-            if there and active():
+            if there and not config.DISABLE_JIT:
                 compiled._cache = _Cache(function)
         return compiled
 
@@ -158,8 +158,3 @@ def processor() -> tuple[str, int]:
     on = {name for name, there in features.items() if there and f"-{name}" not in given}
     widths = {"avx512f": 512, "avx": 256, "sse2": 128, "neon": 128}
     return config.CPU_NAME or llvm.get_host_cpu_name(), max((widths.get(f, 0) for f in on), default=0)
-
-
-def active() -> bool:
-    """Whether numba compiles at all; with NUMBA_DISABLE_JIT=1 everything runs as Python."""
-    return not config.DISABLE_JIT

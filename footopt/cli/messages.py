@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from hydra.errors import HydraException, OverrideParseException
+from hydra.errors import HydraException
 from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBaseException
 from yaml import YAMLError
 
@@ -36,8 +36,7 @@ def explain(error: BaseException, words: Sequence[str] = ()) -> str:
     if type(error).__module__.partition(".")[0] in ("submitit", "joblib"):
         hint = "footopt resume=FOLDER, with that of the multirun, finishes the jobs without a result."
         return f"a job was lost ({error}). Others may still run. {hint}"
-    bug = "This is a bug in footopt; HYDRA_FULL_ERROR=1 shows where."
-    return f"unexpected {type(error).__name__}: {error}\n{bug}"
+    return f"unexpected {type(error).__name__}: {error}\nA bug in footopt; HYDRA_FULL_ERROR=1 shows where."
 
 
 def translate(error: BaseException, words: Sequence[str]) -> FootoptError | None:
@@ -49,12 +48,10 @@ def translate(error: BaseException, words: Sequence[str]) -> FootoptError | None
     text = str(cause).partition("\n")[0]
     key = (getattr(cause, "full_key", None) or "").partition("[")[0]  # of a list, without the place in it
     group, _, choice = (getattr(error, "missing_cfg_file", None) or "").rpartition("/")
-    if "" in given:
-        return FootoptError(f"={given['']}: {_syntax('', '', '')}")
+    if bad := next((word for word in words if word.startswith("=")), getattr(error, "override", "")):
+        return FootoptError(f"{bad}: {_syntax(*bad.partition('='))}")
     if "Config group override must be" in text:  # sand=2.5
         group, choice = next((name, given[name]) for name in given if name in groups())
-    if isinstance(error, OverrideParseException):
-        return FootoptError(f"{error.override}: {_syntax(*error.override.partition('='))}")
     if text.startswith("Ambiguous value for argument"):
         name, _, value = (word := text.split("'")[1]).partition("=")
         hint = f"For a list: '{name}=[{value}]'. For a run of each: footopt -m {word}"
