@@ -55,7 +55,7 @@ class Clock:
         with ExitStack() as stack:
             for owner, attribute, name in (
                 (simulate_module, "walk_range", "kernel"),
-                (simulate_module, "_walk", "walk"),
+                (simulate_module, "_walk_batch", "walk"),
                 (simulate_module, "as_plates", "plates"),
                 (prepare_module, "soles", "blocks"),
                 (problem_module, "evaluate", "evaluate"),

@@ -12,14 +12,14 @@ from hydra.core.config_store import ConfigStore
 from omegaconf import OmegaConf, open_dict
 
 from footopt.studies.build import in_world_of_run
-from footopt.studies.settings import CHOICES, GLOBAL_CHOICES, Config
+from footopt.studies.settings import GLOBAL_OPTIONS, GROUP_OPTIONS, Config
 
 #: conf/ inside the installed package, or at the top of a checkout.
 CONF = next(path / "conf" for path in Path(__file__).parents[1:3] if (path / "conf").is_dir())
 
 STORE = ConfigStore.instance()
 STORE.store(name="footopt_schema", node=Config)
-for _choices, _package in ((CHOICES, None), (GLOBAL_CHOICES, "_global_")):
+for _choices, _package in ((GROUP_OPTIONS, None), (GLOBAL_OPTIONS, "_global_")):
     for _group, _nodes in _choices.items():
         for _name, _node in _nodes.items():
             STORE.store(group=_group, name=_name, node=_node, package=_package)
@@ -27,7 +27,7 @@ for _choices, _package in ((CHOICES, None), (GLOBAL_CHOICES, "_global_")):
 
 def groups() -> dict[str, list[str]]:
     """Names of the choices of every group: those of conf/ and those that the library knows."""
-    found = {group: {*choices, *GLOBAL_CHOICES.get(group, ())} for group, choices in CHOICES.items()}
+    found = {group: {*choices, *GLOBAL_OPTIONS.get(group, ())} for group, choices in GROUP_OPTIONS.items()}
     for path in CONF.glob("*/*.yaml"):
         found.setdefault(path.parent.name, set()).add(path.stem)
     return {group: sorted(found[group]) for group in sorted(found)}

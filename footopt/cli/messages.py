@@ -10,7 +10,7 @@ from yaml import YAMLError
 
 from footopt.cli.compose import groups
 from footopt.errors import FootoptError, SettingError, meant
-from footopt.studies import read_by
+from footopt.studies import studies_that_read
 from footopt.studies.settings import known
 
 MORE = "`footopt --help` lists all settings."
@@ -93,7 +93,7 @@ def _syntax(name: str, equals: str, value: str) -> str:
 def _unread(name: str, value: str, study: str) -> FootoptError:
     """A setting that there is not, or not for this study."""
     names = known()
-    if name in names and (readers := read_by(name)):
+    if name in names and (readers := studies_that_read(name)):
         why = f"left out: study={study} does not read it"
         return SettingError(name, value, why, f"It is read by study={readers}.")
     same = [other for other in names if other.endswith(f".{name.rpartition('.')[2]}")]

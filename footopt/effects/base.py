@@ -14,7 +14,9 @@ with one or more of three methods, which are compiled into the loop over plates:
 The force on a plate of area dA is then zeta load share (a - M h) dA - push n dA. What these methods are given
 are numbers with their derivatives (`footopt.effects.dual`), so that they give theirs: write them with + - * /
 and that module's functions. A new effect is a file beside this one, or a user's own: a law, a dataclass, and
-an entry in `EFFECTS` by which settings find it.
+an entry in `EFFECTS` by which settings find it. Every parameter has a default, and a numpydoc section
+*Parameters* is its help. A push is called for plates in the air, too, and has to be 0 at a depth of 0; it is
+left out of the walker's first instant.
 """
 
 from __future__ import annotations
@@ -69,6 +71,7 @@ class Effect:
     number = "its own estimate"
     source = "the scene itself"
     literature = False
+    is_inertia = False  # whether its push is what the sand's momentum takes
 
     @property
     def law(self) -> Any:

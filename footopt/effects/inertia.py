@@ -47,6 +47,7 @@ class Inertia(Effect):
     factor: float = 1.1
     rho: float = 1600.0
     literature, plates_factor = True, 2.0
+    is_inertia = True
     number, source = "lambda rho v^2 / (lambda rho v^2 + zeta alpha_z z), swung", "Agarwal et al. (2021)"
 
     def __post_init__(self) -> None:

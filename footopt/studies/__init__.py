@@ -16,9 +16,9 @@ from footopt.studies.base import Study
 from footopt.studies.build import check_values, load_plugins, make_limits
 from footopt.studies.runs import claim_folder
 from footopt.studies.settings import (
-    CHOICE,
-    CHOICES,
+    GROUP_OPTIONS,
     OUTLINE,
+    SETTING_OF_GROUP,
     SHAPE,
     SPACE,
     STUDIES,
@@ -30,15 +30,15 @@ from footopt.studies.settings import (
 )
 from footopt.walk.simulate import at_once
 
-__all__ = ["STUDIES", "StudySettings", "check_read", "read_by", "run"]
+__all__ = ["STUDIES", "StudySettings", "check_read", "run", "studies_that_read"]
 
 #: footopt's own studies, each the class `Settings` and the function `run` of a module.
-OWN = ("optimize", "simulate", "accuracy", "stability", "effects", "paper", "robust", "export", "compare",
-       "doctor", "validate", "calibrate")  # fmt: skip
-for _name in OWN:
+BUILT_IN = ("optimize", "simulate", "accuracy", "stability", "effects", "paper", "robust", "export",
+            "compare", "doctor", "validate", "calibrate")  # fmt: skip
+for _name in BUILT_IN:
     _module = import_module(f"footopt.studies.{_name}")
     STUDIES[_name] = _module.Settings, _module.run
-    CHOICES["study"][_name] = _module.Settings
+    GROUP_OPTIONS["study"][_name] = _module.Settings
 
 #: Read for every study: how it is run, not what is asked. A constraint is refused elsewhere.
 ALWAYS = (
@@ -53,13 +53,13 @@ ALWAYS = (
 )
 
 #: What each kind of one foot reads.
-FEET: dict[str, tuple[str, ...]] = {
+READ_BY_FOOT: dict[str, tuple[str, ...]] = {
     "waypoints": (*SPACE, "foot.k"),
     **dict.fromkeys(SHAPES, (*SHAPE, "foot.length")),
     "outline": (*SHAPE, *OUTLINE),
 }
-FEET["reversed_triangle"] += ("foot.apex",)
-FEET["reversed_l"] += ("foot.upright",)
+READ_BY_FOOT["reversed_triangle"] += ("foot.apex",)
+READ_BY_FOOT["reversed_l"] += ("foot.upright",)
 
 #: Settings that are read only where others have certain values: which, whether they have, and the readers.
 ONLY: tuple[tuple[tuple[str, ...], Callable[[Config], bool], str], ...] = (
@@ -83,12 +83,12 @@ ONLY: tuple[tuple[tuple[str, ...], Callable[[Config], bool], str], ...] = (
 )  # fmt: skip
 
 
-def read_by(name: str) -> str:
+def studies_that_read(name: str) -> str:
     """The studies that read a setting, as they are chosen; "" if there is none."""
-    return ", ".join(study for study in OWN if reads(name, _reads(study)))
+    return ", ".join(study for study in BUILT_IN if covers(name, settings_of(study)))
 
 
-def _reads(study: str) -> tuple[str, ...]:
+def settings_of(study: str) -> tuple[str, ...]:
     kind, _ = STUDIES[study]
     return (*kind.reads, *dict(leaves(kind(), "study.")))
 
@@ -109,25 +109,25 @@ def check_read(config: Config, words: Iterable[str]) -> None:
         The study or its foot does not read one; the message says what does.
     """
     study, shape = config.study.name, config.foot.shape
-    groups = {field.name for field in fields(Config)} | {*CHOICE}
-    for word in words if study in OWN else ():
+    groups = {field.name for field in fields(Config)} | {*SETTING_OF_GROUP}
+    for word in words if study in BUILT_IN else ():
         word = word.lstrip("+~/").partition("=")[0].partition("@")[0]
         group, dot, _ = word.partition(".")
         searched = isinstance(config.study, SearchSettings)
         if group not in groups or (group == "foot" and searched and shape != "waypoints"):
             continue  # a group of the user's own; a foot that the study refuses
-        name = word if dot else CHOICE.get(word, f"{word}.name")
+        name = word if dot else SETTING_OF_GROUP.get(word, f"{word}.name")
         if group == "foot" and not dot and shape == "waypoints":
             name = "foot.n"  # a space, which its choice describes
-        if not reads(name, (*ALWAYS, *_reads(study))):
-            by = read_by(name)
+        if not covers(name, (*ALWAYS, *settings_of(study))):
+            by = studies_that_read(name)
             raise _unread(config, name, f"study={study} does not read it", f"study={by}" if by else "")
         if group == "foot" and name != "foot.block" and (searched or study in ("simulate", "stability")):
             of_run = study == "simulate" and getattr(config.study, "run", None) is not None
-            own = ("foot.k",) if of_run else (*FEET.get(shape, ()), "foot.shape")
-            if not reads(name, own):
+            own = ("foot.k",) if of_run else (*READ_BY_FOOT.get(shape, ()), "foot.shape")
+            if not covers(name, own):
                 what = "study=simulate run=..." if of_run else f"foot={shape}"
-                by = ", ".join(kind for kind, names in FEET.items() if name in names)
+                by = ", ".join(kind for kind, names in READ_BY_FOOT.items() if name in names)
                 where = f"foot={by}" if by else "study=simulate without run"
                 raise _unread(config, name, f"{what} does not read it", where)
         for names, holds, readers in ONLY:
@@ -135,7 +135,7 @@ def check_read(config: Config, words: Iterable[str]) -> None:
                 raise _unread(config, name, "it has no effect here", readers)
 
 
-def reads(name: str, names: Iterable[str]) -> bool:
+def covers(name: str, names: Iterable[str]) -> bool:
     """Whether a setting is one of the names, in a group of them, or a group with some of them."""
     return any(f"{name}.".startswith(f"{n}.") or n.startswith(f"{name}.") for n in names)
 

@@ -24,7 +24,7 @@ from footopt.report.figures.studies import work_precision
 from footopt.sand import Sand
 from footopt.studies.audit import own_time
 from footopt.studies.base import Study
-from footopt.studies.settings import FEET, SPACE, WORLD, StudySettings, setting
+from footopt.studies.settings import FEET_HELP, SPACE, WORLD, StudySettings, setting
 from footopt.studies.validation.model import model_error
 from footopt.walk import FIVE, Accuracy, Scene, evaluate, simulate
 from footopt.walk.accuracy import PRESETS, TABLE_COLUMNS, work
@@ -63,7 +63,7 @@ class Settings(StudySettings):
     """What accuracy costs in time: steppers, time steps, plates and creep speeds."""
 
     name: str = "accuracy"
-    feet: int = setting(40, FEET)
+    feet: int = setting(40, FEET_HELP)
     quick: bool = setting(False, "Whether a first look is enough.")
     reads = (*WORLD, *SPACE, "solver.seed")
 

@@ -81,12 +81,12 @@ class Study:
         return self.config.engine.threads
 
     @property
-    def draws(self) -> bool:
+    def wants_figures(self) -> bool:
         """Whether figures are wanted."""
         return self.config.report == "full"
 
     @property
-    def reports(self) -> bool:
+    def wants_report(self) -> bool:
         """Whether more is wanted than what was found: the page, tables, traces, bodies."""
         return self.config.report != "none"
 
@@ -170,7 +170,7 @@ class Study:
 
     def save(self, name: str, figure: Any, caption: str = "") -> None:
         """Save a figure as PNG and PDF if wanted; with a caption also as SVG, on the page of `conclude`."""
-        if not self.draws:
+        if not self.wants_figures:
             return
         figures.save(figure, self.folder / "figures", name, svg=bool(caption))
         if caption:
@@ -178,7 +178,7 @@ class Study:
 
     def draw(self, drawings: Mapping[str, Callable[[], Any]]) -> None:
         """Draw and `save` figures without captions, if wanted."""
-        for name, figure in drawings.items() if self.draws else ():
+        for name, figure in drawings.items() if self.wants_figures else ():
             self.save(name, figure())
 
     def write_result(self, content: Mapping[str, Any]) -> dict[str, Any]:
@@ -240,7 +240,7 @@ class Study:
         """
         record = self.write_result(content) | dict(footer or {})
         headline = [*about, *map(str, said)]
-        if self.reports:
+        if self.wants_report:
             page.write_study(self.folder, title, headline, self._captions, tables, record, warnings)
         self.say(*tables, *said)
         self.close()

@@ -26,7 +26,8 @@ from footopt.foot import SHAPES, Foot, Waypoints
 from footopt.gait import Gait
 from footopt.sand import GENERIC, MEDIA, Sand, StressMap
 from footopt.studies.settings import (
-    CHOICE,
+    SCENE,
+    SETTING_OF_GROUP,
     AccuracyConfig,
     Config,
     EffectsConfig,
@@ -62,7 +63,7 @@ def absolute(settings: Mapping[str, Any]) -> dict[str, Any]:
 
 
 #: Groups of settings that say in what world, and how finely, is walked.
-WALKED = ("sand", "gait", "walker", "effects", "scene", "accuracy")
+WALKED = (*SCENE, "accuracy")
 
 
 def in_world_of_run(
@@ -78,7 +79,10 @@ def in_world_of_run(
         run["accuracy"] = dict.fromkeys(run["accuracy"]) | {"name": run["study"]["confirm"]}
     own = {name: settings["foot"][name] for name in ("k", "block")}
     found = copy.deepcopy(dict(settings)) | {name: run[name] for name in WALKED} | {"foot": run["foot"] | own}
-    changed = {*identity.changed_settings(settings, default), *(CHOICE.get(name, name) for name in given)}
+    changed = {
+        *identity.changed_settings(settings, default),
+        *(SETTING_OF_GROUP.get(name, name) for name in given),
+    }
     for name in sorted(changed):  # a group before what is in it
         *groups, last = name.split(".")
         if name.partition(".")[0] in WALKED:

@@ -15,7 +15,7 @@ from footopt.studies.audit import Audit, audit, percent, switched
 from footopt.studies.auto_effects import audit_entry, screening_entry, screening_table, soles, tolerance
 from footopt.studies.base import Study, accuracy_entry, scene_entry
 from footopt.studies.screening import screening
-from footopt.studies.settings import FEET, SCENE, SPACE, StudySettings, setting
+from footopt.studies.settings import FEET_HELP, SCENE, SPACE, StudySettings, setting
 from footopt.walk import FIVE, Scene, evaluate
 
 HEADER = (
@@ -29,7 +29,7 @@ class Settings(StudySettings):
     """Which effects a scene calls for: each is turned on alone on random soles of the design space."""
 
     name: str = "effects"
-    feet: int = setting(40, FEET)
+    feet: int = setting(40, FEET_HELP)
     reads = (*SCENE, *SPACE, "accuracy", "solver.seed")
 
 

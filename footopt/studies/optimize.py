@@ -95,12 +95,12 @@ def run(study: Study) -> SweeperValue:
     values, base = walk.judged(problem.record), flat.judged(problem.record)
     diagnostics = [*diagnose(walk), *resolution(walk, errors)]
     finalists, rank_changes = result.k[confirmed.designs[: options.finalists]], []
-    if study.reports and options.confirm:
+    if study.wants_report and options.confirm:
         with study.compiling("a walk for each law"):
             flat_k = np.full(problem.space.n, problem.space.K)
             rank_changes = ranks.ranks(problem, finalists, flat_k, config.sand.spread)
 
-    if study.reports:
+    if study.wants_report:
         files.write_designs(study.folder / "designs.csv", result.columns)
     drawings = _drawings(result, confirmed.designs[:LEADERS], base)
     notes = write_walk(study, walk, {"best": walk, "flat": flat}, drawings)
@@ -121,7 +121,7 @@ def run(study: Study) -> SweeperValue:
             "notes": notes,
         }
     )
-    if study.reports:
+    if study.wants_report:
         shown = page.search_content(result, confirmed, walk, flat, record)
         page.write(study.folder / "report.html", shown | study.origin)
     write_film(study, walk)

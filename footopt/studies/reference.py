@@ -20,8 +20,16 @@ from footopt.design.scenarios import check_measure
 from footopt.effects import EFFECTS
 from footopt.errors import SettingError
 from footopt.report.terminal import described
-from footopt.studies import ALWAYS, build, read_by, reads
-from footopt.studies.settings import CHOICE, AllEffects, Config, everything, known, leaves, study_kinds
+from footopt.studies import ALWAYS, build, covers, studies_that_read
+from footopt.studies.settings import (
+    SETTING_OF_GROUP,
+    AllEffects,
+    Config,
+    everything,
+    known,
+    leaves,
+    study_kinds,
+)
 from footopt.walk import MEASURES, Walker
 
 GROUPS = tuple(field.name for field in fields(Config))
@@ -88,7 +96,7 @@ def _owner(name: str) -> Any:
 
 def _setting(name: str, value: Any) -> Setting:
     kind, meaning = _told(name)
-    readers = () if reads(name, ALWAYS) else tuple(read_by(name).split(", "))
+    readers = () if covers(name, ALWAYS) else tuple(studies_that_read(name).split(", "))
     return Setting(name, value, kind, meaning, _allowed(name, value), readers)
 
 
@@ -129,7 +137,7 @@ def text(groups: tuple[str, ...]) -> str:
     lines: list[str] = []
     for group in groups:
         # what a group without settings of its own sets, another has
-        found = list(settings((group,))) or [s for s in settings() if s.name == CHOICE[group]]
+        found = list(settings((group,))) or [s for s in settings() if s.name == SETTING_OF_GROUP[group]]
         usual, many = Counter(s.studies for s in found).most_common(1)[0]
         usual = usual if many > len(found) / 2 else ()
         if usual:

@@ -178,7 +178,12 @@ def make_scenarios(config: Config) -> tuple[Scene, tuple[Scenario, ...]]:
         raise SettingError("study.scenarios", options.scenarios, f"one of {', '.join(SOURCES)}")
     if options.scenarios != "drawn":
         return scene, sands(scene) if options.scenarios == "sands" else laws(scene)
-    check(2 <= options.draws <= 10_000, "study.draws", options.draws, "a whole number >= 2 and <= 10,000")
+    check(
+        2 <= options.draws <= 10_000,
+        "study.draws",
+        options.draws,
+        "a whole number >= 2 and <= 10,000",
+    )
     count = min(options.draws, QUICK_DRAWS) if options.quick else options.draws
     return scene, draw(scene, make_spread(config), count, config.solver.seed)
 

@@ -24,7 +24,7 @@ from footopt.sand import MEDIA, Sand, StressMap
 from footopt.walk import MEASURES, PRESETS, Accuracy, Walker
 
 VIDEO = "Name of a film of the walk in the run's folder, .gif or .mp4 (needs ffmpeg); null: none."
-FEET = "How many random soles are walked."
+FEET_HELP = "How many random soles are walked."
 
 #: How much a run leaves: result.json, contour.csv and what it is resumed from; all but figures; everything.
 REPORTS = ("none", "light", "full")
@@ -58,7 +58,7 @@ def leaves(group: Any, name: str = "") -> Iterator[tuple[str, Any]]:
             yield path, value
 
 
-def parameters(kind: type, null: tuple[str, ...] = ()) -> Any:
+def settings_class(kind: type, null: tuple[str, ...] = ()) -> Any:
     """The fields and defaults of a frozen dataclass of the library, as one to change; `null` may be null."""
     kinds = {name: t | None if name in null else t for name, t in get_type_hints(kind).items()}
     given = ((f, f.default if f.default_factory is MISSING else f.default_factory()) for f in fields(kind))
@@ -80,9 +80,9 @@ if TYPE_CHECKING:
     from footopt.walk import Walker as WalkerConfig
 else:
     SolverConfig, SpaceConfig, CoefficientsConfig, WalkerConfig = map(
-        parameters, (Solver, Waypoints, StressMap, Walker)
+        settings_class, (Solver, Waypoints, StressMap, Walker)
     )
-SpreadConfig: Any = parameters(Spread, null=("zeta", "period", "angles"))  # of the sand, or the strides
+SpreadConfig: Any = settings_class(Spread, null=("zeta", "period", "angles"))  # of the sand, or the strides
 
 
 @dataclass
@@ -102,7 +102,7 @@ WORLD = ("gait", "walker", "effects", "scene")
 SCENE = (*WORLD, "sand")
 SPACE = tuple(f"foot.{field.name}" for field in fields(Waypoints))
 SHAPE = ("foot.width", "foot.ankle", "foot.closed", "foot.top")
-FIVE = (*SHAPE, "foot.length", "foot.apex", "foot.upright")
+SHAPE_SETTINGS = (*SHAPE, "foot.length", "foot.apex", "foot.upright")
 OUTLINE = tuple(f"foot.{name}" for name in ("path", "units", "scale", "layer", "toe", "origin"))
 
 
@@ -199,7 +199,7 @@ class EffectsConfig:
 
 
 #: With a setting for each effect: its parameters, or null where it is not simulated.
-EACH = [(name, parameters(kind) | None, setting(None, kind)) for name, kind in EFFECTS.items()]
+EACH = [(name, settings_class(kind) | None, setting(None, kind)) for name, kind in EFFECTS.items()]
 AllEffects = importable(make_dataclass("AllEffects", EACH, bases=(EffectsConfig,)))
 
 
@@ -319,10 +319,15 @@ def structured(settings: Mapping[str, Any]) -> Any:
 
 
 #: The setting that the choice of a group sets, where it is not its name.
-CHOICE = {"foot": "foot.shape", "objective": "objective.names", "planet": "walker.g", "effects": "effects"}
+SETTING_OF_GROUP = {
+    "foot": "foot.shape",
+    "objective": "objective.names",
+    "planet": "walker.g",
+    "effects": "effects",
+}
 
 #: Choices of groups that the library knows by name: what each sets. Those in conf/ join them.
-CHOICES: dict[str, dict[str, Any]] = {
+GROUP_OPTIONS: dict[str, dict[str, Any]] = {
     "sand": {name: {"name": name, "zeta": zeta} for name, zeta in MEDIA.items()},
     "foot": {name: {"shape": name} for name in SHAPES},
     "effects": {name: {name: {}} for name in EFFECTS},
@@ -334,7 +339,7 @@ CHOICES: dict[str, dict[str, Any]] = {
 }
 
 #: Choices that change another group, too: a solver for several objectives searches the paper's five.
-GLOBAL_CHOICES: dict[str, dict[str, dict[str, Any]]] = {
+GLOBAL_OPTIONS: dict[str, dict[str, dict[str, Any]]] = {
     "solver": {
         name: {"defaults": [{"override /objective": "pareto"}], "solver": {"name": name}} for name in SEVERAL
     }

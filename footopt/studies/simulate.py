@@ -84,7 +84,7 @@ def run(study: Study) -> SweeperValue:
             **chosen.entry,
         }
     )
-    if study.reports:
+    if study.wants_report:
         page.write(study.folder / "report.html", page.walk_content(walk, record, flat) | study.origin)
     write_film(study, walk)
 
@@ -134,7 +134,7 @@ def write_walk(
     notes : list of str
         What is to be said of the files for the workshop.
     """
-    if not study.reports:
+    if not study.wants_report:
         write_foot(walk.foot, study.folder / "contour.csv")
         return []
     drawings = {

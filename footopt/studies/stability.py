@@ -14,7 +14,7 @@ from footopt.errors import check
 from footopt.report import terminal
 from footopt.report.figures.tables import Cell, verdicts
 from footopt.studies.base import Study, foot_entry, scene_entry
-from footopt.studies.settings import FIVE, OUTLINE, SCENE, SPACE, Config, StudySettings, setting
+from footopt.studies.settings import OUTLINE, SCENE, SHAPE_SETTINGS, SPACE, Config, StudySettings, setting
 from footopt.studies.stability_cases import CASES, Case, Setup
 from footopt.studies.stability_judges import LIMITS, Measure
 from footopt.walk import STEPPERS, Walk, simulate
@@ -52,7 +52,7 @@ class Settings(StudySettings):
     name: str = "stability"
     cases: list[str] | None = setting(None, "Names of the cases; null: all.")
     methods: list[str] | None = setting(None, "Names of the steppers that are tried; null: all.")
-    reads = (*SCENE, *SPACE, *FIVE, *OUTLINE, "foot.shape", "foot.k", "accuracy")
+    reads = (*SCENE, *SPACE, *SHAPE_SETTINGS, *OUTLINE, "foot.shape", "foot.k", "accuracy")
 
 
 class Verdict(NamedTuple):

@@ -88,7 +88,8 @@ def direction(motion, creep, turning, h0, i):
 def resistance(law, c, s, h, pull, stage):
     """f = pull (a - M h), N in x and z: the paper's eq. 1 in its affine form, the stress times pull.
 
-    c, s: cosine and sine of twice the plate's angle in the world. pull: area times depth, m^3, with effects.
+    c, s: cosine and sine of twice the plate's angle in the world. pull: area times depth, m^3, with effects;
+    zeta is in the law.
     The stress p changes with the direction of motion, dp/dv = -rate (M - (M h) h^T).
     """
     mxx, mxz = law.C01 + law.C_sum * c, law.C_diff * s

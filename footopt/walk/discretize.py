@@ -93,7 +93,6 @@ def poses(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, 
 
     Under control of the step there is a table more for each halving, with twice as many steps.
     """
-    # the same for every sand, mass and effect
     if pose_rows(scene, accuracy) > ROWS:
         least = accuracy.dt * pose_rows(scene, accuracy) / ROWS
         raise SettingError(
@@ -102,6 +101,7 @@ def poses(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, 
             f"at least {least:.2g} s for a walk of {scene.duration:g} s",
             "Or shorten the walk: scene.t_f, gait.period, gait.start.",
         )
+    # the same for every sand, mass and effect: what they are kept by in memory
     walker = Walker(l1=scene.walker.l1, l2=scene.walker.l2)
     motion = Scene(gait=scene.gait, walker=walker, t_f=scene.t_f)
     tables = long_pose_tables if pose_rows(scene, accuracy) > LONG else pose_tables

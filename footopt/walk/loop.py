@@ -70,7 +70,7 @@ def walk_designs(method, soles, world, course, out, begin, end):
         count = out.counts[d]
         for column in range(out.raw.shape[1]):
             out.raw[d, column] = np.nan
-        state, extremes, status = _walk(method, sole_at(soles, d), world, course, out, count)
+        state, extremes, status = _walk_design(method, sole_at(soles, d), world, course, out, count)
         if status == OK:
             if state.hip.x <= 0.0 and extremes.speed > -np.inf:
                 status = BACKWARD
@@ -79,8 +79,12 @@ def walk_designs(method, soles, world, course, out, begin, end):
 
 
 @inlined
-def _walk(method, sole, world, course, out, count):
-    """One design's last state, its extremes and its status."""
+def _walk_design(method, sole, world, course, out, count):
+    """One design's last state, its extremes and its status.
+
+    Where a stage is not solved, not even by `newton.rescue`, the step is halved here as long as it can be;
+    then the walk has diverged, and `simulate` repeats it with shorter steps.
+    """
     times, control, poses = course.times, course.control, course.poses
     steps, finest = len(times) - 1, len(poses) - 1
     state, extremes = _standing(world, sole, course.start, count), no_extremes()

@@ -170,7 +170,8 @@ def rescue(way, creep, goal):
     """The next creep speed, m/s, for which the stage is solved, where Newton's method has failed at one.
 
     The first is so large that the law is viscous; from there they are smaller and smaller, each begun from
-    the solution before, in shorter strides where one fails. Off where there is no shorter stride.
+    the solution before, in shorter strides where one fails. Where there is no shorter stride, or the law
+    cannot be solved even at the first, the rescue ends and the stage is not solved.
     """
     if not way.on:
         viscous = 10.0 * (1.0 + abs(way.vx) + abs(way.vz))

@@ -79,7 +79,7 @@ def plate_states(
     if bristles is not None:
         h0 = np.zeros((*pose.x.shape, 2, len(sole.x)))
         h0[..., :count] = np.moveaxis(bristles, 3, 2)
-    over = creep if h0 is None else np.inf  # s/m: bristles are as they are
+    over = creep if h0 is None else np.inf  # m/s: bristles stay as they are
     compiled(each_plate, constants.effects.all)(constants, sole, pose.table(), hip, over, h0, out)
     place, moves, force, normal = (out[:, :, :count, i : i + 2] for i in range(0, 8, 2))
     slip = np.hypot(creep, TURN * float(sole.span) * pose.rate)

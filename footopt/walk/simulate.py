@@ -67,7 +67,7 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
     accuracy = adapted(resolve(accuracy), scene, foot)
     directed = effects.laws(scene.effects).directed
     plates = foot.plates(accuracy.plates, accuracy.rule, directed, effects.reshaping(scene.effects))
-    walked = _walk(plates, scene, accuracy, _Options(sink=True, threads=1, traced=True))
+    walked = _walk_batch(plates, scene, accuracy, _Options(sink=True, threads=1, traced=True))
     rows, h = 1 + np.flatnonzero(np.isfinite(walked.trace[1:]).all(axis=1)), walked.bristles
     c: Any = Sample(*walked.trace[rows].T)  # columns
     return Walk(
@@ -187,7 +187,7 @@ def _evaluated(
     """`evaluate` at an accuracy that holds for all feet."""
     chosen, sink = lookup(objectives), "maximum_sinkage" in objectives
     chunks = _chunks(feet, scene, accuracy, space)
-    parts = [_walk(plates, scene, accuracy, _Options(sink, threads))[:3] for plates in chunks]
+    parts = [_walk_batch(plates, scene, accuracy, _Options(sink, threads))[:3] for plates in chunks]
     raw, status, counts = (np.concatenate(column) for column in zip(*parts, strict=True))
     raw[status != OK] = np.nan
     if not sink:
@@ -276,18 +276,18 @@ class _Options(NamedTuple):
     remembers: bool = True  # whether a trace has the bristles of every row, or the last
 
 
-def _walk(plates: Plates, scene: Scene, accuracy: Accuracy, options: _Options) -> Output:
+def _walk_batch(plates: Plates, scene: Scene, accuracy: Accuracy, options: _Options) -> Output:
     """Run the compiled loop over a batch.
 
     Walks that diverge are repeated with a quarter of the time step, `MAX_REPEATS` times at most.
     """
-    walked = _run(plates, scene, accuracy, options)
+    walked = _walk_once(plates, scene, accuracy, options)
     for repeat in range(1, MAX_REPEATS + 1):
         again = np.flatnonzero(walked.status == DIVERGED)
         finer = replace(accuracy, dt=accuracy.dt / 4**repeat)
         if len(again) == 0 or discretize.pose_rows(scene, finer) > discretize.ROWS:
             break
-        shorter = _run(plates.take(again), scene, finer, options)
+        shorter = _walk_once(plates.take(again), scene, finer, options)
         walked.raw[again], walked.status[again] = shorter.raw, shorter.status
         for name in COUNTS.names or ():
             walked.counts[name][again] += shorter.counts[name]
@@ -296,7 +296,7 @@ def _walk(plates: Plates, scene: Scene, accuracy: Accuracy, options: _Options) -
     return walked
 
 
-def _run(plates: Plates, scene: Scene, accuracy: Accuracy, options: _Options) -> Output:
+def _walk_once(plates: Plates, scene: Scene, accuracy: Accuracy, options: _Options) -> Output:
     """`_walk` once, with the given time step."""
     remembers = options.traced and options.remembers
     check(

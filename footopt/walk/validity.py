@@ -82,8 +82,8 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
     speed = np.linalg.norm(states.velocity, axis=-1)
     vn = np.sum(states.normal * states.velocity, axis=-1)
     power = lasts * np.abs(np.sum(states.force * states.velocity, axis=-1))
-    counted = laws(walk.scene.effects).pushes
-    pushes = counted or laws([kind() for kind in EFFECTS.values()]).pushes  # that it has, or might have
+    counted = [effect for effect in walk.scene.effects if effect.is_inertia]
+    pushes = laws(counted or [kind() for kind in EFFECTS.values() if kind.is_inertia]).pushes
     inertia = lasts * effects.push(pushes, vn, depth) * states.area
     total_force, total_power = max(size.sum(), 1e-300), max(power.sum(), 1e-300)
     return [

@@ -23,7 +23,7 @@ from footopt.design import Solver, make_executor
 from footopt.effects import EFFECTS
 from footopt.errors import FootoptError, SettingError
 from footopt.sand import MEDIA
-from footopt.studies import build, read_by
+from footopt.studies import build, studies_that_read
 from footopt.studies.robust import make_scenarios
 from footopt.studies.settings import Config, known
 from footopt.walk import PRESETS
@@ -168,8 +168,8 @@ WITH = {
     "foot.length": ["foot=ellipse"], "foot.apex": ["foot=reversed_triangle"], "foot.upright": ["foot=reversed_l"],
     "sand.": ["sand=custom"], "gait.path": ["gait=file"], "foot.path": ["foot=outline"],
     "study.draws": ["study.scenarios=drawn"], "study.spread.": ["study.scenarios=drawn"],
-    **{f"{name}=": [f"study={read_by(name).split(', ')[-1]}"] for name in known()
-       if name.startswith("study.") and read_by(name) and name not in ("study.name", "study.run")},
+    **{f"{name}=": [f"study={studies_that_read(name).split(', ')[-1]}"] for name in known()
+       if name.startswith("study.") and studies_that_read(name) and name not in ("study.name", "study.run")},
     "study.run=": ["study=export"],
 }  # fmt: skip
 ABSURD = (

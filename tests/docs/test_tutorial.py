@@ -41,7 +41,7 @@ def test_it_runs_from_top_to_bottom(tmp_path):
     random = float(said.split(":")[1])
     assert random < 0
     result = next(card for card in cards if "memetic" in card)
-    found = float(result.partition("J_W</th>")[2].partition("</td>")[0].rpartition(">")[2])
+    found = float(result.partition("efficiency ")[2].partition("&gt;")[0])
     assert found < random  # as the text says
     assert (tmp_path / "sole.dxf").stat().st_size > 0
     with Image.open(tmp_path / "walk.gif") as film:

@@ -47,7 +47,7 @@ class TestContact:
     @given(SOLES, HEIGHT, PITCH, RATE, SPEED, SPEED, PLACE, st.sampled_from([1e-3, 1e-2]))
     def test_has_an_exact_jacobian(self, on, foot, height, pitch, rate, vx, vz, x, stage):
         """In an implicit stage the place follows the velocity: d/dV of F(r0 + c V, V)."""
-        plates, pose, creep, d = foot.plates(40, directed=True), pose_of(height, pitch, rate), 1e-1, 1e-5
+        plates, pose, creep, d = foot.plates(40, directed=True), pose_of(height, pitch, rate), 1e-1, 1e-6
 
         def moved(dx, dz):
             follow = {"creep": creep, "stage": stage, "x": x + stage * dx, "z": stage * dz}

@@ -7,7 +7,7 @@ from hydra.errors import ConfigCompositionException
 from running import composed
 
 from footopt.errors import SettingError
-from footopt.studies import FEET, STUDIES, build, check_read
+from footopt.studies import READ_BY_FOOT, STUDIES, build, check_read
 from footopt.studies.settings import known
 
 #: Other values of settings that are no numbers.
@@ -36,7 +36,7 @@ def walked(config):
     )
 
 
-@pytest.mark.parametrize("shape", [shape for shape in FEET if shape != "outline"])
+@pytest.mark.parametrize("shape", [shape for shape in READ_BY_FOOT if shape != "outline"])
 def test_of_a_walk_every_setting_counts_or_is_refused(shape):
     plain = composed("study=simulate", f"foot={shape}")
     base = walked(plain)

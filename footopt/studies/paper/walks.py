@@ -18,7 +18,7 @@ from footopt.errors import check
 from footopt.foot import SHAPES, Foot, lower_hull
 from footopt.sand import Sand
 from footopt.studies.build import make_accuracy, make_foot, make_scene, make_space
-from footopt.studies.settings import FIVE, SPACE, WORLD, Config, StudySettings, setting
+from footopt.studies.settings import SHAPE_SETTINGS, SPACE, WORLD, Config, StudySettings, setting
 from footopt.walk import OBJECTIVES, Accuracy, Walk, simulate
 from footopt.walk.objectives import SLOW
 
@@ -69,7 +69,7 @@ class Settings(StudySettings):
         "walk", "When dV_x is taken: walk, all of it; window, narrow: 1/4, 1/8 stride about strikes."
     )
     confirm: str | None = setting("fine", "Accuracy of the walks that claims are measured on.")
-    reads = (*WORLD, *SPACE, *FIVE, "foot.shape", "foot.k", "accuracy", "solver")
+    reads = (*WORLD, *SPACE, *SHAPE_SETTINGS, "foot.shape", "foot.k", "accuracy", "solver")
 
 
 #: What settings of the study are allowed.
