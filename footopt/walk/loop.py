@@ -46,7 +46,8 @@ class Course(NamedTuple):
     times: Array  # (steps + 1,), s, the first is 0
     start: Array  # (2, 7): both feet at t = 0
     poses: Any  # a table for whole steps, (steps, nodes, 2, 7), then for halves, quarters, ... of them
-    control: float | None  # m/s, the largest `step_error`; None for steps that are never shortened
+    finest: int  # which of these tables is the last that is used
+    control: float  # m/s, the largest `step_error`; infinite for steps that are never shortened
     strike: float  # s, the first heel strike
     sink: bool  # whether to follow the maximum sinkage
 
@@ -86,7 +87,7 @@ def _walk_design(method, sole, world, course, out, count):
     then the walk has diverged, and `simulate` repeats it with shorter steps.
     """
     times, control, poses = course.times, course.control, course.poses
-    steps, finest = len(times) - 1, len(poses) - 1
+    steps, finest = len(times) - 1, course.finest
     state, extremes = _standing(world, sole, course.start, count), no_extremes()
     if not state.solved:
         return state, extremes, SUNK
@@ -140,8 +141,6 @@ def _standing(world, sole, poses, count):
 @inlined
 def _allowed(control, extremes, at):
     """The error that a step may have, m/s: less where it may hold the peak of the whole walk."""
-    if control is None:
-        return np.inf
     power = max(abs(at.left.power), abs(at.right.power))
     near = extremes.power > 0.0 and power >= NEAR_PEAK * extremes.power
     return PEAK * control if near else control

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -297,7 +298,7 @@ def _walk_batch(plates: Plates, scene: Scene, accuracy: Accuracy, options: _Opti
 
 
 def _walk_once(plates: Plates, scene: Scene, accuracy: Accuracy, options: _Options) -> Output:
-    """`_walk` once, with the given time step."""
+    """Walk a batch once, with the given time step."""
     remembers = options.traced and options.remembers
     check(
         not remembers or discretize.bristle_bytes(scene, accuracy) <= discretize.MOST_BYTES,
@@ -312,7 +313,11 @@ def _walk_once(plates: Plates, scene: Scene, accuracy: Accuracy, options: _Optio
     soles = discretize.soles(plates)
     rows, constants = len(tables[-1]) + 1 if options.traced else 0, discretize.world(scene, accuracy)
     shape = rows if options.remembers else 1, 2, 2, soles.x.shape[1]
-    course = Course(times, pose0, tables, accuracy.control, scene.gait.heel_strike, options.sink)
+    finest, control = len(tables) - 1, math.inf if accuracy.control is None else accuracy.control
+    tables += tables[:1] * (
+        discretize.HALVINGS - finest
+    )  # as many in any case: another number is compiled again
+    course = Course(times, pose0, tables, finest, control, scene.gait.heel_strike, options.sink)
     out = Output(
         raw=np.empty((designs, len(RAW))),
         status=np.empty(designs, np.int64),
