@@ -26,6 +26,7 @@ from footopt.design.store import ERROR, context, differences, listed
 from footopt.errors import EngineError, FootoptError, check, needed, one_line
 from footopt.walk.simulate import at_once, available_threads
 
+IDLE = 3600.0  # s, for which a worker process stays without work
 ENGINES = ("local", "processes", "dask")
 EACH = 2  # chunks a worker and batch, so that a slow one does not keep the others waiting
 LARGEST = 1000  # designs in a chunk
@@ -67,8 +68,9 @@ def _processes(workers: int) -> Iterator[Executor]:
     main = threading.current_thread() is threading.main_thread()
     before = _leave_interrupts() if main else None
     try:
+        # a worker that waits while another one compiles must not leave: loky's own timeout is 10 s
         pool = get_reusable_executor(
-            workers, "loky_init_main", initializer=_leave_interrupts, env={"NUMBA_NUM_THREADS": "1"}
+            workers, "loky_init_main", IDLE, initializer=_leave_interrupts, env={"NUMBA_NUM_THREADS": "1"}
         )
         pool.submit(os.getpid)  # starts the workers while Ctrl-C is ignored, which they inherit
     finally:
