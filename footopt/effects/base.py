@@ -11,7 +11,7 @@ with one or more of three methods, which are compiled into the loop over plates:
   `footopt.walk.contact.EDGE`. It leads as a whole from 1 on and trails from -1 on.
 - ``push(self, vn, depth)``: a pressure against the outward normal, Pa, at a speed n.v along it, m/s.
 
-The force on a plate of area dA is then zeta load share (a - M h) dA - push n dA. What these methods are given
+The force on a plate of area dA is then zeta load share (a - M h) dA - push n dA. Their arguments
 are numbers with their derivatives (`footopt.effects.dual`), so that they give theirs: write them with + - * /
 and that module's functions. A new effect is a file beside this one, or a user's own: a law, a dataclass, and
 an entry in `EFFECTS` by which settings find it. Every parameter has a default, and a numpydoc section

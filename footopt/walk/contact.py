@@ -7,7 +7,7 @@ smoothed by the creep speed, h = v / sqrt(|v|^2 + eps^2), so that the law is sin
 implicit steps converge.
 
 Everything that depends on the hip's velocity is a `Dual` in an implicit stage and a plain number without one.
-What is None is not compiled: the stage, bristles, tangents, and the effects that a scene does not name.
+An argument that is None is not compiled: stage, bristles, tangents, and effects that a scene does not name.
 A foot's sum depends on nothing but that foot: results do not change with the batch or the number of threads.
 """
 

@@ -72,7 +72,7 @@ class Settings(StudySettings):
     reads = (*WORLD, *SPACE, *SHAPE_SETTINGS, "foot.shape", "foot.k", "accuracy", "solver")
 
 
-#: What settings of the study are allowed.
+#: Allowed values of the study's own settings.
 ALLOWED = {"shape_sand": SANDS, "mount": ("centre", "top"), "peak_power": ("stance", "single"),
            "speed_loss": tuple(SPEED_LOSS)}  # fmt: skip
 
