@@ -19,7 +19,7 @@ def write_foot(foot: Foot, path: str | Path, block: Sequence[float] | None = Non
     Parameters
     ----------
     foot : Foot
-        What is written.
+        The foot to write.
     path : str or Path
         Ends in .csv (the sole alone), .dxf or .svg (its outline, too), .stl or .step (the body).
     block : (2,), m, optional

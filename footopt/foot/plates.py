@@ -81,7 +81,7 @@ class Plates(NamedTuple):
         top : (designs,), m, optional
             z_p of a flat top that closes each contour with vertical sides (see `cap`).
         fill : callable, optional
-            What an effect makes of the points before they are cut (`footopt.effects.reshaping`).
+            Changes the points before they are cut, as an effect does (`footopt.effects.reshaping`).
 
         Returns
         -------
@@ -112,7 +112,7 @@ class Plates(NamedTuple):
 
 
 @cached_njit(nogil=True, error_model="numpy")
-def cut(points, parts):  # type: ignore[no-untyped-def]
+def cut(points, parts):
     """The means of `parts` neighbouring chords each along contours (designs, m, 2), m.
 
     Returns (7, designs, plates): place x and z (m), cosine and sine of twice the angle, length (m), and the
@@ -173,7 +173,7 @@ def bent(points: Array, parts: int) -> Array:
 
 
 @cached_njit(nogil=True, error_model="numpy")
-def along_arc(polyline, arc, turns, plates, parts):  # type: ignore[no-untyped-def]
+def along_arc(polyline, arc, turns, plates, parts):
     """Points along the arc of a polyline (m, 2), m: (plates parts + 1, 2), m, at equal steps between corners.
 
     At a corner (`corners` of its `turns`) one plate ends and the next begins: a plate around it would have
@@ -201,7 +201,7 @@ def along_arc(polyline, arc, turns, plates, parts):  # type: ignore[no-untyped-d
 
 
 @cached_njit(nogil=True, error_model="numpy")
-def corners(turns, most):  # type: ignore[no-untyped-def]
+def corners(turns, most):
     """The points where a polyline turns by more than `CORNER`, rad: the `most` sharpest of them."""
     sharp = np.abs(turns)
     found = np.flatnonzero(sharp > CORNER)
@@ -211,7 +211,7 @@ def corners(turns, most):  # type: ignore[no-untyped-def]
 
 
 @cached_njit(nogil=True, error_model="numpy")
-def arc_and_turns(polyline):  # type: ignore[no-untyped-def]
+def arc_and_turns(polyline):
     """Arc length (m) and turn (rad) of a polyline (m, 2) at its points, each (m,).
 
     It turns by 0 at its ends, and at a point that repeats the one before.

@@ -232,21 +232,21 @@ def _slopes(z: Array) -> Array:
 
 
 @inlined
-def _piece(z, slopes, i):  # type: ignore[no-untyped-def]
+def _piece(z, slopes, i):
     """The coefficients of a spline (n,) between its waypoints i and i + 1, by the powers of u - i."""
     rise, d0, d1 = z[i + 1] - z[i], slopes[i], slopes[i + 1]
     return z[i], d0, 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
 
 
 @inlined
-def _height(piece, s):  # type: ignore[no-untyped-def]
+def _height(piece, s):
     """The height of a piece where s = u - i, m."""
     z, slope, quadratic, cubic = piece
     return z + s * (slope + s * (quadratic + s * cubic))
 
 
 @cached_njit(nogil=True, error_model="numpy")
-def fine_heights(z, slopes):  # type: ignore[no-untyped-def]  # numba finds its types
+def fine_heights(z, slopes):
     """The splines (designs, n), m, at `FINE` steps a piece, (designs, (n-1) FINE + 1), m."""
     designs, n = z.shape
     out = np.empty((designs, (n - 1) * FINE + 1))
@@ -259,7 +259,7 @@ def fine_heights(z, slopes):  # type: ignore[no-untyped-def]  # numba finds its 
 
 
 @cached_njit(nogil=True, error_model="numpy", fastmath={"nnan", "nsz"})
-def extremes(z, slopes):  # type: ignore[no-untyped-def]
+def extremes(z, slopes):
     """Least and largest of `fine_heights`, (2, designs), m."""
     designs, n = z.shape
     out = np.empty((2, designs))
@@ -275,7 +275,7 @@ def extremes(z, slopes):  # type: ignore[no-untyped-def]
 
 
 @cached_njit(nogil=True, error_model="numpy")
-def arc_points(z, slopes, spacing, steps):  # type: ignore[no-untyped-def]
+def arc_points(z, slopes, spacing, steps):
     """Points at equal steps along the arcs of splines z(u), (designs, steps + 1, 2), m.
 
     z and its slopes dz/du are (designs, n), m; u counts waypoints from 0, `spacing` is dx/du, m. The arc

@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
@@ -190,7 +190,7 @@ class Run:
     def config(self) -> Config:
         """The settings as what studies take; a `FileError` if this version does not have one of them."""
         try:
-            found: Config = OmegaConf.to_object(structured(self.settings))  # type: ignore[assignment]
+            found = cast(Config, OmegaConf.to_object(structured(self.settings)))
         except OmegaConfBaseException as error:
             why = f"footopt {self.version} wrote this run, and this is {__version__} ({error})"
             raise FileError(f"{self.folder}: {why}. Install that version to load it.") from None

@@ -166,7 +166,7 @@ def _outline(sole: Foot | Waypoints) -> tuple[float, float]:
 
 
 @cached_njit(nogil=True, error_model="numpy")
-def outline_of(contour, turns):  # type: ignore[no-untyped-def]
+def outline_of(contour, turns):
     """Plates for the sides of a contour between corners and for the bends of each, and its length, m."""
     bends = 1.0 * EACH
     for turn in np.abs(turns):
@@ -213,7 +213,7 @@ def _under_feet(scene: Scene, feet: Sequence[Foot]) -> list[float]:
     return found
 
 
-def standing_plates(points, area, loads, place):  # type: ignore[no-untyped-def]
+def standing_plates(points, area, loads, place):
     """Plates that soles (designs, m, 2), m, need at whichever of `PITCHES` the most, (designs,).
 
     A sole stands so deep that its lengths times the sand's strengths there sum to `area` (designs,), m^2.

@@ -151,7 +151,7 @@ class Walk:
     start : (2,), m
         Hip at t = 0.
     bristles : (T, 2 feet, N, 2), optional
-        What the sand under each plate remembers (`footopt.walk.bristles`).
+        Memory of the sand under each plate (`footopt.walk.bristles`).
     reason : str
         "" or why the walk failed (then the traces end there).
     totals : dict

@@ -29,7 +29,7 @@ TEXTS = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for
 CHANGES = "CHANGELOG.md"  # it tells of what went
 #: Programs of other people: .ci/run and other tests run what is behind them.
 OTHERS = {"python", "make", "pip", "pytest", "sphinx-build", "pre-commit", "sbatch", "dask", "cd"}
-#: What makes a search small.
+#: Settings of a small search.
 SMALL = {"solver.pop_size": "8", "solver.n_gen": "2", "study.finalists": "2", "accuracy": "draft",
          "study.confirm": "null"}  # fmt: skip
 GROUPS = groups()

@@ -39,7 +39,7 @@ def clean(tmp_path):
             del sys.modules[name]
 
 
-#: What each example says.
+#: A part of what each example prints.
 SAYS = {
     "sand": r"poppy, measured: 1\.\d+ m, sole \d+ mm deep",
     "effect": r"no floor sole 2\d\d mm deep\nFloor\(depth=0\.1,.* 1\d\d mm deep\nFloor.* \d\d mm",

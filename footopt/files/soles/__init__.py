@@ -48,7 +48,7 @@ def read_foot(
     path : str or Path
         Ends in .dxf, .svg or .csv.
     units : str, optional
-        What one unit of the file is, a name in `UNITS`; by default the file's own.
+        Unit of the file's numbers, a name in `UNITS`; by default the file's own.
     scale : float
         Multiplies all lengths.
     layer : str, optional
