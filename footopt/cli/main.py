@@ -29,7 +29,7 @@ from footopt.files import identity
 from footopt.files.identity import Occupied
 from footopt.files.io import write_text
 from footopt.report import summary
-from footopt.studies import reference
+from footopt.studies import meanings
 from footopt.studies.base import sweeper_value
 from footopt.studies.build import absolute
 from footopt.studies.runs import result_of
@@ -48,8 +48,8 @@ def main() -> None:
     try:
         if any(word.startswith("resume=") for word in given):
             Multirun.failed = resume(given)
-        elif topics and len(topics) < len(given) and {*topics} <= {*groups(), *reference.GROUPS}:
-            print(reference.text(tuple(topics)), flush=True)
+        elif topics and len(topics) < len(given) and {*topics} <= {*groups(), *meanings.GROUPS}:
+            print(meanings.text(topics), flush=True)
         else:
             # flags first: what parses them takes no settings on both sides of one
             sys.argv[1:] = sorted(hydra_words(given), key=lambda word: word not in ("-m", "--multirun"))
