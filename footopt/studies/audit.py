@@ -1,7 +1,4 @@
-"""The effect audit: how much an effect changes each objective and the ranking of feet, and its cost in time.
-
-Simulate only the effects that a scene calls for.
-"""
+"""The effect audit: what an effect changes in a scene, and its cost in time; `effects=auto` follows it."""
 
 from __future__ import annotations
 
@@ -10,69 +7,52 @@ import statistics
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.effects import Effect, name_of
+from footopt.effects import EFFECTS, Effect, name_of
+from footopt.effects.base import parameters
+from footopt.errors import check
 from footopt.foot import Foot, Waypoints
-from footopt.walk.accuracy import Accuracy, resolve
-from footopt.walk.objectives import FIVE
-from footopt.walk.scene import Scene
-from footopt.walk.simulate import evaluate
+from footopt.report import terminal
+from footopt.report.numbers import percent
+from footopt.studies import screening
+from footopt.studies.base import Study
+from footopt.studies.build import make_scene
+from footopt.studies.settings import Config
+from footopt.walk import FIVE, Accuracy, Scene, Table, evaluate
+from footopt.walk.accuracy import TOLERANCES
 
 Array = NDArray[np.float64]
 
 #: Seconds of this thread alone, whatever else the machine does. Windows counts those by 1/64: too coarse.
 own_time = time.perf_counter if os.name == "nt" else time.thread_time
 QUANTILE = 95.0  # of the feet: the change that this share of them does not exceed, as for accuracy, %
+REPEATS = 3  # of the evaluations that are timed
+TOLERANCE = 0.01  # where neither the effects nor the accuracy state one
+RANDOM_FEET = 40  # that decide for a search
 
 
 @dataclass(frozen=True, eq=False)
 class Audit:
-    """The changes that one effect makes in a scene.
-
-    Parameters
-    ----------
-    effect : Effect
-        The effect that was switched on.
-    scene : Scene
-        Without it.
-    changes : (objectives,)
-        Relative, not exceeded by 95 % of the feet; columns `FIVE`. NaN if no foot walks in both.
-    shifts : (objectives,)
-        The median change with its sign.
-    tau : float
-        Kendall's tau of J_W over the feet, without and with it: 1 is the same ranking.
-    lost : int
-        Feet that walk without it and fail with it.
-    feet : int
-        How many walked both ways.
-    cost : float
-        Time of a walk with it over that without it.
-    tolerance : float
-        The relative change that matters.
-    """
+    """What one effect changes in a scene."""
 
     effect: Effect
-    scene: Scene
-    changes: Array
-    shifts: Array
-    tau: float
-    lost: int
-    feet: int
-    cost: float
-    tolerance: float
+    scene: Scene  # without it
+    changes: Array  # (FIVE,), relative, not exceeded by 95 % of the feet; NaN if no foot walks in both
+    shifts: Array  # (FIVE,), the median change with its sign
+    tau: float  # Kendall's, of J_W over the feet without and with it: 1 is the same ranking
+    lost: int  # feet that walk without it and fail with it
+    feet: int  # that walk in both
+    cost: float  # time of a walk with it over that without it
+    tolerance: float  # the relative change that matters
 
     @property
     def name(self) -> str:
         """Of the effect."""
         return name_of(self.effect)
-
-    @property
-    def worst(self) -> str:
-        """The objective that changes most."""
-        return FIVE[int(np.argmax(np.nan_to_num(self.changes, nan=-1.0)))]
 
     @property
     def matters(self) -> bool:
@@ -82,28 +62,40 @@ class Audit:
     @property
     def verdict(self) -> str:
         """In words."""
-        change = 100.0 * float(np.max(np.nan_to_num(self.changes, nan=0.0)))
-        says = f"changes {self.worst.replace('_', ' ')} by {percent(change)} %"
-        limit = f"your {100 * self.tolerance:g} %"
+        worst = int(np.argmax(np.nan_to_num(self.changes, nan=-1.0)))
+        says = f"changes {FIVE[worst].replace('_', ' ')} by {percent(self.changes[worst])}"
+        limit = f"your {percent(self.tolerance)}"
         if self.matters:
             fails = f", {self.lost} walks fail" if self.lost else ""
             return f"{says}{fails}: above {limit}, keep it"
         return f"{says}: below {limit}, leave it out, saves {100 * (1 - 1 / self.cost):.0f} %"
 
-
-def percent(value: float) -> str:
-    """Two digits, without an exponent."""
-    return f"{value:.0f}" if value >= 10.0 else f"{value:.2g}"
+    @property
+    def entry(self) -> dict[str, Any]:
+        """In result.json."""
+        return {
+            "effect": self.name,
+            "parameters": parameters(self.effect),
+            "sand": self.scene.sand.name,
+            "changes": dict(zip(FIVE, self.changes.tolist(), strict=True)),
+            "shifts": dict(zip(FIVE, self.shifts.tolist(), strict=True)),
+            "kendall_tau": self.tau,
+            "walks_lost": self.lost,
+            "feet": self.feet,
+            "time_ratio": self.cost,
+            "tolerance": self.tolerance,
+            "matters": self.matters,
+            "verdict": self.verdict,
+        }
 
 
 def audit(
     effect: Effect,
     scene: Scene,
     feet: Sequence[Foot] | ArrayLike,
-    accuracy: Accuracy | str = "standard",
-    tolerance: float = 0.01,
+    accuracy: Accuracy | str,
+    tolerance: float,
     space: Waypoints | None = None,
-    repeats: int = 3,
 ) -> Audit:
     """Evaluate feet in a scene with an effect and without it.
 
@@ -113,48 +105,45 @@ def audit(
         Switched on, in place of one of its kind.
     scene : Scene
         Its other effects stay on.
-    feet : sequence of Foot, or (designs, n)
-        As in `evaluate`.
-    accuracy : Accuracy or str
+    feet, accuracy, space
         As in `evaluate`.
     tolerance : float
         The relative change of an objective that matters.
-    space : Waypoints, optional
-        As in `evaluate`.
-    repeats : int
-        Of the walks, alternating, of which the median time counts.
-
-    Returns
-    -------
-    Audit
-        Its changes and its cost.
     """
-    accuracy, scenes = resolve(accuracy), switched(effect, scene)
-    tables = [evaluate(feet, s, accuracy, space=space) for s in scenes]  # compiled, poses made
-    seconds: list[list[float]] = [[], []]
-    for _ in range(repeats):
-        for taken, s in zip(seconds, scenes, strict=True):
-            started = own_time()
-            evaluate(feet, s, accuracy, space=space, threads=1)
-            taken.append(own_time() - started)
-    without, with_ = tables
+    scenes = switched(effect, scene)
+    without, with_ = (evaluate(feet, s, accuracy, space=space) for s in scenes)  # compiled, poses made
+    ratios = []
+    for _ in range(REPEATS):
+        began = own_time()
+        evaluate(feet, scenes[0], accuracy, space=space, threads=1)
+        between = own_time()
+        evaluate(feet, scenes[1], accuracy, space=space, threads=1)
+        ratios.append((own_time() - between) / (between - began))
     both = without.feasible & with_.feasible
-    if both.any():
-        change = with_.values[both] / without.values[both] - 1.0
-        changes, shifts = np.percentile(np.abs(change), QUANTILE, axis=0), np.median(change, axis=0)
-    else:
-        changes = shifts = np.full(len(FIVE), np.nan)
+    change = relative_changes(without, with_)
     return Audit(
         effect=effect,
         scene=scenes[0],
-        changes=changes,
-        shifts=shifts,
+        changes=exceeded(change),
+        shifts=np.median(change, axis=0) if len(change) else np.full(len(FIVE), np.nan),
         tau=tau(without.efficiency[both], with_.efficiency[both]),
         lost=int((without.feasible & ~with_.feasible).sum()),
         feet=int(both.sum()),
-        cost=statistics.median(b / a for a, b in zip(*seconds, strict=True)),
+        cost=statistics.median(ratios),
         tolerance=tolerance,
     )
+
+
+def relative_changes(without: Table, with_: Table) -> Array:
+    """Relative changes of `FIVE` for the feet that have all of them in both tables, (feet, FIVE)."""
+    with np.errstate(divide="ignore", invalid="ignore"):  # a walker that never brakes loses no speed
+        change = with_.values / without.values - 1.0
+    return np.asarray(change[np.isfinite(change).all(axis=1)])
+
+
+def exceeded(change: Array) -> Array:
+    """The change of each objective that 95 % of the feet do not exceed, (FIVE,); NaN without feet."""
+    return np.percentile(np.abs(change), QUANTILE, axis=0) if len(change) else np.full(len(FIVE), np.nan)
 
 
 def switched(effect: Effect, scene: Scene) -> tuple[Scene, Scene]:
@@ -163,8 +152,73 @@ def switched(effect: Effect, scene: Scene) -> tuple[Scene, Scene]:
     return replace(scene, effects=others), replace(scene, effects=(*others, effect))
 
 
+def every_effect(scene: Scene) -> list[Effect]:
+    """Every effect, as the scene names it or with its own defaults."""
+    given = {type(effect): effect for effect in scene.effects}
+    return [given.get(kind) or kind() for kind in EFFECTS.values()]
+
+
 def tau(a: Array, b: Array) -> float:
     """Kendall's rank correlation, tau-b; NaN where all feet are equal, or fewer than two."""
     s, t = (np.sign(np.subtract.outer(x, x)) for x in (a, b))
     pairs = np.sqrt((s * s).sum() * (t * t).sum())
     return float((s * t).sum() / pairs) if pairs else float("nan")
+
+
+def tolerance(config: Config) -> float:
+    """The relative change that matters: the effects' own, the accuracy's, or `TOLERANCE`."""
+    given = config.effects.tolerance
+    if given is not None:
+        check(0 < given < 1, "effects.tolerance", given, "a relative change between 0 and 1")
+        return given
+    return config.accuracy.tolerance or TOLERANCES.get(config.accuracy.name, TOLERANCE)
+
+
+def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene, dict[str, Any]]:
+    """The scene of a study with the effects that `effects=auto` chooses.
+
+    Effects from the literature are audited one after the other, each in the scene with those before it that
+    matter: inertia acts on faces that lead.
+
+    Parameters
+    ----------
+    study : Study
+        Its settings name the scene.
+    foot : Foot, optional
+        The one that is simulated; without it random soles of the design space decide.
+
+    Returns
+    -------
+    scene : Scene
+        What to simulate.
+    entry : dict
+        Of result.json: the audits, the screening, and what the effects that are left out would change.
+    """
+    config, space = study.config, study.space
+    if not config.effects.auto:
+        return study.scene, {"effects_audit": [], "screening": [], "left_out": {}}
+    scene = make_scene(replace(config, effects=replace(config.effects, auto=False)))
+    feet: Any = [foot] if foot else space.random(RANDOM_FEET, seed=study.seed, inside=True)
+    soles = [foot] if foot else [Foot.from_waypoints(k, space) for k in feet]
+    limit, left_out, audits = tolerance(config), list[Effect](), list[Audit]()
+    criteria = screening.screening(scene, soles, limit)
+    study.say(screening.table(criteria))
+    with study.compiling("a walk for each effect, minutes in all"):
+        for effect in every_effect(scene):
+            if effect.literature and effect not in scene.effects:
+                audits.append(audit(effect, scene, feet, study.accuracy, limit, space))
+                if audits[-1].matters:
+                    scene = replace(scene, effects=(*scene.effects, effect))
+                else:
+                    left_out.append(effect)
+        whole = replace(scene, effects=(*scene.effects, *left_out))
+        without, with_ = (evaluate(feet, s, study.accuracy, space=space) for s in (scene, whole))
+    study.say(*(f"effects=auto: {a.name.replace('_', ' ')} {a.verdict}" for a in audits))
+    for words in (c.warning for c in criteria if c.warning):
+        terminal.warn(study.console, f"effects=auto: outside of what was tested: {words}.")
+    sizes = np.nan_to_num(exceeded(relative_changes(without, with_)))
+    return scene, {
+        "effects_audit": [a.entry for a in audits],
+        "screening": screening.entry(criteria),
+        "left_out": dict(zip(FIVE, sizes.tolist(), strict=True)),
+    }

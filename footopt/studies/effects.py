@@ -7,21 +7,16 @@ from dataclasses import dataclass
 
 from rich.table import Table
 
-from footopt.effects import EFFECTS, Effect
 from footopt.errors import check
+from footopt.foot import Foot
 from footopt.report import terminal
 from footopt.report.figures.studies import changes
-from footopt.studies.audit import Audit, audit, percent, switched
-from footopt.studies.auto_effects import audit_entry, screening_entry, screening_table, soles, tolerance
+from footopt.report.numbers import percent
+from footopt.studies import screening
+from footopt.studies.audit import Audit, audit, every_effect, switched, tolerance
 from footopt.studies.base import Study, accuracy_entry, scene_entry
-from footopt.studies.screening import screening
 from footopt.studies.settings import FEET_HELP, SCENE, SPACE, StudySettings, setting
-from footopt.walk import FIVE, Scene, evaluate
-
-HEADER = (
-    "effect", "sand", *(f"change_{n}" for n in FIVE), *(f"shift_{n}" for n in FIVE),
-    "tau", "lost", "feet", "cost", "tolerance", "matters", "verdict",
-)  # fmt: skip
+from footopt.walk import FIVE
 
 
 @dataclass
@@ -37,57 +32,40 @@ def run(study: Study) -> None:
     """Audit every effect on random feet."""
     count = study.options.feet
     check(2 <= count <= 10_000, "study.feet", count, "2, to rank them, to 10,000")
-    scene, space, limit = study.scene, study.space, tolerance(study.config)
+    scene, space, accuracy, limit = study.scene, study.space, study.accuracy, tolerance(study.config)
     feet = space.random(count, seed=study.seed, inside=True)
-    screened = screening(scene, soles(feet, space), limit)
-    effects = to_audit(scene)
-    found: list[Audit] = []
-    with study.compiling("a walk for each effect, minutes in all"):
+    criteria = screening.screening(scene, [Foot.from_waypoints(k, space) for k in feet], limit)
+    effects, found = every_effect(scene), list[Audit]()
+    with (
+        study.compiling("a walk for each effect, minutes in all"),
+        study.progress(len(effects), "effect") as step,
+    ):
         for effect in effects:
-            for walked in switched(effect, scene):
-                evaluate(feet[:1], walked, study.accuracy, space=space)
-    with study.progress(len(effects), "effect") as step:
-        for effect in effects:
-            found.append(audit(effect, scene, feet, study.accuracy, limit, space))
+            found.append(audit(effect, scene, feet, accuracy, limit, space))
             step(news=found[-1].name.replace("_", " "))
-    study.write_csv("effects.csv", HEADER, [_row(a) for a in found])
     caption = "What each effect changes in every objective, against the change that matters."
     study.save("effects", changes(found), caption)
+    walked = [accuracy_entry(accuracy, switched(effect, scene)[1], space) for effect in effects]
     study.conclude(
         "What each effect changes",
-        [screening_table(screened), table(found)],
+        [screening.table(criteria), table(found)],
         {
-            "screening": [screening_entry(c) for c in screened],
+            "screening": screening.entry(criteria),
             "seed": study.seed,
             "feet": feet.tolist(),
-            **scene_entry(scene, study.accuracy, ()),
-            "audit": [
-                audit_entry(a)
-                | {"accuracy": accuracy_entry(study.accuracy, switched(a.effect, scene)[1], space)}
-                for a in found
-            ],
+            **scene_entry(scene, accuracy, ()),
+            "audit": [a.entry | {"accuracy": own} for a, own in zip(found, walked, strict=True)],
             "called_for": sorted(a.name for a in found if a.matters),
         },
         said=[
             *(f"{a.name.replace('_', ' ')} {a.verdict}" for a in found),
-            *(f"Outside of what was tested: {c.warning}." for c in screened if c.warning),
+            *(f"Outside of what was tested: {c.warning}." for c in criteria if c.warning),
         ],
     )
 
 
-def to_audit(scene: Scene) -> list[Effect]:
-    """Every effect, as the scene names it or with its own defaults."""
-    given = {type(effect): effect for effect in scene.effects}
-    return [given.get(kind) or kind() for kind in EFFECTS.values()]
-
-
-def _row(a: Audit) -> list[object]:
-    numbers = [*a.changes.tolist(), *a.shifts.tolist(), a.tau, a.lost, a.feet, a.cost, a.tolerance]
-    return [a.name, a.scene.sand.name, *numbers, int(a.matters), a.verdict]
-
-
 def table(found: Sequence[Audit]) -> Table:
-    """Audits for the terminal: changes in %, with the median's sign."""
+    """Audits for the terminal: changes with the sign of their median."""
     shown = terminal.table(
         ("effect", *(n.replace("_", " ") for n in FIVE), "tau", "time", "keep"),
         words=("effect",),
@@ -96,7 +74,9 @@ def table(found: Sequence[Audit]) -> Table:
     )
     for a in found:
         pairs = zip(a.changes, a.shifts, strict=True)
-        cells = [f"{'+' if shift > 0 else '-'}{percent(100 * change)}" for change, shift in pairs]
+        cells = [
+            f"{'+' if shift > 0 else '-'}{percent(change).removesuffix(' %')}" for change, shift in pairs
+        ]
         cells += [f"{a.tau:.2f}", f"x {a.cost:.2f}", "yes" if a.matters else "no"]
         shown.add_row(a.name.replace("_", " "), *cells)
     return shown

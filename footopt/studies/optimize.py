@@ -34,7 +34,7 @@ from footopt.report.figures.search import FRONT, history_label
 from footopt.report.numbers import objective_quantity
 from footopt.report.progress import report_generations
 from footopt.studies import ranks
-from footopt.studies.auto_effects import choose_effects
+from footopt.studies.audit import choose_effects
 from footopt.studies.base import (
     Study,
     SweeperValue,
@@ -76,8 +76,7 @@ def run(study: Study) -> SweeperValue:
     check_searchable(config.foot)
     check_film(study)
     solver = Solver(**vars(config.solver))
-    chosen = choose_effects(study)
-    scene = chosen.scene
+    scene, chosen = choose_effects(study)
     problem = make_problem(config, scene)
     choice, solver = problem.choice, solver.fitting(problem.n_obj)
     solver.build(problem.n_obj)  # what does not fit is refused before the search
@@ -109,7 +108,7 @@ def run(study: Study) -> SweeperValue:
             "design": foot_entry(best),
             "objectives": values,
             "error_estimate": errors,
-            "model_error": (model := model_error(walk, chosen.left_out, config.sand.spread)),
+            "model_error": (model := model_error(walk, chosen["left_out"], config.sand.spread)),
             "ranks": ranks.entry(rank_changes),
             "flat": base,
             "gain_shares": gain_shares(values, base),
@@ -117,7 +116,7 @@ def run(study: Study) -> SweeperValue:
             **_search_entry(result, confirmed, options.finalists),
             "certificate": None if certificate is None else _certificate_entry(certificate),
             **validity_entry(diagnostics),
-            **chosen.entry,
+            **chosen,
             "notes": notes,
         }
     )

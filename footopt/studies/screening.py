@@ -1,19 +1,23 @@
-"""Screening of a scene before anything walks: dimensionless numbers against thresholds with sources.
+"""Dimensionless numbers that estimate which effects matter before a scene is simulated, and what is untested.
 
-A number of an effect, or of something that footopt lacks, is about the share of the force on a foot that it
-makes up. These are estimates within a factor of two or so; the audit (`footopt.studies.audit`) walks.
+The number of an effect, or of something that footopt lacks, is about its share of the force on a foot, within
+a factor of two or so. `footopt.studies.audit` simulates.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
+from rich.table import Table
+from rich.text import Text
 
 from footopt.effects import EFFECTS
 from footopt.foot import Foot
+from footopt.report import terminal
 from footopt.walk.scene import SOLE, Scene
 
 # assumed of the sand: quartz as on a beach
@@ -23,6 +27,35 @@ COHESION, INNER = 1.04e3, math.radians(28.0)  # Pa, and angle of friction: a dry
 FRICTION = 0.5  # of sand on a face, and of its pressure sideways over that from above: assumed
 CONE = math.radians(60.0)  # of the sand that moves with a foot at impact: assumed
 
+EFFECT, RANGE, LACKS = "effect", "tested range", "not in footopt"
+#: Verdicts on a number up to its threshold, and above it.
+VERDICTS = {EFFECT: ("small", "called for"), RANGE: ("inside", "outside"), LACKS: ("small", "may matter")}
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """A dimensionless number of a scene, and its threshold."""
+
+    name: str  # of the effect, or of what is tested
+    kind: str  # EFFECT, RANGE or LACKS
+    number: str  # the formula, in words
+    value: float
+    threshold: float  # above which it matters
+    source: str  # of number and threshold
+    on: bool = False  # whether the scene has the effect
+
+    @property
+    def verdict(self) -> str:
+        """In words."""
+        return "is on" if self.on else VERDICTS[self.kind][not self.value <= self.threshold]
+
+    @property
+    def warning(self) -> str:
+        """The warning where a scene is outside of the tested range; "" inside."""
+        about = f"{self.number} is about {self.value:.2g}"
+        outside = f"{self.name}: {about}, tested to {self.threshold:g} ({self.source})"
+        return outside if self.verdict == VERDICTS[RANGE][1] else ""
+
 
 def bearing_factor(friction: float) -> float:
     """N_c of cohesion in the bearing capacity of a strip (Prandtl 1921), of an angle of friction, rad."""
@@ -30,66 +63,8 @@ def bearing_factor(friction: float) -> float:
     return (n_q - 1.0) / math.tan(friction)
 
 
-EFFECT, RANGE, LACKS = "effect", "tested range", "not in footopt"
-
-
-@dataclass(frozen=True)
-class Criterion:
-    """A dimensionless number of a scene, and its threshold.
-
-    Parameters
-    ----------
-    name : str
-        Of the effect, or of what is tested.
-    kind : str
-        `EFFECT`, `RANGE` or `LACKS`.
-    number : str
-        Its formula, in words.
-    value : float
-        Dimensionless.
-    threshold : float
-        Above which it matters.
-    source : str
-        Of number and threshold.
-    on : bool
-        Whether the scene has the effect.
-    """
-
-    name: str
-    kind: str
-    number: str
-    value: float
-    threshold: float
-    source: str
-    on: bool = False
-
-    @property
-    def above(self) -> bool:
-        """Whether it matters, or is outside."""
-        return not self.value <= self.threshold
-
-    @property
-    def verdict(self) -> str:
-        """In words."""
-        if self.kind == RANGE:
-            return "outside" if self.above else "inside"
-        if self.on:
-            return "is on"
-        if self.kind == LACKS:
-            return "may matter" if self.above else "small"
-        return "called for" if self.above else "small"
-
-    @property
-    def warning(self) -> str:
-        """The warning where a scene is outside of the tested range; "" inside."""
-        if self.kind != RANGE or not self.above:
-            return ""
-        about = f"{self.number} is about {self.value:.2g}"
-        return f"{self.name}: {about}, tested to {self.threshold:g} ({self.source})"
-
-
 def screening(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> list[Criterion]:
-    """Screen a scene.
+    """Screen a scene: its effects, the tested ranges of the law, and effects that footopt lacks.
 
     Parameters
     ----------
@@ -99,11 +74,6 @@ def screening(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> li
         Their medians count.
     tolerance : float
         The relative change that matters.
-
-    Returns
-    -------
-    list of Criterion
-        Of effects, of the law's tested ranges, and of effects that footopt lacks.
     """
     scale = scene.scale
     size = np.median([[*np.ptp(foot.contour, axis=0), foot.width, foot.hollow] for foot in feet], axis=0)
@@ -113,6 +83,9 @@ def screening(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> li
     ankle = float(np.median([foot.ankle[1] - foot.contour[:, 1].min() for foot in feet]))
     scale = scale._replace(depth=depth, hollow=hollow, sweep=scene.sweep(depth))
     g, weight, speed = scene.walker.g, scene.walker.weight, scale.speed
+    cone = DENSITY * area * math.sqrt(area / math.pi) * math.tan(CONE) / 3.0
+    sides = (length + width) * depth**2 * DENSITY * g * FRICTION**2
+    angle = math.degrees(math.atan2(abs(scene.gravity[0]), scene.gravity[1]))
 
     found = []
     for name, kind in EFFECTS.items():
@@ -120,14 +93,9 @@ def screening(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> li
         if given is None and not kind.literature:  # such an effect says what the ground is like
             continue
         effect = given or kind()
-        if math.isnan(value := effect.estimate(scale)):
-            continue
-        title, on = name.replace("_", " "), given is not None
-        found.append(Criterion(title, EFFECT, effect.number, value, tolerance, effect.source, on))
-
-    cone = DENSITY * area * math.sqrt(area / math.pi) * math.tan(CONE) / 3.0
-    sides = (length + width) * depth**2 * DENSITY * g * FRICTION**2
-    angle = math.degrees(math.atan2(abs(scene.gravity[0]), scene.gravity[1]))
+        if not math.isnan(value := effect.estimate(scale)):
+            about = (name.replace("_", " "), EFFECT, effect.number, value, tolerance, effect.source)
+            found.append(Criterion(*about, on=given is not None))
     rows = [
         ("depth", RANGE, "depth / width of the foot", depth / width, 1.0, "Li, Zhang & Goldman (2013)"),
         ("ankle", RANGE, "depth / height of the ankle", depth / ankle if ankle > 0 else math.inf, 1.0,
@@ -146,3 +114,20 @@ def screening(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> li
         ("grains", LACKS, "grain / depth", GRAIN / depth, 0.1, "grains of 0.3 mm, ten for a continuum"),
     ]  # fmt: skip
     return [*found, *(Criterion(*row) for row in rows)]
+
+
+def table(found: Sequence[Criterion]) -> Table:
+    """The numbers of a scene for the terminal."""
+    words = ("effect", "number", "source", "verdict")
+    shown = terminal.table(("effect", "number", "value", "limit", "source", "verdict"), words)
+    shown.title = "Estimates before the scene is simulated: a number above its limit matters"
+    for c in found:
+        style = "yellow" if c.verdict == VERDICTS[c.kind][1] else ""
+        verdict = Text(f"{c.kind}: {c.verdict}", style=style)
+        shown.add_row(c.name, c.number, f"{c.value:.2g}", f"{c.threshold:g}", c.source, verdict)
+    return shown
+
+
+def entry(found: Sequence[Criterion]) -> list[dict[str, Any]]:
+    """The numbers of a scene in result.json."""
+    return [asdict(c) | {"verdict": c.verdict} for c in found]

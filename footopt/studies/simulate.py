@@ -17,7 +17,7 @@ from footopt.foot import Foot
 from footopt.report import figures, film, page, terminal
 from footopt.report.figures.gait import gait_fit
 from footopt.report.numbers import title
-from footopt.studies.auto_effects import choose_effects
+from footopt.studies.audit import choose_effects
 from footopt.studies.base import (
     Study,
     SweeperValue,
@@ -51,8 +51,7 @@ def run(study: Study) -> SweeperValue:
     check_film(study)
     folder, k, accuracy = study.options.run, study.config.foot.k, study.accuracy
     foot = study.foot if folder is None else foot_of(Path(folder), k)
-    chosen = choose_effects(study, foot)
-    scene = chosen.scene
+    scene, chosen = choose_effects(study, foot)
     study.say(terminal.describe_setup(scene, foot))
     with study.compiling():
         walk = simulate(foot, scene, accuracy)
@@ -76,12 +75,12 @@ def run(study: Study) -> SweeperValue:
             "objectives": values,
             "flat": base,
             "error_estimate": errors,
-            "model_error": (model := model_error(walk, chosen.left_out, study.config.sand.spread)),
+            "model_error": (model := model_error(walk, chosen["left_out"], study.config.sand.spread)),
             **scene_entry(scene, walk.accuracy, names),
             **validity_entry(diagnostics),
             "notes": notes,
             "gait_file": read,
-            **chosen.entry,
+            **chosen,
         }
     )
     if study.wants_report:
