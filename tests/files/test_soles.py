@@ -136,27 +136,14 @@ class TestSvg:
         assert line.closed == (SHAPES[shape].lower()[-1] == "z")
         assert found.hausdorff_distance(LineString(1e-3 * expected[:2].T * [1.0, -1.0])) < 4e-5
 
-    @pytest.mark.parametrize(
-        ("head", "by"),
-        [('viewBox="-9 5 200 50"', 1), ('viewBox="0,0,200,50" width="100%" height="100%"', 1),
-         ('viewBox="0 0 200 50" width="400mm" height="100mm"', 2)],
-    )  # fmt: skip
-    def test_lengths_in_percent_are_parts_of_the_view_box(self, folder, head, by):
-        shape = '<ellipse cx="50%" cy="50%" rx="25%" ry="10%"/>'
-        (folder / "b.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {head}>{shape}</svg>')
-        (line,) = lines_of(folder / "b.svg", None if "mm" in head else "mm")
-        same(np.ptp(line.points, axis=0), by * np.array([0.1, 0.01]), 5e-5)
-
-    @pytest.mark.parametrize("by", ["defs", "symbol", "mask", "marker"])
-    def test_what_is_drawn_elsewhere_is_drawn_there_and_nowhere_else(self, svg, by):
+    def test_what_is_defined_is_drawn_where_it_is_used_and_nowhere_else(self, svg):
         drawing = (
-            f'<{by} id="all"><polyline id="sole" points="-50,0 0,30 60,0"/></{by}>'
+            '<defs><polyline id="sole" points="-50,0 0,30 60,0"/></defs>'
             '<use href="#sole" transform="rotate(180)" y="3"/>'
             '<use xmlns:xlink="http://www.w3.org/1999/xlink" xlink:href="#sole" x="4"/>'
         )
         ends = [line.points[[0, -1]] for line in lines_of(svg(drawing))]
-        drawn = [] if by in ("mask", "marker") else [[(50, 3), (-60, 3)], [(-46, 0), (64, 0)]]
-        same(np.reshape(ends, (-1, 2)), 1e-3 * np.reshape(drawn, (-1, 2)))
+        same(ends, 1e-3 * np.array([[(50, 3), (-60, 3)], [(-46, 0), (64, 0)]]))
 
     @pytest.mark.parametrize(
         ("head", "unit"),
@@ -179,11 +166,11 @@ class TestSvg:
     @pytest.mark.parametrize(
         ("shapes", "said"),
         [
-            ('<rect width="3" height="4"/', r"\(its XML breaks off .* in line 2, column"),
-            ('<path d="M 0 0 X 5"/>', "d has 'X 5'"),
-            ('<rect width="3" height="4" transform="turn(3)"/>', r"transform has 'turn\(3\)'"),
-            ('<symbol viewBox="0 0 1 1"/>', "a symbol with a viewBox"),
-            (f'<polyline points="{"1,2 " * 60_000}"/>', "more than 5000 lines or 50000 points"),
+            ('<rect width="3" height="4"/', "cannot be read as SVG .*line 2, column"),
+            ('<path d="M 0 0 X 5"/>', "d is 'M 0 0 X 5'"),
+            ('<rect width="3" height="4" transform="turn(3)"/>', r"transform is 'turn\(3\)'"),
+            ('<rect width="30%" height="4"/>', "a rect with a length in percent"),
+            ('<path d="M0 0h1"/>' * 5001, "holds 5001 lines, and may hold 5000"),
             ("<text>sole</text>", "holds no line"),
         ],
     )
@@ -252,21 +239,6 @@ class TestDxf:
         assert "not its holes: a closed outline of 11.9" in note
         assert note.count("a closed outline of") == 3
 
-    @pytest.mark.parametrize("fill", ["black", "none"])
-    def test_the_inner_lines_of_one_filled_shape_are_holes_of_any_size(self, folder, fill):
-        shape = "M-100 20H100V-20H-100ZM-90 15V-15H90V15Z"
-        (folder / "a.svg").write_text(
-            '<svg xmlns="http://www.w3.org/2000/svg" width="300mm" height="300mm" viewBox="0 0 300 300">'
-            f'<path d="{shape}" fill="{fill}" fill-rule="evenodd" stroke="red"/></svg>'
-        )
-        if fill == "none":
-            with pytest.raises(FileError, match="it holds 2"):
-                read(folder / "a.svg")
-            return
-        foot = fo.read_foot(folder / "a.svg")
-        same(foot.contour, [(-0.1, -0.02), (0.1, -0.02)])
-        assert "not its holes: a closed outline of 180 x 30 mm" in foot.notes[0]
-
     @pytest.mark.parametrize("inner", ["sole", "open"])
     def test_a_frame_round_a_sole_is_no_outline(self, dxf, inner):
         def draw(space):
@@ -291,7 +263,6 @@ class TestDxf:
         [
             (lambda text: text.replace("ENTITIES", "ENTITIE\nS"), "it is damaged, or something else"),
             (lambda text: text[:-9], r"\(it does not end with EOF: is it cut off\?\)"),
-            (lambda text: "AutoCAD Binary DXF" + text, "a binary DXF file"),
         ],
     )
     def test_what_is_damaged_is_said_in_plain_words(self, dxf, change, said):
@@ -321,7 +292,6 @@ class TestCsv:
             ("x_mm,z_mm\n1,2\n3,nan\n", "row 2: z_mm is 'nan'"),
             ("x_furlong,z_furlong\n1,2\n", "says 'furlong'"),
             ("x_mm,z_mm\n", "holds no line"),
-            ("x_mm,z_mm\n-100,0\n0,-10\n.5,20\n1,-10\n100,0\n", r"a spike at \(0\.50, 20\.00\) mm"),
         ],
     )
     def test_what_is_wrong_is_named(self, table, text, message):
@@ -371,7 +341,7 @@ class TestTheLine:
     def test_is_one_of_several_by_its_layer(self, svg):
         """A drawing without names, or with one only, offers none."""
         screw = '<circle cx="20" cy="45" r="4"/>'
-        with pytest.raises(FileError, match=r"holds 2: .* 250 x 50 mm.*; .* 8 x 8 mm on 'screw'.*there: a, "):
+        with pytest.raises(FileError, match=r"holds 2: .* 250 x 50 mm.*; .* 8 x 8 mm on 'screw'.*'a', "):
             read(svg(f'<g id="a">{polygon(OUTLINE)}</g><g id="screw">{screw}</g>'))
         same(read(svg(f'<g id="a">{polygon(OUTLINE)}</g><g id="screw">{screw}</g>'), layer="a"), LOWER, 1e-9)
         with pytest.raises(FileError, match=r"holds 2: .* mm\. Delete what is not the sole"):

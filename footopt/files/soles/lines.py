@@ -16,8 +16,6 @@ UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "pt": 0.0254 / 72, "px"
 FLATTEN = 2e-5  # largest distance of a flattened curve from itself, m
 JOIN = 1e-5  # ends of lines nearer than this are one point, m
 SAME = 1e-9  # points nearer than this are one, m
-PIECES = 5_000  # lines of a drawing, and points of a sole: more would take longer than anyone waits
-TOO_MANY = f"holds more than {PIECES} lines or {10 * PIECES} points. Leave only the sole."
 
 
 class Line(NamedTuple):
@@ -26,15 +24,16 @@ class Line(NamedTuple):
     points: Array  # (m, 2), m; a closed one does not repeat its first
     closed: bool
     layer: str  # its layer (DXF) or the id of its group (SVG)
-    inner: bool = False  # whether a larger line bounds the same filled shape
 
 
 def unit_of(units: str | None, own: str | None) -> float:
     """Metres in a unit: the setting's, or else the file's own."""
     unit = units or own
     if unit not in UNITS:
-        said, names = f", or says {unit!r}" if unit else "", ", ".join(UNITS)
-        raise Unusable(f"does not say in which unit it is{said}. Set foot.units to one of {names}.")
+        raise Unusable(
+            f"does not say in which unit it is{f', or says {unit!r}' if unit else ''}. "
+            f"Set foot.units to one of {', '.join(UNITS)}."
+        )
     return UNITS[unit]
 
 
@@ -65,17 +64,8 @@ def join(lines: Sequence[Line]) -> list[Line]:
 
 
 def crossing(points: Array, closed: bool) -> Array | None:
-    """Where a line (m, 2) first meets itself, (2,), or None; no two neighbours are in one place."""
-    from shapely import STRtree, get_coordinates, intersection, linestrings
+    """Where a line (m, 2) meets itself, (2,), or None."""
+    from shapely import LineString, get_coordinates, get_parts, node
 
-    ends = np.concatenate([points, points[:closed]])
-    sides = linestrings(np.stack([ends[:-1], ends[1:]], axis=1))
-    tree = STRtree(sides)
-    for i, side in enumerate(sides):
-        met = tree.query(side, predicate="intersects")
-        # neighbours share a point; so do the first and the last side of a closed line
-        met = met[(met - i > 1) & (met - i < len(sides) - closed)]
-        if len(met):
-            place: Array = get_coordinates(intersection(side, sides[met.min()]))[0]
-            return place
-    return None
+    line = LineString(np.concatenate([points, points[:closed]]))
+    return None if line.is_simple else get_coordinates(get_parts(node(line))[0])[-1]
