@@ -160,6 +160,7 @@ def elsewhere(tmp_path_factory):
     return cwd / "run"
 
 
+@pytest.mark.slow
 class TestSimulateARun:
     """study=simulate run=FOLDER: its foot, in its world but for what else is given."""
 

@@ -116,6 +116,7 @@ def test_files_in_one_s_own_folder_and_runs_are_named_shortly(monkeypatch):
         assert OverridesParser.create().parse_override(*hydra_words([word])).value() == value
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_though_nobody_reads_any_more(tmp_path):
     words = ["study=simulate", "accuracy=draft", "report=none", "hydra.run.dir=run"]
     run = started(*words, cwd=tmp_path)

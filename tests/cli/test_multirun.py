@@ -65,8 +65,8 @@ def stopped(halved, tmp_path):
     return shutil.copytree(halved, tmp_path / "sweep")
 
 
+@pytest.mark.slow
 class TestResume:
-    @pytest.mark.slow
     def test_finishes_the_jobs_that_are_missing_and_walks_no_other(self, stopped, whole):
         assert len(list(stopped.glob(f"*/{identity.FILE}"))) == 4
         before = {path: path.stat().st_mtime_ns for path in stopped.rglob("[01]/*")}
@@ -104,6 +104,7 @@ class TestResume:
         )
 
 
+@pytest.mark.slow
 def test_a_job_that_cannot_be_is_written_down_and_so_are_those_after_it(whole, tmp_path, monkeypatch):
     """They never begin: a killed sweep is resumed from what was written before its first job."""
 

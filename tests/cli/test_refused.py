@@ -32,6 +32,7 @@ def test_a_refused_run_leaves_no_file_and_no_folder_that_was_not_asked_for(tmp_p
     assert not list((tmp_path / "a" / "b" / "c").iterdir())
 
 
+@pytest.mark.slow
 def test_folders_of_runs_with_a_comma_between_them_are_two_jobs(tmp_path):
     done = footopt("-m", "study=simulate", "run=a,b", "hydra.sweep.dir=sweep", cwd=tmp_path)
     assert done.returncode == 1

@@ -66,6 +66,7 @@ def failing(tmp_path_factory):
     return done, heard, cwd / "sweep"
 
 
+@pytest.mark.slow
 def test_the_example_of_a_callback_makes_each_job_a_run_of_mlflow(tmp_path, monkeypatch):
     """With a module in MLflow's place that writes down how it is called."""
     fake = MagicMock()
@@ -107,6 +108,7 @@ class TestReport:
             assert found["none"][name] == found[more][name]
 
 
+@pytest.mark.slow
 class TestSummary:
     """Many runs in one table: a column for each setting that differs, seeds summarised, fronts compared."""
 
@@ -122,7 +124,6 @@ class TestSummary:
         assert done.returncode == 0, done.stderr
         return done, folder / "sweep"
 
-    @pytest.mark.slow
     def test_each_setting_that_differs_has_a_column_and_no_other(self, sweep):
         rows = read(sweep[1] / "summary.csv")
         assert [(row["solver.name"], row["solver.seed"]) for row in rows] == [

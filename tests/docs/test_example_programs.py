@@ -25,6 +25,7 @@ def test_sobol_indices_of_a_linear_model_are_those_of_its_coefficients():
     assert walked[-1] < -2e-4
 
 
+@pytest.mark.slow
 def test_foot_and_gait_together_are_no_worse_than_the_foot_alone():
     example = runpy.run_path(str(EXAMPLES / "codesign.py"))
     scene, space = fo.Scene(), fo.Waypoints(n=5, K=5)

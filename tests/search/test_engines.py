@@ -117,6 +117,7 @@ def test_settings_that_do_not_fit_are_refused(settings, words):
     assert words in str(error.value)
 
 
+@pytest.mark.slow
 class TestProcesses:
     def test_find_what_this_one_finds_are_used_again_and_do_not_hear_ctrl_c(self, undisturbed):
         p, found = problem("pareto"), set()
@@ -144,7 +145,6 @@ class TestProcesses:
         assert resumed.reused == len(resumed.k[resumed.generation <= 3])
         assert_same(undisturbed, resumed)
 
-    @pytest.mark.slow
     def test_a_run_whose_worker_dies_says_how_to_go_on_and_does(self, tmp_path):
         words = [*BRIEF, "solver=nsga2", "report=light"]
         assert footopt(*words, "hydra.run.dir=whole", cwd=tmp_path).returncode == 0

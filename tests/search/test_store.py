@@ -54,6 +54,7 @@ class TestReplay:
         assert len(walked) == 2 * count  # each design once in the undisturbed search and once in the rest
         assert resumed.reused == len(stopped.k)
 
+    @pytest.mark.slow
     def test_an_extended_search_is_the_longer_one(self, path):
         """Of RVEA, too, whose survival depends on how many generations there will be."""
         p = problem("pareto")

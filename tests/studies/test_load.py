@@ -57,6 +57,7 @@ class TestRun:
         assert says in str(error.value)
         assert not list(tmp_path.rglob(identity.FILE))
 
+    @pytest.mark.slow
     def test_goes_on_with_one(self, made, tmp_path, monkeypatch):
         unrender(monkeypatch)
         folder = shutil.copytree(made[1].folder, tmp_path / "run")

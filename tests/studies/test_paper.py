@@ -110,6 +110,7 @@ def test_the_study_leaves_figures_claims_and_a_page_and_searches_nothing_twice(t
     assert len(searched) == 6  # how the triangle stands does not move the best feet
 
 
+@pytest.mark.slow
 def test_a_search_without_a_feasible_foot_leaves_its_claims_undecided(tmp_path, monkeypatch):
     narrow = config(study__cases=["foot.width"], **SMALL)
     monkeypatch.setitem(CHOICES, "foot.width", "0.1 0.001")

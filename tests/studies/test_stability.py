@@ -42,6 +42,7 @@ class TestStudy:
         (verdict,) = judge(BY_NAME[name], base, ["sdirk2_control"])
         assert verdict.stable, verdict.measures
 
+    @pytest.mark.slow
     def test_nobody_rests_by_the_plain_law(self, base):
         """The smoothing lets the walker sink; that is the law's own, so that no stepper helps."""
         (verdict,) = judge(BY_NAME[CREEPS], base, ["sdirk2_control"])

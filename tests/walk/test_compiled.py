@@ -6,6 +6,8 @@ import sys
 import time
 from pathlib import Path
 
+import pytest
+
 import footopt
 from footopt import compiled
 from footopt.walk.cache_key import cache_key
@@ -84,6 +86,7 @@ print(total(law), sum(total.stats.cache_hits.values()))
 """
 
 
+@pytest.mark.slow
 def test_processes_that_compile_different_walks_at_once_load_their_own(tmp_path):
     """numba numbers the files of a function's signatures, and two processes could take the same number."""
     laws = [["1"], ["1", "2"], ["1", "2", "3"]]
