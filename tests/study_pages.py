@@ -36,7 +36,7 @@ def check_page(folder):
     assert "http" not in text.replace("http://www.w3.org/2000/svg", "")
 
 
-def leave_job(folder, walk):
+def leave_job(folder, walk, words=()):
     """What a job of a multirun leaves in its folder, as far as a table or page over all jobs reads it."""
     folder.mkdir()
     fo.write_foot(walk.foot, folder / "contour.csv")
@@ -44,8 +44,10 @@ def leave_job(folder, walk):
     result = {
         "objectives": walk.objectives,
         "units": {name: OBJECTIVES[name].unit for name in walk.objectives},
+        "maximise": {name: OBJECTIVES[name].maximise for name in walk.objectives},
         "design": {"k": walk.foot.k, "hollow_mm": 0.0},
         "settings": {"foot": {"top": walk.foot.top, "width": walk.foot.width}},
         "versions": identity.versions(),
     }
     files.write_json(folder / "result.json", result)
+    identity.write(folder, {}, words)

@@ -114,7 +114,8 @@ class Multirun(Callback):
 
     def on_multirun_end(self, config: DictConfig, **kwargs: Any) -> None:
         """Read what the jobs left in their folders."""
-        Multirun.failed = summary.of_multirun(Path(config.hydra.sweep.dir))
+        folder = Path(config.hydra.sweep.dir)
+        Multirun.failed = summary.compare(folder, identity.jobs(folder))
 
 
 def _jobs(config: DictConfig, name: str) -> Iterator[tuple[str, DictConfig, list[str]]]:

@@ -121,10 +121,11 @@ def resume(given: Sequence[str]) -> int:
     if not (folder / "multirun.yaml").is_file():
         _resume_run(folder, changes, given)
         return 0
-    for job in identity.jobs(folder):
+    jobs = identity.jobs(folder)
+    for job in jobs:
         if (job / identity.FILE).exists():  # not refused before it had settings
             _resume_job(job, changes, given)
-    return summary.of_multirun(folder)
+    return summary.compare(folder, jobs)
 
 
 def _changes(given: Sequence[str]) -> dict[str, Any]:

@@ -29,7 +29,10 @@ def run(study: Study) -> None:
     runs = run_folders(study.options.runs, study.folder)
     if not runs:
         raise SettingError(SETTING, study.options.runs, "folders of runs", TRY)
-    summary.of_runs(study.folder, runs)
+    if not any(summary.read(folder).objectives for folder in runs):
+        hint = "Give runs of study=optimize, simulate or robust."
+        raise FileError(f"{SETTING}: none of the {len(runs)} folders has a foot to compare. {hint}")
+    summary.compare(study.folder, runs)
     study.write_result({"runs": [str(run) for run in runs]})
     study.close()
 

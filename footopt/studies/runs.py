@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
@@ -16,7 +15,7 @@ from omegaconf.errors import OmegaConfBaseException
 
 from footopt.design import SearchResult, Solver, Store, search
 from footopt.effects import EFFECTS
-from footopt.errors import ERROR_FILE, FileError, SettingError, check, flat
+from footopt.errors import ERROR_FILE, FileError, SettingError, check
 from footopt.files import identity
 from footopt.files.identity import LOCK, Occupied, changed_settings
 from footopt.files.io import plain, read_json_file
@@ -301,9 +300,9 @@ def load(folder: str | Path, trust: bool = False) -> Run:
 def load_all(pattern: str | Path) -> Any:
     """All runs below folders: a pandas DataFrame with a row for each.
 
-    Columns are `folder`, `words`, each setting by its full name, each objective, `hypervolume`, `wall_time_s`
-    and `search_time_s`, `validity.NAME`, `warnings` (how many), and `note`: why there is no better result.
-    What is damaged is left out with a warning that names its folder.
+    Columns are `folder`, `words`, each setting by its full name, each objective, `hollow_mm`, `k`,
+    `hypervolume`, `evaluations`, `wall_time_s` and `search_time_s`, `validity.NAME`, `warnings` (how many),
+    and `note`: why there is no better result.
 
     Parameters
     ----------
@@ -313,37 +312,11 @@ def load_all(pattern: str | Path) -> Any:
     Raises
     ------
     FileError
-        There are no runs, or none that can be read.
+        There are no runs.
     """
-    import pandas
+    from footopt.report import summary  # pandas and matplotlib take a second
 
-    rows = []
-    for folder in identity.runs(pattern):
-        if not (folder / identity.FILE).is_file():  # a job that was refused
-            continue
-        try:
-            rows.append(_row(load(folder)))
-        except FileError as error:
-            warnings.warn(f"left out: {error}", stacklevel=2)
-    if not rows:
+    found = [summary.read(folder) for folder in identity.runs(pattern)]
+    if not found:
         raise FileError(f"pattern = {str(pattern)!r}: no run is there. Try 'outputs/**'.")
-    return pandas.DataFrame(rows)
-
-
-def _row(run: Run) -> dict[str, Any]:
-    """A run in a table."""
-    result, error = run.result, run.folder / ERROR_FILE
-    note = error.read_text(encoding="utf-8").strip() if error.is_file() else "" if result else "no result"
-    note = note or result.get("reason", "") or ("interrupted" if result.get("interrupted") else "")
-    times = {name: result.get(name) for name in ("hypervolume", "wall_time_s", "search_time_s")}
-    validity = {f"validity.{name}": value for name, value in (result.get("validity") or {}).items()}
-    return {
-        "folder": str(run.folder),
-        "words": " ".join(run.words),
-        **flat(run.settings),
-        **run.best,
-        **times,
-        **validity,
-        "warnings": len(result.get("warnings", [])),
-        "note": note,
-    }
+    return summary.as_frame(found)

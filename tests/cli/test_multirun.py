@@ -31,10 +31,7 @@ def found(sweep):
         kept = {name: value for name, value in result.items() if not name.endswith("time_s")}
         jobs[path.parent.name] = kept, (path.parent / "walk.nc").read_bytes()
     with open(sweep / "summary.csv", newline="") as file:
-        rows = [
-            {k: v for k, v in row.items() if "time" not in k and k != "seconds"}
-            for row in csv.DictReader(file)
-        ]
+        rows = [{k: v for k, v in row.items() if "time" not in k} for row in csv.DictReader(file)]
     return jobs, rows
 
 

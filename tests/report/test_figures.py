@@ -9,7 +9,8 @@ import pytest
 import footopt as fo
 from footopt.report import figures
 from footopt.report.figures import tables
-from footopt.report.summary import Fronts
+from footopt.report.numbers import percent
+from footopt.report.summary import Run, fronts
 from footopt.walk.objectives import FIVE, OBJECTIVES
 
 HOLLOW = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)
@@ -267,11 +268,18 @@ def test_claims_say_where_they_hold():
     assert np.allclose(undecided, 1.0)
 
 
-def test_fronts_of_seeds_share_a_colour_and_say_their_hypervolume():
-    values = [np.array([[1.0, 3.0], [2.0, 4.0]]), np.array([[1.0, 2.0], [2.0, 3.0]])]
-    found = Fronts(("distance", "work"), [0, 1, 2], ["ga", "ga", "de"], [*values, values[0]],
-                   [0.5, 0.7, 0.9])  # fmt: skip
-    axes = found.figure().axes[0]
-    points, _ = axes.get_lines()
-    np.testing.assert_array_equal(points.get_xydata(), np.concatenate(values))
-    assert {"ga: 2 seeds, hypervolume 60 %", "de: hypervolume 90 %"} <= set(texts(axes.figure))
+def test_fronts_of_seeds_share_a_colour_and_say_their_hypervolume(tmp_path):
+    names, least = ["distance", "work"], [[1.0, 3.0], [2.0, 4.0]]
+    values = {("ga", 1): least, ("ga", 2): least, ("de", 1): [[1.0, 4.0], [2.0, 5.0]]}
+    results = [
+        {"objective_names": names, "front_columns": names, "front_values": front}
+        | {"maximise": {"distance": True, "work": False}}
+        for front in values.values()
+    ]
+    settings = [{"solver.name": name, "solver.seed": seed} for name, seed in values]
+    runs = [Run(tmp_path, settings=s, result=r) for s, r in zip(settings, results, strict=True)]
+    ((rows, shares, figure),) = fronts(runs)
+    assert (rows, shares[:2]) == ([0, 1, 2], [1.0, 1.0])
+    points, _ = figure.axes[0].get_lines()
+    np.testing.assert_array_equal(points.get_xydata(), least * 2)
+    assert {"ga: 2 seeds, hypervolume 100 %", f"de: hypervolume {percent(shares[2])}"} <= set(texts(figure))

@@ -18,6 +18,7 @@ from study_pages import leave_job
 import footopt as fo
 from footopt.design import confirm
 from footopt.design.result import SHOWN
+from footopt.files import identity
 from footopt.files.outline import closed_contour
 from footopt.report import figures, page, summary, terminal
 from footopt.report.numbers import title
@@ -95,11 +96,10 @@ def pages(front, single, tmp_path_factory):
     (folder / "1" / "report.html").touch()
     (folder / "2").mkdir()
     (folder / "2" / "error.txt").write_text("sand.zeta = 0: must be a number > 0\n")
-    assert summary.of_multirun(folder) == 1
-    (folder / "report.html").rename(folder / "jobs.html")
+    assert summary.compare(folder, identity.jobs(folder)) == 1
+    (folder / "report.html").rename(folder / "runs.html")
     contents["exact"] = page.search_content(*searched("work", "exhaustive", fo.Waypoints(n=4, K=3)))
-    dead = Run("job 9", "9", folder / "9", note="no result", failed=True)
-    contents["no jobs"] = page.jobs_content(folder, [dead], [])
+    contents["no runs"] = summary.runs_content(folder, [Run(folder / "9")], ["9"], [""], [])
     (folder / "figures").mkdir()
     walk = fo.simulate(fo.Foot.flat(), accuracy="draft")
     figures.save(figures.contour(walk.foot), folder / "figures", "contour", svg=True)
@@ -108,7 +108,7 @@ def pages(front, single, tmp_path_factory):
     page.write_study(folder, "A study", ["What <it> found"], SAYS, [study_table()], STUDY, ["Not <so> good."])
     (folder / "report.html").rename(folder / "study.html")
     written = {name: page.write(folder / f"{name}.html", content) for name, content in contents.items()}
-    return written | {"jobs": folder / "jobs.html", "study": folder / "study.html"}
+    return written | {"runs": folder / "runs.html", "study": folder / "study.html"}
 
 
 #: The figures of a page of a study, its table, and what result.json says.
@@ -132,7 +132,7 @@ def study_table():
     return shown
 
 
-KINDS = ["front", "single", "exact", "walk", "sunk", "jobs", "no jobs", "study"]
+KINDS = ["front", "single", "exact", "walk", "sunk", "runs", "no runs", "study"]
 
 
 @browser_needed
@@ -349,16 +349,15 @@ class TestAStudysPage:
 
 @browser_needed
 def test_a_multirun_shows_every_job_the_failed_ones_too(pages, browser):
-    shown = Page(browser, pages["jobs"])
-    rows = shown.all("#jobs tbody tr")
+    shown = Page(browser, pages["runs"])
+    rows = shown.all("#runs tbody tr")
     assert len(rows) == 3
     assert "must be a number > 0" in rows[2].text
-    assert [a.get_attribute("href").rsplit("/", 2)[1] for a in shown.all("#jobs a")] == ["1"]
-    assert "A job's link opens its own page." in shown.text("#jobs")  # not every study has a walk
-    assert "job 1" in shown.text("#traces")
-    assert "job 0" not in shown.text("#traces")
+    assert [a.get_attribute("href").rsplit("/", 2)[1] for a in shown.all("#runs a")] == ["1"]
+    assert "A run's link opens its own page." in shown.text("#runs")  # not every study has a walk
+    assert shown.text("#traces .legend").split() == ["1"]  # run 0 has left no walk
     rows[1].find_element("css selector", "button").click()
-    assert "job 1" in shown.text("#design-title")
+    assert "The chosen sole: 1" in shown.text("#design-title")
 
 
 class TestVerdict:

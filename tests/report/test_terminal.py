@@ -72,7 +72,7 @@ class TestNarrowTables:
         leave_job(tmp_path / "0", walk)
         file = io.StringIO()
         monkeypatch.setattr(summary, "console", lambda: Console(file=file, width=80, force_terminal=True))
-        assert summary.of_multirun(tmp_path) == 0
+        assert summary.compare(tmp_path, [tmp_path / "0"]) == 0
         text = ESCAPE.sub("", file.getvalue())
         assert "…" not in text
         assert terminal.number(walk.objectives["work"]) in text

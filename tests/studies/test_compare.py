@@ -25,8 +25,7 @@ def runs(tmp_path, walks):
     for i, (name, (zeta, walk)) in enumerate(zip(("old/b", "old/a", "new/c"), walks.items(), strict=True)):
         folder = tmp_path / name
         folder.parent.mkdir(exist_ok=True)
-        leave_job(folder, walk)
-        identity.write(folder, {}, [f"solver.seed={i}", f"sand.zeta={zeta}", "gait=human"])
+        leave_job(folder, walk, [f"solver.seed={i}", f"sand.zeta={zeta}", "gait=human"])
     (tmp_path / "old" / "broken").mkdir()
     identity.write(tmp_path / "old" / "broken", {}, [])
     (tmp_path / "old" / "other").mkdir()
@@ -44,14 +43,13 @@ def test_a_table_a_file_and_a_page(runs, capsys):
     compare(runs / "here", f"{runs}/old/[ab]", f"{runs}/new/c")
     out = " ".join(capsys.readouterr().out.split())
     assert "3 runs" in out
-    assert all(unit in out.split(" 1: ")[0] for unit in ("(m)", "(J)", "(W)", "(m/s)", "(mm)"))
-    assert "1: solver.seed=1 " in out
+    assert all(unit in out.split(" old/a: ")[0] for unit in ("(m)", "(J)", "(W)", "(m/s)", "(mm)"))
+    assert "old/a: solver.seed=1 " in out
     assert "sand.zeta=5.0" in out
-    assert "gait=human" not in out.split("Everything")[0].split("run 1:")[0]  # what all share
-    assert f"run 3: {runs}/new/c " in out
+    assert out.count("gait=human") == 1  # what all share
     with open(runs / "here" / "summary.csv", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert [row["run"] for row in rows] == [f"{runs}/{name}" for name in ("old/a", "old/b", "new/c")]
+    assert [row["run"] for row in rows] == ["old/a", "old/b", "new/c"]
     assert len({float(row["distance"]) for row in rows}) == 3
     text = (runs / "here" / "report.html").read_text()
     assert '"link":"../new/c/report.html"' in text
@@ -64,7 +62,7 @@ def test_objectives_of_plugins_are_compared_by_what_the_runs_say_of_them(runs):
         path = runs / name / "result.json"
         result = json.loads(path.read_text())
         result["objectives"]["work_per_metre"] = 80.0 + i
-        result |= {"units": {"work_per_metre": "J/m"}, "maximise": {"work_per_metre": False}}
+        result["units"]["work_per_metre"], result["maximise"]["work_per_metre"] = "J/m", False
         path.write_text(json.dumps(result))
     compare(runs / "here", f"{runs}/old/[ab]")
     text = (runs / "here" / "report.html").read_text()

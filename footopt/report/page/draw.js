@@ -43,7 +43,7 @@ function rewalk() {
 /** The tools beside the drawing of the chosen sole; `now()` is the chosen design, `show(i)` shows one, `settle(i)` everywhere. */
 function drawTools(holder, now, show, settle) {
   const why = P.refusal ?? (sketch ? "" : null);
-  if (why === null || data.jobs) return { section: el("div", {}), redraw: () => {} };
+  if (why === null || data.runs) return { section: el("div", {}), redraw: () => {} };
   if (why) return { section: el("p", { class: "note", id: "no-drawing" }, `No other sole can be drawn and simulated here: ${why}.`), redraw: () => {} };
   let rest = 0;
   const snapshot = () => ({ design: now(), k: heights(now()), zeta: sketch.zeta, mass: sketch.mass });

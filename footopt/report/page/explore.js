@@ -40,7 +40,7 @@ function explorer(choose, beside, glimpse) {
   let order = COLUMNS.filter((c) => !c.variable);
   const every = Array.from({ length: COUNT }, (_, i) => i), passes = new Uint8Array(COUNT), ends = new Map();
   /** The smallest and the largest of the designs that are shown, and of the flat foot. */
-  const endsOf = (c) => ends.get(c) ?? ends.set(c, range([...state.shown.map(c.of), data.jobs ? NaN : c.flat], 0)).get(c);
+  const endsOf = (c) => ends.get(c) ?? ends.set(c, range([...state.shown.map(c.of), data.runs ? NaN : c.flat], 0)).get(c);
   const state = { limits: new Map(), chosen: data.best, shown: [], passing: [], near: -1 };
   const wide = el("div", { class: "plot brush", id: "parallel" });
   const flat = el("div", { class: "plot brush", id: "scatter" });
@@ -81,7 +81,7 @@ function explorer(choose, beside, glimpse) {
     drawParallel();
   } }), c.title)));
   const section = el("section", { id: "explore" },
-    el("h2", {}, data.jobs ? "Their best designs" : "The designs"),
+    el("h2", {}, data.runs ? "Their best designs" : "The designs"),
     el("div", { class: "grid wide" }, beside,
       el("figure", {},
         el("div", { class: "bar" }, el("label", {}, "across", across), el("label", {}, "up", up)), flat)),
@@ -91,7 +91,7 @@ function explorer(choose, beside, glimpse) {
       COUNT > MOST ? ` Of more than ${MOST} lines an even selection is drawn.` : "",
       front.size && entry.front_size > front.size ? ` Of the ${entry.front_size} designs on the front ${front.size} are here.` : ""),
     el("div", { class: "bar" }, which.length > 1 ? el("label", {}, "designs", which) : null, el("label", {}, "colour by", shade), scale, clear, count),
-    data.jobs ? legend(every.map((i) => ({ name: label(i), ...jobLine(i) }))) : null,
+    data.runs ? legend(every.map((i) => ({ name: label(i), ...runLine(i) }))) : null,
     scrolled("Parallel axes", wide),
     axesBox,
     el("details", { id: "limits" }, el("summary", {}, "The limits as numbers"),
@@ -134,12 +134,12 @@ function explorer(choose, beside, glimpse) {
     rows.refresh();
     redraw();
   }
-  /** Designs' colours: of their jobs, or by the value that was chosen. */
+  /** Designs' colours: of their runs, or by the value that was chosen. */
   function colours() {
     const by = columnOf(shade.value), [low, high] = by ? range(state.shown.map(by.of), 0) : [0, 1], usual = ink("--designs");
     scale.replaceChildren(...(by ? [`${number(low)} `, el("span", { class: "gradient", style: `background:linear-gradient(90deg,${[0, 0.25, 0.5, 0.75, 1].map(ramp)})` }), ` ${number(high)}`] : []));
     if (by) return (i) => ramp((by.of(i) - low) / (high - low));
-    return data.jobs ? (i) => ink(jobLine(i).stroke) : () => usual;
+    return data.runs ? (i) => ink(runLine(i).stroke) : () => usual;
   }
 
   /** A canvas under a drawing, for what is too much for elements. */
@@ -159,8 +159,8 @@ function explorer(choose, beside, glimpse) {
   function overlay(a, holder, marks) {
     const group = a.svg.appendChild(svg("g"));
     overlays.set(holder, () => group.replaceChildren(...[
-      ...(data.jobs || state.chosen === data.best ? [] : [[data.best, "var(--best)", 2.5, BEST]]),
-      data.jobs ? [state.chosen, COLOURS[state.chosen % COLOURS.length], 4, ""] : state.chosen === data.best ? [data.best, "var(--best)", 3, BEST] : [state.chosen, "var(--chosen)", 3, "chosen"],
+      ...(data.runs || state.chosen === data.best ? [] : [[data.best, "var(--best)", 2.5, BEST]]),
+      data.runs ? [state.chosen, COLOURS[state.chosen % COLOURS.length], 4, ""] : state.chosen === data.best ? [data.best, "var(--best)", 3, BEST] : [state.chosen, "var(--chosen)", 3, "chosen"],
       [state.near, "var(--ink)", 1.5, ""],
     ].flatMap(([i, ...more]) => (feasible[i] ? marks(i, ...more) : []))));
     overlays.get(holder)();
@@ -188,15 +188,15 @@ function explorer(choose, beside, glimpse) {
         pen.beginPath();
         order.forEach((c, j) => pen.lineTo(X(j), Y(j, c.of(i))));
         pen.strokeStyle = style(i);
-        pen.setLineDash(data.jobs ? jobLine(i)["stroke-dasharray"]?.split(" ") ?? [] : []);
+        pen.setLineDash(data.runs ? runLine(i)["stroke-dasharray"]?.split(" ") ?? [] : []);
         pen.stroke();
       }
     };
     const rest = ink("--line");
     lines(state.shown.filter((i) => !passes[i]), () => rest, 0.7);
-    lines(state.passing, colour, data.jobs ? 1.8 : 0.9);
+    lines(state.passing, colour, data.runs ? 1.8 : 0.9);
     const known = order.filter((c) => Number.isFinite(c.flat));
-    if (!data.jobs && known.length > 1 && known.length === order.length) {
+    if (!data.runs && known.length > 1 && known.length === order.length) {
       drawing.append(svg("path", { class: "ghost", d: line((c) => c.flat) }), svg("text", { class: "halo", x: X(order.length - 1) + 8, y: Y(order.length - 1, order.at(-1).flat) + 4, style: "fill:var(--grey)" }, "flat"));
     }
     overlay(a, wide, (i, stroke, thick) => [svg("path", { d: line((c) => c.of(i)), fill: "none", stroke, "stroke-width": thick })]);
@@ -276,12 +276,12 @@ function explorer(choose, beside, glimpse) {
     };
     pen.globalAlpha = 0.35;
     for (const i of state.shown) if (!passes[i]) dot(i, rest, 1.8);
-    pen.globalAlpha = data.jobs ? 1 : state.passing.length > 2000 ? 0.35 : 0.65;
-    for (const i of state.passing) dot(i, colour(i), data.jobs ? 5 : 2.5);
+    pen.globalAlpha = data.runs ? 1 : state.passing.length > 2000 ? 0.35 : 0.65;
+    for (const i of state.passing) dot(i, colour(i), data.runs ? 5 : 2.5);
     overlay(a, flat, (i, stroke, thick, text) => (Number.isFinite(cx.of(i) + cy.of(i)) ? [
-      svg("circle", { cx: a.X(cx.of(i)), cy: a.Y(cy.of(i)), r: 6, fill: "none", "stroke-width": 2.5, stroke: data.jobs ? "var(--ink)" : stroke }),
+      svg("circle", { cx: a.X(cx.of(i)), cy: a.Y(cy.of(i)), r: 6, fill: "none", "stroke-width": 2.5, stroke: data.runs ? "var(--ink)" : stroke }),
       nameAt(a, a.X(cx.of(i)), a.Y(cy.of(i)) - 8, text)] : []));
-    if (!data.jobs && Number.isFinite(cx.flat) && Number.isFinite(cy.flat)) a.svg.append(
+    if (!data.runs && Number.isFinite(cx.flat) && Number.isFinite(cy.flat)) a.svg.append(
       svg("rect", { x: a.X(cx.flat) - 5, y: a.Y(cy.flat) - 5, width: 10, height: 10, fill: "var(--flat)", stroke: "var(--ink)" }),
       nameAt(a, a.X(cx.flat), a.Y(cy.flat) + 12, "flat"));
     const limits = [cx, cy].map((c) => state.limits.get(c.name));

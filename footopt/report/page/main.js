@@ -95,14 +95,14 @@ function designSection() {
   function redraw() {
     const points = sole(chosen), k = heights(chosen), best = chosen === data.best, flat = data.walks && flatWalk(), same = flat && isFlat(points);
     title.textContent = COUNT > 1 ? `The ${best ? "" : "chosen "}sole: ${label(chosen)}` : `The sole: ${label(chosen)}`;
-    back.hidden = best || data.jobs !== undefined;
+    back.hidden = best || data.runs !== undefined;
     words.textContent = [k ? `k = [${k.join(",")}]` : "", `hollow ${(MM * hollow(points)).toFixed(1)} mm`, generation && chosen !== DRAWN ? `generation ${generation[chosen]}` : "",
       feasible[chosen] ? "" : `infeasible: ${reason(chosen)}`, chosen === DRAWN && feasible[chosen] ? sketch.reason : "", same ? "this is the flat foot" : flat ? `dashed: the flat foot${flat.reason ? `, whose walk failed: ${flat.reason}` : ""}` : ""].filter(Boolean).join("; ");
     const focus = document.activeElement?.dataset?.waypoint;
-    drawing.replaceChildren(soleDrawing(points, { width: widthOf(drawing), k, top: own("top", chosen), colour: data.jobs ? COLOURS[chosen % COLOURS.length] : best ? "var(--best)" : "var(--chosen)",
+    drawing.replaceChildren(soleDrawing(points, { width: widthOf(drawing), k, top: own("top", chosen), colour: data.runs ? COLOURS[chosen % COLOURS.length] : best ? "var(--best)" : "var(--chosen)",
       ghost: same ? null : flat?.points }));
     if (focus) drawing.querySelector(`[data-waypoint="${focus}"]`)?.focus({ preventScroll: true });
-    const finer = best && data.bestValues, accuracy = data.jobs ? "" : `Evaluated at accuracy ${(finer ? entry.accuracy : entry.search_accuracy ?? entry.accuracy)?.name}. `;
+    const finer = best && data.bestValues, accuracy = data.runs ? "" : `Evaluated at accuracy ${(finer ? entry.accuracy : entry.search_accuracy ?? entry.accuracy)?.name}. `;
     const compared = entry.flat && feasible[chosen] && !flat?.reason && !same;
     exact.hidden = !compared;
     numbers.replaceChildren(...(compared
@@ -175,32 +175,32 @@ function searchSection(choose) {
 const words = (text) => el("span", { class: "words" },
   ...(typeof text === "string" ? text.split(/(?<=\/)/).flatMap((part, i) => (i ? [el("wbr"), part] : [part])) : [text]));
 
-/** A multirun, or runs to compare: its jobs in a table with their soles. */
-function jobsSection(choose) {
-  const differ = data.columns, what = data.jobs[0].name.split(" ")[0];
-  return el("section", { id: "jobs" }, el("h2", {}, `The ${what}s`),
-    scrolled(`The ${what}s`, table([what, "settings", "sole", ...differ.map(named), "hollow (mm)", "seed", "time (s)"],
-      data.jobs.map((job) => [
-        job.link ? el("a", { href: job.link }, job.name) : job.name,
-        el("div", {}, words(job.settings), job.place ? el("div", { class: "words note" }, job.place) : "", job.note ? el("div", { class: "words warning" }, job.note) : ""),
-        job.design === null ? "" : el("button", { type: "button", "aria-label": `Choose the sole of ${job.name}`, click: () => choose(job.design) },
-          soleDrawing(sole(job.design), { width: 120, height: 36, plain: true, colour: COLOURS[job.design % COLOURS.length] })),
-        ...differ.map(({ unit }, c) => (job.design === null ? "–" : number(values[job.design * WIDTH + c]) + (unit === OF_FLAT ? ` (${number(job.efficiency)})` : ""))),
-        job.hollow, job.seed ?? "–", number(job.seconds)]))),
-    ...(data.jobs.some((job) => job.link) ? [el("p", { class: "note" }, `A ${what}'s link opens its own page.`)] : []));
+/** Runs side by side, such as the jobs of a multirun: a table with their soles. */
+function runsSection(choose) {
+  const differ = data.columns;
+  return el("section", { id: "runs" }, el("h2", {}, "The runs"),
+    scrolled("The runs", table(["run", "settings", "sole", ...differ.map(named), "hollow (mm)"],
+      data.runs.map(({ name, link, settings, note, design: i }) => [
+        link ? el("a", { href: link }, words(name)) : words(name),
+        el("div", {}, words(settings), note ? el("div", { class: "words warning" }, note) : ""),
+        i === null ? "" : el("button", { type: "button", "aria-label": `Choose the sole of ${name}`, click: () => choose(i) },
+          soleDrawing(sole(i), { width: 120, height: 36, plain: true, colour: COLOURS[i % COLOURS.length] })),
+        ...differ.map((_, c) => (i === null ? "–" : number(values[i * WIDTH + c]))),
+        i === null ? "–" : (MM * hollow(sole(i))).toFixed(1)]))),
+    ...(data.runs.some((run) => run.link) ? [el("p", { class: "note" }, "A run's link opens its own page.")] : []));
 }
 
-/** Traces of the jobs' walks over time, a colour and a dash for each job. */
+/** Traces of the runs' walks over time, a colour and a dash for each run. */
 function tracesSection() {
-  const jobs = data.traces.map((raw) => ({ label: data.designs.labels[raw.design], t: unpack(raw.t),
-    ...Object.fromEntries(["height", "speed", "power", "work"].map((name) => [name, unpack(raw[name])])), looks: jobLine(raw.design) }));
+  const runs = data.traces.map((raw) => ({ label: data.designs.labels[raw.design], t: unpack(raw.t),
+    ...Object.fromEntries(["height", "speed", "power", "work"].map((name) => [name, unpack(raw[name])])), looks: runLine(raw.design) }));
   const titles = { height: "height of the COM (m)", speed: "forward speed (m/s)", power: "power of the sand, both feet (W)", work: "work of the sand, both feet (J)" };
   const plots = Object.keys(titles).map((name) => [name, el("div", { class: "plot" })]);
-  const draw = () => plots.forEach(([name, holder]) => plot(holder, { x: range(jobs.flatMap((job) => [0, job.t.at(-1) ?? 0]), 0), xlabel: "time (s)", ylabel: titles[name],
-    height: 230, label: `${titles[name]} over time, of every job` }, jobs.map((job) => ({ x: job.t, y: job[name], "stroke-width": 1.5, ...job.looks })),
-    (t) => [`${t.toFixed(2)} s`, ...jobs.filter((job) => t <= job.t.at(-1)).map((job) => `${job.label}: ${number(at(job, name, 1, t)[0])}`)].join("\n")));
+  const draw = () => plots.forEach(([name, holder]) => plot(holder, { x: range(runs.flatMap((run) => [0, run.t.at(-1) ?? 0]), 0), xlabel: "time (s)", ylabel: titles[name],
+    height: 230, label: `${titles[name]} over time, of every run` }, runs.map((run) => ({ x: run.t, y: run[name], "stroke-width": 1.5, ...run.looks })),
+    (t) => [`${t.toFixed(2)} s`, ...runs.filter((run) => t <= run.t.at(-1)).map((run) => `${run.label}: ${number(at(run, name, 1, t)[0])}`)].join("\n")));
   const section = el("section", { id: "traces" }, el("h2", {}, "Their walks"),
-    legend(jobs.map((job) => ({ name: job.label, ...job.looks }))),
+    legend(runs.map((run) => ({ name: run.label, ...run.looks }))),
     el("div", { class: "grid plots", style: "--columns:2" }, ...plots.map(([, holder]) => el("figure", {}, holder))));
   return { section, draw };
 }
@@ -244,11 +244,11 @@ const choose = (i) => chosen.forEach((show) => show(i));
 function build() {
   const main = document.getElementById("main");
   document.getElementById("header").append(...headline());
-  const design = designSection(), walks = data.walks && walkSection(), small = COUNT > 1 && !data.jobs ? glance() : null;
+  const design = designSection(), walks = data.walks && walkSection(), small = COUNT > 1 && !data.runs ? glance() : null;
   const explore = COUNT > 1 ? explorer(choose, small?.section ?? design.section, (i) => small?.show(i, false)) : null;
   const found = data.history?.length ? searchSection(choose) : null, traces = data.traces?.length ? tracesSection() : null;
   if (data.figures) main.append(...studySections());
-  if (data.jobs) main.append(jobsSection(choose));
+  if (data.runs) main.append(runsSection(choose));
   main.append(...[COUNT && (small || COUNT === 1) ? design.section : null, walks?.section, explore?.section, found?.section, traces?.section].filter(Boolean));
   if (data.entry) document.getElementById("footer").append(...footer());
   chosen.push(...(COUNT ? [design.show] : []), ...[walks?.show, small?.show, explore?.mark, found?.mark].filter(Boolean));

@@ -2,9 +2,9 @@
 
 const data = JSON.parse(document.getElementById("data").textContent);
 const entry = data.entry ?? {};
-/** Lines of jobs, in the order of the figures. */
+/** Lines of runs, in the order of the figures. */
 const COLOURS = Array.from({ length: 7 }, (_, i) => `var(--line-${i})`), DASHES = [null, "7 3", "2 2", "9 3 2 3"];
-const jobLine = (i) => ({ stroke: COLOURS[i % COLOURS.length], "stroke-dasharray": DASHES[i % 4] });
+const runLine = (i) => ({ stroke: COLOURS[i % COLOURS.length], "stroke-dasharray": DASHES[i % 4] });
 /** A colour by its role, for a canvas, which reads no variables. */
 const ink = (colour) => getComputedStyle(document.documentElement).getPropertyValue(colour.replace(/^var\(|\)$/g, "")).trim();
 const clip = (v, low, high) => Math.min(Math.max(v, low), high);
