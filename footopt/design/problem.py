@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from copy import copy
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -125,18 +125,7 @@ class FootProblem(Problem):
         """What is walked through: a store keeps it with the designs."""
         return {"scene": self.scene}
 
-    def prepare(self, store: Any = None, executor: Any = None, progress: bool = False) -> None:
-        """Find out what has to be known before the first walk, which is nothing here; `search` calls it.
-
-        Parameters
-        ----------
-        store, executor
-            As in `search`.
-        progress : bool
-            Whether to show on standard error how far it is.
-        """
-
-    def at(self, accuracy: Accuracy) -> FootProblem:
+    def at(self, accuracy: Accuracy) -> Self:
         """The same, walked at another accuracy."""
         other = copy(self)
         other.accuracy = accuracy

@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
-from concurrent.futures import Executor
-from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from footopt.design.problem import Array, FootProblem, Ints, Words
-from footopt.design.scenarios import Scenario, check_measure, measured
+from footopt.design.scenarios import Scenario, check_measure, risk
 from footopt.design.search import search
 from footopt.design.solvers import EXHAUSTIVE
-from footopt.errors import FootoptError, SettingError, check
+from footopt.errors import FootoptError, check
 from footopt.foot import Waypoints
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.objectives import MEASURES
 from footopt.walk.simulate import evaluate
 
-FEW = 10_000  # soles of a space that are all walked for a scenario's best one: no more than a search walks
+FEW = 10_000  # soles of a space that are all evaluated for a scenario's best one, as many as by a search
 
 
 class RobustProblem(FootProblem):
@@ -44,14 +41,16 @@ class RobustProblem(FootProblem):
     references : (scenarios,), optional
         The value of `ranking_objective` that a good foot has in each scenario, by whose magnitude it is
         divided there: the measure is then one of the loss relative to it (`regret`). By default each
-        scenario's own best: before the first walk, one default search of each (`own_best`), 10,000 walks,
-        which ``fo.search(..., progress=True)`` shows. Ones leave the values as they are: the worst J_W of
-        three sands is that on soft sand, where J_W is a tenth, and the foot that is best by it a specialist.
+        scenario's own best, for which `own_best` searches at once, 10,000 evaluations a scenario. Ones leave
+        the values as they are: the worst J_W of three sands is that on soft sand, where J_W is a tenth, and
+        the foot that is best by it a specialist.
 
     Raises
     ------
     SettingError
         Names are not different, or a scenario, the measure or a reference cannot be used.
+    FootoptError
+        There is no feasible foot for a scenario.
     """
 
     def __init__(
@@ -74,27 +73,16 @@ class RobustProblem(FootProblem):
         super().__init__(scenarios[0].scene, objective, space, accuracy, threads)
         self.scenarios = tuple(scenarios)
         self.measure, self.tail = measure, tail
-        self._references = None if references is None else _checked(references, len(names))
-
-    @property
-    def references(self) -> Array:
-        """The value of `ranking_objective` that a good foot has in each scenario, (scenarios,)."""
-        self.prepare()
-        return cast(Array, self._references)
-
-    def prepare(
-        self,
-        store: str | Path | None = None,
-        executor: Executor | None = None,
-        progress: bool = False,
-    ) -> None:
-        """Search each scenario's own best, unless the references are known."""
-        if self._references is None:
-            self._references = own_best(self, store, executor, progress)
+        if references is None:
+            references = own_best(scenarios, self.ranking_objective, self.space, accuracy, threads)
+        self.references = np.array(references, float)
+        usable = np.isfinite(self.references) & (self.references != 0.0)
+        good = usable.shape == (len(names),) and usable.all()
+        check(good, "references", self.references.tolist(), f"{len(names)} numbers other than 0")
 
     @property
     def conditions(self) -> dict[str, Any]:
-        """What is walked through, and how it becomes one value."""
+        """What is simulated, and how it becomes one value."""
         return {
             "scenarios": self.scenarios,
             "measure": self.measure,
@@ -112,78 +100,55 @@ class RobustProblem(FootProblem):
 
     def walk(self, k: Ints) -> tuple[Array, Words]:
         """Measures of the values over the scenarios, (designs, record), and why a walk failed where."""
-        return self._measured(*self.walk_each(k))
-
-    def _measured(self, values: Array, reasons: Words) -> tuple[Array, Words]:
-        """The same of what `walk_each` returns."""
+        values, reasons = self.walk_each(k)
         values[..., self.record.index(self.ranking_objective)] /= np.abs(self.references)[:, None]
         sign = np.array([MEASURES[name].sign for name in self.record])
-        weights = np.array([s.weight for s in self.scenarios])
-        total = sign * measured(sign * values, weights, self.measure, self.tail)
-        first = [next((i for i, reason in enumerate(column) if reason), None) for column in reasons.T]
-        why = [
-            "" if i is None else f"{column[i]} ({self.scenarios[i].name})"
-            for i, column in zip(first, reasons.T, strict=True)
-        ]
-        total[[i is not None for i in first]] = np.nan
+        total = sign * risk(sign * values, self.measure, self.tail)
+        failed = reasons != ""
+        total[failed.any(axis=0)] = np.nan
+        first = zip(failed.argmax(axis=0), reasons.T, strict=True)  # the first scenario in which it fails
+        why = [f"{column[i]} ({self.scenarios[i].name})" if column[i] else "" for i, column in first]
         return total, np.array(why, dtype=np.str_)
 
 
 def own_best(
-    problem: RobustProblem,
-    store: str | Path | None = None,
-    executor: Executor | None = None,
-    progress: bool = False,
+    scenarios: Sequence[Scenario],
+    objective: str = "efficiency",
+    space: Waypoints | None = None,
+    accuracy: Accuracy | str = "standard",
+    threads: int | None = None,
+    **options: Any,
 ) -> Array:
-    """The ranking objective of the best foot of each scenario alone, (scenarios,), as a search finds it.
+    """An objective of the best foot of each scenario alone, (scenarios,).
 
-    It is the default search, or every sole of a space with no more soles than that evaluates.
+    The default search finds it, or an exhaustive one in a space that is small enough.
 
     Parameters
     ----------
-    problem : RobustProblem
-        Its scenarios, space and accuracy are taken.
-    store : str or Path, optional
-        A file to keep every walk in.
-    executor : Executor, optional
-        Of the workers that evaluate.
-    progress : bool
-        Whether to show on standard error how far it is.
+    scenarios, objective, space, accuracy, threads
+        As in `RobustProblem`.
+    **options
+        store, executor and progress, as in `search`.
 
     Raises
     ------
     FootoptError
         There is no feasible foot for a scenario.
     KeyboardInterrupt
-        It was interrupted. With the same store it goes on where it was.
+        It was interrupted.
     """
-    few = problem.space.K**problem.space.n <= FEW
-    found = []
-    for s in problem.scenarios:
-        alone = FootProblem(
-            s.scene, problem.ranking_objective, s.space(problem.space), problem.accuracy, problem.threads
-        )
+    space, found = space or Waypoints(), []
+    solver = EXHAUSTIVE if space.K**space.n <= FEW else None
+    for s in scenarios:
         try:
-            if progress:
-                print(
-                    f"The best foot for {s.name} alone, to which {problem.ranking_objective} is relative:",
-                    file=sys.stderr,
-                )
-            result = search(alone, EXHAUSTIVE if few else None, progress, store, executor)
+            alone = FootProblem(s.scene, objective, s.space(space), accuracy, threads)
+            result = search(alone, solver, **options)
         except FootoptError as error:
             raise FootoptError(f"{s.name}: {error}") from None
         if result.interrupted:
             raise KeyboardInterrupt(f"while searching the best foot for {s.name} alone")
-        found.append(result.column(problem.ranking_objective)[result.best])
-    return _checked(found, len(found))
-
-
-def _checked(references: Sequence[float] | Array, count: int) -> Array:
-    """References as an array; raise unless values can be divided by them."""
-    array = np.array(references, float)
-    if array.shape != (count,) or not (np.isfinite(array) & (array != 0.0)).all():
-        raise SettingError("references", array.tolist(), f"{count} finite numbers other than 0")
-    return array
+        found.append(result.column(objective)[result.best])
+    return np.array(found)
 
 
 def regret(values: Array, references: Array, name: str) -> Array:

@@ -1,14 +1,13 @@
 """Scenarios: the ways a walk may turn out to be, drawn once and then the same for every foot.
 
 A foot is made before the sand is known, and the walker never weighs or steps quite as planned. A
-`Spread` says how far a scene's parameters lie apart, `draw` makes scenarios of it, and `measured`
-judges a foot over all of them: by the mean, the worst case, or the mean of the worst tail.
+`Spread` says how far a scene's parameters lie apart, `draw` makes scenarios of it, and `risk` judges a foot
+over all of them: by the mean, the worst case, or the mean of the worst tail.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 
@@ -43,22 +42,11 @@ class Scenario:
         The scene to simulate.
     ankle : (float, float), m
         Added to the ankle's place in the foot frame.
-    weight : float
-        How probable it is beside the others.
-
-    Raises
-    ------
-    SettingError
-        The weight is no number > 0.
     """
 
     name: str
     scene: Scene
     ankle: tuple[float, float] = (0.0, 0.0)
-    weight: float = 1.0
-
-    def __post_init__(self) -> None:
-        check(0 < self.weight < math.inf, "scenario.weight", self.weight, "a number > 0")
 
     def space(self, space: Waypoints) -> Waypoints:
         """The same soles, worn as this scenario has it."""
@@ -119,12 +107,13 @@ COLUMNS = (
 )
 
 
-def sands(scene: Scene, names: Sequence[str] = ("soft", "regular", "hard")) -> tuple[Scenario, ...]:
-    """A scene on each of several sands."""
+def sands(scene: Scene) -> tuple[Scenario, ...]:
+    """A scene on soft, regular and hard sand."""
+    names = ("soft", "regular", "hard")
     return tuple(Scenario(name, replace(scene, sand=Sand.named(name))) for name in names)
 
 
-def laws(scene: Scene) -> tuple[Scenario, ...]:
+def plausible_laws(scene: Scene) -> tuple[Scenario, ...]:
     """A scene under the plain law, and with each and both of the effects that may be true of any sole."""
     choices: dict[str, tuple[Effect, ...]] = {
         "plain law": (),
@@ -139,12 +128,12 @@ def laws(scene: Scene) -> tuple[Scenario, ...]:
 def harder_and_softer(scene: Scene, spread: float) -> tuple[Scenario, ...]:
     """A scene on sand with zeta a standard deviation of its logarithm lower, and higher; none without one."""
     factors = (math.exp(-spread), math.exp(spread)) if spread else ()
-    return tuple(
-        Scenario(
-            f"zeta x {factor:.2g}", replace(scene, sand=replace(scene.sand, zeta=scene.sand.zeta * factor))
-        )
-        for factor in factors
-    )
+    return tuple(Scenario(f"zeta x {factor:.2g}", scale_zeta(scene, factor)) for factor in factors)
+
+
+def scale_zeta(scene: Scene, factor: float) -> Scene:
+    """A scene with `factor` times its zeta."""
+    return replace(scene, sand=replace(scene.sand, zeta=scene.sand.zeta * factor))
 
 
 def draw(scene: Scene, spread: Spread, count: int, seed: int = 1) -> tuple[Scenario, ...]:
@@ -189,8 +178,7 @@ def vary(scene: Scene, spread: Spread, normals: Array, name: str = "varied") -> 
     return Scenario(
         name,
         replace(
-            scene,
-            sand=replace(scene.sand, zeta=scene.sand.zeta * math.exp(spread.zeta * number("zeta"))),
+            scale_zeta(scene, math.exp(spread.zeta * number("zeta"))),
             walker=replace(scene.walker, mass=scene.walker.mass * math.exp(spread.mass * number("mass"))),
             gait=replace(gait, period=gait.period * math.exp(spread.period * number("period"))),
         ),
@@ -221,20 +209,18 @@ def _moved(angle: Fourier, swing: float, change: Array) -> Fourier:
     )
 
 
-def measured(values: Array, weights: Array, measure: str, tail: float) -> Array:
-    """Values to be minimised over scenarios as one number each.
+def risk(values: Array, measure: str, tail: float) -> Array:
+    """A risk measure over equally probable scenarios of values to be minimised.
 
     Parameters
     ----------
     values : (scenarios, ...)
         To be minimised.
-    weights : (scenarios,)
-        Of any sum.
     measure : str
         In `RISK_MEASURES`.
     tail : float
-        The share of the probability that "tail" averages over, the worst one: the conditional value at
-        risk (Rockafellar & Uryasev 2000), with a scenario's part where the tail ends inside it.
+        The share of the scenarios that "tail" averages over, the worst ones: the conditional value at
+        risk (Rockafellar & Uryasev 2000), with a part of a scenario where the tail ends inside it.
 
     Returns
     -------
@@ -243,17 +229,12 @@ def measured(values: Array, weights: Array, measure: str, tail: float) -> Array:
     """
     check_measure(measure, tail)
     if measure == "worst":
-        worst: Array = values.max(axis=0)
-        return worst
-    share = 1.0 if measure == "mean" else tail
-    order = np.argsort(-values, axis=0, kind="stable")
-    probability = (weights / weights.sum())[order]
-    total, before = np.zeros(values.shape[1:]), np.zeros(values.shape[1:])
-    # a sum over an axis may round differently from batch to batch
-    for value, p in zip(np.take_along_axis(values, order, axis=0), probability, strict=True):
-        total += np.clip(share - before, 0.0, p) * value
-        before += p
-    return total / share
+        return np.asarray(values.max(axis=0))
+    scenarios = len(values) * (1.0 if measure == "mean" else tail)
+    parts = np.clip(scenarios - np.arange(len(values)), 0.0, 1.0)
+    worst_first = -np.sort(-values, axis=0)
+    # numpy's sum over an axis may round differently from batch to batch
+    return np.asarray(sum(part * value for part, value in zip(parts, worst_first, strict=True)) / scenarios)
 
 
 def check_measure(measure: str, tail: float) -> None:

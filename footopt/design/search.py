@@ -48,7 +48,7 @@ def search(
         for the number of objectives (`Solver.fitting`).
     progress : callable or bool, optional
         Called with each `Generation`; the search ends if it returns True. True itself shows a line on
-        standard error; before that, how far the references of a `RobustProblem` are.
+        standard error.
     store : str, Path or Store, optional
         A file to keep every evaluation in. The same search with the same store goes on where it was
         stopped: nothing is walked twice, and the result is the same, to the last bit, as that of a
@@ -96,7 +96,6 @@ def search(
     elif budget:
         solver = replace(solver, **budget)
     solver = solver.fitting(problem.n_obj)
-    problem.prepare(None if isinstance(store, Store) else store, executor, progress is True)
     opened = Store(store, problem) if isinstance(store, (str, Path)) else nullcontext(store)
     # what a solver computes is too little for threads, which would wait for each other
     with opened as kept, threadpool_limits(1, "blas"):

@@ -30,7 +30,7 @@ from footopt.report.progress import Step, progress
 from footopt.studies.build import make_accuracy, make_foot, make_scene, make_space
 from footopt.studies.runs import finished, result_of
 from footopt.studies.settings import REPORTS, Config
-from footopt.walk import MEASURES, Accuracy, Scene, simulate
+from footopt.walk import MEASURES, Accuracy, Scene
 from footopt.walk.adapt import adapted
 from footopt.walk.objectives import lookup
 from footopt.walk.validity import Diagnostic
@@ -250,15 +250,6 @@ class Study:
         long = len(str(self.folder)) > self.console.width  # no line break in what is to be copied
         words = f"Everything is in {self.folder} ({self.seconds:.3g} s in all)"
         self.console.print(words, soft_wrap=long or not self.console.is_terminal)
-
-
-def flat_efficiency(problem: FootProblem) -> float | None:
-    """J_W of the flat foot, below 0; None where it has none, or a problem seeks something else."""
-    if problem.ranking_objective != "efficiency":
-        return None
-    flat = simulate(Foot.flat(problem.space), problem.scene, problem.accuracy)
-    value = float(flat.objectives[problem.ranking_objective])
-    return value if value < 0.0 else None
 
 
 def sweeper_value(names: Sequence[str], values: Mapping[str, float]) -> SweeperValue:

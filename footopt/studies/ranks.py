@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from footopt.design import FootProblem
 from footopt.design.robust import regret
-from footopt.design.scenarios import Scenario, harder_and_softer, laws
+from footopt.design.scenarios import Scenario, harder_and_softer, plausible_laws
 from footopt.report.numbers import percent
 from footopt.studies.audit import tau
 from footopt.walk import MEASURES, Scene, evaluate
@@ -54,7 +54,7 @@ class Rank:
 
 def other_laws(scene: Scene, spread: float) -> list[Scenario]:
     """A scene under the laws that may be true instead of its own, and with zeta a standard deviation off."""
-    return [*(s for s in laws(scene) if s.scene != scene), *harder_and_softer(scene, spread)]
+    return [*(s for s in plausible_laws(scene) if s.scene != scene), *harder_and_softer(scene, spread)]
 
 
 def ranks(problem: FootProblem, finalists: Ints, flat: Ints, spread: float) -> list[Rank]:

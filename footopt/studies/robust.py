@@ -1,17 +1,17 @@
 """One foot for all sands? What a robust foot loses against the specialists that each scenario has.
 
 Every scenario gets its specialist, the robust foot is searched by the same solver with as many
-designs, and all feet then walk in all scenarios. The robust foot minimises a measure of its regret:
+designs, and all feet are then evaluated in all scenarios. The robust foot minimises a measure of its regret:
 the relative loss against the best specialist known in a scenario. Of drawn scenarios, the foot for
 the median scene takes part too, and both meet scenarios that neither was designed for.
 """
 
 from __future__ import annotations
 
-import dataclasses
 from concurrent.futures import Executor
-from dataclasses import dataclass, field, replace
-from typing import Any
+from copy import copy
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,16 +20,16 @@ from rich.table import Table as RichTable
 from footopt.design import EXHAUSTIVE, FootProblem, SearchResult, Solver, confirm, make_executor, search
 from footopt.design.result import check_finalists
 from footopt.design.robust import RobustProblem, regret
-from footopt.design.scenarios import Scenario, draw, laws, sands
-from footopt.errors import FootoptError, SettingError, check
+from footopt.design.scenarios import Scenario, draw, plausible_laws, sands
+from footopt.errors import FootoptError, check, check_whole
 from footopt.files import io as files
 from footopt.files.feet import write_foot
 from footopt.foot import Foot, Waypoints
 from footopt.report import figures, terminal
 from footopt.report.figures import tables
 from footopt.report.figures.search import FRONT, history_label
-from footopt.report.progress import Step, report_generations
-from footopt.studies.base import Study, accuracy_entry, flat_efficiency, foot_entry, scene_entry
+from footopt.report.progress import report_generations
+from footopt.studies.base import Study, accuracy_entry, foot_entry, scene_entry
 from footopt.studies.build import check_searchable, make_scene, make_spread
 from footopt.studies.settings import Config, SearchSettings, SpreadConfig, default, setting
 from footopt.studies.validation.model import model_error
@@ -40,7 +40,6 @@ Heights = dict[str, NDArray[np.int64]]  # of soles, by the feet's names
 
 SOURCES = ("sands", "laws", "drawn")
 HELD_OUT = 200  # fresh scenarios that test the robust foot
-QUICK_DRAWS, QUICK_GENERATIONS, QUICK_HELD_OUT = 3, 5, 8
 SHOWN = 6  # scenarios that a table on the terminal has columns for
 MEDIAN, ROBUST = "median scene", "robust"
 
@@ -50,7 +49,6 @@ class Settings(SearchSettings):
     """One foot for three sands, several laws, or drawn scenes, against the specialist of each."""
 
     name: str = "robust"
-    quick: bool = setting(False, "Whether a first look is enough: three draws, five generations.")
     scenarios: str = setting("sands", "What one foot is for: sands, laws, or drawn about the scene.")
     draws: int = setting(16, "How many scenarios are drawn.")
     measure: str = setting(
@@ -61,68 +59,50 @@ class Settings(SearchSettings):
     spread: Any = field(default_factory=lambda: SpreadConfig(zeta=None))
 
 
-@dataclass(frozen=True, eq=False)
-class Comparison:
-    """All feet in all scenarios.
+class Comparison(NamedTuple):
+    """All feet in all scenarios."""
 
-    Parameters
-    ----------
-    names : (feet,)
-        The scenarios' specialists, the median scene's where there is one, the robust foot.
-    values : (scenarios, feet, record)
-        Objectives, natural signs.
-    reasons : (scenarios, feet)
-        Of failed walks.
-    references : (scenarios,)
-        The ranking objective's value of the specialist that is best in each.
-    regrets : (feet, scenarios)
-        Against these.
-    """
-
-    names: tuple[str, ...]
-    values: Array
-    reasons: NDArray[np.str_]
-    references: Array
-    regrets: Array
+    names: tuple[str, ...]  # of the feet: the scenarios' specialists, the median scene's, the robust foot
+    values: Array  # (scenarios, feet, record), natural signs
+    reasons: NDArray[np.str_]  # (scenarios, feet), of failed walks
+    references: Array  # (scenarios,), the ranking objective of the specialist that is best in each
+    regrets: Array  # (feet, scenarios), against these
 
 
 def run(study: Study) -> None:
     """Search the specialists and the robust foot, and say what each loses."""
-    config, options = study.config, study.options
+    config, options, finer = study.config, study.options, study.finer_accuracy
     check_searchable(config.foot)
-    scene, scenarios = make_scenarios(config)
-    solver = Solver(**vars(config.solver))
-    if options.quick:
-        solver = dataclasses.replace(solver, n_gen=min(solver.n_gen or QUICK_GENERATIONS, QUICK_GENERATIONS))
-    accuracy, finer = study.accuracy, study.finer_accuracy
     check_finalists(options.finalists)
-    judge = RobustProblem(
-        scenarios, config.objective.names, study.space, accuracy, study.threads, options.measure,
+    drawn = options.scenarios == "drawn"
+    scene, scenarios = make_scenarios(config)
+    problem = RobustProblem(
+        scenarios, config.objective.names, study.space, study.accuracy, study.threads, options.measure,
         options.tail, references=np.ones(len(scenarios)),
     )  # fmt: skip
-    solver = solver.fitting(judge.n_obj)
-    solver.build(judge.n_obj)  # what does not fit is refused before anything is walked
-    solver.check_space(judge.space)
+    solver = Solver(**vars(config.solver)).fitting(problem.n_obj)
+    solver.build(problem.n_obj)  # what does not fit is refused before anything is simulated
+    solver.check_space(problem.space)
 
-    owners = (*scenarios, Scenario(MEDIAN, scene)) if options.scenarios == "drawn" else scenarios
+    owners = (*scenarios, Scenario(MEDIAN, scene)) if drawn else scenarios
     feet: Heights = {}
-    each = solver.generations(judge.space)
-    units = each * (len(owners) + len(scenarios))  # the robust foot walks in all scenarios
+    units = solver.generations(problem.space) * (len(owners) + len(scenarios))
     unit, e = "batch" if solver.name == EXHAUSTIVE else "generation", config.engine
     with (
         make_executor(e.name, e.workers, e.address, e.timeout) as executor,
         study.progress(units, unit) as step,
     ):
         for owner in owners:
-            alone = FootProblem(owner.scene, judge.names, owner.space(judge.space), accuracy, judge.threads)
-            result = _search(study, alone, solver, owner.name, executor, step)
+            alone = FootProblem(
+                owner.scene, problem.names, owner.space(problem.space), problem.accuracy, problem.threads
+            )
+            tell = report_generations(step, problem.ranking_objective, 1, f"{owner.name}: ")
+            result = _search(study, alone, solver, owner.name, executor, tell)
             feet[owner.name] = result.k[confirm(result, finer, options.finalists).designs[0]]
             study.say(f"specialist, {owner.name}: {terminal.describe_search(result)}")
-        problem = RobustProblem(
-            scenarios, judge.names, judge.space, accuracy, judge.threads, options.measure, options.tail,
-            references=compare(judge, feet).references,
-        )  # fmt: skip
-        result = _search(study, problem, solver, ROBUST, executor, step)
+        problem.references = compare(problem, feet).references
+        tell = report_generations(step, relative_name(problem), len(scenarios), f"{ROBUST}: ")
+        result = _search(study, problem, solver, ROBUST, executor, tell)
     confirmed = confirm(result, finer, options.finalists)
     feet[ROBUST] = result.k[confirmed.designs[0]]
     study.say(
@@ -130,16 +110,16 @@ def run(study: Study) -> None:
         terminal.describe_confirmation(confirmed),
     )
 
-    judge.accuracy = finer
+    judge = problem.at(finer)
+    judge.references = np.ones(len(scenarios))  # values as they are
     compared = compare(judge, feet)
-    foot = dataclasses.replace(Foot.from_waypoints(feet[ROBUST].tolist(), judge.space), name=ROBUST)
-    fresh = held_out_regret(study, scene, judge, feet) if options.scenarios == "drawn" else None
+    soles = {name: Foot.from_waypoints(k.tolist(), judge.space) for name, k in feet.items()}
+    foot = replace(soles[ROBUST], name=ROBUST)
+    fresh = held_out_regret(study, scene, judge, feet) if drawn else None
     _write_files(study, judge, compared, foot, result)
-    _save_figures(study, judge, compared, feet, result, fresh)
+    _save_figures(study, judge, compared, soles, result, fresh)
     model = model_error(simulate(foot, scene, finer), spread=make_spread(config).zeta)
-    objectives, regrets = judge.walk(feet[ROBUST][None])[0][0], compared.regrets.tolist()
-    names = [s.name for s in scenarios]
-    hollows = {name: 1e3 * Foot.from_waypoints(k.tolist(), judge.space).hollow for name, k in feet.items()}
+    objectives, names = judge.walk(feet[ROBUST][None])[0][0], [s.name for s in scenarios]
     study.conclude(
         "One foot for everything",
         [table(judge, compared)],
@@ -149,22 +129,21 @@ def run(study: Study) -> None:
             "model_error": model,
             "measure": {"name": options.measure, "tail": options.tail, "of": judge.ranking_objective},
             "feet": {name: k.tolist() for name, k in feet.items()},
-            "hollow_mm": hollows,
+            "hollow_mm": {name: 1e3 * sole.hollow for name, sole in soles.items()},
             "scenarios": [scenario_entry(s, finer, judge.space) for s in scenarios],
             "regrets": {
                 name: dict(zip(names, row, strict=True))
-                for name, row in zip(compared.names, regrets, strict=True)
+                for name, row in zip(compared.names, compared.regrets.tolist(), strict=True)
             },
             "held_out_regret": None if fresh is None else fresh.tolist(),
             **scene_entry(scene, finer, judge.record),
-            "search_accuracy": dataclasses.asdict(accuracy),
-            "solver": dataclasses.asdict(solver),
+            "search_accuracy": asdict(problem.accuracy),
+            "solver": asdict(solver),
             "seed": solver.seed,
             "evaluations": result.evaluations,
         },
         said=[
             f"Robust foot: {terminal.describe_foot(foot)}",
-            "Hollows (mm): " + ", ".join(f"{name} {depth:.1f}" for name, depth in hollows.items()),
             *_remarks(names, compared, fresh),
             *terminal.describe_model([model]),
         ],
@@ -174,29 +153,23 @@ def run(study: Study) -> None:
 def make_scenarios(config: Config) -> tuple[Scene, tuple[Scenario, ...]]:
     """The scene of the settings and the scenarios about it."""
     options, scene = config.study, make_scene(config)
-    if options.scenarios not in SOURCES:
-        raise SettingError("study.scenarios", options.scenarios, f"one of {', '.join(SOURCES)}")
-    if options.scenarios != "drawn":
-        return scene, sands(scene) if options.scenarios == "sands" else laws(scene)
-    check(
-        2 <= options.draws <= 10_000,
-        "study.draws",
-        options.draws,
-        "a whole number >= 2 and <= 10,000",
-    )
-    count = min(options.draws, QUICK_DRAWS) if options.quick else options.draws
-    return scene, draw(scene, make_spread(config), count, config.solver.seed)
+    check(options.scenarios in SOURCES, "study.scenarios", options.scenarios, f"one of {', '.join(SOURCES)}")
+    if options.scenarios == "drawn":
+        check_whole(options.draws, "study.draws", 2, 10_000)
+        return scene, draw(scene, make_spread(config), options.draws, config.solver.seed)
+    return scene, sands(scene) if options.scenarios == "sands" else plausible_laws(scene)
+
+
+def relative_name(problem: RobustProblem) -> str:
+    """The name of what the robust search improves."""
+    return f"{problem.measure} {problem.ranking_objective} relative to the specialists'"
 
 
 def _search(
-    study: Study, problem: FootProblem, solver: Solver, name: str, executor: Executor | None, step: Step
+    study: Study, problem: FootProblem, solver: Solver, name: str, executor: Executor | None, tell: Any
 ) -> SearchResult:
     """A search whose evaluations are kept; an interrupted one ends the study."""
-    units, base, scale = 1, flat_efficiency(problem), "flat"
-    if isinstance(problem, RobustProblem):
-        units, base, scale = len(problem.scenarios), np.sign(problem.references[0]), "the specialist's"
     try:
-        tell = report_generations(step, problem.ranking_objective, units, f"{name}: ", base, scale)
         with study.store(problem) as store:
             result = search(problem, solver, tell, store, executor)
     except FootoptError as error:
@@ -207,7 +180,7 @@ def _search(
 
 
 def compare(judge: RobustProblem, feet: Heights) -> Comparison:
-    """Walk with all feet in all scenarios."""
+    """Evaluate all feet in all scenarios."""
     values, reasons = judge.walk_each(np.array(list(feet.values())))
     ranked = values[..., judge.record.index(judge.ranking_objective)]
     specialists = ranked[:, [name != ROBUST for name in feet]]
@@ -218,10 +191,9 @@ def compare(judge: RobustProblem, feet: Heights) -> Comparison:
 
 def held_out_regret(study: Study, scene: Scene, judge: RobustProblem, feet: Heights) -> Array:
     """Regret of the robust foot against the median scene's in fresh scenarios; NaN if one fails."""
-    count = QUICK_HELD_OUT if study.options.quick else HELD_OUT
-    fresh = draw(scene, make_spread(study.config), count, study.seed + 1)
-    problem = RobustProblem(fresh, judge.names, judge.space, judge.accuracy, judge.threads)
-    values, _ = problem.walk_each(np.array([feet[MEDIAN], feet[ROBUST]]))
+    fresh = copy(judge)
+    fresh.scenarios = draw(scene, make_spread(study.config), HELD_OUT, study.seed + 1)
+    values, _ = fresh.walk_each(np.array([feet[MEDIAN], feet[ROBUST]]))
     ranked = values[..., judge.record.index(judge.ranking_objective)]
     return regret(ranked[:, 1], ranked[:, 0], judge.ranking_objective)
 
@@ -231,15 +203,11 @@ def _write_files(
 ) -> None:
     """The regrets, every evaluated design, and the robust foot's contour."""
     rows = (
-        [
-            name, s.name, s.scene.sand.zeta, s.scene.walker.mass, s.scene.gait.period,
-            *compared.values[j, i].tolist(), str(compared.reasons[j, i]), float(compared.regrets[i, j]),
-        ]
+        [name, s.name, *compared.values[j, i].tolist(), compared.reasons[j, i], compared.regrets[i, j]]
         for i, name in enumerate(compared.names)
         for j, s in enumerate(judge.scenarios)
-    )  # fmt: skip
-    header = ["foot", "scenario", "zeta", "mass", "period", *judge.record, "reason", "regret"]
-    study.write_csv("regrets.csv", header, rows)
+    )
+    study.write_csv("regrets.csv", ["foot", "scenario", *judge.record, "reason", "regret"], rows)
     files.write_designs(study.folder / "designs.csv", result.columns)
     for ending in ("csv", "dxf"):
         write_foot(foot, study.folder / f"contour.{ending}")
@@ -249,29 +217,19 @@ def _save_figures(
     study: Study,
     judge: RobustProblem,
     compared: Comparison,
-    feet: Heights,
+    soles: dict[str, Foot],
     result: SearchResult,
     fresh: Array | None,
 ) -> None:
     """All figures, with what each shows."""
-    shown = compared.names if fresh is None else (MEDIAN, ROBUST)
-    soles = {name: Foot.from_waypoints(feet[name].tolist(), judge.space) for name in shown}
+    shown = soles if fresh is None else {name: soles[name] for name in (MEDIAN, ROBUST)}
     caption = "The specialists' soles and the robust one, or the median scene's."
-    study.save("contours", figures.contours(soles), caption)
-    scenarios = [s.name for s in judge.scenarios]
-    regrets = tables.regrets(compared.regrets, compared.names, scenarios)
+    study.save("contours", figures.contours(shown), caption)
+    regrets = tables.regrets(compared.regrets, compared.names, [s.name for s in judge.scenarios])
     study.save("regrets", regrets, "What each foot loses in each scenario against the best specialist there.")
-    own = np.array(np.sign(compared.references[0]))  # of a walk as good as the reference
-
-    def percent(value: float) -> Array:
-        return 100.0 * regret(np.array(value), own, judge.ranking_objective)
-
-    history = [
-        replace(g, best=float(percent(g.best)), median=float(percent(g.median))) for g in result.history
-    ]
+    label = relative_name(judge) if judge.n_obj == 1 else history_label(judge.names)
     caption = "The robust search: the best so far over its evaluations."
-    label = f"{judge.measure} regret (%)" if judge.n_obj == 1 else history_label(judge.names)
-    study.save("convergence", figures.convergence(history, label), caption)
+    study.save("convergence", figures.convergence(result.history, label), caption)
     if fresh is not None:
         caption = "Regret of the robust foot against the median scene's, in scenarios that neither knew."
         study.save("held_out", tables.held_out(fresh), caption)
@@ -305,8 +263,7 @@ def table(judge: RobustProblem, compared: Comparison) -> RichTable:
 def _remarks(scenarios: list[str], compared: Comparison, fresh: Array | None) -> list[str]:
     """What is to be said of the regrets."""
     said = []
-    places = {name: compared.names.index(name) for name in scenarios}
-    if beaten := [name for i, name in enumerate(scenarios) if compared.regrets[places[name], i] > 0.0]:
+    if beaten := [name for i, name in enumerate(scenarios) if compared.regrets[i, i] > 0.0]:
         said.append(
             f"{', '.join(beaten)}: another specialist is better than this scenario's own, whose search did "
             "not find the best foot. Regrets are against the better one; a larger solver.walks may help."
@@ -327,7 +284,6 @@ def scenario_entry(scenario: Scenario, accuracy: Accuracy, space: Waypoints) -> 
     scene = scenario.scene
     return {
         "name": scenario.name,
-        "weight": scenario.weight,
         "zeta": scene.sand.zeta,
         "mass": scene.walker.mass,
         "period_s": scene.gait.period,

@@ -41,7 +41,7 @@ WRONG = {
     # values of another kind
     "sand.zeta=loose": "sand.zeta = 'loose': must be a number.",
     "solver.n_gen=2.5": "solver.n_gen = '2.5': must be a whole number.",
-    "study=robust study.quick=maybe": "study.quick = 'maybe': must be true or false.",
+    "study=accuracy study.quick=maybe": "study.quick = 'maybe': must be true or false.",
     "foot.k=5": "foot.k = '5': must be a list in brackets",
     "effects.auto=null": "effects.auto = 'null': must be given a value.",
     # values that the library refuses

@@ -12,9 +12,8 @@ from searching import SMALL
 
 import footopt as fo
 from footopt.design import Solver, Store, confirm, search
-from footopt.design.problem import FootProblem
 from footopt.design.robust import own_best, regret
-from footopt.design.scenarios import RISK_MEASURES, laws, measured, sands
+from footopt.design.scenarios import RISK_MEASURES, plausible_laws, risk, sands
 from footopt.design.store import context, differences, digest
 from footopt.errors import FootoptError, SettingError
 
@@ -79,37 +78,33 @@ class TestScenarios:
             fo.Spread(**{name: value})
         with pytest.raises(SettingError, match=r"study\.draws = 0"):
             fo.draw(fo.Scene(), fo.Spread(), 0)
-        with pytest.raises(SettingError, match=r"scenario\.weight = 0"):
-            fo.Scenario("never", fo.Scene(), weight=0)
 
 
 VALUES = arrays(float, (5, 3), elements=st.floats(-1e3, 1e3))
-WEIGHTS = arrays(float, 5, elements=st.floats(0.1, 10))
 
 
 class TestMeasures:
-    @given(VALUES, WEIGHTS, st.floats(0.01, 1.0), st.floats(0.01, 1.0))
-    def test_the_tail_is_between_mean_and_worst_and_falls_with_its_share(self, values, weights, a, b):
-        mean, worst = (measured(values, weights, m, 0.5) for m in ("mean", "worst"))
-        few, many = (measured(values, weights, "tail", t) for t in sorted((a, b)))
+    @given(VALUES, st.floats(0.01, 1.0), st.floats(0.01, 1.0))
+    def test_the_tail_is_between_mean_and_worst_and_falls_with_its_share(self, values, a, b):
+        mean, worst = (risk(values, m, 0.5) for m in ("mean", "worst"))
+        few, many = (risk(values, "tail", t) for t in sorted((a, b)))
         slack = 1e-9 * (1 + np.abs(values).max())
         assert (mean <= many + slack).all()
         assert (many <= few + slack).all()
         assert (few <= worst + slack).all()
 
-    @given(VALUES, WEIGHTS)
-    def test_mean_and_worst_are_the_tail_s_limits(self, values, weights):
-        np.testing.assert_allclose(
-            measured(values, weights, "mean", 0.5), np.average(values, axis=0, weights=weights), atol=1e-9
-        )
-        thin = 0.5 * weights.min() / weights.sum()
-        np.testing.assert_allclose(measured(values, weights, "tail", thin), values.max(axis=0), atol=1e-9)
+    @given(VALUES)
+    def test_mean_and_worst_are_the_tail_s_limits_and_a_part_of_a_scenario_counts(self, values):
+        np.testing.assert_allclose(risk(values, "mean", 0.5), values.mean(axis=0), atol=1e-9)
+        np.testing.assert_allclose(risk(values, "tail", 0.1), values.max(axis=0), atol=1e-9)
+        first, second = -np.sort(-values, axis=0)[:2]
+        np.testing.assert_allclose(risk(values, "tail", 0.3), (first + 0.5 * second) / 1.5, atol=1e-9)
 
     @pytest.mark.parametrize("measure", RISK_MEASURES)
     def test_a_design_s_measure_does_not_depend_on_its_batch(self, measure):
         values = np.random.default_rng(2).normal(size=(33, 50, 6))
-        whole = measured(values, np.ones(33), measure, 0.3)
-        alone = [measured(values[:, i : i + 1], np.ones(33), measure, 0.3)[0] for i in range(50)]
+        whole = risk(values, measure, 0.3)
+        alone = [risk(values[:, i : i + 1], measure, 0.3)[0] for i in range(50)]
         np.testing.assert_array_equal(whole, alone)
 
 
@@ -176,43 +171,21 @@ class TestRobustProblem:
         specialists = every[j[..., 0].argmin(axis=1)]
         assert 0 < worst.min() < (1 + together.walk(specialists)[0][:, 5]).min()
 
-    def test_own_bests_are_kept_in_a_store_and_sent_with_the_problem(self, tmp_path):
-        space = fo.Waypoints(n=4, K=3)
-        p = fo.RobustProblem(SANDS[:2], space=space, accuracy=COARSE)
-        kept = own_best(p, tmp_path / "s.sqlite")
-        with Store(tmp_path / "s.sqlite", fo.FootProblem(SANDS[1].scene, space=space, accuracy=COARSE)) as s:
+    def test_own_bests_are_kept_in_a_store_and_are_the_default(self, tmp_path):
+        space, store = fo.Waypoints(n=4, K=3), tmp_path / "s.sqlite"
+        kept = own_best(SANDS[:2], space=space, accuracy=COARSE, store=store)
+        with Store(store, fo.FootProblem(SANDS[1].scene, space=space, accuracy=COARSE)) as s:
             assert len(s) > 30
-        np.testing.assert_array_equal(kept, p.references)
-        again = fo.RobustProblem(SANDS[:2], space=space, accuracy=COARSE, references=kept)
-        assert digest(context(p)) == digest(context(again))
-        with pytest.raises(FootoptError, match=r"quicksand: No feasible design"):
-            own_best(problem([fo.Scenario("quicksand", fo.Scene(sand=fo.Sand(1e-3)))]))
-
-    def test_the_search_of_references_goes_on_where_it_was_interrupted(self, tmp_path, capsys, monkeypatch):
-        """Nothing walked is lost, and a line says what is searched."""
-        store, space, walked = tmp_path / "s.sqlite", fo.Waypoints(n=4, K=3), FootProblem.walk
-
-        def interrupted(self, k):
-            if self.scene == SANDS[1].scene:
-                raise KeyboardInterrupt
-            return walked(self, k)
-
-        monkeypatch.setattr(FootProblem, "walk", interrupted)
-        with pytest.raises(KeyboardInterrupt):
-            search(fo.RobustProblem(SANDS[:2], space=space, accuracy=COARSE), walks=20, store=store)
-        again = []
-        monkeypatch.setattr(FootProblem, "walk", lambda self, k: again.append(self.scene) or walked(self, k))
         p = fo.RobustProblem(SANDS[:2], space=space, accuracy=COARSE)
-        search(p, walks=20, store=store, progress=True)
-        assert SANDS[1].scene in again
-        assert SANDS[0].scene not in again
-        assert f"best foot for {SANDS[1].name} alone" in capsys.readouterr().err
+        np.testing.assert_array_equal(kept, p.references)
+        with pytest.raises(FootoptError, match=r"quicksand: No feasible design"):
+            own_best([fo.Scenario("quicksand", fo.Scene(sand=fo.Sand(1e-3)))], space=space)
 
     def test_a_store_knows_the_scenarios_and_how_they_are_judged(self, tmp_path):
         others = [
             problem(),
             problem(SANDS[:2]),
-            problem([replace(SANDS[0], weight=2.0), *SANDS[1:]]),
+            problem([replace(SANDS[0], ankle=(0.01, 0.0)), *SANDS[1:]]),
             problem(measure="tail", tail=0.3),
             problem(references=[1.0, 2.0, 3.0]),
             fo.FootProblem(SANDS[0].scene, "efficiency", SMALL, COARSE),
@@ -221,13 +194,13 @@ class TestRobustProblem:
         assert len(set(digests)) == len(digests)
         assert digest(context(problem())) == digests[0]
         (said,) = differences(context(others[2]), context(others[0]))
-        assert said == "scenarios.0.weight (2.0 there, 1.0 here)"
+        assert said == "scenarios.0.ankle ([0.01, 0.0] there, [0.0, 0.0] here)"
         with Store(tmp_path / "s.sqlite", problem()) as store:
             assert len(store) == 0
 
     def test_laws_are_those_with_and_without_two_effects_and_keep_all_else(self):
         slope = fo.Slope(3.0)
-        scenes = laws(fo.Scene(effects=(slope, fo.LeadingEdge())))
+        scenes = plausible_laws(fo.Scene(effects=(slope, fo.LeadingEdge())))
         found = {s.name: s.scene.effects for s in scenes}
         assert {name: {*effects} - {slope} for name, effects in found.items()} == {
             "plain law": set(),
