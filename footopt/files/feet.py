@@ -1,15 +1,25 @@
-"""A foot as files to make it from: its sole, its outline, its body."""
+"""A foot as files to make it from: its sole (CSV), its outline (DXF, SVG), its body (STL, STEP), in mm.
+
+x is forward and z up; across the foot's width y runs from -width/2 to width/2. A contour is a dense polyline
+here as it is in a walk: no spline is fitted to it, which would change the body's volume.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
-from footopt.errors import MissingError, check
-from footopt.files import bodies, drawings
-from footopt.files.outline import body_outline
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.errors import FileError, MissingError, check, needed
+from footopt.files.io import write_bytes, write_csv, write_text, write_whole
+from footopt.files.outline import MM, body_outline
 from footopt.foot import Foot
 
+Array = NDArray[np.float64]
+
+SOLE, OUTLINE = "SOLE", "OUTLINE"  # layers of the DXF file, groups of the SVG file
 FORMATS = ("csv", "dxf", "svg", "stl", "step")
 
 
@@ -40,16 +50,21 @@ def write_foot(foot: Foot, path: str | Path, block: Sequence[float] | None = Non
         STEP needs OpenCASCADE: ``pip install "footopt[cad]"``.
     """
     path = Path(path)
-    writers: dict[str, Callable[[], Path]] = {
-        ".csv": lambda: drawings.write_csv(path, foot.contour),
-        ".dxf": lambda: drawings.write_dxf(path, foot.contour, body_outline(foot, block)),
-        ".svg": lambda: drawings.write_svg(path, foot.contour, body_outline(foot, block)),
-        ".stl": lambda: bodies.write_stl(path, body_outline(foot, block), foot.width),
-        ".step": lambda: bodies.write_step(path, body_outline(foot, block), foot.width),
-    }
-    suffix = path.suffix.lower()
-    check(suffix in writers, "path", str(path), f"a file that ends in {', '.join(writers)}")
-    return writers[suffix]()
+    ending, sole, width = path.suffix.lower()[1:], MM * foot.contour, MM * foot.width
+    check(ending in FORMATS, "path", str(path), f"a file that ends in one of .{', .'.join(FORMATS)}")
+    if ending == "csv":
+        write_csv(path, ("x_mm", "z_mm"), np.round(sole, 6) + 0.0)  # + 0.0 turns -0 into 0
+        return path
+    outline = MM * body_outline(foot, block)
+    if ending == "dxf":
+        _write_dxf(path, sole, outline)
+    elif ending == "svg":
+        _write_svg(path, sole, outline)
+    elif ending == "stl":
+        _write_stl(path, outline, width)
+    else:
+        _write_step(path, outline, width)
+    return path
 
 
 def write_all(foot: Foot, folder: Path, block: Sequence[float] | None = None) -> tuple[list[Path], list[str]]:
@@ -66,3 +81,77 @@ def write_all(foot: Foot, folder: Path, block: Sequence[float] | None = None) ->
             path.unlink(missing_ok=True)  # of the same run, before
             notes.append(f"There is no {path.name}: {error}")
     return written, notes
+
+
+def _write_dxf(path: Path, sole: Array, outline: Array) -> None:
+    """Write an outline (p, 2), mm, on layer OUTLINE and the sole (m, 2), mm, on layer SOLE, as polylines."""
+    import ezdxf
+
+    document = ezdxf.new("R2010")
+    document.units = ezdxf.units.MM  # $INSUNITS 4
+    document.header["$MEASUREMENT"] = 1  # metric
+    space = document.modelspace()
+    for layer, colour, points, closed in ((OUTLINE, 7, outline, True), (SOLE, 1, sole, False)):
+        document.layers.add(layer, color=colour)
+        space.add_lwpolyline(points.tolist(), "xy", close=closed, dxfattribs={"layer": layer})
+    low, high = ((*corner.tolist(), 0.0) for corner in (outline.min(axis=0), outline.max(axis=0)))
+    space.reset_extents(low, high)  # what a viewer shows at first
+    with write_whole(path) as new:
+        document.saveas(new)
+
+
+def _write_svg(path: Path, sole: Array, outline: Array) -> None:
+    """Write an outline (p, 2), mm, and the sole (m, 2), mm, as paths at full size, one unit a millimetre."""
+    (left, low), (right, high) = outline.min(axis=0) - 1.0, outline.max(axis=0) + 1.0
+    wide, tall = right - left, high - low
+
+    def group(name: str, points: Array, end: str, colour: str) -> str:
+        line = " L ".join(f"{x:.6f} {-z:.6f}" for x, z in points)  # the y-axis of an SVG points down
+        style = f'fill="none" stroke="{colour}" stroke-width="0.1"'
+        return f'<g id="{name}"><path d="M {line}{end}" {style}/></g>\n'
+
+    write_text(
+        path,
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide:.6f}mm" height="{tall:.6f}mm" '
+        f'viewBox="{left:.6f} {-high:.6f} {wide:.6f} {tall:.6f}">\n'
+        f"{group(OUTLINE, outline, ' Z', 'black')}{group(SOLE, sole, '', 'red')}</svg>\n",
+    )
+
+
+def _write_stl(path: Path, outline: Array, width: float) -> None:
+    """Write the body of an outline (p, 2), mm, that runs counter-clockwise, as binary STL."""
+    from shapely import Polygon, remove_repeated_points
+    from trimesh.creation import extrude_polygon
+
+    across = np.array([[1, 0, 0, 0], [0, 0, -1, width / 2], [0, 1, 0, 0], [0, 0, 0, 1]], float)
+    # of points that single precision makes one, a triangle would have no area
+    kept = remove_repeated_points(Polygon(outline.astype(np.float32)))
+    write_bytes(path, extrude_polygon(kept, width, transform=across).export(file_type="stl"))
+
+
+def _write_step(path: Path, outline: Array, width: float) -> None:
+    """Write the body of an outline (p, 2), mm, as STEP (ISO 10303-21, AP214), a solid of plane faces."""
+    needed("OCP", "STEP", "cad")
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakePolygon
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism
+    from OCP.gp import gp_Pnt, gp_Vec
+    from OCP.IFSelect import IFSelect_ReturnStatus
+    from OCP.Interface import Interface_Static
+    from OCP.Message import Message, Message_Gravity
+    from OCP.STEPControl import STEPControl_StepModelType, STEPControl_Writer
+
+    for printer in Message.DefaultMessenger_s().Printers():  # it tells its progress on the terminal
+        printer.SetTraceLevel(Message_Gravity.Message_Fail)
+    wire = BRepBuilderAPI_MakePolygon()
+    for x, z in outline:
+        wire.Add(gp_Pnt(x, -width / 2, z))
+    wire.Close()
+    face = BRepBuilderAPI_MakeFace(wire.Wire(), OnlyPlane=True).Face()
+    body = BRepPrimAPI_MakePrism(face, gp_Vec(0.0, width, 0.0)).Shape()
+    writer = STEPControl_Writer()
+    Interface_Static.SetCVal_s("write.step.product.name", "foot")
+    Interface_Static.SetIVal_s("write.surfacecurve.mode", 0)  # edges in space alone: a third of the size
+    writer.Transfer(body, STEPControl_StepModelType.STEPControl_AsIs)
+    with write_whole(path) as new:
+        if writer.Write(str(new)) != IFSelect_ReturnStatus.IFSelect_RetDone:
+            raise FileError(f"cannot write {path}: OpenCASCADE failed. Is the disk full?")

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.errors import SettingError, check
-from footopt.files.drawings import MM
-from footopt.files.soles.lines import SAME, crossing
 from footopt.foot import Foot
 
 Array = NDArray[np.float64]
 
+MM = 1e3  # millimetres in a metre
+SAME = 1e-9  # m; points nearer than this are one: twins upset a CAD program
 WALL = 2e-3  # least material above a sole's hump, m: a body must not fall in two
 
 
@@ -26,17 +26,11 @@ def closed_contour(sole: Array, top: float) -> Array:
     from shapely import LinearRing, Polygon
 
     level = max(top, float(sole[:, 1].max()))
-    corners = np.array([[sole[-1, 0], level], [sole[0, 0], level]])
-    # an end that is already at the top has no side above it; twin points upset a CAD program
-    keep = [level - sole[end, 1] > SAME for end in (-1, 0)]
-    outline = np.concatenate([sole, corners[keep]])
-    check(
-        len(outline) > 2 and Polygon(outline).area > SAME and LinearRing(outline).is_ccw,
-        "foot.top",
-        top,
-        "above the sole, so that the outline encloses an area",
-        f"The sole's highest point is at {sole[:, 1].max():g} m.",
-    )
+    outline: Array = np.array([*sole, (sole[-1, 0], level), (sole[0, 0], level)])
+    outline = outline[np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1) > SAME]
+    encloses = len(outline) > 2 and Polygon(outline).area > SAME and LinearRing(outline).is_ccw
+    hint = f"The sole's highest point is at {sole[:, 1].max():g} m."
+    check(encloses, "foot.top", top, "above the sole, so that the outline encloses an area", hint)
     return outline
 
 
@@ -56,51 +50,35 @@ def body_outline(foot: Foot, block: Sequence[float] | None = None) -> Array:
     Returns
     -------
     outline : (p, 2), m
-        Counter-clockwise from the heel; the first point is not repeated at the end.
+        Counter-clockwise; the first point is not repeated at the end.
 
     Raises
     ------
     SettingError
         The block does not fit on the top, or the outline crosses itself or encloses nothing.
     """
+    from shapely import Polygon, box, get_coordinates, is_valid_reason
+    from shapely.geometry.polygon import orient
+
     sole, top = foot.contour, foot.top
-    hump = sole[1:-1, 1].max(initial=-np.inf)
-    if hump > max(sole[0, 1], sole[-1, 1]) - SAME:
+    heel, toe, hump = sole[0], sole[-1], sole[1:-1, 1].max(initial=-np.inf)
+    if hump > max(heel[1], toe[1]) - SAME:
         top = max(top, hump + WALL)
     outline = closed_contour(sole, top)
-    if block is not None:
-        level = outline[:, 1].max()
-        corners = _block(sole[0, 0], sole[-1, 0], level, foot.ankle[0], block)
-        outline = np.concatenate([sole, [(sole[-1, 0], level)], corners, [(sole[0, 0], level)]])
-        # a corner of the block may be one of the top, and the top the sole's own end
-        outline = outline[np.linalg.norm(outline - np.roll(outline, 1, axis=0), axis=1) > SAME]
-    place = crossing(outline, closed=True)
-    if place is not None:
-        x, z = MM * place
-        raise SettingError(
-            "foot.top",
-            foot.top,
-            "such that the sole, two vertical sides and the top do not cross",
-            f"They meet at x {x:.2f}, z {z:.2f} mm: the sole overhangs, or crosses itself there.",
-        )
-    return outline
-
-
-def _block(heel: float, toe: float, level: float, middle: float, block: Sequence[float]) -> Array:
-    """The corners of a block on a top at `level` (m) from toe to heel, (4, 2), m."""
-    check(
-        len(block) == 2 and all(0 < size < np.inf for size in block),
-        "foot.block",
-        list(block),
-        "a length and a height > 0, in m, or null",
-    )
-    length, height = block
-    check(
-        heel - SAME <= middle - length / 2 and middle + length / 2 <= toe + SAME,
-        "foot.block",
-        list(block),
-        f"on the top, which reaches from {MM * heel:g} to {MM * toe:g} mm",
-        f"Its middle is above the ankle, at {MM * middle:g} mm; length and height are in m.",
-    )
-    ahead, behind, high = middle + length / 2, middle - length / 2, level + height
-    return np.array([(ahead, level), (ahead, high), (behind, high), (behind, level)])
+    body = Polygon(outline)
+    if not body.is_valid:
+        allowed = "such that the sole, two vertical sides and the top do not cross"
+        where = f"The sole overhangs, or crosses itself: {is_valid_reason(body)}, in m."
+        raise SettingError("foot.top", foot.top, allowed, where)
+    if block is None:
+        return outline
+    sizes = len(block) == 2 and all(0 < size < np.inf for size in block)
+    check(sizes, "foot.block", list(block), "a length and a height > 0, in m, or null")
+    (length, height), middle, level = block, foot.ankle[0], outline[:, 1].max()
+    on_top = f"on the top, which reaches from {MM * heel[0]:g} to {MM * toe[0]:g} mm"
+    fits = heel[0] - SAME <= middle - length / 2 and middle + length / 2 <= toe[0] + SAME
+    hint = f"Its middle is above the ankle, at {MM * middle:g} mm; length and height are in m."
+    check(fits, "foot.block", list(block), on_top, hint)
+    body = body.union(box(middle - length / 2, level, middle + length / 2, level + height))
+    around: Array = get_coordinates(orient(body).exterior)[:-1]
+    return around

@@ -18,8 +18,8 @@ from scipy.io import netcdf_file
 from footopt.design.fronts import hypervolume_shares
 from footopt.errors import ERROR_FILE, FileError, flat
 from footopt.files import identity
-from footopt.files.drawings import MM
 from footopt.files.io import read_json_file, write_csv
+from footopt.files.outline import MM
 from footopt.foot.waypoints import written
 from footopt.report import page
 from footopt.report.figures.search import scatter_matrix

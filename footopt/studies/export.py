@@ -11,10 +11,9 @@ from rich.table import Table
 from shapely import Polygon
 
 from footopt.errors import SettingError
-from footopt.files.drawings import MM
 from footopt.files.feet import write_all
 from footopt.files.mjcf import write_mjcf
-from footopt.files.outline import body_outline
+from footopt.files.outline import MM, body_outline
 from footopt.report import figures, terminal
 from footopt.studies.base import Study, foot_entry
 from footopt.studies.runs import foot_of

@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from footopt.errors import FileError, Unusable, check, naming
-from footopt.files.drawings import MM, SOLE
+from footopt.files.feet import SOLE
+from footopt.files.outline import MM
 from footopt.files.soles import dxf, svg, table
 from footopt.files.soles.lines import JOIN, UNITS, Array, Line, crossing, join
 from footopt.foot import Foot

@@ -9,8 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 
-from footopt.files.drawings import MM
-from footopt.files.outline import body_outline
+from footopt.files.outline import MM, body_outline
 from footopt.foot import Foot, lower_hull
 from footopt.report.style import (
     BEST,

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from matplotlib.figure import Figure
 
-from footopt.files.drawings import MM
+from footopt.files.outline import MM
 from footopt.gait import Gait
 from footopt.report.figures.foot import contour, contours
 from footopt.report.figures.gait import draw_angles, draw_path
