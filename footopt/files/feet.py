@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import FileError, MissingError, check, needed
+from footopt.errors import MissingError, check, needed
 from footopt.files.io import write_bytes, write_csv, write_text, write_whole
 from footopt.files.outline import MM, body_outline
 from footopt.foot import Foot
@@ -154,4 +154,4 @@ def _write_step(path: Path, outline: Array, width: float) -> None:
     writer.Transfer(body, STEPControl_StepModelType.STEPControl_AsIs)
     with write_whole(path) as new:
         if writer.Write(str(new)) != IFSelect_ReturnStatus.IFSelect_RetDone:
-            raise FileError(f"cannot write {path}: OpenCASCADE failed. Is the disk full?")
+            raise OSError(0, "OpenCASCADE failed")

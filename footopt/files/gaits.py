@@ -220,11 +220,11 @@ def _leg(
     thigh = hip flexion + pelvis tilt, foot = thigh - knee + ankle. Models differ in the sign of the knee:
     it is taken so that it bends.
     """
-    plain = {_plain(name): name for name in reversed(table.header)}
+    plain = {_plain(name): name for name in reversed(table)}
 
     def named(part: str, leg: str) -> str | None:
         if part in names:
-            return names[part] if names[part] in table.header else None
+            return names[part] if names[part] in table else None
         sides = ("",) if part in ("time", "percent", "pelvis") else (leg[0], leg, "")
         usual = (f"{a}{name}{b}" for s in sides for name in COLUMNS[part] for a, b in ((s, ""), ("", s)))
         return next((plain[name] for name in usual if name in plain), None)
@@ -235,9 +235,9 @@ def _leg(
         if not {part, also} & found.keys():
             raise Unusable(
                 f"no column for the {part}{f' or the {also}' if also != part else ''}; the file has "
-                f"{', '.join(filter(None, table.header))[:200]}. Name it with gait.names.{part}=..."
+                f"{', '.join(filter(None, table))[:200]}. Name it with gait.names.{part}=..."
             )
-    read = {part: table.numbers(name) for part, name in found.items()}
+    read = {part: io.numbers(table, name) for part, name in found.items()}
     if len(read["knee"]) < 4:
         raise Unusable(f"has {len(read['knee'])} rows, and a stride needs more.")
     if radians is None:  # a knee that moves by less than pi degrees is in radians

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,175 +21,93 @@ from footopt.errors import FileError, Unusable, named, naming
 Array = NDArray[np.float64]
 Variable = tuple[tuple[str, ...], str, Array]  # dimensions, unit, values
 
-LARGEST = 50_000_000  # bytes of a file that is read; a front of 100,000 designs in result.json has as many
+Table = dict[str, list[str]]  # cells of a table by its columns
 
 
 def read_bytes(path: str | Path, setting: str) -> bytes:
-    """The content of a file, which `setting` names.
-
-    Raises
-    ------
-    FileError
-        There is no such file, it cannot be read, is empty, or larger than `LARGEST`.
-    """
+    """The content of a file, which `setting` names; `FileError` if it cannot be read, or is empty."""
     try:
-        if Path(path).is_fifo():
-            raise OSError(0, "a pipe, and no file")  # to be waited for, perhaps for ever
-        with open(path, "rb") as file:
-            content = file.read(LARGEST + 1)
+        content = Path(path).read_bytes()
     except (OSError, ValueError) as error:  # a path with a NUL in it is a ValueError
-        why = error.strerror if isinstance(error, OSError) else error
-        raise FileError(f"{named(path, setting)}: cannot be read ({why}).") from None
-    with naming(path, setting):
-        if not content.strip():
-            raise Unusable("is empty.")
-        if len(content) > LARGEST:
-            raise Unusable(f"is larger than {LARGEST / 1e6:g} MB. Leave out what is not needed of it.")
+        raise FileError(
+            f"{named(path, setting)}: cannot be read ({getattr(error, 'strerror', error)})."
+        ) from None
+    if not content.strip():
+        raise FileError(f"{named(path, setting)}: is empty.")
     return content
 
 
 def read_text(path: str | Path, setting: str) -> str:
     """The text of a file in UTF-8, with or without a byte order mark; errors as of `read_bytes`."""
-    content = read_bytes(path, setting)
-    with naming(path, setting):
-        try:
-            text = content.decode("utf-8-sig")
-        except UnicodeDecodeError as error:
-            line = content.count(b"\n", 0, error.start) + 1
-            raise Unusable(f"cannot be read: line {line} is no text in UTF-8. Save it as such.") from None
-        if "\0" in text:
-            raise Unusable("cannot be read: it holds NUL bytes, and no text. Save it as text in UTF-8.")
-    return text
+    try:
+        return read_bytes(path, setting).decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise FileError(f"{named(path, setting)}: is no text in UTF-8. Save it as such.") from None
 
 
 def read_json_file(path: str | Path, setting: str) -> Any:
-    """What a JSON file holds; errors as of `read_text`."""
-    text = read_text(path, setting)
-    with naming(path, setting):
-        try:
-            return json.loads(text)
-        except (ValueError, RecursionError) as error:  # deep nesting; a number of thousands of digits
-            raise Unusable(f"cannot be read as JSON ({' '.join(str(error).split())[:200]}).") from None
-
-
-class Table(NamedTuple):
-    """A table as text.
-
-    Parameters
-    ----------
-    header : list of str
-        The names of its columns.
-    cells : (rows, columns) array of str
-        What is below; decimal commas are points.
-    """
-
-    header: list[str]
-    cells: NDArray[np.str_]
-
-    def numbers(self, name: str) -> Array:
-        """A column as numbers (rows,).
-
-        Raises
-        ------
-        Unusable
-            A cell holds none, or one that is not finite; or two columns have this name.
-        """
-        if self.header.count(name) > 1:
-            raise Unusable(f"two columns are called {name!r}. Which one is it?")
-        cells = self.cells[:, self.header.index(name)]
-        found = np.array([_number(cell) for cell in cells], float)
-        if not np.isfinite(found).all():
-            row = int(np.argmin(np.isfinite(found)))
-            raise Unusable(f"not a table of numbers (row {row + 1}: {name} is {cells[row][:40]!r}).")
-        return found
-
-
-def _number(cell: str) -> float:
-    """A cell as a number, or NaN: none has underscores or is of other scripts, which Python would allow."""
-    with suppress(ValueError):
-        return math.nan if "_" in cell or not cell.isascii() else float(cell)
-    return math.nan
-
-
-def read_table(path: str | Path, setting: str) -> Table:
-    """Read a CSV file with a header: commas, semicolons, tabs or spaces stand between its cells.
-
-    With semicolons and tabs, numbers may have decimal commas. Lines that begin with # are left out.
-
-    Raises
-    ------
-    FileError
-        The file cannot be read, or a row has more or fewer cells than the header.
-    """
-    text = read_text(path, setting)
-    with naming(path, setting):
-        return parse_table(text)
+    """The content of a JSON file; errors as of `read_text`."""
+    try:
+        return json.loads(read_text(path, setting))
+    except ValueError as error:
+        raise FileError(f"{named(path, setting)}: cannot be read as JSON ({error}).") from None
 
 
 def parse_table(text: str) -> Table:
-    """The table in a text, as of `read_table`; raises `Unusable`."""
+    """The table in a text with a header: commas, semicolons, tabs or spaces stand between its cells.
+
+    Lines that begin with # are left out. Raises `Unusable` if a row has more or fewer cells than the header.
+    """
     lines = [line.strip() for line in text.splitlines() if line.strip() and line[0] != "#"]
     mark = next((mark for mark in ";\t," if lines and mark in lines[0]), " ")
     reader = csv.reader(lines, skipinitialspace=True, delimiter=mark)
-    try:
-        header, *rows = [[cell.strip() for cell in row] for row in reader]
-    except (csv.Error, ValueError):
-        raise Unusable(f"not a table (line {reader.line_num}: is a quote not closed?).") from None
+    header, *rows = [[cell.strip() for cell in row] for row in reader] or [[]]
     for i, row in enumerate(rows, start=1):
         if len(row) != len(header):  # more as with decimal commas
-            held = f"row {i} has {len(row)} cells, the header {len(header)}"
-            raise Unusable(f"not a table of numbers ({held}).")
-    cells = np.array(rows, str).reshape(len(rows), len(header))
-    dots = mark == "," or not cells.size  # numpy replaces nothing in no cells
-    return Table(header, cells if dots else np.char.replace(cells, ",", "."))
+            raise Unusable(
+                f"not a table of numbers (row {i} has {len(row)} cells, the header {len(header)})."
+            )
+    return {name: [row[i] for row in rows] for i, name in enumerate(header)}
+
+
+def numbers(table: Table, name: str) -> Array:
+    """A column as numbers (rows,), which may have decimal commas; raises `Unusable` if one is none."""
+    found = np.empty(len(table[name]))
+    for i, cell in enumerate(table[name]):
+        try:
+            found[i] = float(cell.replace(",", "."))
+        except ValueError:
+            found[i] = math.nan
+        if not math.isfinite(found[i]):
+            raise Unusable(f"not a table of numbers (row {i + 1}: {name} is {cell[:40]!r}).")
+    return found
 
 
 def read_columns(
     path: str | Path,
     setting: str,
-    wanted: Mapping[str, str],
+    units: Mapping[str, str],
     optional: Mapping[str, float] | None = None,
-    label: str | None = None,
+    label: str = "",
 ) -> tuple[dict[str, Array], list[str]]:
-    """Read some columns of a table; others are ignored.
+    """Read columns of numbers from a CSV file (see `parse_table`), each (rows,), by name; and one of words.
 
-    Parameters
-    ----------
-    path : str or Path
-        A CSV file, as of `read_table`.
-    setting : str
-        The setting that names the file, for messages.
-    wanted : dict
-        The unit of each column that there must be.
-    optional : dict, optional
-        What each other column is where it is missing.
-    label : str, optional
-        A column of words, which may be missing.
-
-    Returns
-    -------
-    columns : dict of (rows,)
-        By their names; all values are finite.
-    labels : (rows,)
-        Of the column of words; empty words where it is missing.
-
-    Raises
-    ------
-    FileError
-        The file cannot be read, lacks a column or has it twice, or holds something that is not a number.
+    `units` says in which unit each column is that there must be, `optional` the value of any other one where
+    it is missing; words are empty where the column `label` is missing. Raises `FileError` if the file cannot
+    be read, lacks a column, or holds something that is no number.
     """
-    table = read_table(path, setting)
-    header, rows = table.header, len(table.cells)
+    text = read_text(path, setting)
     with naming(path, setting):
-        if missing := [name for name in wanted if name not in header]:
+        table = parse_table(text)
+        if missing := [name for name in units if name not in table]:
             raise Unusable(
-                f"the header lacks {', '.join(missing)}; the columns must be {', '.join(wanted)} "
-                f"({', '.join(wanted.values())}), with commas, semicolons or tabs between them."
+                f"the header lacks {', '.join(missing)}; the columns must be {', '.join(units)} "
+                f"({', '.join(units.values())}), with commas, semicolons or tabs between them."
             )
+        rows = len(next(iter(table.values())))
         found = {name: np.full(rows, value) for name, value in (optional or {}).items()}
-        found |= {name: table.numbers(name) for name in (*wanted, *found) if name in header}
-    labels = table.cells[:, header.index(label)].tolist() if label in header else [""] * rows
-    return found, labels
+        found |= {name: numbers(table, name) for name in (*units, *found) if name in table}
+        return found, table.get(label, [""] * rows)
 
 
 @contextmanager
@@ -238,19 +156,19 @@ def write_json(path: Path, content: dict[str, Any]) -> None:
 
 def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
     """Write a table; a NaN becomes an empty cell."""
-    with write_whole(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(header)
-        for row in rows:
-            writer.writerow(["" if isinstance(v, float) and math.isnan(v) else v for v in row])
+    import pandas
+
+    with write_whole(path) as new:
+        pandas.DataFrame(list(rows), columns=list(header), dtype=object).to_csv(new, index=False)
 
 
 def write_designs(path: Path, columns: Mapping[str, NDArray[Any]]) -> None:
     """Write a table of designs from its columns (designs,) by name; truth values become 0 and 1."""
-    numbers = [v.astype(int) if v.dtype == bool else v for v in columns.values()]
-    parts = (slice(i, i + 10_000) for i in range(0, len(numbers[0]), 10_000))  # lists take much memory
-    rows = (row for part in parts for row in zip(*(v[part].tolist() for v in numbers), strict=True))
-    write_csv(path, list(columns), rows)
+    import pandas
+
+    frame = pandas.DataFrame({name: v.astype(int) if v.dtype == bool else v for name, v in columns.items()})
+    with write_whole(path) as new:
+        frame.to_csv(new, index=False)
 
 
 def write_walk(path: Path, variables: Mapping[str, Variable], attributes: Mapping[str, str]) -> None:
@@ -281,14 +199,12 @@ def write_walk(path: Path, variables: Mapping[str, Variable], attributes: Mappin
 
 def plain(value: Any) -> Any:
     """JSON's own types from numpy's, tuples and paths; null for what is not finite."""
-    if isinstance(value, dict):
+    if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple, np.ndarray)):
+    if isinstance(value, (np.ndarray, np.generic)):
+        return plain(value.tolist())
+    if isinstance(value, (list, tuple)):
         return [plain(item) for item in value]
-    if isinstance(value, (bool, np.bool_)):
-        return bool(value)
-    if isinstance(value, (int, np.integer)):
-        return int(value)
-    if isinstance(value, (float, np.floating)):
-        return float(value) if math.isfinite(value) else None
-    return value if value is None else str(value)
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value if value is None or isinstance(value, (bool, int)) else str(value)

@@ -9,25 +9,26 @@ from pathlib import Path
 import numpy as np
 
 from footopt.errors import Unusable
-from footopt.files.io import Table, read_table
+from footopt.files.io import numbers, parse_table, read_text
 from footopt.files.soles.lines import JOIN, Line, from_points, unit_of
+
+WITHOUT_HEADER = re.compile(r"(?:\s*#.*\n)*\s*[-+.]?\d[\d.,e+-]*([;,\t ])")  # and the mark between cells
+COLUMN = re.compile(r"([xzy])(?:[_ ]*[(\[]?([a-z]+)[)\]]?)?", re.IGNORECASE)  # and its unit
 
 
 def read(path: Path, units: str | None, scale: float) -> Iterator[Line]:
     """Yield the line, scaled; `units` is one of its unit's names, or None for the header's."""
-    table = read_table(path, "foot.path")
-    if re.match(r"[-+.]?\d", table.header[0]):
-        cells = np.array([[cell.replace(",", ".") for cell in table.header], *table.cells.tolist()])
-        table = Table(["x", "z", *map(str, range(2, len(table.header)))], cells)
-    form = re.compile(r"([xzy])(?:[_ ]*[(\[]?([a-z]+)[)\]]?)?", re.IGNORECASE)
-    named = {name: form.fullmatch(name) for name in table.header}
-    column = {match[1].lower(): name for name, match in named.items() if match}
-    if not ("x" in column and column.keys() & {"z", "y"}):
+    text = read_text(path, "foot.path")
+    if match := WITHOUT_HEADER.match(text):
+        text = f"x{match[1]}z\n{text}"
+    table = parse_table(text)
+    columns = {match[1].lower(): match for name in table if (match := COLUMN.fullmatch(name))}
+    x, z = columns.get("x"), columns.get("z", columns.get("y"))
+    if x is None or z is None:
         raise Unusable(
-            f"the header lacks x or z; it holds {', '.join(table.header)}. "
+            f"the header lacks x or z; it holds {', '.join(table)}. "
             "Name the columns x_mm and z_mm (or _cm, _m, _in), from heel to toe."
         )
-    own = {match[2].lower() for match in named.values() if match and match[2]}
+    own = {match[2].lower() for match in (x, z) if match[2]}
     unit = scale * unit_of(units, own.pop() if len(own) == 1 else None)
-    points = [table.numbers(column["x"]), table.numbers(column.get("z", column.get("y", "")))]
-    yield from_points(unit * np.stack(points, axis=1), "", JOIN)
+    yield from_points(unit * np.stack([numbers(table, x[0]), numbers(table, z[0])], axis=1), "", JOIN)
