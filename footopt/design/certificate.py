@@ -1,4 +1,4 @@
-"""`certified`: the best design of a search, with every sole in its neighbourhood walked and none better."""
+"""`certified`: the best design of a search, with every sole near it evaluated and none better."""
 
 from __future__ import annotations
 
@@ -14,61 +14,34 @@ from footopt.design.result import Confirmation, SearchResult, confirm
 from footopt.foot import Waypoints
 from footopt.walk.accuracy import Accuracy
 
-MOST = 20_000  # soles of a neighbourhood: of a larger space only nearer ones are asked for
+MOST = 20_000  # soles of a neighbourhood: of a larger space only nearer ones are evaluated
 SAFETY = 2.0  # times the largest change of a finalist between accuracies: closer designs are evaluated finely
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """That no sole near a design is better.
+    """That no sole near a design is better."""
 
-    Parameters
-    ----------
-    k : tuple of int
-        Heights of the design.
-    distance : int
-        Waypoints in which a neighbour may differ from it, by any height. Shifts of a run of neighbouring
-        waypoints by one level are neighbours, too.
-    soles, inside : int
-        How many neighbours there are, and how many of them stay in their box: the others are no feet.
-    walks : int
-        Of these, how many the search had not evaluated.
-    finely : int
-        How many are so near in value that they were walked at the finer accuracy, too.
-    accuracy : str
-        Name of that one, at which neighbours are compared with the design.
-    margin : float
-        How near, relative: `SAFETY` times what the objective of a finalist changes between the accuracies.
-    steps : int
-        How often a better neighbour took the place of what the search had found.
-    holds : bool
-        Whether no neighbour is better; otherwise they were not all evaluated.
-    """
-
-    k: tuple[int, ...]
-    distance: int
-    soles: int
-    inside: int
-    walks: int
-    finely: int
-    accuracy: str
-    margin: float
-    steps: int
-    holds: bool
+    k: tuple[int, ...]  # heights of the design
+    distance: int  # waypoints in which a neighbour may differ, by any height; or by a shift of a run
+    soles: int  # neighbours
+    inside: int  # of these, the soles that stay in their box: the others are infeasible
+    walks: int  # of these, the ones that the search had not evaluated
+    finely: int  # soles so near in value that they were evaluated at the finer accuracy, too
+    accuracy: str  # name of that one, at which neighbours are compared with the design
+    margin: float  # how near, relative: SAFETY times the largest change of a finalist between accuracies
+    steps: int  # how often a better neighbour took the place of what the search had found
+    holds: bool  # whether no neighbour is better; otherwise they were not all evaluated
 
     def __str__(self) -> str:
-        shifted = "a shift of a run of its waypoints by one level"
-        if self.distance:
-            waypoints = "one waypoint" if self.distance == 1 else f"up to {self.distance} waypoints"
-            near = f"no sole that differs in {waypoints}, or by {shifted}, is better"
-        else:
-            near = f"{shifted} makes no better sole"
-        known = f"{self.soles:,} soles, {self.inside:,} in their box, {self.walks:,} walked for this"
+        near = ["", "in one waypoint, or ", "in up to 2 waypoints, or "][self.distance]
+        known = f"{self.soles:,} soles, {self.inside:,} in their box, {self.walks:,} evaluated for this"
         if self.finely:
             known += f", {self.finely:,} of them within {100 * self.margin:.2g} % also at {self.accuracy}"
         found = f"; {self.steps} better ones replaced what the search had found" if self.steps else ""
         if self.holds:
-            return f"Certificate: {near} ({known}{found})"
+            near += "by a shift of a run of its waypoints by one level"
+            return f"Certificate: no sole that differs {near}, is better ({known}{found})"
         return (
             f"No certificate: the best design has {self.inside:,} neighbours in their box, more than the "
             f"search has evaluated{found}. study.certify=true evaluates them all"
@@ -83,27 +56,27 @@ def neighbours(k: Ints, space: Waypoints) -> tuple[Ints, int]:
     """
     from footopt.design.solvers.moves import shifts
 
-    n, levels = space.n, space.K - 1
-    sizes = {2: n * levels + n * (n - 1) // 2 * levels**2, 1: n * levels, 0: 0}
+    n, K = space.n, space.K
+    sizes = {2: n * (n - 1) // 2 * (K - 1) ** 2 + n * (K - 1), 1: n * (K - 1), 0: 0}
     distance = next(d for d, size in sizes.items() if size <= MOST)
     found = [k + shifts(n)]
     for at in combinations(range(n), distance) if distance else ():
-        changed = np.repeat(k[None], space.K**distance, axis=0)
-        changed[:, at] = 1 + np.indices((space.K,) * distance).reshape(distance, -1).T
+        changed = np.repeat(k[None], K**distance, axis=0)
+        changed[:, at] = 1 + np.indices((K,) * distance).reshape(distance, -1).T
         found.append(changed)
     near = np.unique(np.concatenate(found), axis=0)
-    inside = ((near >= 1) & (near <= space.K)).all(axis=1) & (near != k).any(axis=1)
-    return near[inside], distance
+    kept = ((near >= 1) & (near <= K)).all(axis=1) & (near != k).any(axis=1)
+    return near[kept], distance
 
 
 def certified(
     result: SearchResult, accuracy: Accuracy, finalists: int, evaluator: Evaluator, most: float = math.inf
 ) -> tuple[SearchResult, Confirmation, Certificate]:
-    """Confirm a search of one objective, and walk with every neighbour of the design that comes out of it.
+    """Confirm a search of one objective, and evaluate every neighbour of the design that comes out of it.
 
-    Neighbours are walked at the accuracy of the search. Those that could be better at the finer one, by what
-    finalists change from one to the other, are walked at that, too. One that is better takes the design's
-    place, and its neighbours are walked, until none is.
+    Neighbours are evaluated at the accuracy of the search. Those that could be better at the finer one, by
+    how finalists change from one to the other, are evaluated at that, too. One that is better takes the
+    design's place, and its neighbours are evaluated, until none is.
 
     Parameters
     ----------
@@ -114,16 +87,12 @@ def certified(
     evaluator : Evaluator
         Evaluates designs, and keeps the results.
     most : float
-        Walks for it, at most; if it would take more, it does not hold.
+        Evaluations for it, at most; if it would take more, it does not hold.
 
     Returns
     -------
-    result : SearchResult
+    result, confirmed, certificate
         With the better designs that were found on the way.
-    confirmed : Confirmation
-        Of that.
-    certificate : Certificate
-        Of its best design.
     """
     problem, space = result.problem, result.problem.space
     searched, fresh, count, steps = {k.tobytes() for k in result.k}, set[bytes](), finalists, 0
@@ -165,7 +134,7 @@ def certified(
 
 
 def _judged(problem: FootProblem, k: Ints, values: Array, reasons: Words) -> Array:
-    """The objective of walked designs, minimised, (designs,); infinite where a constraint is broken."""
+    """The objective of evaluated designs, minimised, (designs,); infinite where a constraint is broken."""
     kept = (problem.constraints(values, reasons, problem.space.box_violation(k)) <= 0.0).all(axis=1)
     return np.where(kept, problem.minimised(values)[:, 0], np.inf)
 
