@@ -16,7 +16,7 @@ from footopt.report.figures.studies import calibration as draw
 from footopt.sand import GENERIC, MEDIA, Sand
 from footopt.studies.base import Study
 from footopt.studies.build import make_sand
-from footopt.studies.calibration import SETTING, Calibration, Estimate, calibrate
+from footopt.studies.calibration import SETTING, Calibration, calibrate
 from footopt.studies.settings import StudySettings, setting
 
 
@@ -43,26 +43,27 @@ def run(study: Study) -> None:
     folder = study.folder / "sand"
     folder.mkdir(parents=True, exist_ok=True)
     write_text(folder / f"{name}.yaml", sand_file(name, Path(path).name, found, sand))
-    study.write_csv(
-        "repeats.csv", ("repeat", "zeta", "exponent"), [(n, *v) for n, v in found.repeats.items()]
-    )
     caption = "zeta of every measurement by its depth, with the interval of the repeats' mean."
     study.save("calibration", draw(found), caption)
+    use = f"footopt --config-dir {study.folder} sand={name}"
+    drawn = f"; or for how it differs from place to place: {use} study=robust study.scenarios=drawn"
+    depths = f"{1e3 * found.depth.min():.3g} to {1e3 * found.depth.max():.3g}"
     study.conclude(
         f"The sand of {Path(path).name}",
         [table(found)],
         {
             "sand": name,
-            "zeta": asdict(found.zeta),
-            "exponent": asdict(found.exponent),
+            "zeta": found.zeta._asdict(),
+            "exponent": found.exponent._asdict(),
             "spread": found.spread,
             "repeats": found.repeats,
-            "set_ups": [{"name": s.name, "rows": s.rows, **asdict(s.zeta)} for s in found.set_ups],
+            "set_ups": [{"name": name, **zeta._asdict()} for name, zeta in found.set_ups.items()],
             "warnings": found.warnings,
         },
         said=[
-            *said(found),
-            use(study.folder, name, found),
+            f"{len(found.depth)} measurements {depths} mm deep, in {len(found.repeats)} repeats and "
+            f"{len(found.set_ups)} set-ups.",
+            f"Design for it: {use}{'' if found.spread is None else drawn}",
             *(Text(w, style="yellow") for w in found.warnings),
         ],
     )
@@ -71,45 +72,21 @@ def run(study: Study) -> None:
 def table(found: Calibration) -> Table:
     """Estimates for the terminal."""
     shown = terminal.table(("quantity", "value", "from", "to"), words=("quantity",))
-    shown.title = (
-        "95 % intervals over the repeats" if len(found.repeats) > 1 else "95 % intervals, one repeat"
-    )
+    repeats = "over the repeats" if len(found.repeats) > 1 else "of one repeat"
+    shown.title = f"95 % intervals {repeats}"
     parts = [("zeta", found.zeta), ("exponent of depth", found.exponent)]
     if len(found.set_ups) > 1:
-        parts += [(f"zeta, {s.name}", s.zeta) for s in found.set_ups]
-    for name, e in parts:
-        shown.add_row(name, *(terminal.number(v) for v in (e.value, e.low, e.high)))
+        parts += [(f"zeta, {name}", zeta) for name, zeta in found.set_ups.items()]
+    for name, estimate in parts:
+        shown.add_row(name, *map(terminal.number, estimate))
     return shown
-
-
-def said(found: Calibration) -> list[str]:
-    """What the estimates rest on."""
-    above = f"; {found.left_out} rows above the surface are left out" if found.left_out else ""
-    rests = (
-        f"{len(found.depth)} measurements, {1e3 * found.depth.min():.3g} to {1e3 * found.depth.max():.3g} mm "
-        f"deep, in {len(found.repeats)} repeats and {len(found.set_ups)} set-ups{above}."
-    )
-    known = [f"{name} ({zeta:g})" for name, zeta in MEDIA.items() if not found.zeta.excludes(zeta)]
-    return [f"{rests} Within the interval: {', '.join(known)}." if known else rests]
-
-
-def use(folder: Path, name: str, found: Calibration) -> str:
-    """How the sand is used."""
-    here = f"footopt --config-dir {folder} sand={name}"
-    if found.spread is None:
-        return f"Design for it: {here}"
-    robust = f"footopt --config-dir {folder} study=robust study.scenarios=drawn sand={name}"
-    return f"Design for it: {here}; or for how it differs from place to place: {robust}"
 
 
 def sand_file(name: str, source: str, found: Calibration, sand: Sand) -> str:
     """The YAML of the sand: zeta, its spread, and coefficients that are not generic."""
-
-    def interval(e: Estimate) -> str:
-        return f"{e.low:.4g} to {e.high:.4g}"
-
+    zeta, exponent = (f"{e.low:.4g} to {e.high:.4g}" for e in (found.zeta, found.exponent))
     lines = [
-        f"# From {source}: zeta {interval(found.zeta)}, exponent of depth {interval(found.exponent)} (95 %).",
+        f"# From {source}: zeta {zeta}, exponent of depth {exponent} (95 %).",
         f"name: {name}",
         f"zeta: {found.zeta.value:.4g}",
     ]

@@ -54,7 +54,7 @@ def test_without_noise_zeta_and_exponent_are_exact(tmp_path):
     found = calibrate(plates_in_sand(tmp_path / "t.csv", rng, 2.0, 1.0, 2, 0.0, 0.0, set_ups))
     assert found.zeta.value == pytest.approx(2.0, rel=1e-4)  # forces are written to a millinewton
     assert found.exponent.value == pytest.approx(1.0, abs=1e-4)
-    assert [s.zeta.value for s in found.set_ups] == pytest.approx([2.0] * 3, rel=1e-3)
+    assert [zeta.value for zeta in found.set_ups.values()] == pytest.approx([2.0] * 3, rel=1e-3)
     assert found.warnings == []
 
 

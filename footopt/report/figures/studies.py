@@ -111,9 +111,9 @@ def calibration(found: Any) -> Figure:
     axes = figure.subplots()
     axes.axhspan(found.zeta.low, found.zeta.high, color=style.PALE, lw=0, label="95 % interval of $\\zeta$")
     axes.axhline(found.zeta.value, color="black", lw=0.8, label="linear in depth, as footopt has it")
-    for i, s in enumerate(found.set_ups):
-        own = found.which == i
-        looks = marker(i) | {"ms": 3, "alpha": 0.7, "label": s.name if len(found.set_ups) > 1 else "measured"}
+    for i, name in enumerate(found.set_ups):
+        own = found.set_up == name
+        looks = marker(i) | {"ms": 3, "alpha": 0.7, "label": name if len(found.set_ups) > 1 else "measured"}
         axes.plot(1e3 * found.depth[own], found.local[own], **looks)
     depth = np.geomspace(found.depth.min(), found.depth.max(), 200)
     power = f"depth to the power {found.exponent.value:.2f}"
