@@ -28,7 +28,7 @@ def check_page(folder):
     for table in data["tables"]:
         assert table["rows"]
         assert all(len(row) == len(table["head"]) for row in table["rows"])
-    assert data["tables"]
+    assert data["tables"] or data["figures"]
     entry = data["entry"]
     assert {"settings", "versions", "wall_time_s"} <= set(entry)
     assert all(entry[name] == result[name] for name in entry if name != "error_estimate")

@@ -93,11 +93,11 @@ def run(study: Study) -> SweeperValue:
     errors = error_of(walk, problem.record)
     values, base = walk.judged(problem.record), flat.judged(problem.record)
     diagnostics = [*diagnose(walk), *resolution(walk, errors)]
-    finalists, rank_changes = result.k[confirmed.designs[: options.finalists]], []
+    finalists, changes = result.k[confirmed.designs[: options.finalists]], []
     if study.wants_report and options.confirm:
         with study.compiling("a walk for each law"):
             flat_k = np.full(problem.space.n, problem.space.K)
-            rank_changes = ranks.ranks(problem, finalists, flat_k, config.sand.spread)
+            changes = ranks.rank_changes(problem, finalists, flat_k, config.sand.spread)
 
     if study.wants_report:
         files.write_designs(study.folder / "designs.csv", result.columns)
@@ -109,7 +109,7 @@ def run(study: Study) -> SweeperValue:
             "objectives": values,
             "error_estimate": errors,
             "model_error": (model := model_error(walk, chosen["left_out"], config.sand.spread)),
-            "ranks": ranks.entry(rank_changes),
+            "ranks": ranks.entry(changes),
             "flat": base,
             "gain_shares": gain_shares(values, base),
             **scene_entry(scene, walk.accuracy, problem.record),
@@ -135,9 +135,9 @@ def run(study: Study) -> SweeperValue:
         *([] if certificate is None else [str(certificate)]),
         f"{which}: {terminal.describe_foot(best)}",
         terminal.objective_table(
-            feet, problem.record, errors, gain=True, shares=by_j, turned=ranks.turned_by(rank_changes)
+            feet, problem.record, errors, gain=True, shares=by_j, turned=ranks.turned_by(changes)
         ),
-        *ranks.describe(rank_changes, len(finalists)),
+        *ranks.describe(changes, len(finalists)),
         *terminal.describe_model([model]),
     )
     for words in _warnings(problem, values, base, by_j):

@@ -21,24 +21,24 @@ def problem():
 @pytest.fixture(scope="module")
 def found(problem):
     best_first = FEET[np.argsort(problem.walk(FEET)[0][:, problem.record.index("efficiency")])]
-    return ranks.ranks(problem, best_first, FLAT, 0.3), best_first
+    return ranks.rank_changes(problem, best_first, FLAT, 0.3), best_first
 
 
 def test_each_other_law_is_walked_once_and_the_run_s_own_is_not(found):
     assert [r.law for r in found[0]] == ["leading edge", "shadowing", "both", "zeta x 0.74", "zeta x 1.3"]
-    under_edge = ranks.other_laws(fo.Scene(effects=(fo.LeadingEdge(), fo.Inertia())), 0.0)
+    under_edge = ranks.alternative_laws(fo.Scene(effects=(fo.LeadingEdge(), fo.Inertia())), 0.0)
     assert [s.name for s in under_edge] == ["plain law", "shadowing", "both"]
     assert all(fo.Inertia() in s.scene.effects for s in under_edge)
 
 
 def test_places_losses_and_turns_are_those_of_the_walks(found):
     ranked, feet = found
-    for rank, law in zip(ranked, ranks.other_laws(fo.Scene(), 0.3), strict=True):
+    for rank, law in zip(ranked, ranks.alternative_laws(fo.Scene(), 0.3), strict=True):
         values = fo.evaluate([*feet, FLAT], law.scene, "draft", ("efficiency", "work"))
         own = fo.evaluate([*feet, FLAT], fo.Scene(), "draft", ("efficiency", "work"))
         j = values.values[:-1, 0]
         assert rank.place == 1 + (j < j[0]).sum()
-        assert rank.lost == pytest.approx((j[0] - j.min()) / abs(j.min()))
+        assert rank.loss == pytest.approx((j[0] - j.min()) / abs(j.min()))
         for column, name in enumerate(("efficiency", "work")):
             turns = np.sign(own.values[0, column] - own.values[-1, column]) != np.sign(
                 values.values[0, column] - values.values[-1, column]
@@ -47,8 +47,8 @@ def test_places_losses_and_turns_are_those_of_the_walks(found):
 
 
 def test_a_turned_rank_is_marked_in_the_table_and_its_laws_are_named():
-    turned = ranks.turned_by([ranks.Rank("shadowing", 3, 0.2, 0.05, ("work",)),
-                              ranks.Rank("both", 1, 0.9, 0.0, ("work",))])  # fmt: skip
+    turned = ranks.turned_by([ranks.RankChange("shadowing", 3, 0.05, ("work",), {}),
+                              ranks.RankChange("both", 1, 0.0, ("work",), {})])  # fmt: skip
     assert turned == {"work": ["shadowing", "both"]}
     values = dict.fromkeys(OBJECTIVES, 1.0)
     shown = terminal.objective_table(

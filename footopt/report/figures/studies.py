@@ -3,74 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter
 
 from footopt.report import style
 from footopt.report.numbers import sand_title
 from footopt.report.style import marker, new_figure, styled
-from footopt.walk import FIVE, STEPPERS
-from footopt.walk.accuracy import Accuracy
+from footopt.walk import FIVE
 
+WORST = "error of the worst objective (%),\nnot exceeded by 95 % of the feet"
 HIGHEST = 2.5  # of zeta: what is shown of shallow measurements, whose zeta is noise
 
 
 @styled
-def work_precision(measured: Sequence[Any], presets: Sequence[Accuracy], default: str = "standard") -> Figure:
-    """Error against time per design of measurements (`footopt.studies.accuracy.Measurement`), by objective.
-
-    A line joins those that no other beats in both; circles are presets, the default's is larger.
-    """
-    figure = new_figure(style.PAGE, 4.4)
-    grid = figure.subplots(2, 3, sharex=True, sharey=True)
-    found = np.array([_method(m.accuracy) for m in measured])
-    # a stepper has its colour whatever else was measured
-    methods = (*STEPPERS, *sorted({*found} - {*STEPPERS}))
-    ms = np.array([m.ms for m in measured])
-    errors = 100.0 * np.array([[*np.max(m.errors, axis=0), m.error] for m in measured])
-    at = {m.accuracy: i for i, m in enumerate(measured)}
-    nameless = {preset.name: replace(preset, name=Accuracy().name, adapt=False) for preset in presets}
-    marked = {name: at[accuracy] for name, accuracy in nameless.items() if accuracy in at}
-    for axes, name, error in zip(grid.flat, [*FIVE, "worst objective"], errors.T, strict=True):
-        for i, method in enumerate(methods):
-            if (own := found == method).any():
-                looks = marker(i) | {"ms": 3, "alpha": 0.7, "label": method.replace("_", " ")}
-                shown = own & (error > 0.0) & (error < 100.0)
-                axes.plot(ms[shown], error[shown], **looks)
-        order = np.lexsort((error, ms))
-        order = order[error[order] > 0.0]
-        front = order[error[order] == np.minimum.accumulate(error[order])]
-        axes.plot(ms[front], error[front], color="black", lw=0.8, label="none better in both")
-        for preset, i in marked.items():
-            size = 9 if preset == default else 6
-            axes.plot(ms[i], error[i], "o", mfc="none", mec="black", ms=size, mew=1.0)
-        axes.set(xscale="log", yscale="log", title=name.replace("_", " "))
-        # matplotlib's own labels overprint where there is less than a decade
-        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
-        axes.xaxis.set_major_formatter("{x:g}")
-        axes.xaxis.set_minor_formatter(NullFormatter())
-        axes.yaxis.set_minor_formatter(NullFormatter())
-        axes.grid()
-    box, line = {"fc": "white", "ec": "none", "alpha": 0.85, "pad": 1.0}, {"arrowstyle": "-", "lw": 0.6}
-    for preset, i in marked.items():  # once: the circles are in the same order everywhere
-        near = {"xytext": (14, 14), "textcoords": "offset points", "arrowprops": line, "bbox": box}
-        grid[-1, -1].annotate(preset, (ms[i], errors[i, -1]), **near)
-    figure.supxlabel(
-        "time per design and core (ms)\n"
-        "error not exceeded by 95 % of the feet, largest over soft, regular and hard sand; "
-        "circles: presets, the default's is larger"
-    )
-    figure.supylabel("relative error (%)")
+def work_precision(settings: Sequence[Any], presets: Sequence[Any]) -> Figure:
+    """Error against time of measurements (`footopt.studies.accuracy.Measurement`), a line for each method."""
+    figure = new_figure(style.PAGE, 3.6)
+    axes = figure.subplots()
+    for i, method in enumerate(dict.fromkeys(m.method for m in settings)):
+        own = [m for m in settings if m.method == method]
+        looks = marker(i) | {"ls": "-", "lw": 1.0, "ms": 4, "label": method.replace("_", " ")}
+        axes.plot([m.ms for m in own], [100.0 * m.error for m in own], **looks)
+    for m in presets:
+        axes.plot(m.ms, 100.0 * m.error, "o", mfc="none", mec="black", ms=10, mew=1.2)
+        looks = {"xytext": (-8, -12), "textcoords": "offset points", "weight": "bold", "ha": "right"}
+        axes.annotate(m.method, (m.ms, 100.0 * m.error), **looks)
+    axes.set(xscale="log", yscale="log", xlabel="time per design and core (ms)", ylabel=WORST)
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.grid()
     style.legend_above(figure)
     return figure
-
-
-def _method(accuracy: Accuracy) -> str:
-    return accuracy.stepper if accuracy.control is None else f"{accuracy.stepper}, step control"
 
 
 @styled
