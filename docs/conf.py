@@ -23,7 +23,6 @@ include_patterns = [
     "docs/**",
     "examples/*.md",
     "outputs/reference/paper/claims.md",
-    "outputs/reference/validation/validation.md",
 ]
 myst_enable_extensions = ["dollarmath", "amsmath"]
 myst_heading_anchors = 4
@@ -40,9 +39,8 @@ numpydoc_show_class_members = False
 CONTENTS = {
     "Start": ("docs/getting-started", "docs/commands", "docs/settings", "docs/reference", "docs/files",
               "docs/project", "examples/README", "docs/troubleshooting"),
-    "Believe": ("docs/physics", "docs/objectives", "docs/validation",
-                "outputs/reference/validation/validation", "docs/claims", "outputs/reference/paper/claims",
-                "docs/gallery", "docs/benchmarks"),
+    "Believe": ("docs/physics", "docs/objectives", "docs/validation", "docs/claims",
+                "outputs/reference/paper/claims", "docs/gallery", "docs/benchmarks"),
     "Choose": ("docs/accuracy", "docs/effects", "docs/solvers", "docs/robust"),
     "Use": ("docs/python", "docs/mujoco", "docs/cluster", "docs/api"),
     "Develop": ("docs/extending", "CONTRIBUTING", "VISION", "CHANGELOG"),

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from footopt.errors import check
-from footopt.files.io import write_text
 from footopt.report import terminal
 from footopt.report.figures.validation import experiment, law_name, overview
 from footopt.report.numbers import number
 from footopt.studies.base import Study
 from footopt.studies.settings import StudySettings, setting
-from footopt.studies.validation.compare import AGREES, DIFFERS, OPEN, Comparison, Experiment, experiments
+from footopt.studies.validation.compare import AGREES, DIFFERS, OPEN, Comparison, experiments
 
 POINTS = ("experiment", "quantity", "unit", "law", "point", "S", "D", "E", "u", "u_num", "u_input", "u_exp")
 HEAD = ("experiment", "quantity", "law", "scale", "E rms", "E mean", "2 u", "verdict")
@@ -42,16 +41,14 @@ def run(study: Study) -> None:
             for law in e.content["laws"]:
                 found += e.compare(law)
                 step(news=f"{e.content['title']}, {law_name(law)}")
-    study.write_csv("validation.csv", POINTS, [row for c in found for row in points(c)])
+    study.write_csv("validation.csv", POINTS, (row for c in found for row in points(c)))
     titles = {e.name: e.content["title"] for e in chosen}
-    study.save(
-        "overview", overview(found, titles), "Error of every comparison, and what it could have resolved."
-    )
+    caption = "Error of every comparison, and what it could have resolved."
+    study.save("overview", overview(found, titles), caption)
     for e in chosen:
-        caption = f"{titles[e.name]}. {text(e, 'about')} {text(e, 'reading')} Source: {text(e, 'source')}."
+        caption = f"{titles[e.name]}. {e.text('about')} {e.text('reading')} Source: {e.text('source')}."
         own = [c for c in found if c.experiment == e.name]
         study.save(e.name, experiment(own, e.content.get("x", "")), caption)
-    write_text(study.folder / "validation.md", markdown(chosen, found))
     table = terminal.table(HEAD, WORDS)
     table.title = "E, simulated less measured, and its uncertainty 2 u (ASME V&V 20), as parts of the scale"
     for c in found:
@@ -64,11 +61,11 @@ def run(study: Study) -> None:
     )
 
 
-def points(c: Comparison) -> list[list[object]]:
+def points(c: Comparison) -> Iterator[list[object]]:
     """A comparison for validation.csv, a row a point."""
     numbers = (c.simulated, c.measured, c.error, c.uncertainty, c.numerical, c.inputs, c.experimental)
-    what = [c.experiment, c.quantity, c.unit, law_name(c.law)]
-    return [[*what, point, *values] for point, *values in zip(c.points, *numbers, strict=True)]
+    for point, *values in zip(c.points, *numbers, strict=True):
+        yield [c.experiment, c.quantity, c.unit, law_name(c.law), point, *values]
 
 
 def entry(c: Comparison) -> dict[str, Any]:
@@ -90,44 +87,17 @@ def summary(found: Sequence[Comparison]) -> str:
         counts([replace(c, experimental=share * c.experimental) for c in found])[DIFFERS]
         for share in (0.5, 2.0)
     )
-    said = summary_of(*counts(found).values())
-    return f"{said} With half the uncertainty of the data {halved} would differ, with twice of it {doubled}."
+    agree, differ, open_ = counts(found).values()
+    return (
+        f"Of {len(found)} comparisons {agree} agree, {differ} differ, and {open_} cannot be told. "
+        f"With half the uncertainty of the data {halved} would differ, with twice of it {doubled}."
+    )
 
 
-def summary_of(agree: int, differ: int, open_: int) -> str:
-    """Counts of verdicts in a sentence."""
-    both = agree + differ + open_
-    return f"Of {both} comparisons {agree} agree, {differ} differ, and {open_} cannot be told."
-
-
-def cells(c: Comparison, titles: dict[str, str]) -> list[str]:
+def cells(c: Comparison, titles: Mapping[str, str]) -> list[str]:
     """A comparison in tables: rms and mean of E, and 2 u, as parts of the scale."""
     size, bias, band = (100.0 * value / c.scale for value in (c.size, c.bias, c.band))
     scale = f"{number(c.scale)} {c.unit}".removesuffix(" 1")
     verdict = f"differs by {size:.0f} %" if c.verdict == DIFFERS else c.verdict
     parts = [scale, f"{size:.0f} %", f"{bias:+.0f} %", f"{band:.0f} %", verdict]
     return [titles[c.experiment], c.quantity, law_name(c.law), *parts]
-
-
-def text(e: Experiment, part: str) -> str:
-    """A text of an experiment's file, in one line."""
-    return " ".join(e.content[part].split())
-
-
-def markdown(chosen: Sequence[Experiment], found: Sequence[Comparison]) -> str:
-    """The page validation.md: the table, then what was done and found in each experiment, and its source."""
-    titles = {e.name: e.content["title"] for e in chosen}
-    rows = [HEAD, ["---"] * len(HEAD), *(cells(c, titles) for c in found)]
-    page = f"# The law against experiments\n\n{summary(found)}\n\n{terminal.markdown_rows(rows)}\n"
-    for e in chosen:
-        picture = f"![{titles[e.name]}](figures/{e.name}.png)"
-        page += f"\n## {titles[e.name]}\n\n{text(e, 'about')}\n\n{picture}\n\n{text(e, 'reading')}\n\n"
-        for name, part in e.content.get("inputs", {}).items():
-            page += f"- {name}: {part['value']} ({part['low']} to {part['high']}): {part['why']}\n"
-        for q in e.content["quantities"]:
-            size = (
-                f"{100 * q['uncertainty']:g} %" if q.get("relative") else f"{q['uncertainty']:g} {q['unit']}"
-            )
-            page += f"- uncertainty of the measured {q['name']}: {size.removesuffix(' 1')}; {q['why']}\n"
-        page += f"- source: {text(e, 'source')}\n"
-    return page

@@ -46,9 +46,9 @@ class Comparison:
     points: Sequence[Any]  # what tells the points apart: numbers of the experiment's x, or names
     simulated: Array  # (M,), S
     measured: Array  # (M,), D
-    numerical: Array  # (M,), and the next two: the parts of u
-    inputs: Array
-    experimental: Array
+    numerical: Array  # (M,), u_num
+    inputs: Array  # (M,), u_input
+    experimental: Array  # (M,), u_exp
     scale: float  # to which errors are related: the rms of D, or what the file states
 
     @property
@@ -83,7 +83,7 @@ class Comparison:
 
     @property
     def spread(self) -> Array:
-        """`COVERAGE` times what the prediction may be off for its inputs and numbers, (M,)."""
+        """`COVERAGE` times the uncertainty of the prediction, (M,)."""
         return COVERAGE * np.hypot(self.numerical, self.inputs)
 
     @property
@@ -101,37 +101,41 @@ class Experiment:
     name: str
     content: dict[str, Any]
 
+    def text(self, part: str) -> str:
+        """Return a text of the file in one line."""
+        return " ".join(self.content[part].split())
+
     def compare(self, law: Sequence[str]) -> list[Comparison]:
         """Repeat it under a law: the names of the effects that are on."""
         content, setup, inputs = self.content, self.content.get("setup", {}), self.content.get("inputs", {})
         own = content.get("effects", {})
         effects = [EFFECTS[name](**own.get(name, {})) for name in law]
 
-        def run(fine: bool, changed: dict[str, Any]) -> dict[str, Array]:
-            given = {name: np.asarray(part["value"], float) for name, part in inputs.items()}
-            return rig.RIGS[content["rig"]](setup, given | changed, effects, fine)
+        def run(fine: bool = False, changed: str = "", end: str = "value") -> dict[str, Any]:
+            given = {name: np.asarray(part[end if name == changed else "value"], float)
+                     for name, part in inputs.items()}  # fmt: skip
+            return rig.RIGS[content["rig"]](setup, given, effects, fine)
 
-        coarse, fine = run(False, {}), run(True, {})
-        spans = [[run(False, {name: np.asarray(part[end], float)}) for end in ("low", "high")]
-                 for name, part in inputs.items()]  # fmt: skip
+        coarse, fine = run(), run(fine=True)
+        spans = [(run(changed=name, end="low"), run(changed=name, end="high")) for name in inputs]
         published, points = {}, setup[content["x"]] if "x" in content else [""]
         if content["rig"] == "plate":
             published = rig.measured_map(setup)
             points = [f"beta {b:.0f}, gamma {g:.0f}" for b, g in np.degrees(rig.angles(setup)).T]
-        found = []
+        found, none = [], np.zeros(len(points))
         for q in content["quantities"]:
             name, unit = q["name"], UNITS[q["unit"]]
             measured = np.asarray(published[name] / unit if published else q["measured"], float)
             scale = float(q.get("scale", rms(measured)))
             halves = [0.5 * (high[name] - low[name]) / unit for low, high in spans]
-            parts = {
-                "numerical": np.abs(fine[name] - coarse[name]) / unit,
-                "inputs": np.sqrt(np.sum(np.square(halves), axis=0)) + np.zeros(len(measured)),
-                "experimental": np.full(len(measured), q["uncertainty"])
-                * (scale if q.get("relative") else 1.0),
-            }
-            what = (self.name, name, q["unit"], tuple(law), points)
-            found.append(Comparison(*what, fine[name] / unit, measured, **parts, scale=scale))
+            comparison = Comparison(
+                self.name, name, q["unit"], tuple(law), points, fine[name] / unit + none, measured,
+                numerical=np.abs(fine[name] - coarse[name]) / unit + none,
+                inputs=np.sqrt(np.sum(np.square(halves), axis=0)) + none,
+                experimental=q["uncertainty"] * (scale if q.get("relative") else 1.0) + none,
+                scale=scale,
+            )  # fmt: skip
+            found.append(comparison)
         return found
 
 

@@ -1,7 +1,7 @@
 """A small rig: bodies pushed quasi-statically through the sand of the walk, in a balance of load.
 
 Every rig takes an experiment's set-up, its inputs and the effects that are on, and gives what the law
-predicts for each quantity, in SI units. Law, effects and plates are those of the walk.
+predicts for each quantity at M points or at all of them, in SI units. Law, effects and plates are the walk's.
 """
 
 from __future__ import annotations
@@ -90,14 +90,14 @@ def wheel(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[s
     return {"sinkage": sinkage, "drawbar": force[:, 0]}
 
 
-def pad(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Array]:
+def pad(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Any]:
     """A level pad with blades that is dragged along under a load: what the blades add to its traction."""
     length, width, plates = setup["length"], setup["width"], 3200 if fine else 800
     scene, load = scene_of(inputs["zeta"], effects), np.array([float(inputs["load"])])
     bladed = Foot(blades(length, round(float(inputs["blades"])), setup["height"], setup["thickness"]), width)
     with_, without = (balanced(foot, scene, plates, load, ALONG, 0.0, 1.0)[1][0, 0]
                       for foot in (bladed, flat(length, width)))  # fmt: skip
-    return {"gain in traction": np.array([with_ / without - 1.0])}
+    return {"gain in traction": with_ / without - 1.0}
 
 
 def blades(length: float, count: int, height: float, thickness: float) -> Array:
@@ -160,18 +160,17 @@ def three_dimensional(coefficients: Array, beta: Array, gamma: Array) -> Array:
     return np.stack([-(f1 * np.sin(beta) + f2 * np.cos(gamma)), -(f1 * b + f2 * a + f3)])
 
 
-def growth(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Array]:
+def growth(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Any]:
     """Exponent with which the force on a level plate grows with its depth."""
     depth = np.geomspace(setup["depths"][0], setup["depths"][1], 40 if fine else 20)
     force = body(flat(setup["size"], setup["size"]), scene_of(inputs["zeta"], effects), 8)(-depth, DOWN, 0.0)
-    exponent = np.polyfit(np.log(depth), np.log(force[:, 1]), 1)[0]
-    return {"exponent": np.full(len(setup["media"]), exponent)}
+    return {"exponent": np.polyfit(np.log(depth), np.log(force[:, 1]), 1)[0]}
 
 
-def extraction(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Array]:
+def extraction(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Any]:
     """Resistance of a level plate that is pulled up, over that of one that is pushed down."""
     push, pull = plate({"beta": [0.0], "gamma": [90.0, -90.0]}, inputs, effects, fine)["alpha_z"]
-    return {"pull over push": np.full(len(setup["media"]), abs(pull) / push)}
+    return {"pull over push": abs(pull) / push}
 
 
 def friction(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Array]:
@@ -180,15 +179,14 @@ def friction(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dic
     return {"zeta": scale * setup["level"] / float(alpha(0.0, np.pi / 2)[1])}
 
 
-def drag(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Array]:
+def drag(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Any]:
     """What a dragged upright plate feels more at a high speed than at a low one, over rho A v^2."""
-    size, speed = setup["size"], np.asarray(setup["speeds"], float)
+    size, (low, high) = setup["size"], setup["speeds"]
     upright = Foot(np.array([[0.0, -0.5], [0.0, 0.5]]) * size, size)
     density = next(effect.rho for effect in effects if isinstance(effect, Inertia))
-    along, height = np.stack([speed, np.zeros(2)], axis=-1), np.full(2, -setup["depth"])
-    force = -body(upright, scene_of(inputs["zeta"], effects), 8)(height, along, 0.0)[:, 0]
-    factor = np.diff(force) / (density * size**2 * np.diff(speed**2))
-    return {"inertia factor": np.full(len(setup["body"]), factor[0])}
+    force = body(upright, scene_of(inputs["zeta"], effects), 8)
+    slow, fast = -force(np.full(2, -setup["depth"]), [(low, 0.0), (high, 0.0)], 0.0)[:, 0]
+    return {"inertia factor": (fast - slow) / (density * size**2 * (high**2 - low**2))}
 
 
 def rod(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Array]:
@@ -206,22 +204,21 @@ def rod(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str
     return {"power of the drag": np.array([np.log2(drag_of(name) / once) for name in setup["doubled"]])}
 
 
-def walker(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Array]:
+def walker(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Any]:
     """A person's weight on flat soles: forces on the ground, work on the sand, speed against firm ground."""
     scene, accuracy = scene_of(inputs["zeta"], effects), "fine" if fine else "standard"
     walk, firm = (simulate(Foot.flat(), s, accuracy) for s in (scene, replace(scene, sand=Sand(zeta=FIRM))))
     force = walk.force[walk.t >= scene.gait.heel_strike, :, 1] / scene.walker.weight
     found = walk.objectives
     per_metre = found["work"] / (scene.walker.mass * found["distance"])
-    values = {
+    return {
         "peak force": force.max(),
         "pull": -force.min(),
         "work ratio": 1.0 + per_metre / inputs["firm_work"],
         "speed ratio": found["distance"] / firm.objectives["distance"],
     }
-    return {name: np.array([float(value)]) for name, value in values.items()}
 
 
-RIGS: dict[str, Callable[[Values, Values, Effects, bool], dict[str, Array]]] = {
+RIGS: dict[str, Callable[[Values, Values, Effects, bool], dict[str, Any]]] = {
     each.__name__: each for each in (wheel, pad, plate, growth, extraction, friction, drag, rod, walker)
 }
