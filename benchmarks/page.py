@@ -50,7 +50,7 @@ def write(folder: Path, sand: str, designs: int) -> Path:
     walk, flat = (fo.simulate(foot, problem.scene, "standard") for foot in (best, fo.Foot.flat()))
     entry = {"flat": flat.objectives, "accuracy": {"name": "standard"}, "scene": {"effects": {}}}
     content = page.search_content(result, confirmed, walk, flat, entry)
-    return page.write(folder / "report.html", content | {"folder": "outputs/optimize/one", "words": ""})
+    return page.write(folder / "report.html", content | {"folder": "outputs/optimize/one", "overrides": ""})
 
 
 def busy(driver) -> float:

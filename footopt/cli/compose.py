@@ -33,23 +33,23 @@ def groups() -> dict[str, list[str]]:
     return {group: sorted(found[group]) for group in sorted(found)}
 
 
-def hydra_words(words: Sequence[str]) -> list[str]:
-    """The words of a command line as Hydra takes them: run=, ~/ and YAML's .inf are written out."""
-    full = [f"study.{word}" if word.startswith("run=") else word for word in words]
-    at_home = [re.sub(r"([=,\[])~/", rf"\1{Path.home().as_posix()}/", word) for word in full]
-    return [re.sub(r"([=,\[]-?)\.inf(?=[,\]]|$)", r"\1inf", word) for word in at_home]
+def hydra_overrides(overrides: Sequence[str]) -> list[str]:
+    """The overrides of a command line as Hydra takes them: run=, ~/ and YAML's .inf are written out."""
+    full = [f"study.{one}" if one.startswith("run=") else one for one in overrides]
+    at_home = [re.sub(r"([=,\[])~/", rf"\1{Path.home().as_posix()}/", one) for one in full]
+    return [re.sub(r"([=,\[]-?)\.inf(?=[,\]]|$)", r"\1inf", one) for one in at_home]
 
 
-def task_words(here: Any, kind: str = "task") -> list[str]:
-    """The words of the command line as they were given; one may refer to another setting: ${foot.H}."""
-    words: Any = OmegaConf.to_container(here.overrides[kind], resolve=False)
-    return list(words)
+def task_overrides(here: Any, kind: str = "task") -> list[str]:
+    """The overrides of the command line as they were given; one may refer to another setting: ${foot.H}."""
+    overrides: Any = OmegaConf.to_container(here.overrides[kind], resolve=False)
+    return list(overrides)
 
 
-def resolved(settings: Any, words: Sequence[str], config: str = "config") -> dict[str, Any]:
+def resolved(settings: Any, overrides: Sequence[str], config: str = "config") -> dict[str, Any]:
     """The settings that Hydra composed as plain data; with study=simulate run=FOLDER in that run's world.
 
-    `words` are those of the command line, `config` is the file that they begin with.
+    `overrides` are those of the command line, `config` is the file that they begin with.
     """
     with open_dict(settings):
         settings.pop("hydra", None)
@@ -57,4 +57,4 @@ def resolved(settings: Any, words: Sequence[str], config: str = "config") -> dic
     if plain["study"]["name"] != "simulate" or plain["study"]["run"] is None:
         return dict(plain)
     default: Any = OmegaConf.to_container(compose(config, ["study=simulate"]), resolve=True)
-    return in_world_of_run(plain, default, [word.lstrip("+").partition("=")[0] for word in words])
+    return in_world_of_run(plain, default, [one.lstrip("+").partition("=")[0] for one in overrides])

@@ -21,7 +21,7 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
-from footopt.cli.compose import CONF, groups, hydra_words, resolved, task_words
+from footopt.cli.compose import CONF, groups, hydra_overrides, resolved, task_overrides
 from footopt.cli.messages import explain
 from footopt.cli.run import execute, remove_empty_run, resume
 from footopt.errors import ERROR_FILE, FootoptError
@@ -44,15 +44,15 @@ def main() -> None:
     """Entry point. Errors that a user can mend end with one message and exit code 1."""
     os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra passes errors on instead of printing them itself
     given = sys.argv[1:]
-    topics = [word for word in given if word not in ("-h", "--help")]
+    topics = [one for one in given if one not in ("-h", "--help")]
     try:
-        if any(word.startswith("resume=") for word in given):
+        if any(one.startswith("resume=") for one in given):
             Multirun.failed = resume(given)
         elif topics and len(topics) < len(given) and {*topics} <= {*groups(), *meanings.GROUPS}:
             print(meanings.text(topics), flush=True)
         else:
             # flags first: what parses them takes no settings on both sides of one
-            sys.argv[1:] = sorted(hydra_words(given), key=lambda word: word not in ("-m", "--multirun"))
+            sys.argv[1:] = sorted(hydra_overrides(given), key=lambda one: one not in ("-m", "--multirun"))
             _job()
     except KeyboardInterrupt:
         sys.exit(STOPPED)
@@ -71,18 +71,18 @@ def main() -> None:
 def _job(settings: DictConfig) -> Any:
     """One job: a single run, or one of a multirun; its objectives go to Hydra's sweepers and callbacks."""
     here = HydraConfig.get()
-    folder, words = Path(here.runtime.output_dir), task_words(here)
+    folder, overrides = Path(here.runtime.output_dir), task_overrides(here)
     alone = here.mode != RunMode.MULTIRUN
     try:
-        found = execute(resolved(settings, words, str(here.job.config_name)), folder, words)
+        found = execute(resolved(settings, overrides, str(here.job.config_name)), folder, overrides)
     except KeyboardInterrupt:
         sys.exit(STOPPED)
     except (FootoptError, OmegaConfBaseException, OSError, MemoryError) as error:
         if alone and _wants_traceback:
             raise
-        message = explain(error, words)
+        message = explain(error, overrides)
         if alone:
-            remove_empty_run(folder, task_words(here, "hydra"))
+            remove_empty_run(folder, task_overrides(here, "hydra"))
             sys.exit(f"footopt: error: {message}")
         log.error("job %s failed: %s", here.job.num, message)  # the other jobs go on
         if not isinstance(error, Occupied):  # the folder is another's then
@@ -107,10 +107,10 @@ class Multirun(Callback):
             hint = f"footopt resume={folder} goes on with it; or choose another hydra.sweep.dir."
             sys.exit(f"footopt: error: {folder}: holds a multirun. {hint}")  # Hydra passes nothing else on
         with suppress(HydraException, OmegaConfBaseException):  # the sweeper, or the job, says so
-            for name, settings, words in _jobs(config, begin):
+            for name, settings, overrides in _jobs(config, begin):
                 (folder / name).mkdir(parents=True, exist_ok=True)
                 with suppress(FootoptError):
-                    identity.write(folder / name, absolute(resolved(settings, words, begin)), words)
+                    identity.write(folder / name, absolute(resolved(settings, overrides, begin)), overrides)
 
     def on_multirun_end(self, config: DictConfig, **kwargs: Any) -> None:
         """Read what the jobs left in their folders."""
@@ -119,18 +119,20 @@ class Multirun(Callback):
 
 
 def _jobs(config: DictConfig, name: str) -> Iterator[tuple[str, DictConfig, list[str]]]:
-    """Folder, settings and words of every job; none for a sweeper that goes by results."""
+    """Folder, settings and overrides of every job; none for a sweeper that goes by results."""
     if not config.hydra.sweeper._target_.endswith(".BasicSweeper"):
         return
     own = [f"{name}={value}" for name, value in (config.hydra.sweeper.params or {}).items()]
     values = [
-        [f"{word.get_key_element()}={value}" for value in word.sweep_string_iterator()]
-        if word.is_sweep_override()
-        else [str(word.input_line)]
-        for word in OverridesParser.create().parse_overrides([*own, *task_words(config.hydra)])
+        [f"{override.get_key_element()}={value}" for value in override.sweep_string_iterator()]
+        if override.is_sweep_override()
+        else [str(override.input_line)]
+        for override in OverridesParser.create().parse_overrides([*own, *task_overrides(config.hydra)])
     ]
-    for number, words in enumerate(map(list, itertools.product(*values))):
-        settings = compose(name, [*task_words(config.hydra, "hydra"), *words], return_hydra_config=True)
+    for number, overrides in enumerate(map(list, itertools.product(*values))):
+        settings = compose(
+            name, [*task_overrides(config.hydra, "hydra"), *overrides], return_hydra_config=True
+        )
         with open_dict(settings):
             settings.hydra.job.num, settings.hydra.job.id = number, str(number)
-        yield str(OmegaConf.select(settings, "hydra.sweep.subdir")), settings, words
+        yield str(OmegaConf.select(settings, "hydra.sweep.subdir")), settings, overrides

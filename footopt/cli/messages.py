@@ -25,9 +25,9 @@ KINDS = {
 }
 
 
-def explain(error: BaseException, words: Sequence[str] = ()) -> str:
-    """The message for any error; `words` are those of the command line."""
-    if (translated := translate(error, words)) is not None:
+def explain(error: BaseException, overrides: Sequence[str] = ()) -> str:
+    """The message for any error; `overrides` are those of the command line."""
+    if (translated := translate(error, overrides)) is not None:
         return str(translated)
     if isinstance(error, (OSError, MemoryError)):
         text = getattr(error, "strerror", None) or str(error) or type(error).__name__
@@ -39,24 +39,26 @@ def explain(error: BaseException, words: Sequence[str] = ()) -> str:
     return f"unexpected {type(error).__name__}: {error}\nA bug in footopt; HYDRA_FULL_ERROR=1 shows where."
 
 
-def translate(error: BaseException, words: Sequence[str]) -> FootoptError | None:
+def translate(error: BaseException, overrides: Sequence[str]) -> FootoptError | None:
     """An error of Hydra or OmegaConf in footopt's terms, with a hint for usual mistakes; None for others."""
     if isinstance(error, FootoptError):
         return error
-    given = {name.lstrip("+"): value for name, _, value in (word.partition("=") for word in words)}
+    given = {name.lstrip("+"): value for name, _, value in (one.partition("=") for one in overrides)}
     cause, names = error.__cause__ or error, known()
     text = str(cause).partition("\n")[0]
     key = (getattr(cause, "full_key", None) or "").partition("[")[0]  # of a list, without the place in it
     group, _, choice = (getattr(error, "missing_cfg_file", None) or "").rpartition("/")
-    if bad := next((word for word in words if word.startswith("=")), getattr(error, "override", "")):
+    # footopt =soft, footopt study=simulate foot.k=[1, 2]
+    if bad := next((one for one in overrides if one.startswith("=")), getattr(error, "override", "")):
         return FootoptError(f"{bad}: {_syntax(*bad.partition('='))}")
-    if "Config group override must be" in text:  # sand=2.5
+    if "Config group override must be" in text:  # footopt sand=2.5
         group, choice = next((name, given[name]) for name in given if name in groups())
+    # footopt sand.zeta=1,2
     if text.startswith("Ambiguous value for argument"):
-        name, _, value = (word := text.split("'")[1]).partition("=")
-        hint = f"For a list: '{name}=[{value}]'. For a run of each: footopt -m {word}"
+        name, _, value = (override := text.split("'")[1]).partition("=")
+        hint = f"For a list: '{name}=[{value}]'. For a run of each: footopt -m {override}"
         return SettingError(name, value, "one value", hint)
-    if group:
+    if group:  # footopt sand=mud
         own = next((name for name in names if name.startswith(f"{group}.") and name != f"{group}.name"), "")
         is_number = own and choice.lstrip("-")[:1].isdigit()
         hint = f"A number needs its name, such as {own}={choice}." if is_number else ""
@@ -64,13 +66,16 @@ def translate(error: BaseException, words: Sequence[str]) -> FootoptError | None
             hint = f"For a measure give a list: objective.names=[{choice}]."
         return SettingError(group, choice, f"one of {', '.join(groups().get(group, []))}", hint)
     effect = next((name for name in given if name.startswith("effects.") and name in names), "")
-    if isinstance(error, (AssertionError, AttributeError)) and effect:  # of an effect that is null
+    # footopt effects.slope.angle=4, without effects=slope
+    if isinstance(error, (AssertionError, AttributeError)) and effect:
         name = effect.split(".")[1]
         hint = f"Try effects={name} {effect}={given[effect]}"
         return SettingError(effect, given[effect], f"given with the effect {name}", hint)
+    # footopt snad=soft; footopt study=doctor sand=soft
     if isinstance(cause, (ConfigAttributeError, ConfigKeyError)) and key:
         key = next((name for name in given if f"{name}.".startswith(f"{key}.")), key)
-        return _unread(key, given.get(key, ""), given.get("study", "optimize"))
+        return _unknown(key, given.get(key, ""), given.get("study", "optimize"))
+    # footopt foot.width=wide
     if kind := next((KINDS[part] for part in KINDS if part in text and key in given), ""):
         return SettingError(key, given[key], kind)
     if isinstance(error, OmegaConfBaseException) and key:
@@ -81,7 +86,7 @@ def translate(error: BaseException, words: Sequence[str]) -> FootoptError | None
 
 
 def _syntax(name: str, equals: str, value: str) -> str:
-    """Why a word is no setting, and what to try."""
+    """Why an override is no setting, and what to try."""
     if name and equals:
         return f"the value cannot be read. Lists have no spaces; others need quotes: {name}=\"'{value}'\""
     owners = {choice: group for group, choices in groups().items() for choice in choices}
@@ -90,7 +95,7 @@ def _syntax(name: str, equals: str, value: str) -> str:
     return f"settings are given as name=value. {hint}"
 
 
-def _unread(name: str, value: str, study: str) -> FootoptError:
+def _unknown(name: str, value: str, study: str) -> FootoptError:
     """A setting that there is not, or not for this study."""
     names = known()
     if name in names and (readers := studies_that_read(name)):

@@ -18,7 +18,7 @@ from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from footopt import studies
-from footopt.cli.compose import CONF, hydra_words, resolved
+from footopt.cli.compose import CONF, hydra_overrides, resolved
 from footopt.cli.messages import explain, translate
 from footopt.errors import ERROR_FILE, EngineError, FootoptError, check
 from footopt.files import identity
@@ -28,7 +28,6 @@ from footopt.report import summary
 from footopt.studies.build import absolute
 from footopt.studies.runs import (
     BUDGETS,
-    SEARCHES,
     Run,
     check_may_change,
     check_resumable,
@@ -36,22 +35,24 @@ from footopt.studies.runs import (
     load,
     result_of,
 )
-from footopt.studies.settings import EngineConfig, structured
+from footopt.studies.settings import EngineConfig, searches, structured
 
 TRUST, FORCE = "--trust", "--force"
 #: Settings by which a folder could have code run that nobody asked for, and files that a run writes.
 CODE, WRITTEN = ("plugins", "engine.address"), ("study.store", "study.video")
 
 
-def execute(settings: Mapping[str, Any], folder: Path, words: Sequence[str], resumed: bool = False) -> Any:
-    """Run the study of some resolved settings in a folder: see `footopt.studies.run`.
+def execute(
+    settings: Mapping[str, Any], folder: Path, overrides: Sequence[str], resumed: bool = False
+) -> Any:
+    """Run the study of some resolved settings in a folder: see `footopt.studies.run_study`.
 
     A run that is stopped, or loses its workers, says how to go on.
     """
     hint = f"; go on with: footopt resume={shlex.quote(str(folder))}"
     try:
         config: Any = OmegaConf.to_object(structured(settings))  # refuses what + has added
-        return studies.run(config, folder, absolute(settings), words, resumed)
+        return studies.run_study(config, folder, absolute(settings), overrides, resumed)
     except EngineError as error:
         raise FootoptError(f"{error} All finished generations are in the store{hint}") from None
     except KeyboardInterrupt as stop:
@@ -59,19 +60,19 @@ def execute(settings: Mapping[str, Any], folder: Path, words: Sequence[str], res
         raise
 
 
-def remove_empty_run(folder: Path, words: Sequence[str]) -> None:
+def remove_empty_run(folder: Path, overrides: Sequence[str]) -> None:
     """Remove the folder of a refused run, and those above it if they are empty, unless it was chosen."""
-    if not any(word.startswith("hydra.run.dir") for word in words):
+    if not any(one.startswith("hydra.run.dir") for one in overrides):
         with suppress(OSError):
             os.removedirs(os.path.relpath(folder))
 
 
-def run(words: Sequence[str] = (), folder: str | Path | None = None) -> Run:
+def run(overrides: Sequence[str] = (), folder: str | Path | None = None) -> Run:
     """Do what ``footopt WORDS`` does, in this process, and return the run.
 
     Parameters
     ----------
-    words : sequence of str
+    overrides : sequence of str
         Settings as on the command line, such as ``["sand=soft", "solver=nsga2"]``; with ``resume=FOLDER``
         that run goes on.
     folder : str or Path, optional
@@ -87,19 +88,23 @@ def run(words: Sequence[str] = (), folder: str | Path | None = None) -> Run:
     FootoptError
         What the command line ends with: it names the setting and says what is allowed.
     """
-    check(not isinstance(words, str), "words", words, f"a list, such as [{words!r}]")
-    given = [str(word) for word in words]
-    if resumed := [word.partition("=")[2] for word in given if word.startswith("resume=")]:
+    check(not isinstance(overrides, str), "overrides", overrides, f"a list, such as [{overrides!r}]")
+    given = [str(one) for one in overrides]
+    if resumed := [one.partition("=")[2] for one in given if one.startswith("resume=")]:
         check(folder is None, "folder", folder, "left out with resume=FOLDER, where the run goes on")
         resume(given)
         return load(resumed[-1])
     there: Path | None = None
     try:
         with initialize_config_dir(str(CONF), version_base="1.3"):
-            settings = compose("config", hydra_words(given), return_hydra_config=True)
+            settings = compose("config", hydra_overrides(given), return_hydra_config=True)
             there = Path(folder or settings.hydra.run.dir).expanduser().absolute()
             plain = resolved(settings, given)
-        execute(plain, there, [word for word in hydra_words(given) if not word.startswith("hydra.")])
+        execute(
+            plain,
+            there,
+            [one for one in hydra_overrides(given) if not one.startswith("hydra.")],
+        )
     except Exception as error:
         if there and not folder:
             remove_empty_run(there, given)
@@ -113,7 +118,7 @@ def resume(given: Sequence[str]) -> int:
     A folder is read as data: code and files elsewhere that it names need --trust, a run of another version
     needs --force, and settings given besides are `CHANGEABLE`. Designs in its store are not walked again.
     """
-    name = next(word for word in given if word.startswith("resume=")).removeprefix("resume=")
+    name = next(one for one in given if one.startswith("resume=")).removeprefix("resume=")
     check(name, "resume", name, "the folder of a run")
     folder = Path(name).expanduser().absolute()
     logging.basicConfig(level=logging.WARNING, stream=sys.stdout, format="[%(levelname)s] %(message)s")
@@ -130,11 +135,11 @@ def resume(given: Sequence[str]) -> int:
 
 def _changes(given: Sequence[str]) -> dict[str, Any]:
     """The settings that a run may change, and their values."""
-    words = hydra_words([word for word in given if not word.startswith(("resume=", TRUST, FORCE))])
-    for word in words:
-        check_may_change(word)
+    overrides = hydra_overrides([one for one in given if not one.startswith(("resume=", TRUST, FORCE))])
+    for one in overrides:
+        check_may_change(one)
     found = {}
-    for change in OverridesParser.create().parse_overrides(words):
+    for change in OverridesParser.create().parse_overrides(overrides):
         check(not change.is_sweep_override(), "resume", change.input_line, "one value")
         found[change.get_key_element()] = change.value()
     return found
@@ -144,10 +149,10 @@ def _resume_job(job: Path, changes: Mapping[str, Any], given: Sequence[str]) -> 
     """Go on with a job of a multirun, unless it has a result and no longer search is asked for."""
     found = result_of(job)
     longer = {*changes} & {f"solver.{name}" for name in BUDGETS}
-    if found and finished(found) and not (longer and found["study"] in SEARCHES):
+    if found and finished(found) and not (longer and searches(found["study"])):
         return
     try:
-        print(f"job {job.name}: {' '.join(identity.read(job).words)}", flush=True)
+        print(f"job {job.name}: {' '.join(identity.read(job).overrides)}", flush=True)
         _resume_run(job, changes, given)
     except Occupied as error:
         print(f"job {job.name}: {error}")
@@ -169,7 +174,7 @@ def _resume_run(folder: Path, changes: Mapping[str, Any], given: Sequence[str]) 
         inside = name in WRITTEN and (folder / str(value)).resolve().parent == folder.resolve()
         hint = f"Add {TRUST} if you know it, or give your own."
         check(not value or own or inside, name, value, f"trusted: it comes from {folder}", hint)
-    if FORCE in given and study in SEARCHES:
+    if FORCE in given and searches(study):
         settings.study.reuse = True
     for name, value in changes.items():
         value = EngineConfig(name=value) if name == "engine" else value  # without engine.timeout
@@ -177,6 +182,6 @@ def _resume_run(folder: Path, changes: Mapping[str, Any], given: Sequence[str]) 
     plain: Any = OmegaConf.to_container(settings, resolve=True)
     check_resumable(folder, run.settings, plain)
     groups = tuple(f"{name}." for name in changes)
-    kept = [word for word in run.words if not f"{word.partition('=')[0]}.".startswith(groups)]
-    words = [word for word in given if "=" in word and not word.startswith("resume=")]
-    execute(plain, folder, [*kept, *words], resumed=True)
+    kept = [one for one in run.overrides if not f"{one.partition('=')[0]}.".startswith(groups)]
+    overrides = [one for one in given if "=" in one and not one.startswith("resume=")]
+    execute(plain, folder, [*kept, *overrides], resumed=True)

@@ -39,14 +39,14 @@ class Identity(NamedTuple):
     ----------
     settings : dict
         All settings in YAML's types.
-    words : tuple of str
+    overrides : tuple of str
         What was given on the command line, to tell runs apart in tables.
     version : str
         Of the footopt that has written it.
     """
 
     settings: Mapping[str, Any]
-    words: tuple[str, ...]
+    overrides: tuple[str, ...]
     version: str
 
 
@@ -91,9 +91,9 @@ def locked(folder: Path) -> Iterator[None]:
         lock.release()
 
 
-def write(folder: Path, settings: Mapping[str, Any], words: Sequence[str]) -> None:
+def write(folder: Path, settings: Mapping[str, Any], overrides: Sequence[str]) -> None:
     """Write down what a run is."""
-    content = {"footopt": version("footopt"), "words": list(words), "settings": dict(settings)}
+    content = {"footopt": version("footopt"), "overrides": list(overrides), "settings": dict(settings)}
     content["digest"] = _digest(content)
     write_text(folder / FILE, HEAD + yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=100))
 
@@ -121,7 +121,7 @@ def read(folder: Path, setting: str = "resume") -> Identity:
         content = yaml.safe_load(read_text(path, setting))
         sound = content.pop("digest") == _digest(content) and "${" not in json.dumps(content)
         found = Identity(
-            dict(content["settings"]), tuple(map(str, content["words"])), str(content["footopt"])
+            dict(content["settings"]), tuple(map(str, content["overrides"])), str(content["footopt"])
         )
     except FileError:
         raise
@@ -186,9 +186,9 @@ def machine() -> dict[str, Any]:
 def commit() -> str | None:
     """The commit that footopt's sources are of, with "-dirty" where they were changed; None if not known."""
     if (ROOT / ".git").exists():
-        words = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
+        command = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
         with suppress(OSError, subprocess.SubprocessError):
-            found = subprocess.run(words, capture_output=True, text=True, timeout=5, check=True)
+            found = subprocess.run(command, capture_output=True, text=True, timeout=5, check=True)
             return found.stdout.strip()
     origin = distribution("footopt").read_text("direct_url.json") or "{}"  # of one that pip took from git
     known: str | None = json.loads(origin).get("vcs_info", {}).get("commit_id")

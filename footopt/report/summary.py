@@ -41,7 +41,7 @@ class Run:
     """What a run left in its folder; `note` says why there is no result, or no better one."""
 
     folder: Path
-    words: tuple[str, ...] = ()  # of its command line
+    overrides: tuple[str, ...] = ()  # of its command line
     settings: Mapping[str, Any] = field(default_factory=dict)  # by their full names
     result: Mapping[str, Any] = field(default_factory=dict)  # its result.json; empty if it failed
     note: str = ""
@@ -59,7 +59,7 @@ def read(folder: Path) -> Run:
     left: dict[str, Any] = {"note": "no result"}
     try:
         found = identity.read(folder, "folder")
-        left |= {"words": found.words, "settings": flat(found.settings)}
+        left |= {"overrides": found.overrides, "settings": flat(found.settings)}
         if file.exists() and not error.exists():
             left["result"] = result = dict(read_json_file(file, "folder"))
             left["note"] = result.get("reason") or ("interrupted" if result.get("interrupted") else "")
@@ -71,11 +71,16 @@ def read(folder: Path) -> Run:
 
 
 def as_frame(runs: Sequence[Run]) -> pandas.DataFrame:
-    """A row for each run: folder, words, each setting by its full name, objectives, other numbers, note."""
+    """A row for each run: folder, overrides, settings by full names, objectives, other numbers, note."""
     rows = []
     for run in runs:
         result, design = run.result, run.result.get("design", {})
-        row = {"folder": str(run.folder), "words": " ".join(run.words), **run.settings, **run.objectives}
+        row = {
+            "folder": str(run.folder),
+            "overrides": " ".join(run.overrides),
+            **run.settings,
+            **run.objectives,
+        }
         row["hollow_mm"] = design.get("hollow_mm", math.nan)
         row["k"] = written(design["k"]) if design.get("k") else ""
         row |= {name: result.get(name, math.nan) for name in NUMBERS}
@@ -101,8 +106,10 @@ def compare(folder: Path, folders: Sequence[Path]) -> int:
     base = os.path.commonpath([path.absolute().parent for path in folders])
     names = [os.path.relpath(path, base) for path in folders]
     settings, found, whole = varied(runs), fronts(runs), as_frame(runs)
-    common = {word for word in runs[0].words if all(word in run.words for run in runs) and len(runs) > 1}
-    own = [" ".join(word for word in run.words if word not in common) for run in runs]
+    common = {
+        word for word in runs[0].overrides if all(word in run.overrides for run in runs) and len(runs) > 1
+    }
+    own = [" ".join(word for word in run.overrides if word not in common) for run in runs]
     about = [f"{len(runs)} runs in {base}" + (f", all with {' '.join(sorted(common))}" if common else "")]
     about += describe_model(run.result.get("model_error") for run in runs)
     out.print("\n".join(about), soft_wrap=True)
@@ -182,9 +189,9 @@ def over_seeds(settings: pandas.DataFrame, values: pandas.DataFrame) -> pandas.D
 
 
 def runs_content(
-    folder: Path, runs: Sequence[Run], names: Sequence[str], words: Sequence[str], about: Sequence[str]
+    folder: Path, runs: Sequence[Run], names: Sequence[str], overrides: Sequence[str], about: Sequence[str]
 ) -> dict[str, Any]:
-    """The page in a folder over runs: soles, values and traces, with words of each run and of all."""
+    """The page in a folder over runs: soles, values and traces, with the overrides of each run and of all."""
     done = [i for i, run in enumerate(runs) if run.objectives]
     results = [runs[i].result for i in done]
     first = results[0] if results else {"objectives": {}, "versions": None}
@@ -203,7 +210,7 @@ def runs_content(
         "runs": [
             {
                 "name": name,
-                "settings": words[i],
+                "settings": overrides[i],
                 "note": run.note,
                 "design": done.index(i) if i in done else None,
                 "link": _link(run.folder / "report.html", folder),

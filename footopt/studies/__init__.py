@@ -1,4 +1,4 @@
-"""Studies, a module for each question; `check_read`, which settings count; `run`, which asks one."""
+"""Studies, a module for each question; `check_read`, which settings count; `run_study`, which asks one."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from footopt.studies.settings import (
 )
 from footopt.walk.simulate import at_once
 
-__all__ = ["STUDIES", "StudySettings", "check_read", "run", "studies_that_read"]
+__all__ = ["STUDIES", "StudySettings", "check_read", "run_study", "studies_that_read"]
 
 #: footopt's own studies, each the class `Settings` and the function `run` of a module.
 BUILT_IN = ("optimize", "simulate", "accuracy", "stability", "effects", "paper", "robust", "export",
@@ -93,46 +93,58 @@ def settings_of(study: str) -> tuple[str, ...]:
     return (*kind.reads, *dict(leaves(kind(), "study.")))
 
 
-def check_read(config: Config, words: Iterable[str]) -> None:
+def check_read(config: Config, overrides: Iterable[str]) -> None:
     """Refuse settings that are given and have no effect.
 
     Parameters
     ----------
     config : Config
         All settings.
-    words : iterable of str
-        What was given on the command line: settings, and choices of groups.
+    overrides : iterable of str
+        From the command line: settings, and choices of groups.
 
     Raises
     ------
     SettingError
         The study or its foot does not read one; the message says what does.
     """
-    study, shape = config.study.name, config.foot.shape
+    searched = isinstance(config.study, SearchSettings)
     groups = {field.name for field in fields(Config)} | {*SETTING_OF_GROUP}
-    for word in words if study in BUILT_IN else ():
-        word = word.lstrip("+~/").partition("=")[0].partition("@")[0]
-        group, dot, _ = word.partition(".")
-        searched = isinstance(config.study, SearchSettings)
-        if group not in groups or (group == "foot" and searched and shape != "waypoints"):
+    for override in overrides if config.study.name in BUILT_IN else ():
+        given = override.lstrip("+~/").partition("=")[0].partition("@")[0]
+        group, dot, _ = given.partition(".")
+        if group not in groups or (group == "foot" and searched and config.foot.shape != "waypoints"):
             continue  # a group of the user's own; a foot that the study refuses
-        name = word if dot else SETTING_OF_GROUP.get(word, f"{word}.name")
-        if group == "foot" and not dot and shape == "waypoints":
+        name = given if dot else SETTING_OF_GROUP.get(given, f"{given}.name")
+        if given == "foot" and config.foot.shape == "waypoints":
             name = "foot.n"  # a space, which its choice describes
-        if not covers(name, (*ALWAYS, *settings_of(study))):
-            by = studies_that_read(name)
-            raise _unread(config, name, f"study={study} does not read it", f"study={by}" if by else "")
-        if group == "foot" and name != "foot.block" and (searched or study in ("simulate", "stability")):
-            of_run = study == "simulate" and getattr(config.study, "run", None) is not None
-            own = ("foot.k",) if of_run else (*READ_BY_FOOT.get(shape, ()), "foot.shape")
-            if not covers(name, own):
-                what = "study=simulate run=..." if of_run else f"foot={shape}"
-                by = ", ".join(kind for kind, names in READ_BY_FOOT.items() if name in names)
-                where = f"foot={by}" if by else "study=simulate without run"
-                raise _unread(config, name, f"{what} does not read it", where)
+        _check_study_reads(config, name)
+        _check_foot_reads(config, name)
         for names, holds, readers in ONLY:
             if any(f"{name}.".startswith(f"{n}.") for n in names) and not holds(config):
                 raise _unread(config, name, "it has no effect here", readers)
+
+
+def _check_study_reads(config: Config, name: str) -> None:
+    study = config.study.name
+    if not covers(name, (*ALWAYS, *settings_of(study))):
+        readers = studies_that_read(name)
+        raise _unread(config, name, f"study={study} does not read it", f"study={readers}" if readers else "")
+
+
+def _check_foot_reads(config: Config, name: str) -> None:
+    """Refuse a setting of the foot that its shape does not have."""
+    study, shape = config.study, config.foot.shape
+    if name == "foot.block" or not name.startswith("foot."):
+        return
+    if not (isinstance(study, SearchSettings) or study.name in ("simulate", "stability")):
+        return  # whatever the study reads of it
+    of_run = study.name == "simulate" and getattr(study, "run", None) is not None
+    if not covers(name, ("foot.k",) if of_run else (*READ_BY_FOOT.get(shape, ()), "foot.shape")):
+        readers = ", ".join(kind for kind, names in READ_BY_FOOT.items() if name in names)
+        where = f"foot={readers}" if readers else "study=simulate without run"
+        what = "study=simulate run=..." if of_run else f"foot={shape}"
+        raise _unread(config, name, f"{what} does not read it", where)
 
 
 def covers(name: str, names: Iterable[str]) -> bool:
@@ -148,11 +160,11 @@ def _unread(config: Config, name: str, why: str, readers: str) -> SettingError:
     return SettingError(name, value, f"left out: {why}", hint)
 
 
-def run(
+def run_study(
     config: Config,
     folder: Path,
     settings: Mapping[str, Any],
-    words: Sequence[str] = (),
+    overrides: Sequence[str] = (),
     resumed: bool = False,
 ) -> Any:
     """Run the study that the settings name.
@@ -165,7 +177,7 @@ def run(
         Where the study leaves what it finds.
     settings : dict
         The same settings as plain data: what the run is.
-    words : sequence of str
+    overrides : sequence of str
         What was given on the command line.
     resumed : bool
         Whether it goes on with what is in the folder.
@@ -186,7 +198,7 @@ def run(
     at_once(config.engine.threads)
     load_plugins(config.plugins)
     config = _chosen(config)
-    check_read(config, words)
+    check_read(config, overrides)
     name, searches = config.study.name, isinstance(config.study, SearchSettings)
     if config.engine.name != "local" and not searches:
         raise SettingError("engine", config.engine.name, f"local for study={name}")
@@ -196,9 +208,9 @@ def run(
         (folder / ERROR_FILE).unlink(missing_ok=True)  # of a job that failed before
         before = {*folder.iterdir()}
         if not resumed:
-            claim_folder(folder, settings, words)
+            claim_folder(folder, settings, overrides)
         try:
-            return STUDIES[name][1](Study(config, folder, settings, words))
+            return STUDIES[name][1](Study(config, folder, settings, overrides))
         except FootoptError:
             if {*folder.iterdir()} - before == {folder / FILE}:  # it was refused: there is no run
                 (folder / FILE).unlink()

@@ -49,14 +49,14 @@ class Study:
         Where the run leaves what it finds.
     settings : dict
         The same settings as plain data: what the run is.
-    words : sequence of str
+    overrides : sequence of str
         What was given on the command line.
     """
 
     def __init__(
-        self, config: Config, folder: Path, settings: Mapping[str, Any], words: Sequence[str] = ()
+        self, config: Config, folder: Path, settings: Mapping[str, Any], overrides: Sequence[str] = ()
     ) -> None:
-        self.config, self.folder, self.settings, self.words = config, folder, settings, words
+        self.config, self.folder, self.settings, self.overrides = config, folder, settings, overrides
         self._foreign: list[str] = []  # how the code differs that has walked designs of the store
         self.console = terminal.console()
         check(config.report in REPORTS, "report", config.report, f"one of {', '.join(REPORTS)}")
@@ -139,8 +139,8 @@ class Study:
     @property
     def origin(self) -> dict[str, str]:
         """What the page's commands name: the run's folder, as seen from here, and what was given for it."""
-        words = [word for word in self.words if not word.startswith("study.start=")]
-        return {"folder": shlex.quote(os.path.relpath(self.folder)), "words": shlex.join(words)}
+        overrides = [one for one in self.overrides if not one.startswith("study.start=")]
+        return {"folder": shlex.quote(os.path.relpath(self.folder)), "overrides": shlex.join(overrides)}
 
     @property
     def seconds(self) -> float:
@@ -203,7 +203,7 @@ class Study:
         with files.write_whole(self.folder / "result.json") as new:
             new.write_bytes(files.json_text(record).encode())
             # with what a resumed run has changed: only where there is room for both
-            identity.write(self.folder, self.settings, self.words)
+            identity.write(self.folder, self.settings, self.overrides)
         return record
 
     def conclude(
@@ -248,8 +248,8 @@ class Study:
     def close(self) -> None:
         """Print the last line: where the run has left what it found."""
         long = len(str(self.folder)) > self.console.width  # no line break in what is to be copied
-        words = f"Everything is in {self.folder} ({self.seconds:.3g} s in all)"
-        self.console.print(words, soft_wrap=long or not self.console.is_terminal)
+        line = f"Everything is in {self.folder} ({self.seconds:.3g} s in all)"
+        self.console.print(line, soft_wrap=long or not self.console.is_terminal)
 
 
 def sweeper_value(names: Sequence[str], values: Mapping[str, float]) -> SweeperValue:

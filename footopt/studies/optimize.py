@@ -45,8 +45,8 @@ from footopt.studies.base import (
     validity_entry,
 )
 from footopt.studies.build import check_searchable, make_problem
-from footopt.studies.settings import VIDEO, SearchSettings, setting
-from footopt.studies.simulate import check_film, write_film, write_walk
+from footopt.studies.settings import SearchSettings, setting
+from footopt.studies.simulate import VIDEO, check_film, write_film, write_walk
 from footopt.studies.validation.model import model_error
 from footopt.walk import gain_shares, simulate
 from footopt.walk.resolution import error_of, resolution

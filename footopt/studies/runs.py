@@ -29,7 +29,7 @@ from footopt.studies.build import (
     make_problem,
     make_scene,
 )
-from footopt.studies.settings import REPORTS, Config, FootConfig, structured
+from footopt.studies.settings import REPORTS, STUDIES, Config, FootConfig, searches, structured
 from footopt.walk import Accuracy, Scene, Walk, simulate
 
 __version__ = version("footopt")
@@ -40,7 +40,6 @@ CHANGEABLE = (
     "study.finalists", "study.store", "study.certify", "study.reuse", "study.video", "foot.block", "plugins",
 )  # fmt: skip
 
-SEARCHES = ("optimize", "robust")  # studies that keep what they evaluate, and go on where they stopped
 BUDGETS = ("walks", "n_gen")  # settings of the solver that may make a search longer
 LOG = "footopt.log"  # Hydra's, of what is logged
 
@@ -50,11 +49,11 @@ def may_change(name: str) -> bool:
     return any(name == other or name.startswith(f"{other}.") for other in CHANGEABLE)
 
 
-def check_may_change(word: str) -> None:
-    """Raise a `SettingError` unless a word of the command line sets one of `CHANGEABLE`."""
+def check_may_change(override: str) -> None:
+    """Raise a `SettingError` unless an override of the command line sets one of `CHANGEABLE`."""
     allowed = f"a setting that does not make another run ({', '.join(CHANGEABLE)})"
     hint = "For anything else start a new run, without resume."
-    check("=" in word and may_change(word.partition("=")[0]), "resume", word, allowed, hint)
+    check("=" in override and may_change(override.partition("=")[0]), "resume", override, allowed, hint)
 
 
 def result_of(folder: Path) -> Mapping[str, Any] | None:
@@ -71,7 +70,7 @@ def finished(result: Mapping[str, Any] | None) -> bool:
     return result is not None and not result.get("interrupted", False)
 
 
-def claim_folder(folder: Path, settings: Mapping[str, Any], words: Sequence[str]) -> None:
+def claim_folder(folder: Path, settings: Mapping[str, Any], overrides: Sequence[str]) -> None:
     """Begin a run in a folder, or go on with the same one that was stopped there: leave what it is.
 
     A finished run there, or what another one has left, is `Occupied`.
@@ -88,7 +87,7 @@ def claim_folder(folder: Path, settings: Mapping[str, Any], words: Sequence[str]
                 f"{folder}: holds another run, which differs in {', '.join(names[:4])}. "
                 f"footopt resume=... goes on with it. {other}"
             )
-    identity.write(folder, settings, words)
+    identity.write(folder, settings, overrides)
 
 
 def check_resumable(folder: Path, before: Mapping[str, Any], after: Mapping[str, Any]) -> None:
@@ -108,8 +107,9 @@ def check_resumable(folder: Path, before: Mapping[str, Any], after: Mapping[str,
             f"differ from {identity.FILE}. Start a new run."
         )
     study = before["study"]["name"]
-    if finished(found) and study not in SEARCHES:
-        raise SettingError("resume", str(folder), f"a run of study={', '.join(SEARCHES)}, not {study}")
+    if finished(found) and not searches(study):
+        able = ", ".join(filter(searches, STUDIES))
+        raise SettingError("resume", str(folder), f"a run of study={able}, not {study}")
     for name in BUDGETS if finished(found) else ():  # a search that found less would replace its result
         old, new = before["solver"][name], after["solver"][name]
         hint = "A shorter search is a run of its own: leave out resume."
@@ -167,7 +167,7 @@ class Run:
         Where it left what it found.
     settings : dict
         All its settings, resolved: what the run is.
-    words : tuple of str
+    overrides : tuple of str
         What was given on the command line.
     version : str
         Of the footopt that wrote it.
@@ -177,13 +177,13 @@ class Run:
 
     folder: Path
     settings: Mapping[str, Any]
-    words: tuple[str, ...] = ()
+    overrides: tuple[str, ...] = ()
     version: str = __version__
     trusted: bool = False
 
     def __repr__(self) -> str:
         best = "; ".join(f"{name} {value:.4g}" for name, value in self.best.items() if value is not None)
-        return f"<Run {self.folder}: {' '.join(self.words) or 'as it is'}; {best or 'no result'}>"
+        return f"<Run {self.folder}: {' '.join(self.overrides) or 'as it is'}; {best or 'no result'}>"
 
     @cached_property
     def config(self) -> Config:
@@ -300,7 +300,7 @@ def load(folder: str | Path, trust: bool = False) -> Run:
 def load_all(pattern: str | Path) -> Any:
     """All runs below folders: a pandas DataFrame with a row for each.
 
-    Columns are `folder`, `words`, each setting by its full name, each objective, `hollow_mm`, `k`,
+    Columns are `folder`, `overrides`, each setting by its full name, each objective, `hollow_mm`, `k`,
     `hypervolume`, `evaluations`, `wall_time_s` and `search_time_s`, `validity.NAME`, `warnings` (how many),
     and `note`: why there is no better result.
 

@@ -23,7 +23,6 @@ from footopt.gait import Gait
 from footopt.sand import MEDIA, Sand, StressMap
 from footopt.walk import MEASURES, PRESETS, Accuracy, Walker
 
-VIDEO = "Name of a film of the walk in the run's folder, .gif or .mp4 (needs ffmpeg); null: none."
 FEET_HELP = "How many random soles are walked."
 
 #: How much a run leaves: result.json, contour.csv and what it is resumed from; all but figures; everything.
@@ -125,6 +124,11 @@ class SearchSettings(StudySettings):
     store: str | None = setting(None, "File of designs that runs may share; null: one in the folder.")
     reuse: bool = setting(False, "Whether to read what other code has walked from the store.")
     reads = (*SCENE, *SPACE, "foot.shape", "foot.k", "accuracy", "objective", "solver", "engine")
+
+
+def searches(study: str) -> bool:
+    """Whether a study keeps what it evaluates and can go on where it stopped."""
+    return study in STUDIES and issubclass(STUDIES[study][0], SearchSettings)
 
 
 @dataclass

@@ -28,12 +28,14 @@ from footopt.studies.base import (
 )
 from footopt.studies.build import make_space, make_strides
 from footopt.studies.runs import foot_of
-from footopt.studies.settings import SCENE, VIDEO, StudySettings, setting
+from footopt.studies.settings import SCENE, StudySettings, setting
 from footopt.studies.validation.model import model_error
 from footopt.walk import OBJECTIVES, Walk, simulate
 from footopt.walk.phases import stance
 from footopt.walk.resolution import error_of, resolution
 from footopt.walk.validity import diagnose
+
+VIDEO = "Name of a film of the walk in the run's folder, .gif or .mp4 (needs ffmpeg); null: none."
 
 
 @dataclass

@@ -6,7 +6,7 @@ import pytest
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from running import footopt, program, started
 
-from footopt.cli.compose import hydra_words
+from footopt.cli.compose import hydra_overrides
 from footopt.cli.messages import explain
 
 #: Wrong inputs, and what must be named: the setting, and what to try where footopt knows it.
@@ -113,7 +113,7 @@ def test_files_in_one_s_own_folder_and_runs_are_named_shortly(monkeypatch):
         "study.runs=[a,~/b]": ["a", "/at/home/b"],
         "run=outputs/optimize/2026-01-31_12-00-00-000000": "outputs/optimize/2026-01-31_12-00-00-000000",
     }.items():
-        assert OverridesParser.create().parse_override(*hydra_words([word])).value() == value
+        assert OverridesParser.create().parse_override(*hydra_overrides([word])).value() == value
 
 
 @pytest.mark.slow

@@ -17,7 +17,7 @@ from running import composed, tries
 
 import footopt as fo
 from footopt import studies
-from footopt.cli.compose import CONF, groups, hydra_words
+from footopt.cli.compose import CONF, groups, hydra_overrides
 from footopt.cli.messages import explain
 from footopt.design import Solver, make_executor
 from footopt.effects import EFFECTS
@@ -49,9 +49,9 @@ def test_settings_that_come_back_from_another_process_leave_those_here_as_they_a
 
 
 def test_infinity_is_what_the_pages_and_the_messages_say():
-    assert composed(*hydra_words(["foot.box_tolerance=.inf"])).foot.box_tolerance == math.inf
-    assert hydra_words(["foot.box_tolerance=0.05,.inf"]) == ["foot.box_tolerance=0.05,inf"]
-    assert hydra_words(["sand.name=my.inf"]) == ["sand.name=my.inf"]
+    assert composed(*hydra_overrides(["foot.box_tolerance=.inf"])).foot.box_tolerance == math.inf
+    assert hydra_overrides(["foot.box_tolerance=0.05,.inf"]) == ["foot.box_tolerance=0.05,inf"]
+    assert hydra_overrides(["sand.name=my.inf"]) == ["sand.name=my.inf"]
 
 
 class TestDefaults:
@@ -202,7 +202,7 @@ def used(*overrides):
     if study.name not in studies.STUDIES or (
         engine.name != "local" and study.name not in ("optimize", "robust")
     ):
-        studies.run(config, None, {})
+        studies.run_study(config, None, {})
     scene, accuracy = build.make_scene(config), build.make_accuracy(config.accuracy)
     foot = build.make_foot(config.foot)
     solver = Solver(**vars(config.solver))
@@ -258,7 +258,7 @@ HUGE = [
 def test_what_would_take_years_or_all_memory_is_refused_at_once(study, word, tmp_path):
     words = (f"study={study}", *(["study.scenarios=drawn"] if study == "robust" else []))
     with pytest.raises(SettingError) as caught:
-        studies.run(composed("accuracy=draft", *words, word), tmp_path, {})
+        studies.run_study(composed("accuracy=draft", *words, word), tmp_path, {})
     allowed = ("accuracy.dt", "scene.t_f") if word.startswith(("scene.t_f", "gait.period")) else ()
     assert any(name in str(caught.value) for name in (word.partition("=")[0], *allowed))
     assert not list(tmp_path.glob("*.json"))
@@ -267,7 +267,7 @@ def test_what_would_take_years_or_all_memory_is_refused_at_once(study, word, tmp
 @pytest.mark.parametrize("word", ["foot.length=nan", "foot.block=[nan]"])
 def test_a_number_that_is_none_is_refused_where_nothing_reads_it_too(word, tmp_path):
     with pytest.raises(SettingError, match=rf"{word.partition('=')[0]} = "):
-        studies.run(composed("study=doctor", word), tmp_path, {})
+        studies.run_study(composed("study=doctor", word), tmp_path, {})
 
 
 def test_reference_directions_for_very_many_are_refused():

@@ -15,7 +15,7 @@ from hydra.errors import HydraException
 from running import composed, footopt
 
 import footopt as fo
-from footopt.cli.compose import CONF, groups, hydra_words
+from footopt.cli.compose import CONF, groups, hydra_overrides
 from footopt.report.numbers import number
 from footopt.studies.settings import known
 
@@ -87,7 +87,7 @@ FIRST = [words for words, page in FOOTOPT.items() if page in ("README.md", "docs
 def overrides(arguments):
     """The settings of a command, as Hydra reads them: not the run that another begins from."""
     words = [word for word in arguments if "=" in word and not word.startswith(("-", "run=", "resume="))]
-    return OverridesParser.create().parse_overrides(hydra_words(words))
+    return OverridesParser.create().parse_overrides(hydra_overrides(words))
 
 
 # --- settings and commands ------------------------------------------------------------------------

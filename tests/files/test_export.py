@@ -166,7 +166,7 @@ class TestStudy:
         result = {"design": {"k": [4] * 11, "name": "flat"}, "settings": {"foot": asdict(FootConfig())}}
         (run / "result.json").write_text(json.dumps(result))
         config = Config(study=study.Settings(run=str(run)), foot=FootConfig(block=[0.06, 0.02]))
-        studies.run(config, exported, {})
+        studies.run_study(config, exported, {})
         check_page(exported)
         page = data_of(exported)
         (table,) = page["tables"]

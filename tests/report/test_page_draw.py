@@ -14,7 +14,7 @@ from footopt.report import page
 from footopt.walk import FIVE
 
 pytestmark = [pytest.mark.slow]
-RUN = {"folder": "outputs/optimize/one", "words": "sand=hard solver=ga"}
+RUN = {"folder": "outputs/optimize/one", "overrides": "sand=hard solver=ga"}
 
 
 @pytest.fixture(scope="module")

@@ -26,7 +26,7 @@ def test_a_run_becomes_a_body_with_its_ankle_and_a_script_that_drops_it(tmp_path
         study=export.Settings(run=str(run), mujoco=True),
         foot=FootConfig(),
     )
-    studies.run(config, exported, {})
+    studies.run_study(config, exported, {})
     assert {"foot.xml", "drop.py"} <= set(json.loads((exported / "result.json").read_text())["files"])
     model = mujoco.MjModel.from_xml_path(str(exported / "foot.xml"))
     data = mujoco.MjData(model)

@@ -12,7 +12,7 @@ import footopt as fo
 from footopt.design import Evaluator, Store, search
 from footopt.design.certificate import MOST, certified, neighbours
 from footopt.design.solvers.moves import shifts
-from footopt.studies import run
+from footopt.studies import run_study
 
 FINER = fo.Accuracy(dt=5e-3, plates=40)
 EVERY = np.array(list(product(range(1, 5), repeat=5)))
@@ -91,9 +91,9 @@ def test_a_run_certifies_the_design_that_it_leaves(tmp_path, capsys, monkeypatch
     unrender(monkeypatch)
     words = ("foot.n=5", "foot.K=4", "accuracy=draft", "study.confirm=null", "report=light")
     budget = ("solver.pop_size=4", "solver.n_gen=1")
-    run(composed(*words, *budget, "study.certify=true"), tmp_path / "asked", {})
+    run_study(composed(*words, *budget, "study.certify=true"), tmp_path / "asked", {})
     said = capsys.readouterr().out
-    run(composed(*words, *budget, "study.certify=false"), tmp_path / "off", {})
+    run_study(composed(*words, *budget, "study.certify=false"), tmp_path / "off", {})
     asked, off = (json.loads((tmp_path / name / "result.json").read_text()) for name in ("asked", "off"))
     assert asked["certificate"]["holds"]
     assert asked["certificate"]["k"] == asked["design"]["k"]

@@ -18,7 +18,7 @@ ROOT = Path(fo.__file__).parent.parent
 
 
 def examine(folder):
-    studies.run(Config(study=doctor.Settings()), folder, {})
+    studies.run_study(Config(study=doctor.Settings()), folder, {})
 
 
 def test_the_readme_says_what_the_walk_is_held_to():

@@ -40,7 +40,7 @@ class TestRun:
         assert done.returncode == 0, done.stderr
         again = fo.load(cwd / "again")
         assert again.settings == search.settings
-        assert again.words == search.words == tuple(WORDS)
+        assert again.overrides == search.overrides == tuple(WORDS)
         assert again.best == search.best
         assert (again.folder / "designs.csv").read_bytes() == (search.folder / "designs.csv").read_bytes()
         shutil.rmtree(cwd / "again")
@@ -157,4 +157,4 @@ def test_all_runs_are_a_table_with_a_column_for_each_setting_objective_and_time(
     notes = table.set_index("folder")["note"]
     assert notes[str(cwd / "out/sweep/0")] == "sunk"
     assert notes[str(walk.folder)] == ""
-    assert row["words"] == " ".join(WORDS)
+    assert row["overrides"] == " ".join(WORDS)

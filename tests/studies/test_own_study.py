@@ -40,9 +40,9 @@ def test_it_is_found_by_its_name(tmp_path, capsys, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
     words = ("foot.k=[5,8,9,8,5,4,4,2,2,3,4]", f"plugins=[{tmp_path / 'hollow_study.py'}]")
     with pytest.raises(SettingError, match=r"study\.name = 'hollow': must be one of optimize"):
-        studies.run(composed("study=own", "study.name=hollow"), tmp_path, {})
+        studies.run_study(composed("study=own", "study.name=hollow"), tmp_path, {})
     own = composed("study=own", "study.name=hollow", "study.own={times: 2e3}", *words)
-    studies.run(own, tmp_path, {"any": 1})
+    studies.run_study(own, tmp_path, {"any": 1})
     check_page(tmp_path)
     result = json.loads((tmp_path / "result.json").read_text())
     assert list(result) == ["study", "hollow", "settings", *MADE]

@@ -72,7 +72,7 @@ class TestStudy:
         config = composed(*BRIEF, "study.scenarios=drawn", "study.draws=3", "study.measure=tail",
                           "solver=nsga2",
                           "objective.names=[distance,efficiency]")  # fmt: skip
-        studies.run(config, tmp_path, {})
+        studies.run_study(config, tmp_path, {})
         check_page(tmp_path)
         result = json.loads((tmp_path / "result.json").read_text())
         assert list(result["feet"]) == ["draw 1", "draw 2", "draw 3", "median scene", "robust"]
@@ -111,11 +111,11 @@ class TestStudy:
     )
     def test_what_cannot_be_is_refused(self, setting, message, tmp_path):
         with pytest.raises(SettingError, match=message):
-            studies.run(composed(*BRIEF, setting), tmp_path, {})
+            studies.run_study(composed(*BRIEF, setting), tmp_path, {})
         assert not (tmp_path / "result.json").exists()
 
     def test_a_search_that_finds_nothing_says_where(self, tmp_path):
         with pytest.raises(FootoptError, match="draw 1: No feasible design"):
-            studies.run(
+            studies.run_study(
                 composed(*BRIEF, "study.scenarios=drawn", "study.draws=3", "sand.zeta=1e-3"), tmp_path, {}
             )

@@ -194,7 +194,7 @@ class TestStudy:
     def test_it_leaves_a_page_a_table_and_a_figure_for_each_experiment(self, tmp_path, capsys, monkeypatch):
         unrender(monkeypatch)
         settings = composed("study=validate", "study.cases=[growth,friction]")
-        studies.run(settings, tmp_path, {})
+        studies.run_study(settings, tmp_path, {})
         check_page(tmp_path)
         result = json.loads((tmp_path / "result.json").read_text())
         assert sum(result["counts"].values()) == len(result["comparisons"]) == 2
@@ -211,4 +211,4 @@ class TestStudy:
 
     def test_an_experiment_that_is_not_there_is_refused(self, tmp_path):
         with pytest.raises(SettingError, match=r"study\.cases = 'moon': must be one of wheel"):
-            studies.run(composed("study=validate", "study.cases=[moon]"), tmp_path, {})
+            studies.run_study(composed("study=validate", "study.cases=[moon]"), tmp_path, {})

@@ -123,7 +123,7 @@ function drawTools(holder, now, show, settle) {
     const sand = own && sketch.zeta !== P.sand.zeta ? ` sand.zeta=${sketch.zeta}` : "", mass = own && sketch.mass !== P.walker.mass ? ` walker.mass=${sketch.mass}` : "";
     const world = `${k ? ` 'foot.k=[${k}]'` : ""}${sand}${mass}`;
     commands.textContent = [`footopt study=simulate run=${data.folder ?? "FOLDER"}${world}`,
-      ...(data.objectives && k ? [`footopt ${data.words ? `${data.words} ` : ""}'study.start=[${k}]'${sand}${mass}`] : [])].join("\n");
+      ...(data.objectives && k ? [`footopt ${data.overrides ? `${data.overrides} ` : ""}'study.start=[${k}]'${sand}${mass}`] : [])].join("\n");
   }
   return { section, redraw };
 }
