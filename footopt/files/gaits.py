@@ -12,33 +12,26 @@ from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import SettingError, Unusable, check, check_whole, naming
 from footopt.files import io
-from footopt.files.strides import Strides, average, check_angles, check_period, cut
+from footopt.files.strides import Strides, check_angles, check_period, cut
 from footopt.gait import Fourier, Gait
 from footopt.gait.fourier import finite
 from footopt.gait.gait import HARMONICS, JOINTS, RESIDUAL
 
 Array = NDArray[np.float64]
 
-MARKERS = (
-    "holds markers, and footopt reads joint angles (CSV, MOT, STO), which inverse kinematics such as "
-    "OpenSim's gives."
-)
-#: Columns by part, in small letters without punctuation; the side, right or r, may stand before or after.
+#: Columns by part, in small letters without punctuation; the side may stand before or after.
 COLUMNS = {
-    "time": ("time", "t", "times", "seconds", "timestamp", "timestamps"),
-    "percent": ("percent", "%", "phase", "cycle", "gaitcycle", "%gaitcycle", "gaitcycle%"),
-    "thigh": ("thigh", "thighangle"),
-    "hip": ("hipflexion", "hipflex", "hipangle", "hipflexionangle", "hip", "qhip"),
-    "knee": ("kneeangle", "kneeflexion", "kneeflex", "kneeflexionangle", "knee", "qknee"),
-    "foot": ("foot", "footangle", "footpitch"),
-    "ankle": ("ankleangle", "ankleflexion", "ankleflex", "ankleflexionangle", "ankle", "qankle"),
-    "pelvis": ("pelvistilt",),
+    "time": r"t|times?|seconds|timestamps?",
+    "percent": r"percent|phase|%|%?(gait)?cycle%?",
+    "thigh": r"thigh(angle)?",
+    "hip": r"q?hip(flex(ion)?)?(angle)?",
+    "knee": r"q?knee(flex(ion)?)?(angle)?",
+    "foot": r"foot(angle|pitch)?",
+    "ankle": r"q?ankle(flex(ion)?)?(angle)?",
+    "pelvis": r"pelvistilt",
 }
 SIDES = ("right", "left")
 UNTIMED = 1.2  # s; of a stride whose table has its phase only
-MISFIT = 10.0  # deg; a larger one anywhere means that a curve jumps or is not one period
-ANGLES = "angles"  # how messages call a gait that is from no file
-PHASES = 200  # of a stride, at which the angles of a series are checked
 
 
 def read_gait(
@@ -46,7 +39,6 @@ def read_gait(
     harmonics: int | None = None,
     names: Mapping[str, str] | None = None,
     side: str | None = None,
-    units: str | None = None,
     window: tuple[float, float] | None = None,
 ) -> Gait:
     """Read the gait in a file of coefficients (JSON) or of a leg's angles (CSV, MOT, STO).
@@ -61,8 +53,6 @@ def read_gait(
         The file's own names of columns (time, thigh, hip, knee, foot, ankle, pelvis).
     side : str, optional
         "right" or "left" leg; by default the right one, or the left one if it is the only one.
-    units : str, optional
-        Unit of angles, deg or rad; by default the file's own.
     window : (float, float), optional, s
         The stride, from a heel strike to the next of the same leg; by default the mean of all strides, of
         which the period is found.
@@ -75,12 +65,14 @@ def read_gait(
         Another argument cannot be used.
     """
     if Path(path).suffix.lower() != ".json":
-        return _fit(read_strides(path, names, side, units, window), harmonics)
-    numbers, phase = io.read_json_file(path, "gait.path"), np.arange(PHASES) / PHASES
+        strides = read_strides(path, names, side, window)
+        with naming(path, "gait.path"):
+            return replace(_fit(strides, harmonics), name=Path(path).stem, source=str(path))
+    content = io.read_json_file(path, "gait.path")
     with naming(path, "gait.path"):
         try:
-            check_period(finite(numbers["period_s"]))
-            gait = Gait.from_numbers(numbers, harmonics)
+            check_period(finite(content["period_s"]))
+            gait = Gait.from_numbers(content, harmonics)
         except (SettingError, Unusable):
             raise
         except (AttributeError, KeyError, TypeError, ValueError) as error:
@@ -88,6 +80,7 @@ def read_gait(
                 f"not a gait in JSON ({type(error).__name__}: {error}). It must hold period_s, and thigh "
                 "and knee each with a0, a and b in degrees."
             ) from None
+        phase = np.linspace(0.0, 1.0, 201)
         check_angles({name: np.degrees(joint.at(phase)[0]) for name, joint in gait.series.items()})
     return replace(gait, name=Path(path).stem)
 
@@ -142,95 +135,73 @@ def fit_gait(
     rows = [np.asarray(row, float) for row in (times, thigh, knee, foot) if row is not None]
     shapes = [row.shape for row in rows]
     check(len(set(shapes)) == 1 and len(shapes[0]) == 1, "angles", shapes, "as many angles as times")
-    with naming(ANGLES, "gait"):
-        strides = cut(rows[0], dict(zip(JOINTS, rows[1:], strict=False)))
-    return replace(_fit(strides._replace(source=ANGLES), harmonics), source="")
+    with naming("angles", "gait"):
+        return _fit(cut(rows[0], dict(zip(JOINTS, rows[1:], strict=False))), harmonics)
 
 
 def read_strides(
     path: str | Path,
     names: Mapping[str, str] | None = None,
     side: str | None = None,
-    units: str | None = None,
     window: tuple[float, float] | None = None,
 ) -> Strides:
     """Read the strides in a file of angles (CSV, MOT, STO); arguments and errors as of `read_gait`."""
     suffix = Path(path).suffix.lower()
     check(side in (None, *SIDES), "gait.side", side, "right, left or null")
-    check(units in (None, "deg", "rad"), "gait.units", units, "deg, rad or null")
     if window is not None:
         ordered = len(window) == 2 and window[0] < window[1]
         check(ordered, "gait.window", list(window), "two times in s, the second one after the first, or null")
     with naming(path, "gait.path"):
         if suffix in (".trc", ".c3d"):
-            raise Unusable(MARKERS)
+            raise Unusable(
+                "holds markers, and footopt reads joint angles (CSV, MOT, STO): inverse kinematics such as "
+                "OpenSim's gives them."
+            )
         allowed = "a file that ends in .json, .csv, .mot or .sto"
         check(suffix in (".csv", ".mot", ".sto"), "gait.path", str(path), allowed)
-        text, radians = io.read_text(path, "gait.path"), None
-        if text.startswith(("Trajectories", "Format Version")):  # as Vicon Nexus and Motive begin
-            raise Unusable(MARKERS)
-        if suffix != ".csv":
-            head, _, text = text.partition("endheader")
-            stated = re.search(r"indegrees\s*=\s*(yes|no)", head, re.IGNORECASE)
-            radians = stated[1].lower() == "no" if stated else None
-        t, angles, whole, notes = _leg(io.parse_table(text), names or {}, side, units, radians)
-        return cut(t, angles, whole or window, notes)._replace(source=str(path))
+        text = io.read_text(path, "gait.path")
+        table = io.parse_table(text if suffix == ".csv" else text.partition("endheader")[2])
+        t, angles, whole, notes = _leg(table, names or {}, side)
+        return cut(t, angles, whole or window, notes)
 
 
 def _fit(strides: Strides, harmonics: int | None) -> Gait:
     """The gait fitted to the mean of some strides; its residual is against that mean, as measured."""
     harmonics = HARMONICS if harmonics is None else harmonics
     check_whole(harmonics, "gait.harmonics", 1, 1000)
-    series, residual = {}, {}
-    with naming(strides.source, "gait.path"):
-        if len(strides.phase) < 2 * harmonics + 2:
-            raise Unusable(
-                f"needs at least {2 * harmonics + 2} rows for {harmonics} harmonics, from one heel strike to "
-                "the next."
-            )
-        closed = average(strides)
-        for joint, curves in strides.curves.items():
-            # the last point is the first one again
-            fitted, mean = Fourier.fit(strides.phase[:-1], closed[joint][:-1], harmonics), curves.mean(axis=0)
-            misfit = np.degrees(fitted.at(strides.phase)[0]) - mean
-            if abs(misfit).max() <= MISFIT:
-                series[joint], residual[joint] = fitted, float(np.sqrt(np.mean(misfit**2)))
-            elif joint != "foot":  # which follows the shank unless its pitch is asked for
-                raise Unusable(
-                    f"{joint} misses its periodic fit by up to {abs(misfit).max():.0f} deg. The curve jumps "
-                    "or is not one whole stride; give one heel strike to the next of one leg, or several "
-                    "strides."
-                )
+    if len(strides.phase) < 2 * harmonics + 2:
+        raise Unusable(f"needs at least {2 * harmonics + 2} rows of a stride for {harmonics} harmonics.")
+    mean = strides.mean()  # whose last point is the first one again
+    series = {j: Fourier.fit(strides.phase[:-1], curve[:-1], harmonics) for j, curve in mean.items()}
+    misfit = {
+        j: np.degrees(f.at(strides.phase)[0]) - strides.curves[j].mean(axis=0) for j, f in series.items()
+    }
     return Gait(
-        thigh=series["thigh"],
-        knee=series["knee"],
-        foot=series.get("foot"),
-        period=strides.period,
-        name=Path(strides.source).stem,
-        source=strides.source,
-        residual=tuple(residual.items()),
+        series["thigh"],
+        series["knee"],
+        series.get("foot"),
+        float(strides.periods.mean()),
+        residual=tuple((joint, float(np.sqrt(np.mean(off**2)))) for joint, off in misfit.items()),
     )
 
 
 def _leg(
-    table: io.Table, names: Mapping[str, str], side: str | None, units: str | None, radians: bool | None
+    table: io.Table, names: Mapping[str, str], side: str | None
 ) -> tuple[Array, dict[str, Array], tuple[float, float] | None, tuple[str, ...]]:
     """Times (s), angles (deg) of a leg, the window of a stride that is given by its phase, and notes.
 
     thigh = hip flexion + pelvis tilt, foot = thigh - knee + ankle. Models differ in the sign of the knee:
     it is taken so that it bends.
     """
-    plain = {_plain(name): name for name in reversed(table)}
 
-    def named(part: str, leg: str) -> str | None:
+    def column(part: str, leg: str) -> str | None:
         if part in names:
             return names[part] if names[part] in table else None
-        sides = ("",) if part in ("time", "percent", "pelvis") else (leg[0], leg, "")
-        usual = (f"{a}{name}{b}" for s in sides for name in COLUMNS[part] for a, b in ((s, ""), ("", s)))
-        return next((plain[name] for name in usual if name in plain), None)
+        form = re.compile(f"({leg[0]}|{leg})?({COLUMNS[part]})({leg[0]}|{leg})?")
+        return next((name for name in table if form.fullmatch(_plain(name))), None)
 
-    leg = side or next((s for s in SIDES if named("knee", s)), "right")
-    found = {part: name for part in COLUMNS if (name := named(part, leg))}
+    leg = side or next((s for s in SIDES if column("knee", s)), SIDES[0])
+    found = {part: name for part in COLUMNS if (name := column(part, leg))}
     for part, also in (("time", "percent"), ("thigh", "hip"), ("knee", "knee")):
         if not {part, also} & found.keys():
             raise Unusable(
@@ -238,13 +209,11 @@ def _leg(
                 f"{', '.join(filter(None, table))[:200]}. Name it with gait.names.{part}=..."
             )
     read = {part: io.numbers(table, name) for part, name in found.items()}
-    if len(read["knee"]) < 4:
-        raise Unusable(f"has {len(read['knee'])} rows, and a stride needs more.")
-    if radians is None:  # a knee that moves by less than pi degrees is in radians
-        radians = "rad" in found["knee"].lower() or bool(np.ptp(read["knee"]) < np.pi)
-    unit = units or ("rad" if radians else "deg")
-    notes: tuple[str, ...] = (f"the {leg} leg; angles in {unit}",)
     knee = read["knee"]
+    if len(knee) < 4:
+        raise Unusable(f"has {len(knee)} rows, and a stride needs more.")
+    unit = "rad" if np.ptp(knee) < np.pi else "deg"  # no knee moves by less in a walk
+    notes: tuple[str, ...] = (f"the {leg} leg; angles in {unit}",)
     if abs(np.max(knee)) < abs(np.min(knee)):
         knee, notes = -knee, (*notes, f"{found['knee']} is below 0 where the knee bends, and is turned round")
     if "thigh" in read:

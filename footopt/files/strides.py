@@ -15,106 +15,70 @@ Array = NDArray[np.float64]
 PERIODS = (0.2, 5.0)  # of a stride, s: a sprinter's is 0.45; anything else is a mistake in the units
 ALIKE = 0.8  # least autocorrelation that is a period
 NEARLY = 0.1  # below the largest autocorrelation; the first lag that has as much is one stride, not two
+HARMONICS = 6  # of the mean stride, against which the bounds of strides are found
 OPEN = 5.0  # deg that thigh and knee may differ by at the ends of a stride
 APART = 6.0  # deg rms that a stride may differ by from the mean of all
 LATE = 0.1  # of a stride; a heel strike that is farther inside is where it ought to begin
 BACKWARDS = -0.15  # of the ranges of thigh and knee, what their loop encloses; in walks it is 0.3 to 0.75
-BENDS = 25.0  # deg; a knee that bends by less says nothing of the direction
 ANGLES = ("thigh", "knee")
 #: The range of a walker's joints, deg; a table in other units or with other columns leaves it.
 LIMITS = {"thigh": (-90.0, 120.0), "knee": (-12.0, 170.0), "foot": (-120.0, 120.0)}
-LEAST = 3.0  # deg that a thigh moves in a walk; one in radians moves by less
-HOLE = (4.0, 0.05)  # a step of time longer than so many usual ones, and than so many s
+LEAST = 3.0  # deg that a thigh moves in a walk
 NAME_IT = "Set gait.window=[t0,t1] to one stride, in s, from one heel strike to the next of the same leg."
 
 
 class Strides(NamedTuple):
-    """Strides of a recording over their phase, from heel strike to heel strike.
+    """Strides of a recording over their phase, from heel strike to heel strike."""
 
-    Parameters
-    ----------
-    phase : (phases,) array
-        Of a stride, from 0 to 1.
-    curves : dict of (strides, phases) array, deg
-        By joint: thigh (from the vertical, + knee ahead of the hip), knee (+ flexion) and perhaps foot
-        (pitch, + toe up).
-    periods : (strides,) array, s
-        Duration of each stride.
-    notes : tuple of str
-        Recognised or assumed properties.
-    source : str
-        The file.
-    """
-
-    phase: Array
+    phase: Array  # (phases,), from 0 to 1
+    #: (strides, phases), deg, by joint: thigh (from the vertical, + knee ahead of the hip), knee (+ flexion)
+    #: and perhaps foot (pitch, + toe up)
     curves: dict[str, Array]
-    periods: Array
-    notes: tuple[str, ...]
-    source: str = ""
+    periods: Array  # (strides,), s
+    notes: tuple[str, ...]  # properties that were recognised or assumed
 
-    @property
-    def period(self) -> float:
-        """The mean duration, s."""
-        return float(self.periods.mean())
+    def mean(self) -> dict[str, Array]:
+        """The mean curve of each joint, closed: the gap between its ends is spread over the stride."""
+        means = {joint: curves.mean(axis=0) for joint, curves in self.curves.items()}
+        return {j: mean - (self.phase - 0.5) * (mean[-1] - mean[0]) for j, mean in means.items()}
 
     def variation(self) -> tuple[float, float]:
-        """How strides differ, one standard deviation: of the logarithm of the period, and of thigh and knee
-        at a phase, rms over both and all phases, deg.
-        """
+        """Standard deviation over strides: of the logarithm of the period, and of thigh and knee, deg."""
         apart = [np.var(self.curves[joint], axis=0, ddof=1) for joint in ANGLES]
         return float(np.std(np.log(self.periods), ddof=1)), float(np.sqrt(np.mean(apart)))
-
-
-def average(strides: Strides) -> dict[str, Array]:
-    """The mean curve of each joint, closed: the gap between its ends is spread over the stride."""
-    means = {joint: curve.mean(axis=0) for joint, curve in strides.curves.items()}
-    return {j: mean - (strides.phase - 0.5) * (mean[-1] - mean[0]) for j, mean in means.items()}
 
 
 def cut(
     t: Array, angles: dict[str, Array], window: tuple[float, float] | None = None, notes: tuple[str, ...] = ()
 ) -> Strides:
-    """The strides of a leg.
+    """The strides of a leg from its angles (n,), deg, by joint, at times t (n,), s, which increase.
 
-    Parameters
-    ----------
-    t : (n,) array, s
-        Times, increasing.
-    angles : dict of (n,) array, deg
-        Thigh, knee and perhaps foot.
-    window : (float, float), optional, s
-        One stride. By default all whole strides of the period of thigh and knee are taken; if they have none,
-        and end as they began, the whole recording is one stride.
-    notes : tuple of str
-        Recognised or assumed properties of the file.
-
-    Raises
-    ------
-    Unusable
-        The stride does not close, or strides differ too much.
+    A window (s) is one stride. By default all whole strides of the period of thigh and knee are taken; if
+    they have none, the recording is one stride. `notes` are on the file. Raises `Unusable` if a stride does
+    not close, strides differ too much, or they are no walk.
     """
     from scipy.interpolate import CubicSpline
 
-    _check_times(t)
-    if "foot" in angles and not _within("foot", angles["foot"]):
-        angles, notes = {j: angles[j] for j in ANGLES}, (*notes, "no pitch of the foot: no foot turns so far")
+    if not (np.diff(t) > 0).all():
+        row = int(np.argmin(np.diff(t) > 0))
+        raise Unusable(f"the time must increase, and goes from {t[row]:.6g} to {t[row + 1]:.6g} s.")
     check_angles(angles)
     if window and not t[0] - 1e-9 <= window[0] < window[1] <= t[-1] + 1e-9:
         raise Unusable(f"gait.window = {list(window)} is not in the file, from {t[0]:g} to {t[-1]:g} s.")
-    at = {joint: CubicSpline(t, values) for joint, values in angles.items()}
     period = None if window else _period(t, angles)
+    phase = np.linspace(0.0, 1.0, 101)
     if period is not None:
-        bounds, phase = _bounds(t, angles, period), np.linspace(0.0, 1.0, 101)
+        bounds = _bounds(t, angles, period)
         notes += (f"{len(bounds) - 1} strides of {np.diff(bounds).mean():.3f} s, found by autocorrelation",)
     elif window:
-        bounds, phase = np.array(window, float), np.linspace(0.0, 1.0, 101)
+        bounds = np.array(window, float)
     else:
         bounds, phase = t[[0, -1]], (t - t[0]) / (t[-1] - t[0])
         notes += (f"one stride of {t[-1] - t[0]:.4g} s, from the first row to the last",)
-    times = [np.clip(a + (b - a) * phase, t[0], t[-1]) for a, b in pairwise(bounds)]
-    curves = {joint: np.array([values(time) for time in times]) for joint, values in at.items()}
+    times = np.array([np.clip(a + (b - a) * phase, t[0], t[-1]) for a, b in pairwise(bounds)])
+    curves = {joint: CubicSpline(t, values)(times) for joint, values in angles.items()}
     strides = Strides(phase, curves, np.diff(bounds), notes)
-    _check(strides, bounds, found=period is not None, given=window is not None)
+    _check(strides, bounds)
     return _from_strike(strides, always=period is not None)
 
 
@@ -130,36 +94,22 @@ def check_period(period: float) -> None:
 def check_angles(angles: dict[str, Array]) -> None:
     """Raise `Unusable` unless these are the angles of a walk, in deg."""
     for joint, values in angles.items():
-        if not _within(joint, values):
+        (low, high), least, largest = LIMITS[joint], values.min(), values.max()
+        if not low <= least <= largest <= high:
             raise Unusable(
-                f"the {joint} reaches from {values.min():.4g} to {values.max():.4g} deg, and may from "
-                f"{LIMITS[joint][0]:g} to {LIMITS[joint][1]:g}. Check the columns, signs and units."
+                f"the {joint} reaches from {least:.4g} to {largest:.4g} deg, and may from {low:g} to "
+                f"{high:g}. Check the columns, signs and units."
             )
     if np.ptp(angles["thigh"]) < LEAST:
         raise Unusable(
-            f"the thigh moves by {np.ptp(angles['thigh']):.3g} deg only. Angles must be in degrees, or "
-            "gait.units=rad."
+            f"the thigh moves by {np.ptp(angles['thigh']):.3g} deg only. Are columns and units right?"
         )
-
-
-def _within(joint: str, values: Array) -> bool:
-    low, high = LIMITS[joint]
-    return bool(low <= values.min() and values.max() <= high)
-
-
-def _check_times(t: Array) -> None:
-    """Raise `Unusable` unless times increase, without holes."""
-    steps = np.diff(t)
-    if not (steps > 0).all():
-        row = int(np.argmin(steps > 0))
-        raise Unusable(f"the time must increase, and goes from {t[row]:.6g} to {t[row + 1]:.6g} s.")
-    longest = int(np.argmax(steps))
-    if steps[longest] > max(HOLE[0] * float(np.median(steps)), HOLE[1]):
-        raise Unusable(f"nothing is recorded from {t[longest]:.6g} to {t[longest + 1]:.6g} s. {NAME_IT}")
 
 
 def _period(t: Array, angles: dict[str, Array]) -> float | None:
     """The least lag, s, at which thigh and knee are most like themselves; None if they never are."""
+    from scipy.signal import find_peaks
+
     step = float(np.median(np.diff(t)))
     even = np.arange(t[0], t[-1], step)
     rows = np.array([np.interp(even, t, angles[joint]) for joint in ANGLES])
@@ -170,24 +120,22 @@ def _period(t: Array, angles: dict[str, Array]) -> float | None:
         return None
     off = [np.mean(np.square(rows[:, lag:] - rows[:, :-lag]), axis=1) / (2.0 * power) for lag in lags]
     alike = 1.0 - np.mean(off, axis=1)
-    peaks = 1 + np.flatnonzero((alike[1:-1] >= alike[:-2]) & (alike[1:-1] >= alike[2:]))
-    peaks = peaks[alike[peaks] > ALIKE]
+    peaks, _ = find_peaks(alike, ALIKE)
     if not len(peaks):
         return None
     first = peaks[alike[peaks] > alike[peaks].max() - NEARLY][0]
     before, here, after = alike[first - 1 : first + 2]  # a parabola has its top between lags
-    bend = before - 2.0 * here + after
-    return step * (float(lags[first]) + (0.5 * (before - after) / bend if bend else 0.0))
+    return step * float(lags[first] + 0.5 * (before - after) / (before - 2.0 * here + after))
 
 
-def _bounds(t: Array, angles: dict[str, Array], period: float, harmonics: int = 6) -> Array:
+def _bounds(t: Array, angles: dict[str, Array], period: float) -> Array:
     """Where strides begin and end, (strides + 1,), s: each bound moves to where the strides about it are most
     like the mean stride.
     """
     count = max(int((t[-1] - t[0]) / period + 1e-3), 1)
-    bounds = t[0] + period * np.arange(count + 1)
+    bounds: Array = t[0] + period * np.arange(count + 1)
     rows = np.array([angles[joint] for joint in ANGLES])
-    w = 2j * np.pi * np.arange(1, harmonics + 1)
+    w = 2j * np.pi * np.arange(1, HARMONICS + 1)
     for _ in range(5):
         extended = np.concatenate([[2 * bounds[0] - bounds[1]], bounds, [2 * bounds[-1] - bounds[-2]]])
         phase = np.interp(t, extended, np.arange(-1, len(bounds) + 1))
@@ -200,33 +148,30 @@ def _bounds(t: Array, angles: dict[str, Array], period: float, harmonics: int = 
             near = abs(t - bound) < 0.5 * period
             late = np.sum(left[near] * rate[near]) / np.sum(rate[near] ** 2)  # strides
             bounds[k] -= period * late
-    found: Array = bounds
-    return found
+    return bounds
 
 
-def _check(strides: Strides, bounds: Array, found: bool, given: bool) -> None:
+def _check(strides: Strides, bounds: Array) -> None:
     """Raise `Unusable` unless the mean stride closes, all are like it, and go forwards."""
     for joint in ANGLES:
         curves = strides.curves[joint]
         gap = float(abs(np.mean(curves[:, -1] - curves[:, 0])))
         if gap > OPEN:
-            where = f"from {bounds[0]:.4g} to {bounds[-1]:.4g} s"
-            why = "" if given or found else ", and no period is found"
             raise Unusable(
-                f"no stride closes {where}: the {joint} differs by {gap:.1f} deg at its ends, and may by "
-                f"{OPEN:g}{why}. {NAME_IT}"
+                f"no stride closes from {bounds[0]:.4g} to {bounds[-1]:.4g} s: the {joint} differs by "
+                f"{gap:.1f} deg at its ends, and may by {OPEN:g}. {NAME_IT}"
             )
         apart = np.sqrt(np.mean(np.square(curves - curves.mean(axis=0)), axis=1))
-        if apart.max() > APART:
-            worst = int(np.argmax(apart))
+        worst = int(np.argmax(apart))
+        if apart[worst] > APART:
             raise Unusable(
                 f"the stride from {bounds[worst]:.4g} to {bounds[worst + 1]:.4g} s differs from the mean by "
                 f"{apart[worst]:.1f} deg rms in the {joint}: no steady walk. {NAME_IT}"
             )
-    check_period(strides.period)
-    thigh, knee = (average(strides)[joint] for joint in ANGLES)
+    check_period(float(strides.periods.mean()))
+    thigh, knee = (strides.mean()[joint] for joint in ANGLES)
     loop = 0.5 * np.sum(thigh[1:] * knee[:-1] - thigh[:-1] * knee[1:])
-    if np.ptp(knee) > BENDS and loop < BACKWARDS * np.ptp(thigh) * np.ptp(knee):
+    if loop < BACKWARDS * np.ptp(thigh) * np.ptp(knee):
         raise Unusable(
             "the knee bends while the thigh goes back, as in a walk backwards. Is the sign of thigh or hip "
             "right (the knee ahead of the hip is +), and are the columns?"
@@ -238,8 +183,9 @@ def _from_strike(strides: Strides, always: bool) -> Strides:
 
     One that begins within `LATE` of it stays as it is, unless `always`.
     """
-    phase, mean = strides.phase, {joint: np.radians(average(strides)[joint]) for joint in ANGLES}
-    ahead = np.sin(mean["thigh"]) + np.sin(mean["thigh"] - mean["knee"])  # thigh and shank are as long
+    phase, mean = strides.phase, strides.mean()
+    thigh, knee = (np.radians(mean[joint]) for joint in ANGLES)
+    ahead = np.sin(thigh) + np.sin(thigh - knee)  # thigh and shank are as long
     first = int(np.argmax(ahead[:-1]))
     if not always and not LATE < phase[first] < 1.0 - LATE:
         return strides
@@ -247,4 +193,4 @@ def _from_strike(strides: Strides, always: bool) -> Strides:
     turned = np.append((phase[order[:-1]] - phase[first]) % 1.0, 1.0)
     curves = {joint: values[:, order] for joint, values in strides.curves.items()}
     note = f"the heel strikes at {100 * phase[first]:.0f} % of the stride, where it now begins"
-    return strides._replace(phase=turned, curves=curves, notes=strides.notes + (() if always else (note,)))
+    return Strides(turned, curves, strides.periods, strides.notes + (() if always else (note,)))

@@ -168,9 +168,9 @@ def make_strides(config: GaitConfig) -> Strides | None:
     return read_strides(config.path, *_reading(config))
 
 
-def _reading(config: GaitConfig) -> tuple[dict[str, str], str | None, str | None, Any]:
+def _reading(config: GaitConfig) -> tuple[dict[str, str], str | None, Any]:
     names = {key: name for key, name in vars(config.names).items() if name is not None}
-    return names, config.side, config.units, None if config.window is None else tuple(config.window)
+    return names, config.side, None if config.window is None else tuple(config.window)
 
 
 def make_spread(config: Config) -> Spread:

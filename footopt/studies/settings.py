@@ -168,7 +168,6 @@ class GaitConfig:
     pitch: str = setting(Gait.pitch, "How the foot turns: with the shank, or as measured.")
     start: float = setting(Gait.start, "When the walker begins to walk, s; .inf: never.")
     side: str | None = setting(None, "right or left; null: right, or left if it is the only one.")
-    units: str | None = setting(None, "Of the file's angles: deg or rad; null: what it says.")
     window: list[float] | None = setting(None, "Begin and end of a stride in the file, s; null: all strides.")
     names: NamesConfig = setting(NamesConfig, "The file's name of this column; null: a usual one.")
 

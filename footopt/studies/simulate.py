@@ -64,8 +64,6 @@ def run(study: Study) -> SweeperValue:
     diagnostics = [*diagnose(walk), *resolution(walk, errors)]
     strides = make_strides(study.config.gait)
     read = [] if strides is None else [*strides.notes]
-    if strides is not None and "foot" in strides.curves and scene.gait.foot is None:
-        read.append("the foot's angle misses its Fourier series and is left out")
     others = {} if strides is None else {"gait": partial(gait_fit, strides, scene.gait)}
     said = write_walk(study, walk, {title(foot.name): walk}, others)
     notes = [*foot.notes, *said, *_undefined(walk, values)]

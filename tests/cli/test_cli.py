@@ -2,12 +2,10 @@
 
 import csv
 import json
-from dataclasses import replace
 from importlib.util import find_spec
 
 import numpy as np
 import pytest
-from motion_files import write_table
 from running import LIMIT, QUICK, footopt, only_folder, program, started
 from scipy.io import netcdf_file
 from shapely import Polygon
@@ -116,17 +114,6 @@ class TestSimulate:
         assert result["feasible"]
         assert result["objectives"]["distance"] > 1.5
         assert result["scene"]["sand"]["zeta"] == 2.5
-
-    def test_says_that_a_foot_which_no_series_fits_is_left_out(self, tmp_path):
-        """Its shaking is too quick for the series, and too small to be a jump between two rows."""
-        human = fo.Gait.human()
-        shaking = human.foot._replace(a=(*human.foot.a, *[0.0] * 13, 15.0), b=(*human.foot.b, *[0.0] * 14))
-        write_table(tmp_path / "walk.csv", replace(human, foot=shaking), 1.0, rate=400.0)
-        words = ("study=simulate", "gait=file", "gait.path=walk.csv", "accuracy=draft", "report=none")
-        done = footopt(*words, cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
-        result = json.loads((only_folder(tmp_path) / "result.json").read_text())
-        assert any("misses its Fourier series" in note for note in result["gait_file"])
 
     @pytest.mark.slow
     def test_standing_still_has_no_peak_power(self, tmp_path):
