@@ -175,10 +175,10 @@ class TestQuantities:
 
     def test_the_curvature_of_a_circle_and_of_a_flat_foot(self):
         circle = fo.Foot.shape("circle")
-        assert claims.rms_curvature(circle) == pytest.approx(np.pi / 0.26, rel=1e-3)
+        assert claims.bends(circle)[1] == pytest.approx(np.pi / 0.26, rel=1e-3)
         for foot in (circle, fo.Foot.flat(), fo.Foot.shape("ellipse")):
-            assert claims.inward_turn(foot) == pytest.approx(0.0, abs=1e-6)
-        assert claims.inward_turn(fo.Foot.from_waypoints(HOLLOW)) > 10.0
+            assert claims.bends(foot)[0] == pytest.approx(0.0, abs=1e-6)
+        assert claims.bends(fo.Foot.from_waypoints(HOLLOW))[0] > 10.0
 
     def test_a_filled_foot_is_the_hull_and_has_no_hollow(self, evidence):
         foot, full = fo.Foot.from_waypoints(HOLLOW), evidence.filled.foot

@@ -19,16 +19,15 @@ from footopt.studies.base import Study, foot_entry, scene_entry
 from footopt.studies.build import check_searchable
 from footopt.studies.paper.claims import CLAIMS, measure
 from footopt.studies.paper.walks import SANDS, Evidence, Settings, changes, evidence
-from footopt.studies.validation.model import JUDGED, model_error
-from footopt.walk import OBJECTIVES, Walk, simulate
-from footopt.walk.validity import diagnose
+from footopt.walk import FIVE, OBJECTIVES, Walk, simulate
 
 __all__ = ["Settings", "run"]
 
 Entry = Mapping[str, Any]
 CAPTION = "Every claim: whether it holds at the settings, and with each open choice made otherwise."
 VERDICTS = ("holds", "does not hold", "hangs on a choice", "undecided")
-WORDS = ("figure", "claim", "verdict", "sand", "k", "shape")  # columns of words
+JUDGED = (*FIVE, "efficiency")
+MEASURES = ("distance (m)", "mean height (m)", "work (J)", "peak power (W)", "speed loss (m/s)", "J_W")
 
 
 def run(study: Study) -> None:
@@ -54,24 +53,18 @@ def run(study: Study) -> None:
     found = content(own, margins)
     study.save("claims", draw_claims(found["claims"]), CAPTION)
     write_text(study.folder / "claims.md", markdown(found))
-    shown = [terminal.table(head, WORDS, title, rows) for title, head, rows in tables(found)]
-    for sand, walk in own.optima.items():
-        study.say(f"The best foot for {sand} sand, on it:")
-        terminal.print_validity(study.console, diagnose(walk))
     study.conclude(
         "The paper, judged",
-        shown,
+        [
+            terminal.table(head, [word for word in head if word not in MEASURES], title, rows)
+            for title, head, rows in tables(found)
+        ],
         {
             "seed": config.solver.seed,
             **found,
             **scene_entry(own.crossed.scene, own.crossed.accuracy, tuple(OBJECTIVES)),
-            "readings": own.readings,
         },
-        said=(
-            f"{summary(found)}.",
-            *terminal.describe_model(model_error(walk) for walk in own.optima.values()),
-            "The page claims.md has all of it in words, with the errata.",
-        ),
+        said=(f"{summary(found)}.", "The page claims.md has all of it in words, with the errata."),
     )
 
 
@@ -87,7 +80,7 @@ def judge(margin: float, changed: Mapping[str, float]) -> dict[str, Any]:
 
 
 def content(own: Evidence, margins: Mapping[str, Mapping[str, float]]) -> dict[str, Any]:
-    """what result.json holds, in JSON's own types; `margins`: of each claim by each change."""
+    """The study's part of result.json, in JSON's own types; `margins`: of each claim by each change."""
     claims = []
     for name, margin in measure(own).items():
         judged = judge(margin, {change: found[name] for change, found in margins.items()})
@@ -102,7 +95,7 @@ def _walk_entry(walk: Walk) -> dict[str, Any]:
 
 
 def summary(found: Entry) -> str:
-    """how many claims hold, in one line."""
+    """The number of claims with each verdict, in one line."""
     verdicts = [claim["verdict"] for claim in found["claims"]]
     hold, fail, depend, _ = map(verdicts.count, VERDICTS)
     return f"{len(verdicts)} claims: {hold} hold, {fail} do not hold, {depend} hang on a choice"
@@ -110,17 +103,14 @@ def summary(found: Entry) -> str:
 
 def tables(found: Entry) -> list[tuple[str, Sequence[str], list[list[str]]]]:
     """The tables of the terminal and of claims.md from `content`: a title, a head and rows each."""
-    measures = ("distance (m)", "mean height (m)", "work (J)", "peak power (W)", "speed loss (m/s)", "J_W")
     claims = [[c["place"], c["says"], *_judgement(c)] for c in found["claims"]]
-    feet = [
-        [sand, written(foot["k"]), number(foot["hollow_mm"]), *_cells(foot)]
-        for sand, foot in found["optima"].items()
+    feet = {f"the best for {sand} sand": foot for sand, foot in found["optima"].items()} | found["shapes"]
+    walks = [
+        [name, written(foot["k"]) if "k" in foot else "", *_measures(foot)] for name, foot in feet.items()
     ]
-    shapes = [[name, *_cells(shape)] for name, shape in found["shapes"].items()]
     return [
         ("Claims", ("figure", "claim", "margin", "verdict"), claims),
-        ("The best foot of each sand, on that sand", ("sand", "k", "hollow (mm)", *measures), feet),
-        ("The five shapes", ("shape", *measures), shapes),
+        ("The best feet, and the five shapes", ("foot", "k", *MEASURES), walks),
     ]
 
 
@@ -132,7 +122,7 @@ def _judgement(claim: Entry) -> list[str]:
     return ["-" if margin is None else f"{margin:+.3g} {claim['unit']}".rstrip(), verdict]
 
 
-def _cells(walk: Entry) -> list[str]:
+def _measures(walk: Entry) -> list[str]:
     return [walk["reason"] or "-" if v is None else number(v) for v in walk["objectives"].values()]
 
 

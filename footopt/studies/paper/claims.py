@@ -69,32 +69,22 @@ def work_after_three_steps(walk: Walk) -> float:
 
 
 def first_step(walk: Walk) -> slice:
-    """its samples, none if the foot never stands."""
+    """The samples of the first step, none if the foot never stands."""
     found = stance(walk)
     return slice(found.first, found.last + 1) if found else slice(0, 0)
 
 
-def push(walk: Walk) -> tuple[Array, Array, Array]:
-    """The forward force on the foot, N, how long each sample lasts, s, and its time, s."""
+def push(walk: Walk) -> tuple[float, float]:
+    """The time for which the sand pushes the foot forwards, s, and the share of its impulse at push-off."""
     step = first_step(walk)
-    t = walk.t[step]
-    return np.maximum(walk.force[step, RIGHT, 0], 0.0), np.diff(walk.t, prepend=0.0)[step], t - t[:1]
-
-
-def push_time(walk: Walk) -> float:
-    """how long the sand pushes the foot forwards, s."""
-    force, lasts, _ = push(walk)
-    return float(lasts[force > 0.0].sum())
-
-
-def push_share(walk: Walk) -> float:
-    """The share of the forward impulse that comes when push-off has begun."""
-    force, lasts, t = push(walk)
-    return float((force * lasts)[t >= LIMITS["push_off"]].sum() / (force * lasts).sum())
+    t, lasts = walk.t[step], np.diff(walk.t, prepend=0.0)[step]
+    impulse = np.maximum(walk.force[step, RIGHT, 0], 0.0) * lasts
+    late = t - t[:1] >= LIMITS["push_off"]
+    return float(lasts[impulse > 0.0].sum()), float(impulse[late].sum() / impulse.sum())
 
 
 def contact_zone(walk: Walk, instants: int = 100) -> tuple[float, float, float]:
-    """what of the sole is in the sand, mean over so many instants of the step.
+    """The part of the sole that is in the sand, mean over so many instants of the step.
 
     The share of all plates, that of the plates of the middle third, and x_p where the vertical force acts, m.
     """
@@ -112,49 +102,40 @@ def contact_zone(walk: Walk, instants: int = 100) -> tuple[float, float, float]:
 
 
 def convexity(foot: Foot) -> float:
-    """one level of the waypoints, H/K, less the hollow, mm: a smaller hollow may be the grid's own."""
+    """One level of the waypoints, H/K, less the hollow, mm: a smaller hollow may be the grid's own."""
     return np.nan if foot.space is None else 1e3 * (foot.space.H / foot.space.K - foot.hollow)
 
 
-def _bends(foot: Foot) -> tuple[Array, Array]:
-    """Turn of the sole between neighbours of 400 chords, (399,), rad, + convex; and their length, m."""
+def bends(foot: Foot) -> tuple[float, float]:
+    """The angle that a sole turns the wrong way for a convex one, deg; the rms of its curvature, 1/m."""
     chord = np.diff(foot.points(400), axis=0)
-    return np.diff(np.unwrap(np.arctan2(chord[:, 1], chord[:, 0]))), np.hypot(*chord.T)[1:]
-
-
-def inward_turn(foot: Foot) -> float:
-    """The angle that the sole turns the wrong way for a convex one, deg."""
-    return float(np.degrees(np.maximum(-_bends(foot)[0], 0.0).sum()))
-
-
-def rms_curvature(foot: Foot) -> float:
-    """The root mean square of the curvature along the arc, 1/m."""
-    turn, length = _bends(foot)
-    return float(np.sqrt(np.mean((turn / length) ** 2)))
+    turn, length = np.diff(np.unwrap(np.arctan2(chord[:, 1], chord[:, 0]))), np.hypot(*chord.T)[1:]
+    inward = float(np.degrees(np.maximum(-turn, 0.0).sum()))
+    return inward, float(np.sqrt(np.mean((turn / length) ** 2)))
 
 
 def number(walk: Walk, what: Number) -> float:
-    """a number of a walk; NaN if it failed."""
+    """An objective or another number of a walk; NaN if it failed."""
     if not walk.feasible:
         return np.nan
     return walk.objectives[what] if isinstance(what, str) else what(walk)
 
 
 def lead(walks: Walks, what: Number, *names: str) -> float:
-    """how far the numbers of some walks are above those of all others."""
+    """How far the numbers of some walks are above those of all others."""
     values = {name: number(walk, what) for name, walk in walks.items()}
     mine = [values.pop(name) for name in names]
     return float(np.min(mine) - np.max(list(values.values())))
 
 
 def trail(walks: Walks, what: Number, *names: str) -> float:
-    """how far the numbers of some walks are below those of all others."""
+    """How far the numbers of some walks are below those of all others."""
     return lead(walks, lambda walk: -number(walk, what), *names)
 
 
 def loses_most(e: Evidence, walks: Walks, name: str) -> float:
-    """how much more speed a walk loses than all others, at the switch where that is least."""
-    losses = {other: switch_losses(walk, e.readings["speed_loss"]) for other, walk in walks.items()}
+    """How much more speed a walk loses than all others, at the switch where that is least."""
+    losses = {other: switch_losses(walk, e.speed_loss) for other, walk in walks.items()}
     own = losses.pop(name)
     return float(np.min(own - np.max(list(losses.values()), axis=0)))
 
@@ -172,18 +153,23 @@ def vertical_parting(walks: Walks) -> float:
 
 
 def soft_drag(e: Evidence, drag: Callable[..., float]) -> float:
-    """how much larger a drag on soft sand is, in the direction where that is least."""
+    """How much larger a drag on soft sand is, in the direction where that is least."""
     return float(np.min([lead(e.optima, partial(drag, way=way), "soft") for way in (1, -1)]))
 
 
+def gap(one: Walk, other: Walk, what: Number) -> float:
+    """How much more of something one walk has than another."""
+    return number(one, what) - number(other, what)
+
+
 def regular_foot(e: Evidence, what: Number) -> float:
-    """how much more of something the foot for regular sand has on hard sand than its own foot."""
-    return number(e.crossed, what) - number(e.optima["hard"], what)
+    """How much more of something the foot for regular sand has on hard sand than its own foot."""
+    return gap(e.crossed, e.optima["hard"], what)
 
 
 def flatter(e: Evidence, sand: str) -> float:
-    """how much less the best foot of a sand curves than that for hard sand."""
-    return rms_curvature(e.optima["hard"].foot) - rms_curvature(e.optima[sand].foot)
+    """How much less the best foot of a sand curves than that for hard sand."""
+    return bends(e.optima["hard"].foot)[1] - bends(e.optima[sand].foot)[1]
 
 
 TRIANGLE = "reversed_triangle"
@@ -197,7 +183,7 @@ MEASURES: dict[str, Callable[[Evidence], float]] = {
     "circle_highest": lambda e: lead(e.shapes, "mean_height", "circle"),
     "circle_shortest": lambda e: trail(e.shapes, "distance", "circle"),
     "circle_loses": lambda e: (
-        float(np.min(switch_losses(e.shapes["circle"], e.readings["speed_loss"]))) - LIMITS["marked_loss"]
+        float(np.min(switch_losses(e.shapes["circle"], e.speed_loss))) - LIMITS["marked_loss"]
     ),
     "circle_loses_most": lambda e: loses_most(e, e.shapes, "circle"),
     "same_vertical_velocity": lambda e: LIMITS["not_obvious"] - vertical_parting(e.shapes),
@@ -205,21 +191,18 @@ MEASURES: dict[str, Callable[[Evidence], float]] = {
     "ellipse_and_flat_least_power": lambda e: trail(e.shapes, "peak_power", "ellipse", "rectangle"),
     # the contours
     "hard_hollow": lambda e: -convexity(e.optima["hard"].foot),
-    "hard_bends_in": lambda e: lead(e.optima, lambda walk: inward_turn(walk.foot), "hard"),
+    "hard_bends_in": lambda e: lead(e.optima, lambda walk: bends(walk.foot)[0], "hard"),
     "regular_convex": lambda e: convexity(e.optima["regular"].foot),
     "soft_convex": lambda e: convexity(e.optima["soft"].foot),
     "regular_curves_little": lambda e: flatter(e, "regular"),
     "soft_curves_little": lambda e: flatter(e, "soft"),
     # a step on hard sand
-    "hollow_spares_plates": lambda e: (
-        number(e.filled, lambda walk: contact_zone(walk)[1])
-        - number(e.optima["hard"], lambda walk: contact_zone(walk)[1])
-    ),
-    "hollow_saves_work": lambda e: number(e.filled, "work") - number(e.optima["hard"], "work"),
-    "push_off_carries": lambda e: number(e.optima["hard"], push_share) - 0.5,
+    "hollow_spares_plates": lambda e: gap(e.filled, e.optima["hard"], lambda walk: contact_zone(walk)[1]),
+    "hollow_saves_work": lambda e: gap(e.filled, e.optima["hard"], "work"),
+    "push_off_carries": lambda e: number(e.optima["hard"], lambda walk: push(walk)[1]) - 0.5,
     "regular_foot_larger_zone": lambda e: regular_foot(e, lambda walk: contact_zone(walk)[0]),
     "regular_foot_leads": lambda e: 1e3 * regular_foot(e, lambda walk: contact_zone(walk)[2]),
-    "regular_foot_pushes_longer": lambda e: regular_foot(e, push_time),
+    "regular_foot_pushes_longer": lambda e: regular_foot(e, lambda walk: push(walk)[0]),
     "regular_foot_more_power": lambda e: regular_foot(e, "peak_power"),
     "regular_foot_more_work": lambda e: regular_foot(e, "work"),
     # three sands, each with its best foot

@@ -72,11 +72,6 @@ class Settings(StudySettings):
     reads = (*WORLD, *SPACE, *SHAPE_SETTINGS, "foot.shape", "foot.k", "accuracy", "solver")
 
 
-#: Allowed values of the study's own settings.
-ALLOWED = {"shape_sand": SANDS, "mount": ("centre", "top"), "peak_power": ("stance", "single"),
-           "speed_loss": tuple(SPEED_LOSS)}  # fmt: skip
-
-
 def changed(config: Config, choice: str, value: Any) -> Config:
     """The settings with one of them changed, or one more effect; those given are left alone."""
     if choice == "effects":
@@ -109,12 +104,10 @@ def objective(study: Settings) -> str:
 
 
 def read(walk: Walk, study: Settings) -> Walk:
-    """The walk with p_max and dV_x, which the paper does not define, as they are read; J_W follows.
+    """The walk with p_max and dV_x, which the paper does not define, as the settings read them.
 
-    p_max is taken at any instant after the first heel strike ("stance"); or only while the other foot
-    carries less than `LIFTED` of the weight ("single"). dV_x is the largest fall below the running maximum
-    from the first heel strike to t_f ("walk"); or the largest one within a quarter of a stride about a heel
-    strike ("window"), or an eighth ("narrow"), which is about as long as both feet stand.
+    "single" counts p_max only while the other foot carries less than `LIFTED` of the weight; "narrow" is a
+    window about a heel strike that is about as long as both feet stand. J_W follows.
     """
     totals = dict(walk.totals)
     if walk.feasible and study.peak_power == "single":
@@ -155,10 +148,7 @@ def _falls(walk: Walk, before: float, behind: float) -> list[float]:
 
 
 def make_shapes(config: Config) -> dict[str, Foot]:
-    """The five shapes by name; foot.ankle shifts the ankle from where `study.mount` puts it.
-
-    That is the centre of the shape's bounding box, or the middle of its upper side, "top".
-    """
+    """The five shapes by name, their ankle foot.ankle off the centre of their box, or off its top."""
     feet = {name: make_foot(replace(config.foot, shape=name)) for name in SHAPES}
     for name, foot in feet.items() if config.study.mount == "top" else ():
         # the box's centre is the origin, and every shape's contact line reaches its lower side
@@ -175,7 +165,7 @@ class Evidence:
     optima: Mapping[str, Walk]  # of the best foot of each sand on that sand, by sand
     crossed: Walk  # of the best foot for regular sand, on hard sand
     filled: Walk  # of the best foot for hard sand with its hollow filled up, on hard sand
-    readings: Mapping[str, str]  # how p_max and dV_x are read
+    speed_loss: str  # how dV_x is read
 
 
 def evidence(config: Config, found: dict[str, list[int]]) -> Evidence:
@@ -189,9 +179,11 @@ def evidence(config: Config, found: dict[str, list[int]]) -> Evidence:
         The soles that searches have found, by what was searched: no search is done twice.
     """
     study, solver = config.study, Solver(**vars(config.solver))
-    for name, allowed in ALLOWED.items():
-        value = getattr(study, name)
-        check(value in allowed, f"study.{name}", value, f"one of {', '.join(allowed)}")
+    for choice, words in CHOICES.items():
+        group, _, name = choice.partition(".")
+        if group == "study":
+            allowed, value = words.split(), getattr(study, name)
+            check(value in allowed, choice, value, f"one of {', '.join(allowed)}")
     if not (solver.walks or solver.n_gen):
         solver = replace(solver, walks=EVALUATIONS)
     space, accuracy, scene = make_space(config.foot), make_accuracy(config.accuracy), make_scene(config)
@@ -217,5 +209,5 @@ def evidence(config: Config, found: dict[str, list[int]]) -> Evidence:
         optima={sand: walk(foot, sand) for sand, foot in feet.items()},
         crossed=walk(feet["regular"], "hard"),
         filled=walk(filled, "hard"),
-        readings={"peak_power": study.peak_power, "speed_loss": study.speed_loss},
+        speed_loss=study.speed_loss,
     )
