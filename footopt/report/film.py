@@ -53,7 +53,7 @@ def check_film(
     return path
 
 
-@styled
+@styled()
 def animate(walk: Walk, path: str | Path, fps: int = 25, speed: float = 0.5, dpi: int = 120) -> Path:
     """Write a film of a walk. The file is there as a whole or as it was before.
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes as PlainAxes
 from matplotlib.figure import Figure
 
@@ -18,8 +19,8 @@ from footopt.errors import SettingError
 from footopt.report.figures.foot import draw_contour
 from footopt.report.figures.gait import draw_angles, draw_path
 from footopt.report.figures.sand import draw_stress
-from footopt.report.figures.search import FRONT, draw_convergence, draw_parallel, history_label
-from footopt.report.figures.traces import COMPONENTS, draw_components
+from footopt.report.figures.search import FRONT, draw_convergence, draw_pair, history_label
+from footopt.report.figures.traces import QUANTITIES, draw_quantity
 from footopt.report.stage import draw_scene, draw_walk
 from footopt.report.style import COLUMN, PAGE, Axes, fit_height, new_figure, png, styled
 from footopt.report.terminal import describe_scene
@@ -58,9 +59,7 @@ def plot(thing: object, what: str | None = None, ax: Axes | None = None) -> Axes
         raise SettingError("what", what, f"one of {', '.join(found)} for a {type(thing).__name__}")
     if ax is None:
         return picture(thing, [[name]]).axes[0]
-    found[name](ax, thing)
-    if ax.get_legend_handles_labels()[0] and ax.get_legend() is None:
-        ax.legend(loc="best")
+    _draw(ax, found[name], thing)
     return ax
 
 
@@ -85,7 +84,7 @@ class Panel(PlainAxes):
         return png(figure, RESOLUTION) if figure else b""
 
 
-@styled
+@styled()
 def picture(thing: object, rows: Sequence[Sequence[str]]) -> Figure:
     """A figure of an object's drawings by name, row by row."""
     found = drawings(thing)
@@ -95,14 +94,18 @@ def picture(thing: object, rows: Sequence[Sequence[str]]) -> Figure:
     for i, row in enumerate(rows):
         parts = grid[i].subgridspec(1, len(row))
         for j, name in enumerate(row):
-            axes = figure.add_subplot(parts[0, j], axes_class=Panel)
-            found[name](axes, thing)
-            if axes.get_legend_handles_labels()[0] and axes.get_legend() is None:
-                axes.legend(loc="best")
+            _draw(figure.add_subplot(parts[0, j], axes_class=Panel), found[name], thing)
     if len(rows) == 1:
         fit_height(figure, figure.axes[:1])
     figure.draw_without_rendering()  # a second pass of the layout, after which nothing moves
     return figure
+
+
+def _draw(axes: Axes, draw: Callable[[Axes, Any], object], thing: object) -> None:
+    """Draw an object, with a legend above the axes if anything has a name."""
+    draw(axes, thing)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
 
 
 Drawings = dict[str, Callable[[Axes, Any], object]]
@@ -118,10 +121,9 @@ def drawings(thing: Any) -> Drawings:
 
 
 def _draw_front(axes: Axes, result: Any) -> None:
-    """The designs of the front, an axis for each objective; the chosen one stands out."""
-    columns = [result.problem.record.index(name) for name in result.problem.names]
-    values = result.values[:, columns]
-    draw_parallel(axes, values[result.shown], result.problem.names, {"chosen": values[result.best]}, FRONT)
+    """The designs of the front by the first two objectives; the chosen one stands out."""
+    values = np.stack([result.column(name) for name in result.problem.names], axis=1)
+    draw_pair(axes, {FRONT: values[result.shown]}, result.problem.names, {"chosen": values[result.best]})
 
 
 def _draw_history(axes: Axes, result: Any) -> None:
@@ -134,10 +136,10 @@ DRAWINGS: dict[str, Drawings] = {
     "Sand": {name: partial(draw_stress, component=name) for name in ("alpha_z", "alpha_x")},
     "Scene": {"scene": draw_scene},
     "SearchResult": {"front": _draw_front, "convergence": _draw_history},
-    "Table": {"table": lambda axes, table: draw_parallel(axes, table.values, table.names)},
-    "Walk": {"walk": draw_walk, **{name: partial(draw_components, name=name) for name in COMPONENTS}},
+    "Table": {"table": lambda axes, table: draw_pair(axes, {"designs": table.values}, table.names)},
+    "Walk": {"walk": draw_walk, **{name: partial(draw_quantity, name=name) for name in QUANTITIES}},
 }
-WIDE = ("walk", "scene", "front", "table")  # drawings that need the width of a page
+WIDE = ("walk", "scene")  # drawings that need the width of a page
 #: Rows of drawings on a card that shows more than the default one.
 CARDS = {
     "Gait": [["angles", "path"]],

@@ -260,7 +260,9 @@ def draw_walk(axes: Axes, walk: Walk) -> None:
     draw_key(axes, arrows, 0.5 * float(np.abs(walk.force).max()))
     axes.plot(*walk.com.T, color="black", lw=0.8, label="path of the COM", zorder=3.5)
     step = f", every {walk.t[index[1]] - walk.t[index[0]]:.2g} s" if len(index) > 1 else ""
-    axes.set_title(style.walk_label(f"{title(walk.foot.name)} on {sand_title(walk.scene.sand)}{step}", walk))
+    axes.set_title(
+        style.walk_label(f"{title(walk.foot.name)} on {sand_title(walk.scene.sand)}{step}", walk), loc="left"
+    )
 
 
 def draw_scene(axes: Axes, scene: Scene) -> None:
@@ -274,7 +276,7 @@ def draw_scene(axes: Axes, scene: Scene) -> None:
     low = -max([0.2 * height, *(2.0 * d for d in deep)])
     axes.set(xlabel="$x$ (m)", ylabel="$z$ (m)", aspect="equal")
     axes.set(xlim=(-0.5 * height, right), ylim=(low, 1.12 * height))
-    axes.set_title(f"{style.as_text(scene.sand.name)} sand ($\\zeta$ = {scene.sand.zeta:g})")
+    axes.set_title(f"{style.as_text(scene.sand.name)} sand ($\\zeta$ = {scene.sand.zeta:g})", loc="left")
     draw_ground(axes, ground(scene))
     for foot, leg in enumerate(joints):
         draw_leg(axes, foot, leg, label=True)

@@ -10,17 +10,17 @@ from __future__ import annotations
 import io
 import textwrap
 import threading
-from collections.abc import Callable, Sequence
-from contextlib import suppress
-from functools import wraps
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from importlib.resources import files as resources
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import Any
 
 import matplotlib
 import numpy as np
+from matplotlib import rc_params_from_file
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from footopt.files.io import write_bytes
@@ -33,7 +33,7 @@ Axes = Any  # matplotlib.axes.Axes
 COLUMN, PAGE = 3.4, 7.0  # widths, inches
 DPI = 200
 
-GREY, PALE, GRID = "0.55", "0.92", "0.92"
+GREY, PALE = "0.55", "0.92"
 #: Of lines and points that have no role: none of these is a role's colour.
 COLOURS = ("#332288", "#CC6677", "#999933", "#000000", "#7F6BD1", "#B3003C", "#4B5320")
 DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)))
@@ -45,7 +45,6 @@ SANDS = ("soft", "hard", "regular")
 SIDES = (("left", "#0072B2"), ("right", "#D55E00"))
 #: Designs (the best foot, the chosen one, all), and the flat sole that they are compared with.
 BEST, FLAT, CHOSEN, DESIGNS = "#009E73", "#707070", "#882255", "#56B4E9"
-DARK = "#23709C"  # of words about designs: their own colour is too pale for letters
 SAND, SURFACE, STRONG_SAND = "#F3E9D2", "#E69F00", "#7A5230"
 #: A verdict that is good, bad, or none; its marks differ in shape, too.
 VERDICTS = ((BEST, "o"), ("#000000", "X"), (FLAT, "s"))
@@ -66,53 +65,19 @@ PALETTE = {
     **{f"line-{i}": colour for i, colour in enumerate(COLOURS)},
 }  # fmt: skip
 
-STYLE: dict[str, Any] = {
-    "font.size": 8,
-    "axes.titlesize": 8,
-    "axes.labelsize": 8,
-    "legend.fontsize": 8,
-    "xtick.labelsize": 8,
-    "ytick.labelsize": 8,
-    "figure.labelsize": 8,
-    "figure.titlesize": 8,
-    "axes.linewidth": 0.6,
-    "axes.axisbelow": True,
-    "axes.formatter.limits": (-3, 5),
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "grid.color": GRID,
-    "grid.linewidth": 0.6,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "lines.linewidth": 1.2,
-    "lines.markersize": 4,
-    "legend.frameon": False,
-    "legend.handlelength": 2.2,
-    "legend.handletextpad": 0.6,
-    "legend.columnspacing": 1.2,
-    "figure.autolayout": False,  # whatever the user's matplotlibrc says
-    "figure.constrained_layout.use": False,
-    "pdf.fonttype": 42,  # text stays text, as journals ask
-    "svg.hashsalt": "footopt",
-}
+STYLE = rc_params_from_file(str(resources("footopt.report") / "footopt.mplstyle"), use_default_template=False)
 
-P = ParamSpec("P")
-R = TypeVar("R")
 _lock = threading.RLock()
 
 
-def styled(make: Callable[P, R]) -> Callable[P, R]:
-    """Run a function under the shared style.
+@contextmanager
+def styled() -> Iterator[None]:
+    """Run a function, as its decorator, or a block under the shared style.
 
     `matplotlib.rc_context` changes settings of the whole process, so threads take turns.
     """
-
-    @wraps(make)
-    def run(*args: P.args, **kwargs: P.kwargs) -> R:
-        with _lock, matplotlib.rc_context(STYLE):
-            return make(*args, **kwargs)
-
-    return run
+    with _lock, matplotlib.rc_context(STYLE):
+        yield
 
 
 def new_figure(width: float, height: float) -> Figure:
@@ -128,8 +93,7 @@ def fit_height(figure: Figure, column: Sequence[Axes]) -> None:
     equal = [axes for axes in figure.axes if axes.get_aspect() == 1.0]
     for axes in equal:
         axes.set_aspect("auto")  # the layout leaves no room for the labels of axes that shrink
-    for _ in range(2):  # each pass of the layout moves things a little
-        figure.draw_without_rendering()
+    figure.draw_without_rendering()
     more = 0.0
     for axes in (axes for axes in column if axes in equal):
         box, (left, right), (low, high) = axes.get_window_extent(), axes.get_xlim(), axes.get_ylim()
@@ -137,36 +101,28 @@ def fit_height(figure: Figure, column: Sequence[Axes]) -> None:
     figure.set_figheight(figure.get_figheight() + more / figure.dpi)
     for axes in equal:
         axes.set_aspect("equal")
-    figure.draw_without_rendering()
 
 
-@styled
+@styled()
 def save(figure: Figure, folder: str | Path, name: str, svg: bool = False) -> tuple[Path, Path]:
     """Write a figure as NAME.png (200 dpi) and NAME.pdf, and as SVG for a page, into a folder.
 
     The same figure gives the same bytes. Raises `FileError` where a file cannot be written.
     """
     folder = Path(folder)
-    picture, page = folder / f"{name}.png", folder / f"{name}.pdf"
-    # each pass of the layout moves things a little: all files have the same one
-    if (layout := figure.get_layout_engine()) is not None:
-        layout.execute(figure)
-        figure.set_layout_engine(None)  # with "none" it would be drawn once more before each file
-    dates = {"pdf": "CreationDate"} | ({"svg": "Date"} if svg else {})
-    made = {}
-    for ending, date in dates.items():
-        file = io.BytesIO()  # matplotlib's errors on a full disk are of many kinds
-        figure.savefig(file, format=ending, metadata={date: None})
-        made[ending] = file.getvalue()
     with suppress(OSError):  # `write_bytes` says where it cannot write
         folder.mkdir(parents=True, exist_ok=True)
-    write_bytes(picture, png(figure, DPI))
-    for ending, content in made.items():
-        write_bytes(folder / f"{name}.{ending}", content)
-    return picture, page
+    figure.draw_without_rendering()
+    figure.set_layout_engine(None)  # all files have the same layout
+    dates = {"png": "Software", "pdf": "CreationDate"} | ({"svg": "Date"} if svg else {})
+    for ending, date in dates.items():
+        file = io.BytesIO()  # matplotlib's errors on a full disk are of many kinds
+        figure.savefig(file, format=ending, dpi=DPI, metadata={date: None})
+        write_bytes(folder / f"{name}.{ending}", file.getvalue())
+    return folder / f"{name}.png", folder / f"{name}.pdf"
 
 
-@styled
+@styled()
 def png(figure: Figure, dpi: int) -> bytes:
     """A figure as a picture in memory."""
     file = io.BytesIO()
@@ -185,14 +141,8 @@ def legend_above(figure: Figure) -> None:
     longest = max(len(part) for label in labels for part in label.split("\n"))
     # an 8 pt letter is about 0.062 inches wide, a line and the gaps beside it 0.45
     columns = min(max(int(figure.get_figwidth() / (0.45 + 0.062 * longest)), 1), len(labels))
-    rows = -(-len(labels) // columns)
-    figure.set_figheight(figure.get_figheight() + 0.17 * rows)  # it takes nothing from the axes
-    legend = figure.legend([*handles.values()], labels, loc="outside upper center", ncols=columns)
-    for handle in legend.legend_handles:  # small pale points are seen there, too
-        if handle is not None:
-            handle.set_alpha(1.0)
-        if isinstance(handle, Line2D):
-            handle.set_markersize(max(handle.get_markersize(), 4.0))
+    figure.set_figheight(figure.get_figheight() + 0.17 * -(-len(labels) // columns))  # taken from no axes
+    figure.legend([*handles.values()], labels, loc="outside upper center", ncols=columns)
 
 
 def look(name: str, i: int) -> dict[str, Any]:

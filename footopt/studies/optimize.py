@@ -276,5 +276,4 @@ def _drawings(result: SearchResult, leaders: Any, flat: dict[str, float]) -> dic
         marks = {"chosen": values[leaders[0]], "flat sole": [flat[name] for name in problem.names]}
         groups = {f"{len(front)} {FRONT}": front}
         drawn["scatter_matrix"] = partial(figures.scatter_matrix, groups, problem.names, marks)
-        drawn["parallel"] = partial(figures.parallel, front, problem.names, marks, FRONT)
     return drawn

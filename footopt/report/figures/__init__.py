@@ -4,7 +4,7 @@ Functions named ``draw_*`` draw on Axes of the caller's.
 """
 
 from footopt.report.figures.foot import contour, contours, drawing
-from footopt.report.figures.search import convergence, parallel, scatter_matrix
+from footopt.report.figures.search import convergence, scatter_matrix
 from footopt.report.figures.step import step, steps
 from footopt.report.figures.traces import com, forces, power_work
 from footopt.report.style import save
@@ -16,7 +16,6 @@ __all__ = [
     "convergence",
     "drawing",
     "forces",
-    "parallel",
     "power_work",
     "save",
     "scatter_matrix",

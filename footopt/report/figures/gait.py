@@ -8,41 +8,44 @@ from matplotlib.figure import Figure
 from footopt.files.strides import Strides
 from footopt.gait import Gait
 from footopt.gait.gait import ankle
-from footopt.report.style import COLOURS, COLUMN, GREY, Axes, legend_above, new_figure, styled
+from footopt.report import style
+from footopt.report.style import Axes
 from footopt.walk import Walker
 
 SIGNS = {"thigh": "forward", "knee": "flexed", "foot": "toe up"}
 
 
-@styled
+@style.styled()
 def gait_fit(strides: Strides, gait: Gait) -> Figure:
     """A row for each joint over one stride: every stride found, their mean, the fitted series."""
-    figure = new_figure(COLUMN, 0.6 + 1.15 * len(strides.curves))
+    figure = style.new_figure(style.COLUMN, 0.6 + 1.15 * len(strides.curves))
     rows = figure.subplots(len(strides.curves), sharex=True, squeeze=False)[:, 0]
     phase, dense, residual = 100.0 * strides.phase, np.linspace(0.0, 1.0, 401), dict(gait.residual)
     for axes, (joint, curves) in zip(rows, strides.curves.items(), strict=True):
         if len(curves) > 1:
-            axes.plot(phase, curves.T, color=GREY, lw=0.4, label=["strides", *["_"] * (len(curves) - 1)])
-        axes.plot(phase, curves.mean(axis=0), color=COLOURS[0], label="mean")
+            axes.plot(
+                phase, curves.T, color=style.GREY, lw=0.4, label=["strides", *["_"] * (len(curves) - 1)]
+            )
+        axes.plot(phase, curves.mean(axis=0), color=style.COLOURS[0], label="mean")
         series = np.degrees(getattr(gait, joint).at(dense)[0])
-        axes.plot(100.0 * dense, series, "--", color=COLOURS[1], label="fit")
+        axes.plot(100.0 * dense, series, "--", color=style.COLOURS[1], label="fit")
         axes.set_ylabel(f"{joint} (deg), {SIGNS[joint]}")
         axes.set_title(f"misfit {residual[joint]:.2f}° rms", loc="right", pad=2)
     rows[-1].set(xlabel="stride (%), from heel strike", xlim=(0, 100))
     figure.align_ylabels(rows)
-    legend_above(figure)
+    style.legend_above(figure)
     return figure
 
 
 def draw_angles(axes: Axes, gait: Gait) -> None:
     """Joint angles of the steady walk over a stride, deg."""
     phase = np.linspace(0.0, 1.0, 201)
-    looks = zip(COLOURS, ("-", "--", "-."), strict=False)
+    looks = zip(style.COLOURS, ("-", "--", "-."), strict=False)
     for (joint, sign), (colour, dashes) in zip(SIGNS.items(), looks, strict=True):
         if (series := getattr(gait, joint)) is not None:
             degrees = np.degrees(series.at(phase)[0])
             axes.plot(100.0 * phase, degrees, color=colour, ls=dashes, label=f"{joint}, + {sign}")
-    axes.axhline(0.0, color=GREY, lw=0.5, zorder=0)
+    axes.axhline(0.0, color=style.GREY, lw=0.5, zorder=0)
     axes.set(xlabel="stride (%), from heel strike", ylabel="angle (deg)", xlim=(0, 100))
 
 
@@ -51,11 +54,11 @@ def draw_path(axes: Axes, gait: Gait, walker: Walker | None = None) -> None:
     walker = walker or Walker()
     (thigh, a), (shank, b), _ = gait.cycle(np.linspace(0.0, 1.0, 201))
     x, z, *_ = ankle(thigh, a, shank, b, walker.l1, walker.l2)
-    axes.plot(x, z, color=COLOURS[0])
+    axes.plot(x, z, color=style.COLOURS[0])
     for i in (40, 140):  # where it goes
         step = {"xy": (x[i + 3], z[i + 3]), "xytext": (x[i], z[i])}
-        axes.annotate("", **step, arrowprops={"arrowstyle": "-|>", "color": COLOURS[0], "lw": 1.2})
-    axes.plot(x[0], z[0], "o", color=COLOURS[0])
+        axes.annotate("", **step, arrowprops={"arrowstyle": "-|>", "color": style.COLOURS[0], "lw": 1.2})
+    axes.plot(x[0], z[0], "o", color=style.COLOURS[0])
     axes.annotate(
         "heel strike", (x[0], z[0]), xytext=(-5, 5), textcoords="offset points", ha="right", va="bottom"
     )

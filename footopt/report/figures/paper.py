@@ -17,7 +17,7 @@ from footopt.report.style import PAGE, SANDS, legend_above, new_figure, styled
 from footopt.walk import Walk, Walker
 
 
-@styled
+@styled()
 def gait(shown: Gait, walker: Walker) -> Figure:
     """Fig. 2b: the joint angles over a stride, and the ankle's path around the hip."""
     figure = new_figure(PAGE, 2.5)

@@ -29,7 +29,7 @@ def step(walk: Walk) -> Figure:
     return steps({f"{SIDES[1 - number % 2][0]} foot": walk}, number)
 
 
-@styled
+@styled()
 def steps(walks: Mapping[str, Walk], number: int = 0) -> Figure:
     """A step, the right foot's first one, in walks by label: the sole in the sand and its forces.
 

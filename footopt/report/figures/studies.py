@@ -17,7 +17,7 @@ WORST = "error of the worst objective (%),\nnot exceeded by 95 % of the feet"
 HIGHEST = 2.5  # of zeta: what is shown of shallow measurements, whose zeta is noise
 
 
-@styled
+@styled()
 def work_precision(settings: Sequence[Any], presets: Sequence[Any]) -> Figure:
     """Error against time of measurements (`footopt.studies.accuracy.Measurement`), a line for each method."""
     figure = new_figure(style.PAGE, 3.6)
@@ -38,7 +38,7 @@ def work_precision(settings: Sequence[Any], presets: Sequence[Any]) -> Figure:
     return figure
 
 
-@styled
+@styled()
 def changes(audits: Sequence[Any]) -> Figure:
     """Change of each objective by an effect and sand (`footopt.studies.audit.Audit`), a row each.
 
@@ -69,7 +69,7 @@ def changes(audits: Sequence[Any]) -> Figure:
     return figure
 
 
-@styled
+@styled()
 def calibration(found: Any) -> Figure:
     """Force over the map's force at zeta 1 of measurements (`footopt.studies.calibration.Calibration`)."""
     figure = new_figure(style.COLUMN, 2.5)

@@ -11,7 +11,8 @@ from matplotlib.colors import Colormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.report.style import BEST, COLUMN, GREY, PAGE, Axes, new_figure, styled
+from footopt.report import style
+from footopt.report.style import Axes
 
 Array = NDArray[np.float64]
 
@@ -49,15 +50,15 @@ def draw_heat_map(
     axes.spines[:].set_visible(False)
 
 
-@styled
+@style.styled()
 def regrets(values: ArrayLike, feet: Sequence[str], scenarios: Sequence[str]) -> Figure:
     """The regret of each foot (row) in each scenario (column) against the best foot known there, %."""
     table = 100.0 * np.asarray(values, float)
     summary = np.stack([table.mean(axis=1), table.max(axis=1)], axis=1)
     many = len(scenarios) > 6
     longest = max(len(word) for name in scenarios for word in name.split())
-    width = PAGE if many else COLUMN + (0.3 * len(scenarios) if longest > SHORT else 0.0)
-    figure = new_figure(width, 0.95 + ROW * len(feet))
+    width = style.PAGE if many else style.COLUMN + (0.3 * len(scenarios) if longest > SHORT else 0.0)
+    figure = style.new_figure(width, 0.95 + ROW * len(feet))
     left, right = figure.subplots(1, 2, sharey=True, width_ratios=[len(scenarios), 2])
     most = max(1.0, float(np.nanmax(table, initial=0.0)))
     names = [name.removeprefix("draw ") if many else name.replace(" ", "\n") for name in scenarios]
@@ -70,7 +71,7 @@ def regrets(values: ArrayLike, feet: Sequence[str], scenarios: Sequence[str]) ->
     return figure
 
 
-@styled
+@style.styled()
 def held_out(values: ArrayLike) -> Figure:
     """Distribution of the robust foot's regret against the median scene's in fresh scenarios, %.
 
@@ -78,10 +79,10 @@ def held_out(values: ArrayLike) -> Figure:
     """
     loss = np.sort(100.0 * np.asarray(values, float))
     loss = loss[np.isfinite(loss)]
-    figure = new_figure(COLUMN, 2.2)
+    figure = style.new_figure(style.COLUMN, 2.2)
     axes = figure.subplots()
-    axes.axvline(0.0, color=GREY, lw=0.8, ls="--")
-    axes.step(loss, 100.0 * np.arange(1, len(loss) + 1) / len(loss), where="post", color=BEST)
+    axes.axvline(0.0, color=style.GREY, lw=0.8, ls="--")
+    axes.step(loss, 100.0 * np.arange(1, len(loss) + 1) / len(loss), where="post", color=style.BEST)
     axes.set(ylim=(0, 100), ylabel=f"share of {len(loss)} scenarios (%)")
     axes.set_xlabel("regret against the median scene's foot (%)\n\N{LEFTWARDS ARROW} robust foot better")
     return figure
@@ -104,10 +105,10 @@ class Cell(NamedTuple):
         return f"{self.measure} {value}"
 
 
-@styled
+@style.styled()
 def verdicts(cases: Sequence[str], methods: Sequence[str], cells: Mapping[tuple[str, str], Cell]) -> Figure:
     """Stable (a tick) or not (what decides, and its value), for each case and method."""
-    figure = new_figure(PAGE, 0.75 + ROW * len(cases))
+    figure = style.new_figure(style.PAGE, 0.75 + ROW * len(cases))
     rows = [[cells[case, method] for method in methods] for case in cases]
     stable = np.array([[cell.stable for cell in row] for row in rows], float)
     texts = [[CHECK if cell.stable else cell.text for cell in row] for row in rows]
@@ -117,13 +118,13 @@ def verdicts(cases: Sequence[str], methods: Sequence[str], cells: Mapping[tuple[
     return figure
 
 
-@styled
+@style.styled()
 def claims(entries: Sequence[Mapping[str, Any]]) -> Figure:
     """Every claim, and whether it holds at the settings and with each open choice made otherwise.
 
     The claims are those of result.json, with `says`, `margin` and `changed`; a margin that is None is white.
     """
-    figure = new_figure(PAGE, 1.6 + 0.17 * len(entries))
+    figure = style.new_figure(style.PAGE, 1.6 + 0.17 * len(entries))
     axes = figure.subplots()
     columns = ["the settings", *entries[0]["changed"]]
     margins = np.array([[e["margin"], *e["changed"].values()] for e in entries], float)

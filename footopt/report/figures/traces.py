@@ -2,104 +2,82 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
-from footopt.report.style import (
-    COLOURS,
-    GREY,
-    PAGE,
-    SIDES,
-    Axes,
-    legend_above,
-    look,
-    message,
-    new_figure,
-    styled,
-    walk_label,
-)  # fmt: skip
+from footopt.report import style
+from footopt.report.style import Axes
 from footopt.walk import Walk
 
+FEET = [side for side, _ in style.SIDES]
 ROUNDING = 12  # digits behind the point: what is smaller is no motion, force or power
 
-#: A panel of a figure of walks: the trace's name, which of its components, and the label of its axis.
-Panel = tuple[str, tuple[int, ...], str]
-
-
-@styled
-def com(walks: Mapping[str, Walk]) -> Figure:
-    """Position and velocity of the centre of mass against time, of walks by label."""
-    panels: list[Panel] = [("com", (i,), rf"${axis}_{{\mathrm{{COM}}}}$ (m)") for i, axis in enumerate("xz")]
-    panels += [("velocity", (i,), f"$V_{axis}$ (m/s)") for i, axis in enumerate("xz")]
-    return _panels(walks, panels)
-
-
-@styled
-def forces(walks: Mapping[str, Walk]) -> Figure:
-    """Force of the sand on each foot against time: f_x left, f_z right; a row for each foot."""
-    feet = enumerate(side for side, _ in SIDES)
-    panels = [("force", (foot, i), f"{side} foot $f_{'xz'[i]}$ (N)") for foot, side in feet for i in range(2)]
-    return _panels(walks, panels, sharey="col")
-
-
-@styled
-def power_work(walks: Mapping[str, Walk]) -> Figure:
-    """Power and cumulative work of the sand on each foot against time; a row for each foot."""
-    panels: list[Panel] = []
-    for foot, (side, _) in enumerate(SIDES):
-        panels.append(("power", (foot,), f"{side} foot power $P_{side[0]}$ (W)"))
-        panels.append(("work", (foot,), f"{side} foot work $W_{side[0]}$ (J)"))
-    return _panels(walks, panels, sharey="col")
-
-
-def _panels(walks: Mapping[str, Walk], panels: Iterable[Panel], sharey: Any = False) -> Figure:
-    """Traces of walks by label, in two rows of two panels."""
-    figure = new_figure(PAGE, 3.6)
-    grid = figure.subplots(2, 2, sharex=True, sharey=sharey)
-    for axes, (name, index, label) in zip(grid.flat, panels, strict=True):
-        for i, (key, walk) in enumerate(walks.items()):
-            _draw(axes, walk, name, index, look(key, i) | {"label": walk_label(key, walk)})
-        strikes = _finish(axes, walks.values())
-        axes.set_ylabel(label)
-    for axes in grid[-1]:
-        axes.set_xlabel("time $t$ (s)")
-    figure.align_ylabels()
-    if strikes:
-        top = grid.flat[0].get_xaxis_transform()
-        grid.flat[0].text(strikes[0], 1.0, "heel strike", color=GREY, ha="center", va="bottom", transform=top)
-    legend_above(figure)
-    return figure
-
-
-#: The components of a quantity of a walk: the label of the axis, and each line's label, component and looks.
-_AXES = (("forward $x$", (0,), {"color": COLOURS[0]}), ("up $z$", (1,), {"color": COLOURS[1], "ls": "--"}))
-_FEET = tuple((f"{side} foot", (i,), {"color": c, "ls": ("-", "--")[i]}) for i, (side, c) in enumerate(SIDES))
-_FORCES = tuple(
-    (f"{side} $f_{axis}$", (foot, "xz".index(axis)), {"color": colour, "ls": dashes})
-    for axis, dashes in (("z", "-"), ("x", ":"))
-    for foot, (side, colour) in enumerate(SIDES)
-)
-COMPONENTS: dict[str, tuple[str, tuple[tuple[str, tuple[int, ...], dict[str, Any]], ...]]] = {
-    "com": ("COM (m)", _AXES),
-    "velocity": ("velocity of the COM (m/s)", _AXES),
-    "force": ("force of the sand (N)", _FORCES),
-    "power": ("power of the sand (W)", _FEET),
-    "work": ("work of the sand (J)", _FEET),
+#: Quantities of a walk: the label of an axis, and the symbol of each component with its index.
+QUANTITIES: dict[str, tuple[str, dict[str, tuple[int, ...]]]] = {
+    "com": ("position (m)", {r"$x_{\mathrm{COM}}$": (0,), r"$z_{\mathrm{COM}}$": (1,)}),
+    "velocity": ("velocity (m/s)", {"$V_x$": (0,), "$V_z$": (1,)}),
+    "force": (
+        "force of the sand (N)",
+        {
+            f"{side} foot $f_{axis}$": (foot, i)
+            for foot, side in enumerate(FEET)
+            for i, axis in enumerate("xz")
+        },
+    ),
+    "power": ("power of the sand (W)", {f"{side} foot $P_{side[0]}$": (i,) for i, side in enumerate(FEET)}),
+    "work": ("work of the sand (J)", {f"{side} foot $W_{side[0]}$": (i,) for i, side in enumerate(FEET)}),
 }
 
 
-def draw_components(axes: Axes, walk: Walk, name: str) -> None:
-    """All components of one quantity of `COMPONENTS` of a walk against time."""
-    label, parts = COMPONENTS[name]
-    for part, index, looks in parts:
-        _draw(axes, walk, name, index, looks | {"label": part})
+@style.styled()
+def com(walks: Mapping[str, Walk]) -> Figure:
+    """Position and velocity of the centre of mass against time, of walks by label."""
+    return _panels(walks, ["com", "velocity"])
+
+
+@style.styled()
+def forces(walks: Mapping[str, Walk]) -> Figure:
+    """Force of the sand on each foot against time: f_x left, f_z right; a row for each foot."""
+    return _panels(walks, ["force"], sharey="col")
+
+
+@style.styled()
+def power_work(walks: Mapping[str, Walk]) -> Figure:
+    """Power and cumulative work of the sand on each foot against time; a column for each foot."""
+    return _panels(walks, ["power", "work"], sharey="row")
+
+
+def _panels(walks: Mapping[str, Walk], names: Sequence[str], sharey: Any = False) -> Figure:
+    """Traces of walks by label, in two rows of two panels."""
+    figure = style.new_figure(style.PAGE, 3.6)
+    figure.set_layout_engine("constrained", wspace=0.05)
+    grid = figure.subplots(2, 2, sharex=True, sharey=sharey)
+    panels = [(name, *part) for name in names for part in QUANTITIES[name][1].items()]
+    for axes, (name, symbol, index) in zip(grid.flat, panels, strict=True):
+        for i, (label, walk) in enumerate(walks.items()):
+            _draw(axes, walk, name, index, style.look(label, i) | {"label": style.walk_label(label, walk)})
+        _finish(axes, walks.values())
+        unit = QUANTITIES[name][0].rpartition(" ")[2]
+        axes.set_ylabel(f"{symbol} {unit}")
+    for axes in grid[-1]:
+        axes.set_xlabel("time $t$ (s)")
+    figure.align_ylabels()
+    style.legend_above(figure)
+    return figure
+
+
+def draw_quantity(axes: Axes, walk: Walk, name: str) -> None:
+    """All components of one of `QUANTITIES` of a walk against time."""
+    label, parts = QUANTITIES[name]
+    for symbol, index in parts.items():
+        colour = style.SIDES[index[0]][1] if "foot" in symbol else style.COLOURS[index[0]]
+        looks = {"color": colour, "ls": "--" if index[-1] else "-", "label": symbol}
+        _draw(axes, walk, name, index, looks)
     _finish(axes, [walk])
     axes.set(xlabel="time $t$ (s)", ylabel=label)
-    axes.yaxis.set_major_locator(MaxNLocator(5))
 
 
 def _draw(axes: Axes, walk: Walk, name: str, index: tuple[int, ...], looks: dict[str, Any]) -> None:
@@ -110,14 +88,12 @@ def _draw(axes: Axes, walk: Walk, name: str, index: tuple[int, ...], looks: dict
         axes.plot(walk.t[-1], values[-1], "x", color=looks["color"], ms=6, mew=1.5)
 
 
-def _finish(axes: Axes, walks: Iterable[Walk]) -> list[float]:
-    """Thin lines at the heel strikes, which are returned, and words where no walk has a sample."""
+def _finish(axes: Axes, walks: Iterable[Walk]) -> None:
+    """Thin lines at the heel strikes, and words where no walk has a sample."""
     shown = list(walks)
-    scenes = [walk.scene for walk in shown]
-    strikes = sorted({float(h) for s in scenes for h in s.gait.heel_strikes(s.duration)})
-    for strike in strikes:
-        axes.axvline(strike, color=GREY, lw=0.5, zorder=0)
-    axes.set_xlim(0.0, max((s.duration for s in scenes), default=1.0))
+    strikes = sorted({float(h) for w in shown for h in w.scene.gait.heel_strikes(w.scene.duration)})
+    for i, strike in enumerate(strikes):
+        axes.axvline(strike, color=style.GREY, lw=0.5, zorder=0, label="_" if i else "heel strike")
+    axes.set_xlim(0.0, max(walk.scene.duration for walk in shown))
     if not any(len(walk.t) for walk in shown):
-        message(axes, "no samples: " + ", ".join(sorted({walk.reason for walk in shown})))
-    return strikes
+        style.message(axes, "no samples: " + ", ".join(sorted({walk.reason for walk in shown})))

@@ -8,25 +8,14 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from footopt.report.style import (
-    COLOURS,
-    DASHES,
-    MARKERS,
-    PAGE,
-    PALE,
-    VERDICTS,
-    Axes,
-    legend_above,
-    marker,
-    new_figure,
-    styled,
-)  # fmt: skip
+from footopt.report import style
+from footopt.report.style import Axes
 
 #: Comparisons as `footopt.studies.validation.compare.Comparison` has them.
 Comparisons = Sequence[Any]
 
 NAMES = {"alpha_x": r"$\alpha_x$", "alpha_z": r"$\alpha_z$", "zeta": r"$\zeta$"}
-SHOWN = dict(zip(("agrees", "differs", "cannot be told"), VERDICTS, strict=True))
+SHOWN = dict(zip(("agrees", "differs", "cannot be told"), style.VERDICTS, strict=True))
 DATA: dict[str, Any] = {"color": "black", "ls": "", "marker": "o", "elinewidth": 0.8}
 MEASURED = "measured; all ± 2 u"
 MANY = 10  # points that have no rows of their own
@@ -44,7 +33,7 @@ def axis_name(c: Any) -> str:
     return f"{NAMES.get(c.quantity, c.quantity)}{unit}"
 
 
-@styled
+@style.styled()
 def experiment(found: Comparisons, x: str = "") -> Figure:
     """Every quantity of an experiment: data, and the prediction of each law, with 2 standard uncertainties.
 
@@ -57,22 +46,28 @@ def experiment(found: Comparisons, x: str = "") -> Figure:
     numbers = all(isinstance(point, (int, float)) for point in first.points)
     draw = _against_x if numbers else _by_name if len(first.points) < MANY else _parity
     height = 0.7 + 0.2 * len(first.points) * (1 + len(laws)) if draw is _by_name else 2.5
-    figure = new_figure(min(PAGE, max(4.6, 2.9 * len(quantities))), height)
+    figure = style.new_figure(min(style.PAGE, max(4.6, 2.9 * len(quantities))), height)
     axes = figure.subplots(1, len(quantities), squeeze=False)[0]
     for ax, quantity in zip(axes, quantities, strict=True):
         own = [c for c in found if c.quantity == quantity]
-        draw(ax, own, [COLOURS[laws.index(c.law)] for c in own])
+        draw(ax, own, [style.COLOURS[laws.index(c.law)] for c in own])
         ax.grid()
         if draw is _against_x:
             ax.set_xlabel(x)
-    legend_above(figure)
+    style.legend_above(figure)
     return figure
 
 
 def _against_x(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
     """Lines with bands, and the data."""
     for c, colour in zip(own, colours, strict=True):
-        ax.plot(c.points, c.simulated, color=colour, ls=DASHES[COLOURS.index(colour)], label=law_name(c.law))
+        ax.plot(
+            c.points,
+            c.simulated,
+            color=colour,
+            ls=style.DASHES[style.COLOURS.index(colour)],
+            label=law_name(c.law),
+        )
         low, high = c.simulated - c.spread, c.simulated + c.spread
         ax.fill_between(c.points, low, high, color=colour, alpha=0.15, lw=0)
     c = own[0]
@@ -84,7 +79,7 @@ def _by_name(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
     """A row for each point, in it the data and each law."""
     rows, gap = np.arange(len(own[0].points)), 0.8 / (len(own) + 1)
     for i, (c, colour) in enumerate(zip(own, colours, strict=True), start=1):
-        look = DATA | {"color": colour, "marker": MARKERS[i]}
+        look = DATA | {"color": colour, "marker": style.MARKERS[i]}
         ax.errorbar(c.simulated, rows + gap * i, xerr=c.spread, **look, label=law_name(c.law))
     c = own[0]
     ax.errorbar(c.measured, rows, xerr=c.bar, **DATA, label=MEASURED)
@@ -98,12 +93,16 @@ def _by_name(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
 def _parity(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
     """Prediction against measurement, with the band in which they agree."""
     for i, (c, colour) in enumerate(zip(own, colours, strict=True)):
-        look = marker(i) | {"color": colour} | ({"mfc": "none", "mew": 0.8, "ms": 5.0} if i else {"ms": 3.5})
+        look = (
+            style.marker(i)
+            | {"color": colour}
+            | ({"mfc": "none", "mew": 0.8, "ms": 5.0} if i else {"ms": 3.5})
+        )
         ax.plot(c.measured, c.simulated, **look, label=law_name(c.law))  # one law often lies on the other
     c = own[0]
     every = np.concatenate([c.measured, *(other.simulated for other in own)])
     ends = np.array([every.min(), every.max()])
-    ax.fill_between(ends, ends - c.band, ends + c.band, color=PALE, lw=0, zorder=0)
+    ax.fill_between(ends, ends - c.band, ends + c.band, color=style.PALE, lw=0, zorder=0)
     limits = ends[0] - c.band, ends[1] + c.band
     ax.set(xlim=limits, ylim=limits, box_aspect=1.0)
     ax.locator_params(nbins=5)
@@ -112,12 +111,12 @@ def _parity(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
     ax.set_ylabel(f"predicted {axis_name(c)}")
 
 
-@styled
+@style.styled()
 def overview(found: Comparisons, titles: Mapping[str, str]) -> Figure:
     """A row for each comparison: its error over the data's scale, and what it could have resolved."""
     begins = np.array([i == 0 or found[i - 1].experiment != c.experiment for i, c in enumerate(found)])
     rows = np.arange(len(found)) + 1.15 * np.cumsum(begins)  # room for the experiments' titles
-    figure = new_figure(PAGE, 0.7 + 0.165 * rows[-1])
+    figure = style.new_figure(style.PAGE, 0.7 + 0.165 * rows[-1])
     ax = figure.subplots()
     ax.set_xscale("log")
     ax.barh(rows, [percent(c.band, c) for c in found], height=0.7, color="0.87", label="2 u")
@@ -136,7 +135,7 @@ def overview(found: Comparisons, titles: Mapping[str, str]) -> Figure:
     ax.tick_params(axis="y", length=0)
     ax.tick_params(axis="x", which="minor", length=0)
     ax.grid(axis="x")
-    legend_above(figure)
+    style.legend_above(figure)
     return figure
 
 
