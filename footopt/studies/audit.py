@@ -110,6 +110,8 @@ def audit(
     tolerance : float
         The relative change of an objective that matters.
     """
+    from scipy.stats import kendalltau
+
     scenes = switched(effect, scene)
     without, with_ = (evaluate(feet, s, accuracy, space=space) for s in scenes)  # compiled, poses made
     ratios = []
@@ -120,13 +122,14 @@ def audit(
         evaluate(feet, scenes[1], accuracy, space=space, threads=1)
         ratios.append((own_time() - between) / (between - began))
     both = without.feasible & with_.feasible
+    ranked = without.efficiency[both], with_.efficiency[both]
     change = relative_changes(without, with_)
     return Audit(
         effect=effect,
         scene=scenes[0],
         changes=exceeded(change),
         shifts=np.median(change, axis=0) if len(change) else np.full(len(FIVE), np.nan),
-        tau=tau(without.efficiency[both], with_.efficiency[both]),
+        tau=kendalltau(*ranked).statistic if both.sum() > 1 else np.nan,
         lost=int((without.feasible & ~with_.feasible).sum()),
         feet=int(both.sum()),
         cost=statistics.median(ratios),
@@ -156,13 +159,6 @@ def every_effect(scene: Scene) -> list[Effect]:
     """Every effect, as the scene names it or with its own defaults."""
     given = {type(effect): effect for effect in scene.effects}
     return [given.get(kind) or kind() for kind in EFFECTS.values()]
-
-
-def tau(a: Array, b: Array) -> float:
-    """Kendall's rank correlation, tau-b; NaN where all feet are equal, or fewer than two."""
-    s, t = (np.sign(np.subtract.outer(x, x)) for x in (a, b))
-    pairs = np.sqrt((s * s).sum() * (t * t).sum())
-    return float((s * t).sum() / pairs) if pairs else float("nan")
 
 
 def tolerance(config: Config) -> float:

@@ -27,7 +27,7 @@ from footopt.files.feet import write_foot
 from footopt.foot import Foot, Waypoints
 from footopt.report import figures, terminal
 from footopt.report.figures import tables
-from footopt.report.figures.search import FRONT, history_label
+from footopt.report.figures.search import FRONT
 from footopt.report.progress import report_generations
 from footopt.studies.base import Study, accuracy_entry, foot_entry, scene_entry
 from footopt.studies.build import check_searchable, make_scene, make_spread
@@ -101,7 +101,8 @@ def run(study: Study) -> None:
             feet[owner.name] = result.k[confirm(result, finer, options.finalists).designs[0]]
             study.say(f"specialist, {owner.name}: {terminal.describe_search(result)}")
         problem.references = compare(problem, feet).references
-        tell = report_generations(step, relative_name(problem), len(scenarios), f"{ROBUST}: ")
+        sought = f"{options.measure} {problem.ranking_objective} relative to the specialists'"
+        tell = report_generations(step, sought, len(scenarios), f"{ROBUST}: ")
         result = _search(study, problem, solver, ROBUST, executor, tell)
     confirmed = confirm(result, finer, options.finalists)
     feet[ROBUST] = result.k[confirmed.designs[0]]
@@ -117,7 +118,7 @@ def run(study: Study) -> None:
     foot = replace(soles[ROBUST], name=ROBUST)
     fresh = held_out_regret(study, scene, judge, feet) if drawn else None
     _write_files(study, judge, compared, foot, result)
-    _save_figures(study, judge, compared, soles, result, fresh)
+    _save_figures(study, judge, compared, soles, result)
     model = model_error(simulate(foot, scene, finer), spread=make_spread(config).zeta)
     objectives, names = judge.walk(feet[ROBUST][None])[0][0], [s.name for s in scenarios]
     study.conclude(
@@ -160,11 +161,6 @@ def make_scenarios(config: Config) -> tuple[Scene, tuple[Scenario, ...]]:
     return scene, sands(scene) if options.scenarios == "sands" else plausible_laws(scene)
 
 
-def relative_name(problem: RobustProblem) -> str:
-    """The name of what the robust search improves."""
-    return f"{problem.measure} {problem.ranking_objective} relative to the specialists'"
-
-
 def _search(
     study: Study, problem: FootProblem, solver: Solver, name: str, executor: Executor | None, tell: Any
 ) -> SearchResult:
@@ -184,7 +180,8 @@ def compare(judge: RobustProblem, feet: Heights) -> Comparison:
     values, reasons = judge.walk_each(np.array(list(feet.values())))
     ranked = values[..., judge.record.index(judge.ranking_objective)]
     specialists = ranked[:, [name != ROBUST for name in feet]]
-    references = (np.nanmax if MEASURES[judge.ranking_objective].maximise else np.nanmin)(specialists, axis=1)
+    sign = MEASURES[judge.ranking_objective].sign
+    references = sign * np.nanmin(sign * specialists, axis=1)
     regrets = regret(ranked, references[:, None], judge.ranking_objective).T
     return Comparison(tuple(feet), values, reasons, references, regrets)
 
@@ -214,25 +211,14 @@ def _write_files(
 
 
 def _save_figures(
-    study: Study,
-    judge: RobustProblem,
-    compared: Comparison,
-    soles: dict[str, Foot],
-    result: SearchResult,
-    fresh: Array | None,
+    study: Study, judge: RobustProblem, compared: Comparison, soles: dict[str, Foot], result: SearchResult
 ) -> None:
     """All figures, with what each shows."""
-    shown = soles if fresh is None else {name: soles[name] for name in (MEDIAN, ROBUST)}
+    shown = {name: soles[name] for name in (MEDIAN, ROBUST)} if MEDIAN in soles else soles
     caption = "The specialists' soles and the robust one, or the median scene's."
     study.save("contours", figures.contours(shown), caption)
     regrets = tables.regrets(compared.regrets, compared.names, [s.name for s in judge.scenarios])
     study.save("regrets", regrets, "What each foot loses in each scenario against the best specialist there.")
-    label = relative_name(judge) if judge.n_obj == 1 else history_label(judge.names)
-    caption = "The robust search: the best so far over its evaluations."
-    study.save("convergence", figures.convergence(result.history, label), caption)
-    if fresh is not None:
-        caption = "Regret of the robust foot against the median scene's, in scenarios that neither knew."
-        study.save("held_out", tables.held_out(fresh), caption)
     if judge.n_obj > 1:
         columns = [judge.record.index(name) for name in judge.names]
         front = result.values[result.shown][:, columns]
@@ -246,37 +232,33 @@ def table(judge: RobustProblem, compared: Comparison) -> RichTable:
     title = judge.ranking_objective.replace("_", " ")
     columns = scenarios if len(scenarios) <= SHOWN else []
     shown = terminal.table(
-        ("foot", *columns, "mean", "worst", "worst in"),
+        ("foot", *columns, "mean", "worst"),
         words=("foot",),
         title=f"{title} lost against the best specialist in each scenario (%)",
     )
     for name, row in zip(compared.names, 100.0 * compared.regrets, strict=True):
-        cells = [f"{v:.2f}" if np.isfinite(v) else "failed" for v in row[: len(columns)]]
-        if np.isfinite(row).all():
-            cells += [f"{row.mean():.2f}", f"{row.max():.2f}", scenarios[int(row.argmax())]]
-        else:
-            cells += ["failed", "failed", scenarios[int(np.argmin(np.isfinite(row)))]]
-        shown.add_row(name, *cells)
+        numbers = (*row[: len(columns)], row.mean(), row.max())
+        shown.add_row(name, *(f"{v:.2f}" if np.isfinite(v) else "failed" for v in numbers))
     return shown
 
 
 def _remarks(scenarios: list[str], compared: Comparison, fresh: Array | None) -> list[str]:
     """What is to be said of the regrets."""
-    said = []
+    remarks = []
     if beaten := [name for i, name in enumerate(scenarios) if compared.regrets[i, i] > 0.0]:
-        said.append(
+        remarks.append(
             f"{', '.join(beaten)}: another specialist is better than this scenario's own, whose search did "
             "not find the best foot. Regrets are against the better one; a larger solver.walks may help."
         )
     if fresh is not None:
         gain = -100.0 * fresh[np.isfinite(fresh)]
         failed = f", {len(fresh) - len(gain)} with a failed walk" if len(gain) < len(fresh) else ""
-        said.append(
+        remarks.append(
             f"In {len(fresh)} fresh scenarios{failed} the robust foot is better than the median scene's in "
             f"{100 * np.mean(fresh < 0.0):.0f} %: {np.median(gain):+.1f} % in the median, "
             f"{gain.min():+.1f} % to {gain.max():+.1f} %"
         )
-    return said
+    return remarks
 
 
 def scenario_entry(scenario: Scenario, accuracy: Accuracy, space: Waypoints) -> dict[str, Any]:

@@ -3,22 +3,12 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
-from scipy.stats import kendalltau
 
 import footopt as fo
 from footopt.effects import EFFECTS
-from footopt.studies.audit import audit, every_effect, switched, tau
+from footopt.studies.audit import audit, every_effect, switched
 
 FEET = fo.Waypoints().random(12, seed=3, inside=True)
-
-
-def test_the_rank_correlation_is_kendalls_with_ties():
-    random = np.random.default_rng(1)
-    for levels in (3, 1000):
-        a, b = random.integers(0, levels, (2, 20)).astype(float)
-        assert tau(a, b) == pytest.approx(kendalltau(a, b).statistic, abs=1e-12)
-    assert np.isnan(tau(np.zeros(1), np.ones(1)))
 
 
 def test_an_effect_that_acts_is_kept_and_says_what_it_changes():

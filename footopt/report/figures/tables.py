@@ -71,23 +71,6 @@ def regrets(values: ArrayLike, feet: Sequence[str], scenarios: Sequence[str]) ->
     return figure
 
 
-@style.styled()
-def held_out(values: ArrayLike) -> Figure:
-    """Distribution of the robust foot's regret against the median scene's in fresh scenarios, %.
-
-    Negative is a gain. Scenarios in which one of them fails are left out.
-    """
-    loss = np.sort(100.0 * np.asarray(values, float))
-    loss = loss[np.isfinite(loss)]
-    figure = style.new_figure(style.COLUMN, 2.2)
-    axes = figure.subplots()
-    axes.axvline(0.0, color=style.GREY, lw=0.8, ls="--")
-    axes.step(loss, 100.0 * np.arange(1, len(loss) + 1) / len(loss), where="post", color=style.BEST)
-    axes.set(ylim=(0, 100), ylabel=f"share of {len(loss)} scenarios (%)")
-    axes.set_xlabel("regret against the median scene's foot (%)\n\N{LEFTWARDS ARROW} robust foot better")
-    return figure
-
-
 class Cell(NamedTuple):
     """A verdict: stable or not, by which measure and what value."""
 
