@@ -73,7 +73,7 @@ class TestResume:
             f"job {i}: study=simulate accuracy=draft report=light sand.zeta={JOBS[i]} sand=regular"
             for i in (2, 3)
         ]
-        assert "4 jobs in" in done.stdout
+        assert "4 runs in" in done.stdout
         assert {path: path.stat().st_mtime_ns for path in before} == before
         assert found(stopped) == found(whole)
 
