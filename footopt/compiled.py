@@ -28,7 +28,7 @@ SOURCES = ("sand", "effects", "foot", "walk", "mujoco")  # what is compiled, wit
 KEPT, DAY = 8, 86_400  # folders of other sources that stay in any case; s without use until others go
 _choosing = threading.RLock()  # numba has one setting for where it keeps code
 
-#: What may be assumed of floating-point numbers in the loop over plates: sums may be reordered, so that
+#: Assumptions about floating-point numbers in the loop over plates: sums may be reordered, so that
 #: the loop is vectorised. NaN and infinity may not be assumed away: a walk that diverges must be seen.
 FAST = {"contract", "reassoc", "arcp", "nsz"}
 
@@ -150,7 +150,7 @@ unowned = intrinsic(_unowned)
 
 
 def processor() -> tuple[str, int]:
-    """What numba compiles for: the processor's name, and the bits that one instruction works on."""
+    """The target of numba: the processor's name, and the bits that one instruction works on."""
     import llvmlite.binding as llvm
 
     features = llvm.get_host_cpu_features()

@@ -1,4 +1,4 @@
-"""What Hydra composes the settings of, and the settings of a run as plain data."""
+"""Paths and groups that Hydra composes settings of, and the settings of a run as plain data."""
 
 from __future__ import annotations
 

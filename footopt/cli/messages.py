@@ -15,7 +15,7 @@ from footopt.studies.settings import known
 
 MORE = "`footopt --help` lists all settings."
 
-#: What OmegaConf's errors of types hold, and what is allowed instead.
+#: Parts of OmegaConf's errors of types, and what is allowed instead.
 KINDS = {
     "converted to Float": "a number",
     "converted to Integer": "a whole number",

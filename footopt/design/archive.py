@@ -147,20 +147,20 @@ class Archive:
             self.designs = self.designs.joined(added)
             self._good = np.append(self._good, (self._constraints(added) <= 0.0).all(axis=1))
         self._latest = self._known.places(k)
-        asked = self.designs.take(self._latest)
-        return self.problem.minimised(asked.values), self._constraints(asked)
+        latest = self.designs.take(self._latest)
+        return self.problem.minimised(latest.values), self._constraints(latest)
 
     def close_generation(self, seconds: float) -> None:
         """Write the generation into the history."""
         front = self._front()
         one = self.problem.n_obj == 1
-        now = self._guide(self._latest[self._good[self._latest]])
+        latest = self._scores(self._latest[self._good[self._latest]])
         self.history.append(
             Generation(
                 generation=len(self.history) + 1,
                 evaluations=len(self._latest) + (self.history[-1].evaluations if self.history else 0),
-                best=float(self._sign * self._guide(front).min()) if one and len(front) else math.nan,
-                median=float(self._sign * np.median(now)) if one and len(now) else math.nan,
+                best=float(self._sign * self._scores(front).min()) if one and len(front) else math.nan,
+                median=float(self._sign * np.median(latest)) if one and len(latest) else math.nan,
                 front=len(front),
                 seconds=seconds,
                 hypervolume=math.nan if one else self._volume(front),
@@ -168,8 +168,8 @@ class Archive:
         )
         self._closed = (len(self.history), self.count, front)
 
-    def _guide(self, places: Ints) -> Array:
-        """What ranks designs, minimised, of some of them."""
+    def _scores(self, places: Ints) -> Array:
+        """The ranking objective of some designs, minimised."""
         return np.asarray(self._sign * self.designs.values[places, self._column])
 
     def _volume(self, front: Ints) -> float:
@@ -220,6 +220,6 @@ class Archive:
         if not len(new):
             return front
         f = np.concatenate([self._best, self.problem.minimised(self.designs.values[new])])
-        kept = nondominated(f)
-        self._best = f[kept]
-        return np.concatenate([front, new])[kept]
+        on_front = nondominated(f)
+        self._best = f[on_front]
+        return np.concatenate([front, new])[on_front]

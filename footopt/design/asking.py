@@ -86,7 +86,7 @@ class Algorithm:
             needs = "an algorithm that takes constraints: a walk may fail, and a sole leave its box"
             hint = f"pymoo says: {error} Try solver=nsga3, or another."
             raise SettingError("solver", solver.name, needs, hint) from error
-        self._asked: Any = None
+        self._proposed: Any = None
         if start is not None:
             initial: Any = getattr(self._algorithm, "initialization", None)
             check(initial is not None, "start", solver.name, "left out: this solver draws its own designs")
@@ -102,16 +102,16 @@ class Algorithm:
 
     def ask(self) -> Ints | None:
         """The next generation, (designs, n) heights; None when the budget or the space is used up."""
-        self._asked = self._algorithm.ask() if self._algorithm.has_next() else None
-        if self._asked is None:
+        self._proposed = self._algorithm.ask() if self._algorithm.has_next() else None
+        if self._proposed is None:
             return None
-        k = whole(self._asked.get("X"), self._problem)
+        k = whole(self._proposed.get("X"), self._problem)
         self._known.add(k[self._known.fresh(k)])
         return k
 
     def tell(self, f: Array, g: Array) -> None:
-        """F and G of the generation that was asked for, (designs, ...)."""
-        self._algorithm.evaluator.skip_already_evaluated = False  # F has a row for each that was asked for
+        """F and G of the generation that was proposed, (designs, ...)."""
+        self._algorithm.evaluator.skip_already_evaluated = False  # F has a row for each proposal
         plain = Problem(self._problem.n_var, f.shape[1], g.shape[1])  # pymoo copies it
-        self._algorithm.evaluator.eval(StaticProblem(plain, F=f, G=g), self._asked)
-        self._algorithm.tell(infills=self._asked)
+        self._algorithm.evaluator.eval(StaticProblem(plain, F=f, G=g), self._proposed)
+        self._algorithm.tell(infills=self._proposed)

@@ -142,7 +142,7 @@ def _received(sent: bytes) -> FootProblem:
         here = context(problem)
     except Exception as error:
         raise FootoptError(
-            f"A worker cannot load the problem ({type(error).__name__}: {error}). What defines it has to be "
+            f"A worker cannot load the problem ({type(error).__name__}: {error}). Its classes have to be "
             "in a module that workers can import."
         ) from None
     if here != there:
@@ -192,6 +192,6 @@ class Workers:
             return pickle.dumps((problem, context(problem)))
         except Exception as error:
             raise FootoptError(
-                f"The problem cannot be sent to other processes ({error}). What defines it has to be in a "
+                f"The problem cannot be sent to other processes ({error}). Its classes have to be in a "
                 "module, not in a function or typed into a session; or take engine=local."
             ) from None

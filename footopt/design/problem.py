@@ -1,4 +1,4 @@
-"""`FootProblem`: what is asked of a foot, as a pymoo Problem with integer variables."""
+"""`FootProblem`: the design of a foot as a pymoo Problem with integer variables."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ Words = NDArray[np.str_]
 #: Objectives by the name of a set; any sequence of names from `MEASURES` will do as well.
 SETS: dict[str, tuple[str, ...]] = {"efficiency": ("efficiency",), "pareto": FIVE}
 
-#: What is recorded of every design, whatever is optimised: the paper's five and J_W.
+#: Recorded of every design, whatever is optimised: the paper's five and J_W.
 RECORD = (*FIVE, "efficiency")
 
 
 class Evaluated(NamedTuple):
-    """What is known of walked designs, a row each.
+    """Evaluated designs, a row each.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ class FootProblem(Problem):
 
     @property
     def conditions(self) -> dict[str, Any]:
-        """What is walked through: a store keeps it with the designs."""
+        """All that determines how a design walks: a store keeps it with the designs."""
         return {"scene": self.scene}
 
     def at(self, accuracy: Accuracy) -> Self:
@@ -169,10 +169,10 @@ class FootProblem(Problem):
         tolerance = self.space.box_tolerance
         box = violation / self.space.H - tolerance
         inside = box if np.isfinite(tolerance) else np.full_like(failed, -1.0)
-        kept = [
+        within_limits = [
             excess(name, limit, values[:, self.record.index(name)]) for name, limit in self.limits.items()
         ]
-        return np.stack([failed, inside, *kept], axis=1)
+        return np.stack([failed, inside, *within_limits], axis=1)
 
     def verdicts(self, values: Array, reasons: Words, violation: Array) -> Words:
         """Why each design is no foot, (designs,): why its walk failed, "box", the first limit; or ""."""
@@ -191,7 +191,7 @@ class FootProblem(Problem):
 
 
 def whole(X: Any, problem: Problem) -> Ints:
-    """What an algorithm asks for as heights (designs, n): rounded, within bounds, dictionaries as rows."""
+    """An algorithm's proposals as heights (designs, n): rounded, within bounds, dictionaries as rows."""
     X = [X] if isinstance(X, dict) else X  # of one individual
     if len(X) and isinstance(X[0], dict):
         X = [[row[name] for name in problem.vars] for row in X]

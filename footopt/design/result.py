@@ -1,4 +1,4 @@
-"""What a search returns: every design, which are best, its history, and the best walked again more finely."""
+"""The result of a search: every design, the best, its history, and the best walked again more finely."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Generation:
     generation : int
         From 1.
     evaluations : int
-        Designs asked for so far.
+        Designs proposed so far.
     best : float
         Best value of the single objective so far; NaN when there are several.
     median : float
@@ -82,7 +82,7 @@ class SearchResult:
     front : (front,)
         Indices of the non-dominated feasible designs, the one that is chosen first.
     evaluations : int
-        Designs that the solver asked for; one that comes up again is not walked again.
+        Designs that the solver proposed; one that comes up again is not walked again.
     seconds : float, s
         How long it took.
     interrupted : bool
@@ -254,8 +254,8 @@ def confirm(result: SearchResult, accuracy: Accuracy | str, finalists: int = 20)
         values, reasons = result.values[chosen], np.full(len(chosen), "")
     else:
         values, reasons = problem.at(accuracy).walk(result.k[chosen])
-    kept = problem.constraints(values, reasons, result.violation[chosen]) <= 0.0
-    good = np.asarray(kept.all(axis=1))
+    within_limits = problem.constraints(values, reasons, result.violation[chosen]) <= 0.0
+    good = np.asarray(within_limits.all(axis=1))
     if problem.n_obj > 1 and good.any():
         good[good] = nondominated(problem.minimised(values[good]))
     scores = np.full(len(chosen), np.inf)

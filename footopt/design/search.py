@@ -24,7 +24,7 @@ from footopt.design.store import Store
 from footopt.errors import check, check_kind
 
 BUDGET = ("walks", "pop_size", "n_gen", "seconds", "seed", "operators")  # of a solver that is named
-ENOUGH = "by the solver, which asked for nothing more"
+ENOUGH = "by the solver, which proposed nothing more"
 
 
 def search(

@@ -60,7 +60,7 @@ UNUSABLE = ("cannot be used", "Choose a study.store in a folder that can be writ
 
 
 class Evaluation(NamedTuple):
-    """What is kept of a design: recorded values (record,) and why its walk failed, or ""."""
+    """A design in a store: recorded values (record,) and why its walk failed, or ""."""
 
     values: Array
     reason: str
@@ -129,7 +129,7 @@ class Store:
             return int(connection.execute(query, (self._id,)).fetchone()[0])
 
     def get(self, k: Sequence[Sequence[int]]) -> list[Evaluation | None]:
-        """What is known of each design."""
+        """The evaluation of each design, None where it is not known."""
         marks = ", ".join("?" * len(self._read_from))
         query = f"SELECT k, record, reason FROM design WHERE context IN ({marks}) "
         query += "AND k IN (SELECT value FROM json_each(?)) ORDER BY context = ?"  # its own last: they count
@@ -149,7 +149,7 @@ class Store:
             connection.executemany(ADD, rows)
 
     def describe(self) -> str:
-        """What can be used of the file, in one line; if nothing, why; "" for a new one."""
+        """One line about the designs that can be used, or why there are none; "" for a new file."""
         if known := len(self):
             return f"{known} designs of this search are known from {self.path}"
         if len(self._read_from) > 1:
@@ -283,7 +283,7 @@ def _versions() -> dict[str, str]:
 
 @cache
 def _machine() -> dict[str, str]:
-    """What numba compiles for: results are the same, bit for bit, only where this is."""
+    """The target that numba compiles for: results are the same, bit for bit, only where this is."""
     from numba.core.registry import cpu_target
 
     system, processor, features = cpu_target.target_context.codegen().magic_tuple()
@@ -323,7 +323,7 @@ def digest(content: Any) -> str:
 
 
 def differences(there: Any, here: Any) -> list[str]:
-    """What differs between two contexts, each with both values."""
+    """Names that differ between two contexts, each with both values."""
     one, other = flat(there), flat(here)
     names = [name for name in sorted(one | other) if one.get(name) != other.get(name)]
     return [f"{n} ({_short(one.get(n))} there, {_short(other.get(n))} here)" for n in names]

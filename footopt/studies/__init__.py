@@ -52,7 +52,7 @@ ALWAYS = (
     "hydra",
 )
 
-#: What each kind of one foot reads.
+#: Settings that each kind of one foot reads.
 READ_BY_FOOT: dict[str, tuple[str, ...]] = {
     "waypoints": (*SPACE, "foot.k"),
     **dict.fromkeys(SHAPES, (*SHAPE, "foot.length")),

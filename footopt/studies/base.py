@@ -1,4 +1,4 @@
-"""What every study does alike: its objects, what it prints, what it leaves, and entries of result.json."""
+"""`Study`, the base of all studies: its objects, its output and its files; and entries of result.json."""
 
 from __future__ import annotations
 
@@ -138,7 +138,7 @@ class Study:
 
     @property
     def origin(self) -> dict[str, str]:
-        """What the page's commands name: the run's folder, as seen from here, and what was given for it."""
+        """The run for the page's commands: its folder, as seen from here, and its overrides."""
         overrides = [one for one in self.overrides if not one.startswith("study.start=")]
         return {"folder": shlex.quote(os.path.relpath(self.folder)), "overrides": shlex.join(overrides)}
 
@@ -253,7 +253,7 @@ class Study:
 
 
 def sweeper_value(names: Sequence[str], values: Mapping[str, float]) -> SweeperValue:
-    """What a job returns to a sweeper and to callbacks: its objective, or a tuple of several.
+    """The value of a job for a sweeper and callbacks: its objective, or a tuple of several.
 
     Signs are natural. Where there is no value, because a walk or the job failed, it is the objective's worst:
     a sweeper then goes on.

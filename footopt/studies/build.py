@@ -296,7 +296,7 @@ def make_choice(config: Config) -> Choice:
 
 
 def make_problem(config: Config, scene: Scene) -> FootProblem:
-    """What study=optimize searches."""
+    """The problem of study=optimize."""
     return FootProblem(
         scene,
         config.objective.names,

@@ -19,7 +19,7 @@ from footopt.studies.base import Study, foot_entry
 from footopt.studies.runs import foot_of
 from footopt.studies.settings import StudySettings, setting
 
-#: What each file holds.
+#: Contents of each file.
 HOLDS = {
     ".csv": "the sole, heel to toe",
     ".dxf": "outline and sole",

@@ -154,7 +154,7 @@ def run(study: Study) -> SweeperValue:
 def _warnings(
     problem: FootProblem, values: dict[str, float], base: dict[str, float], by_j: bool
 ) -> list[str]:
-    """What is wrong with the best design: it is no better than the flat sole, or breaks a limit."""
+    """Warnings about the best design: it is no better than the flat sole, or breaks a limit."""
     said = []
     if problem.n_obj == 1 or by_j:
         by = "efficiency" if by_j else problem.names[0]
@@ -256,7 +256,7 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
 
 
 def _drawings(result: SearchResult, leaders: Any, flat: dict[str, float]) -> dict[str, Callable[[], Any]]:
-    """What draws the figures of a search, by name: with its best designs and the flat sole's values."""
+    """Functions that draw the figures of a search, by name."""
     problem, drawn = result.problem, dict[str, Callable[[], Any]]()
     if result.solver.name != EXHAUSTIVE:
         relative = (

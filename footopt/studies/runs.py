@@ -34,7 +34,7 @@ from footopt.walk import Accuracy, Scene, Walk, simulate
 
 __version__ = version("footopt")
 
-#: What a run may change when it goes on: how long, where and with what it ends, not what is searched.
+#: Settings that may change when a run goes on: how long, where and with what it ends, not what is searched.
 CHANGEABLE = (
     "solver.n_gen", "solver.walks", "solver.seconds", "engine", "report", "choose", "study.confirm",
     "study.finalists", "study.store", "study.certify", "study.reuse", "study.video", "foot.block", "plugins",
@@ -57,7 +57,7 @@ def check_may_change(override: str) -> None:
 
 
 def result_of(folder: Path) -> Mapping[str, Any] | None:
-    """What result.json says of the run in a folder; None if there is none."""
+    """The result.json of the run in a folder; None if there is none."""
     path = folder / "result.json"
     found = read_json_file(path, "resume") if path.exists() else None
     if found is not None and not (isinstance(found, dict) and "settings" in found):
@@ -197,7 +197,7 @@ class Run:
 
     @cached_property
     def result(self) -> Mapping[str, Any]:
-        """What its result.json says; empty if it left none."""
+        """The content of its result.json; empty if it left none."""
         return result_of(self.folder) or {}
 
     @property

@@ -230,9 +230,9 @@ class AccuracyConfig:
 
 @dataclass
 class ObjectiveConfig:
-    """What is optimised: names from the objectives."""
+    """The objectives, by name."""
 
-    names: list[str] = setting(SETS["efficiency"], "What is optimised: one, or several for a front.")
+    names: list[str] = setting(SETS["efficiency"], "One objective to optimise, or several for a front.")
 
 
 @dataclass

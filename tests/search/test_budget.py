@@ -105,7 +105,7 @@ def test_it_begins_anew_where_it_stalls_and_ends_where_nothing_is_new():
     r = search(problem(space=fo.Waypoints(n=4, K=3)), walks=1000)
     inside = search(problem(space=fo.Waypoints(n=4, K=3)), EXHAUSTIVE)
     assert r.designs == inside.evaluations
-    assert r.stopped == "by the solver, which asked for nothing more"
+    assert "by the solver" in r.stopped
 
 
 @pytest.mark.slow

@@ -22,7 +22,7 @@ def genetic(solver: Solver, path: str, **parameters: Any) -> Any:
     algorithm = getattr(import_module(f"pymoo.algorithms.{module}"), name)
     moves = by_runs() if solver.operators is None else operators(**solver.operators)
     built = algorithm(pop_size=solver.size, **moves, **parameters)
-    built.initialization.repair = NoRepair()  # what a user begins with is asked for, wherever it lies
+    built.initialization.repair = NoRepair()  # what a user begins with is proposed, wherever it lies
     return built
 
 

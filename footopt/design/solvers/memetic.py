@@ -22,7 +22,7 @@ Ints = NDArray[np.int64]
 
 PARENTS = 30  # at first; of one objective twice as many after each restart
 MOST_PARENTS = 240
-PATIENCE = 8  # generations without a better design before the best one's neighbours are asked for
+PATIENCE = 8  # generations without a better design before the best one's neighbours are proposed
 NORMAL = 0.5  # share of the children that are drawn from the parents' normal distribution
 CROSSED = 0.4  # share of the others that have two parents
 TWICE = 0.2  # share of the rest that are shifted twice
@@ -37,7 +37,7 @@ FREE = 2 / 3  # share of their children that no model chooses, of a front up to 
 
 
 class Moves(Algorithm):
-    """What the solvers by moves have in common: no design twice, none outside its box, growing batches.
+    """Base of the solvers by moves: no design twice, none outside its box, growing batches.
 
     Parameters
     ----------
@@ -49,25 +49,25 @@ class Moves(Algorithm):
         super().__init__(**kwargs)
         self.pop_size = pop_size
         self.initialization = Initialization(RandomInside() if sampling is None else sampling)
-        self.asked = Known()
+        self.proposed = Known()
         self.front = Population.new()
         self.learnt: list[tuple[Array, Array]] = []  # heights and objectives of each generation
         self.model: tuple[Any, Array] | None = None  # of what is learnt, and its ranks
 
     def _setup(self, problem: Any, **kwargs: Any) -> None:
-        self.asked = Known()
+        self.proposed = Known()
         if self.display.output is None:
             self.display.output = MultiObjectiveOutput() if problem.n_obj > 1 else SingleObjectiveOutput()
 
     def _size(self) -> int:
         """Designs of the next generation."""
-        return self.pop_size or grown(len(self.asked))
+        return self.pop_size or grown(len(self.proposed))
 
     def _initialize_infill(self) -> Any:
         drawn = self.initialization.do(self.problem, self._size(), random_state=self.random_state)
         X = np.round(drawn.get("X").astype(float)).astype(np.int64)
-        X = X[self.asked.fresh(X)]
-        self.asked.add(X)  # outside its box, too, if a user begins with it
+        X = X[self.proposed.fresh(X)]
+        self.proposed.add(X)  # outside its box, too, if a user begins with it
         return Population.new(X=X)
 
     def _infill(self) -> Any:
@@ -94,14 +94,14 @@ class Moves(Algorithm):
         )
 
     def _fresh(self, X: Ints) -> Ints:
-        """What is allowed of some designs, was never asked for, and does not come twice."""
+        """The designs (designs, n) that are allowed and were not proposed before, each once."""
         X = X[allowed(self.problem, X)]
-        return X[self.asked.fresh(X)].astype(np.int64)
+        return X[self.proposed.fresh(X)].astype(np.int64)
 
     def _new(self, X: Ints, count: int) -> Ints:
-        """The first `count` fresh ones of some designs, which are asked for from now on."""
+        """Propose the first `count` fresh ones of some designs (designs, n)."""
         fresh = self._fresh(X)[:count]
-        self.asked.add(fresh)
+        self.proposed.add(fresh)
         return fresh
 
     def _children(self, count: int) -> Ints:
@@ -184,7 +184,7 @@ class Moves(Algorithm):
         return super().advance(infills=infills, **kwargs)
 
     def _propose(self, size: int) -> Ints:
-        """Designs that are asked for ahead of children."""
+        """Designs that are proposed ahead of children."""
         return np.empty((0, self.problem.n_var), np.int64)
 
 
@@ -291,7 +291,7 @@ class Archive(Moves):
         return self._new(children[np.argsort(self._expected(children)[0][:, by], kind="stable")], count)
 
     def _sought(self, count: int) -> Ints:
-        """What a search for the best by one of two objectives alone asks for; each has its turn."""
+        """Proposals of a search for the best by one of two objectives alone, each in turn."""
         self.alone = self.alone or [self._begun(by) for by in range(self.problem.n_obj)]
         self.turn = by = (self.turn + 1) % len(self.alone)
         self.alone[by].learnt, self.alone[by].model = [(X, F[:, [by]]) for X, F in self.learnt], None
@@ -302,7 +302,7 @@ class Archive(Moves):
     def _begun(self, by: int) -> Memetic:
         """A search for the best by one objective, from the best by it so far."""
         alone, (X, F) = Memetic(), self._kept(self.told)
-        alone.problem, alone.random_state, alone.asked = self.problem, self.random_state, self.asked
+        alone.problem, alone.random_state, alone.proposed = self.problem, self.random_state, self.proposed
         best = F[:, by].argsort(kind="stable")[:PARENTS]
         alone.pop = Population.new(X=X[best], F=F[best][:, [by]])
         return alone
@@ -336,7 +336,7 @@ def order(pop: Any) -> Ints:
 
 
 def front(pop: Any) -> Any:
-    """What of a population is not dominated; without a feasible design those of least violation."""
+    """The non-dominated of a population; without a feasible design those of least violation."""
     violation = pop.get("CV")[:, 0]
     pop = pop[violation <= max(violation.min(), 0.0)]
     return pop[nondominated(pop.get("F"))]

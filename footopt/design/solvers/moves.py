@@ -22,7 +22,7 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 DRAWS = 200  # batches of random designs at most, of which as many as are wanted should be inside their box
-KNOWN = "known"  # in an algorithm's data: the designs that have been asked for, `Known`
+KNOWN = "known"  # in an algorithm's data: the designs that have been proposed, `Known`
 IDLE = 8  # batches that may bring nothing new before a space counts as used up
 
 
@@ -92,10 +92,10 @@ class ShiftRun(Mutation):
 
 
 class OnlyNew(Repair):
-    """Drop what leaves its box, and what the algorithm has asked for before, instead of repairing it."""
+    """Drop what leaves its box, and what the algorithm has proposed before, instead of repairing it."""
 
     def do(self, problem: Any, pop: Any, algorithm: Any = None, **kwargs: Any) -> Any:
-        """What is left of a population."""
+        """The rest of a population."""
         if not len(pop):
             return pop
         X = pop.get("X")

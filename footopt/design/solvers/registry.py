@@ -20,7 +20,7 @@ SOLVERS: dict[str, Callable[[Solver, int], Any]] = {}
 #: Solvers of one objective; the others want two or more.
 SINGLE: list[str] = []
 
-#: What operators can be told, by solver; a solver of one's own may add its own words.
+#: Parameters of operators, by solver; a solver of one's own may add its own.
 GENETIC = ("crossover_prob", "crossover_eta", "mutation_prob", "mutation_eta")
 OPERATORS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("ga", "nsga2", "nsga3", "agemoea2", "smsemoa", "rvea"), GENETIC),
@@ -111,25 +111,25 @@ class Solver:
 
     def sizes(self) -> Iterator[int]:
         """Designs of each generation, without end."""
-        asked, grows = 0, self.pop_size is None and self.name in (AUTO, *BEST)
+        proposed, grows = 0, self.pop_size is None and self.name in (AUTO, *BEST)
         while True:
-            yield (size := grown(asked) if grows else self.size)
-            asked += size
+            yield (size := grown(proposed) if grows else self.size)
+            proposed += size
 
     def generations(self, space: Waypoints) -> int:
         """How many generations there will be at most; for the exhaustive solver, batches of the space."""
         if self.name == EXHAUSTIVE:
             return int(-(-(space.K**space.n) // self.size))
-        asked = 0
+        proposed = 0
         for generation, size in enumerate(self.sizes(), start=1):
-            asked += size
-            if asked >= self.most or generation == self.n_gen:
+            proposed += size
+            if proposed >= self.most or generation == self.n_gen:
                 break
         return int(generation)
 
     @property
     def designs(self) -> float:
-        """Designs that it asks for at most; one that comes up again counts again."""
+        """Designs that it proposes at most; one that comes up again counts again."""
         return min(self.most, sum(islice(self.sizes(), self.n_gen)) if self.n_gen else math.inf)
 
     def build(self, n_obj: int) -> Any:
@@ -170,6 +170,6 @@ def register(build: Callable[[Solver, int], Any], single: bool = False) -> Calla
     return build
 
 
-def grown(asked: int) -> int:
-    """Designs of a generation after so many."""
-    return min(max(int(SHARE * asked), FIRST), MOST)
+def grown(proposed: int) -> int:
+    """Designs of the next generation, after so many were proposed."""
+    return min(max(int(SHARE * proposed), FIRST), MOST)
