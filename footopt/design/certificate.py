@@ -23,7 +23,7 @@ class Certificate:
     """That no sole near a design is better."""
 
     k: tuple[int, ...]  # heights of the design
-    distance: int  # waypoints in which a neighbour may differ, by any height; or by a shift of a run
+    distance: int  # waypoints in which a neighbour may differ by any height: 1 or 2
     soles: int  # neighbours
     inside: int  # of these, the soles that stay in their box: the others are infeasible
     walks: int  # of these, the ones that the search had not evaluated
@@ -34,14 +34,14 @@ class Certificate:
     holds: bool  # whether no neighbour is better; otherwise they were not all evaluated
 
     def __str__(self) -> str:
-        near = ["", "in one waypoint, or ", "in up to 2 waypoints, or "][self.distance]
+        near = "one waypoint" if self.distance == 1 else "up to 2 waypoints"
         known = f"{self.soles:,} soles, {self.inside:,} in their box, {self.walks:,} evaluated for this"
         if self.finely:
             known += f", {self.finely:,} of them within {100 * self.margin:.2g} % also at {self.accuracy}"
         found = f"; {self.steps} better ones replaced what the search had found" if self.steps else ""
         if self.holds:
-            near += "by a shift of a run of its waypoints by one level"
-            return f"Certificate: no sole that differs {near}, is better ({known}{found})"
+            near += ", or by a shift of a run of its waypoints by one level"
+            return f"Certificate: no sole that differs in {near}, is better ({known}{found})"
         return (
             f"No certificate: the best design has {self.inside:,} neighbours in their box, more than the "
             f"search has evaluated{found}. study.certify=true evaluates them all"
@@ -51,16 +51,15 @@ class Certificate:
 def neighbours(k: Ints, space: Waypoints) -> tuple[Ints, int]:
     """Soles near one, (soles, n), without itself, and in how many waypoints they may differ from it.
 
-    In two, unless these are more than `MOST`: then in one, or none. Runs of waypoints shifted by one level
-    are always among them: a spline answers to neighbours that move together.
+    In two, unless these are more than `MOST`: then in one. Runs of waypoints shifted by one level are always
+    among them: a spline answers to neighbours that move together.
     """
     from footopt.design.solvers.moves import shifts
 
     n, K = space.n, space.K
-    sizes = {2: n * (n - 1) // 2 * (K - 1) ** 2 + n * (K - 1), 1: n * (K - 1), 0: 0}
-    distance = next(d for d, size in sizes.items() if size <= MOST)
+    distance = 2 if n * (n - 1) // 2 * (K - 1) ** 2 + n * (K - 1) <= MOST else 1
     found = [k + shifts(n)]
-    for at in combinations(range(n), distance) if distance else ():
+    for at in combinations(range(n), distance):
         changed = np.repeat(k[None], K**distance, axis=0)
         changed[:, at] = 1 + np.indices((K,) * distance).reshape(distance, -1).T
         found.append(changed)

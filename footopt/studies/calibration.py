@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from footopt.errors import Unusable, naming
 from footopt.files.io import read_columns
-from footopt.sand.law import GENERIC, StressMap, alpha
+from footopt.sand import GENERIC, StressMap, alpha
 
 Array = NDArray[np.float64]
 
@@ -65,7 +65,6 @@ class Calibration(NamedTuple):
     spread: float | None  # sd of log zeta where the sand is prepared anew; None with one repeat
     repeats: dict[str, tuple[float, float]]  # zeta and exponent of each alone
     set_ups: dict[str, Estimate]  # zeta by the plate and its direction
-    width: float  # of the smallest plate, m
     depth: Array  # (rows,), m
     local: Array  # (rows,), force over P z
     set_up: NDArray[np.str_]  # (rows,)
@@ -77,36 +76,30 @@ class Calibration(NamedTuple):
     @property
     def warnings(self) -> list[str]:
         """Reasons to doubt the estimates."""
-        said = []
+        reasons = []
         shallow, deep, n = self.depth.min(), self.depth.max(), self.exponent
         low, high = self.zeta_at(shallow), self.zeta_at(deep)
         if n.excludes(1.0) and abs(high / low - 1.0) > CHANGE:
-            said.append(
+            reasons.append(
                 f"Force does not grow linearly with depth, as the law has it, but with its power "
                 f"{n.value:.2f} ({n.low:.2f} to {n.high:.2f}): zeta is {low:.2g} at {1e3 * shallow:.3g} mm "
                 f"and {high:.2g} at {1e3 * deep:.3g} mm. Test to the depth to which your feet sink."
             )
         if len(self.repeats) == 1:
-            said.append(
+            reasons.append(
                 "There is one repeat: its interval says nothing of how the sand differs from place to place. "
                 "Prepare the sand anew, test again, and number the tests in a column repeat."
             )
-        if deep > self.width:
-            said.append(
-                f"The deepest test ({1e3 * deep:.3g} mm) is deeper than the smallest plate is wide "
-                f"({1e3 * self.width:.3g} mm): linear growth with depth is not known there."
-            )
-        odd = [
+        if odd := [
             f"{name}: {zeta.value:.2g}"
             for name, zeta in self.set_ups.items()
             if zeta.excludes(self.zeta.value) and abs(zeta.value / self.zeta.value - 1.0) > CHANGE
-        ]
-        if len(self.set_ups) > 1 and odd:
-            said.append(
+        ]:
+            reasons.append(
                 f"zeta differs from set-up to set-up ({'; '.join(odd)}): size, angle or direction act "
                 "otherwise than in the stress map. Measure a table of stresses (sand.table)."
             )
-        return said
+        return reasons
 
 
 def calibrate(path: str | Path, stress_map: StressMap = GENERIC) -> Calibration:
@@ -170,7 +163,6 @@ def calibrate(path: str | Path, stress_map: StressMap = GENERIC) -> Calibration:
         spread=float(np.log(zeta).std(ddof=1) * np.sqrt(1.0 + 1.0 / count)) if count > 1 else None,
         repeats={name: (f.zeta, f.exponent) for name, f in fits.items()},
         set_ups=set_ups,
-        width=float(np.sqrt(area.min())),
         depth=depth,
         local=force / unit,
         set_up=set_up,
