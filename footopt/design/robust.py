@@ -23,10 +23,10 @@ FEW = 10_000  # soles of a space that are all evaluated for a scenario's best on
 class RobustProblem(FootProblem):
     """Find one foot that is good in many scenarios at once.
 
-    Every recorded value is a measure, over the scenarios, of that value in each: of one that is
-    minimised "worst" is the largest and "tail" the mean of the largest ones, of one that is
-    maximised the smallest. All designs meet the same scenarios, so that they differ by their soles
-    and not by chance. A walk that fails in any scenario fails, with that scenario in its reason.
+    Every recorded value is a risk measure over the scenarios: of a value that is minimised "worst" is the
+    largest and "tail" the mean of the largest ones, of one that is maximised of the smallest. All designs are
+    evaluated in the same scenarios, so that they differ by their soles and not by chance. A walk that fails
+    in any scenario fails, with that scenario in its reason.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ class RobustProblem(FootProblem):
 
     @property
     def conditions(self) -> dict[str, Any]:
-        """What is simulated, and how it becomes one value."""
+        """The scenarios, and how values in them become one: a store keeps it with the designs."""
         return {
             "scenarios": self.scenarios,
             "measure": self.measure,
@@ -91,7 +91,7 @@ class RobustProblem(FootProblem):
         }
 
     def walk_each(self, k: Ints) -> tuple[Array, Words]:
-        """Values in every scenario, (scenarios, designs, record), natural signs, and why walks failed."""
+        """Values in every scenario, (scenarios, designs, record), and the reasons of failed walks."""
         tables = [
             evaluate(k, s.scene, self.accuracy, self.record, s.space(self.space), self.threads)
             for s in self.scenarios
@@ -99,7 +99,7 @@ class RobustProblem(FootProblem):
         return np.stack([t.values for t in tables]), np.stack([t.reasons for t in tables])
 
     def walk(self, k: Ints) -> tuple[Array, Words]:
-        """Measures of the values over the scenarios, (designs, record), and why a walk failed where."""
+        """Measures of the values over the scenarios, (designs, record), and the reasons of failed walks."""
         values, reasons = self.walk_each(k)
         values[..., self.record.index(self.ranking_objective)] /= np.abs(self.references)[:, None]
         sign = np.array([MEASURES[name].sign for name in self.record])
@@ -152,6 +152,6 @@ def own_best(
 
 
 def regret(values: Array, references: Array, name: str) -> Array:
-    """What is lost relative to reference values of an objective: 0 is as good, 0.1 a tenth worse."""
+    """The relative loss against reference values of an objective: 0 is as good, 0.1 a tenth worse."""
     loss: Array = MEASURES[name].sign * (values - references) / np.abs(references)
     return loss

@@ -1,4 +1,4 @@
-"""Scenarios: the ways a walk may turn out to be, drawn once and then the same for every foot.
+"""Scenarios, variants of a scene that are drawn once and then the same for every foot, and risk measures.
 
 A foot is made before the sand is known, and the walker never weighs or steps quite as planned. A
 `Spread` says how far a scene's parameters lie apart, `draw` makes scenarios of it, and `risk` judges a foot
@@ -32,7 +32,7 @@ DEFORMATION = 2  # harmonics, beside the mean, by which an angle differs from st
 
 @dataclass(frozen=True)
 class Scenario:
-    """One way that things may be.
+    """A variant of a scene.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class Scenario:
     ankle: tuple[float, float] = (0.0, 0.0)
 
     def space(self, space: Waypoints) -> Waypoints:
-        """The same soles, worn as this scenario has it."""
+        """The same soles with the ankle as in this scenario."""
         x, z = space.ankle
         return replace(space, ankle=(x + self.ankle[0], z + self.ankle[1]))
 
@@ -100,7 +100,7 @@ class Spread:
             check(0 <= value <= most, f"study.spread.{name}", value, allowed)
 
 
-#: Standard normal variables that make a scenario, by what they move; an angle has one a coefficient.
+#: The parameter that each standard normal variable of a scenario changes; an angle has one a coefficient.
 COLUMNS = (
     *("zeta", "mass", "period", "stride", "ankle_x", "ankle_z"),
     *(joint for joint in ("thigh", "knee") for _ in range(1 + 2 * DEFORMATION)),

@@ -1,4 +1,4 @@
-"""The effect audit: what an effect changes in a scene, and its cost in time; `effects=auto` follows it."""
+"""The effect audit: the changes that an effect makes in a scene, and its cost; `effects=auto` follows it."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ RANDOM_FEET = 40  # that decide for a search
 
 @dataclass(frozen=True, eq=False)
 class Audit:
-    """What one effect changes in a scene."""
+    """The changes that one effect makes in a scene."""
 
     effect: Effect
     scene: Scene  # without it
@@ -186,9 +186,9 @@ def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene, dict[
     Returns
     -------
     scene : Scene
-        What to simulate.
+        With these effects.
     entry : dict
-        Of result.json: the audits, the screening, and what the effects that are left out would change.
+        Of result.json: the audits, the screening, and the changes that the effects left out would make.
     """
     config, space = study.config, study.space
     if not config.effects.auto:

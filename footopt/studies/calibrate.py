@@ -1,4 +1,4 @@
-"""How hard is your own sand? zeta from tests with plates, with its uncertainty, as a sand for other runs."""
+"""study=calibrate: zeta of a sand from tests with plates, with its uncertainty, as a sand for other runs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which effects does a scene call for? Each on in turn: what it changes, what it costs, a verdict."""
+"""study=effects: which effects a scene calls for, by the screening and the audit of each."""
 
 from __future__ import annotations
 
@@ -43,11 +43,11 @@ def run(study: Study) -> None:
         for effect in effects:
             found.append(audit(effect, scene, feet, accuracy, limit, space))
             step(news=found[-1].name.replace("_", " "))
-    caption = "What each effect changes in every objective, against the change that matters."
+    caption = "The change of every objective by each effect, against the change that matters."
     study.save("effects", changes(found), caption)
     walked = [accuracy_entry(accuracy, switched(effect, scene)[1], space) for effect in effects]
     study.conclude(
-        "What each effect changes",
+        "The changes by each effect",
         [screening.table(criteria), table(found)],
         {
             "screening": screening.entry(criteria),

@@ -1,9 +1,9 @@
-"""One foot for all sands? What a robust foot loses against the specialists that each scenario has.
+"""study=robust: one foot for many scenarios, and its losses against the specialist of each.
 
 Every scenario gets its specialist, the robust foot is searched by the same solver with as many
 designs, and all feet are then evaluated in all scenarios. The robust foot minimises a measure of its regret:
 the relative loss against the best specialist known in a scenario. Of drawn scenarios, the foot for
-the median scene takes part too, and both meet scenarios that neither was designed for.
+the median scene takes part too, and both are evaluated in scenarios that neither was designed for.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ Heights = dict[str, NDArray[np.int64]]  # of soles, by the feet's names
 
 SOURCES = ("sands", "laws", "drawn")
 HELD_OUT = 200  # fresh scenarios that test the robust foot
-SHOWN = 6  # scenarios that a table on the terminal has columns for
+SHOWN = 6  # scenarios that have a column in the table
 MEDIAN, ROBUST = "median scene", "robust"
 
 
@@ -70,7 +70,7 @@ class Comparison(NamedTuple):
 
 
 def run(study: Study) -> None:
-    """Search the specialists and the robust foot, and say what each loses."""
+    """Search the specialists and the robust foot, and report the losses of each."""
     config, options, finer = study.config, study.options, study.finer_accuracy
     check_searchable(config.foot)
     check_finalists(options.finalists)
@@ -213,12 +213,12 @@ def _write_files(
 def _save_figures(
     study: Study, judge: RobustProblem, compared: Comparison, soles: dict[str, Foot], result: SearchResult
 ) -> None:
-    """All figures, with what each shows."""
+    """The soles, the regrets and, of several objectives, the front."""
     shown = {name: soles[name] for name in (MEDIAN, ROBUST)} if MEDIAN in soles else soles
     caption = "The specialists' soles and the robust one, or the median scene's."
     study.save("contours", figures.contours(shown), caption)
     regrets = tables.regrets(compared.regrets, compared.names, [s.name for s in judge.scenarios])
-    study.save("regrets", regrets, "What each foot loses in each scenario against the best specialist there.")
+    study.save("regrets", regrets, "The loss of each foot in each scenario against the best specialist.")
     if judge.n_obj > 1:
         columns = [judge.record.index(name) for name in judge.names]
         front = result.values[result.shown][:, columns]
@@ -243,7 +243,7 @@ def table(judge: RobustProblem, compared: Comparison) -> RichTable:
 
 
 def _remarks(scenarios: list[str], compared: Comparison, fresh: Array | None) -> list[str]:
-    """What is to be said of the regrets."""
+    """Where a specialist is not the best of its scenario, and the gain in fresh scenarios."""
     remarks = []
     if beaten := [name for i, name in enumerate(scenarios) if compared.regrets[i, i] > 0.0]:
         remarks.append(

@@ -1,4 +1,4 @@
-"""Is the law right? Experiments by other people, repeated without tuning: error, uncertainty, verdict."""
+"""study=validate: experiments by other people, repeated without tuning: error, uncertainty, verdict."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def run(study: Study) -> None:
                 step(news=f"{e.content['title']}, {law_name(law)}")
     study.write_csv("validation.csv", POINTS, (row for c in found for row in points(c)))
     titles = {e.name: e.content["title"] for e in chosen}
-    caption = "Error of every comparison, and what it could have resolved."
+    caption = "Error of every comparison, and the least error that it resolves."
     study.save("overview", overview(found, titles), caption)
     for e in chosen:
         caption = f"{titles[e.name]}. {e.text('about')} {e.text('reading')} Source: {e.text('source')}."
@@ -82,7 +82,7 @@ def counts(found: Sequence[Comparison]) -> dict[str, int]:
 
 
 def summary(found: Sequence[Comparison]) -> str:
-    """All verdicts, and what they owe to the uncertainty of the data, which is often assumed."""
+    """All verdicts, and how they depend on the uncertainty of the data, which is often assumed."""
     halved, doubled = (
         counts([replace(c, experimental=share * c.experimental) for c in found])[DIFFERS]
         for share in (0.5, 2.0)

@@ -43,13 +43,13 @@ class Comparison:
     quantity: str
     unit: str
     law: tuple[str, ...]  # the effects that are on
-    points: Sequence[Any]  # what tells the points apart: numbers of the experiment's x, or names
+    points: Sequence[Any]  # numbers of the experiment's x, or names
     simulated: Array  # (M,), S
     measured: Array  # (M,), D
     numerical: Array  # (M,), u_num
     inputs: Array  # (M,), u_input
     experimental: Array  # (M,), u_exp
-    scale: float  # to which errors are related: the rms of D, or what the file states
+    scale: float  # to which errors are related: the rms of D, or the file's own
 
     @property
     def error(self) -> Array:

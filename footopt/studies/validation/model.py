@@ -1,4 +1,4 @@
-"""The error of the model beside the error of the numbers: what validation found for the nearest quantity."""
+"""The model error of a walk: the error that validation found for the nearest quantity, and that of zeta."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from footopt.design.scenarios import Spread, harder_and_softer
 from footopt.effects import LeadingEdge, name_of
 from footopt.walk import FIVE, Walk, evaluate
 
-#: What was measured that is nearest to each objective: experiment and quantity.
+#: The measured quantity that is nearest to each objective: experiment and quantity.
 NEAREST = {
     "distance": ("people", "speed ratio"),
     "mean_height": ("wheel", "sinkage"),
@@ -39,21 +39,21 @@ def found() -> dict[tuple[str, str, tuple[str, ...]], dict[str, Any]]:
 def model_error(
     walk: Walk, left_out: Mapping[str, float] | None = None, spread: float = Spread.zeta
 ) -> dict[str, float]:
-    """Relative errors of a walk's objectives that its law and its sand make; empty for a walk that failed.
+    """Relative errors of a walk's objectives by its law and its sand; empty for a walk that failed.
 
     Two parts, which add as squares:
 
-    - What the law was off by in experiments. The leading edge has errors of its own; other effects were not
-      held against walks or wheels. The height of the hip errs by the error of the sinkage, related to it by
-      the walk's own numbers; J_W by the root sum of squares of its factors. To each is added what the effects
-      that `effects=auto` left out would change.
-    - What zeta changes in this walk, which is walked again on sand that is softer and harder by its spread:
-      the larger change, and all of an objective where such a walk fails.
+    - The error of the law in experiments. The leading edge has errors of its own; other effects were not
+      compared with walks or wheels. The height of the hip errs by the error of the sinkage, related to it by
+      the walk's own numbers; J_W by the root sum of squares of its factors. The changes that the effects left
+      out by `effects=auto` would make are added.
+    - The larger change by sand that is softer and harder by the spread of zeta; all of an objective where
+      such a walk fails.
 
     Parameters
     ----------
     walk : Walk
-        Whose.
+        The walk.
     left_out : mapping, optional
         Relative changes by effects that are left out, by objective.
     spread : float

@@ -1,7 +1,7 @@
-"""A small rig: bodies pushed quasi-statically through the sand of the walk, in a balance of load.
+"""The rigs that repeat experiments: bodies pushed quasi-statically through the sand of the walk.
 
-Every rig takes an experiment's set-up, its inputs and the effects that are on, and gives what the law
-predicts for each quantity at M points or at all of them, in SI units. Law, effects and plates are the walk's.
+Every rig takes an experiment's set-up, its inputs and the effects that are on, and returns the prediction of
+each quantity at M points or at all of them, in SI units. Law, effects and plates are the walk's.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def balanced(
 ) -> tuple[Array, Array]:
     """Return the sinkage (M,), m, at which the sand carries a load (M,), N, and the force there, (M, 2), N.
 
-    Bisected between the surface and `deepest`, m, below which no answer is sought.
+    Bisected between the surface and `deepest`, m, the largest sinkage.
     """
     touching, force = -float(foot.contour[:, 1].min()), body(foot, scene, plates)
     low, high = np.zeros_like(load), np.full_like(load, deepest)
@@ -91,7 +91,7 @@ def wheel(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[s
 
 
 def pad(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Any]:
-    """A level pad with blades that is dragged along under a load: what the blades add to its traction."""
+    """A level pad with blades that is dragged along under a load: the gain in traction by the blades."""
     length, width, plates = setup["length"], setup["width"], 3200 if fine else 800
     scene, load = scene_of(inputs["zeta"], effects), np.array([float(inputs["load"])])
     bladed = Foot(blades(length, round(float(inputs["blades"])), setup["height"], setup["thickness"]), width)
@@ -180,7 +180,7 @@ def friction(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dic
 
 
 def drag(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Any]:
-    """What a dragged upright plate feels more at a high speed than at a low one, over rho A v^2."""
+    """The additional drag on an upright plate at a high speed against a low one, over rho A v^2."""
     size, (low, high) = setup["size"], setup["speeds"]
     upright = Foot(np.array([[0.0, -0.5], [0.0, 0.5]]) * size, size)
     density = next(effect.rho for effect in effects if isinstance(effect, Inertia))
