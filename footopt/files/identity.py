@@ -1,4 +1,4 @@
-"""A run's folder: what run it is and what it is made with, and the lock that it holds while it is at work."""
+"""A run's folder: its identity, its lock while the run is at work, and the versions that it is made with."""
 
 from __future__ import annotations
 
@@ -10,9 +10,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
 from glob import escape, glob
-from importlib.metadata import distribution, version
+from importlib.metadata import version
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import yaml
@@ -23,7 +22,7 @@ from footopt.files.io import read_text, write_text
 
 FILE, LOCK = "footopt.yaml", "footopt.lock"
 HEAD = """\
-# What this run is: its settings, resolved. `footopt resume=FOLDER` goes on with them.
+# This run's settings, resolved. `footopt resume=FOLDER` goes on with them.
 # Changes made by hand are refused: other settings are a run of their own.
 """
 DISTRIBUTIONS = (
@@ -33,21 +32,11 @@ ROOT = Path(__file__).parents[2]  # of a checkout
 
 
 class Identity(NamedTuple):
-    """What a run is.
+    """A run."""
 
-    Parameters
-    ----------
-    settings : dict
-        All settings in YAML's types.
-    overrides : tuple of str
-        What was given on the command line, to tell runs apart in tables.
-    version : str
-        Of the footopt that has written it.
-    """
-
-    settings: Mapping[str, Any]
-    overrides: tuple[str, ...]
-    version: str
+    settings: Mapping[str, Any]  # all of them, in YAML's types
+    overrides: tuple[str, ...]  # of the command line, to tell runs apart in tables
+    version: str  # of the footopt that has written it
 
 
 class Occupied(FileError):
@@ -56,25 +45,14 @@ class Occupied(FileError):
 
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Lock a folder for the block; it is made if it is not there.
+    """Lock a folder, which is made if it is not there, for the block; `Occupied` if another process does.
 
     The system releases the lock of a process that dies, however that happens.
-
-    Raises
-    ------
-    Occupied
-        Another process holds the lock.
-    FileError
-        Something that is no file has the lock's name.
     """
     from filelock import FileLock, Timeout
 
     folder.mkdir(parents=True, exist_ok=True)
     path = folder.resolve() / LOCK
-    if path.exists() and not path.is_file():
-        raise FileError(
-            f"{path}: is no file, and a run locks its folder by a file of this name. Move it away."
-        )
     lock = FileLock(path, timeout=0, thread_local=False, is_singleton=True)  # a process may lock it twice
     try:
         lock.acquire()
@@ -92,7 +70,7 @@ def locked(folder: Path) -> Iterator[None]:
 
 
 def write(folder: Path, settings: Mapping[str, Any], overrides: Sequence[str]) -> None:
-    """Write down what a run is."""
+    """Write the identity of a run to its folder."""
     content = {"footopt": version("footopt"), "overrides": list(overrides), "settings": dict(settings)}
     content["digest"] = _digest(content)
     write_text(folder / FILE, HEAD + yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=100))
@@ -104,35 +82,22 @@ def missing_file_error(folder: Path, file: str) -> str:
 
 
 def read(folder: Path, setting: str = "resume") -> Identity:
-    """What the run in a folder is.
-
-    Raises
-    ------
-    FileError
-        There is no run, or its file has been changed or damaged.
-    """
-    path = folder / FILE
+    """The run in a folder; `FileError` if there is none, or if its file has been changed."""
+    path, named = folder / FILE, f"{setting} = {str(folder)!r}"
     if not path.exists():
         raise FileError(
-            f"{setting} = {str(folder)!r}: not the folder of a run ({missing_file_error(folder, FILE)}). "
+            f"{named}: not the folder of a run ({missing_file_error(folder, FILE)}). "
             "Give one such as outputs/optimize/2026-01-31_12-00-00-000000."
         )
-    try:
-        content = yaml.safe_load(read_text(path, setting))
-        sound = content.pop("digest") == _digest(content) and "${" not in json.dumps(content)
-        found = Identity(
-            dict(content["settings"]), tuple(map(str, content["overrides"])), str(content["footopt"])
-        )
-    except FileError:
-        raise
-    except Exception:  # whatever can be wrong with a file that somebody has changed
-        sound = False
-    if not sound:
-        raise FileError(
-            f"{setting} = {str(folder)!r}: {FILE} has been changed since the run began, or is damaged. "
-            "Other settings are a run of their own: start a new run."
-        )
-    return found
+    text = read_text(path, setting)
+    with suppress(yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError):  # changed by hand
+        content = yaml.safe_load(text)
+        if content.pop("digest") == _digest(content) and "${" not in text:
+            return Identity(content["settings"], tuple(content["overrides"]), content["footopt"])
+    raise FileError(
+        f"{named}: {FILE} has been changed since the run began, or is damaged. "
+        "Other settings are a run of their own: start a new run."
+    )
 
 
 def _digest(content: Mapping[str, Any]) -> str:
@@ -170,10 +135,9 @@ def changed_settings(one: Any, other: Any, name: str = "") -> list[str]:
 
 
 @cache
-def versions() -> Mapping[str, str]:
+def versions() -> dict[str, str]:
     """Versions of everything that a result depends on."""
-    found = {name: version(name) for name in DISTRIBUTIONS} | {"python": platform.python_version()}
-    return MappingProxyType(found)
+    return {name: version(name) for name in DISTRIBUTIONS} | {"python": platform.python_version()}
 
 
 def machine() -> dict[str, Any]:
@@ -185,11 +149,8 @@ def machine() -> dict[str, Any]:
 @cache
 def commit() -> str | None:
     """The commit that footopt's sources are of, with "-dirty" where they were changed; None if not known."""
-    if (ROOT / ".git").exists():
-        command = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
-        with suppress(OSError, subprocess.SubprocessError):
-            found = subprocess.run(command, capture_output=True, text=True, timeout=5, check=True)
-            return found.stdout.strip()
-    origin = distribution("footopt").read_text("direct_url.json") or "{}"  # of one that pip took from git
-    known: str | None = json.loads(origin).get("vcs_info", {}).get("commit_id")
-    return known
+    words = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
+    with suppress(OSError, subprocess.SubprocessError):
+        if (ROOT / ".git").exists():
+            return subprocess.run(words, capture_output=True, text=True, timeout=5, check=True).stdout.strip()
+    return None

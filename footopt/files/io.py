@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import io
 import json
 import math
 import os
@@ -178,8 +177,7 @@ def write_walk(path: Path, variables: Mapping[str, Variable], attributes: Mappin
     """
     from scipy.io import netcdf_file
 
-    content = io.BytesIO()  # on a disk that is full, scipy would try again and again
-    with netcdf_file(content, "w", version=2) as file:
+    with write_whole(path) as new, netcdf_file(new, "w", version=2) as file:
         order = {"foot_order": "left, right", "axis_order": "x (forward), z (up)"}
         for name, text in {"footopt": version("footopt"), **order, **attributes}.items():
             setattr(file, name, text)
@@ -192,9 +190,6 @@ def write_walk(path: Path, variables: Mapping[str, Variable], attributes: Mappin
             if len(values):  # a walk that sank at once has no samples
                 variable[...] = values
             variable.units = unit
-        file.flush()
-        written = content.getvalue()
-    write_bytes(path, written)
 
 
 def plain(value: Any) -> Any:

@@ -12,20 +12,10 @@ COLUMNS = {"beta": "deg", "gamma": "deg", "alpha_x": "N/cm^3", "alpha_z": "N/cm^
 
 
 def read_sand(path: str | Path, zeta: float = 1.0) -> Sand:
-    """Read a table of stresses, and fit a stress map to it.
+    """Read a table of stresses, and fit a stress map to it, which zeta scales.
 
-    Parameters
-    ----------
-    path : str or Path
-        CSV file with a header and the columns ``beta``, ``gamma`` (degrees, signs as in
-        `footopt.sand.law.alpha`), ``alpha_x``, ``alpha_z`` (N/cm^3); other columns are ignored.
-    zeta : float
-        Scale of the map.
-
-    Returns
-    -------
-    Sand
-        With the error of the fit.
+    The CSV file has the columns ``beta``, ``gamma`` (degrees, signs as in `footopt.sand.law.alpha`),
+    ``alpha_x``, ``alpha_z`` (N/cm^3); others are ignored. The sand has the error of the fit.
 
     Raises
     ------

@@ -11,8 +11,7 @@ from rich.table import Table
 from shapely import Polygon
 
 from footopt.errors import SettingError
-from footopt.files.feet import write_all
-from footopt.files.mjcf import write_mjcf
+from footopt.files.feet import write_all, write_mjcf
 from footopt.files.outline import MM, body_outline
 from footopt.report import figures, terminal
 from footopt.studies.base import Study, foot_entry
@@ -27,7 +26,6 @@ HOLDS = {
     ".stl": "body of triangles",
     ".step": "body of plane faces",
     ".xml": "body of MuJoCo, its origin and site at the ankle",
-    ".py": "ten lines that drop it on sand in MuJoCo",
 }
 
 
@@ -50,7 +48,7 @@ def run(study: Study) -> None:
     foot, block = foot_of(Path(folder), config.foot.k), config.foot.block
     written, notes = write_all(foot, study.folder, block)
     if study.options.mujoco:
-        written += write_mjcf(foot, study.folder)
+        written.append(write_mjcf(foot, study.folder / "foot.xml"))
     outline, width = MM * body_outline(foot, block), MM * foot.width
     area = float(Polygon(outline).area)
     caption = "The outline of every file, with its sole (blue) and ankle (+), in mm."
