@@ -36,19 +36,19 @@ def progress(out: Console, total: int, unit: str) -> Iterator[Step]:
 
 
 def report_generations(
-    step: Step, guide: str, units: int = 1, about: str = "", base: float | None = None
+    step: Step, objective: str, units: int = 1, about: str = "", base: float | None = None
 ) -> Callable[[Generation], None]:
     """A search's callback that shows its best value after each generation, which counts as some units.
 
-    With a `base`, the flat foot's value, the best of the objective `guide` is shown as a multiple of it.
+    With a `base`, J_W of the flat foot, the value is shown as a multiple of it.
     """
-    base = base if base and math.isfinite(base) else None
-    name = "J_W" if base and guide == "efficiency" else title(guide)
 
     def show(g: Generation) -> None:
         best = f"hypervolume {number(g.hypervolume)}" if g.front else "none feasible yet"
-        if math.isfinite(g.best):
-            best = f"best {name} {f'x {g.best / base:.2f} of flat' if base else number(g.best)}"
+        if math.isfinite(g.best) and base and math.isfinite(base):
+            best = f"best J_W x {g.best / base:.2f} of flat"
+        elif math.isfinite(g.best):
+            best = f"best {title(objective)} {number(g.best)}"
         front = f", front {g.front}" if g.front > 1 else ""
         step(f"{about}{best}{front}, {g.evaluations / max(g.seconds, 1e-9):.0f} evaluations/s", units)
 

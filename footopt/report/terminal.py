@@ -20,13 +20,11 @@ from rich.console import Console
 from rich.table import Table as RichTable
 from rich.text import Text
 
-from footopt.effects import Effect, LeadingEdge, name_of
+from footopt.effects import Effect, name_of
 from footopt.effects.base import parameters
 from footopt.foot import Foot, Waypoints
 from footopt.foot.waypoints import written
-from footopt.report.numbers import change, percent, quantity, title
-from footopt.report.numbers import number as number
-from footopt.sand import GENERIC
+from footopt.report.numbers import change, number, percent, quantity, title
 from footopt.sand.law import EARTH
 from footopt.walk import MEASURES, Scene, gain_shares
 from footopt.walk.validity import Diagnostic
@@ -100,33 +98,30 @@ def announce_if_slow(out: Console, message: str, patience: float = 1.5) -> Itera
 
 
 def objective_table(
-    feet: Sequence[tuple[str, dict[str, float]]],
-    names: Sequence[str],
-    errors: dict[str, float],
-    gain: bool = False,
+    title: str,
+    values: Mapping[str, float],
+    errors: Mapping[str, float],
+    flat: Mapping[str, float] | None = None,
     shares: bool = True,
     turned: Mapping[str, Sequence[str]] | None = None,
 ) -> RichTable:
-    """Objectives (rows) of feet (columns, by title), with the estimated errors of the first foot's.
+    """Objectives (rows) of a foot with their estimated errors, and their change from the flat foot's.
 
-    With `gain` it has the change from the second foot to the first, with `shares` each factor's share in the
-    gain of J_W, if there is one. `turned` are the laws under which the two feet change places, by objective.
+    With `shares` it has each factor's share in the gain of J_W, if there is one. `turned` are the laws under
+    which the two feet change places, by objective.
     """
-    (first, values), *others = feet
-    titles = ["objective", "unit", first, "error", *(title for title, _ in others)]
-    base = others[0][1] if gain else {}
-    parts = gain_shares(values, base) if gain and shares else {}
-    gained = any(map(math.isfinite, parts.values()))
-    titles += ["change from flat"] * gain + ["share of J_W's gain"] * gained
-    shown = table(titles, words=("objective", "unit"))
-    for name in names:
-        o, value = MEASURES[name], values[name]
+    parts = gain_shares({**values}, {**flat}) if flat and shares else {}
+    gained, turned = any(map(math.isfinite, parts.values())), turned or {}
+    titles = ["objective", "unit", title, "error", *(["flat", "change from flat"] if flat else [])]
+    shown = table([*titles, *(["share of J_W's gain"] if gained else [])], words=("objective", "unit"))
+    for name, value in values.items():
+        o = MEASURES[name]
         cells = [f"{name.replace('_', ' ')} ({'max' if o.maximise else 'min'})", o.unit, number(value)]
-        cells += [percent(abs(errors[name] / value)) if value else "-", *(number(v[name]) for _, v in others)]
-        if gain:
-            cells += [change(name, value, base[name]) + (" *" if name in (turned or {}) else "")]
+        cells.append(percent(abs(errors[name] / value)) if value else "-")
+        if flat:
+            cells += [number(flat[name]), change(name, value, flat[name]) + " *" * (name in turned)]
         if gained:
-            cells += [f"{100 * parts[name] + 0.0:.1f} %" if name in parts else ""]
+            cells.append(f"{100 * parts[name] + 0.0:.1f} %" if name in parts else "")
         shown.add_row(*cells)
     if turned:
         by = "; ".join(f"{name.replace('_', ' ')}: {', '.join(laws)}" for name, laws in turned.items())
@@ -186,21 +181,17 @@ def described(kind: type) -> dict[str, tuple[str, str]]:
 
 
 def describe_setup(scene: Scene, foot: Foot | Waypoints) -> str:
-    """A walk in two lines: the walker and the gait; the foot or its space, the sand and the law."""
+    """A walk in two lines: the walker and the gait; the foot or its space, and the sand."""
     walker, gait = scene.walker, scene.gait
     if isinstance(foot, Waypoints):
         what, length, height = "Soles in a box of", 2.0 * foot.L, foot.H
     else:
         what, (length, height) = f"Sole ({title(foot.name)}) of", np.ptp(foot.contour, axis=0)
-    law = "the generic stress map" if scene.sand.stress_map == GENERIC else "a stress map of its own"
-    if not any(isinstance(effect, LeadingEdge) for effect in scene.effects):
-        law += "; trailing faces carry stress, as in the paper"
     size = " x ".join(f"{round(1e3 * value, 6):.4g}" for value in (length, height, foot.width))
     return (
         f"Walker: {walker.mass:g} kg, legs {walker.l1:g} + {walker.l2:g} m, g {walker.g:g} m/s^2; "
         f"gait {gait.name}, stride {gait.period:.4g} s\n"
-        f"{what} {size} mm (length, height, width) on "
-        f"{describe_scene(scene)}, {law}"
+        f"{what} {size} mm (length, height, width) on {describe_scene(scene)}"
     )
 
 

@@ -13,6 +13,7 @@ from footopt.errors import SettingError
 from footopt.files.io import write_text
 from footopt.report import terminal
 from footopt.report.figures.studies import calibration as draw
+from footopt.report.numbers import number
 from footopt.sand import GENERIC, MEDIA, Sand
 from footopt.studies.base import Study
 from footopt.studies.build import make_sand
@@ -78,7 +79,7 @@ def table(found: Calibration) -> Table:
     if len(found.set_ups) > 1:
         parts += [(f"zeta, {name}", zeta) for name, zeta in found.set_ups.items()]
     for name, estimate in parts:
-        shown.add_row(name, *map(terminal.number, estimate))
+        shown.add_row(name, *map(number, estimate))
     return shown
 
 

@@ -128,15 +128,12 @@ def run(study: Study) -> SweeperValue:
     several = problem.n_obj > 1
     by_j = (choice.by if several else problem.ranking_objective) == "efficiency"
     which = f"Of the front {FRONT_RULES[choice.by]}" if several else "Best design"
-    feet = [("best", values), ("flat", base)]
     study.say(
         terminal.describe_search(result),
         terminal.describe_confirmation(confirmed),
         *([] if certificate is None else [str(certificate)]),
         f"{which}: {terminal.describe_foot(best)}",
-        terminal.objective_table(
-            feet, problem.record, errors, gain=True, shares=by_j, turned=ranks.turned_by(changes)
-        ),
+        terminal.objective_table("best", values, errors, base, by_j, ranks.turned_by(changes)),
         *ranks.describe(changes, len(finalists)),
         *terminal.describe_model([model]),
     )

@@ -93,8 +93,7 @@ def run(study: Study) -> SweeperValue:
         study.say(f"Gait from {study.config.gait.path}: {'; '.join(read)}. Misfit (rms, deg): {misfit}")
     if not walk.feasible:
         study.say(Text(f"The walk failed: {walk.reason} after {len(walk.t)} steps of time.", style="yellow"))
-    feet = [("this sole", values)] + [("flat", base)] * (flat is not walk)
-    study.say(terminal.objective_table(feet, names, errors, gain=len(feet) > 1))
+    study.say(terminal.objective_table("this sole", values, errors, None if flat is walk else base))
     study.say(*terminal.describe_model([model]))
     terminal.print_validity(study.console, diagnostics)
     study.say(*notes)

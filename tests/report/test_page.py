@@ -21,8 +21,6 @@ from footopt.design.result import SHOWN
 from footopt.files import identity
 from footopt.files.outline import closed_contour
 from footopt.report import figures, page, summary, terminal
-from footopt.report.numbers import title
-from footopt.report.page import walks
 from footopt.report.page.file import packed
 from footopt.report.page.file import text as page_text
 from footopt.report.summary import Run
@@ -358,19 +356,6 @@ def test_a_multirun_shows_every_job_the_failed_ones_too(pages, browser):
     assert shown.text("#traces .legend").split() == ["1"]  # run 0 has left no walk
     rows[1].find_element("css selector", "button").click()
     assert "The chosen sole: 1" in shown.text("#design-title")
-
-
-class TestVerdict:
-    def test_names_the_largest_gain_and_the_largest_loss(self, front):
-        best, flat = front[2], front[3]
-        said = walks.verdict(best, flat)
-        changes = {
-            name: o.sign * (best.objectives[name] / flat.objectives[name] - 1.0)
-            for name, o in zip(FIVE, lookup(FIVE), strict=True)
-        }
-        gain, loss = min(changes, key=changes.get), max(changes, key=changes.get)
-        assert said.index(title(gain)) < said.index(title(loss))
-        assert ":" not in walks.verdict(flat, flat)  # nothing is claimed of the flat foot itself
 
 
 class TestFile:

@@ -11,6 +11,7 @@ from terminals import on_a_terminal
 
 import footopt as fo
 from footopt.report import summary, terminal
+from footopt.report.numbers import number
 from footopt.report.progress import progress
 
 FOOTOPT = [sys.executable, "-m", "footopt"]
@@ -75,5 +76,5 @@ class TestNarrowTables:
         assert summary.compare(tmp_path, [tmp_path / "0"]) == 0
         text = ESCAPE.sub("", file.getvalue())
         assert "…" not in text
-        assert terminal.number(walk.objectives["work"]) in text
+        assert number(walk.objectives["work"]) in text
         assert "summary.csv, too: efficiency, cost of transport" in text

@@ -51,10 +51,7 @@ def test_a_turned_rank_is_marked_in_the_table_and_its_laws_are_named():
                               ranks.RankChange("both", 1, 0.0, ("work",), {})])  # fmt: skip
     assert turned == {"work": ["shadowing", "both"]}
     values = dict.fromkeys(OBJECTIVES, 1.0)
-    shown = terminal.objective_table(
-        [("best", values), ("flat", values)], list(OBJECTIVES), dict.fromkeys(OBJECTIVES, 0.0), True,
-        turned=turned,
-    )  # fmt: skip
+    shown = terminal.objective_table("best", values, dict.fromkeys(OBJECTIVES, 0.0), values, turned=turned)
     cells = dict(zip(shown.columns[0].cells, shown.columns[5].cells, strict=True))
     assert {name for name, cell in cells.items() if cell.endswith("*")} == {"work (min)"}
     assert "work: shadowing, both" in shown.caption

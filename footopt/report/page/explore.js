@@ -25,7 +25,7 @@ if (COUNT) COLUMNS.push(plain("hollow", "mm", (i) => {
 }));
 if (kOf) for (let p = 0; p < space.n; p++) COLUMNS.push(plain(`k${p + 1}`, "", (i) => kOf[i * space.n + p]));
 const columnOf = (name) => COLUMNS.find((c) => c.name === name);
-const guide = columnOf(data.guide ?? "efficiency") ?? COLUMNS[0];
+const ranking = columnOf(data.ranking_objective ?? "efficiency") ?? COLUMNS[0];
 
 /** A design's number is its row in designs.csv, from 0. */
 const numbers = data.designs.rows && unpack(data.designs.rows);
@@ -67,7 +67,7 @@ function explorer(choose, beside, glimpse) {
     type: "number", step: "any", "aria-label": `${end ? "largest" : "smallest"} ${named(c)}`,
     change: () => setLimit(c.name, ...fields.get(c.name).map((field, e) => field.value === "" ? [-Infinity, Infinity][e] : +field.value)),
   }))]));
-  const rows = folded(`The designs within the limits as a table (the first 50, by ${named(guide)})`, () => {
+  const rows = folded(`The designs within the limits as a table (the first 50, by ${named(ranking)})`, () => {
     const best = leaders(50);
     const told = COLUMNS.filter((c) => !/^k\d+$/.test(c.name));
     return table(["", ...told.map(named), ...(kOf ? ["k"] : [])], best.map((i) => [
@@ -99,9 +99,9 @@ function explorer(choose, beside, glimpse) {
     rows);
 
   function leaders(count) {
-    const found = [], sign = guide.maximise ? -1 : 1;
+    const found = [], sign = ranking.maximise ? -1 : 1;
     for (const i of state.passing) {
-      const cost = sign * guide.of(i);
+      const cost = sign * ranking.of(i);
       if (found.length === count && !(cost < found.at(-1)[0])) continue;
       found.splice(found.findLastIndex(([other]) => !(other > cost)) + 1, 0, [cost, i]);
       found.length = Math.min(found.length, count);

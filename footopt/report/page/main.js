@@ -139,16 +139,16 @@ function glance() {
   return { section, show };
 }
 
-/** The search: convergence, and each design that was the best for a while. */
-function searchSection(choose) {
+/** The search: its convergence. */
+function searchSection() {
   const holder = el("div", { class: "plot" }), several = data.objectives.length > 1;
   const looks = { best: { stroke: "var(--best)", "stroke-width": 2.2 }, median: { stroke: "var(--flat)", "stroke-dasharray": "6 4" } };
   const draw = () => {
-    const shown = several ? (v) => v ?? NaN : (v) => guide.show(v ?? NaN);
+    const shown = several ? (v) => v ?? NaN : (v) => ranking.show(v ?? NaN);
     const rows = data.history, at = rows.map((r) => r.evaluations), bests = rows.map((r) => shown(r.best)), last = bests.at(-1);
     const steps = (all) => all.flatMap((v, i) => (i ? [all[i - 1], v] : [v])), ends = at.flatMap((v, i) => (i ? [v, v] : [v]));
     const a = plot(holder, { x: [0, at.at(-1)], xlabel: "evaluations", height: 260, left: 84, label: "Convergence of the search; the table below has the numbers",
-      ylabel: several ? `hypervolume (1: box of the first generation)` : `${named(guide)}: best so far` }, [
+      ylabel: several ? `hypervolume (1: box of the first generation)` : `${named(ranking)}: best so far` }, [
       { x: at, y: rows.map((r) => shown(r.median)), ...looks.median },
       { x: ends, y: steps(bests), ...looks.best },
     ], (x) => {
@@ -157,18 +157,12 @@ function searchSection(choose) {
     });
     if (Number.isFinite(last)) a.svg.append(svg("circle", { cx: a.X(at.at(-1)), cy: a.Y(last), r: 3.5, fill: "var(--best)" }));
   };
-  const buttons = data.lineage.map((i) => el("button", { type: "button", "aria-pressed": String(i === data.best), "data-design": i, click: () => choose(i) },
-    soleDrawing(sole(i), { width: 136, height: 32, plain: true }),
-    el("div", {}, `generation ${generation[i]}`), el("div", {}, quantity(guide.of(i), guide.unit))));
   const section = el("section", { id: "search" }, el("h2", {}, "The search"),
     several ? null : legend([{ name: "best so far", ...looks.best }, { name: "median of the generation", ...looks.median }]),
     el("figure", {}, holder),
-    folded("The search as a table", () => table(["evaluations", ...(several ? ["hypervolume", "front"] : [`best ${named(guide)}`, "median"])],
-      data.history.map((r) => [r.evaluations, number(several ? r.best : guide.show(r.best)), several ? r.front : number(guide.show(r.median))].map(String)))),
-    ...(buttons.length ? [el("h3", {}, "Lineage: the best sole after each generation that improved it"),
-      el("div", { class: "lineage" }, ...buttons)] : []));
-  const mark = (i) => buttons.forEach((b) => b.setAttribute("aria-pressed", String(+b.dataset.design === i)));
-  return { section, draw, mark };
+    folded("The search as a table", () => table(["evaluations", ...(several ? ["hypervolume", "front"] : [`best ${named(ranking)}`, "median"])],
+      data.history.map((r) => [r.evaluations, number(several ? r.best : ranking.show(r.best)), several ? r.front : number(ranking.show(r.median))].map(String)))));
+  return { section, draw };
 }
 
 /** A text (or an element) that may run over several lines of a table; a path breaks after a slash. */
@@ -246,12 +240,12 @@ function build() {
   document.getElementById("header").append(...headline());
   const design = designSection(), walks = data.walks && walkSection(), small = COUNT > 1 && !data.runs ? glance() : null;
   const explore = COUNT > 1 ? explorer(choose, small?.section ?? design.section, (i) => small?.show(i, false)) : null;
-  const found = data.history?.length ? searchSection(choose) : null, traces = data.traces?.length ? tracesSection() : null;
+  const found = data.history?.length ? searchSection() : null, traces = data.traces?.length ? tracesSection() : null;
   if (data.figures) main.append(...studySections());
   if (data.runs) main.append(runsSection(choose));
   main.append(...[COUNT && (small || COUNT === 1) ? design.section : null, walks?.section, explore?.section, found?.section, traces?.section].filter(Boolean));
   if (data.entry) document.getElementById("footer").append(...footer());
-  chosen.push(...(COUNT ? [design.show] : []), ...[walks?.show, small?.show, explore?.mark, found?.mark].filter(Boolean));
+  chosen.push(...(COUNT ? [design.show] : []), ...[walks?.show, small?.show, explore?.mark].filter(Boolean));
   if (traces) drawn(traces.draw);
   if (found) drawn(() => found.draw());
   if (explore) { explore.filter(); drawings.push(explore.redraw); }

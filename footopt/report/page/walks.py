@@ -2,32 +2,27 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from footopt.design import EXHAUSTIVE, Confirmation, SearchResult
 from footopt.design.result import SHOWN
 from footopt.foot import Foot, Waypoints
-from footopt.report.numbers import percent, sand_title, title
+from footopt.report.numbers import sand_title, title
 from footopt.report.page.file import column, packed
 from footopt.report.page.physics import ARROWS, physics
 from footopt.report.stage import forces_along, ground, groups
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
-from footopt.walk import FIVE, MEASURES, Accuracy, Scene, Walk
+from footopt.walk import MEASURES, Accuracy, Scene, Walk
 from footopt.walk.phases import step_on_patch
-
-Ints = NDArray[np.int64]
 
 FRAMES = 250  # samples of a walk's forces along the sole
 SAMPLES = 4  # of its other traces, at most, for each of them
 TRACES = ("com", "velocity", "force", "power", "work")
 ON_THE_PAGE = ("front", "front_values", "confirmed")  # as designs, not as entries of result.json
 HOLLOW = 0.5e-3  # m; a smaller one is called none
-TELLING = 0.005  # relative change that the title mentions
 POSE_STEP = 0.01  # s, between the poses of the gait
 
 
@@ -68,13 +63,13 @@ def search_content(
     others = np.setdiff1d(np.arange(result.designs), result.shown)
     room = min(SHOWN - len(result.shown), len(others))
     even = others[np.linspace(0, len(others) - 1, room).astype(int)]
-    lineage = successive_bests(result)
-    rows = np.union1d(result.shown, [*even, *lineage, chosen])
+    rows = np.union1d(result.shown, [*even, chosen])
     reasons, codes = np.unique(result.reasons[rows], return_inverse=True)
     certificate = entry.get("certificate")
+    kind = "A hollow foot" if best.foot.hollow >= HOLLOW else "A foot without a hollow"
     return {
         **_common(entry, problem.scene, problem.record, problem.accuracy, problem.space, step_on_patch(best)),
-        "title": verdict(best, flat, problem.names),
+        "title": f"{kind} for {sand_title(problem.scene.sand)}",
         "headline": [
             f"Soles for {', '.join(map(title, problem.names))} on {describe_scene(problem.scene)}",
             describe_search(result),
@@ -82,7 +77,7 @@ def search_content(
             *([certificate["says"]] if certificate else []),
             *([f"{len(rows)} of the designs are on this page"] if len(rows) < result.designs else []),
         ],
-        "guide": problem.names[0],
+        "ranking_objective": problem.names[0],
         "choice": problem.choice.by if several else "best",
         "objectives": list(problem.names),
         "designs": {
@@ -103,7 +98,6 @@ def search_content(
             {"design": int(np.searchsorted(rows, chosen)), "label": "best", **_traces(best)},
             _flat_walk(flat),
         ],
-        "lineage": np.searchsorted(rows, lineage),
         "history": [] if exact else [
             {
                 "evaluations": g.evaluations,
@@ -114,36 +108,6 @@ def search_content(
             for g in result.history
         ],
     }  # fmt: skip
-
-
-def verdict(best: Walk, flat: Walk, sought: Sequence[str] = ()) -> str:
-    """A title: the kind of foot, its largest gain in what was sought, and its largest loss in anything."""
-    kind = "A hollow foot" if best.foot.hollow >= HOLLOW else "A foot without a hollow"
-    goals = [name for name in sought if name != "efficiency" and name in best.objectives] or FIVE
-    gains: dict[str, float] = {}  # relative
-    for name in dict.fromkeys([*goals, *FIVE]):
-        if (base := flat.objectives[name]) and math.isfinite(change := best.objectives[name] / base - 1.0):
-            gains[name] = -MEASURES[name].sign * change
-    phrases = []
-    best_of_goals = sorted(gains.keys() & goals, key=gains.__getitem__)[-1:]
-    for name in dict.fromkeys([*best_of_goals, *sorted(gains, key=gains.__getitem__)[:1]]):
-        if abs(gains[name]) >= TELLING:
-            less = (gains[name] > 0.0) == (MEASURES[name].sign > 0.0)
-            phrases.append(f"{percent(abs(gains[name]))} {'less' if less else 'more'} {title(name)}")
-    said = f": {', '.join(phrases)} than a flat one" if phrases else ""
-    return f"{kind} for {sand_title(best.scene.sand)}{said}"
-
-
-def successive_bests(result: SearchResult) -> Ints:
-    """The designs that were the best so far at the end of a generation, in order; the last is the best.
-
-    None for several objectives, and for a space that was enumerated: no search came to its designs.
-    """
-    if result.problem.n_obj > 1 or result.solver.name == EXHAUSTIVE:
-        return np.empty(0, int)
-    f = np.where(result.feasible, result.problem.minimised(result.values)[:, 0], np.inf)
-    better = np.flatnonzero(f < np.minimum.accumulate(np.append(np.inf, f[:-1])))
-    return np.asarray(better[np.diff(result.generation[better], append=-1) != 0])
 
 
 def _common(
