@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import base64
 import html
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -65,15 +65,11 @@ def plot(thing: object, what: str | None = None, ax: Axes | None = None) -> Axes
 
 def card(thing: object) -> str:
     """HTML: an object's line above its pictures; a `SettingError` if it cannot be drawn."""
-    default = [list(drawings(thing))[:1]]
-    words = describe_scene(thing) if isinstance(thing, Scene) else repr(thing)
-    figure = picture(thing, CARDS.get(type(thing).__name__, default))
+    words = html.escape(describe_scene(thing) if isinstance(thing, Scene) else repr(thing))
+    figure = picture(thing, CARDS.get(type(thing).__name__, [[next(iter(drawings(thing)))]]))
     image = base64.b64encode(png(figure, RESOLUTION)).decode("ascii")
-    return (
-        f'<p>{html.escape(words)}</p><img alt="{html.escape(words)}" '
-        f'width="{round(96 * figure.get_figwidth())}" style="max-width:100%;height:auto;background:white" '
-        f'src="data:image/png;base64,{image}">'
-    )
+    looks = f'width="{round(96 * figure.get_figwidth())}" style="max-width:100%;height:auto;background:white"'
+    return f'<p>{words}</p><img alt="{words}" {looks} src="data:image/png;base64,{image}">'
 
 
 class Panel(PlainAxes):
@@ -85,17 +81,14 @@ class Panel(PlainAxes):
 
 
 @styled()
-def picture(thing: object, rows: Sequence[Sequence[str]]) -> Figure:
-    """A figure of an object's drawings by name, row by row."""
-    found = drawings(thing)
-    wide = len(rows[-1]) > 1 or rows[0][0] in WIDE
-    figure = new_figure(PAGE if wide else COLUMN, HEIGHT * len(rows))
-    grid = figure.add_gridspec(len(rows), 1)
-    for i, row in enumerate(rows):
-        parts = grid[i].subgridspec(1, len(row))
-        for j, name in enumerate(row):
-            _draw(figure.add_subplot(parts[0, j], axes_class=Panel), found[name], thing)
-    if len(rows) == 1:
+def picture(thing: object, mosaic: list[list[str]]) -> Figure:
+    """A figure of an object's drawings by name, as in `matplotlib.figure.Figure.subplot_mosaic`."""
+    wide, found = len(mosaic[-1]) > 1 or mosaic[0][0] in WIDE, drawings(thing)
+    figure = new_figure(PAGE if wide else COLUMN, HEIGHT * len(mosaic))
+    panels: dict[str, Axes] = figure.subplot_mosaic(mosaic, subplot_kw={"axes_class": Panel})
+    for name, axes in panels.items():
+        _draw(axes, found[name], thing)
+    if len(mosaic) == 1:
         fit_height(figure, figure.axes[:1])
     figure.draw_without_rendering()  # a second pass of the layout, after which nothing moves
     return figure
@@ -140,9 +133,9 @@ DRAWINGS: dict[str, Drawings] = {
     "Walk": {"walk": draw_walk, **{name: partial(draw_quantity, name=name) for name in QUANTITIES}},
 }
 WIDE = ("walk", "scene")  # drawings that need the width of a page
-#: Rows of drawings on a card that shows more than the default one.
+#: Drawings on a card that shows more than the default one.
 CARDS = {
     "Gait": [["angles", "path"]],
     "Sand": [["alpha_x", "alpha_z"]],
-    "Walk": [["walk"], ["force", "power"]],
+    "Walk": [["walk", "walk"], ["force", "power"]],
 }

@@ -8,23 +8,23 @@ from matplotlib.figure import Figure
 
 from footopt.files.outline import MM
 from footopt.gait import Gait
+from footopt.report import style
 from footopt.report.figures.foot import contour, contours
 from footopt.report.figures.gait import draw_angles, draw_path
 from footopt.report.figures.step import steps
 from footopt.report.figures.traces import com, forces, power_work
 from footopt.report.numbers import title
-from footopt.report.style import PAGE, SANDS, legend_above, new_figure, styled
 from footopt.walk import Walk, Walker
 
 
-@styled()
+@style.styled()
 def gait(shown: Gait, walker: Walker) -> Figure:
     """Fig. 2b: the joint angles over a stride, and the ankle's path around the hip."""
-    figure = new_figure(PAGE, 2.5)
+    figure = style.new_figure(style.PAGE, 2.5)
     angles, path = figure.subplots(1, 2)
     draw_angles(angles, shown)
     draw_path(path, shown, walker)
-    legend_above(figure)
+    style.legend_above(figure)
     return figure
 
 
@@ -33,47 +33,32 @@ def all_figures(
 ) -> dict[str, tuple[Figure, str]]:
     """The paper's figures and their captions, by file name.
 
-    Parameters
-    ----------
-    of_shapes : dict of Walk
-        Walks of the five shapes, by name in the order of `footopt.foot.SHAPES`.
-    optima : dict of Walk
-        Walks of the best foot of each sand, by sand.
-    crossed : Walk
-        The best foot for regular sand, on hard sand.
+    They show walks of the five shapes by name, of each sand's best foot by sand, and of that for regular sand
+    on hard sand.
     """
     by_shape = {title(name): walk for name, walk in of_shapes.items()}
-    by_sand = {sand: optima[sand] for sand in SANDS}
+    by_sand = {sand: optima[sand] for sand in style.SANDS}
     shapes = {name: walk.foot for name, walk in by_shape.items()}
     feet = {f"{sand} (hollow {MM * w.foot.hollow:.1f} mm)": w.foot for sand, w in by_sand.items()}
     hard = {"hard sand, its own foot": optima["hard"], "hard sand, the foot for regular sand": crossed}
+    joints = gait(crossed.scene.gait, crossed.scene.walker)
+    waypoints = contour(optima["hard"].foot)
+    two = "A step on hard sand with its own best foot, and with that for regular sand (figure 7)."
     return {
         "fig2b_gait": (
-            gait(crossed.scene.gait, crossed.scene.walker),
-            "The gait: joint angles over a stride, and the ankle's path around the hip (figure 2b).",
+            joints,
+            "Joint angles over a stride, and the ankle's path (figure 2b).",
         ),
         "fig3_shapes": (contours(shapes), "The five shapes, all of one length (figure 3)."),
-        "fig4a_shapes_states": (
-            com(by_shape),
-            "Position and velocity of the COM by shape (figure 4a).",
-        ),
+        "fig4a_shapes_states": (com(by_shape), "Position and velocity of the COM by shape (figure 4a)."),
         "fig4b_shapes_power_work": (power_work(by_shape), "Power and work by shape (figure 4b)."),
-        "fig5_waypoints": (
-            contour(optima["hard"].foot),
-            "The waypoints of a sole, their box, and the spline through them (figure 5).",
-        ),
+        "fig5_waypoints": (waypoints, "The waypoints of a sole, their box, and its spline (figure 5)."),
         "fig6_contours": (contours(feet), "The best soles for soft, regular and hard sand (figure 6)."),
-        "fig7_steps": (
-            steps(hard),
-            "A step on hard sand with its own best foot, and with that for regular sand (figure 7).",
-        ),
+        "fig7_steps": (steps(hard), two),
         "fig8a_sands_states": (
             com(by_sand),
-            "Position and velocity of the COM by sand, best foot (figure 8a).",
+            "Position and velocity of the COM by sand (figure 8a).",
         ),
-        "fig8b_sands_forces": (forces(by_sand), "Force on each foot by sand, best foot (figure 8b)."),
-        "fig8c_sands_power_work": (
-            power_work(by_sand),
-            "Power and work by sand, best foot (figure 8c).",
-        ),
+        "fig8b_sands_forces": (forces(by_sand), "Force on each foot by sand (figure 8b)."),
+        "fig8c_sands_power_work": (power_work(by_sand), "Power and work by sand (figure 8c)."),
     }

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from footopt.report import style
 from footopt.report.stage import Stage, draw_ground, draw_key
-from footopt.report.style import PAGE, SIDES, fit_height, new_figure, styled, walk_label
 from footopt.walk import Walk
 from footopt.walk.phases import stance, step_on_patch
 
@@ -26,10 +26,10 @@ ABOVE = 0.05  # what is shown of the shank above the highest sole, m
 def step(walk: Walk) -> Figure:
     """The right foot's first step, or the first one on a patch of other sand; see `steps`."""
     number = step_on_patch(walk)
-    return steps({f"{SIDES[1 - number % 2][0]} foot": walk}, number)
+    return steps({f"{style.SIDES[1 - number % 2][0]} foot": walk}, number)
 
 
-@styled()
+@style.styled()
 def steps(walks: Mapping[str, Walk], number: int = 0) -> Figure:
     """A step, the right foot's first one, in walks by label: the sole in the sand and its forces.
 
@@ -44,7 +44,7 @@ def steps(walks: Mapping[str, Walk], number: int = 0) -> Figure:
     low = min(float(p[:, 1].min()) for p in points) - 0.02
     sloped = any(step.stage.ground["gravity"] for step in found)
     high = max(float(p[:, 1].max()) for p in points) + (2.0 if sloped else 1.0) * ABOVE
-    figure = new_figure(PAGE, 6.0 * len(found))
+    figure = style.new_figure(style.PAGE, 6.0 * len(found))
     figure.set_layout_engine("constrained", hspace=0.0)
     grid = figure.subplots(ROWS * len(found), COLUMNS, sharey=True, squeeze=False)
     for rows, step, p in zip(np.split(grid, len(found)), found, points, strict=True):
@@ -62,7 +62,7 @@ def steps(walks: Mapping[str, Walk], number: int = 0) -> Figure:
         rows[0, COLUMNS // 2].set_title(textwrap.fill(step.title, 125))
     figure.supxlabel("$x$ (m)")
     figure.supylabel("$z$ (m)")
-    fit_height(figure, grid[:, 0].tolist())
+    style.fit_height(figure, grid[:, 0].tolist())
     return figure
 
 
@@ -100,5 +100,5 @@ def _snapshots(label: str, walk: Walk, number: int) -> _Step:
     since = f"heel strike ({began}; dragged through the sand until then)"
     since = since if contact.dragged else f"touch-down ({began})"
     parts = stage.forces.at.shape[2]
-    title = f"{walk_label(label, walk)}, time since {since}; arrows: force on 1/{parts} of the sole"
+    title = f"{style.walk_label(label, walk)}, time since {since}; arrows: force on 1/{parts} of the sole"
     return _Step(stage, contact.foot, walk.t[index] - begin, title)

@@ -10,21 +10,20 @@ from matplotlib.figure import Figure
 
 from footopt.report import style
 from footopt.report.numbers import sand_title
-from footopt.report.style import marker, new_figure, styled
 from footopt.walk import FIVE
 
 WORST = "error of the worst objective (%),\nnot exceeded by 95 % of the feet"
 HIGHEST = 2.5  # of zeta: what is shown of shallow measurements, whose zeta is noise
 
 
-@styled()
+@style.styled()
 def work_precision(settings: Sequence[Any], presets: Sequence[Any]) -> Figure:
     """Error against time of measurements (`footopt.studies.accuracy.Measurement`), a line for each method."""
-    figure = new_figure(style.PAGE, 3.6)
+    figure = style.new_figure(style.PAGE, 3.6)
     axes = figure.subplots()
     for i, method in enumerate(dict.fromkeys(m.method for m in settings)):
         own = [m for m in settings if m.method == method]
-        looks = marker(i) | {"ls": "-", "lw": 1.0, "ms": 4, "label": method.replace("_", " ")}
+        looks = style.marker(i) | {"ls": "-", "lw": 1.0, "ms": 4, "label": method.replace("_", " ")}
         axes.plot([m.ms for m in own], [100.0 * m.error for m in own], **looks)
     for m in presets:
         axes.plot(m.ms, 100.0 * m.error, "o", mfc="none", mec="black", ms=10, mew=1.2)
@@ -38,7 +37,7 @@ def work_precision(settings: Sequence[Any], presets: Sequence[Any]) -> Figure:
     return figure
 
 
-@styled()
+@style.styled()
 def changes(audits: Sequence[Any]) -> Figure:
     """Change of each objective by an effect and sand (`footopt.studies.audit.Audit`), a row each.
 
@@ -48,7 +47,7 @@ def changes(audits: Sequence[Any]) -> Figure:
     where = f" on {sands[0]}" if len(set(sands)) == 1 else ""
     labels = [label if where else f"{label}, {sand}" for label, sand in zip(labels, sands, strict=True)]
     rows, limit = np.arange(len(labels)), 100.0 * audits[0].tolerance
-    figure = new_figure(style.PAGE, 1.0 + 0.2 * len(labels))
+    figure = style.new_figure(style.PAGE, 1.0 + 0.2 * len(labels))
     panels = figure.subplots(1, len(FIVE), sharex=True, sharey=True)
     for axes, name, column in zip(panels, FIVE, 100.0 * np.array([a.changes for a in audits]).T, strict=True):
         for found, colour in ((column > limit, style.CHOSEN), (column <= limit, style.GREY)):
@@ -69,16 +68,20 @@ def changes(audits: Sequence[Any]) -> Figure:
     return figure
 
 
-@styled()
+@style.styled()
 def calibration(found: Any) -> Figure:
     """Force over the map's force at zeta 1 of measurements (`footopt.studies.calibration.Calibration`)."""
-    figure = new_figure(style.COLUMN, 2.5)
+    figure = style.new_figure(style.COLUMN, 2.5)
     axes = figure.subplots()
     axes.axhspan(found.zeta.low, found.zeta.high, color=style.PALE, lw=0, label="95 % interval of $\\zeta$")
     axes.axhline(found.zeta.value, color="black", lw=0.8, label="linear in depth, as footopt has it")
     for i, name in enumerate(found.set_ups):
         own = found.set_up == name
-        looks = marker(i) | {"ms": 3, "alpha": 0.7, "label": name if len(found.set_ups) > 1 else "measured"}
+        looks = style.marker(i) | {
+            "ms": 3,
+            "alpha": 0.7,
+            "label": name if len(found.set_ups) > 1 else "measured",
+        }
         axes.plot(1e3 * found.depth[own], found.local[own], **looks)
     depth = np.geomspace(found.depth.min(), found.depth.max(), 200)
     power = f"depth to the power {found.exponent.value:.2f}"

@@ -17,7 +17,7 @@ from footopt.report.style import Axes
 Array = NDArray[np.float64]
 
 ROW = 0.21  # height of a row, inches
-SHORT = 7  # letters that a column of a narrow table has room for
+NARROW = 36  # letters that the columns of a narrow table have room for
 WORDS = ("sunk", "backward", "diverged", "no failure", "refused", "accepted")  # verdicts without a number
 CHECK = "✓"
 VERDICTS = ListedColormap(["#F7C6A3", "#DBEAF3"])  # not stable, stable
@@ -54,19 +54,16 @@ def draw_heat_map(
 def regrets(values: ArrayLike, feet: Sequence[str], scenarios: Sequence[str]) -> Figure:
     """The regret of each foot (row) in each scenario (column) against the best foot known there, %."""
     table = 100.0 * np.asarray(values, float)
-    summary = np.stack([table.mean(axis=1), table.max(axis=1)], axis=1)
-    many = len(scenarios) > 6
-    longest = max(len(word) for name in scenarios for word in name.split())
-    width = style.PAGE if many else style.COLUMN + (0.3 * len(scenarios) if longest > SHORT else 0.0)
+    table = np.column_stack([table, table.mean(axis=1), table.max(axis=1)])
+    texts = [[f"{v:.1f}" if np.isfinite(v) else "failed" for v in row] for row in table]
+    columns = [name.removeprefix("draw ").replace(" ", "\n") for name in (*scenarios, "mean", "worst")]
+    longest = max(len(word) for name in columns for word in name.split())
+    width = style.PAGE if len(columns) * longest > NARROW else style.COLUMN
     figure = style.new_figure(width, 0.95 + ROW * len(feet))
-    left, right = figure.subplots(1, 2, sharey=True, width_ratios=[len(scenarios), 2])
-    most = max(1.0, float(np.nanmax(table, initial=0.0)))
-    names = [name.removeprefix("draw ") if many else name.replace(" ", "\n") for name in scenarios]
-    for axes, part, columns in ((left, table, names), (right, summary, ["mean", "worst"])):
-        texts = [[f"{v:.1f}" if np.isfinite(v) else "failed" for v in row] for row in part]
-        draw_heat_map(axes, part, feet, columns, texts, "Blues", most)
-    right.tick_params(labelleft=False)
-    left.set_ylabel("foot made for")
+    axes = figure.subplots()
+    draw_heat_map(axes, table, feet, columns, texts, "Blues", max(1.0, float(np.nanmax(table, initial=0.0))))
+    axes.axvline(len(scenarios) - 0.5, color="white", lw=5.0)
+    axes.set_ylabel("foot made for")
     figure.supxlabel("regret against the best specialist in each scenario (%)")
     return figure
 
