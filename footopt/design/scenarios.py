@@ -167,22 +167,18 @@ def draw(scene: Scene, spread: Spread, count: int, seed: int = 1) -> tuple[Scena
 
 def vary(scene: Scene, spread: Spread, normals: Array, name: str = "varied") -> Scenario:
     """A scene moved by standard normal variables, one for each of `COLUMNS`."""
-
-    def number(parameter: str) -> float:
-        return float(normals[COLUMNS.index(parameter)])
-
+    zeta, mass, period, stride, ankle_x, ankle_z, *angles = normals.tolist()
     # a cosine and a sine of equal variance add up to that variance at every phase
-    coefficients = spread.angles / math.sqrt(1 + DEFORMATION) * np.asarray(normals)
-    thigh, knee = (coefficients[[name == joint for name in COLUMNS]] for joint in ("thigh", "knee"))
-    gait = deformed(scene.gait, 1.0 + spread.stride * number("stride"), thigh, knee)
+    thigh, knee = np.split(spread.angles / math.sqrt(1 + DEFORMATION) * np.array(angles), 2)
+    gait = deformed(scene.gait, 1.0 + spread.stride * stride, thigh, knee)
     return Scenario(
         name,
         replace(
-            scale_zeta(scene, math.exp(spread.zeta * number("zeta"))),
-            walker=replace(scene.walker, mass=scene.walker.mass * math.exp(spread.mass * number("mass"))),
-            gait=replace(gait, period=gait.period * math.exp(spread.period * number("period"))),
+            scale_zeta(scene, math.exp(spread.zeta * zeta)),
+            walker=replace(scene.walker, mass=scene.walker.mass * math.exp(spread.mass * mass)),
+            gait=replace(gait, period=gait.period * math.exp(spread.period * period)),
         ),
-        ankle=(spread.ankle_x * number("ankle_x"), spread.ankle_z * number("ankle_z")),
+        ankle=(spread.ankle_x * ankle_x, spread.ankle_z * ankle_z),
     )
 
 
@@ -227,10 +223,8 @@ def risk(values: Array, measure: str, tail: float) -> Array:
     (...)
         Of each value over all scenarios.
     """
-    check_measure(measure, tail)
-    if measure == "worst":
-        return np.asarray(values.max(axis=0))
-    scenarios = len(values) * (1.0 if measure == "mean" else tail)
+    share = {"mean": 1.0, "tail": tail, "worst": 0.0}[measure]
+    scenarios = max(share * len(values), 1.0)
     parts = np.clip(scenarios - np.arange(len(values)), 0.0, 1.0)
     worst_first = -np.sort(-values, axis=0)
     # numpy's sum over an axis may round differently from batch to batch
@@ -240,4 +234,4 @@ def risk(values: Array, measure: str, tail: float) -> Array:
 def check_measure(measure: str, tail: float) -> None:
     """Raise unless a measure is one of `RISK_MEASURES` and its tail a share."""
     check(measure in RISK_MEASURES, "study.measure", measure, f"one of {', '.join(RISK_MEASURES)}")
-    check(0 < tail <= 1, "study.tail", tail, "a share > 0 and <= 1 of the scenarios, by probability")
+    check(0 < tail <= 1, "study.tail", tail, "a share > 0 and <= 1 of the scenarios")

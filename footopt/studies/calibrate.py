@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
+from omegaconf import OmegaConf
 from rich.table import Table
 from rich.text import Text
 
@@ -86,14 +88,10 @@ def table(found: Calibration) -> Table:
 def sand_file(name: str, source: str, found: Calibration, sand: Sand) -> str:
     """The YAML of the sand: zeta, its spread, and coefficients that are not generic."""
     zeta, exponent = (f"{e.low:.4g} to {e.high:.4g}" for e in (found.zeta, found.exponent))
-    lines = [
-        f"# From {source}: zeta {zeta}, exponent of depth {exponent} (95 %).",
-        f"name: {name}",
-        f"zeta: {found.zeta.value:.4g}",
-    ]
+    settings: dict[str, Any] = {"name": name, "zeta": float(f"{found.zeta.value:.4g}")}
     if sand.stress_map != GENERIC:
-        lines += ["coefficients:"]
-        lines += [f"  {key}: {value:.6g}" for key, value in asdict(sand.stress_map).items()]
+        settings["coefficients"] = asdict(sand.stress_map)
     if found.spread is not None:
-        lines += [f"spread: {min(found.spread, 1.0):.4g} # of the logarithm of zeta"]
-    return "\n".join(lines) + "\n"
+        settings["spread"] = float(f"{min(found.spread, 1.0):.4g}")  # of the logarithm of zeta
+    head = f"# From {source}: zeta {zeta}, exponent of depth {exponent} (95 %).\n"
+    return head + OmegaConf.to_yaml(settings)
