@@ -67,16 +67,15 @@ def run(study: Study) -> None:
 def table(found: Sequence[Audit]) -> Table:
     """Audits for the terminal: changes with the sign of their median."""
     shown = terminal.table(
-        ("effect", *(n.replace("_", " ") for n in FIVE), "tau", "time", "keep"),
+        ("effect", *(n.replace("_", " ") for n in FIVE), "tau", "time"),
         words=("effect",),
         title="change that 95 % of the feet do not exceed (%), + or -: the median's sign; tau: how alike "
-        "both rank the feet, 1 if the same; time: of a walk; keep: whether a change is above the tolerance",
+        "both rank the feet, 1 if the same; time: of a walk",
     )
     for a in found:
         pairs = zip(a.changes, a.shifts, strict=True)
         cells = [
             f"{'+' if shift > 0 else '-'}{percent(change).removesuffix(' %')}" for change, shift in pairs
         ]
-        cells += [f"{a.tau:.2f}", f"x {a.cost:.2f}", "yes" if a.matters else "no"]
-        shown.add_row(a.name.replace("_", " "), *cells)
+        shown.add_row(a.name.replace("_", " "), *cells, f"{a.tau:.2f}", f"x {a.cost:.2f}")
     return shown

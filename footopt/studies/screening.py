@@ -118,13 +118,12 @@ def screening(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> li
 
 def table(found: Sequence[Criterion]) -> Table:
     """The numbers of a scene for the terminal."""
-    words = ("effect", "number", "source", "verdict")
-    shown = terminal.table(("effect", "number", "value", "limit", "source", "verdict"), words)
+    shown = terminal.table(("effect", "number", "value", "limit", "verdict"), ("effect", "number", "verdict"))
     shown.title = "Estimates before the scene is simulated: a number above its limit matters"
     for c in found:
         style = "yellow" if c.verdict == VERDICTS[c.kind][1] else ""
         verdict = Text(f"{c.kind}: {c.verdict}", style=style)
-        shown.add_row(c.name, c.number, f"{c.value:.2g}", f"{c.threshold:g}", c.source, verdict)
+        shown.add_row(c.name, c.number, f"{c.value:.2g}", f"{c.threshold:g}", verdict)
     return shown
 
 

@@ -98,6 +98,5 @@ def cells(c: Comparison, titles: Mapping[str, str]) -> list[str]:
     """A comparison in tables: rms and mean of E, and 2 u, as parts of the scale."""
     size, bias, band = (100.0 * value / c.scale for value in (c.size, c.bias, c.band))
     scale = f"{number(c.scale)} {c.unit}".removesuffix(" 1")
-    verdict = f"differs by {size:.0f} %" if c.verdict == DIFFERS else c.verdict
-    parts = [scale, f"{size:.0f} %", f"{bias:+.0f} %", f"{band:.0f} %", verdict]
-    return [titles[c.experiment], c.quantity, law_name(c.law), *parts]
+    shares = [f"{size:.0f} %", f"{bias:+.0f} %", f"{band:.0f} %"]
+    return [titles[c.experiment], c.quantity, law_name(c.law), scale, *shares, c.verdict]
