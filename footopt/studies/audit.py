@@ -140,7 +140,7 @@ def audit(
 def relative_changes(without: Table, with_: Table) -> Array:
     """Relative changes of `FIVE` for the feet that have all of them in both tables, (feet, FIVE)."""
     with np.errstate(divide="ignore", invalid="ignore"):  # a walker that never brakes loses no speed
-        change = with_.values / without.values - 1.0
+        change = np.where(with_.values == without.values, 0.0, with_.values / without.values - 1.0)
     return np.asarray(change[np.isfinite(change).all(axis=1)])
 
 
