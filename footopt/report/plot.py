@@ -21,7 +21,7 @@ from footopt.report.figures.gait import draw_angles, draw_path
 from footopt.report.figures.sand import draw_stress
 from footopt.report.figures.search import FRONT, draw_convergence, draw_pair, history_label
 from footopt.report.figures.traces import QUANTITIES, draw_quantity
-from footopt.report.stage import draw_scene, draw_walk
+from footopt.report.stage import draw_walk
 from footopt.report.style import COLUMN, PAGE, Axes, fit_height, new_figure, png, styled
 from footopt.report.terminal import describe_scene
 from footopt.walk import Scene
@@ -83,7 +83,7 @@ class Panel(PlainAxes):
 @styled()
 def picture(thing: object, mosaic: list[list[str]]) -> Figure:
     """A figure of an object's drawings by name, as in `matplotlib.figure.Figure.subplot_mosaic`."""
-    wide, found = len(mosaic[-1]) > 1 or mosaic[0][0] in WIDE, drawings(thing)
+    wide, found = len(mosaic[-1]) > 1 or mosaic[0][0] == "walk", drawings(thing)
     figure = new_figure(PAGE if wide else COLUMN, HEIGHT * len(mosaic))
     panels: dict[str, Axes] = figure.subplot_mosaic(mosaic, subplot_kw={"axes_class": Panel})
     for name, axes in panels.items():
@@ -127,12 +127,11 @@ DRAWINGS: dict[str, Drawings] = {
     "Foot": {"foot": draw_contour},
     "Gait": {"angles": draw_angles, "path": draw_path},
     "Sand": {name: partial(draw_stress, component=name) for name in ("alpha_z", "alpha_x")},
-    "Scene": {"scene": draw_scene},
+    "Scene": {"sand": lambda axes, scene: draw_stress(axes, scene.sand)},
     "SearchResult": {"front": _draw_front, "convergence": _draw_history},
     "Table": {"table": lambda axes, table: draw_pair(axes, {"designs": table.values}, table.names)},
     "Walk": {"walk": draw_walk, **{name: partial(draw_quantity, name=name) for name in QUANTITIES}},
 }
-WIDE = ("walk", "scene")  # drawings that need the width of a page
 #: Drawings on a card that shows more than the default one.
 CARDS = {
     "Gait": [["angles", "path"]],

@@ -174,7 +174,7 @@ class Stage:
             draw_leg(axes, foot, self.body.legs[i, foot], **leg)
             sole = self.body.sole[i, foot].T
             axes.plot(*sole, color=colour, lw=1.9, zorder=order + 0.3, label=f"_{side}-sole")
-        draw_hip(axes, self.body.hip[i])
+        axes.plot(*self.body.hip[i], "o", color=PALETTE["ink"], ms=9.0, mew=0, zorder=3.0, label="_hip")
         shown = self.forces if close else self.forces.resultant()
         at, force = (part[i, list(feet)].reshape(-1, 2) for part in shown)
         pushed = np.any(force != 0.0, axis=1)
@@ -213,11 +213,6 @@ def draw_leg(axes: Axes, foot: int, joints: Array, label: bool = False) -> None:
     looks = {"lw": 3.0, "alpha": 0.75, "solid_capstyle": "round", "solid_joinstyle": "round"}
     axes.plot(*joints.T, color=colour, zorder=order, label=name, **looks)
     axes.plot(*joints[1:].T, "o", color=PALETTE["ink"], ms=4.5, mew=0, zorder=order + 0.1, label="_joints")
-
-
-def draw_hip(axes: Axes, place: ArrayLike, label: str = "_hip") -> None:
-    """Draw the hip, where the COM is."""
-    axes.plot(*np.asarray(place, float), "o", color=PALETTE["ink"], ms=9.0, mew=0, zorder=3.0, label=label)
 
 
 def draw_arrows(
@@ -263,24 +258,6 @@ def draw_walk(axes: Axes, walk: Walk) -> None:
     axes.set_title(
         style.walk_label(f"{title(walk.foot.name)} on {sand_title(walk.scene.sand)}{step}", walk), loc="left"
     )
-
-
-def draw_scene(axes: Axes, scene: Scene) -> None:
-    """The walker as it stands before the first step, and the ground that it will walk on."""
-    joints = legs(scene, [0.0], np.zeros((1, 2)))[0]
-    joints = joints - [0.0, joints[..., 1].min()]
-    height = float(joints[..., 1].max())
-    deep = [effect.depths[-1] for effect in scene.effects if isinstance(effect, Layers)]
-    far = [end for effect in scene.effects if isinstance(effect, Patches) for end in effect.ends]
-    right = max([1.7 * height, *(end + 0.15 for end in far)])
-    low = -max([0.2 * height, *(2.0 * d for d in deep)])
-    axes.set(xlabel="$x$ (m)", ylabel="$z$ (m)", aspect="equal")
-    axes.set(xlim=(-0.5 * height, right), ylim=(low, 1.12 * height))
-    axes.set_title(f"{style.as_text(scene.sand.name)} sand ($\\zeta$ = {scene.sand.zeta:g})", loc="left")
-    draw_ground(axes, ground(scene))
-    for foot, leg in enumerate(joints):
-        draw_leg(axes, foot, leg, label=True)
-    draw_hip(axes, (0.0, height), f"COM, {scene.walker.mass:g} kg")
 
 
 def round_down(value: float) -> float:
