@@ -17,7 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.effects import EFFECTS
+from footopt.sand import Sand
 from footopt.studies.validation import rig
+from footopt.walk import Scene
 
 Array = NDArray[np.float64]
 
@@ -109,12 +111,13 @@ class Experiment:
         """Repeat it under a law: the names of the effects that are on."""
         content, setup, inputs = self.content, self.content.get("setup", {}), self.content.get("inputs", {})
         own = content.get("effects", {})
-        effects = [EFFECTS[name](**own.get(name, {})) for name in law]
+        effects = tuple(EFFECTS[name](**own.get(name, {})) for name in law)
 
         def run(fine: bool = False, changed: str = "", end: str = "value") -> dict[str, Any]:
             given = {name: np.asarray(part[end if name == changed else "value"], float)
                      for name, part in inputs.items()}  # fmt: skip
-            return rig.RIGS[content["rig"]](setup, given, effects, fine)
+            scene = Scene(Sand(zeta=float(given.get("zeta", 1.0))), effects=effects)
+            return rig.RIGS[content["rig"]](setup, given, scene, fine)
 
         coarse, fine = run(), run(fine=True)
         spans = [(run(changed=name, end="low"), run(changed=name, end="high")) for name in inputs]

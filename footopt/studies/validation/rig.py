@@ -1,19 +1,19 @@
 """The rigs that repeat experiments: bodies pushed quasi-statically through the sand of the walk.
 
-Every rig takes an experiment's set-up, its inputs and the effects that are on, and returns the prediction of
-each quantity at M points or at all of them, in SI units. Law, effects and plates are the walk's.
+Every rig takes an experiment's set-up, its inputs and a scene with its sand and effects, and returns the
+prediction of each quantity at M points or at all of them, in SI units. Plates and law are those of the walk.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.effects import Effect, Inertia, reshaping
+from footopt.effects import Inertia, reshaping
 from footopt.foot import Foot, Plates
 from footopt.gait.gait import Pose
 from footopt.mujoco.intrusion import material_constant
@@ -24,7 +24,6 @@ from footopt.walk.plates import plate_states
 
 Array = NDArray[np.float64]
 Values = Mapping[str, Any]
-Effects = Sequence[Effect]
 #: Force on a level body, (M, 2), N, by the heights of its origin (M,), m, the velocity of the origin (M, 2),
 #: m/s, and the counter-clockwise rate (M,), rad/s; the last two may be the same for all.
 Body = Callable[[Array, ArrayLike, ArrayLike], Array]
@@ -33,11 +32,6 @@ CREEP = 1e-6  # m/s, of bodies that move at about 1 m/s
 BISECTIONS = 50
 FIRM = 1e3  # zeta of firm ground
 DOWN, ALONG = (0.0, -1.0), (1.0, 0.0)
-
-
-def scene_of(zeta: float, effects: Effects) -> Scene:
-    """Return a scene with the generic map, scaled, and some effects."""
-    return Scene(sand=Sand(zeta=float(zeta), name="rig"), effects=tuple(effects))
 
 
 def body(foot: Foot, scene: Scene, plates: int) -> Body:
@@ -76,7 +70,7 @@ def flat(length: float, width: float) -> Foot:
     return Foot(np.array([[-0.5 * length, 0.0], [0.5 * length, 0.0]]), width)
 
 
-def wheel(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Array]:
+def wheel(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Array]:
     """A rigid wheel at given slips under given loads: its sinkage and its drawbar pull.
 
     Slip is (rim speed - speed) / the larger of both: -1 is a locked wheel that is dragged.
@@ -85,15 +79,15 @@ def wheel(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[s
     speed, rim = np.where(slip > 0.0, 1.0 - slip, 1.0), np.where(slip > 0.0, 1.0, 1.0 + slip)
     foot = Foot.shape("circle", length=np.pi * radius, width=setup["width"])
     velocity = np.stack([speed, np.zeros_like(speed)], axis=-1)
-    scene, load = scene_of(inputs["zeta"], effects), np.asarray(setup["load"], float)
+    load = np.asarray(setup["load"], float)
     sinkage, force = balanced(foot, scene, 1600 if fine else 400, load, velocity, -rim / radius, radius)
     return {"sinkage": sinkage, "drawbar": force[:, 0]}
 
 
-def pad(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Any]:
+def pad(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Any]:
     """A level pad with blades that is dragged along under a load: the gain in traction by the blades."""
     length, width, plates = setup["length"], setup["width"], 3200 if fine else 800
-    scene, load = scene_of(inputs["zeta"], effects), np.array([float(inputs["load"])])
+    load = np.array([float(inputs["load"])])
     bladed = Foot(blades(length, round(float(inputs["blades"])), setup["height"], setup["thickness"]), width)
     with_, without = (balanced(foot, scene, plates, load, ALONG, 0.0, 1.0)[1][0, 0]
                       for foot in (bladed, flat(length, width)))  # fmt: skip
@@ -109,14 +103,13 @@ def blades(length: float, count: int, height: float, thickness: float) -> Array:
     return np.array(points)
 
 
-def plate(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Array]:
+def plate(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Array]:
     """Stress per depth on small plates at all angles of a table, for each direction of motion."""
     beta, gamma = angles(setup)
     velocity = np.stack([np.cos(gamma), -np.sin(gamma)], axis=-1)
     level = Plates(*np.array([0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0])[:, None, None])  # of 1 m^2
     none, down = np.zeros((len(beta), 1)), np.broadcast_to(np.array(DOWN), velocity.shape)
     pose = Pose(none, none, none, none, beta[:, None], none)
-    scene = scene_of(inputs["zeta"], effects)
     # at a depth of 1 m: stress per metre
     force = plate_states(level, pose, down, velocity, scene, CREEP).total[:, 0]
     return {"alpha_x": -force[:, 0], "alpha_z": force[:, 1]}
@@ -160,38 +153,38 @@ def three_dimensional(coefficients: Array, beta: Array, gamma: Array) -> Array:
     return np.stack([-(f1 * np.sin(beta) + f2 * np.cos(gamma)), -(f1 * b + f2 * a + f3)])
 
 
-def growth(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Any]:
+def growth(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Any]:
     """Exponent with which the force on a level plate grows with its depth."""
     depth = np.geomspace(setup["depths"][0], setup["depths"][1], 40 if fine else 20)
-    force = body(flat(setup["size"], setup["size"]), scene_of(inputs["zeta"], effects), 8)(-depth, DOWN, 0.0)
+    force = body(flat(setup["size"], setup["size"]), scene, 8)(-depth, DOWN, 0.0)
     return {"exponent": np.polyfit(np.log(depth), np.log(force[:, 1]), 1)[0]}
 
 
-def extraction(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Any]:
+def extraction(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Any]:
     """Resistance of a level plate that is pulled up, over that of one that is pushed down."""
-    push, pull = plate({"beta": [0.0], "gamma": [90.0, -90.0]}, inputs, effects, fine)["alpha_z"]
+    push, pull = plate({"beta": [0.0], "gamma": [90.0, -90.0]}, inputs, scene, fine)["alpha_z"]
     return {"pull over push": abs(pull) / push}
 
 
-def friction(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Array]:
+def friction(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Array]:
     """zeta from density and angle of friction: 3D-RFT's material constant times alpha_z of a level plate."""
     scale = material_constant(inputs["density"], np.tan(np.radians(inputs["angle"])))
     return {"zeta": scale * setup["level"] / float(alpha(0.0, np.pi / 2)[1])}
 
 
-def drag(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Any]:
+def drag(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Any]:
     """The additional drag on an upright plate at a high speed against a low one, over rho A v^2."""
     size, (low, high) = setup["size"], setup["speeds"]
     upright = Foot(np.array([[0.0, -0.5], [0.0, 0.5]]) * size, size)
-    density = next(effect.rho for effect in effects if isinstance(effect, Inertia))
-    force = body(upright, scene_of(inputs["zeta"], effects), 8)
+    density = next(effect.rho for effect in scene.effects if isinstance(effect, Inertia))
+    force = body(upright, scene, 8)
     slow, fast = -force(np.full(2, -setup["depth"]), [(low, 0.0), (high, 0.0)], 0.0)[:, 0]
     return {"inertia factor": (fast - slow) / (density * size**2 * (high**2 - low**2))}
 
 
-def rod(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Array]:
+def rod(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Array]:
     """Powers with which the drag of an upright plate grows with its width, its depth and its speed."""
-    scene, plates = scene_of(inputs["zeta"], effects), 400 if fine else 100
+    plates = 400 if fine else 100
 
     def drag_of(doubled: str) -> float:
         width, depth, speed = (
@@ -204,9 +197,9 @@ def rod(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str
     return {"power of the drag": np.array([np.log2(drag_of(name) / once) for name in setup["doubled"]])}
 
 
-def walker(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[str, Any]:
+def walker(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Any]:
     """A person's weight on flat soles: forces on the ground, work on the sand, speed against firm ground."""
-    scene, accuracy = scene_of(inputs["zeta"], effects), "fine" if fine else "standard"
+    accuracy = "fine" if fine else "standard"
     walk, firm = (simulate(Foot.flat(), s, accuracy) for s in (scene, replace(scene, sand=Sand(zeta=FIRM))))
     force = walk.force[walk.t >= scene.gait.heel_strike, :, 1] / scene.walker.weight
     found = walk.objectives
@@ -219,6 +212,6 @@ def walker(setup: Values, inputs: Values, effects: Effects, fine: bool) -> dict[
     }
 
 
-RIGS: dict[str, Callable[[Values, Values, Effects, bool], dict[str, Any]]] = {
+RIGS: dict[str, Callable[[Values, Values, Scene, bool], dict[str, Any]]] = {
     each.__name__: each for each in (wheel, pad, plate, growth, extraction, friction, drag, rod, walker)
 }
