@@ -136,25 +136,16 @@ class Foot:
     @cached_property
     def arc_and_turns(self) -> tuple[Array, Array]:
         """Arc length (m) and turn (rad) of the contour at its points, each (m,)."""
-        arc, turns = arc_and_turns(self.contour)
-        return arc, turns
+        return arc_and_turns(self.contour)  # type: ignore[no-any-return]
 
     def points(self, steps: int, parts: int = 1) -> Array:
         """Points at equal steps along the sole's arc, (steps parts + 1, 2), m; a step ends at each corner."""
-        if self.space is not None and self.k is not None:
-            found: Array = self.space.points(self.k, steps * parts)[0]
-        else:
-            found = along_arc(self.contour, *self.arc_and_turns, steps, parts)
-        return found
+        return np.asarray(points_of([self], steps, parts)[0])
 
     def plates(
-        self,
-        plates: int,
-        rule: str = "arc",
-        directed: bool = False,
-        fill: Fill | None = None,
+        self, plates: int, rule: str = "arc", directed: bool = False, fill: Fill | None = None
     ) -> Plates:
-        """Cut the sole into plates, (1, plates); see `Plates.from_points`."""
+        """Cut the sole into plates, (1, plates); see `as_plates`."""
         return as_plates([self], plates, rule, None, directed, fill)
 
     @property
@@ -170,13 +161,12 @@ class Foot:
 
 def points_of(feet: Sequence[Foot], steps: int, parts: int = 1) -> Array:
     """`Foot.points` of some feet, (feet, steps parts + 1, 2), m; those of one space at once."""
-    space, k = feet[0].space, [foot.k for foot in feet if foot.k is not None]
-    if space is not None and len(k) == len(feet) and all(foot.space == space for foot in feet):
-        return space.points(k, steps * parts)
-    points = np.empty((len(feet), steps * parts + 1, 2))
-    for foot, own in zip(feet, points, strict=True):
-        own[:] = foot.points(steps, parts)
-    return points
+    space, k = feet[0].space, [foot.k for foot in feet]
+    if space is not None and None not in k and all(foot.space == space for foot in feet):
+        return space.points(k, steps * parts)  # type: ignore[arg-type]
+    if len(feet) > 1:
+        return np.concatenate([points_of([foot], steps, parts) for foot in feet])
+    return along_arc(feet[0].contour, *feet[0].arc_and_turns, steps, parts)[None]  # type: ignore[no-any-return]
 
 
 def as_feet(feet: Any) -> Any:
@@ -207,25 +197,21 @@ def as_plates(
 ) -> Plates:
     """The plates of feet, of plates (as they are), or of waypoint heights (designs, n) in `space`.
 
-    Raises
-    ------
-    SettingError
-        There are feet and other things among `feet`, or open and closed feet.
+    `fill` changes the soles before they are cut, as an effect does (`footopt.effects.reshaping`); the rest is
+    as of `Plates.from_points`. Raises `SettingError` if there are feet and other things among `feet`, or open
+    and closed ones.
     """
     feet = as_feet(feet)
     if isinstance(feet, Plates):
         return feet
-    parts = RULES[rule]
-    bodies: Sequence[Foot | Waypoints]
+    bodies: Sequence[Foot | Waypoints] = feet
     if isinstance(feet[0], Foot):
-        bodies = feet
-        closed = {foot.closed for foot in feet}
-        check(len(closed) == 1, "foot.closed", "both in one batch", "the same for all feet of a batch")
-        points = points_of(feet, plates, parts)
+        same = len({foot.closed for foot in feet}) == 1
+        check(same, "foot.closed", "both in one batch", "the same for all feet of a batch")
+        points = points_of(feet, plates, RULES[rule])
     else:
-        heights = np.atleast_2d(feet)
-        space = space or Waypoints(n=heights.shape[-1])
-        points = space.points(heights, plates * parts)
-        bodies = [space]
+        bodies = [space or Waypoints(n=feet.shape[1])]
+        points = bodies[0].points(feet, plates * RULES[rule])
     ankle, width, top = (np.array([getattr(b, n) for b in bodies], float) for n in ("ankle", "width", "top"))
-    return Plates.from_points(points, ankle, width, rule, directed, top if bodies[0].closed else None, fill)
+    points = points if fill is None else fill(points)
+    return Plates.from_points(points, ankle, width, rule, directed, top if bodies[0].closed else None)

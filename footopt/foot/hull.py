@@ -22,16 +22,13 @@ def lower_hull(contour: Array) -> tuple[Array, float, float, float]:
             hull.pop()
         hull.append(p)
     corners = np.array(hull)
-    left, right = corners[0, 0], corners[-1, 0]
-    margin = 1e-9 * (right - left)
-    inner = contour[(contour[:, 0] > left + margin) & (contour[:, 0] < right - margin)]
-    # a vertical side at an end is part of the chain, but has no inside
-    flat = corners[np.concatenate([[True], np.diff(corners[:, 0]) > 0.0])]
-    if len(inner) == 0:  # nothing between the ends but the straight hull itself
-        inner = flat.mean(axis=0, keepdims=True)
-    floor = np.interp(inner[:, 0], flat[:, 0], flat[:, 1])
-    i = int(np.argmax(inner[:, 1] - floor))
-    return flat, float(inner[i, 0]), float(floor[i]), float(inner[i, 1])
+    corners = corners[np.append(True, np.diff(corners[:, 0]) > 0.0)]  # not up a vertical side at the toe
+    (left, _), (right, _) = corners[0], corners[-1]
+    x, z = contour.T
+    floor, margin = np.interp(x, *corners.T), 1e-9 * (right - left)
+    gap = np.where((x > left + margin) & (x < right - margin), z - floor, 0.0)  # sides have no inside
+    i = int(np.argmax(gap))
+    return corners, float(x[i]), float(floor[i]), float(floor[i] + gap[i])
 
 
 def hollow(contour: Array) -> float:
@@ -41,4 +38,4 @@ def hollow(contour: Array) -> float:
     the contour's vertical sides do not count.
     """
     _, _, low, high = lower_hull(contour)
-    return max(high - low, 0.0)
+    return high - low

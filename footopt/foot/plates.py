@@ -13,7 +13,6 @@ from footopt.compiled import cached_njit
 Array = NDArray[np.float64]
 Fill = Callable[[Array], Array]  # what an effect makes of soles (designs, points, 2), m
 
-
 #: How plates are laid on a contour; each name's number of chords that a plate averages over.
 #: "chord": a plate is the chord between neighbours, as in the paper. "arc": a plate has the mean
 #: place and the mean direction of its piece of the contour. The law is linear in depth and in
@@ -24,34 +23,20 @@ CORNER = 0.3  # rad: chords that stand for a curve turn by less
 
 
 class Plates(NamedTuple):
-    """The plates of a batch of feet: arrays of shape (designs, plates).
+    """The plates of a batch of feet: arrays of shape (designs, plates), but for `span`.
 
-    Parameters
-    ----------
-    x, z : (designs, plates), m
-        Places in the foot frame, from the ankle.
-    c2, s2 : (designs, plates)
-        Cosine and sine of twice the plate's angle, or their means: all that the stress law needs of it.
-    area : (designs, plates), m^2
-        Width times length.
-    tx, tz : (designs, plates), optional
-        The plate's direction along the contour, a unit vector; its outward normal is (t_z, -t_x). None
-        where nothing asks for it.
-    turn : (designs, plates), rad, optional
-        How much the contour turns within a plate, given with ``tx`` and ``tz``; 0 for chords.
-    span : (designs,), m, optional
-        Length along the sole for which a plate stands; None for chords, which stand for themselves.
+    tx, tz and turn are None where nothing asks for them.
     """
 
-    x: Array
-    z: Array
-    c2: Array
-    s2: Array
-    area: Array
-    tx: Array | None = None
+    x: Array  # m, in the foot frame from the ankle
+    z: Array  # m
+    c2: Array  # cosine of twice the plate's angle, or its mean ...
+    s2: Array  # ... and its sine: all that the stress law needs of the angle
+    area: Array  # m^2
+    tx: Array | None = None  # along the contour, a unit vector; (t_z, -t_x) is its outward normal
     tz: Array | None = None
-    turn: Array | None = None
-    span: Array | None = None
+    turn: Array | None = None  # rad, of the contour within a plate; 0 for chords
+    span: Array | None = None  # (designs,), m, for which a plate stands; None for chords
 
     @classmethod
     def from_points(
@@ -62,41 +47,30 @@ class Plates(NamedTuple):
         rule: str = "arc",
         directed: bool = False,
         top: Array | None = None,
-        fill: Fill | None = None,
     ) -> Plates:
-        """Cut contours into plates.
+        """Cut soles into plates, and then, with a `top` (designs,), m, what closes them (see `cap`).
 
         Parameters
         ----------
         points : (designs, plates * RULES[rule] + 1, 2), m
             At equal steps along the arc, from heel to toe with the sand below.
-        ankle : (designs, 2), m
-            In the foot frame.
-        width : (designs,), m
+        ankle, width : (designs, 2) and (designs,), m
             Of the feet.
         rule : str
             A name in `RULES`.
         directed : bool
             Whether ``tx``, ``tz`` and ``turn`` are wanted.
         top : (designs,), m, optional
-            z_p of a flat top that closes each contour with vertical sides (see `cap`).
-        fill : callable, optional
-            Changes the points before they are cut, as an effect does (`footopt.effects.reshaping`).
-
-        Returns
-        -------
-        plates : Plates
-            Those of the sole, then those of the sides and the top.
+            z_p of a flat top.
         """
-        points = points if fill is None else fill(points)
         sole = cls._along(points, ankle, width, RULES[rule], directed)
         span = None if RULES[rule] == 1 else sole.area.mean(axis=1) / width
         if top is None:
             return sole._replace(span=span)
         rest = cls._along(cap(points, top, sole.x.shape[1]), ankle, width, 1, directed)
-        pairs = zip(cls._fields, sole, rest, strict=True)
-        both = {n: np.concatenate([a, b], axis=-1) for n, a, b in pairs if a is not None and b is not None}
-        return cls(**both)._replace(span=span)
+        pairs = zip(sole, rest, strict=True)
+        both = (None if a is None or b is None else np.concatenate([a, b], axis=-1) for a, b in pairs)
+        return cls(*both)._replace(span=span)  # type: ignore[arg-type]
 
     @classmethod
     def _along(cls, points: Array, ankle: Array, width: Array, parts: int, directed: bool) -> Plates:
@@ -107,8 +81,7 @@ class Plates(NamedTuple):
 
     def take(self, index: slice | NDArray[np.int64]) -> Plates:
         """The plates of some of the designs."""
-        given = {name: column for name, column in self._asdict().items() if column is not None}
-        return Plates(**{name: np.ascontiguousarray(column[index]) for name, column in given.items()})
+        return Plates(*(None if c is None else np.ascontiguousarray(c[index]) for c in self))  # type: ignore[arg-type]
 
 
 @cached_njit(nogil=True, error_model="numpy")

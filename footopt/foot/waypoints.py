@@ -91,23 +91,14 @@ class Waypoints:
         try:
             given = np.atleast_2d(np.asarray(k, float))
         except (TypeError, ValueError):  # words, or rows of different lengths
-            raise SettingError("foot.k", k, f"whole numbers from 1 to {self.K}, {self.n} a design") from None
-        if given.ndim != 2 or given.shape[1] != self.n:
-            raise SettingError(
-                "foot.k",
-                np.asarray(k).tolist(),
-                f"{self.n} heights a design (foot.n = {self.n})",
-                f"These are {given.shape[-1]}: give {self.n} of 1 to {self.K}, or change foot.n.",
-            )
+            given = np.empty((0, 0))
+        allowed = f"{self.n} whole numbers (foot.n) from 1 to {self.K} a design"
+        check(given.ndim == 2 and given.shape[1] == self.n, "foot.k", k, allowed)
         bad = ~((given >= 1) & (given <= self.K) & (given == np.round(given)))
         if bad.any():
             row, column = map(int, np.argwhere(bad)[0])
-            raise SettingError(
-                f"foot.k[{column}]",
-                given[row, column].item(),
-                f"a whole number from 1 to K = {self.K}",
-                "Raise foot.K for a finer grid.",
-            )
+            allowed, hint = f"a whole number from 1 to K = {self.K}", "Raise foot.K for a finer grid."
+            raise SettingError(f"foot.k[{column}]", given[row, column].item(), allowed, hint)
         return given.astype(np.int64)
 
     def heights(self, k: ArrayLike) -> Array:
@@ -117,9 +108,9 @@ class Waypoints:
     def contour(self, k: ArrayLike) -> Array:
         """The soles as dense polylines from heel to toe, (designs, (n-1) FINE + 1, 2), m."""
         z = self.heights(k)
-        u = _fine(self.n)
-        x = -self.L + 2.0 * self.L * u / (self.n - 1)
-        return np.stack([np.broadcast_to(x, (len(z), len(u))), fine_heights(z, _slopes(z))], axis=-1)
+        x = -self.L + 2.0 * self.L * (np.arange((self.n - 1) * FINE + 1) / FINE) / (self.n - 1)
+        along = zip(z, _slopes(z), strict=True)
+        return np.array([np.stack([x, fine_heights(*spline)], axis=-1) for spline in along])
 
     def points(self, k: ArrayLike, steps: int) -> Array:
         """Points on the spline at equal steps along its arc, (designs, steps + 1, 2), m."""
@@ -139,37 +130,21 @@ class Waypoints:
         return np.asarray(self.box_violation(k) <= self.box_tolerance * self.H)
 
     def random(self, designs: int, seed: int, inside: bool = False) -> Ints:
-        """Draw designs at random, (designs, n).
+        """Random designs, (designs, n): of a seed always the same, of those `inside` the box if asked for.
 
-        Parameters
-        ----------
-        designs : int
-            How many.
-        seed : int
-            The same seed gives the same designs.
-        inside : bool
-            Whether all respect the box.
-
-        Raises
-        ------
-        SettingError
-            Hardly any random sole respects the box.
+        Raises `SettingError` if hardly any random sole respects the box.
         """
-        rng = np.random.default_rng(seed)
+        rng, kept = np.random.default_rng(seed), np.empty((0, self.n), np.int64)
         if not inside:
             return rng.integers(1, self.K + 1, (designs, self.n))
-        kept = np.empty((0, self.n), np.int64)
         for _ in range(1000):
             k = rng.integers(1, self.K + 1, (max(designs, 64), self.n))
             kept = np.concatenate([kept, k[self.inside(k)]])
             if len(kept) >= designs:
                 return kept[:designs]
-        raise SettingError(
-            "foot.box_tolerance",
-            self.box_tolerance,
-            "large enough that random soles are found inside the box",
-            f"With foot.n={self.n} and foot.K={self.K} hardly any is.",
-        )
+        allowed = "large enough that random soles are found inside the box"
+        hint = f"With foot.n={self.n} and foot.K={self.K} hardly any is."
+        raise SettingError("foot.box_tolerance", self.box_tolerance, allowed, hint)
 
 
 def written(k: ArrayLike) -> str:
@@ -195,29 +170,21 @@ def check_worn(width: float, ankle: tuple[float, float], top: float) -> None:
 
 
 @lru_cache
-def _fine(n: int) -> Array:
-    return np.arange((n - 1) * FINE + 1) / FINE
-
-
-@lru_cache
 def slope_matrix(n: int) -> Array:
     """Slopes of the not-a-knot spline at its knots, from the values: dz/du = matrix @ z.
 
     To the bit those of scipy's CubicSpline, whose import takes longer than 3,000 walks.
     """
+    from scipy.linalg import solve_banded
+
     rise = np.diff(np.eye(n), axis=0)  # of each piece, from the values
     ends = np.array([5.0 * rise[0] + rise[1], rise[-2] + 5.0 * rise[-1]]) / 2.0
-    slopes = np.vstack([ends[:1], 3.0 * (rise[:-1] + rise[1:]), ends[1:]])
-    # s0 + 2 s1, s[i-1] + 4 s[i] + s[i+1], and 2 s[n-2] + s[n-1] are these: down the rows, and up again
-    below, above = np.append(np.ones(n - 2), 2.0), np.append(2.0, np.ones(n - 2))
-    diagonal = np.array([1.0, *[4.0] * (n - 2), 1.0])
-    for i in range(1, n):
-        factor = below[i - 1] / diagonal[i - 1]
-        diagonal[i] -= factor * above[i - 1]
-        slopes[i] -= factor * slopes[i - 1]
-    slopes[-1] /= diagonal[-1]
-    for i in range(n - 2, -1, -1):
-        slopes[i] = (slopes[i] - above[i] * slopes[i + 1]) / diagonal[i]
+    right = np.vstack([ends[:1], 3.0 * (rise[:-1] + rise[1:]), ends[1:]])
+    # s0 + 2 s1, s[i-1] + 4 s[i] + s[i+1], and 2 s[n-2] + s[n-1] are these
+    bands = np.array(
+        [[0.0, 2.0, *[1.0] * (n - 2)], [1.0, *[4.0] * (n - 2), 1.0], [*[1.0] * (n - 2), 2.0, 0.0]]
+    )
+    slopes: Array = solve_banded((1, 1), bands, right)
     before, bend = slopes[-2], slopes[-2] + slopes[-1] - 2.0 * rise[-1]
     slopes[-1] = before + 2.0 * (rise[-1] - before - bend) + 3.0 * bend  # at the end of the last piece
     return slopes
@@ -247,30 +214,22 @@ def _height(piece, s):
 
 @cached_njit(nogil=True, error_model="numpy")
 def fine_heights(z, slopes):
-    """The splines (designs, n), m, at `FINE` steps a piece, (designs, (n-1) FINE + 1), m."""
-    designs, n = z.shape
-    out = np.empty((designs, (n - 1) * FINE + 1))
-    for d in range(designs):
-        for i in range(n - 1):
-            piece = _piece(z[d], slopes[d], i)
-            for j in range(FINE + 1):  # a piece's last point is the next one's first
-                out[d, i * FINE + j] = _height(piece, j / FINE)
+    """A spline (n,), m, at `FINE` steps a piece, ((n-1) FINE + 1,), m."""
+    out = np.empty((len(z) - 1) * FINE + 1)
+    for i in range(len(z) - 1):
+        piece = _piece(z, slopes, i)
+        for j in range(FINE + 1):  # a piece's last point is the next one's first
+            out[i * FINE + j] = _height(piece, j / FINE)
     return out
 
 
-@cached_njit(nogil=True, error_model="numpy", fastmath={"nnan", "nsz"})
+@cached_njit(nogil=True, error_model="numpy")
 def extremes(z, slopes):
-    """Least and largest of `fine_heights`, (2, designs), m."""
-    designs, n = z.shape
-    out = np.empty((2, designs))
-    for d in range(designs):
-        low, high = np.inf, -np.inf
-        for i in range(n - 1):
-            piece = _piece(z[d], slopes[d], i)
-            for j in range(FINE + 1 if i == n - 2 else FINE):
-                value = _height(piece, j / FINE)
-                low, high = min(low, value), max(high, value)
-        out[0, d], out[1, d] = low, high
+    """Least and largest of `fine_heights` of splines (designs, n), (2, designs), m."""
+    out = np.empty((2, len(z)))
+    for d in range(len(z)):
+        heights = fine_heights(z[d], slopes[d])
+        out[0, d], out[1, d] = heights.min(), heights.max()
     return out
 
 

@@ -268,7 +268,7 @@ class TestFoot:
             ([1] * 10 + [11], r"foot\.k\[10\] = 11\.0: must be .* Raise foot\.K"),
             ([1, 2, 2.5, 3], r"foot\.k\[2\] = 2\.5: must be a whole number"),
             ([1, 2, math.nan, 3], r"foot\.k\[2\] = nan: must be a whole number"),
-            ([1, 2, "x", 3], r"foot\.k = .*must be whole numbers from 1 to 10"),
+            ([1, 2, "x", 3], r"foot\.k = .*must be 4 whole numbers"),
             ([1, 2, 3], r"foot\.n = 3: must be a whole number from 4 to 200.*needs four points"),
             ([], r"foot\.n = 0"),
             (3, r"foot\.k = 3: must be one design"),
