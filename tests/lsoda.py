@@ -5,7 +5,20 @@ from scipy.integrate import solve_ivp
 
 from footopt.effects import base as effects
 from footopt.effects import laws, reshaping
-from footopt.sand.law import by_angles
+from footopt.sand import alpha
+
+
+def by_angles(beta, velocity, creep, stress_map):
+    """Stress per depth on plates with angles beta (rad) that move, (..., 2), N/m^3, smoothed by creep.
+
+    What depends on gamma changes its sign with the direction of motion and the rest does not.
+    """
+    vx, vz = velocity[..., 0], velocity[..., 1]
+    gamma, speed = np.arctan2(-vz, vx), np.hypot(vx, vz)
+    there, back = alpha(beta, gamma, stress_map), alpha(beta, gamma + np.pi, stress_map)
+    share = speed / np.sqrt(np.maximum(speed * speed + creep * creep, 1e-300))
+    ax, az = (0.5 * (t + b) + share * 0.5 * (t - b) for t, b in zip(there, back, strict=True))
+    return np.stack([-ax, az], axis=-1)
 
 
 def plates_by_angles(plates, pose, com, velocity, scene, creep):

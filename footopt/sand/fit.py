@@ -38,13 +38,13 @@ def fit_stress_map(
     Unusable
         There are too few different angles to determine nine coefficients, or no sand can have such stresses.
     """
-    stresses = np.stack([alpha_x, alpha_z])
-    _check_units(beta, gamma, stresses)
     b, g = np.radians(beta), np.radians(gamma)
     terms_x = [np.cos(2 * b + g), np.cos(g), np.cos(-2 * b + g), np.sin(2 * b)]
     terms_z = [np.ones_like(b), np.cos(2 * b), np.sin(2 * b + g), np.sin(g), np.sin(-2 * b + g)]
     (C11, C01, Cm11, D10), error_x = _least_squares(terms_x, alpha_x)
     (A00, A10, B11, B01, Bm11), error_z = _least_squares(terms_z, alpha_z)
+    stresses = np.stack([alpha_x, alpha_z])
+    _check_units(beta, gamma, stresses)
     if max(error_x, error_z) > MISFIT:
         raise Unusable(
             f"no stress map comes near it: the misfit is {100 * error_x:.0f} % of alpha_x and "
@@ -71,20 +71,14 @@ def _least_squares(terms: list[Array], target: Array) -> tuple[list[float], floa
     design = np.stack(terms, axis=1)
     solution, _, rank, _ = np.linalg.lstsq(design, target, rcond=1e-8)
     if rank < design.shape[1]:
-        raise Unusable(
-            f"{len(target)} rows do not determine the nine coefficients; "
-            "give more combinations of beta and gamma."
-        )
-    misfit = float(np.sqrt(np.mean((design @ solution - target) ** 2)))
-    scale = float(np.sqrt(np.mean(target**2)))
+        raise Unusable(f"{len(target)} rows do not determine it: give more combinations of beta and gamma.")
+    misfit, scale = (float(np.sqrt(np.mean(v**2))) for v in (design @ solution - target, target))
     return solution.tolist(), misfit / scale if scale > 0 else misfit
 
 
 def _check_units(beta: Array, gamma: Array, stresses: Array) -> None:
     """Raise unless angles can be degrees and stresses N/cm^3."""
-    b, g, largest = (abs(values).max(initial=0.0) for values in (beta, gamma, stresses))
-    if not len(beta):
-        return
+    b, g, largest = (abs(values).max() for values in (beta, gamma, stresses))
     if b > 180 or g > 360:
         raise Unusable(f"beta reaches {b:.4g} and gamma {g:.4g} deg. Check the columns.")
     if g <= 2 * np.pi:

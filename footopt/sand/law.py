@@ -1,4 +1,4 @@
-"""Resistive force theory (RFT): the stress on one plate, in its readable and in its fast form.
+"""Resistive force theory (RFT): the stress on one plate, in its angles and in its affine form.
 
 A plate with world angle beta (counter-clockwise, rad) that moves in the direction gamma
 (rad, positive downwards: gamma = atan2(-v_z, v_x)) at depth |z| below the surface feels
@@ -6,8 +6,8 @@ A plate with world angle beta (counter-clockwise, rad) that moves in the directi
     f_x = -zeta alpha_x(beta, gamma) |z| dA,    f_z = +zeta alpha_z(beta, gamma) |z| dA
 
 with nine Fourier coefficients (Li, Zhang & Goldman, Science 339, 2013, table S2): the paper's eq. 1.
-`alpha` is that map as published, and `by_angles` the stress that it gives a moving plate; `affine` is the
-same law as the compiled code has it (`footopt.walk.contact.resistance`).
+`alpha` is that map as published; `affine` is the same law as the compiled code has it
+(`footopt.walk.contact.resistance`).
 """
 
 from __future__ import annotations
@@ -71,25 +71,13 @@ class StressMap:
             D10=self.D10,
         )
 
-    @property
-    def sliding_slope(self) -> float:
-        """Slope beyond which a level sole slides for ever, deg; 19.9 for the generic map.
-
-        Its tangent is the drag over the lift of a level plate in level motion. On a slope below it, a
-        walker slides until its foot is deep enough.
-        """
-        law = self.law
-        return float(np.degrees(np.arctan2(law.C01 + law.C_sum, law.A00 + law.A10)))
-
-    def dissipation(self, samples: int = 181) -> float:
+    def dissipation(self) -> float:
         """Smallest alpha_x cos(gamma) + alpha_z sin(gamma) over all angles, N/cm^3.
 
         It is the power that the sand takes per depth, area and speed. A law below zero somewhere gives
         energy to the walker there; the generic map's minimum is 0.054.
         """
-        beta, gamma = np.meshgrid(
-            np.linspace(-np.pi / 2, np.pi / 2, samples), np.linspace(-np.pi, np.pi, 2 * samples - 1)
-        )
+        beta, gamma = np.meshgrid(np.linspace(-np.pi / 2, np.pi / 2, 181), np.linspace(-np.pi, np.pi, 361))
         ax, az = alpha(beta, gamma, self)
         return float(np.min(ax * np.cos(gamma) + az * np.sin(gamma))) / PER_CM3
 
@@ -143,33 +131,6 @@ def alpha(beta: ArrayLike, gamma: ArrayLike, stress_map: StressMap = GENERIC) ->
     )
     ax = m.C11 * np.cos(2 * b + g) + m.C01 * np.cos(g) + m.Cm11 * np.cos(-2 * b + g) + m.D10 * np.sin(2 * b)
     return PER_CM3 * ax, PER_CM3 * az
-
-
-def by_angles(
-    beta: ArrayLike, velocity: Array, creep: float | Array = 0.0, stress_map: StressMap = GENERIC
-) -> Array:
-    """Stress per depth on moving plates by the law in its angles, (*S, 2), N/m^3 (for zeta = 1).
-
-    What depends on gamma changes its sign with the direction of motion and the rest does not. Smoothing
-    scales the former by |v| / sqrt(|v|^2 + creep^2), so that only the rest is felt at rest.
-
-    Parameters
-    ----------
-    beta : array_like of shape S, rad
-        Angles of the plates in the world.
-    velocity : array of shape (*S, 2), m/s
-        Of the plates, in x and z.
-    creep : float, m/s
-        Speed over which the jump at rest is smoothed; 0 for the law as published.
-    stress_map : StressMap
-        The nine coefficients.
-    """
-    vx, vz = velocity[..., 0], velocity[..., 1]
-    gamma, speed = np.arctan2(-vz, vx), np.hypot(vx, vz)
-    there, back = alpha(beta, gamma, stress_map), alpha(beta, gamma + np.pi, stress_map)
-    share = speed / np.sqrt(np.maximum(speed * speed + creep * creep, 1e-300))
-    ax, az = (0.5 * (t + b) + share * 0.5 * (t - b) for t, b in zip(there, back, strict=True))
-    return np.stack([-ax, az], axis=-1)
 
 
 def affine(beta: ArrayLike, stress_map: StressMap = GENERIC) -> tuple[Array, Array]:
