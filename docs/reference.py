@@ -1,6 +1,6 @@
 """The reference of settings: ``python docs/reference.py > docs/reference.md`` writes the page.
 
-What is allowed is what a refusal says: each setting is given values that cannot be.
+Allowed values are read from refusals: each setting is given values that cannot be.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def _study(config: Any) -> None:
         check_measure(config.study.measure, config.study.tail)
 
 
-#: What refuses the settings of a group: it is made of them.
+#: The functions that make something of the settings of a group, and refuse wrong ones.
 MADE: dict[str, Callable[[Any], object]] = {
     "sand": lambda c: build.make_sand(c.sand),
     "gait": lambda c: build.make_gait(c.gait),
@@ -63,7 +63,7 @@ MADE: dict[str, Callable[[Any], object]] = {
 
 
 def allowed(setting: Setting) -> str:
-    """What is allowed, as the refusal of a value that cannot be says it; "" where nothing refuses it."""
+    """The allowed values, as the refusal of a wrong one says them; "" where nothing refuses it."""
     *groups, last = setting.name.split(".")
     for wrong in WRONG if setting.group in MADE and groups else ():
         if isinstance(setting.default, (int, float)) and not isinstance(wrong, (int, float)):

@@ -1,4 +1,4 @@
-"""What the tests of the paper's study share."""
+"""Settings that the tests of the paper's study share."""
 
 from footopt.studies.paper.walks import Settings, changed
 from footopt.studies.settings import Config

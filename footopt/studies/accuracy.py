@@ -45,7 +45,7 @@ CAPTION = (
 
 @dataclass
 class Settings(StudySettings):
-    """What accuracy costs in time in a scene: steppers, time steps, plates and presets."""
+    """The cost of accuracy in a scene: steppers, time steps, plates and presets."""
 
     name: str = "accuracy"
     feet: int = setting(40, FEET_HELP)
@@ -93,7 +93,7 @@ def run(study: Study) -> None:
     study.save("accuracy", work_precision(best_settings(others), presets), CAPTION)
     errors = model_error(simulate(Foot.flat(space), scene, "fine"))
     study.conclude(
-        "What accuracy costs",
+        "The cost of accuracy",
         [],
         {
             "seed": study.seed,

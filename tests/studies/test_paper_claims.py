@@ -91,14 +91,14 @@ class TestReadings:
 
 def cast(evidence, name, subject, others):
     """The evidence with one walk for what a claim is about, and one for all that it is compared with."""
-    figure, who = CLAIMS[name]["place"][:6], name.split("_")[0]
+    figure, whose = CLAIMS[name]["place"][:6], name.split("_")[0]
     if figure == "Fig. 7":
         return replace(evidence, crossed=subject, filled=subject, optima={**evidence.optima, "hard": others})
     mine = {
         "triangle": ["reversed_triangle"],
         "flat": ["rectangle"],
         "ellipse": ["ellipse", "rectangle"],
-    }.get(who, [who])
+    }.get(whose, [whose])
     group = "shapes" if figure == "Fig. 4" else "optima"
     return replace(
         evidence, **{group: {n: subject if n in mine else others for n in getattr(evidence, group)}}
@@ -165,7 +165,7 @@ class TestClaims:
 class TestQuantities:
     def test_mean_drags_add_up_to_the_change_of_momentum(self, walk):
         t, speed = walk.t[walk.t >= 1.1], walk.velocity[walk.t >= 1.1, 0]
-        forth, back = (claims.mean_drag(walk, way) for way in (1, -1))
+        forth, back = (claims.mean_drag(walk, sign) for sign in (1, -1))
         impulse = (forth - back) * (t[-1] - t[0])
         gross = (forth + back) * (t[-1] - t[0])
         assert impulse == pytest.approx(60.0 * (speed[-1] - speed[0]), abs=3e-3 * gross)

@@ -11,7 +11,7 @@ import footopt as fo
 from footopt.effects import EFFECTS
 from footopt.errors import SettingError
 from footopt.studies import build
-from footopt.studies.stability import judge
+from footopt.studies.stability import judge_case
 from footopt.studies.stability_cases import CASES
 from footopt.studies.validation.model import model_error
 from footopt.walk.adapt import adapted
@@ -123,7 +123,7 @@ def test_hard_cases_are_stable_with_effects(effects, case):
     (chosen,) = (c for c in CASES if c.name == case)
     scene = fo.Scene(effects=effects)
     base = (fo.Foot.from_waypoints(K), scene, fo.Accuracy.named("standard"))
-    (verdict,) = judge(chosen, base, ["sdirk2_control"])
+    (verdict,) = judge_case(chosen, base, ["sdirk2_control"])
     assert verdict.stable, verdict.measures
 
 

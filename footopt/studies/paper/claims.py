@@ -1,4 +1,4 @@
-"""What the paper says comes out, and how it is measured: a signed margin, positive where a claim holds.
+"""Measures of the paper's claims: signed margins, positive where a claim holds.
 
 claims.toml has the words of each claim: what its measure computes, and in which unit. A margin is NaN where a
 walk that it needs failed.
@@ -41,14 +41,14 @@ def mean(walk: Walk, trace: Array) -> float:
     return float(np.trapezoid(trace[late], t) / (t[-1] - t[0]))
 
 
-def mean_drag(walk: Walk, way: int) -> float:
+def mean_drag(walk: Walk, sign: int) -> float:
     """The mean over time of the forward (1) or backward (-1) part of both feet's f_x, N."""
-    return mean(walk, np.maximum(way * walk.force[..., 0], 0.0).sum(axis=1))
+    return mean(walk, np.maximum(sign * walk.force[..., 0], 0.0).sum(axis=1))
 
 
-def peak_drag(walk: Walk, way: int) -> float:
+def peak_drag(walk: Walk, sign: int) -> float:
     """The largest f_x of one foot, forwards (1) or backwards (-1), N."""
-    return float((way * walk.force[walk.t >= walk.scene.gait.heel_strike, :, 0]).max())
+    return float((sign * walk.force[walk.t >= walk.scene.gait.heel_strike, :, 0]).max())
 
 
 def contact_share(walk: Walk) -> float:
@@ -154,7 +154,7 @@ def vertical_parting(walks: Walks) -> float:
 
 def soft_drag(e: Evidence, drag: Callable[..., float]) -> float:
     """How much larger a drag on soft sand is, in the direction where that is least."""
-    return float(np.min([lead(e.optima, partial(drag, way=way), "soft") for way in (1, -1)]))
+    return float(np.min([lead(e.optima, partial(drag, sign=sign), "soft") for sign in (1, -1)]))
 
 
 def gap(one: Walk, other: Walk, what: Number) -> float:
@@ -222,8 +222,8 @@ MEASURES: dict[str, Callable[[Evidence], float]] = {
 CLAIMS: dict[str, dict[str, str]] = tomllib.loads(
     files(__package__).joinpath("claims.toml").read_text(encoding="utf-8")
 )
-for said in CLAIMS.values():
-    said["decided"] = said["decided"].format(**LIMITS)
+for claim in CLAIMS.values():
+    claim["decided"] = claim["decided"].format(**LIMITS)
 
 
 def measure(evidence: Evidence) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""What the paper leaves open, and the walks of its feet for one way of choosing it."""
+"""The choices that the paper leaves open, and the walks of its feet for one set of them."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ EVALUATIONS = 3000
 #: dV_x by name: how long about each heel strike a fall counts, in strides; None is the whole walk.
 SPEED_LOSS = {"walk": None, "window": 1.0 / 4.0, "narrow": 1.0 / 8.0}
 
-#: What the paper leaves open: settings, and their values as on the command line; the first is the default.
+#: Settings that the paper leaves open, and their values as on the command line; the first is the default.
 CHOICES = {
     "foot.ankle": "[0,0] [-0.03,0] [-0.06,0] [0,0.05]",
     "foot.width": "0.1 0.05 0.15",  # it acts like zeta
