@@ -40,7 +40,7 @@ CONTENTS = {
     "Start": ("docs/getting-started", "docs/commands", "docs/settings", "docs/reference", "docs/files",
               "docs/project", "examples/README", "docs/troubleshooting"),
     "Believe": ("docs/physics", "docs/objectives", "docs/validation", "docs/claims",
-                "outputs/reference/paper/claims", "docs/gallery", "docs/benchmarks"),
+                "outputs/reference/paper/claims", "docs/errata", "docs/gallery", "docs/benchmarks"),
     "Choose": ("docs/accuracy", "docs/effects", "docs/solvers", "docs/robust"),
     "Use": ("docs/python", "docs/mujoco", "docs/cluster", "docs/api"),
     "Develop": ("docs/extending", "CONTRIBUTING", "VISION", "CHANGELOG"),

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from importlib.resources import files
 from math import isfinite, nan
 from typing import Any
 
 from footopt.errors import FootoptError
-from footopt.files.io import plain, write_text
+from footopt.files.io import plain
 from footopt.foot import Foot
 from footopt.foot.waypoints import written
 from footopt.report import terminal
@@ -52,7 +51,6 @@ def run(study: Study) -> None:
             step(news=name)
     found = content(own, margins)
     study.save("claims", draw_claims(found["claims"]), CAPTION)
-    write_text(study.folder / "claims.md", markdown(found))
     study.conclude(
         "The paper, judged",
         [
@@ -64,7 +62,7 @@ def run(study: Study) -> None:
             **found,
             **scene_entry(own.crossed.scene, own.crossed.accuracy, tuple(OBJECTIVES)),
         },
-        said=(f"{summary(found)}.", "The page claims.md has all of it in words, with the errata."),
+        said=(f"{summary(found)}.",),
     )
 
 
@@ -102,7 +100,7 @@ def summary(found: Entry) -> str:
 
 
 def tables(found: Entry) -> list[tuple[str, Sequence[str], list[list[str]]]]:
-    """The tables of the terminal and of claims.md from `content`: a title, a head and rows each."""
+    """The tables of `content`: a title, a head and rows each."""
     claims = [[c["place"], c["says"], *_judgement(c)] for c in found["claims"]]
     feet = {f"the best for {sand} sand": foot for sand, foot in found["optima"].items()} | found["shapes"]
     walks = [
@@ -124,15 +122,3 @@ def _judgement(claim: Entry) -> list[str]:
 
 def _measures(walk: Entry) -> list[str]:
     return [walk["reason"] or "-" if v is None else number(v) for v in walk["objectives"].values()]
-
-
-def markdown(found: Entry) -> str:
-    """The page claims.md: `content`, as result.json has it, in words, and the errata."""
-    page = (
-        f"# The paper, claim by claim\n\n{summary(found)}. A margin is positive where a claim holds at the "
-        "settings. A claim hangs on what the paper leaves open where another choice turns it; choices are "
-        "made otherwise one at a time, and feet are searched again for each.\n"
-    )
-    for title, head, rows in tables(found):
-        page += f"\n## {title}\n\n{terminal.markdown_rows([head, ['---'] * len(head), *rows])}\n"
-    return f"{page}\n#{files(__package__).joinpath('errata.md').read_text(encoding='utf-8')}"

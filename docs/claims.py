@@ -1,0 +1,32 @@
+"""The paper's claims one by one: ``python docs/claims.py`` writes claims.md in outputs/reference/paper.
+
+claims.json there is the part of study=paper's result.json that has the claims and the feet.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from footopt.report import terminal
+from footopt.studies.paper import summary, tables
+
+FOLDER = Path(__file__).parents[1] / "outputs" / "reference" / "paper"
+
+
+def page() -> str:
+    """The claims as Markdown."""
+    found = json.loads((FOLDER / "claims.json").read_text(encoding="utf-8"))
+    text = (
+        f"# The paper, claim by claim\n\n{summary(found)}. A margin is positive where a claim holds at the "
+        "settings. A claim hangs on what the paper leaves open where another choice turns it; choices are "
+        "made otherwise one at a time, and feet are searched again for each. The paper's slips are among the "
+        "[errata](../../../docs/errata.md).\n"
+    )
+    for title, head, rows in tables(found):
+        text += f"\n## {title}\n\n{terminal.markdown_rows([head, ['---'] * len(head), *rows])}\n"
+    return text
+
+
+if __name__ == "__main__":
+    (FOLDER / "claims.md").write_text(page(), encoding="utf-8")
