@@ -16,7 +16,6 @@ from footopt.effects import EFFECTS, Effect, name_of
 from footopt.effects.base import parameters
 from footopt.errors import check
 from footopt.foot import Foot, Waypoints
-from footopt.report import terminal
 from footopt.report.numbers import percent
 from footopt.studies import screening
 from footopt.studies.base import Study
@@ -210,8 +209,6 @@ def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene, dict[
         whole = replace(scene, effects=(*scene.effects, *left_out))
         without, with_ = (evaluate(feet, s, study.accuracy, space=space) for s in (scene, whole))
     study.say(*(f"effects=auto: {a.name.replace('_', ' ')} {a.verdict}" for a in audits))
-    for words in (c.warning for c in criteria if c.warning):
-        terminal.warn(study.console, f"effects=auto: outside of what was tested: {words}.")
     sizes = np.nan_to_num(exceeded(relative_changes(without, with_)))
     return scene, {
         "effects_audit": [a.entry for a in audits],

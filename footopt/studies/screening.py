@@ -1,4 +1,4 @@
-"""Dimensionless numbers that estimate which effects matter before a scene is simulated, and what is untested.
+"""Dimensionless numbers that estimate which effects matter before a scene is simulated.
 
 The number of an effect, or of something that footopt lacks, is about its share of the force on a foot, within
 a factor of two or so. `footopt.studies.audit` simulates.
@@ -27,17 +27,16 @@ COHESION, INNER = 1.04e3, math.radians(28.0)  # Pa, and angle of friction: a dry
 FRICTION = 0.5  # of sand on a face, and of its pressure sideways over that from above: assumed
 CONE = math.radians(60.0)  # of the sand that moves with a foot at impact: assumed
 
-EFFECT, RANGE, LACKS = "effect", "tested range", "not in footopt"
-#: Verdicts on a number up to its threshold, and above it.
-VERDICTS = {EFFECT: ("small", "called for"), RANGE: ("inside", "outside"), LACKS: ("small", "may matter")}
+EFFECT, LACKS = "effect", "not in footopt"
+ABOVE = {EFFECT: "called for", LACKS: "may matter"}  # verdicts above the threshold
 
 
 @dataclass(frozen=True)
 class Criterion:
     """A dimensionless number of a scene, and its threshold."""
 
-    name: str  # of the effect, or of what is tested
-    kind: str  # EFFECT, RANGE or LACKS
+    name: str  # of the effect
+    kind: str  # EFFECT or LACKS
     number: str  # the formula, in words
     value: float
     threshold: float  # above which it matters
@@ -47,14 +46,7 @@ class Criterion:
     @property
     def verdict(self) -> str:
         """In words."""
-        return "is on" if self.on else VERDICTS[self.kind][not self.value <= self.threshold]
-
-    @property
-    def warning(self) -> str:
-        """The warning where a scene is outside of the tested range; "" inside."""
-        about = f"{self.number} is about {self.value:.2g}"
-        outside = f"{self.name}: {about}, tested to {self.threshold:g} ({self.source})"
-        return outside if self.verdict == VERDICTS[RANGE][1] else ""
+        return "is on" if self.on else "small" if self.value <= self.threshold else ABOVE[self.kind]
 
 
 def bearing_factor(friction: float) -> float:
@@ -64,7 +56,7 @@ def bearing_factor(friction: float) -> float:
 
 
 def screening(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> list[Criterion]:
-    """Screen a scene: its effects, the tested ranges of the law, and effects that footopt lacks.
+    """Screen a scene for effects, and for effects that footopt lacks.
 
     Parameters
     ----------
@@ -80,12 +72,10 @@ def screening(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> li
     length, _, width, hollow = (float(v) for v in size)
     area = length * width
     depth = scale.depth * SOLE / area
-    ankle = float(np.median([foot.ankle[1] - foot.contour[:, 1].min() for foot in feet]))
     scale = scale._replace(depth=depth, hollow=hollow, sweep=scene.sweep(depth))
     g, weight, speed = scene.walker.g, scene.walker.weight, scale.speed
     cone = DENSITY * area * math.sqrt(area / math.pi) * math.tan(CONE) / 3.0
     sides = (length + width) * depth**2 * DENSITY * g * FRICTION**2
-    angle = math.degrees(math.atan2(abs(scene.gravity[0]), scene.gravity[1]))
 
     found = []
     for name, kind in EFFECTS.items():
@@ -97,13 +87,6 @@ def screening(scene: Scene, feet: Sequence[Foot], tolerance: float = 0.01) -> li
             about = (name.replace("_", " "), EFFECT, effect.number, value, tolerance, effect.source)
             found.append(Criterion(*about, on=given is not None))
     rows = [
-        ("depth", RANGE, "depth / width of the foot", depth / width, 1.0, "Li, Zhang & Goldman (2013)"),
-        ("ankle", RANGE, "depth / height of the ankle", depth / ankle if ankle > 0 else math.inf, 1.0,
-         "the leg feels no sand"),
-        ("speed", RANGE, "v / sqrt(g L)", speed / math.sqrt(g * length), 0.31,
-         "0.5 m/s on the Earth; Li, Zhang & Goldman (2013)"),
-        ("slope", RANGE, "angle / that of repose", angle / 30.0, 0.6,
-         "the map is that of a level surface"),
         ("cohesion", LACKS, "N_c c / pressure of the foot",
          bearing_factor(INNER) * COHESION * area / weight, tolerance,
          "N_c: Prandtl (1921); c 1.04 kPa, 28 deg: a dry sand, Wong (2008)"),
@@ -121,7 +104,7 @@ def table(found: Sequence[Criterion]) -> Table:
     shown = terminal.table(("effect", "number", "value", "limit", "verdict"), ("effect", "number", "verdict"))
     shown.title = "Estimates before the scene is simulated: a number above its limit matters"
     for c in found:
-        style = "yellow" if c.verdict == VERDICTS[c.kind][1] else ""
+        style = "yellow" if c.verdict == ABOVE[c.kind] else ""
         verdict = Text(f"{c.kind}: {c.verdict}", style=style)
         shown.add_row(c.name, c.number, f"{c.value:.2g}", f"{c.threshold:g}", verdict)
     return shown

@@ -1,4 +1,4 @@
-"""Screening of a scene: dimensionless numbers, and what was not tested."""
+"""Screening of a scene by dimensionless numbers."""
 
 import math
 from dataclasses import replace
@@ -44,11 +44,3 @@ def test_a_convex_sole_shadows_nothing_and_a_hollow_one_calls_for_it():
     hollow = fo.Foot.from_waypoints([2, 8, 2, 2, 2, 2, 2, 2, 2, 8, 2])
     assert numbers(fo.Scene(), fo.Foot.flat())["shadowing"].verdict == "small"
     assert numbers(fo.Scene(), hollow)["shadowing"].verdict == "called for"
-
-
-def test_a_foot_that_sinks_deeper_than_it_is_wide_is_outside_and_is_warned_of():
-    soft, hard = (numbers(fo.Scene(sand=fo.Sand.named(name)), fo.Foot.flat()) for name in ("soft", "hard"))
-    assert soft["depth"].verdict == "outside"
-    assert "Li, Zhang & Goldman" in soft["depth"].warning
-    assert hard["depth"].verdict == "inside"
-    assert hard["depth"].warning == ""
