@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,7 +15,6 @@ from footopt.studies.base import Study
 from footopt.studies.settings import StudySettings, setting
 from footopt.studies.validation.compare import AGREES, DIFFERS, OPEN, Comparison, experiments
 
-POINTS = ("experiment", "quantity", "unit", "law", "point", "S", "D", "E", "u", "u_num", "u_input", "u_exp")
 HEAD = ("experiment", "quantity", "law", "scale", "E rms", "E mean", "2 u", "verdict")
 WORDS = ("experiment", "quantity", "law", "verdict")
 
@@ -30,18 +29,18 @@ class Settings(StudySettings):
 
 def run(study: Study) -> None:
     """Repeat every experiment under its laws."""
-    known, names = experiments(), study.options.cases
-    for name in names if names is not None else known:
+    known, cases = experiments(), study.options.cases
+    names = list(known) if cases is None else cases
+    check(bool(names), "study.cases", cases, f"null, or some of {', '.join(known)}")
+    for name in names:
         check(name in known, "study.cases", name, f"one of {', '.join(known)}")
-    chosen = [e for e in known.values() if names is None or e.name in names]
-    check(bool(chosen), "study.cases", names, f"null, or some of {', '.join(known)}")
+    chosen = [e for e in known.values() if e.name in names]
     found: list[Comparison] = []
     with study.compiling(), study.progress(sum(len(e.content["laws"]) for e in chosen), "law") as step:
         for e in chosen:
             for law in e.content["laws"]:
                 found += e.compare(law)
                 step(news=f"{e.content['title']}, {law_name(law)}")
-    study.write_csv("validation.csv", POINTS, (row for c in found for row in points(c)))
     titles = {e.name: e.content["title"] for e in chosen}
     caption = "Error of every comparison, and the least error that it resolves."
     study.save("overview", overview(found, titles), caption)
@@ -61,18 +60,25 @@ def run(study: Study) -> None:
     )
 
 
-def points(c: Comparison) -> Iterator[list[object]]:
-    """A comparison for validation.csv, a row a point."""
-    numbers = (c.simulated, c.measured, c.error, c.uncertainty, c.numerical, c.inputs, c.experimental)
-    for point, *values in zip(c.points, *numbers, strict=True):
-        yield [c.experiment, c.quantity, c.unit, law_name(c.law), point, *values]
-
-
 def entry(c: Comparison) -> dict[str, Any]:
     """A comparison in result.json."""
-    what = {"experiment": c.experiment, "quantity": c.quantity, "unit": c.unit, "law": list(c.law)}
-    sizes = {"error_rms": c.size, "error_mean": c.bias, "band": c.band, "scale": c.scale}
-    return what | sizes | {"verdict": c.verdict}
+    return {
+        "experiment": c.experiment,
+        "quantity": c.quantity,
+        "unit": c.unit,
+        "law": list(c.law),
+        "error_rms": c.size,
+        "error_mean": c.bias,
+        "band": c.band,
+        "scale": c.scale,
+        "verdict": c.verdict,
+        "points": c.points,
+        "S": c.simulated,
+        "D": c.measured,
+        "u_num": c.numerical,
+        "u_input": c.inputs,
+        "u_exp": c.experimental,
+    }
 
 
 def counts(found: Sequence[Comparison]) -> dict[str, int]:

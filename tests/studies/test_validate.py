@@ -200,8 +200,7 @@ class TestStudy:
         check_page(tmp_path)
         result = json.loads((tmp_path / "result.json").read_text())
         assert sum(result["counts"].values()) == len(result["comparisons"]) == 2
-        rows = (tmp_path / "validation.csv").read_text().splitlines()
-        assert len(rows) == 1 + 5 + 4
+        assert [len(c["S"]) for c in result["comparisons"]] == [5, 4]
         assert {path.stem for path in (tmp_path / "figures").glob("*.png")} == {
             "overview",
             "growth",
