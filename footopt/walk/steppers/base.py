@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba.extending import overload, register_jitable
+from numba.extending import overload
 
 from footopt.compiled import INLINE, inlined
 from footopt.walk.bristles import next_step, update_bristles, whole_step
@@ -59,12 +59,9 @@ def advance(method, world, sole, poses, state, h, counts):
     return method.step(world, sole, poses, state, h, counts)
 
 
-@overload(advance, jit_options=INLINE)
+@overload(advance, strict=False, jit_options=INLINE)
 def _resolve(method, world, sole, poses, state, h, counts):
-    step = register_jitable(**INLINE)(method.instance_class.step)
-    return lambda method, world, sole, poses, state, h, counts: step(
-        method, world, sole, poses, state, h, counts
-    )
+    return method.instance_class.step
 
 
 @inlined
