@@ -14,7 +14,7 @@ from itertools import zip_longest
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.effects import Effect, LeadingEdge, Shadowing
+from footopt.effects import EFFECTS, Effect, name_of
 from footopt.errors import check, check_whole
 from footopt.foot import Waypoints
 from footopt.gait import Gait
@@ -114,14 +114,14 @@ def sands(scene: Scene) -> tuple[Scenario, ...]:
 
 
 def plausible_laws(scene: Scene) -> tuple[Scenario, ...]:
-    """A scene under the plain law, and with each and both of the effects that may be true of any sole."""
-    choices: dict[str, tuple[Effect, ...]] = {
-        "plain law": (),
-        "leading edge": (LeadingEdge(),),
-        "shadowing": (Shadowing(),),
-        "both": (LeadingEdge(), Shadowing()),
+    """A scene under the plain law, and with each and both of the effects that may be true of any walk."""
+    plausible: list[Effect] = [kind() for kind in EFFECTS.values() if kind.plausible]
+    choices: dict[str, list[Effect]] = {
+        "plain law": [],
+        **{name_of(effect).replace("_", " "): [effect] for effect in plausible},
+        "both": plausible,
     }
-    others = tuple(e for e in scene.effects if not isinstance(e, (LeadingEdge, Shadowing)))
+    others = [effect for effect in scene.effects if not effect.plausible]
     return tuple(Scenario(name, replace(scene, effects=(*others, *on))) for name, on in choices.items())
 
 

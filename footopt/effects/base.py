@@ -71,7 +71,9 @@ class Effect:
     number = "its own estimate"
     source = "the scene itself"
     literature = False
+    plausible = False  # whether it may be true of any walk, so that an answer should hold with it and without
     is_inertia = False  # whether its push is what the sand's momentum takes
+    in_page = False  # whether the walk in a run's page has it, too (`contact.js`)
 
     @property
     def law(self) -> Any:
@@ -94,8 +96,13 @@ class Effect:
         return 1.0
 
     @property
-    def zones(self) -> tuple[tuple[float, float], ...]:
-        """Where on the way the sand is another: from and to, m."""
+    def zones(self) -> tuple[tuple[float, float, float], ...]:
+        """Where on the way the sand is another: from and to, m, and how many times as strong."""
+        return ()
+
+    @property
+    def strata(self) -> tuple[tuple[float, float, float], ...]:
+        """How deep the sand is another: from and to, m, and how many times as strong."""
         return ()
 
     @property

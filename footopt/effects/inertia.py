@@ -13,14 +13,15 @@ SKIN = 1e-3  # m: a plate throws all of it aside from this depth on, and in prop
 
 
 class InertiaLaw(NamedTuple):
-    """lambda rho, kg/m^3."""
+    """lambda rho, kg/m^3, and the depth from which on a plate throws all of it aside, m."""
 
     density: float
+    skin: float = SKIN
 
     def push(self, vn, depth):
-        """lambda rho (n.v)^2, in proportion to the depth within the `SKIN`."""
+        """lambda rho (n.v)^2, in proportion to the depth within the skin."""
         speed = positive(vn)
-        return self.density * speed * speed * clipped(depth / SKIN, 0.0, 1.0)
+        return self.density * speed * speed * clipped(depth / self.skin, 0.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -46,8 +47,7 @@ class Inertia(Effect):
 
     factor: float = 1.1
     rho: float = 1600.0
-    literature, plates_factor = True, 2.0
-    is_inertia = True
+    literature, is_inertia, in_page, plates_factor = True, True, True, 2.0
     number, source = "lambda rho v^2 / (lambda rho v^2 + zeta alpha_z z), swung", "Agarwal et al. (2021)"
 
     def __post_init__(self) -> None:

@@ -50,7 +50,7 @@ class Layers(Effect):
 
     depths: tuple[float, ...] = (0.03,)
     factors: tuple[float, ...] = (0.3,)
-    number = "change of strength at the depth z"
+    number, in_page = "change of strength at the depth z", True
 
     def __post_init__(self) -> None:
         depths, factors = tuple(map(float, self.depths)), tuple(map(float, self.factors))
@@ -79,6 +79,11 @@ class Layers(Effect):
     def is_identity(self) -> bool:
         """Whether all layers are the same sand."""
         return all(f == 1.0 for f in self.factors)
+
+    @property
+    def strata(self) -> tuple[tuple[float, float, float], ...]:
+        """Each layer below the first."""
+        return tuple(zip(self.depths, (*self.depths[1:], math.inf), self.factors, strict=True))
 
     def estimate(self, scale: Scale) -> float:
         """Relative change of the stress at the depth to which a foot sinks."""

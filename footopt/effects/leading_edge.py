@@ -30,7 +30,7 @@ class LeadingEdge(Effect):
     """
 
     law = LeadingEdgeLaw()
-    literature, plates_factor = True, 4.0
+    literature, plausible, in_page, plates_factor = True, True, True, 4.0
     number, source = "stress of a plate pulled up / pushed down", "Agarwal, Goldman & Kamrin (2023)"
 
     def estimate(self, scale: Scale) -> float:

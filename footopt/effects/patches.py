@@ -59,7 +59,7 @@ class Patches(Effect):
     ends: tuple[float, ...] = (0.95,)
     factors: tuple[float, ...] = (0.2,)
     blur: float = 0.05
-    number = "change of strength along the way"
+    number, in_page = "change of strength along the way", True
 
     def __post_init__(self) -> None:
         for name in ("begins", "ends", "factors"):
@@ -73,9 +73,9 @@ class Patches(Effect):
             list(self.ends),
             f"as many as effects.patches.begins ({count}), in m",
         )
-        for begin, end in self.zones:
+        places = sorted(zip(self.begins, self.ends, strict=True))
+        for begin, end in places:
             check(begin < end, "effects.patches.ends", end, f"beyond the patch's begin at {begin:g} m")
-        places = sorted(self.zones)
         for (_, end), (begin, _) in itertools.pairwise(places):
             hint = "Where patches overlap it is not said how strong the sand is: cut them at their edges."
             check(end <= begin, "effects.patches.begins", begin, f"at or beyond the end at {end:g} m", hint)
@@ -99,9 +99,9 @@ class Patches(Effect):
         return all(f == 1.0 for f in self.factors)
 
     @property
-    def zones(self) -> tuple[tuple[float, float], ...]:
-        """Begin and end of each patch, m."""
-        return tuple(zip(self.begins, self.ends, strict=True))
+    def zones(self) -> tuple[tuple[float, float, float], ...]:
+        """Each patch."""
+        return tuple(zip(self.begins, self.ends, self.factors, strict=True))
 
     @property
     def narrowest(self) -> float:
@@ -111,8 +111,7 @@ class Patches(Effect):
 
     def estimate(self, scale: Scale) -> float:
         """Largest relative change of the stress on the way."""
-        patches = zip(self.begins, self.ends, self.factors, strict=True)
-        on_the_way = (abs(f - 1.0) for begin, end, f in patches if begin < scale.distance and end > 0.0)
+        on_the_way = (abs(f - 1.0) for begin, end, f in self.zones if begin < scale.distance and end > 0.0)
         return max(on_the_way, default=0.0)
 
 

@@ -37,7 +37,7 @@ class Shadowing(Effect):
     """
 
     effective: float = 1.0 / 3.0
-    literature = True
+    literature = plausible = True
     number, source = "depth of the hollow that does not count / z", "Agarwal et al. (2021)"
 
     def __post_init__(self) -> None:

@@ -29,7 +29,7 @@ class Slope(Effect):
     """
 
     angle: float = 5.0
-    number = "weight along the plane / weight"
+    number, in_page = "weight along the plane / weight", True
 
     def __post_init__(self) -> None:
         check(

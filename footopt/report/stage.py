@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -11,7 +12,6 @@ from matplotlib.patheffects import withStroke
 from matplotlib.quiver import Quiver
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.effects import Layers, Patches, Slope
 from footopt.files.outline import closed_contour
 from footopt.report import style
 from footopt.report.numbers import sand_title, title
@@ -104,30 +104,26 @@ def ground(scene: Scene) -> dict[str, list[dict[str, Any]]]:
 
     The page draws the same ones.
     """
-    layers = [(0.0, -FAR, 1.0)]  # top, bottom, factor
-    strips, slopes = [], []
+    strata = [layer for effect in scene.effects for layer in effect.strata]
+    layers = [(0.0, strata[0][0] if strata else FAR, 1.0), *strata]
+    strips, (tilt, g) = [], scene.gravity
 
-    def strip(kind: str, x: tuple[float, float], z: tuple[float, float], factor: float, text: str) -> None:
-        place = {"begin": max(x[0], -FAR), "end": min(x[1], FAR), "top": z[0], "bottom": z[1]}
+    def strip(
+        kind: str, begin: float, end: float, top: float, bottom: float, factor: float, text: str
+    ) -> None:
+        place = {"begin": max(begin, -FAR), "end": min(end, FAR), "top": -top, "bottom": -min(bottom, FAR)}
         strips.append({"kind": kind, **place, "colour": _strength(factor), "text": text})
 
-    for effect in scene.effects:
-        if isinstance(effect, Layers):
-            ends = [*(-d for d in effect.depths), -FAR]
-            layers = [*zip([0.0, *ends], ends, [1.0, *effect.factors], strict=False)]
-            for top, bottom, factor in layers[1:]:
-                strip("layer", (-FAR, FAR), (top, bottom), factor, f"layer {TIMES} {factor:g}")
-    for effect in scene.effects:
-        if isinstance(effect, Patches):
-            for begin, end, factor in zip(effect.begins, effect.ends, effect.factors, strict=True):
-                for top, bottom, there in layers:
-                    text = f"patch {TIMES} {factor:g}" * (top == 0.0)
-                    strip("patch", (begin, end), (top, bottom), factor * there, text)
-        if isinstance(effect, Slope):
-            x, z = ((part or 0.0) / scene.walker.g for part in scene.gravity)
-            way = f"{abs(effect.angle):g}° {'uphill' if effect.angle > 0 else 'downhill'}"
-            slopes.append({"x": x, "z": -abs(z), "words": [f"g = {scene.walker.g:g} m/s²", way]})
-    return {"strips": strips, "gravity": slopes}
+    for top, bottom, factor in strata:
+        strip("layer", -FAR, FAR, top, bottom, factor, f"layer {TIMES} {factor:g}")
+    for begin, end, factor in (zone for effect in scene.effects for zone in effect.zones):
+        for top, bottom, there in layers:
+            text = f"patch {TIMES} {factor:g}" * (top == 0.0)
+            strip("patch", begin, end, top, bottom, factor * there, text)
+    way = f"{abs(math.degrees(math.atan2(tilt, g))):g}° {'uphill' if tilt < 0 else 'downhill'}"
+    words = [f"g = {scene.walker.g:g} m/s²", way]
+    slope = {"x": tilt / scene.walker.g, "z": -g / scene.walker.g, "words": words}
+    return {"strips": strips, "gravity": [slope] if tilt else []}
 
 
 def _strength(factor: float) -> str:

@@ -51,6 +51,6 @@ def step_on_patch(walk: Walk) -> int:
             continue
         middle = np.array([(contact.first + contact.last) // 2])
         x = walk.plates(middle).position[0, contact.foot, :, 0]
-        if any(begin < x.max() and x.min() < end for begin, end in patches):
+        if any(begin < x.max() and x.min() < end for begin, end, _ in patches):
             return step
     return 0

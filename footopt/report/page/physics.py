@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from footopt.effects import Effect, Inertia, Layers, LeadingEdge, Patches, Slope, name_of
-from footopt.effects.inertia import SKIN
+from footopt.effects import name_of
 from footopt.foot import Foot, Waypoints
 from footopt.foot.plates import CORNER, RULES
 from footopt.foot.waypoints import FINE, slope_matrix
@@ -22,7 +20,6 @@ from footopt.walk.objectives import FLOORS
 from footopt.walk.simulate import MAX_REPEATS
 from footopt.walk.steppers import STEPPERS
 
-EFFECTS = (Inertia, Layers, LeadingEdge, Patches, Slope)  # that are in contact.js, too
 STEPPER = "sdirk2"
 ARROWS = 10  # force arrows along a sole
 ROWS = 200_000  # poses, at most, of a walk that a browser is to tabulate: 22 MB
@@ -79,7 +76,7 @@ def physics(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> dict[st
             "repeats": MAX_REPEATS,
         },
         "arrows": ARROWS,
-        "effects": _laws(scene.effects),
+        "effects": {name_of(e): e.law._asdict() for e in scene.effects if e.law is not None},
         "floors": FLOORS,
         "foot": {"ankle": foot.ankle, "width": foot.width},
         "space": space
@@ -98,7 +95,7 @@ def physics(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> dict[st
 
 def refusal(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> str:
     """Why the page cannot walk by itself; "" where it can."""
-    if others := [name_of(e) for e in scene.effects if type(e) not in EFFECTS]:
+    if others := [name_of(e) for e in scene.effects if not e.in_page]:
         return f"effects={', '.join(others)} of this run is not in the page's own walk"
     if accuracy.stepper != STEPPER:
         return f"accuracy.stepper={accuracy.stepper} of this run is not in the page's own walk"
@@ -107,11 +104,3 @@ def refusal(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> str:
     if discretize.pose_rows(scene, accuracy) > ROWS:
         return "the walk of this run is too long, or its steps are too short, to be made while one waits"
     return ""
-
-
-def _laws(effects: Sequence[Effect]) -> dict[str, Any]:
-    """The numbers of what changes the stress, by the effects' names, in the order in which they act."""
-    laws = {name_of(e): e.law._asdict() for e in effects if e.law is not None}
-    if "inertia" in laws:
-        laws["inertia"]["skin"] = SKIN
-    return laws

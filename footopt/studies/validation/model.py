@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from footopt.design.scenarios import Spread, harder_and_softer
-from footopt.effects import LeadingEdge, name_of
+from footopt.effects import name_of
 from footopt.walk import FIVE, Walk, evaluate
 
 #: The measured quantity that is nearest to each objective: experiment and quantity.
@@ -43,10 +43,10 @@ def model_error(
 
     Two parts, which add as squares:
 
-    - The error of the law in experiments. The leading edge has errors of its own; other effects were not
-      compared with walks or wheels. The height of the hip errs by the error of the sinkage, related to it by
-      the walk's own numbers; J_W by the root sum of squares of its factors. The changes that the effects left
-      out by `effects=auto` would make are added.
+    - The error of the law in experiments. An effect that was compared with walks and wheels has errors of its
+      own. The height of the hip errs by the error of the sinkage, related to it by the walk's own numbers;
+      J_W by the root sum of squares of its factors. The changes that the effects left out by `effects=auto`
+      would make are added.
     - The larger change by sand that is softer and harder by the spread of zeta; all of an objective where
       such a walk fails.
 
@@ -61,8 +61,8 @@ def model_error(
     """
     if not walk.feasible:
         return {}
-    edge = any(isinstance(effect, LeadingEdge) for effect in walk.scene.effects)
-    law = (name_of(LeadingEdge()),) if edge else ()
+    known = {name for *key, law in found() if tuple(key) in NEAREST.values() for name in law}
+    law = tuple(name for name in map(name_of, walk.scene.effects) if name in known)
     errors = {name: found()[(*nearest, law)]["error"] for name, nearest in NEAREST.items()}
     sinkage, height = (walk.objectives[name] for name in ("maximum_sinkage", "mean_height"))
     errors["mean_height"] *= sinkage / height
