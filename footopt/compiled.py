@@ -78,7 +78,7 @@ class _Cache(FunctionCache):  # type: ignore[misc]  # numba has no types
 
 
 @cache
-def folder() -> str | None:
+def cache_folder() -> str | None:
     """Where compiled code is kept: a folder of the user alone for these sources; None if it has no place.
 
     numba looks at the file that a function is in; what that imports is compiled into it, too. The times of
@@ -106,11 +106,11 @@ def folder() -> str | None:
 
 @contextmanager
 def _in_folder() -> Iterator[bool]:
-    """Have numba keep code in `folder` for the block; whether there is one."""
+    """Have numba keep code in `cache_folder` for the block; whether there is one."""
     with _choosing:
-        before, config.CACHE_DIR = config.CACHE_DIR, folder() or config.CACHE_DIR
+        before, config.CACHE_DIR = config.CACHE_DIR, cache_folder() or config.CACHE_DIR
         try:
-            yield folder() is not None
+            yield cache_folder() is not None
         finally:
             config.CACHE_DIR = before
 

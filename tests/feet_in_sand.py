@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 import footopt as fo
 from footopt.effects import laws
 from footopt.foot import Plates
-from footopt.walk.cache_key import compiled
 from footopt.walk.discretize import sole_of, world
 from footopt.walk.loop import both_feet
+from footopt.walk.own_code import compiled
 from footopt.walk.state import COUNTS, Force, Motion
 
 PITCH, RATE, SPEED = st.floats(-1.2, 1.2), st.floats(-6.0, 6.0), st.floats(-1.5, 1.5)

@@ -25,8 +25,8 @@ import numpy as np
 
 from footopt.design.problem import Array, FootProblem
 from footopt.errors import FileError, flat, named
-from footopt.walk.cache_key import is_own, own_code, source_of
 from footopt.walk.objectives import MEASURES
+from footopt.walk.own_code import is_own, own_code, source_of
 from footopt.walk.steppers import STEPPERS
 
 APPLICATION = int.from_bytes(b"foot")  # marks the file as ours (SQLite's application_id)

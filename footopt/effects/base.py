@@ -62,7 +62,7 @@ class Scale(NamedTuple):
 
 
 class Effect:
-    """What a walk asks of an effect: this one's answers are those of an effect that changes nothing.
+    """A walk's questions to an effect; the answers here are those of an effect that changes nothing.
 
     ``number`` says in words what `estimate` is, ``source`` where the parameters are from, ``literature``
     whether the default ones are of sand in general, so that an effect may be proposed to any scene.
@@ -92,7 +92,12 @@ class Effect:
 
     @property
     def plates_factor(self) -> float:
-        """How many times more plates a sole needs."""
+        """How many times more plates a sole needs.
+
+        A force that depends on the normal or on memory converges more slowly with the plates' size than the
+        plain law, and one that a gate cuts off within a plate more slowly still. With 2 and 4 for these, 95 %
+        of the walks in random scenes are within the accuracy's promise (docs/accuracy.md).
+        """
         return 1.0
 
     @property
@@ -168,7 +173,7 @@ def reshape_soles(effects: Sequence[Effect]) -> list[Effect]:
 
 
 def reshaping(effects: Sequence[Effect]) -> Reshape | None:
-    """What a scene's effects make of soles before plates are cut from them; None if nothing."""
+    """How a scene's effects change soles before plates are cut from them; None where they do not."""
     steps = [effect.reshape for effect in reshape_soles(effects)]
     return (lambda points: reduce(lambda sole, step: step(sole), steps, points)) if steps else None
 
@@ -198,7 +203,7 @@ class Laws(NamedTuple):
 
 
 def laws(effects: Sequence[Effect]) -> Laws:
-    """What the compiled loop gets of a scene's effects."""
+    """The laws of a scene's effects, as the compiled loop takes them."""
     found = [effect.law for effect in effects if effect.law is not None]
     for law in found:
         if not any(hasattr(law, hook) for hook in HOOKS):

@@ -34,7 +34,7 @@ class LeadingEdge(Effect):
     number, source = "stress of a plate pulled up / pushed down", "Agarwal, Goldman & Kamrin (2023)"
 
     def estimate(self, scale: Scale) -> float:
-        """What holds back a level plate that is lifted, over what carries one that sinks."""
+        """The pull on a level plate that is lifted, over the push on one that sinks."""
         return abs(scale.pull) / scale.stress
 
 

@@ -49,7 +49,7 @@ class Shadowing(Effect):
         return self.effective == 1.0
 
     def estimate(self, scale: Scale) -> float:
-        """What a groove loses of its depth, over the depth to which a foot sinks."""
+        """The part of a groove's depth that does not count, over the depth to which a foot sinks."""
         return (1.0 - self.effective) * scale.hollow / scale.depth
 
     def reshape(self, points: Array) -> Array:

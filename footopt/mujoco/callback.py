@@ -20,10 +20,10 @@ from footopt.errors import needed
 from footopt.mujoco import step as steps
 from footopt.mujoco.implicit import solve
 from footopt.mujoco.step import BODY, FREEDOM, HOLD, MEAN, STEP, Workspace, align, product
-from footopt.walk.cache_key import own_code
+from footopt.walk.own_code import own_code
 
 MOST, ARRAYS = 256, len(Workspace._fields)  # models on sand at once in one process, and arrays of each
-#: What is attached: address of its MjData, of its `Contact.addresses`, and of its compiled step.
+#: Models that are attached: address of its MjData, of its `Contact.addresses`, and of its compiled step.
 ATTACHED = np.zeros((MOST, 3), np.int64)
 
 
@@ -103,7 +103,7 @@ def compiled(effects: bytes) -> Any:
 
 @lru_cache(maxsize=1)
 def callback() -> Any:
-    """What MuJoCo is to call: nothing, unless its mjData is `ATTACHED`."""
+    """The function that MuJoCo calls; it does nothing unless its mjData is `ATTACHED`."""
     table_address = ATTACHED.ctypes.data
 
     @cfunc(types.void(types.intp, types.intp))

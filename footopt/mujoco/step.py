@@ -88,7 +88,7 @@ class Workspace(NamedTuple):
 
 @inlined
 def meaning_of(step, time):
-    """What a call at a time means: the same step AGAIN, a NEW one, a stage of RK4 to HOLD, or a RESTART."""
+    """The meaning of a call: the same step AGAIN, a NEW one, a stage of RK4 to HOLD, or a RESTART."""
     passed = (time - step.start) / step.dt
     if abs(passed) < 1e-6:
         return AGAIN

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footopt.compiled import folder, processor
+from footopt.compiled import cache_folder, processor
 from footopt.errors import FootoptError
 from footopt.files import identity
 from footopt.report import terminal
@@ -41,7 +41,7 @@ def run(study: Study) -> None:
             found[f"{published.sand} sand"] = f"{said}; {100 * limit:.2g} % are allowed"
             if not off.max() <= limit:
                 wrong.append(f"{published.sand} sand {said}. Install numba and numpy anew.")
-    cache = folder()
+    cache = cache_folder()
     found["cache folder"] = cache or "none"
     if cache is None:
         wrong.append("No cache folder can be written. Set NUMBA_CACHE_DIR to one that can.")

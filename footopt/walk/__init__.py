@@ -1,4 +1,4 @@
-"""The walker on sand: scene, compiled loops, steppers, and what a walk is judged by."""
+"""The walker on sand: scene, compiled loops, steppers, and objectives."""
 
 from footopt.walk.accuracy import PRESETS, Accuracy
 from footopt.walk.objectives import FIVE, MEASURES, OBJECTIVES, gain_shares

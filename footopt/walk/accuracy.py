@@ -149,7 +149,7 @@ EVALUATION = 50.0
 
 
 def work(row: Mapping[str, Any]) -> float:
-    """What a setting costs on any machine, in evaluations of a plate for each design.
+    """The cost of a setting on any machine, in evaluations of a plate for each design.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def measured_settings() -> tuple[dict[str, Any], ...]:
         )
 
 
-#: What a setting may use of a tolerance: other feet of the same kind give another 95 %.
+#: The part of a tolerance that a setting may use: other feet of the same kind give another 95 %.
 MARGIN = 0.7
 
 #: Tolerances of the presets that are chosen from the table.

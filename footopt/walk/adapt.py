@@ -40,7 +40,7 @@ from footopt.foot.foot import points_of
 from footopt.foot.plates import CORNER
 from footopt.gait import Gait
 from footopt.walk.accuracy import MOST_PLATES, Accuracy
-from footopt.walk.cache_key import compiled
+from footopt.walk.own_code import compiled
 from footopt.walk.scene import Scene, Walker
 from footopt.walk.state import LANES
 

@@ -17,7 +17,7 @@ NOISE = 1e-5  # of a walk's largest power; 5e-6 is the most in 120 marches that 
 
 
 def energy_gap(walk: Walk) -> float:
-    """What is missing from a walk's energy balance, over the work of the sand.
+    """The gap in a walk's energy balance, over the work of the sand.
 
     |d(kinetic + potential) - work of the sand - net work of the joints| / |work of the sand|, where both
     works are the stepper's own quadrature.

@@ -31,7 +31,7 @@ class Bristles(NamedTuple):
 
 
 class Stage(NamedTuple):
-    """What an implicit stage bends."""
+    """The bristles that an implicit stage bends."""
 
     before: Array
     after: Array
@@ -91,10 +91,10 @@ def record(trace, row, bristles):
 
 
 @inlined_fast
-def update_bristles(sole, poses, hip, creep, stage):
+def update_bristles(sole, poses, hip, turning_speed, stage):
     """Bend the bristles of both feet over a stage.
 
-    hip: its `Motion` at the stage's end. creep: delta over the stage's time, m/s.
+    hip: its `Motion` at the stage's end. turning_speed: delta over the stage's time, m/s.
     """
     after, share = stage.after, stage.share
     for foot in range(2):
@@ -111,7 +111,7 @@ def update_bristles(sole, poses, hip, creep, stage):
         )
         for i in range(len(part.x)):
             motion = kinematics(ankle, part.x[i], part.z[i])
-            h = direction(motion, creep, 0.0, h0, i)
+            h = direction(motion, turning_speed, 0.0, h0, i)
             in_sand = 1.0 if motion.z < 0.0 else 0.0
             hx[i] = in_sand * (h0[0][i] + share * (h.x - h0[0][i]))
             hz[i] = in_sand * (h0[1][i] + share * (h.z - h0[1][i]))

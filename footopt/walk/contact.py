@@ -66,18 +66,18 @@ def kinematics(ankle, x, z):
 
 
 @inlined_fast
-def direction(motion, creep, turning, h0, i):
-    """h of plate i: v / |v|, smoothed over the creep speed and the plate's own turning, or held by bristles.
+def direction(motion, turning_speed, within, h0, i):
+    """h of plate i: v / |v|, smoothed over the turning speed and the plate's rotation, or held by bristles.
 
-    Along a plate that turns the velocity differs by `turning`, m/s: near the centre of the turn the mean
+    Along a plate that rotates the velocity differs by `within`, m/s: near the centre of the rotation the mean
     direction over the plate is smooth where that in its middle jumps. Bristles are bent from `h0`
-    by the motion over a length, and `creep` is that length over the time for which they are.
+    by the motion over a length, and the turning speed is that length over the time for which they are.
     """
     vx, vz = motion.vx, motion.vz
     if h0 is None:
-        rate = rsqrt(vx * vx + vz * vz + (creep * creep + TURN * TURN * turning * turning))
+        rate = rsqrt(vx * vx + vz * vz + (turning_speed * turning_speed + TURN * TURN * within * within))
         return Direction(vx * rate, vz * rate, rate, 1.0)
-    turn = 1.0 / creep
+    turn = 1.0 / turning_speed
     ux, uz = h0[0][i] + vx * turn, h0[1][i] + vz * turn
     square = ux * ux + uz * uz
     inside = rsqrt(max(square, 1.0))
@@ -113,7 +113,7 @@ def outward_normal(tangent, i, ankle):
 
 
 @inlined_fast
-def lead(tangent, i, motion, nx, nz, h, creep, turning, h0, stage):
+def lead(tangent, i, motion, nx, nz, h, turning_speed, within, h0, stage):
     """How far plate i leads, for gates: n.v over the speeds along the normal within it, or n.h over `EDGE`.
 
     These speeds differ as the plate turns and is bent.
@@ -124,7 +124,9 @@ def lead(tangent, i, motion, nx, nz, h, creep, turning, h0, stage):
         vx, vz = motion.vx, motion.vz
         bent = BENT * tangent.turn[i]
         bent *= bent
-        square = creep * creep + EXPOSED * EXPOSED * turning * turning + bent * (vx * vx + vz * vz)
+        square = (
+            turning_speed * turning_speed + EXPOSED * EXPOSED * within * within + bent * (vx * vx + vz * vz)
+        )
         narrow = rsqrt(square)
         ratio = (vx * nx + vz * nz) / (square * narrow)
         wider = ratio * bent * narrow  # the width grows with the speed
@@ -135,7 +137,7 @@ def lead(tangent, i, motion, nx, nz, h, creep, turning, h0, stage):
 
 
 @inlined_fast
-def plate_force(law, acting, sole, i, ankle, creep, stage, h0):
+def plate_force(law, acting, sole, i, ankle, turning_speed, stage, h0):
     """The force on plate i of a foot, with the effects of a scene; arguments as in `foot_force`.
 
     zeta load share (a - M h) dA - pressure n dA, and its motion.
@@ -143,12 +145,12 @@ def plate_force(law, acting, sole, i, ankle, creep, stage, h0):
     area = sole.area[i]
     motion = kinematics(ankle, sole.x[i], sole.z[i])
     depth, x = positive(placed(stage, -motion.z, 0.0, -1.0)), placed(stage, motion.x, 1.0, 0.0)
-    turning = ankle.rate * sole.span
-    h = direction(motion, creep, turning, h0, i)
+    within = ankle.rate * sole.span
+    h = direction(motion, turning_speed, within, h0, i)
 
     nx, nz = outward_normal(sole.tangent, i, ankle)
     vn = dual(stage, motion.vx * nx + motion.vz * nz, nx, nz)
-    leads = lead(sole.tangent, i, motion, nx, nz, h, creep, turning, h0, stage)
+    leads = lead(sole.tangent, i, motion, nx, nz, h, turning_speed, within, h0, stage)
     pull = area * effects.load(acting.loads, depth, x) * effects.gate(acting.gates, leads, depth)
 
     cos2, sin2 = ankle.cos * ankle.cos - ankle.sin * ankle.sin, 2.0 * ankle.sin * ankle.cos
@@ -161,7 +163,7 @@ def plate_force(law, acting, sole, i, ankle, creep, stage, h0):
 
 
 @inlined_fast
-def foot_force(law, acting, sole, ankle, creep, stage, h0):
+def foot_force(law, acting, sole, ankle, turning_speed, stage, h0):
     """F = sum of f over some plates: the paper's eq. 2, with their power and derivatives.
 
     Parameters
@@ -174,7 +176,7 @@ def foot_force(law, acting, sole, ankle, creep, stage, h0):
         The plates that are summed.
     ankle : Ankle
         In the world.
-    creep, stage
+    turning_speed, stage
         As in `contact`.
     h0 : (h_x, h_z), each (plates,), or None
         Bristles of these plates.
@@ -185,7 +187,7 @@ def foot_force(law, acting, sole, ankle, creep, stage, h0):
     """
     x = z = power = xx = xz = zx = zz = 0.0
     for i in range(len(sole.x)):
-        f = plate_force(law, acting, sole, i, ankle, creep, stage, h0)
+        f = plate_force(law, acting, sole, i, ankle, turning_speed, stage, h0)
         x += value(f.x)
         z += value(f.z)
         power += value(f.x) * f.motion.vx + value(f.z) * f.motion.vz  # eq. 7
@@ -243,7 +245,7 @@ def _tangent_between(tangent, first, last):
 
 
 @inlined
-def contact(world, sole, poses, hip, creep, stage, h0, counts):
+def contact(world, sole, poses, hip, turning_speed, stage, h0, counts):
     """Force of the sand on both feet.
 
     Parameters
@@ -256,8 +258,9 @@ def contact(world, sole, poses, hip, creep, stage, h0, counts):
         Both feet relative to the hip, see `state.ankle_of`.
     hip : Motion
         Of the hip.
-    creep : float, m/s
-        eps; with bristles, delta over the time for which they have followed the plates.
+    turning_speed : float, m/s
+        Over which a plate's direction turns: the creep speed eps; with bristles, delta over the time for
+        which they have followed the plates.
     stage : float, s, or None
         dx/dv_x = dz/dv_z: how the place follows from the velocity in an implicit stage. None leaves the
         derivatives out; they are then 0.
@@ -279,7 +282,7 @@ def contact(world, sole, poses, hip, creep, stage, h0, counts):
         if first < last:
             counts.plates += last - first
             part, bristles = plates_between(sole, first, last), bristles_between(h0, foot, first, last)
-            force = foot_force(world.law, world.effects, part, ankle, creep, stage, bristles)
+            force = foot_force(world.law, world.effects, part, ankle, turning_speed, stage, bristles)
         left, right = right, force
     return Contact(left, right)
 

@@ -31,7 +31,7 @@ LONG_ONES = 2
 
 
 def world(scene: Scene, accuracy: Accuracy) -> World:
-    """What the compiled loops need to know of a scene."""
+    """The part of a scene that compiled loops need."""
     law = Law(*(float(scene.zeta * PER_CM3 * c) for c in scene.sand.stress_map.law))
     tilt, g = scene.gravity
     length = effects.bristle_length(scene.effects)

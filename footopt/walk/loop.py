@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from footopt.compiled import inlined
 from footopt.walk.bristles import beginning, bristles_at_start, record
-from footopt.walk.cache_key import compiled
 from footopt.walk.contact import contact
 from footopt.walk.metrics import no_extremes, raw_of, sample_of, sinkage_of, step_error, updated
+from footopt.walk.own_code import compiled
 from footopt.walk.standing import static_height
 from footopt.walk.state import (
     Contact,
@@ -53,7 +53,7 @@ class Course(NamedTuple):
 
 
 class Output(NamedTuple):
-    """What is filled; the traces are those of one design.
+    """The arrays that are filled; the traces are those of one design.
 
     Row 0 of the traces is the start; rows inside longer steps are left as they were.
     """
@@ -159,6 +159,6 @@ def walk_range(stepper: Any, soles: Sole, world: World, *rest: Any) -> None:
     compiled(walk_designs, world.effects.all, stepper)(stepper, soles, world, *rest)
 
 
-def both_feet(world, sole, poses, hip, creep, stage, counts):
+def both_feet(world, sole, poses, hip, turning_speed, stage, counts):
     """`contact` without bristles, to be compiled for Python."""
-    return contact(world, sole, poses, hip, creep, stage, None, counts)
+    return contact(world, sole, poses, hip, turning_speed, stage, None, counts)

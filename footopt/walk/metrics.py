@@ -1,4 +1,4 @@
-"""What is read off a walk while it is made: its peaks and falls between steps, too, and its raw result."""
+"""Peaks, falls and sums of a walk, followed while it is made and between steps, too, and its raw result."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Four(NamedTuple):
 
 
 class Extremes(NamedTuple):
-    """What a walk has reached so far; all but force and sinkage since the first heel strike."""
+    """The extremes of a walk so far; all but force and sinkage since the first heel strike."""
 
     speed: float  # largest forward speed, m/s; -inf before the heel strike
     fall: float  # largest fall of the forward speed below it, m/s

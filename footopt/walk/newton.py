@@ -11,11 +11,11 @@ from footopt.walk.bristles import update_bristles
 from footopt.walk.contact import contact
 from footopt.walk.state import Contact, Force, Motion, no_force
 
-MAX_NEWTON = 20  # contact evaluations of one implicit stage at one creep speed, back-tracking included
-MAX_RESCUE = 1000  # ... and in all, if it has to be approached from a larger creep speed
-GATE_STEP = 2.0  # largest last step of Newton's method over the creep speed, where an effect has a gate
+MAX_NEWTON = 20  # contact evaluations of one implicit stage at one turning speed, back-tracking included
+MAX_RESCUE = 1000  # ... and in all, if it has to be approached from a larger one
+GATE_STEP = 2.0  # largest last step of Newton's method over the turning speed, where an effect has a gate
 STANDING = 10.0  # speed of the hip over the creep speed, below which the walker stands
-LEAST_STRIDE = 0.97  # of a rescue, as the ratio of two creep speeds: beyond it is given up
+LEAST_STRIDE = 0.97  # of a rescue, as the ratio of two turning speeds: beyond it is given up
 
 
 class Stage(NamedTuple):
@@ -33,18 +33,18 @@ class Iterate(NamedTuple):
     vz: float
     dvx: float  # m/s, the step to there
     dvz: float
-    creep: float  # m/s, for which the stage is solved at present
-    best: float  # least residual squared at this creep speed, m^2/s^2
+    turning_speed: float  # m/s, for which the stage is solved at present (see `contact`)
+    best: float  # least residual squared at this turning speed, m^2/s^2
     tries: int  # evaluations at it
 
 
 class Rescue(NamedTuple):
-    """The approach from a creep speed so large that the law is viscous."""
+    """The approach from a turning speed so large that the law is viscous."""
 
-    on: bool
-    viscous: float  # m/s, that creep speed
-    ratio: float  # of a creep speed to the one before
-    solved_at: float  # m/s, the last creep speed for which the stage is solved
+    active: bool
+    viscous: float  # m/s, that turning speed
+    ratio: float  # of a turning speed to the one before
+    solved_at: float  # m/s, the last turning speed for which the stage is solved
     vx: float  # m/s, the solution there; the guess before there is one
     vz: float
 
@@ -78,7 +78,7 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, counts):
     vx, vz : float, m/s
         The guess.
     bristles : bristles.Stage or None
-        What the stage bends.
+        Those that the stage bends.
     world, sole, poses, counts
         As in `contact`.
 
@@ -88,33 +88,33 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, counts):
     """
     inv, goal = c / world.mass, _turning_speed(world.bristle_length, world.creep, c)
     now = Iterate(vx, vz, 0.0, 0.0, goal, np.inf, 0)
-    way = Rescue(False, np.inf, 0.25, np.inf, vx, vz)
+    approach = Rescue(False, np.inf, 0.25, np.inf, vx, vz)
     at = Contact(no_force(), no_force())
     for _ in range(MAX_RESCUE):
         hip = Motion(start.x + c * now.vx, start.z + c * now.vz, now.vx, now.vz)
-        at = contact(world, sole, poses, hip, now.creep, c, _h0(bristles), counts)
+        at = contact(world, sole, poses, hip, now.turning_speed, c, _h0(bristles), counts)
         rx, rz = residual(world, start, c, hip, at)
         square, tries = rx * rx + rz * rz, now.tries + 1
         if square > now.best and tries <= MAX_NEWTON:
             now = back_track(now, tries)
         elif tries > MAX_NEWTON or not square < 1e18:
-            counts.rescues += 0 if way.on else 1
-            way, creep = rescue(way, now.creep, goal)
-            if not way.on:
+            counts.rescues += 0 if approach.active else 1
+            approach, turning_speed = rescue(approach, now.turning_speed, goal)
+            if not approach.active:
                 break
-            now = Iterate(way.vx, way.vz, now.dvx, now.dvz, creep, np.inf, 0)
+            now = Iterate(approach.vx, approach.vz, now.dvx, now.dvz, turning_speed, np.inf, 0)
         else:
             dvx, dvz = newton_step(inv, at, rx, rz)
             vx, vz = now.vx + dvx, now.vz + dvz
-            now = Iterate(vx, vz, dvx, dvz, now.creep, square, tries)
-            if converged(world, now, at, way.on):
-                if now.creep == goal:
+            now = Iterate(vx, vz, dvx, dvz, now.turning_speed, square, tries)
+            if converged(world, now, at, approach.active):
+                if now.turning_speed == goal:
                     end = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
                     _bend(bristles, sole, poses, end, goal)
                     left, right = _extrapolated(at.left, dvx, dvz), _extrapolated(at.right, dvx, dvz)
                     return Stage(end, Contact(left, right), True)
-                way = Rescue(True, way.viscous, way.ratio, now.creep, vx, vz)
-                now = Iterate(vx, vz, dvx, dvz, max(way.ratio * now.creep, goal), np.inf, 0)
+                approach = Rescue(True, approach.viscous, approach.ratio, now.turning_speed, vx, vz)
+                now = Iterate(vx, vz, dvx, dvz, max(approach.ratio * now.turning_speed, goal), np.inf, 0)
     return Stage(start, at, False)
 
 
@@ -144,41 +144,45 @@ def back_track(now, tries):
     dvx, dvz = 0.5 * now.dvx, 0.5 * now.dvz
     vx, vz = now.vx - dvx, now.vz - dvz
     only_rounding = abs(dvx) + abs(dvz) < 1e-13 * (1.0 + abs(vx) + abs(vz))
-    return Iterate(vx, vz, dvx, dvz, now.creep, np.inf if only_rounding else now.best, tries)
+    return Iterate(vx, vz, dvx, dvz, now.turning_speed, np.inf if only_rounding else now.best, tries)
 
 
 @inlined
 def converged(world, now, at, rescued):
     """Whether a step is small against the speed at which the plates of the slower foot move through the sand.
 
-    That speed (`_speed`) is at least the creep speed, on which the law is smooth. A rescue follows the plate
-    that sticks, whatever the mean speed of the others.
+    That speed (`_speed`) is at least the turning speed, on which the law is smooth. A rescue follows the
+    plate that sticks, whatever the mean speed of the others.
     """
     left, right = at.left, at.right
     size = abs(now.dvx) + abs(now.dvz)
     force = (abs(left.x) + abs(left.z)) + (abs(right.x) + abs(right.z))
     rounding = 1e-13 * (1.0 + abs(now.vx) + abs(now.vz))
-    speed = now.creep
+    speed = now.turning_speed
     if not rescued and force > 0.0:
-        speed = _least_speed(world.bristle_length, now.creep) + min(_speed(left, force), _speed(right, force))
-    enough = _smooth_step(world.tolerance * speed, now.creep, world.effects.gates)
+        speed = _least_speed(world.bristle_length, now.turning_speed) + min(
+            _speed(left, force), _speed(right, force)
+        )
+    enough = _smooth_step(world.tolerance * speed, now.turning_speed, world.effects.gates)
     return size <= rounding or (force > 0.0 and size <= enough + rounding)
 
 
 @inlined
-def rescue(way, creep, goal):
-    """The next creep speed, m/s, for which the stage is solved, where Newton's method has failed at one.
+def rescue(approach, turning_speed, goal):
+    """The next turning speed, m/s, for which the stage is solved, where Newton's method has failed at one.
 
     The first is so large that the law is viscous; from there they are smaller and smaller, each begun from
     the solution before, in shorter strides where one fails. Where there is no shorter stride, or the law
     cannot be solved even at the first, the rescue ends and the stage is not solved.
     """
-    if not way.on:
-        viscous = 10.0 * (1.0 + abs(way.vx) + abs(way.vz))
-        return Rescue(True, viscous, way.ratio, way.solved_at, way.vx, way.vz), viscous
-    ratio = np.sqrt(way.ratio)
-    on = not (ratio > LEAST_STRIDE or creep == way.viscous)
-    return Rescue(on, way.viscous, ratio, way.solved_at, way.vx, way.vz), max(ratio * way.solved_at, goal)
+    if not approach.active:
+        viscous = 10.0 * (1.0 + abs(approach.vx) + abs(approach.vz))
+        return Rescue(True, viscous, approach.ratio, approach.solved_at, approach.vx, approach.vz), viscous
+    ratio = np.sqrt(approach.ratio)
+    active = not (ratio > LEAST_STRIDE or turning_speed == approach.viscous)
+    return Rescue(active, approach.viscous, ratio, approach.solved_at, approach.vx, approach.vz), max(
+        ratio * approach.solved_at, goal
+    )
 
 
 @inlined
@@ -195,24 +199,24 @@ def _speed(foot, both):
 
 @inlined
 def _turning_speed(length, creep, c):
-    """The speed over which a plate's direction turns over in a stage, m/s."""
+    """The speed over which a plate's direction turns in a stage, m/s."""
     if length is None:
         return creep
     return length / c
 
 
 @inlined
-def _least_speed(length, creep):
+def _least_speed(length, turning_speed):
     """The least speed against which a step of Newton's method is small, m/s: at rest it would be a drift."""
     if length is None:
-        return creep
-    return 1e-3 * creep
+        return turning_speed
+    return 1e-3 * turning_speed
 
 
 @unless_none
-def _bend(bristles, sole, poses, hip, creep):
+def _bend(bristles, sole, poses, hip, turning_speed):
     """Bend the bristles."""
-    update_bristles(sole, poses, hip, creep, bristles)
+    update_bristles(sole, poses, hip, turning_speed, bristles)
 
 
 @unless_none
@@ -236,8 +240,8 @@ def _extrapolated(force, dvx, dvz):
 
 
 @inlined
-def _smooth_step(step, creep, gates):
-    """A step of Newton's method on which the law is smooth, m/s: a gate turns within the creep speed."""
+def _smooth_step(step, turning_speed, gates):
+    """A step of Newton's method on which the law is smooth, m/s: a gate opens within the turning speed."""
     if gates is None:
         return step
-    return min(step, GATE_STEP * creep)
+    return min(step, GATE_STEP * turning_speed)

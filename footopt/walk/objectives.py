@@ -1,8 +1,8 @@
-"""What a walk is judged by: the paper's five objectives, its scalar J_W, and a few more by name.
+"""The objectives of a walk: the paper's five, its scalar J_W, and a few more by name.
 
 Each objective is one function of the raw results of the compiled loop (`metrics.RAW`), in natural
 signs: a distance is large when it is good, a power small. `FootProblem.minimised` turns them for solvers.
-What the loop does not know is measured in plain Python, a foot or a whole walk at a time: `measure`.
+Other quantities are measured in plain Python, a foot or a whole walk at a time: `measure`.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class Objective:
 
     @property
     def sign(self) -> float:
-        """What turns a value into one that is minimised: 1 or -1."""
+        """The factor that turns a value into one that is minimised: 1 or -1."""
         return -1.0 if self.maximise else 1.0
 
     def check_limit(self, setting: str, limit: Any) -> None:

@@ -12,9 +12,9 @@ from footopt.compiled import unless_none
 from footopt.foot import Plates
 from footopt.gait.gait import Pose
 from footopt.walk.accuracy import Accuracy
-from footopt.walk.cache_key import compiled
 from footopt.walk.contact import TURN, in_world, plate_force
 from footopt.walk.discretize import sole_of, world
+from footopt.walk.own_code import compiled
 from footopt.walk.scene import Scene
 from footopt.walk.state import Motion, ankle_of
 
@@ -79,14 +79,16 @@ def plate_states(
     if bristles is not None:
         h0 = np.zeros((*pose.x.shape, 2, len(sole.x)))
         h0[..., :count] = np.moveaxis(bristles, 3, 2)
-    over = creep if h0 is None else np.inf  # m/s: bristles stay as they are
-    compiled(each_plate, constants.effects.all)(constants, sole, pose.table(), hip, over, h0, out)
+    turning_speed = creep if h0 is None else np.inf  # m/s: bristles stay as they are
+    compiled(each_plate, constants.effects.all)(constants, sole, pose.table(), hip, turning_speed, h0, out)
     place, moves, force, normal = (out[:, :, :count, i : i + 2] for i in range(0, 8, 2))
     slip = np.hypot(creep, TURN * float(sole.span) * pose.rate)
     return PlateStates(place, moves, force, normal, plates.area[0], slip)
 
 
-def each_plate(world: Any, sole: Any, poses: Array, hip: Array, creep: float, h0: Any, out: Array) -> None:
+def each_plate(
+    world: Any, sole: Any, poses: Array, hip: Array, turning_speed: float, h0: Any, out: Array
+) -> None:
     """Compiled: fill `out` (M, feet, plates, 8) with place, velocity, force and normal of every plate.
 
     poses: (M, feet, 7). hip: (M, 4), its place and velocity. h0: bristles (M, feet, 2, plates), or None.
@@ -97,7 +99,7 @@ def each_plate(world: Any, sole: Any, poses: Array, hip: Array, creep: float, h0
             ankle = in_world(ankle_of(poses[m], foot), moving)
             bristles = _bristles_at(h0, m, foot)
             for i in range(len(sole.x)):
-                f = plate_force(world.law, world.effects, sole, i, ankle, creep, None, bristles)
+                f = plate_force(world.law, world.effects, sole, i, ankle, turning_speed, None, bristles)
                 row, motion = out[m, foot, i], f.motion
                 row[0], row[1], row[2], row[3] = motion.x, motion.z, motion.vx, motion.vz
                 row[4], row[5], row[6], row[7] = f.x, f.z, f.normal_x, f.normal_z

@@ -1,4 +1,4 @@
-"""What a second program found.
+"""Walks that a second program has computed.
 
 `PUBLISHED` is what another program, written apart from this one, found for one foot: the law in its angles,
 LSODA, 100 chords for plates, a creep speed of 1e-5 m/s, and all else as the defaults are. Every release and

@@ -21,7 +21,7 @@ from footopt.walk.validity import Diagnostic
 BEYOND = 10.0
 PROMISE = 0.005  # relative, of an accuracy without a name: that of `standard`
 
-#: What an error may come from, by what to change.
+#: Causes of an error, by the setting to change.
 CAUSES = {
     "accuracy.dt": "the time step makes most of it; try accuracy=fine, or a smaller accuracy.dt",
     "accuracy.plates": "the plates make most of it; try accuracy=fine, or more accuracy.plates",

@@ -1,4 +1,4 @@
-"""What comes out: `Table`, the objectives of many feet, and `Walk`, one foot with its traces."""
+"""The results: `Table`, the objectives of many feet, and `Walk`, one foot with its traces."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Table:
         How often the walk was repeated with a quarter of the time step because a step could not be
         solved or a state was not finite.
     scene : Scene
-        What was walked through.
+        Of the walks.
     errors : (designs, objectives), optional
         Estimates of the values' errors, in their units; NaN where a finer walk ends otherwise or is too long.
         None unless `evaluate` was asked for them.
@@ -127,7 +127,7 @@ class Variable(NamedTuple):
     values: Array
 
 
-#: What the places along a dimension are called.
+#: Names of the places along a dimension.
 PLACES = {"foot": ("left", "right"), "axis": ("x", "z")}
 
 
@@ -138,7 +138,7 @@ class Walk:
     Parameters
     ----------
     foot, scene, accuracy : Foot, Scene, Accuracy
-        What was simulated, and how finely.
+        Of the walk.
     t : (T,), s
         The first is the end of the first step: exactly at rest the smoothed force is 3/8 of the one that
         carries the weight (all of it in a scene with bristles).
@@ -157,7 +157,7 @@ class Walk:
     totals : dict
         The loop's own results by name (`RAW`), by the stepper's own quadrature.
     evaluations, rescues, shortened, repeats : int
-        What the walk took, see `Table`.
+        Of the walk, see `Table`.
     """
 
     foot: Foot

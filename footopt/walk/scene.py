@@ -1,4 +1,4 @@
-"""What is simulated: `Walker` and `Scene`, plain frozen data."""
+"""The input of a simulation: `Walker` and `Scene`, plain frozen data."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from footopt.gait import Gait
 from footopt.sand import Sand, alpha
 from footopt.sand.law import EARTH
 
-#: What a walker can be, from an insect to an excavator that walks, with room for limits taken on purpose.
+#: Units and ranges of a walker's numbers, from an insect to an excavator that walks.
 WALKERS = {
     "mass": ("kg", 1e-9, 1e9),
     "l1": ("m", 1e-4, 100.0),
@@ -85,7 +85,7 @@ class Scene:
     t_f : float, s, optional
         End of the walk; by default two strides after the start (2.9 s for the paper's walk).
     effects : tuple of Effect
-        What the scene calls for beyond the plain law (`footopt.effects`); those that change nothing are
+        Beyond the plain law (`footopt.effects`); those that change nothing are
         dropped.
 
     Raises

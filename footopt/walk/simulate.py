@@ -220,7 +220,7 @@ def _measured(
     accuracy: Accuracy,
     space: Waypoints | None,
 ) -> list[float]:
-    """What is measured in Python, of one foot of a batch and its walk."""
+    """Measures in Python, of one foot of a batch and its walk."""
     if isinstance(feet, Plates):
         raise SettingError("objectives", measures[0].name, "a compiled one where feet are plates")
     foot = feet[i] if isinstance(feet[i], Foot) else Foot.from_waypoints(feet[i], space)

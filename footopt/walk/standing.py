@@ -9,7 +9,7 @@ from footopt.effects import Laws
 from footopt.walk.contact import bristles_between, foot_force, plates_between, submerged
 from footopt.walk.state import Ankle, ankle_of
 
-SLOW = 1e-9  # m/s: a creep speed that changes no force of plates that move at 1 m/s
+SLOW = 1e-9  # m/s: a turning speed that changes no force of plates that move at 1 m/s
 
 
 @inlined

@@ -1,4 +1,4 @@
-"""What the compiled walk is made of: plain tuples with names. Columns have numbers here and nowhere else."""
+"""The parts of the compiled walk: plain tuples with names. Columns have numbers here and nowhere else."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ Array = NDArray[np.float64]
 
 LANES = 8  # plates are padded to a multiple of this, and summed in such blocks
 
-#: What a walk counts: evaluations of the contact, of plates in it, stages that had to be rescued, steps
+#: Counts of a walk: evaluations of the contact, of plates in it, stages that had to be rescued, steps
 #: that were repeated with half their length, and how often the whole walk was, with a quarter of it.
 COUNTS = np.dtype([(name, np.int64) for name in ("evaluations", "plates", "rescues", "shortened", "repeats")])
 
 
 class World(NamedTuple):
-    """What does not change during a walk: the sand, the walker, the smoothing."""
+    """The constants of a walk: the sand, the walker, the smoothing."""
 
     law: Law  # N/m^3
     mass: float  # kg
@@ -104,7 +104,7 @@ class Contact(NamedTuple):
 
 
 class Integrals(NamedTuple):
-    """What adds up along a walk, by the stepper's own quadrature."""
+    """Integrals along a walk, by the stepper's own quadrature."""
 
     work_left: float  # J
     work_right: float

@@ -17,9 +17,9 @@ from footopt.effects.dual import Dual
 from footopt.errors import SettingError
 from footopt.foot import as_plates
 from footopt.walk.balances import energy_gap, momentum_gap
-from footopt.walk.cache_key import compiled
 from footopt.walk.discretize import NEWTON, sole_of, world
 from footopt.walk.loop import both_feet
+from footopt.walk.own_code import compiled
 from footopt.walk.state import COUNTS, Motion
 
 

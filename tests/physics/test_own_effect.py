@@ -11,8 +11,8 @@ from numba.core.caching import NullCache
 
 from footopt.effects import laws
 from footopt.errors import SettingError
-from footopt.walk.cache_key import compiled
 from footopt.walk.loop import walk_designs
+from footopt.walk.own_code import compiled
 from footopt.walk.steppers import STEPPERS
 
 OWN = """

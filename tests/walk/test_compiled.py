@@ -10,7 +10,7 @@ import pytest
 
 import footopt
 from footopt import compiled
-from footopt.walk.cache_key import cache_key
+from footopt.walk.own_code import digest_of
 
 
 def test_every_module_that_a_walk_is_compiled_from_is_part_of_its_key():
@@ -35,7 +35,7 @@ def test_a_source_that_was_changed_has_its_code_elsewhere_in_a_folder_of_the_use
     tmp_path, monkeypatch
 ):
     monkeypatch.setattr(compiled.config, "CACHE_DIR", str(tmp_path / "kept"))
-    made = compiled.folder.__wrapped__
+    made = compiled.cache_folder.__wrapped__
     before = Path(made())
     assert (before.parent, before.stat().st_mode & 0o777) == (tmp_path / "kept", 0o700)
     assert Path(made()) == before
@@ -47,7 +47,7 @@ def test_a_source_that_was_changed_has_its_code_elsewhere_in_a_folder_of_the_use
 def test_without_a_cache_folder_the_code_is_compiled_all_the_same(tmp_path, monkeypatch, caplog):
     (tmp_path / "file").touch()
     monkeypatch.setattr(compiled.config, "CACHE_DIR", str(tmp_path / "file"))
-    monkeypatch.setattr(compiled, "folder", compiled.folder.__wrapped__)
+    monkeypatch.setattr(compiled, "cache_folder", compiled.cache_folder.__wrapped__)
     assert compiled.cached_njit(nogil=True)(lambda x: x + 1)(1) == 2
     assert "NUMBA_CACHE_DIR" in caplog.text
 
@@ -62,10 +62,10 @@ def test_an_effect_of_a_user_that_was_edited_is_compiled_again(tmp_path):
         exec(compile(text, str(path), "exec"), namespace)
         return namespace["hook"]
 
-    first = cache_key((loaded("def hook(a):\n    return a\n"),))
-    second = cache_key((loaded("def hook(a):\n    return 2 * a\n"),))
+    first = digest_of((loaded("def hook(a):\n    return a\n"),))
+    second = digest_of((loaded("def hook(a):\n    return 2 * a\n"),))
     typed = [eval(f"lambda a: {n} * a") for n in (1, 2)]
-    assert len({cache_key(()), first, second, *(cache_key((f,)) for f in typed)}) == 5
+    assert len({digest_of(()), first, second, *(digest_of((f,)) for f in typed)}) == 5
 
 
 SLOWLY = """

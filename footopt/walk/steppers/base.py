@@ -1,4 +1,4 @@
-"""What a stepper is: a NamedTuple of its parameters with a method that advances the walker by one time step.
+"""The base of steppers: NamedTuples of parameters with a method that advances the walker by a time step.
 
 The method makes the state at t + h out of that at t, and changes nothing but the counts:
 

@@ -1,4 +1,4 @@
-"""What compiled code depends on beyond footopt: a user's own types and functions, by their sources."""
+"""The compiled functions of a walk with a user's own effects or stepper, by a digest of their source."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def own_code(laws: Sequence[Any], stepper: Any = None) -> tuple[Any, ...]:
 
 
 @lru_cache(maxsize=8)
-def cache_key(functions: tuple[Any, ...]) -> str:
+def digest_of(functions: tuple[Any, ...]) -> str:
     """A digest of the sources of functions."""
     return hashlib.sha256(b"".join(map(source_of, functions))).hexdigest()
 
@@ -59,5 +59,5 @@ def compiled(function: Callable[..., Any], laws: Sequence[Any], stepper: Any = N
     and not all of them can import a user's types. It is compiled again after an edit of theirs.
     """
     own = own_code(laws, stepper)
-    key = cache_key(tuple(thing for thing in own if not isinstance(thing, type)))
+    key = digest_of(tuple(thing for thing in own if not isinstance(thing, type)))
     return _compiled(function, key, njit if own else cached_njit)
