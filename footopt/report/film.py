@@ -6,6 +6,7 @@ import math
 import os
 import subprocess
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -28,26 +29,18 @@ CLOSE, NEAR = 0.8, 0.28  # of the close-up: its width, m, and its height by its 
 LONGEST = 0.06  # arrow there, m
 
 
-def check_film(
-    path: str | Path, fps: int = 25, speed: float = 0.5, dpi: int = 120, setting: str = "path"
-) -> Path:
-    """Raise a `SettingError` or `FileError` unless `animate` can write such a film; make its folder."""
+def check_film(path: str | Path, setting: str = "path") -> Path:
+    """Raise a `SettingError` or `FileError` unless `animate` can write such a file; make its folder."""
     path = Path(path)
     if path.suffix.lower() not in (".gif", ".mp4"):
         raise SettingError(setting, path.name, "a name that ends in .gif or .mp4", "Try walk.gif.")
-    check(0 < fps <= 100, "fps", fps, "a number of frames per second > 0 and <= 100")
-    check(0 < speed < math.inf, "speed", speed, "a number > 0: 1 is as in life, 0.25 four times slower")
-    check(20 <= dpi <= 600, "dpi", dpi, "a number of dots per inch from 20 to 600")
     if path.suffix.lower() == ".mp4" and not FFMpegWriter.isAvailable():
-        other = path.with_suffix(".gif").name
         raise FileError(
-            f"{path}: an .mp4 needs the program ffmpeg, which is not installed (apt install ffmpeg; conda "
-            f"install ffmpeg; brew install ffmpeg). A .gif needs nothing: try {other}."
+            f"{path}: an .mp4 needs the program ffmpeg, which is not installed (apt, conda or brew install "
+            f"ffmpeg). A .gif needs nothing: try {path.with_suffix('.gif').name}."
         )
-    try:
+    with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FileError(f"{path}: there can be no such folder ({error.strerror or error}).") from None
     if not os.access(path.parent, os.W_OK) or path.is_dir():
         raise FileError(f"{path}: cannot be written. Choose a file in a folder that can.")
     return path
@@ -82,7 +75,10 @@ def animate(walk: Walk, path: str | Path, fps: int = 25, speed: float = 0.5, dpi
     FileError
         ffmpeg is missing or fails, or the file cannot be written.
     """
-    path = check_film(path, fps, speed, dpi)
+    path = check_film(path)
+    check(0 < fps <= 100, "fps", fps, "a number of frames per second > 0 and <= 100")
+    check(0 < speed < math.inf, "speed", speed, "a number > 0: 1 is as in life, 0.25 four times slower")
+    check(20 <= dpi <= 600, "dpi", dpi, "a number of dots per inch from 20 to 600")
     if len(walk.t) == 0:
         raise FootoptError(f"{path}: there is nothing to film, the walk failed at once: {walk.reason}.")
     kind: Any
@@ -102,10 +98,7 @@ def animate(walk: Walk, path: str | Path, fps: int = 25, speed: float = 0.5, dpi
 
 
 def gif_rate(fps: float) -> float:
-    """Frames per second of a GIF: its frames last whole hundredths of a second, and at least two.
-
-    What lasts one only is slowed down to ten frames per second by browsers.
-    """
+    """Frames per second of a GIF, whose frames last two hundredths of a second or more."""
     # just below: the writer cuts off what 1000 / rate has behind the point
     return math.nextafter(100.0 / max(round(100.0 / fps), 2), 0.0)
 
@@ -151,7 +144,6 @@ def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], N
         whole.set_title(f"{t[i]:.2f} s{ended}", loc="right", fontsize=10)
 
     show(0)
-    for _ in range(2):  # each pass of the layout moves things a little
-        figure.draw_without_rendering()
+    figure.draw_without_rendering()
     figure.set_layout_engine("none")  # a layout of each frame's own would tremble
     return figure, show

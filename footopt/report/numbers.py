@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from footopt.sand import Sand
-from footopt.walk import MEASURES
 
 
 def number(value: float) -> str:
@@ -50,11 +49,6 @@ def title(name: str) -> str:
 def sand_title(sand: Sand) -> str:
     """The sand by its name, or by its strength if it has none."""
     return f"sand of zeta {sand.zeta:g}" if sand.name == "custom" else f"{sand.name} sand"
-
-
-def objective_quantity(name: str, value: float) -> str:
-    """An objective's value with its unit."""
-    return quantity(value, MEASURES[name].unit if name in MEASURES else "")
 
 
 def _shortest(text: str) -> str:

@@ -24,7 +24,6 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from footopt.files.io import write_bytes
-from footopt.report.numbers import number
 from footopt.walk import Walk
 
 Array = NDArray[np.float64]
@@ -160,12 +159,6 @@ def message(axes: Axes, text: str) -> None:
     """A plain statement where there is nothing to draw; ticks would be those of no data."""
     axes.tick_params(left=False, labelleft=False)
     axes.text(0.5, 0.5, textwrap.fill(text, 60), transform=axes.transAxes, ha="center", va="center")
-
-
-def formula(value: float) -> str:
-    """A number as `numbers.number` writes it, with a true minus sign and its power of ten raised."""
-    mantissa, _, power = number(value).partition("e")
-    return rf"${mantissa}\times10^{{{power}}}$" if power else mantissa.replace("-", "\N{MINUS SIGN}")
 
 
 def as_text(name: str) -> str:

@@ -75,12 +75,8 @@ def as_frame(runs: Sequence[Run]) -> pandas.DataFrame:
     rows = []
     for run in runs:
         result, design = run.result, run.result.get("design", {})
-        row = {
-            "folder": str(run.folder),
-            "overrides": " ".join(run.overrides),
-            **run.settings,
-            **run.objectives,
-        }
+        row: dict[str, Any] = {"folder": str(run.folder), "overrides": " ".join(run.overrides)}
+        row |= {**run.settings, **run.objectives}
         row["hollow_mm"] = design.get("hollow_mm", math.nan)
         row["k"] = written(design["k"]) if design.get("k") else ""
         row |= {name: result.get(name, math.nan) for name in NUMBERS}
@@ -98,17 +94,12 @@ def varied(runs: Sequence[Run]) -> pandas.DataFrame:
 
 
 def compare(folder: Path, folders: Sequence[Path]) -> int:
-    """Print a table of runs, and write summary.csv, seeds.csv, the fronts and report.html into a folder.
-
-    Returns how many of them failed, or their foot.
-    """
+    """Print a table of runs, and write all about them into a folder; returns how many of them failed."""
     runs, out = [read(path) for path in folders], console()
     base = os.path.commonpath([path.absolute().parent for path in folders])
     names = [os.path.relpath(path, base) for path in folders]
     settings, found, whole = varied(runs), fronts(runs), as_frame(runs)
-    common = {
-        word for word in runs[0].overrides if all(word in run.overrides for run in runs) and len(runs) > 1
-    }
+    common = set.intersection(*(set(run.overrides) for run in runs)) if len(runs) > 1 else set()
     own = [" ".join(word for word in run.overrides if word not in common) for run in runs]
     about = [f"{len(runs)} runs in {base}" + (f", all with {' '.join(sorted(common))}" if common else "")]
     about += describe_model(run.result.get("model_error") for run in runs)

@@ -129,15 +129,6 @@ def objective_table(
     return shown
 
 
-def describe_loss(name: str, value: float, flat: float) -> list[str]:
-    """A warning where a search has found no foot that is better than the flat sole in an objective."""
-    if MEASURES[name].sign * (value - flat) < 0.0:
-        return []
-    how = "no better" if value == flat else "worse"
-    values = f"{number(value)} against {number(flat)}"
-    return [f"The best design is {how} than the flat sole in {title(name)}: {values}. Search longer."]
-
-
 def describe_foot(foot: Foot) -> str:
     """A sole in one line: its heights, its hollow, and by how much it leaves its box, if it does."""
     parts = [f"k = {written(foot.k)}"] if foot.k is not None else [title(foot.name)]

@@ -31,7 +31,7 @@ from footopt.files import io as files
 from footopt.foot import Foot, Waypoints
 from footopt.report import figures, page, terminal
 from footopt.report.figures.search import FRONT, history_label
-from footopt.report.numbers import objective_quantity
+from footopt.report.numbers import number, quantity, title
 from footopt.report.progress import report_generations
 from footopt.studies import ranks
 from footopt.studies.audit import choose_effects
@@ -48,7 +48,7 @@ from footopt.studies.build import check_searchable, make_problem
 from footopt.studies.settings import SearchSettings, setting
 from footopt.studies.simulate import VIDEO, check_film, write_film, write_walk
 from footopt.studies.validation.model import model_error
-from footopt.walk import gain_shares, simulate
+from footopt.walk import MEASURES, gain_shares, simulate
 from footopt.walk.resolution import error_of, resolution
 from footopt.walk.validity import diagnose
 
@@ -155,10 +155,12 @@ def _warnings(
     said = []
     if problem.n_obj == 1 or by_j:
         by = "efficiency" if by_j else problem.names[0]
-        said += terminal.describe_loss(by, values[by], base[by])
+        if MEASURES[by].sign * (values[by] - base[by]) >= 0.0:
+            compared = f"{number(values[by])} against {number(base[by])}"
+            said.append(f"The flat sole is as good or better in {title(by)}: {compared}. Search longer.")
     for name, limit in problem.limits.items():
         if excess(name, limit, np.array([values[name]]))[0] > 0.0:
-            value = objective_quantity(name, values[name])
+            value = quantity(values[name], MEASURES[name].unit)
             said.append(
                 f"The best design violates constraint.{name}={limit:g} at the finer accuracy: {value}."
             )

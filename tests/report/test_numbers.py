@@ -6,7 +6,6 @@ import pytest
 
 import footopt as fo
 from footopt.report.numbers import change, number, percent, sand_title, title
-from footopt.report.style import formula
 from footopt.report.terminal import describe_scene
 
 
@@ -28,11 +27,6 @@ def test_a_change_of_j_w_is_a_multiple_and_others_are_percentages():
     assert change("efficiency", -0.969e-4, -1e-4) == "x 0.97"
     assert change("work", 90.0, 100.0) == "-10.0 %"
     assert change("work", 1.0, 0.0) == "-"
-
-
-def test_figures_raise_the_power_of_ten():
-    assert formula(-0.0002527) == r"$-2.527\times10^{-4}$"
-    assert formula(-4.0) == "−4"
 
 
 def test_parameters_of_effects_have_units():

@@ -12,6 +12,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
 from footopt.report import style
+from footopt.report.numbers import number
 from footopt.report.style import Axes
 from footopt.walk.objectives import Objective, lookup
 
@@ -56,7 +57,7 @@ def draw_convergence(axes: Axes, history: Sequence[Any], label: str, base: float
         axes.set_xticks([])
         return
     scale, last = base or 1.0, best[np.isfinite(best)][-1]
-    said = "best: " + (f"× {last / base:.2f} of flat, " if base else "") + style.formula(last)
+    said = "best: " + (f"× {last / base:.2f} of flat, " if base else "") + number(last)
     # a best value holds until a better one is found
     axes.plot(evaluations, best / scale, color=style.BEST, drawstyle="steps-post", zorder=3, label=said)
     if np.isfinite(median).any():
