@@ -27,6 +27,8 @@ ARROW = 0.2  # of the picture's height: an arrow of half of the walk's largest f
 FAR = 1e6  # m, beyond any view
 WIDE, HIGH = 0.12, 0.05  # of a picture: a narrower patch or a thinner layer has no room for its name
 BOTH = (0, 1)  # feet, the left one first
+INK = PALETTE["ink"]
+LEG = {"lw": 3.0, "alpha": 0.75, "solid_capstyle": "round", "solid_joinstyle": "round"}
 TIMES = "\N{MULTIPLICATION SIGN}"
 
 
@@ -84,17 +86,17 @@ def body(walk: Walk, t: ArrayLike) -> Body:
     return Body(joints, *placed)
 
 
-def forces_along(walk: Walk, index: Ints, parts: int = ARROWS) -> Forces:
+def forces_along(walk: Walk, index: Ints) -> Forces:
     """Forces along both soles at samples (M,) of a walk, summed over neighbouring plates."""
     plates = walk.plates(index)
-    begin, size = groups(plates.position.shape[2], parts)
+    begin, size = groups(plates.position.shape[2])
     middle = np.add.reduceat(plates.position, begin, axis=2) / size[:, None]
     return Forces(middle, np.add.reduceat(plates.force, begin, axis=2))
 
 
-def groups(count: int, parts: int) -> tuple[Ints, Ints]:
-    """Where groups of neighbours begin, for `np.add.reduceat`, and how many are in each: `parts` at most."""
-    parts = min(parts, count)
+def groups(count: int) -> tuple[Ints, Ints]:
+    """Where `ARROWS` groups of neighbours begin, for `np.add.reduceat`, and how many are in each."""
+    parts = min(ARROWS, count)
     begin = count * np.arange(parts) // parts
     return begin, np.diff(np.append(begin, count))
 
@@ -134,12 +136,12 @@ def _strength(factor: float) -> str:
 
 
 class Stage:
-    """A walk at instants t (M,), s, in order, drawn on Axes in m; `parts` of a sole have a force each."""
+    """A walk at instants t (M,), s, in order, drawn on Axes in m."""
 
-    def __init__(self, walk: Walk, t: ArrayLike, parts: int = ARROWS) -> None:
+    def __init__(self, walk: Walk, t: ArrayLike) -> None:
         self.walk, self.t = walk, np.asarray(t, float)
         index = np.minimum(np.searchsorted(walk.t, self.t), len(walk.t) - 1)  # forces are known at samples
-        self.body, self.forces = body(walk, self.t), forces_along(walk, index, parts)
+        self.body, self.forces = body(walk, self.t), forces_along(walk, index)
         self.ground = ground(walk.scene)
 
     @property
@@ -149,7 +151,7 @@ class Stage:
         (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
         low = min(low, 0.0)
         tall = high - low
-        return left - 0.1 * tall, right + 0.1 * tall, low - 0.08 * tall, high + 0.08 * tall
+        return left - 0.1 * tall, right + 0.1 * tall, low - 0.14 * tall, high + 0.08 * tall
 
     @property
     def scale(self) -> float:
@@ -157,7 +159,7 @@ class Stage:
         return max(0.5 * float(np.abs(self.walk.force).max()), 1e-9) / (ARROW * self.limits[3])
 
     def draw_feet(
-        self, axes: Axes, i: int, scale: float, feet: Sequence[int] = BOTH, close: bool = False, **leg: bool
+        self, axes: Axes, i: int, scale: float, feet: Sequence[int] = BOTH, close: bool = False
     ) -> Quiver:
         """Draw some feet with their legs, the hip, and the forces at the i-th instant.
 
@@ -166,11 +168,12 @@ class Stage:
         """
         for foot in feet:
             (side, colour), order = SIDES[foot], 1.7 + 0.4 * foot
+            joints, sole = self.body.legs[i, foot].T, self.body.sole[i, foot].T
             axes.fill(*self.body.outline[i, foot].T, fc=colour, lw=0, alpha=0.16, zorder=order)
-            draw_leg(axes, foot, self.body.legs[i, foot], **leg)
-            sole = self.body.sole[i, foot].T
+            axes.plot(*joints, color=colour, zorder=order + 0.1, label=f"_{side}-leg", **LEG)
+            axes.plot(*joints[:, 1:], "o", color=INK, ms=4.5, mew=0, zorder=order + 0.2, label="_joints")
             axes.plot(*sole, color=colour, lw=1.9, zorder=order + 0.3, label=f"_{side}-sole")
-        axes.plot(*self.body.hip[i], "o", color=PALETTE["ink"], ms=9.0, mew=0, zorder=3.0, label="_hip")
+        axes.plot(*self.body.hip[i], "o", color=INK, ms=9.0, mew=0, zorder=3.0, label="_hip")
         shown = self.forces if close else self.forces.resultant()
         at, force = (part[i, list(feet)].reshape(-1, 2) for part in shown)
         pushed = np.any(force != 0.0, axis=1)
@@ -202,22 +205,13 @@ def draw_ground(axes: Axes, ground: dict[str, list[dict[str, Any]]], words: bool
         write(axes, "\n".join(slope["words"]), place, (0, -2), ha="right", va="top")
 
 
-def draw_leg(axes: Axes, foot: int, joints: Array, label: bool = False) -> None:
-    """Draw hip, knee and ankle (3, 2) of a leg."""
-    (side, colour), order = SIDES[foot], 1.8 + 0.4 * foot
-    name = f"{side} leg" if label else f"_{side}-leg"
-    looks = {"lw": 3.0, "alpha": 0.75, "solid_capstyle": "round", "solid_joinstyle": "round"}
-    axes.plot(*joints.T, color=colour, zorder=order, label=name, **looks)
-    axes.plot(*joints[1:].T, "o", color=PALETTE["ink"], ms=4.5, mew=0, zorder=order + 0.1, label="_joints")
-
-
 def draw_arrows(
     axes: Axes, at: Array, along: Array, scale: float, pivot: str, label: str = "_force"
 ) -> Quiver:
     """Draw arrows at places (n, 2) m along vectors (n, 2), of which `scale` are a metre."""
     looks = {"width": 0.014, "headwidth": 4.0, "headlength": 5.0, "headaxislength": 4.5, "minlength": 0.3}
     units = {"angles": "xy", "scale_units": "xy", "scale": scale, "units": "inches"}
-    ink = {"color": PALETTE["ink"], "zorder": 2.7, "label": label}
+    ink = {"color": INK, "zorder": 2.7, "label": label}
     arrows: Quiver = axes.quiver(*at.T, *along.T, pivot=pivot, **looks, **units, **ink)
     return arrows
 
@@ -247,7 +241,9 @@ def draw_walk(axes: Axes, walk: Walk) -> None:
     axes.set(xlim=stage.limits[:2], ylim=stage.limits[2:], aspect="equal")
     draw_ground(axes, stage.ground)
     for i in range(len(index)):
-        arrows = stage.draw_feet(axes, i, stage.scale, label=i == len(index) - 1)
+        arrows = stage.draw_feet(axes, i, stage.scale)
+    for side, colour in SIDES:
+        axes.plot([], [], color=colour, label=f"{side} leg", **LEG)
     draw_key(axes, arrows, 0.5 * float(np.abs(walk.force).max()))
     axes.plot(*walk.com.T, color="black", lw=0.8, label="path of the COM", zorder=3.5)
     step = f", every {walk.t[index[1]] - walk.t[index[0]]:.2g} s" if len(index) > 1 else ""

@@ -11,6 +11,7 @@ from footopt.foot.plates import CORNER, RULES
 from footopt.foot.waypoints import FINE, slope_matrix
 from footopt.gait import start
 from footopt.report.page.file import packed
+from footopt.report.stage import ARROWS
 from footopt.sand.law import EARTH, PER_CM3
 from footopt.walk import Accuracy, Scene, discretize, newton
 from footopt.walk.adapt import adapted
@@ -21,7 +22,6 @@ from footopt.walk.simulate import MAX_REPEATS
 from footopt.walk.steppers import STEPPERS
 
 STEPPER = "sdirk2"
-ARROWS = 10  # force arrows along a sole
 ROWS = 200_000  # poses, at most, of a walk that a browser is to tabulate: 22 MB
 
 

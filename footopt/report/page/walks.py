@@ -12,7 +12,7 @@ from footopt.design.result import SHOWN
 from footopt.foot import Foot, Waypoints
 from footopt.report.numbers import sand_title, title
 from footopt.report.page.file import column, packed
-from footopt.report.page.physics import ARROWS, physics
+from footopt.report.page.physics import physics
 from footopt.report.stage import forces_along, ground, groups
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
 from footopt.walk import MEASURES, Accuracy, Scene, Walk
@@ -171,7 +171,7 @@ def _traces(walk: Walk) -> dict[str, Any]:
     index = np.unique(np.linspace(0, len(walk.t) - 1, SAMPLES * FRAMES).astype(int))
     even = np.unique(np.searchsorted(walk.t, np.linspace(walk.t[0], walk.t[-1], FRAMES)))
     sole = foot.plates(walk.accuracy.plates, walk.accuracy.rule)
-    begin, size = groups(sole.x.shape[1], ARROWS)
+    begin, size = groups(sole.x.shape[1])
     # relative to the ankle, as plates are; the page turns and carries them
     at = [np.add.reduceat(part[0], begin) / size for part in (sole.x, sole.z)]
     return {
@@ -180,5 +180,5 @@ def _traces(walk: Walk) -> dict[str, Any]:
         **{name: packed(getattr(walk, name)[index]) for name in TRACES},
         "at": packed(np.stack(at, axis=-1)),
         "when": packed(walk.t[even]),
-        "arrows": packed(forces_along(walk, even, ARROWS).force),
+        "arrows": packed(forces_along(walk, even).force),
     }
