@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from footopt.files.feet import write_foot as write_foot
     from footopt.files.gaits import fit_gait as fit_gait
     from footopt.files.gaits import read_gait as read_gait
-    from footopt.files.gaits import write_gait as write_gait
     from footopt.files.sands import read_sand as read_sand
     from footopt.files.soles import read_foot as read_foot
     from footopt.foot import Foot as Foot
@@ -69,7 +68,7 @@ _NAMES = {
     "footopt.effects": "Inertia Layers LeadingEdge Patches Rest Shadowing Slope",
     "footopt.errors": "FootoptError",
     "footopt.files.feet": "write_foot",
-    "footopt.files.gaits": "fit_gait read_gait write_gait",
+    "footopt.files.gaits": "fit_gait read_gait",
     "footopt.files.sands": "read_sand",
     "footopt.files.soles": "read_foot",
     "footopt.foot": "Foot Waypoints",

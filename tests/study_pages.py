@@ -49,5 +49,5 @@ def leave_job(folder, walk, words=()):
         "settings": {"foot": {"top": walk.foot.top, "width": walk.foot.width}},
         "versions": identity.versions(),
     }
-    files.write_json(folder / "result.json", result)
+    files.write_text(folder / "result.json", files.json_text(result))
     identity.write(folder, {}, words)

@@ -81,7 +81,7 @@ def write_foot(foot: Foot, path: str | Path, block: Sequence[float] | None = Non
 def write_all(foot: Foot, folder: Path, block: Sequence[float] | None = None) -> tuple[list[Path], list[str]]:
     """Write contour.csv, .dxf, .svg, .stl and .step to a folder (see `write_foot`).
 
-    Returns the files, and notes on what is left out because a library is missing.
+    Returns the files, and notes on those that are left out because a library is missing.
     """
     written, notes = [], []
     for ending in FORMATS:
@@ -114,7 +114,7 @@ def _write_dxf(path: Path, sole: Array, outline: Array) -> None:
         document.layers.add(layer, color=colour)
         space.add_lwpolyline(points.tolist(), "xy", close=closed, dxfattribs={"layer": layer})
     low, high = ((*corner.tolist(), 0.0) for corner in (outline.min(axis=0), outline.max(axis=0)))
-    space.reset_extents(low, high)  # what a viewer shows at first
+    space.reset_extents(low, high)  # that a viewer shows at first
     with write_whole(path) as new:
         document.saveas(new)
 

@@ -15,7 +15,7 @@ from footopt.files import io
 from footopt.files.strides import Strides, check_angles, check_period, cut
 from footopt.gait import Fourier, Gait
 from footopt.gait.fourier import finite
-from footopt.gait.gait import HARMONICS, JOINTS, RESIDUAL
+from footopt.gait.gait import HARMONICS, JOINTS
 
 Array = NDArray[np.float64]
 
@@ -83,24 +83,6 @@ def read_gait(
         phase = np.linspace(0.0, 1.0, 201)
         check_angles({name: np.degrees(joint.at(phase)[0]) for name, joint in gait.series.items()})
     return replace(gait, name=Path(path).stem)
-
-
-def write_gait(gait: Gait, path: str | Path) -> None:
-    """Write the series and the period to a file of coefficients (JSON), which `read_gait` reads back.
-
-    Both are the same, to the last bit. How the foot turns and when the walk starts are not written.
-
-    Raises
-    ------
-    SettingError
-        The file does not end in .json.
-    FileError
-        The file cannot be written.
-    """
-    check(Path(path).suffix.lower() == ".json", "path", str(path), "a file that ends in .json")
-    series = {name: joint._asdict() for name, joint in gait.series.items()}
-    residual = {str(max(len(joint.a) for joint in gait.series.values())): dict(gait.residual)}
-    io.write_json(Path(path), {"source": gait.source, "period_s": gait.period, **series, RESIDUAL: residual})
 
 
 def fit_gait(
@@ -232,8 +214,8 @@ def _leg(
     t = UNTIMED * (share - share[0])
     if t[-1] < (1.0 - 1e-6) * UNTIMED:  # the first row comes again at 100 %
         t, angles = np.append(t, UNTIMED), {joint: np.append(v, v[0]) for joint, v in angles.items()}
-    said = f"{found['percent']} is the phase of one stride, of {UNTIMED:g} s where gait.period is not given"
-    return t, angles, (0.0, UNTIMED), (*notes, said)
+    note = f"{found['percent']} is the phase of one stride, of {UNTIMED:g} s where gait.period is not given"
+    return t, angles, (0.0, UNTIMED), (*notes, note)
 
 
 def _plain(name: str) -> str:

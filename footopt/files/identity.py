@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import platform
 import subprocess
 from collections.abc import Iterator, Mapping, Sequence
@@ -23,7 +21,7 @@ from footopt.files.io import read_text, write_text
 FILE, LOCK = "footopt.yaml", "footopt.lock"
 HEAD = """\
 # This run's settings, resolved. `footopt resume=FOLDER` goes on with them.
-# Changes made by hand are refused: other settings are a run of their own.
+# Other settings are a run of their own.
 """
 DISTRIBUTIONS = (
     "footopt", "numpy", "scipy", "numba", "llvmlite", "pymoo", "moocore", "hydra-core", "matplotlib",
@@ -40,7 +38,7 @@ class Identity(NamedTuple):
 
 
 class Occupied(FileError):
-    """Another run is at work in a folder, or has left what it found there."""
+    """Another run is at work in a folder, or has left files there."""
 
 
 @contextmanager
@@ -72,7 +70,6 @@ def locked(folder: Path) -> Iterator[None]:
 def write(folder: Path, settings: Mapping[str, Any], overrides: Sequence[str]) -> None:
     """Write the identity of a run to its folder."""
     content = {"footopt": version("footopt"), "overrides": list(overrides), "settings": dict(settings)}
-    content["digest"] = _digest(content)
     write_text(folder / FILE, HEAD + yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=100))
 
 
@@ -82,7 +79,7 @@ def missing_file_error(folder: Path, file: str) -> str:
 
 
 def read(folder: Path, setting: str = "resume") -> Identity:
-    """The run in a folder; `FileError` if there is none, or if its file has been changed."""
+    """The run in a folder; `FileError` if there is none, or if its file is damaged."""
     path, named = folder / FILE, f"{setting} = {str(folder)!r}"
     if not path.exists():
         raise FileError(
@@ -92,16 +89,9 @@ def read(folder: Path, setting: str = "resume") -> Identity:
     text = read_text(path, setting)
     with suppress(yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError):  # changed by hand
         content = yaml.safe_load(text)
-        if content.pop("digest") == _digest(content) and "${" not in text:
+        if "${" not in text:  # settings are resolved
             return Identity(content["settings"], tuple(content["overrides"]), content["footopt"])
-    raise FileError(
-        f"{named}: {FILE} has been changed since the run began, or is damaged. "
-        "Other settings are a run of their own: start a new run."
-    )
-
-
-def _digest(content: Mapping[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+    raise FileError(f"{named}: {FILE} is damaged. Start a new run.")
 
 
 def runs(pattern: str | Path) -> list[Path]:
@@ -149,8 +139,10 @@ def machine() -> dict[str, Any]:
 @cache
 def commit() -> str | None:
     """The commit that footopt's sources are of, with "-dirty" where they were changed; None if not known."""
-    words = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
+    command = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
     with suppress(OSError, subprocess.SubprocessError):
         if (ROOT / ".git").exists():
-            return subprocess.run(words, capture_output=True, text=True, timeout=5, check=True).stdout.strip()
+            return subprocess.run(
+                command, capture_output=True, text=True, timeout=5, check=True
+            ).stdout.strip()
     return None

@@ -111,11 +111,11 @@ def read_columns(
 
 @contextmanager
 def write_whole(path: Path) -> Iterator[Path]:
-    """A path to write to: it replaces the file at the end; what breaks off leaves the file as it was.
+    """A path to write to: it replaces the file at the end; an error leaves the file as it was.
 
     Raises `FileError` if the file cannot be written.
     """
-    new = path.with_name(f".{path.stem}.new{path.suffix}")  # what a killed run has left of it is replaced
+    new = path.with_name(f".{path.stem}.new{path.suffix}")  # one that a killed run has left is replaced
     try:
         new.unlink(missing_ok=True)
         yield new
@@ -146,11 +146,6 @@ def write_text(path: Path, text: str) -> None:
 def json_text(content: dict[str, Any]) -> str:
     """JSON that any reader accepts: a value that is not finite becomes null."""
     return json.dumps(plain(content), indent=2, allow_nan=False) + "\n"
-
-
-def write_json(path: Path, content: dict[str, Any]) -> None:
-    """Write `json_text`."""
-    write_text(path, json_text(content))
 
 
 def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
@@ -193,7 +188,7 @@ def write_walk(path: Path, variables: Mapping[str, Variable], attributes: Mappin
 
 
 def plain(value: Any) -> Any:
-    """JSON's own types from numpy's, tuples and paths; null for what is not finite."""
+    """JSON's own types from numpy's, tuples and paths; null for a number that is not finite."""
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, (np.ndarray, np.generic)):

@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.errors import Unusable
+from footopt.gait import Fourier
+from footopt.gait.gait import HARMONICS
 
 Array = NDArray[np.float64]
 
 PERIODS = (0.2, 5.0)  # of a stride, s: a sprinter's is 0.45; anything else is a mistake in the units
 ALIKE = 0.8  # least autocorrelation that is a period
 NEARLY = 0.1  # below the largest autocorrelation; the first lag that has as much is one stride, not two
-HARMONICS = 6  # of the mean stride, against which the bounds of strides are found
 OPEN = 5.0  # deg that thigh and knee may differ by at the ends of a stride
 APART = 6.0  # deg rms that a stride may differ by from the mean of all
 LATE = 0.1  # of a stride; a heel strike that is farther inside is where it ought to begin
@@ -134,20 +135,15 @@ def _bounds(t: Array, angles: dict[str, Array], period: float) -> Array:
     """
     count = max(int((t[-1] - t[0]) / period + 1e-3), 1)
     bounds: Array = t[0] + period * np.arange(count + 1)
-    rows = np.array([angles[joint] for joint in ANGLES])
-    w = 2j * np.pi * np.arange(1, HARMONICS + 1)
+    rows = np.radians([angles[joint] for joint in ANGLES])
     for _ in range(5):
         extended = np.concatenate([[2 * bounds[0] - bounds[1]], bounds, [2 * bounds[-1] - bounds[-2]]])
         phase = np.interp(t, extended, np.arange(-1, len(bounds) + 1))
-        terms = np.exp(np.outer(phase, w))
-        design = np.concatenate([np.ones((len(t), 1)), terms.real, terms.imag], axis=1)
-        slopes = np.concatenate([np.zeros((len(t), 1)), (terms * w).real, (terms * w).imag], axis=1)
-        mean, *_ = np.linalg.lstsq(design, rows.T, rcond=None)
-        left, rate = rows.T - design @ mean, slopes @ mean
+        mean, rate = zip(*(Fourier.fit(phase, angles[j], HARMONICS).at(phase) for j in ANGLES), strict=True)
+        left, slope = rows - np.array(mean), np.array(rate)
         for k, bound in enumerate(bounds):
             near = abs(t - bound) < 0.5 * period
-            late = np.sum(left[near] * rate[near]) / np.sum(rate[near] ** 2)  # strides
-            bounds[k] -= period * late
+            bounds[k] -= period * np.sum((left * slope)[:, near]) / np.sum(slope[:, near] ** 2)
     return bounds
 
 

@@ -77,7 +77,7 @@ class Plates(NamedTuple):
         """Plates of some chords each."""
         x, z, c2, s2, length, tx, tz = cut(points, parts)
         plates = cls(x - ankle[:, :1], z - ankle[:, 1:], c2, s2, length * width[:, None])
-        return plates._replace(tx=tx, tz=tz, turn=bent(points, parts)) if directed else plates
+        return plates._replace(tx=tx, tz=tz, turn=turns_within(points, parts)) if directed else plates
 
     def take(self, index: slice | NDArray[np.int64]) -> Plates:
         """The plates of some of the designs."""
@@ -115,7 +115,7 @@ def cut(points, parts):
 
 
 def cap(sole: Array, top: Array, plates: int) -> Array:
-    """What closes soles (designs, m, 2), m: up from the toe, back along a flat top, down to the heel.
+    """The sides and the top that close soles (designs, m, 2), m: from the toe up, back, and down to the heel.
 
     Returns the ends of the plates, (designs, cap's plates + 1, 2), m: on a side an eighth of the sole's
     `plates`, on the top half as many. A sole that reaches higher than `top` (designs,), m, raises it.
@@ -131,8 +131,8 @@ def cap(sole: Array, top: Array, plates: int) -> Array:
     return np.concatenate(pieces, axis=1)
 
 
-def bent(points: Array, parts: int) -> Array:
-    """By how much soles (designs, m, 2) turn within plates of `parts` chords each, (designs, plates), rad."""
+def turns_within(points: Array, parts: int) -> Array:
+    """The turns of soles (designs, m, 2) within plates of `parts` chords each, (designs, plates), rad."""
     if parts == 1:  # chords stand for themselves
         return np.zeros((len(points), points.shape[1] - 1))
     dx, dz = np.moveaxis(points[:, 1:] - points[:, :-1], -1, 0)

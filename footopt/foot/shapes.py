@@ -2,7 +2,7 @@
 
 Each function takes the contact length (m) and returns the contact line as a polyline from heel to toe,
 (m, 2), m, in the foot frame: the origin is the centre of the *whole* shape's bounding box. The paper's
-drawings are not available; what it leaves open is a parameter here.
+drawings are not available; a choice that it leaves open is a parameter here.
 """
 
 from __future__ import annotations

@@ -45,10 +45,6 @@ class Fourier(NamedTuple):
             rate += w * (b * c - a * s)
         return np.radians(value), np.radians(rate)
 
-    def truncated(self, harmonics: int) -> Fourier:
-        """The series up to a harmonic."""
-        return Fourier(self.a0, self.a[:harmonics], self.b[:harmonics])
-
 
 def finite(value: Any) -> float:
     """A number of JSON; raises `ValueError` for anything else, and for one that no angle or time has."""

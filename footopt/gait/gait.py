@@ -30,9 +30,8 @@ Angle = tuple[Array, Array]  # and its rate
 
 LEFT, RIGHT = 0, 1
 HUMAN = Path(__file__).parent / "data" / "human_walk.json"
-HARMONICS = 6  # of the series, where nothing else is asked for
+HARMONICS = 6  # of the series by default
 JOINTS = ("thigh", "knee", "foot")
-RESIDUAL = "rms_residual_deg_by_harmonics"  # its name in files
 
 
 class Pose(NamedTuple):
@@ -112,22 +111,10 @@ class Gait:
 
     @classmethod
     def from_numbers(cls, numbers: Mapping[str, Any], harmonics: int | None = None) -> Gait:
-        """The gait of Fourier coefficients in JSON's types, as files of gaits hold them.
+        """The gait of Fourier coefficients: ``period_s``, and by joint ``a0``, ``a`` and ``b``, deg.
 
-        Parameters
-        ----------
-        numbers : mapping
-            ``period_s`` (s), and ``thigh``, ``knee`` and perhaps ``foot``, each with ``a0`` and the lists
-            ``a`` and ``b`` (deg).
-        harmonics : int, optional
-            How many of the harmonics are used; by default all.
-
-        Raises
-        ------
-        AttributeError, KeyError, TypeError, ValueError
-            The numbers are something else.
-        SettingError
-            There are fewer harmonics.
+        All harmonics are used by default. Raises Python's own errors where the numbers are something else,
+        and `SettingError` where there are fewer harmonics.
         """
         series = {n: Fourier.from_numbers(numbers[n]) for n in JOINTS if n != "foot" or n in numbers}
         many = [len(joint.a) for joint in series.values()]
@@ -135,8 +122,8 @@ class Gait:
             harmonics = max(many)
         else:
             check_whole(harmonics, "gait.harmonics", 1, min(many), "These are the harmonics of the data.")
-        series = {name: joint.truncated(harmonics) for name, joint in series.items()}
-        misfit = numbers.get(RESIDUAL, {}).get(str(harmonics), {})
+        series = {n: Fourier(s.a0, s.a[:harmonics], s.b[:harmonics]) for n, s in series.items()}
+        misfit = numbers.get("rms_residual_deg_by_harmonics", {}).get(str(harmonics), {})
         return cls(
             thigh=series["thigh"],
             knee=series["knee"],

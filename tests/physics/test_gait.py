@@ -206,52 +206,6 @@ class TestFourier:
         )
 
 
-def series(amplitude, harmonics):
-    """Any Fourier series of so many terms whose angle stays within an amplitude, deg."""
-    most = amplitude / (2 * harmonics + 1)
-    terms = st.lists(st.floats(-most, most), min_size=harmonics, max_size=harmonics).map(tuple)
-    return st.builds(Fourier, st.floats(-most, most), terms, terms)
-
-
-@st.composite
-def gaits(draw):
-    """A gait of one's own, of any harmonics, with or without the pitch of the foot."""
-    harmonics = draw(st.integers(1, 12))
-    thigh = draw(series(80.0, harmonics))
-    thigh = thigh._replace(a=(3.0 + abs(thigh.a[0]) / 2, *thigh.a[1:]))  # it moves
-    knee = draw(series(70.0, harmonics))
-    residual = tuple((joint, draw(st.floats(0, 9))) for joint in ("thigh", "knee"))
-    return fo.Gait(
-        thigh,
-        knee._replace(a0=70.0),
-        draw(st.none() | series(90.0, harmonics)),
-        draw(st.floats(0.2, 5.0)),
-        source=draw(st.text()),
-        residual=draw(st.just(()) | st.just(residual)),
-    )
-
-
-class TestToFile:
-    @given(gaits())
-    def test_a_gait_comes_back_to_the_last_bit(self, tmp_path_factory, gait):
-        path = tmp_path_factory.getbasetemp() / "mine.json"
-        fo.write_gait(gait, path)
-        back = fo.read_gait(path)
-        assert back == replace(gait, name="mine")
-        assert back.source == gait.source
-
-    def test_the_human_walk_comes_back_but_for_the_name(self, tmp_path):
-        human = fo.Gait.human(period=1.1, harmonics=4)
-        fo.write_gait(human, tmp_path / "walk.json")
-        assert fo.read_gait(tmp_path / "walk.json") == replace(human, name="walk")
-        assert fo.read_gait(tmp_path / "walk.json", 3).knee == fo.Gait.human(harmonics=3).knee
-
-    def test_other_endings_are_refused(self, tmp_path):
-        with pytest.raises(SettingError, match=r"a file that ends in \.json"):
-            fo.write_gait(fo.Gait.human(), tmp_path / "walk.csv")
-        assert not list(tmp_path.iterdir())
-
-
 class TestFromAngles:
     def test_are_those_of_a_file_of_the_same(self, tmp_path):
         path = write_table(tmp_path / "mine.csv", fo.Gait.human(), 1.0)

@@ -21,10 +21,8 @@ from footopt.files.soles.lines import JOIN, UNITS, Array, Line, crossing, join
 from footopt.foot import Foot
 
 READERS = {".dxf": dxf.read, ".svg": svg.read, ".csv": table.read}
-PIECES = 5_000  # lines of a drawing: to join more would take longer than anyone waits
 FAR = 1e6  # m; no drawing has a point farther from its origin
 LENGTHS = (5e-3, 0.6)  # of a sole, m; anything else is a mistake in the units, as cm for inches
-STEEPEST = 2.0  # a sole's height over its length; the paper's steepest shape has 1/2
 HOLE = 0.5  # of an outline's length; a larger line inside it may be the sole itself
 LISTED = 5  # of a drawing's lines, in a message
 
@@ -61,7 +59,7 @@ def read_foot(
     Returns
     -------
     foot : Foot
-        Its notes tell what of the file was left out.
+        Its notes list the lines of the file that were left out.
 
     Raises
     ------
@@ -95,13 +93,11 @@ def lines_of(path: Path, units: str | None = None, scale: float = 1.0) -> list[L
         lines = [line for line in READERS[path.suffix.lower()](path, units, scale) if len(line.points) > 1]
     except (Unusable, FileError):
         raise
-    except Exception as error:  # libraries raise all kinds; their words help nobody
+    except Exception as error:  # libraries raise all kinds; their messages help nobody
         raise Unusable(
             f"cannot be read as {path.suffix[1:].upper()}: it is damaged, or something else. Open it in the "
             "program that made it, and save it again."
         ) from error
-    if len(lines) > PIECES:
-        raise Unusable(f"holds {len(lines)} lines, and may hold {PIECES}. Leave only the sole.")
     if not all((abs(line.points) < FAR).all() for line in lines):
         raise Unusable("a line has a point that is not a finite number, or far away.")
     return lines
@@ -160,17 +156,11 @@ def lower_edge(outline: Array) -> Array:
 
 def check_size(points: Array, origin: str) -> None:
     """Raise unless a line (m, 2) has a sole's size and place."""
-    (left, _), (right, _) = points.min(axis=0), points.max(axis=0)
-    length, height = np.ptp(points, axis=0)
-    if not LENGTHS[0] <= length <= LENGTHS[1]:
+    left, right = points[:, 0].min(), points[:, 0].max()
+    if not LENGTHS[0] <= right - left <= LENGTHS[1]:
         raise Unusable(
-            f"the sole would be {length:.4g} m long. Set foot.units to the unit of the file "
+            f"the sole would be {right - left:.4g} m long. Set foot.units to the unit of the file "
             f"({', '.join(UNITS)}), or foot.scale."
-        )
-    if height > STEEPEST * length:
-        raise Unusable(
-            f"the line is {length:.4g} m long and {height:.4g} m high, and a sole is drawn from the side, "
-            "heel and toe left and right: is it a view from above, turned, or is a point wrong?"
         )
     if origin == "file" and not left < 0.0 < right:
         raise Unusable(

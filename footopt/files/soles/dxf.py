@@ -26,7 +26,7 @@ def read(path: Path, units: str | None, scale: float) -> Iterator[Line]:
     content = read_bytes(path, "foot.path")
     if b"EOF" not in content[-20:]:
         raise Unusable("cannot be read as DXF (it does not end with EOF: is it cut off?).")
-    logging.getLogger("ezdxf").setLevel(logging.ERROR)  # what it mends is not the user's concern
+    logging.getLogger("ezdxf").setLevel(logging.ERROR)  # it logs each fault that it mends
     document, _ = recover.readfile(path)
     stated = b"$INSUNITS" in content  # the library has a unit for drawings that state none
     unit = scale * unit_of(units, UNITS.get(document.units) if stated else None)
