@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.effects import Inertia, reshaping
-from footopt.foot import Foot, Plates
+from footopt.foot import Foot
 from footopt.gait.gait import Pose
 from footopt.mujoco.intrusion import material_constant
 from footopt.sand import Sand, StressMap, alpha
@@ -24,9 +24,9 @@ from footopt.walk.plates import plate_states
 
 Array = NDArray[np.float64]
 Values = Mapping[str, Any]
-#: Force on a level body, (M, 2), N, by the heights of its origin (M,), m, the velocity of the origin (M, 2),
-#: m/s, and the counter-clockwise rate (M,), rad/s; the last two may be the same for all.
-Body = Callable[[Array, ArrayLike, ArrayLike], Array]
+#: Force on a body, (M, 2), N, by the heights of its origin (M,), m, the velocity of the origin (M, 2), m/s,
+#: the counter-clockwise rate (M,), rad/s, and its pitch (M,), rad; the last three may be the same for all.
+Body = Callable[..., Array]
 
 CREEP = 1e-6  # m/s, of bodies that move at about 1 m/s
 BISECTIONS = 50
@@ -38,10 +38,10 @@ def body(foot: Foot, scene: Scene, plates: int) -> Body:
     """Cut a body into plates, and return its force in a scene."""
     cut = foot.plates(plates, "chord", directed=True, fill=reshaping(scene.effects))
 
-    def force(height: Array, velocity: ArrayLike, rate: ArrayLike = 0.0) -> Array:
+    def force(height: Array, velocity: ArrayLike, rate: ArrayLike = 0.0, pitch: ArrayLike = 0.0) -> Array:
         count = len(height)
-        none, turns = np.zeros((count, 1)), np.broadcast_to(np.asarray(rate, float), count)[:, None]
-        pose = Pose(none, none, none, none, none, turns)
+        none, turned, turns = (np.broadcast_to(v, count)[:, None].astype(float) for v in (0.0, pitch, rate))
+        pose = Pose(none, none, none, none, turned, turns)
         moves = np.broadcast_to(np.asarray(velocity, float), (count, 2))
         com = np.stack([np.zeros(count), height], axis=-1)
         return np.asarray(plate_states(cut, pose, com, moves, scene, CREEP).force.sum(axis=(1, 2)))
@@ -107,11 +107,8 @@ def plate(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, 
     """Stress per depth on small plates at all angles of a table, for each direction of motion."""
     beta, gamma = angles(setup)
     velocity = np.stack([np.cos(gamma), -np.sin(gamma)], axis=-1)
-    level = Plates(*np.array([0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0])[:, None, None])  # of 1 m^2
-    none, down = np.zeros((len(beta), 1)), np.broadcast_to(np.array(DOWN), velocity.shape)
-    pose = Pose(none, none, none, none, beta[:, None], none)
-    # at a depth of 1 m: stress per metre
-    force = plate_states(level, pose, down, velocity, scene, CREEP).total[:, 0]
+    # one plate of 1 m^2 at a depth of 1 m: stress per metre
+    force = body(flat(1.0, 1.0), scene, 1)(np.full(len(beta), -1.0), velocity, 0.0, beta)
     return {"alpha_x": -force[:, 0], "alpha_z": force[:, 1]}
 
 
