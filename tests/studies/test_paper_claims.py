@@ -16,6 +16,7 @@ from footopt.foot import SHAPES
 from footopt.studies.paper import claims, walks
 from footopt.studies.paper.claims import CLAIMS, LIMITS, MEASURES, measure
 from footopt.studies.paper.walks import SANDS, Settings, objective, read, switch_losses
+from footopt.walk.phases import stance
 
 STORED = json.loads((Path(__file__).parents[2] / "outputs/reference/paper/claims.json").read_text())
 
@@ -89,20 +90,18 @@ class TestReadings:
             assert j == pytest.approx(read(walk, chosen).objectives["efficiency"], rel=1e-12)
 
 
-def cast(evidence, name, subject, others):
-    """The evidence with one walk for what a claim is about, and one for all that it is compared with."""
+def cast(found, name, subject, others):
+    """The numbers with one walk for what a claim is about, and another for what it is compared with."""
     figure, whose = CLAIMS[name]["place"][:6], name.split("_")[0]
     if figure == "Fig. 7":
-        return replace(evidence, crossed=subject, filled=subject, optima={**evidence.optima, "hard": others})
+        return found._replace(crossed=subject, filled=subject, optima={**found.optima, "hard": others})
     mine = {
         "triangle": ["reversed_triangle"],
         "flat": ["rectangle"],
         "ellipse": ["ellipse", "rectangle"],
     }.get(whose, [whose])
     group = "shapes" if figure == "Fig. 4" else "optima"
-    return replace(
-        evidence, **{group: {n: subject if n in mine else others for n in getattr(evidence, group)}}
-    )
+    return found._replace(**{group: {n: subject if n in mine else others for n in getattr(found, group)}})
 
 
 #: Claims with a limit, which compare nothing.
@@ -118,9 +117,10 @@ class TestClaims:
 
     @pytest.mark.parametrize("name", [name for name in CLAIMS if name not in ALONE])
     def test_a_claim_turns_when_what_it_compares_is_exchanged(self, evidence, name):
-        one, other = evidence.optima["hard"], evidence.optima["soft"]
+        found = claims.find(evidence)
+        one, other = found.optima["hard"], found.optima["soft"]
         there, back, same = (
-            MEASURES[name](cast(evidence, name, *pair)) for pair in ((one, other), (other, one), (one, one))
+            MEASURES[name](cast(found, name, *pair)) for pair in ((one, other), (other, one), (one, one))
         )
         assert min(there, back) < 0.0, "a claim and its opposite both hold"
         assert max(there, back) > 0.0, "neither a claim nor its opposite holds"
@@ -128,23 +128,23 @@ class TestClaims:
 
     def test_claims_that_compare_nothing_turn_at_their_limits(self, evidence, walk):
         def margin(name, **changes):
-            return MEASURES[name](replace(evidence, **changes))
+            return measure(replace(evidence, **changes))[name]
 
         steady = replace(walk, velocity=np.ones_like(walk.velocity))
         assert margin("circle_loses", shapes=dict.fromkeys(SHAPES, steady)) == -LIMITS["marked_loss"]
-        assert margin("same_vertical_velocity", shapes=dict.fromkeys(SHAPES, walk)) == pytest.approx(0.2)
-        hopping = replace(walk, velocity=-5.0 * walk.velocity)
-        assert margin("same_vertical_velocity", shapes={"a": walk, "b": hopping}) < 0.0
+        same, hopping = dict.fromkeys(SHAPES, walk), replace(walk, velocity=-5.0 * walk.velocity)
+        assert margin("same_vertical_velocity", shapes=same) == pytest.approx(0.2)
+        assert margin("same_vertical_velocity", shapes=same | {"circle": hopping}) < 0.0
         hollow, convex = evidence.optima["hard"], evidence.optima["soft"]
         for name, holds in (("hard_hollow", hollow), ("regular_convex", convex), ("soft_convex", convex)):
             for found in (hollow, convex):
                 assert (margin(name, optima=dict.fromkeys(SANDS, found)) > 0.0) == (found is holds), name
-        touched = walk.t[claims.first_step(walk).start] + LIMITS["push_off"]
+        touched = walk.t[stance(walk).first] + LIMITS["push_off"]
         for late in (True, False):
             force = walk.force * ((walk.t >= touched) == late)[:, None, None]
             force[..., 1] = walk.force[..., 1]
-            pushes = replace(walk, force=force)
-            assert margin("push_off_carries", optima={"hard": pushes}) == pytest.approx(0.5 if late else -0.5)
+            pushes = dict.fromkeys(SANDS, replace(walk, force=force))
+            assert margin("push_off_carries", optima=pushes) == pytest.approx(0.5 if late else -0.5)
 
     def test_a_walk_that_failed_leaves_its_claims_undecided(self, evidence, failed):
         margins = measure(replace(evidence, optima={**evidence.optima, "soft": failed}))
@@ -165,20 +165,22 @@ class TestClaims:
 class TestQuantities:
     def test_mean_drags_add_up_to_the_change_of_momentum(self, walk):
         t, speed = walk.t[walk.t >= 1.1], walk.velocity[walk.t >= 1.1, 0]
-        forth, back = (claims.mean_drag(walk, sign) for sign in (1, -1))
+        found = claims.of_traces(walk)
+        forth, back = found["mean_drag_forwards"], found["mean_drag_backwards"]
         impulse = (forth - back) * (t[-1] - t[0])
         gross = (forth + back) * (t[-1] - t[0])
         assert impulse == pytest.approx(60.0 * (speed[-1] - speed[0]), abs=3e-3 * gross)
 
     def test_work_after_three_steps_is_all_the_work_of_the_paper_s_walk(self, walk):
-        assert claims.work_after_three_steps(walk) == pytest.approx(walk.objectives["work"], rel=1e-3)
+        found = claims.of_traces(walk)["work_after_three_steps"]
+        assert found == pytest.approx(walk.objectives["work"], rel=1e-3)
 
     def test_the_curvature_of_a_circle_and_of_a_flat_foot(self):
         circle = fo.Foot.shape("circle")
-        assert claims.bends(circle)[1] == pytest.approx(np.pi / 0.26, rel=1e-3)
+        assert claims.of_contour(circle)["curvature"] == pytest.approx(np.pi / 0.26, rel=1e-3)
         for foot in (circle, fo.Foot.flat(), fo.Foot.shape("ellipse")):
-            assert claims.bends(foot)[0] == pytest.approx(0.0, abs=1e-6)
-        assert claims.bends(fo.Foot.from_waypoints(HOLLOW))[0] > 10.0
+            assert claims.of_contour(foot)["inward_turn"] == pytest.approx(0.0, abs=1e-6)
+        assert claims.of_contour(fo.Foot.from_waypoints(HOLLOW))["inward_turn"] > 10.0
 
     def test_a_filled_foot_is_the_hull_and_has_no_hollow(self, evidence):
         foot, full = fo.Foot.from_waypoints(HOLLOW), evidence.filled.foot
@@ -188,8 +190,8 @@ class TestQuantities:
         assert (z <= foot.contour[:, 1] + 1e-12).all()
 
     def test_the_zone_of_a_foot_that_is_all_in_the_sand(self, walk):
-        sunk = claims.contact_zone(replace(walk, com=walk.com - [0.0, 1.0]))
-        assert sunk[:2] == (1.0, 1.0)
-        _, middle, centre = claims.contact_zone(walk)
-        assert 0.0 < middle < 1.0
-        assert abs(centre) < 0.13
+        sunk = claims.of_first_step(replace(walk, com=walk.com - [0.0, 1.0]))
+        assert (sunk["zone"], sunk["middle_zone"]) == (1.0, 1.0)
+        found = claims.of_first_step(walk)
+        assert 0.0 < found["middle_zone"] < 1.0
+        assert abs(found["centre"]) < 0.13
