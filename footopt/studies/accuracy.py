@@ -14,15 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.errors import check
-from footopt.foot import Foot, Waypoints
-from footopt.report import terminal
+from footopt.foot import Waypoints
 from footopt.report.figures.studies import work_precision
 from footopt.report.numbers import percent
 from footopt.studies.audit import own_time
 from footopt.studies.base import Study, scene_entry
 from footopt.studies.settings import FEET_HELP, SCENE, SPACE, StudySettings, setting
-from footopt.studies.validation.model import model_error
-from footopt.walk import FIVE, Accuracy, Scene, evaluate, simulate
+from footopt.walk import FIVE, Accuracy, Scene, evaluate
 from footopt.walk.accuracy import TOLERANCES, work
 from footopt.walk.adapt import adapted
 from footopt.walk.steppers import STEPPERS
@@ -91,7 +89,6 @@ def run(study: Study) -> None:
     others, presets = measured[: -len(preset)], measured[-len(preset) :]
     study.write_csv("accuracy.csv", [*measured[0].row], [[*m.row.values()] for m in measured])
     study.save("accuracy", work_precision(best_settings(others), presets), CAPTION)
-    errors = model_error(simulate(Foot.flat(space), scene, "fine"))
     study.conclude(
         "The cost of accuracy",
         [],
@@ -99,10 +96,9 @@ def run(study: Study) -> None:
             "seed": study.seed,
             "feet": feet.tolist(),
             **scene_entry(scene, CONVERGED, MEASURED),
-            "model_error": errors,
             "presets": [m.row for m in presets],
         },
-        said=[*(_describe(m, others) for m in presets), *terminal.describe_model([errors])],
+        said=[_describe(m, others) for m in presets],
         about=[about],
     )
 

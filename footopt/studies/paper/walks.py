@@ -93,7 +93,7 @@ def changes(config: Config) -> Iterator[tuple[str, Config]]:
 
 
 def objective(study: Settings) -> str:
-    """Name of J_W with p_max and dV_x as they are read; but the library's own needs every trace."""
+    """Name of J_W with p_max and dV_x as they are read; any but the library's own needs every trace."""
     if (study.peak_power, study.speed_loss) == ("stance", "walk"):
         return "efficiency"
     name, own = f"efficiency_{study.peak_power}_{study.speed_loss}", OBJECTIVES["efficiency"]
@@ -169,14 +169,9 @@ class Evidence:
 
 
 def evidence(config: Config, found: dict[str, list[int]]) -> Evidence:
-    """Search the best feet by J_W as it is read, and walk all that claims need.
+    """Search the best feet by J_W as it is read, and simulate all that claims need.
 
-    Parameters
-    ----------
-    config : Config
-        The settings.
-    found : dict
-        The soles that searches have found, by what was searched: no search is done twice.
+    `found` has the soles that searches have found, by their settings: no search is done twice.
     """
     study, solver = config.study, Solver(**vars(config.solver))
     for choice, words in CHOICES.items():
