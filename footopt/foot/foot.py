@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.errors import check, one_line
-from footopt.foot.hull import hollow
+from footopt.foot.hull import lower_hull
 from footopt.foot.plates import RULES, Fill, Plates, along_arc, arc_and_turns
-from footopt.foot.shapes import shape
-from footopt.foot.waypoints import Waypoints, check_worn, written
+from footopt.foot.shapes import SHAPES
+from footopt.foot.waypoints import Waypoints, check_length, check_worn, written
 
 Array = NDArray[np.float64]
 
@@ -130,8 +130,10 @@ class Foot:
         SettingError
             There is no such shape, or a value is out of range.
         """
+        check(name in SHAPES, "foot.shape", name, f"one of {', '.join(SHAPES)}")
+        check_length("foot.length", length)
         options = {word: parameters.pop(word) for word in ("upright", "apex") if word in parameters}
-        return cls(shape(name, length, **options), name=name, **parameters)
+        return cls(SHAPES[name](length, **options), name=name, **parameters)
 
     @cached_property
     def arc_and_turns(self) -> tuple[Array, Array]:
@@ -150,8 +152,9 @@ class Foot:
 
     @property
     def hollow(self) -> float:
-        """Largest gap between the sole and its lower convex hull, m (see `footopt.foot.hull.hollow`)."""
-        return hollow(self.contour)
+        """Largest gap, along z_p, between the sole and its lower convex hull, m: 0 for a convex sole."""
+        _, _, low, high = lower_hull(self.contour)
+        return high - low
 
     @property
     def box_violation(self) -> float | None:

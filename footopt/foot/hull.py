@@ -1,4 +1,4 @@
-"""A sole's lower convex hull, and how far the sole is above it."""
+"""The lower convex hull of a sole, and where the sole is farthest above it."""
 
 from __future__ import annotations
 
@@ -29,13 +29,3 @@ def lower_hull(contour: Array) -> tuple[Array, float, float, float]:
     gap = np.where((x > left + margin) & (x < right - margin), z - floor, 0.0)  # sides have no inside
     i = int(np.argmax(gap))
     return corners, float(x[i]), float(floor[i]), float(floor[i] + gap[i])
-
-
-def hollow(contour: Array) -> float:
-    """Largest gap, along z_p, between a sole (m, 2), m, and its lower convex hull, m.
-
-    0 for a convex sole; the depth of the hollow for one that touches ground at heel and toe only. Points on
-    the contour's vertical sides do not count.
-    """
-    _, _, low, high = lower_hull(contour)
-    return high - low

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.errors import check
-from footopt.foot.waypoints import check_length
 
 Array = NDArray[np.float64]
 ARC = 2000  # chords of a curved contact line
@@ -66,13 +65,6 @@ SHAPES: dict[str, Callable[..., Array]] = {
     "reversed_l": reversed_l,
     "reversed_triangle": reversed_triangle,
 }
-
-
-def shape(name: str, length: float = 0.26, **options: str) -> Array:
-    """Contact line of a shape by name, (m, 2), m; the length in m, `options` are the shape's own."""
-    check(name in SHAPES, "foot.shape", name, f"one of {', '.join(SHAPES)}")
-    check_length("foot.length", length)
-    return SHAPES[name](length, **options)
 
 
 def _half_oval(a: float, b: float) -> Array:

@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 
 import footopt as fo
 from footopt.errors import SettingError
-from footopt.foot import SHAPES, as_plates, hollow
+from footopt.foot import SHAPES, as_plates
 from footopt.foot.plates import RULES
 
 SPACE = fo.Waypoints()
@@ -244,12 +244,12 @@ class TestHollow:
     def test_of_an_arch_is_its_sagitta(self, half_angle):
         angle = np.linspace(-half_angle, half_angle, 2001)
         arch = 0.1 * np.stack([np.sin(angle), np.cos(angle)], axis=1)
-        assert hollow(arch) == pytest.approx(0.1 * (1 - math.cos(half_angle)), rel=1e-9)
+        assert fo.Foot(arch).hollow == pytest.approx(0.1 * (1 - math.cos(half_angle)), rel=1e-9)
 
     @given(HEIGHTS)
     def test_agrees_with_a_search_over_all_chords(self, k):
         contour = SPACE.contour(k)[0][::8]
-        assert hollow(contour) == pytest.approx(hollow_by_pairs(contour), abs=1e-15)
+        assert fo.Foot(contour).hollow == pytest.approx(hollow_by_pairs(contour), abs=1e-15)
 
 
 class TestFoot:
