@@ -44,9 +44,6 @@ INLINE = {
     "no_cfunc_wrapper": True,
 }
 inlined = register_jitable(**INLINE)
-#: Of a function with one caller above the loop over plates: as if it were written there. Each level that is
-#: inlined by force is optimised anew with all that it calls.
-in_place = njit(inline="always", error_model="numpy")
 inlined_fast = register_jitable(fastmath=FAST, **INLINE)
 called = register_jitable(**{**INLINE, "forceinline": False})  # rounds alike wherever it is taken from
 called_fast = register_jitable(fastmath=FAST, **{**INLINE, "forceinline": False})

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from footopt.compiled import in_place, inlined
+from footopt.compiled import inlined
 from footopt.walk.state import ankle_of
 
 
@@ -76,7 +76,7 @@ def no_extremes():
     return Extremes(-np.inf, 0.0, 0.0, 0.0, 0.0, none, none, none)
 
 
-@in_place
+@inlined
 def updated(extremes, before, after, a0, a1, t, h, strike, sinkage):
     """The extremes with one step more, which ends at t and is h long, s.
 
@@ -164,7 +164,7 @@ def step_error(v0, v1, a0, a1, h):
     return abs(v1 - v0 - 0.5 * h * (a0 + a1))
 
 
-@in_place
+@inlined
 def sinkage_of(sole, poses, z):
     """Depth of the lowest plate of both feet below the surface, m; 0 when both are above."""
     depth = 0.0
@@ -177,7 +177,7 @@ def sinkage_of(sole, poses, z):
     return depth
 
 
-@in_place
+@inlined
 def sample_of(t, state):
     """A row of the trace."""
     hip, left, right, sums = state.hip, state.contact.left, state.contact.right, state.integrals
@@ -187,7 +187,7 @@ def sample_of(t, state):
     )  # fmt: skip
 
 
-@in_place
+@inlined
 def raw_of(state, extremes, t_f):
     """The raw result of a walk that has come to its end at t_f, s."""
     sums, power, fall = state.integrals, extremes.power, extremes.fall
