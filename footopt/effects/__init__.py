@@ -1,4 +1,7 @@
-"""Effects beyond the plain law, one file each; a new file in this folder is found by itself."""
+"""Effects beyond the plain law, one file each; a new file in this folder is found by itself.
+
+They act in the order of their files: layers make the strength at a depth, which patches multiply.
+"""
 
 import pkgutil
 from importlib import import_module
@@ -16,16 +19,12 @@ from footopt.effects.base import (
     reshaping,
 )
 from footopt.effects.inertia import Inertia
-
-# isort: off  They act in this order: layers make the strength at a depth, which patches multiply.
 from footopt.effects.layers import Layers
 from footopt.effects.leading_edge import LeadingEdge
 from footopt.effects.patches import Patches
 from footopt.effects.rest import Rest
 from footopt.effects.shadowing import Shadowing
 from footopt.effects.slope import Slope
-
-# isort: on
 
 __all__ = [
     "EFFECTS",

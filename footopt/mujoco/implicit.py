@@ -1,7 +1,7 @@
 """Which constant forces over a time step bring the feet where sand would bring them.
 
 The law is stiff: sand holds what stands, and a force from the beginning of a step is that of where the body
-was. So a step solves the motion of the feet alone over its length, by SDIRK2 (`walk.steppers.sdirk2`),
+was. So a step solves the motion of the feet alone over its length, by SDIRK2 (`walk.steppers.implicit`),
 
     dV/dt = a + W F(V, places),   W = J inv(M + dt D) J'
 

@@ -11,7 +11,8 @@ import math
 from collections import ChainMap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,10 +22,10 @@ from footopt.walk.metrics import RAW
 from footopt.walk.scene import Scene
 
 Array = NDArray[np.float64]
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 #: Floors of the factors in J_W's denominator: 1 J, 1 W, 1e-3 m/s.
 FLOORS = {"work": 1.0, "peak_power": 1.0, "speed_loss": 1e-3}
-
 
 #: The raw results of a batch by name (`metrics.RAW`), each (designs,).
 Raw = Mapping[str, Array]
@@ -90,41 +91,31 @@ SLOW: dict[str, Objective] = {}
 MEASURES: Mapping[str, Objective] = ChainMap(SLOW, OBJECTIVES)
 
 
-def objective(
-    symbol: str, unit: str, maximise: bool, worst: float, least: float = -math.inf
-) -> Callable[[Callable[[Raw, Scene], Array]], Callable[[Raw, Scene], Array]]:
-    """Register a function of the raw results as the objective of its name."""
-
-    def register(value: Callable[[Raw, Scene], Array]) -> Callable[[Raw, Scene], Array]:
-        OBJECTIVES[value.__name__] = Objective(
-            value.__name__, symbol, unit, maximise, worst, value, least=least
-        )
-        return value
-
-    return register
-
-
 def measure(
     of: str, symbol: str, unit: str, maximise: bool, worst: float, least: float = -math.inf
-) -> Callable[[Callable[[Any], float]], Callable[[Any], float]]:
-    """Register a plain Python function of a `Foot` or a `Walk` as the objective of its name.
+) -> Callable[[Function], Function]:
+    """Register a function as the measure of its name.
 
-    The slow path: a foot or a whole walk with its traces at a time, in one thread.
+    A function of a `Foot` or a `Walk` is plain Python, and slow: one foot at a time, in one thread.
 
     Parameters
     ----------
     of : str
-        "foot" or "walk": what the function takes.
+        "foot" or "walk", which the function takes; or "raw": raw results and the scene.
     symbol, unit, maximise, worst, least
         As in `Objective`.
     """
-    check(of in ("foot", "walk"), "of", of, "one of foot, walk")
+    check(of in ("raw", "foot", "walk"), "of", of, "one of raw, foot, walk")
+    where = OBJECTIVES if of == "raw" else SLOW
 
-    def register(value: Callable[[Any], float]) -> Callable[[Any], float]:
-        SLOW[value.__name__] = Objective(value.__name__, symbol, unit, maximise, worst, value, of, least)
+    def register(value: Function) -> Function:
+        where[value.__name__] = Objective(value.__name__, symbol, unit, maximise, worst, value, of, least)
         return value
 
     return register
+
+
+objective = partial(measure, "raw")
 
 
 @objective(r"$x_{\mathrm{COM}}(t_f)$", "m", maximise=True, worst=0.0)
@@ -222,7 +213,6 @@ def peak_vertical_force(raw: Raw, scene: Scene) -> Array:
 
 #: The paper's objectives, in the order of every table.
 FIVE = ("distance", "mean_height", "work", "peak_power", "speed_loss")
-FACTORS = FIVE
 
 
 def log_gain(name: str, value: Array | float) -> Array:
@@ -238,7 +228,7 @@ def gain_shares(values: dict[str, float], base: dict[str, float]) -> dict[str, f
     ln(J_W / J_W_base) is the sum of the factors' log gains. A negative share is a factor that got
     worse. NaN where there is no gain to share: J_W is no better than that of the base.
     """
-    parts = {name: float(log_gain(name, values[name]) - log_gain(name, base[name])) for name in FACTORS}
+    parts = {name: float(log_gain(name, values[name]) - log_gain(name, base[name])) for name in FIVE}
     total = sum(parts.values())
     return {name: part / total if total > 0.0 else float("nan") for name, part in parts.items()}
 

@@ -1,4 +1,6 @@
-"""Explicit Runge-Kutta methods whose stages each begin with the slope of the stage before: Euler, Heun, RK4.
+"""Explicit methods: Euler, Heun and RK4 by their tableaux, and semi-implicit Euler.
+
+Each stage of a tableau begins with the slope of the stage before:
 
     0       |                              a_{i, i-1} = c_i, all others 0
     c_2     | c_2
@@ -6,7 +8,7 @@
     --------+-----------------
             | b_1  b_2  b_3
 
-They are stable against the smoothed law only for dt < 2 eps / g (2.8 eps / g of RK4).
+All are stable against the smoothed law only for dt < 2 eps / g (2.8 eps / g of RK4).
 """
 
 from __future__ import annotations
@@ -46,6 +48,17 @@ class Tableau(NamedTuple):
         return finish_step(world, sole, poses[-1], end, sums, state.bristles, h, counts)
 
 
+class SemiImplicitEuler(NamedTuple):
+    """Symplectic Euler: velocity from the old force, then position from the new velocity."""
+
+    def step(self, world, sole, poses, state, h, counts):
+        """v + h a, r + h v of the new v."""
+        start, (ax, az) = state.hip, acceleration(world, state.contact)
+        sums = accumulate(state.integrals, h, start, state.contact)
+        end = moved(start, h, start.vx + h * ax, start.vz + h * az, ax, az)
+        return finish_step(world, sole, poses[0], end, sums, state.bristles, h, counts)
+
+
 def runge_kutta(c: tuple[float, ...], b: tuple[float, ...], order: int, source: str) -> Stepper:
     """The stepper of a tableau."""
     nodes = tuple(sorted({*c[1:], 1.0}))
@@ -54,6 +67,12 @@ def runge_kutta(c: tuple[float, ...], b: tuple[float, ...], order: int, source: 
 
 
 STEPPERS["explicit_euler"] = runge_kutta((0.0,), (1.0,), 1, "the paper's eq. 6")
+STEPPERS["semi_implicit_euler"] = Stepper(
+    SemiImplicitEuler(),
+    (1.0,),
+    1,
+    source="Hairer, Lubich & Wanner, Geometric Numerical Integration, 2006, I.1.2",
+)
 STEPPERS["heun"] = runge_kutta((0.0, 1.0), (0.5, 0.5), 2, "Hairer, Norsett & Wanner, ODEs I, 1993, II.1")
 STEPPERS["rk4"] = runge_kutta(
     (0.0, 0.5, 0.5, 1.0), (1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0), 4, "Kutta, Z. Math. Phys. 46, 1901"

@@ -1,0 +1,62 @@
+"""Implicit methods, all L-stable: implicit Euler and SDIRK2.
+
+1 | 1         gamma | gamma
+--+---        1     | 1 - gamma  gamma        gamma = 1 - 1 / sqrt(2)
+  | 1         ------+------------------
+                    | 1 - gamma  gamma
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from footopt.walk.bristles import first_stage, next_step, second_stage, whole_step
+from footopt.walk.newton import guess, solve_stage
+from footopt.walk.state import State, moved
+from footopt.walk.steppers.base import STEPPERS, Stepper, acceleration, accumulate
+
+
+class ImplicitEuler(NamedTuple):
+    """Force and velocity at the end of the step."""
+
+    def step(self, world, sole, poses, state, h, counts):
+        """One implicit stage, the end of the step."""
+        start, (ax, az) = state.hip, acceleration(world, state.contact)
+        gx, gz = guess(world.creep, start.vx, start.vz, h * ax, h * az)
+        end = solve_stage(world, sole, poses[0], start, h, gx, gz, whole_step(state.bristles), counts)
+        sums = accumulate(state.integrals, h, end.hip, end.contact)
+        return State(end.hip, end.contact, sums, next_step(state.bristles), end.solved)
+
+
+class SDIRK2(NamedTuple):
+    """Two stages, of which the second is the end of the step; ``gamma`` is the coefficient of both."""
+
+    gamma: float = 1.0 - 1.0 / math.sqrt(2.0)
+
+    def step(self, world, sole, poses, state, h, counts):
+        """The unknown of a stage is the hip's velocity; its place follows from it."""
+        c, r = self.gamma * h, (1.0 - self.gamma) * h
+        start, (ax, az) = state.hip, acceleration(world, state.contact)
+        half, whole = first_stage(state.bristles, r / c), second_stage(state.bristles)
+        gx, gz = guess(world.creep, start.vx, start.vz, c * ax, c * az)
+        one = solve_stage(world, sole, poses[0], start, c, gx, gz, half, counts)
+        if not one.solved:
+            return State(start, state.contact, state.integrals, state.bristles, False)
+        sums = accumulate(state.integrals, r, one.hip, one.contact)
+        bx, bz = acceleration(world, one.contact)
+        middle = moved(start, r, one.hip.vx, one.hip.vz, bx, bz)
+        # the guess follows the change of acceleration so far, to the end of the step
+        dvx, dvz = r * (bx + (bx - ax)), r * (bz + (bz - az))
+        gx, gz = guess(world.creep, one.hip.vx, one.hip.vz, dvx, dvz)
+        two = solve_stage(world, sole, poses[1], middle, c, gx, gz, whole, counts)
+        sums = accumulate(sums, c, two.hip, two.contact)
+        return State(two.hip, two.contact, sums, next_step(state.bristles), two.solved)
+
+
+STEPPERS["implicit_euler"] = Stepper(
+    ImplicitEuler(), (1.0,), 1, implicit=True, source="Hairer & Wanner, ODEs II, 1996, IV.3"
+)
+STEPPERS["sdirk2"] = Stepper(
+    SDIRK2(), (SDIRK2().gamma, 1.0), 2, implicit=True, source="Alexander, SIAM J. Numer. Anal. 14, 1977"
+)
