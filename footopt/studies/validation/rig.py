@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.effects import Inertia, reshaping
+from footopt.effects import reshaping
+from footopt.effects.base import parameters
 from footopt.foot import Foot
 from footopt.gait.gait import Pose
 from footopt.mujoco.intrusion import material_constant
@@ -173,7 +174,8 @@ def drag(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, A
     """The additional drag on an upright plate at a high speed against a low one, over rho A v^2."""
     size, (low, high) = setup["size"], setup["speeds"]
     upright = Foot(np.array([[0.0, -0.5], [0.0, 0.5]]) * size, size)
-    density = next(effect.rho for effect in scene.effects if isinstance(effect, Inertia))
+    (inertia,) = scene.effects
+    density = parameters(inertia)["rho"]
     force = body(upright, scene, 8)
     slow, fast = -force(np.full(2, -setup["depth"]), [(low, 0.0), (high, 0.0)], 0.0)[:, 0]
     return {"inertia factor": (fast - slow) / (density * size**2 * (high**2 - low**2))}
