@@ -21,7 +21,7 @@ from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import Solver
 from footopt.design.store import ERROR, Evaluation, Store
 from footopt.errors import FootoptError
-from footopt.foot.waypoints import written
+from footopt.foot.waypoints import heights_text
 from footopt.walk.objectives import MEASURES
 
 log = logging.getLogger("footopt")
@@ -80,7 +80,7 @@ class Evaluator:
             )
         self._works = True
         for i in failed:
-            log.warning("design %s is left out: %s", written(k[i]), reasons[i])
+            log.warning("design %s is left out: %s", heights_text(k[i]), reasons[i])
 
 
 class Designs(NamedTuple):

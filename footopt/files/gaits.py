@@ -31,7 +31,7 @@ COLUMNS = {
     "pelvis": r"pelvistilt",
 }
 SIDES = ("right", "left")
-UNTIMED = 1.2  # s; of a stride whose table has its phase only
+PHASE_PERIOD = 1.2  # s; of a stride whose table has its phase only
 
 
 def read_gait(
@@ -211,11 +211,13 @@ def _leg(
     if "time" in read:
         return read["time"], angles, None, notes
     share = read["percent"] / (100.0 if read["percent"].max() > 2.0 else 1.0)
-    t = UNTIMED * (share - share[0])
-    if t[-1] < (1.0 - 1e-6) * UNTIMED:  # the first row comes again at 100 %
-        t, angles = np.append(t, UNTIMED), {joint: np.append(v, v[0]) for joint, v in angles.items()}
-    note = f"{found['percent']} is the phase of one stride, of {UNTIMED:g} s where gait.period is not given"
-    return t, angles, (0.0, UNTIMED), (*notes, note)
+    t = PHASE_PERIOD * (share - share[0])
+    if t[-1] < (1.0 - 1e-6) * PHASE_PERIOD:  # the first row comes again at 100 %
+        t, angles = np.append(t, PHASE_PERIOD), {joint: np.append(v, v[0]) for joint, v in angles.items()}
+    note = (
+        f"{found['percent']} is the phase of one stride, of {PHASE_PERIOD:g} s where gait.period is not given"
+    )
+    return t, angles, (0.0, PHASE_PERIOD), (*notes, note)
 
 
 def _plain(name: str) -> str:

@@ -13,8 +13,8 @@ from footopt.foot import Foot
 Array = NDArray[np.float64]
 
 MM = 1e3  # millimetres in a metre
-SAME = 1e-9  # m; points nearer than this are one: twins upset a CAD program
-WALL = 2e-3  # least material above a sole's hump, m: a body must not fall in two
+SAME_POINT = 1e-9  # m; points nearer than this are one: twins upset a CAD program
+MIN_WALL = 2e-3  # least material above a sole's hump, m: a body must not fall in two
 
 
 def closed_contour(sole: Array, top: float) -> Array:
@@ -27,8 +27,8 @@ def closed_contour(sole: Array, top: float) -> Array:
 
     level = max(top, float(sole[:, 1].max()))
     outline: Array = np.array([*sole, (sole[-1, 0], level), (sole[0, 0], level)])
-    outline = outline[np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1) > SAME]
-    encloses = len(outline) > 2 and Polygon(outline).area > SAME and LinearRing(outline).is_ccw
+    outline = outline[np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1) > SAME_POINT]
+    encloses = len(outline) > 2 and Polygon(outline).area > SAME_POINT and LinearRing(outline).is_ccw
     hint = f"The sole's highest point is at {sole[:, 1].max():g} m."
     check(encloses, "foot.top", top, "above the sole, so that the outline encloses an area", hint)
     return outline
@@ -37,8 +37,8 @@ def closed_contour(sole: Array, top: float) -> Array:
 def body_outline(foot: Foot, block: Sequence[float] | None = None) -> Array:
     """The closed outline that a workshop makes, in one piece.
 
-    Where a hump of the sole comes nearer to the top than `WALL`, the top is raised to that distance, because
-    the body would fall in two there.
+    Where a hump of the sole comes nearer to the top than `MIN_WALL`, the top is raised to that distance,
+    because the body would fall in two there.
 
     Parameters
     ----------
@@ -62,8 +62,8 @@ def body_outline(foot: Foot, block: Sequence[float] | None = None) -> Array:
 
     sole, top = foot.contour, foot.top
     heel, toe, hump = sole[0], sole[-1], sole[1:-1, 1].max(initial=-np.inf)
-    if hump > max(heel[1], toe[1]) - SAME:
-        top = max(top, hump + WALL)
+    if hump > max(heel[1], toe[1]) - SAME_POINT:
+        top = max(top, hump + MIN_WALL)
     outline = closed_contour(sole, top)
     body = Polygon(outline)
     if not body.is_valid:
@@ -76,7 +76,7 @@ def body_outline(foot: Foot, block: Sequence[float] | None = None) -> Array:
     check(sizes, "foot.block", list(block), "a length and a height > 0, in m, or null")
     (length, height), middle, level = block, foot.ankle[0], outline[:, 1].max()
     on_top = f"on the top, which reaches from {MM * heel[0]:g} to {MM * toe[0]:g} mm"
-    fits = heel[0] - SAME <= middle - length / 2 and middle + length / 2 <= toe[0] + SAME
+    fits = heel[0] - SAME_POINT <= middle - length / 2 and middle + length / 2 <= toe[0] + SAME_POINT
     hint = f"Its middle is above the ankle, at {MM * middle:g} mm; length and height are in m."
     check(fits, "foot.block", list(block), on_top, hint)
     body = body.union(box(middle - length / 2, level, middle + length / 2, level + height))

@@ -14,18 +14,18 @@ from footopt.gait.gait import HARMONICS
 
 Array = NDArray[np.float64]
 
-PERIODS = (0.2, 5.0)  # of a stride, s: a sprinter's is 0.45; anything else is a mistake in the units
-ALIKE = 0.8  # least autocorrelation that is a period
-NEARLY = 0.1  # below the largest autocorrelation; the first lag that has as much is one stride, not two
-OPEN = 5.0  # deg that thigh and knee may differ by at the ends of a stride
-APART = 6.0  # deg rms that a stride may differ by from the mean of all
-LATE = 0.1  # of a stride; a heel strike that is farther inside is where it ought to begin
-BACKWARDS = -0.15  # of the ranges of thigh and knee, what their loop encloses; in walks it is 0.3 to 0.75
+PERIOD_RANGE = (0.2, 5.0)  # of a stride, s: a sprinter's is 0.45; anything else is a mistake in the units
+MIN_AUTOCORRELATION = 0.8  # least autocorrelation that is a period
+PEAK_MARGIN = 0.1  # below the largest autocorrelation; the first lag that has as much is one stride, not two
+MAX_GAP = 5.0  # deg that thigh and knee may differ by at the ends of a stride
+MAX_DEVIATION = 6.0  # deg rms that a stride may differ by from the mean of all
+MAX_STRIKE_PHASE = 0.1  # of a stride; a heel strike that is farther inside is where it ought to begin
+MIN_LOOP = -0.15  # of the ranges of thigh and knee, what their loop encloses; in walks it is 0.3 to 0.75
 ANGLES = ("thigh", "knee")
 #: The range of a walker's joints, deg; a table in other units or with other columns leaves it.
-LIMITS = {"thigh": (-90.0, 120.0), "knee": (-12.0, 170.0), "foot": (-120.0, 120.0)}
-LEAST = 3.0  # deg that a thigh moves in a walk
-NAME_IT = "Set gait.window=[t0,t1] to one stride, in s, from one heel strike to the next of the same leg."
+ANGLE_RANGES = {"thigh": (-90.0, 120.0), "knee": (-12.0, 170.0), "foot": (-120.0, 120.0)}
+MIN_THIGH_RANGE = 3.0  # deg that a thigh moves in a walk
+WINDOW_HINT = "Set gait.window=[t0,t1] to one stride, in s, from one heel strike to the next of the same leg."
 
 
 class Strides(NamedTuple):
@@ -85,7 +85,7 @@ def cut(
 
 def check_period(period: float) -> None:
     """Raise `Unusable` unless a stride takes so long."""
-    low, high = PERIODS
+    low, high = PERIOD_RANGE
     if not low <= period <= high:
         raise Unusable(
             f"a stride of {period:.4g} s is no walk, which takes {low:g} to {high:g} s: is it in s?"
@@ -95,13 +95,13 @@ def check_period(period: float) -> None:
 def check_angles(angles: dict[str, Array]) -> None:
     """Raise `Unusable` unless these are the angles of a walk, in deg."""
     for joint, values in angles.items():
-        (low, high), least, largest = LIMITS[joint], values.min(), values.max()
+        (low, high), least, largest = ANGLE_RANGES[joint], values.min(), values.max()
         if not low <= least <= largest <= high:
             raise Unusable(
                 f"the {joint} reaches from {least:.4g} to {largest:.4g} deg, and may from {low:g} to "
                 f"{high:g}. Check the columns, signs and units."
             )
-    if np.ptp(angles["thigh"]) < LEAST:
+    if np.ptp(angles["thigh"]) < MIN_THIGH_RANGE:
         raise Unusable(
             f"the thigh moves by {np.ptp(angles['thigh']):.3g} deg only. Are columns and units right?"
         )
@@ -115,16 +115,16 @@ def _period(t: Array, angles: dict[str, Array]) -> float | None:
     even = np.arange(t[0], t[-1], step)
     rows = np.array([np.interp(even, t, angles[joint]) for joint in ANGLES])
     power = np.var(rows, axis=1)
-    low, high = round(PERIODS[0] / step), min(round(PERIODS[1] / step), int(0.53 * len(even)) + 1)
+    low, high = round(PERIOD_RANGE[0] / step), min(round(PERIOD_RANGE[1] / step), int(0.53 * len(even)) + 1)
     lags = np.arange(max(low, 2), high + 1)
     if len(lags) < 3 or not power.all():
         return None
     off = [np.mean(np.square(rows[:, lag:] - rows[:, :-lag]), axis=1) / (2.0 * power) for lag in lags]
     alike = 1.0 - np.mean(off, axis=1)
-    peaks, _ = find_peaks(alike, ALIKE)
+    peaks, _ = find_peaks(alike, MIN_AUTOCORRELATION)
     if not len(peaks):
         return None
-    first = peaks[alike[peaks] > alike[peaks].max() - NEARLY][0]
+    first = peaks[alike[peaks] > alike[peaks].max() - PEAK_MARGIN][0]
     before, here, after = alike[first - 1 : first + 2]  # a parabola has its top between lags
     return step * float(lags[first] + 0.5 * (before - after) / (before - 2.0 * here + after))
 
@@ -152,22 +152,22 @@ def _check(strides: Strides, bounds: Array) -> None:
     for joint in ANGLES:
         curves = strides.curves[joint]
         gap = float(abs(np.mean(curves[:, -1] - curves[:, 0])))
-        if gap > OPEN:
+        if gap > MAX_GAP:
             raise Unusable(
                 f"no stride closes from {bounds[0]:.4g} to {bounds[-1]:.4g} s: the {joint} differs by "
-                f"{gap:.1f} deg at its ends, and may by {OPEN:g}. {NAME_IT}"
+                f"{gap:.1f} deg at its ends, and may by {MAX_GAP:g}. {WINDOW_HINT}"
             )
         apart = np.sqrt(np.mean(np.square(curves - curves.mean(axis=0)), axis=1))
         worst = int(np.argmax(apart))
-        if apart[worst] > APART:
+        if apart[worst] > MAX_DEVIATION:
             raise Unusable(
                 f"the stride from {bounds[worst]:.4g} to {bounds[worst + 1]:.4g} s differs from the mean by "
-                f"{apart[worst]:.1f} deg rms in the {joint}: no steady walk. {NAME_IT}"
+                f"{apart[worst]:.1f} deg rms in the {joint}: no steady walk. {WINDOW_HINT}"
             )
     check_period(float(strides.periods.mean()))
     thigh, knee = (strides.mean()[joint] for joint in ANGLES)
     loop = 0.5 * np.sum(thigh[1:] * knee[:-1] - thigh[:-1] * knee[1:])
-    if loop < BACKWARDS * np.ptp(thigh) * np.ptp(knee):
+    if loop < MIN_LOOP * np.ptp(thigh) * np.ptp(knee):
         raise Unusable(
             "the knee bends while the thigh goes back, as in a walk backwards. Is the sign of thigh or hip "
             "right (the knee ahead of the hip is +), and are the columns?"
@@ -177,13 +177,13 @@ def _check(strides: Strides, bounds: Array) -> None:
 def _from_strike(strides: Strides, always: bool) -> Strides:
     """The strides from the heel strike on, where the ankle is farthest ahead of the hip.
 
-    One that begins within `LATE` of it stays as it is, unless `always`.
+    One that begins within `MAX_STRIKE_PHASE` of it stays as it is, unless `always`.
     """
     phase, mean = strides.phase, strides.mean()
     thigh, knee = (np.radians(mean[joint]) for joint in ANGLES)
     ahead = np.sin(thigh) + np.sin(thigh - knee)  # thigh and shank are as long
     first = int(np.argmax(ahead[:-1]))
-    if not always and not LATE < phase[first] < 1.0 - LATE:
+    if not always and not MAX_STRIKE_PHASE < phase[first] < 1.0 - MAX_STRIKE_PHASE:
         return strides
     order = np.concatenate([np.arange(first, len(phase) - 1), np.arange(first + 1)])
     turned = np.append((phase[order[:-1]] - phase[first]) % 1.0, 1.0)

@@ -14,7 +14,7 @@ from footopt.errors import check, one_line
 from footopt.foot.hull import lower_hull
 from footopt.foot.plates import RULES, Fill, Plates, along_arc, arc_and_turns
 from footopt.foot.shapes import SHAPES
-from footopt.foot.waypoints import Waypoints, check_length, check_worn, written
+from footopt.foot.waypoints import Waypoints, check_dimensions, check_length, heights_text
 
 Array = NDArray[np.float64]
 
@@ -71,7 +71,7 @@ class Foot:
             contour.shape,
             "at least two points (x_p, z_p), finite, in m",
         )
-        check_worn(self.width, self.ankle, self.top)
+        check_dimensions(self.width, self.ankle, self.top)
         object.__setattr__(self, "ankle", tuple(self.ankle))
         object.__setattr__(self, "contour", contour)
 
@@ -102,7 +102,7 @@ class Foot:
         check(np.ndim(k) == 1, "foot.k", k, "one design: a list of whole numbers")
         space = replace(space or Waypoints(n=len(k)), **parameters)  # type: ignore[arg-type]
         heights = tuple(int(v) for v in space.check(k)[0])
-        contour, name = space.contour(heights)[0], f"k={written(heights)}"
+        contour, name = space.contour(heights)[0], f"k={heights_text(heights)}"
         return cls(contour, space.width, space.ankle, name, heights, space, space.closed, space.top)
 
     @classmethod

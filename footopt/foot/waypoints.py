@@ -73,13 +73,9 @@ class Waypoints:
         check_whole(self.K, "foot.K", 1, 10**6)
         check_length("foot.L", self.L)
         check_length("foot.H", self.H)
-        check_worn(self.width, self.ankle, self.top)
-        check(
-            self.box_tolerance >= 0,
-            "foot.box_tolerance",
-            self.box_tolerance,
-            "a number >= 0, in units of H (.inf: no constraint, as in the paper)",
-        )
+        check_dimensions(self.width, self.ankle, self.top)
+        allowed = "a number >= 0, in units of H (.inf: no constraint, as in the paper)"
+        check(self.box_tolerance >= 0, "foot.box_tolerance", self.box_tolerance, allowed)
 
     @property
     def x(self) -> Array:
@@ -147,8 +143,8 @@ class Waypoints:
         raise SettingError("foot.box_tolerance", self.box_tolerance, allowed, hint)
 
 
-def written(k: ArrayLike) -> str:
-    """Heights as every text has them, and the command line takes them: [5,8,9,8]."""
+def heights_text(k: ArrayLike) -> str:
+    """Heights as texts and the command line have them: [5,8,9,8]."""
     return f"[{','.join(map(str, np.asarray(k).tolist()))}]"
 
 
@@ -157,15 +153,11 @@ def check_length(setting: str, value: float) -> None:
     check(1e-4 <= value <= 10.0, setting, value, "a length from 1e-4 to 10, in m")
 
 
-def check_worn(width: float, ankle: tuple[float, float], top: float) -> None:
+def check_dimensions(width: float, ankle: tuple[float, float], top: float) -> None:
     """Raise unless these are a foot's width, the ankle's place in its frame, and its top's height."""
     check_length("foot.width", width)
-    check(
-        len(ankle) == 2 and all(abs(at) <= 10.0 for at in ankle),
-        "foot.ankle",
-        ankle,
-        "two numbers [x_p, z_p] from -10 to 10, in m",
-    )
+    near = len(ankle) == 2 and all(abs(at) <= 10.0 for at in ankle)
+    check(near, "foot.ankle", ankle, "two numbers [x_p, z_p] from -10 to 10, in m")
     check(abs(top) <= 10.0, "foot.top", top, "a finite height in the foot frame, from -10 to 10, in m")
 
 

@@ -20,7 +20,7 @@ from footopt.errors import ERROR_FILE, FileError, flat
 from footopt.files import identity
 from footopt.files.io import read_json_file, write_csv
 from footopt.files.outline import MM
-from footopt.foot.waypoints import written
+from footopt.foot.waypoints import heights_text
 from footopt.report import page
 from footopt.report.figures.search import scatter_matrix
 from footopt.report.numbers import number, percent
@@ -78,7 +78,7 @@ def as_frame(runs: Sequence[Run]) -> pandas.DataFrame:
         row: dict[str, Any] = {"folder": str(run.folder), "overrides": " ".join(run.overrides)}
         row |= {**run.settings, **run.objectives}
         row["hollow_mm"] = design.get("hollow_mm", math.nan)
-        row["k"] = written(design["k"]) if design.get("k") else ""
+        row["k"] = heights_text(design["k"]) if design.get("k") else ""
         row |= {name: result.get(name, math.nan) for name in NUMBERS}
         row |= {f"validity.{name}": value for name, value in (result.get("validity") or {}).items()}
         rows.append(row | {"warnings": len(result.get("warnings", [])), "note": run.note})

@@ -23,7 +23,7 @@ from rich.text import Text
 from footopt.effects import Effect, name_of
 from footopt.effects.base import parameters
 from footopt.foot import Foot, Waypoints
-from footopt.foot.waypoints import written
+from footopt.foot.waypoints import heights_text
 from footopt.report.numbers import change, number, percent, quantity, title
 from footopt.sand.law import EARTH
 from footopt.walk import MEASURES, Scene, gain_shares
@@ -131,7 +131,7 @@ def objective_table(
 
 def describe_foot(foot: Foot) -> str:
     """A sole in one line: its heights, its hollow, and by how much it leaves its box, if it does."""
-    parts = [f"k = {written(foot.k)}"] if foot.k is not None else [title(foot.name)]
+    parts = [f"k = {heights_text(foot.k)}"] if foot.k is not None else [title(foot.name)]
     parts.append(f"hollow {1e3 * foot.hollow:.1f} mm")
     if foot.box_violation is not None and foot.box_violation >= 5e-6:
         parts.append(f"outside its box by {1e3 * foot.box_violation:.2f} mm")

@@ -19,7 +19,7 @@ import footopt as fo
 from footopt import studies
 from footopt.errors import FileError, SettingError
 from footopt.files.feet import FORMATS
-from footopt.files.outline import WALL, body_outline, closed_contour
+from footopt.files.outline import MIN_WALL, body_outline, closed_contour
 from footopt.files.soles import lines_of
 from footopt.foot import SHAPES
 from footopt.report import figures
@@ -78,11 +78,11 @@ class TestOutline:
         """Its top keeps a distance from the sole's humps, and is otherwise the closed contour's."""
         foot = fo.Foot.from_waypoints(k)
         body, sole = body_outline(foot), foot.contour[:, 1]
-        if sole.max() < -WALL:
+        if sole.max() < -MIN_WALL:
             np.testing.assert_array_equal(body, closed(foot))
         inside = sole[1:-1].max()
         if inside >= max(sole[0], sole[-1]):
-            assert body[:, 1].max() >= inside + WALL - 1e-12
+            assert body[:, 1].max() >= inside + MIN_WALL - 1e-12
 
     def test_has_a_block_on_its_top_over_the_ankle(self, flat_foot):
         body = body_outline(fo.Foot(flat_foot.contour, ankle=(0.02, 0.05)), (0.06, 0.025))

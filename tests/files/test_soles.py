@@ -343,9 +343,9 @@ class TestTheLine:
         with pytest.raises(FileError, match=r"holds 2: .* 250 x 50 mm.*; .* 8 x 8 mm on 'screw'.*'a', "):
             read(svg(f'<g id="a">{polygon(OUTLINE)}</g><g id="screw">{screw}</g>'))
         same(read(svg(f'<g id="a">{polygon(OUTLINE)}</g><g id="screw">{screw}</g>'), layer="a"), LOWER, 1e-9)
-        with pytest.raises(FileError, match=r"holds 2: .* mm\. Delete what is not the sole"):
+        with pytest.raises(FileError, match=r"holds 2: .* mm\. Delete the others"):
             read(svg(polygon(OUTLINE) + screw))
-        with pytest.raises(FileError, match=r"holds 2: .* on 'a'\. Delete what is not the sole"):
+        with pytest.raises(FileError, match=r"holds 2: .* on 'a'\. Delete the others"):
             read(svg(f'<g id="a">{polygon(OUTLINE)}<path d="M20 45h4v4h-4z"/></g>'))
 
     @pytest.mark.parametrize(
@@ -364,7 +364,7 @@ class TestTheLine:
                 [((-100, 0), (0, -9)), ((0.5, -9), (100, 0))],
                 4,
                 None,
-                r"2: an open .*gaps wider than 0\.01 mm",
+                r"2: an open .*gaps above 0\.01 mm",
             ),
             (
                 [((0, 0), (0, -20)), ((0, -20), (90, -9)), ((90, -9), (0, 5))],

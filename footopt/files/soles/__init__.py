@@ -17,13 +17,13 @@ from footopt.errors import FileError, Unusable, check, naming
 from footopt.files.feet import SOLE
 from footopt.files.outline import MM
 from footopt.files.soles import dxf, svg, table
-from footopt.files.soles.lines import JOIN, UNITS, Array, Line, crossing, join
+from footopt.files.soles.lines import JOIN_DISTANCE, UNITS, Array, Line, crossing, join
 from footopt.foot import Foot
 
 READERS = {".dxf": dxf.read, ".svg": svg.read, ".csv": table.read}
-FAR = 1e6  # m; no drawing has a point farther from its origin
-LENGTHS = (5e-3, 0.6)  # of a sole, m; anything else is a mistake in the units, as cm for inches
-HOLE = 0.5  # of an outline's length; a larger line inside it may be the sole itself
+MAX_COORDINATE = 1e6  # m; no drawing has a point farther from its origin
+LENGTH_RANGE = (5e-3, 0.6)  # of a sole, m; anything else is a mistake in the units, as cm for inches
+MAX_HOLE = 0.5  # of an outline's length; a larger line inside it may be the sole itself
 LISTED = 5  # of a drawing's lines, in a message
 
 
@@ -98,7 +98,7 @@ def lines_of(path: Path, units: str | None = None, scale: float = 1.0) -> list[L
             f"cannot be read as {path.suffix[1:].upper()}: it is damaged, or something else. Open it in the "
             "program that made it, and save it again."
         ) from error
-    if not all((abs(line.points) < FAR).all() for line in lines):
+    if not all((abs(line.points) < MAX_COORDINATE).all() for line in lines):
         raise Unusable("a line has a point that is not a finite number, or far away.")
     return lines
 
@@ -124,7 +124,7 @@ def the_line(lines: Sequence[Line], layer: str | None = None) -> tuple[Line, tup
     choose = f"Choose one with foot.layer (there are {held}), or delete" if len(layers) > 1 else "Delete"
     raise Unusable(
         f"must hold one line that is the sole, or one closed outline; it holds {len(found)}: "
-        f"{'; '.join(told)}. {choose} what is not the sole, or close gaps wider than {MM * JOIN:g} mm."
+        f"{'; '.join(told)}. {choose} the others, or close gaps above {MM * JOIN_DISTANCE:g} mm."
     )
 
 
@@ -132,7 +132,7 @@ def _has_holes(outer: Line, *others: Line) -> bool:
     """Whether a closed line holds all others, closed and much smaller: a frame round a sole is no outline."""
     from shapely import Polygon
 
-    body, length = Polygon(outer.points) if outer.closed else Polygon(), HOLE * np.ptp(outer.points[:, 0])
+    body, length = Polygon(outer.points) if outer.closed else Polygon(), MAX_HOLE * np.ptp(outer.points[:, 0])
     return body.is_valid and all(
         o.closed and np.ptp(o.points, axis=0).max() < length and body.contains(Polygon(o.points))
         for o in others
@@ -149,7 +149,7 @@ def lower_edge(outline: Array) -> Array:
     if not LinearRing(outline).is_ccw:
         outline = outline[::-1]  # counter-clockwise, the lower edge runs to the right
     x, z = outline.T
-    ends = [int(np.argmin(np.where(side <= JOIN, z, np.inf))) for side in (x - x.min(), x.max() - x)]
+    ends = [int(np.argmin(np.where(side <= JOIN_DISTANCE, z, np.inf))) for side in (x - x.min(), x.max() - x)]
     rolled = np.roll(outline, -ends[0], axis=0)
     return rolled[: (ends[1] - ends[0]) % len(outline) + 1]
 
@@ -157,7 +157,7 @@ def lower_edge(outline: Array) -> Array:
 def check_size(points: Array, origin: str) -> None:
     """Raise unless a line (m, 2) has a sole's size and place."""
     left, right = points[:, 0].min(), points[:, 0].max()
-    if not LENGTHS[0] <= right - left <= LENGTHS[1]:
+    if not LENGTH_RANGE[0] <= right - left <= LENGTH_RANGE[1]:
         raise Unusable(
             f"the sole would be {right - left:.4g} m long. Set foot.units to the unit of the file "
             f"({', '.join(UNITS)}), or foot.scale."
@@ -173,7 +173,7 @@ def check_size(points: Array, origin: str) -> None:
 def _from_heel(line: Array) -> Array:
     """An open line from left to right."""
     heel, toe = line[0], line[-1]
-    if abs(toe[0] - heel[0]) <= JOIN:
+    if abs(toe[0] - heel[0]) <= JOIN_DISTANCE:
         raise Unusable(
             f"the line begins at {_where(heel)} and ends at {_where(toe)}: "
             "which end is the heel? Close the outline, or leave only the sole."

@@ -10,7 +10,7 @@ import numpy as np
 
 from footopt.errors import Unusable
 from footopt.files.io import read_bytes
-from footopt.files.soles.lines import FLATTEN, Line, from_points, unit_of
+from footopt.files.soles.lines import CHORD_TOLERANCE, Line, from_points, unit_of
 
 UNITS = {1: "in", 4: "mm", 5: "cm", 6: "m"}  # of $INSUNITS
 CURVES = ("ARC", "CIRCLE", "ELLIPSE", "SPLINE")
@@ -41,5 +41,5 @@ def read(path: Path, units: str | None, scale: float) -> Iterator[Line]:
         for piece in entity.virtual_entities() if bulged else (entity,):
             # a path's arcs are cubics, 0.03 % off
             curve = piece if piece.dxftype() in CURVES else curves.make_path(piece)
-            points = unit * np.array([(v.x, v.y) for v in curve.flattening(FLATTEN / unit)])
+            points = unit * np.array([(v.x, v.y) for v in curve.flattening(CHORD_TOLERANCE / unit)])
             yield from_points(points.reshape(-1, 2), entity.dxf.layer)

@@ -13,9 +13,9 @@ from footopt.errors import Unusable
 Array = NDArray[np.float64]
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "pt": 0.0254 / 72, "px": 0.0254 / 96}  # m
-FLATTEN = 2e-5  # largest distance of a flattened curve from itself, m
-JOIN = 1e-5  # ends of lines nearer than this are one point, m
-SAME = 1e-9  # points nearer than this are one, m
+CHORD_TOLERANCE = 2e-5  # largest distance of a flattened curve from itself, m
+JOIN_DISTANCE = 1e-5  # ends of lines nearer than this are one point, m
+SAME_POINT = 1e-9  # points nearer than this are one, m
 
 
 class Line(NamedTuple):
@@ -37,28 +37,28 @@ def unit_of(units: str | None, own: str | None) -> float:
     return UNITS[unit]
 
 
-def from_points(points: Array, layer: str, same: float = SAME) -> Line:
+def from_points(points: Array, layer: str, same: float = SAME_POINT) -> Line:
     """A line that is closed if it ends where it began, within `same` (m)."""
     closed = len(points) > 3 and bool(np.linalg.norm(points[0] - points[-1]) <= same)
     return Line(points[:-1] if closed else points, closed, layer)
 
 
 def join(lines: Sequence[Line]) -> list[Line]:
-    """Join lines where the ends of two of them, and of no third one, meet within `JOIN`."""
+    """Join lines where the ends of two of them, and of no third one, meet within `JOIN_DISTANCE`."""
     from shapely import MultiLineString, get_coordinates, get_parts, line_merge, remove_repeated_points
 
     pieces = [(np.concatenate([line.points, line.points[: line.closed]]), line.layer) for line in lines]
-    pieces = [(points, layer) for points, layer in pieces if np.ptp(points, axis=0).max() > JOIN]
+    pieces = [(points, layer) for points, layer in pieces if np.ptp(points, axis=0).max() > JOIN_DISTANCE]
     ends = np.array([points[[0, -1]] for points, _ in pieces]).reshape(-1, 2)
     for i in range(len(ends)):  # shapely merges equal ends only: each moves to the first one near it
-        ends[i] = ends[np.argmax(np.linalg.norm(ends[: i + 1] - ends[i], axis=1) <= JOIN)]
+        ends[i] = ends[np.argmax(np.linalg.norm(ends[: i + 1] - ends[i], axis=1) <= JOIN_DISTANCE)]
     layers: dict[tuple[float, ...], str] = {}
     for (points, layer), meeting in zip(pieces, ends.reshape(-1, 2, 2), strict=True):
         points[[0, -1]] = meeting
         for end in meeting:
             layers.setdefault(tuple(end), layer)
     merged = line_merge(MultiLineString([points for points, _ in pieces]))
-    found = [get_coordinates(remove_repeated_points(part, 0.1 * JOIN)) for part in get_parts(merged)]
+    found = [get_coordinates(remove_repeated_points(part, 0.1 * JOIN_DISTANCE)) for part in get_parts(merged)]
     found.sort(key=lambda points: -np.ptp(points, axis=0).max())
     return [from_points(points, layers[tuple(points[0])]) for points in found]
 

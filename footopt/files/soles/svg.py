@@ -13,7 +13,7 @@ import numpy as np
 
 from footopt.errors import Unusable
 from footopt.files.io import read_text
-from footopt.files.soles.lines import FLATTEN, UNITS, Array, Line, unit_of
+from footopt.files.soles.lines import CHORD_TOLERANCE, UNITS, Array, Line, unit_of
 
 FORMS = {  # the library silently leaves out anything else
     "d": r"[MmZzLlHhVvCcSsQqTtAa\d\s,.eE+-]*",
@@ -72,7 +72,7 @@ def _points(piece: Any, turn: Array) -> Array:
             parts.append(np.array([segment.end], float) @ turn[:2] + turn[2])
         elif not isinstance(segment, Close):
             curve = np.asarray(segment.npoint(np.linspace(0.0, 1.0, 501)), float) @ turn[:2] + turn[2]
-            parts.append(get_coordinates(LineString(curve).simplify(FLATTEN / 2))[1:])
+            parts.append(get_coordinates(LineString(curve).simplify(CHORD_TOLERANCE / 2))[1:])
     return np.concatenate(parts)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from footopt.errors import Unusable
 from footopt.files.io import numbers, parse_table, read_text
-from footopt.files.soles.lines import JOIN, Line, from_points, unit_of
+from footopt.files.soles.lines import JOIN_DISTANCE, Line, from_points, unit_of
 
 WITHOUT_HEADER = re.compile(r"(?:\s*#.*\n)*\s*[-+.]?\d[\d.,e+-]*([;,\t ])")  # and the mark between cells
 COLUMN = re.compile(r"([xzy])(?:[_ ]*[(\[]?([a-z]+)[)\]]?)?", re.IGNORECASE)  # and its unit
@@ -31,4 +31,6 @@ def read(path: Path, units: str | None, scale: float) -> Iterator[Line]:
         )
     own = {match[2].lower() for match in (x, z) if match[2]}
     unit = scale * unit_of(units, own.pop() if len(own) == 1 else None)
-    yield from_points(unit * np.stack([numbers(table, x[0]), numbers(table, z[0])], axis=1), "", JOIN)
+    yield from_points(
+        unit * np.stack([numbers(table, x[0]), numbers(table, z[0])], axis=1), "", JOIN_DISTANCE
+    )

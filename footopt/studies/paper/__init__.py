@@ -9,7 +9,7 @@ from typing import Any
 from footopt.errors import FootoptError
 from footopt.files.io import plain
 from footopt.foot import Foot
-from footopt.foot.waypoints import written
+from footopt.foot.waypoints import heights_text
 from footopt.report import terminal
 from footopt.report.figures.paper import all_figures
 from footopt.report.figures.tables import claims as draw_claims
@@ -104,7 +104,8 @@ def tables(found: Entry) -> list[tuple[str, Sequence[str], list[list[str]]]]:
     claims = [[c["place"], c["says"], *_judgement(c)] for c in found["claims"]]
     feet = {f"the best for {sand} sand": foot for sand, foot in found["optima"].items()} | found["shapes"]
     walks = [
-        [name, written(foot["k"]) if "k" in foot else "", *_measures(foot)] for name, foot in feet.items()
+        [name, heights_text(foot["k"]) if "k" in foot else "", *_measures(foot)]
+        for name, foot in feet.items()
     ]
     return [
         ("Claims", ("figure", "claim", "margin", "verdict"), claims),
