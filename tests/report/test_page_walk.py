@@ -9,7 +9,7 @@ from browsers import Page, browser_needed
 import footopt as fo
 from footopt.files.io import plain
 from footopt.report import page
-from footopt.report.page.physics import physics
+from footopt.report.page.physics import physics, spline
 from footopt.report.page.study import NOTHING
 from footopt.walk import OBJECTIVES
 
@@ -31,6 +31,7 @@ def in_browser(browser, folder, scene, accuracy, space, feet):
         "title": "A walk",
         "columns": [],
         "physics": physics(scene, accuracy, space),
+        "space": spline(space),
         "designs": NOTHING,
     }
     Page(browser, page.write(folder / "report.html", content))

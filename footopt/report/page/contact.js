@@ -74,13 +74,8 @@ function motion(dt) {
 
 /** Points at equal steps along the arc of the spline through heights k, [x, z, x, z, ...], m. */
 function arcPoints(k, steps) {
-  const { n, K, H, L, slopes: matrix, fine } = P.space, z = k.map((v) => -v * (H / K)), spacing = (2 * L) / (n - 1);
-  const slopes = matrix.map((row) => row.reduce((sum, m, j) => sum + z[j] * m, 0));
+  const { n, L, fine } = space, { z, cubic } = spline(k), spacing = (2 * L) / (n - 1);
   const pieces = (n - 1) * fine, arc = new Float64Array(pieces + 1), out = new Float64Array(2 * steps + 2);
-  const cubic = (u, take) => {
-    const i = Math.min(Math.trunc(u), n - 2), s = u - i, rise = z[i + 1] - z[i], d0 = slopes[i], d1 = slopes[i + 1];
-    return take(i, s, d0, 3 * rise - 2 * d0 - d1, d0 + d1 - 2 * rise);
-  };
   for (let j = 0, before = 0; j <= pieces; j++) {
     const speed = cubic(j / fine, (i, s, d0, q, c) => Math.hypot(spacing, d0 + s * (2 * q + 3 * s * c)));
     if (j > 0) arc[j] = arc[j - 1] + 0.5 * (before + speed);

@@ -22,8 +22,8 @@ const flatOfRun = { ...entry.flat };
 function compareWith(design) {
   const same = design !== DRAWN || (sketch.zeta === P.sand.zeta && sketch.mass === P.walker.mass);
   sketch.flat = null;
-  if (!same && flatWalk() && P.space) {
-    const flat = Array(P.space.n).fill(P.space.K), made = simulate(arcPoints(flat, P.accuracy.plates * P.accuracy.parts), sketch);
+  if (!same && flatWalk() && space) {
+    const flat = Array(space.n).fill(space.K), made = simulate(arcPoints(flat, P.accuracy.plates * P.accuracy.parts), sketch);
     sketch.flat = prepared({ ...made, points: flatWalk().points, top: own("top", DRAWN), label: "flat" });
   }
   for (const name of Object.keys(flatOfRun)) entry.flat[name] = same ? flatOfRun[name] : sketch.flat?.objectives[name] ?? NaN;
@@ -34,8 +34,8 @@ function rewalk() {
   walked.delete(DRAWN);
   depths.delete(DRAWN);
   const walk = simulated(DRAWN), heightsOf = walk.points.map((p) => p[1]);
-  const out = P.space ? Math.max(...heightsOf, -P.space.H - Math.min(...heightsOf)) : 0;
-  sketch.reason = walk.reason || (P.space && out > (P.space.tolerance ?? Infinity) ? `it leaves its box by ${(MM * out).toFixed(1)} mm, which a search forbids` : "");
+  const out = space ? Math.max(...heightsOf, -space.H - Math.min(...heightsOf)) : 0;
+  sketch.reason = walk.reason || (space && out > (space.box_tolerance ?? Infinity) * space.H ? `it leaves its box by ${(MM * out).toFixed(1)} mm, which a search forbids` : "");
   data.columns.forEach((column, c) => { values[DRAWN * WIDTH + c] = walk.objectives[column.name] ?? NaN; });
   feasible[DRAWN] = walk.reason ? 0 : 1;
 }
@@ -72,7 +72,7 @@ function drawTools(holder, now, show, settle) {
   }
   const level = (p, k) => {
     const moved = heights(now());
-    if (moved[p] === (k = clip(Math.round(k), 1, P.space.K))) return null;
+    if (moved[p] === (k = clip(Math.round(k), 1, space.K))) return null;
     moved[p] = k;
     return moved;
   };
@@ -87,7 +87,7 @@ function drawTools(holder, now, show, settle) {
   holder.addEventListener("pointermove", (event) => {
     if (held < 0) return;
     const drawing = holder.firstChild, box = drawing.getBoundingClientRect();
-    const k = level(held, -drawing.height_of(((event.clientY - box.top) * drawing.viewBox.baseVal.height) / box.height) / space.step);
+    const k = level(held, -drawing.height_of(((event.clientY - box.top) * drawing.viewBox.baseVal.height) / box.height) / (space.H / space.K));
     if (k) edit({ k }, fresh);
     if (k) fresh = false;
   });

@@ -35,7 +35,6 @@ def physics(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> dict[st
         return {"refusal": why}
     gait, walker, (tilt, g) = scene.gait, scene.walker, scene.gravity
     foot_pitch = gait.foot if gait.pitch == "measured" else None
-    space = foot if isinstance(foot, Waypoints) else foot.space
     parts = RULES[accuracy.rule]
     return {
         "sand": {
@@ -79,18 +78,16 @@ def physics(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> dict[st
         "effects": {name_of(e): e.law._asdict() for e in scene.effects if e.law is not None},
         "floors": FLOORS,
         "foot": {"ankle": foot.ankle, "width": foot.width},
-        "space": space
-        and {
-            **asdict(space),
-            "fine": FINE,
-            "slopes": slope_matrix(space.n),
-            "tolerance": space.box_tolerance * space.H,
-        },
         # of a sole without waypoints
         "points": packed(foot.points(accuracy.plates, parts), double=True)
-        if isinstance(foot, Foot) and not space
+        if isinstance(foot, Foot) and foot.k is None
         else None,
     }
+
+
+def spline(space: Waypoints) -> dict[str, Any]:
+    """The constants of the splines through waypoints."""
+    return {**asdict(space), "fine": FINE, "slopes": slope_matrix(space.n)}
 
 
 def refusal(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> str:

@@ -1,7 +1,6 @@
 // Soles: from the data, as files for the workshop, and as a drawing.
 
-const space = data.space && Object.fromEntries(Object.entries(data.space).map(
-  ([key, value]) => [key, value.data === undefined ? value : unpack(value)]));
+const space = data.space;
 const kOf = data.designs.k && oneMore(unpack(data.designs.k), space.n);
 
 /** The waypoints' heights of a design. */
@@ -13,12 +12,19 @@ const own = (name, i) => (Array.isArray(data[name]) ? data[name][i] : data[name]
 /** The sole of a design from heel to toe, [[x, z], ...], m: its own, or a spline linear in its heights. */
 function sole(i) {
   if (!space) return pairs(unpack(data.designs.soles[i]));
-  const k = heights(i), m = space.x.length;
-  return Array.from(space.x, (x, j) => {
-    let z = space.base[j];
-    for (let p = 0; p < space.n; p++) z += (k[p] - 1) * space.columns[p * m + j];
-    return [x, z];
-  });
+  const { z, cubic } = spline(heights(i)), pieces = (space.n - 1) * space.fine;
+  return Array.from({ length: pieces + 1 }, (_, j) => [(space.L * (2 * j - pieces)) / pieces, cubic(j / space.fine, (p, s, d0, q, c) => z[p] + s * (d0 + s * (q + s * c)))]);
+}
+
+/** The spline through heights k: z of its waypoints, m, and what a function takes of its piece at u, from 0 to n - 1. */
+function spline(k) {
+  const { n, K, H } = space, z = k.map((v) => -v * (H / K));
+  const slopes = space.slopes.map((row) => row.reduce((sum, m, j) => sum + z[j] * m, 0));
+  const cubic = (u, take) => {
+    const i = Math.min(Math.trunc(u), n - 2), s = u - i, rise = z[i + 1] - z[i], d0 = slopes[i], d1 = slopes[i + 1];
+    return take(i, s, d0, 3 * rise - 2 * d0 - d1, d0 + d1 - 2 * rise);
+  };
+  return { z, cubic };
 }
 function pairs(flat) {
   const found = [];
@@ -115,10 +121,12 @@ function soleDrawing(points, { width, k = null, height = null, ghost = null, pla
   made.append(svg("path", { d: to(shape) + "Z", fill: colour, "fill-opacity": 0.14, stroke: "none" }));
   if (ghost) made.append(svg("path", { d: to(ghost), fill: "none", stroke: "var(--flat)", "stroke-width": 1.5, "stroke-dasharray": "5 4" }));
   made.append(svg("path", { d: to(points), fill: "none", stroke: colour, "stroke-width": plain ? 1.5 : 3 }));
-  if (k && !plain) k.forEach((height, p) => made.append(svg("circle", { cx: X(space.waypoints[p]),
-    cy: Z(-height * space.step), r: 4, class: "waypoint", stroke: colour, "stroke-width": 1.5 }),
-    P.sand ? svg("circle", { cx: X(space.waypoints[p]), cy: Z(-height * space.step), r: 11, class: "grip", "data-waypoint": p, role: "slider", tabindex: "0",
-      "aria-label": `level of waypoint ${p + 1}, downwards`, "aria-valuemin": 1, "aria-valuemax": P.space.K, "aria-valuenow": height, "aria-orientation": "vertical" }) : ""));
+  if (k && !plain) k.forEach((height, p) => {
+    const cx = X((2 * space.L * p) / (space.n - 1) - space.L), cy = Z((-height * space.H) / space.K);
+    made.append(svg("circle", { cx, cy, r: 4, class: "waypoint", stroke: colour, "stroke-width": 1.5 }),
+    P.sand ? svg("circle", { cx, cy, r: 11, class: "grip", "data-waypoint": p, role: "slider", tabindex: "0",
+      "aria-label": `level of waypoint ${p + 1}, downwards`, "aria-valuemin": 1, "aria-valuemax": space.K, "aria-valuenow": height, "aria-orientation": "vertical" }) : "");
+  });
   made.height_of = (y) => z1 - (y - 4) / scale;
   return made;
 }

@@ -12,7 +12,7 @@ from footopt.design.result import SHOWN
 from footopt.foot import Foot, Waypoints
 from footopt.report.numbers import sand_title, title
 from footopt.report.page.file import column, packed
-from footopt.report.page.physics import physics
+from footopt.report.page.physics import physics, spline
 from footopt.report.stage import forces_along, ground, groups
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
 from footopt.walk import MEASURES, Accuracy, Scene, Walk
@@ -31,19 +31,19 @@ def walk_content(walk: Walk, entry: dict[str, Any], flat: Walk | None = None) ->
     others = [] if flat is None or flat is walk else [_flat_walk(flat)]
     entry = {name: value for name, value in entry.items() if others or name != "flat"}
     foot, values = walk.foot, entry.get("objectives", walk.objectives)
-    spline = foot.space if foot.k is not None else None
+    space = foot.space if foot.k is not None else None
     return {
         **_common(entry, walk.scene, tuple(values), walk.accuracy, foot, step_on_patch(walk)),
         "title": f"{title(foot.name)} on {sand_title(walk.scene.sand)}",
         "headline": [f"{describe_scene(walk.scene)}; {describe_foot(foot)}"],
-        "space": spline and splines(spline),
+        "space": space and spline(space),
         "top": foot.top,
         "designs": {
             "values": packed(np.array([list(values.values())], float)),
             "labels": [title(foot.name)],
             "feasible": [int(walk.feasible)],
             "reasons": [walk.reason],
-            **({"k": packed(np.array(foot.k))} if spline else {"soles": [packed(foot.contour)]}),
+            **({"k": packed(np.array(foot.k))} if space else {"soles": [packed(foot.contour)]}),
         },
         "best": 0,
         "walks": [{"design": 0, "label": title(foot.name), **_traces(walk)}, *others],
@@ -89,7 +89,7 @@ def search_content(
             "reasons": reasons,
             "reason": packed(codes),
         },
-        "space": splines(problem.space),
+        "space": spline(problem.space),
         "top": problem.space.top,
         "best": int(np.searchsorted(rows, chosen)),
         "bestValues": confirmed.values[0],
@@ -134,26 +134,6 @@ def _common(
             "l1": scene.walker.l1,
             "l2": scene.walker.l2,
         },
-    }
-
-
-def splines(space: Waypoints) -> dict[str, Any]:
-    """Every sole of a space at once: a spline is linear in its heights.
-
-    contour(k) = base + sum_i (k_i - 1) columns_i, in z; x is the same for all.
-    """
-    one = np.ones((1, space.n), int)
-    base = space.contour(one)[0]
-    raised = one + np.eye(space.n, dtype=int) if space.K > 1 else np.tile(one, (space.n, 1))
-    return {
-        "n": space.n,
-        "x": packed(base[:, 0]),
-        "base": packed(base[:, 1]),
-        "columns": packed(space.contour(raised)[:, :, 1] - base[:, 1]),
-        "waypoints": packed(space.x),
-        "step": space.H / space.K,
-        "L": space.L,
-        "H": space.H,
     }
 
 
