@@ -27,7 +27,7 @@ from footopt.report.terminal import describe_scene
 from footopt.walk import Scene
 
 RESOLUTION = 160  # dots per inch of a picture in a notebook
-HEIGHT = 2.6  # of a row of drawings, inches
+HEIGHT = 2.6  # of a picture, inches
 
 
 def plot(thing: object, what: str | None = None, ax: Axes | None = None) -> Axes:
@@ -58,15 +58,15 @@ def plot(thing: object, what: str | None = None, ax: Axes | None = None) -> Axes
     if name not in found:
         raise SettingError("what", what, f"one of {', '.join(found)} for a {type(thing).__name__}")
     if ax is None:
-        return picture(thing, [[name]]).axes[0]
+        return picture(thing, name).axes[0]
     _draw(ax, found[name], thing)
     return ax
 
 
 def card(thing: object) -> str:
-    """HTML: an object's line above its pictures; a `SettingError` if it cannot be drawn."""
+    """HTML: an object's line above its first picture; a `SettingError` if it cannot be drawn."""
     words = html.escape(describe_scene(thing) if isinstance(thing, Scene) else repr(thing))
-    figure = picture(thing, CARDS.get(type(thing).__name__, [[next(iter(drawings(thing)))]]))
+    figure = picture(thing, next(iter(drawings(thing))))
     image = base64.b64encode(png(figure, RESOLUTION)).decode("ascii")
     looks = f'width="{round(96 * figure.get_figwidth())}" style="max-width:100%;height:auto;background:white"'
     return f'<p>{words}</p><img alt="{words}" {looks} src="data:image/png;base64,{image}">'
@@ -81,15 +81,12 @@ class Panel(PlainAxes):
 
 
 @styled()
-def picture(thing: object, mosaic: list[list[str]]) -> Figure:
-    """A figure of an object's drawings by name, as in `matplotlib.figure.Figure.subplot_mosaic`."""
-    wide, found = len(mosaic[-1]) > 1 or mosaic[0][0] == "walk", drawings(thing)
-    figure = new_figure(PAGE if wide else COLUMN, HEIGHT * len(mosaic))
-    panels: dict[str, Axes] = figure.subplot_mosaic(mosaic, subplot_kw={"axes_class": Panel})
-    for name, axes in panels.items():
-        _draw(axes, found[name], thing)
-    if len(mosaic) == 1:
-        fit_height(figure, figure.axes[:1])
+def picture(thing: object, name: str) -> Figure:
+    """A figure of one of an object's drawings."""
+    figure = new_figure(PAGE if name == "walk" else COLUMN, HEIGHT)
+    axes = figure.add_subplot(axes_class=Panel)
+    _draw(axes, drawings(thing)[name], thing)
+    fit_height(figure, [axes])
     figure.draw_without_rendering()  # a second pass of the layout, after which nothing moves
     return figure
 
@@ -131,10 +128,4 @@ DRAWINGS: dict[str, Drawings] = {
     "SearchResult": {"front": _draw_front, "convergence": _draw_history},
     "Table": {"table": lambda axes, table: draw_pair(axes, {"designs": table.values}, table.names)},
     "Walk": {"walk": draw_walk, **{name: partial(draw_quantity, name=name) for name in QUANTITIES}},
-}
-#: Drawings on a card that shows more than the default one.
-CARDS = {
-    "Gait": [["angles", "path"]],
-    "Sand": [["alpha_x", "alpha_z"]],
-    "Walk": [["walk", "walk"], ["force", "power"]],
 }

@@ -1,8 +1,7 @@
 """The look of every figure: colours by role, fonts, widths, and how a figure is made and saved.
 
-No pyplot and so no global figure state: figures can be drawn from any thread. Widths are a journal's
-column and page, fonts 8 pt; colours of roles are told apart by the
-colour-blind, and line styles differ too.
+No pyplot and so no global figure state: figures can be drawn from any thread. Widths are a journal's column
+and page; colours of roles are told apart by the colour-blind, and line styles differ, too.
 """
 
 from __future__ import annotations
@@ -17,16 +16,13 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
-import numpy as np
 from matplotlib import rc_params_from_file
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from footopt.files.io import write_bytes
 from footopt.walk import Walk
 
-Array = NDArray[np.float64]
 Axes = Any  # matplotlib.axes.Axes
 
 COLUMN, PAGE = 3.4, 7.0  # widths, inches

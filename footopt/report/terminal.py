@@ -194,8 +194,7 @@ def describe_search(result: SearchResult) -> str:
     why = f" ({causes(result.failures)})" if result.infeasible else ""
     shown = f" ({len(result.shown)} of them shown)" if len(result.shown) < len(result.front) else ""
     front = f", {len(result.front)} on the front{shown}" if result.problem.n_obj > 1 else ""
-    stopped = f" (stopped {result.stopped})" if result.stopped else ""
-    ended = " (interrupted)" if result.interrupted else stopped
+    ended = " (interrupted)" if result.interrupted else f" (stopped {result.stopped})" * bool(result.stopped)
     return (
         f"{result.solver.name}, seed {result.solver.seed}: {result.evaluations} evaluations of "
         f"{result.designs} designs{reused} in {result.seconds:.1f} s, {result.infeasible} infeasible{why}"

@@ -97,7 +97,7 @@ def test_the_study_leaves_figures_claims_and_a_page_and_searches_nothing_twice(t
     monkeypatch.setattr(walks, "search", lambda *given: searched.append(given) or search(*given))
     settings = config(study__name="paper", study__cases=["foot.apex", "foot.box_tolerance"], **SMALL)
     run(Study(settings, tmp_path, {}))
-    assert len(list((tmp_path / "figures").glob("fig*.png"))) == 10
+    assert len(list((tmp_path / "figures").glob("fig*.png"))) == 11
     found = json.loads((tmp_path / "result.json").read_text())
     assert [entry["id"] for entry in found["claims"]] == list(CLAIMS)
     for entry in found["claims"]:

@@ -5,7 +5,7 @@ Functions named ``draw_*`` draw on Axes of the caller's.
 
 from footopt.report.figures.foot import contour, contours, drawing
 from footopt.report.figures.search import convergence, scatter_matrix
-from footopt.report.figures.step import step, steps
+from footopt.report.figures.step import step
 from footopt.report.figures.traces import com, forces, power_work
 from footopt.report.style import save
 
@@ -20,5 +20,4 @@ __all__ = [
     "save",
     "scatter_matrix",
     "step",
-    "steps",
 ]

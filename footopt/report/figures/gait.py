@@ -23,9 +23,7 @@ def gait_fit(strides: Strides, gait: Gait) -> Figure:
     phase, dense, residual = 100.0 * strides.phase, np.linspace(0.0, 1.0, 401), dict(gait.residual)
     for axes, (joint, curves) in zip(rows, strides.curves.items(), strict=True):
         if len(curves) > 1:
-            axes.plot(
-                phase, curves.T, color=style.GREY, lw=0.4, label=["strides", *["_"] * (len(curves) - 1)]
-            )
+            axes.plot(phase, curves.T, color=style.GREY, lw=0.4)[0].set_label("strides")
         axes.plot(phase, curves.mean(axis=0), color=style.COLOURS[0], label="mean")
         series = np.degrees(getattr(gait, joint).at(dense)[0])
         axes.plot(100.0 * dense, series, "--", color=style.COLOURS[1], label="fit")
@@ -58,10 +56,7 @@ def draw_path(axes: Axes, gait: Gait, walker: Walker | None = None) -> None:
     for i in (40, 140):  # where it goes
         step = {"xy": (x[i + 3], z[i + 3]), "xytext": (x[i], z[i])}
         axes.annotate("", **step, arrowprops={"arrowstyle": "-|>", "color": style.COLOURS[0], "lw": 1.2})
-    axes.plot(x[0], z[0], "o", color=style.COLOURS[0])
-    axes.annotate(
-        "heel strike", (x[0], z[0]), xytext=(-5, 5), textcoords="offset points", ha="right", va="bottom"
-    )
+    axes.plot(x[0], z[0], "o", color=style.COLOURS[0], label="heel strike")
     axes.set(xlabel="$x$ from the hip (m)", ylabel="$z$ from the hip (m)")
-    axes.set_title(f"ankle, legs of {walker.l1:g} + {walker.l2:g} m")
+    axes.set_title(f"ankle, legs of {walker.l1:g} + {walker.l2:g} m", loc="left")
     axes.margins(0.08, 0.12)

@@ -11,7 +11,7 @@ from footopt.gait import Gait
 from footopt.report import style
 from footopt.report.figures.foot import contour, contours
 from footopt.report.figures.gait import draw_angles, draw_path
-from footopt.report.figures.step import steps
+from footopt.report.figures.step import step
 from footopt.report.figures.traces import com, forces, power_work
 from footopt.report.numbers import title
 from footopt.walk import Walk, Walker
@@ -40,10 +40,8 @@ def all_figures(
     by_sand = {sand: optima[sand] for sand in style.SANDS}
     shapes = {name: walk.foot for name, walk in by_shape.items()}
     feet = {f"{sand} (hollow {MM * w.foot.hollow:.1f} mm)": w.foot for sand, w in by_sand.items()}
-    hard = {"hard sand, its own foot": optima["hard"], "hard sand, the foot for regular sand": crossed}
     joints = gait(crossed.scene.gait, crossed.scene.walker)
     waypoints = contour(optima["hard"].foot)
-    two = "A step on hard sand with its own best foot, and with that for regular sand (figure 7)."
     return {
         "fig2b_gait": (
             joints,
@@ -54,7 +52,8 @@ def all_figures(
         "fig4b_shapes_power_work": (power_work(by_shape), "Power and work by shape (figure 4b)."),
         "fig5_waypoints": (waypoints, "The waypoints of a sole, their box, and its spline (figure 5)."),
         "fig6_contours": (contours(feet), "The best soles for soft, regular and hard sand (figure 6)."),
-        "fig7_steps": (steps(hard), two),
+        "fig7a_step": (step(optima["hard"]), "A step on hard sand with its best foot (figure 7)."),
+        "fig7b_step": (step(crossed), "The same with the best foot for regular sand (figure 7)."),
         "fig8a_sands_states": (
             com(by_sand),
             "Position and velocity of the COM by sand (figure 8a).",

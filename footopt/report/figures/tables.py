@@ -17,7 +17,6 @@ from footopt.report.style import Axes
 Array = NDArray[np.float64]
 
 ROW = 0.21  # height of a row, inches
-NARROW = 36  # letters that the columns of a narrow table have room for
 WORDS = ("sunk", "backward", "diverged", "no failure", "refused", "accepted")  # verdicts without a number
 CHECK = "✓"
 VERDICTS = ListedColormap(["#F7C6A3", "#DBEAF3"])  # not stable, stable
@@ -57,9 +56,7 @@ def regrets(values: ArrayLike, feet: Sequence[str], scenarios: Sequence[str]) ->
     table = np.column_stack([table, table.mean(axis=1), table.max(axis=1)])
     texts = [[f"{v:.1f}" if np.isfinite(v) else "failed" for v in row] for row in table]
     columns = [name.removeprefix("draw ").replace(" ", "\n") for name in (*scenarios, "mean", "worst")]
-    longest = max(len(word) for name in columns for word in name.split())
-    width = style.PAGE if len(columns) * longest > NARROW else style.COLUMN
-    figure = style.new_figure(width, 0.95 + ROW * len(feet))
+    figure = style.new_figure(style.PAGE if len(scenarios) > 4 else style.COLUMN, 0.95 + ROW * len(feet))
     axes = figure.subplots()
     draw_heat_map(axes, table, feet, columns, texts, "Blues", max(1.0, float(np.nanmax(table, initial=0.0))))
     axes.axvline(len(scenarios) - 0.5, color="white", lw=5.0)
@@ -77,12 +74,10 @@ class Cell(NamedTuple):
 
     @property
     def text(self) -> str:
-        """The deciding measure and its value to two digits; one where it takes an exponent."""
+        """The deciding measure and its value to two digits."""
         if self.measure in WORDS:
             return self.measure
-        value = f"{self.value:.0e}" if not 1e-2 <= self.value < 1e3 else f"{self.value:.2g}"
-        value = "0" if self.value == 0.0 else value.replace("e-0", "e-").replace("e+0", "e")
-        return f"{self.measure} {value}"
+        return f"{self.measure} {self.value:.2g}".replace("e-0", "e-").replace("e+0", "e")
 
 
 @style.styled()

@@ -60,17 +60,10 @@ def experiment(found: Comparisons, x: str = "") -> Figure:
 
 def _against_x(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
     """Lines with bands, and the data."""
-    for c, colour in zip(own, colours, strict=True):
-        ax.plot(
-            c.points,
-            c.simulated,
-            color=colour,
-            ls=style.DASHES[style.COLOURS.index(colour)],
-            label=law_name(c.law),
-        )
+    for c, colour, dashes in zip(own, colours, style.DASHES, strict=False):
+        ax.plot(c.points, c.simulated, color=colour, ls=dashes, label=law_name(c.law))
         low, high = c.simulated - c.spread, c.simulated + c.spread
         ax.fill_between(c.points, low, high, color=colour, alpha=0.15, lw=0)
-    c = own[0]
     ax.errorbar(c.points, c.measured, c.bar, **DATA, label=MEASURED)
     ax.set_ylabel(axis_name(c))
 
@@ -81,10 +74,8 @@ def _by_name(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
     for i, (c, colour) in enumerate(zip(own, colours, strict=True), start=1):
         look = DATA | {"color": colour, "marker": style.MARKERS[i]}
         ax.errorbar(c.simulated, rows + gap * i, xerr=c.spread, **look, label=law_name(c.law))
-    c = own[0]
     ax.errorbar(c.measured, rows, xerr=c.bar, **DATA, label=MEASURED)
-    named = any(c.points)
-    ax.set_yticks(rows + 0.5 * gap * len(own) if named else [], c.points if named else [])
+    ax.set_yticks(rows + 0.5 * gap * len(own) if any(c.points) else [], c.points if any(c.points) else [])
     ax.tick_params(axis="y", length=0)
     ax.set_ylim(rows[-1] + 1.0 - gap, -gap)
     ax.set_xlabel(axis_name(c))
