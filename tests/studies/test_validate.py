@@ -51,13 +51,6 @@ class TestRig:
         assert sinkage[0] == pytest.approx(load / (zeta * 1e6 * 0.01), rel=1e-6)
         assert found[0, 1] == pytest.approx(load, rel=1e-6)
 
-    def test_3d_rft_has_its_published_values(self):
-        """A level plate pushed down (0.876), and symmetry where it may not matter which way is ahead."""
-        table = np.array(ALL["grains"].content["setup"]["polynomial"])
-        x, z = rig.three_dimensional(table, np.radians([0.0, 30.0, -30.0]), np.full(3, np.pi / 2))
-        assert (x[0], z[0]) == (pytest.approx(0.0, abs=1e-12), pytest.approx(0.87574))
-        assert (x[1], z[1]) == (pytest.approx(-x[2]), pytest.approx(z[2]))
-
 
 class TestComparison:
     def made(self, error, numerical=0.0, inputs=0.0, experimental=0.0, scale=1.0):

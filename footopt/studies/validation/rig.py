@@ -6,6 +6,7 @@ prediction of each quantity at M points or at all of them, in SI units. Plates a
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
@@ -17,6 +18,7 @@ from footopt.effects import reshaping
 from footopt.effects.base import parameters
 from footopt.foot import Foot
 from footopt.gait.gait import Pose
+from footopt.mujoco.faces import stress
 from footopt.mujoco.intrusion import material_constant
 from footopt.sand import Sand, StressMap, alpha
 from footopt.sand.law import PER_CM3
@@ -120,35 +122,27 @@ def angles(setup: Values) -> tuple[Array, Array]:
         return beta, gamma
     both = np.meshgrid(np.radians(setup["beta"]), np.radians(setup["gamma"]), indexing="ij")
     beta, gamma = (each.ravel() for each in both)
-    leads = np.sin(beta) * np.cos(gamma) + np.cos(beta) * np.sin(gamma) > 1e-9
-    return (beta[leads], gamma[leads]) if setup.get("leading") else (beta, gamma)
+    leads = np.sin(beta + gamma) > 1e-9
+    return (beta[leads], gamma[leads]) if setup.get("map") == "3D-RFT" else (beta, gamma)
 
 
 def measured_map(setup: Values) -> dict[str, Array]:
-    """Return another map's stresses per depth at an experiment's angles, N/m^3, from its coefficients.
+    """Return another map's stresses per depth at an experiment's angles, N/m^3.
 
     Empty where an experiment states what was measured at each pair of angles.
     """
-    if "fourier" in setup:
-        x, z = alpha(*angles(setup), StressMap(**setup["fourier"]))
-    elif "polynomial" in setup:
-        x, z = PER_CM3 * three_dimensional(np.asarray(setup["polynomial"], float), *angles(setup))
-    else:
+    if "pairs" in setup:
         return {}
+    beta, gamma = angles(setup)
+    if setup.get("map") == "3D-RFT":
+        up, rough = (0.0, 0.0, 1.0), math.inf  # no limit by the friction of the surface
+        x, _, z = PER_CM3 * np.transpose([
+            stress((math.sin(b), 0.0, -math.cos(b)), (math.cos(g), 0.0, -math.sin(g)), up, rough)
+            for b, g in zip(beta, gamma, strict=True)
+        ])  # fmt: skip
+        return {"alpha_x": -x, "alpha_z": z}
+    x, z = alpha(beta, gamma, StressMap(**setup["fourier"]))
     return {"alpha_x": x, "alpha_z": z}
-
-
-def three_dimensional(coefficients: Array, beta: Array, gamma: Array) -> Array:
-    """Return alpha_x and alpha_z of 3D-RFT, (2, M), for motion in the plane of a plate's normal, psi = 0.
-
-    coefficients : (3, 20), of f1, f2 and f3 in the order of Agarwal, Goldman & Kamrin, PNAS 120 (2023).
-    """
-    a, b = np.sin(gamma), np.cos(beta)
-    c = np.cos(gamma) * np.sin(beta) + a * b
-    terms = [np.ones_like(a), a, b, c, a * a, b * b, c * c, a * b, b * c, c * a, a**3, b**3, c**3,
-             a * b * b, b * a * a, b * c * c, c * b * b, c * a * a, a * c * c, a * b * c]  # fmt: skip
-    f1, f2, f3 = coefficients @ np.stack(terms)
-    return np.stack([-(f1 * np.sin(beta) + f2 * np.cos(gamma)), -(f1 * b + f2 * a + f3)])
 
 
 def growth(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Any]:
