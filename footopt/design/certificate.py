@@ -13,6 +13,7 @@ from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.result import Confirmation, SearchResult, confirm
 from footopt.foot import Waypoints
 from footopt.walk.accuracy import Accuracy
+from footopt.walk.objectives import relative_change
 
 MOST = 20_000  # soles of a neighbourhood: of a larger space only nearer ones are evaluated
 SAFETY = 2.0  # times the largest change of a finalist between accuracies: closer designs are evaluated finely
@@ -142,7 +143,7 @@ def _change(result: SearchResult, confirmed: Confirmation) -> float:
     """The largest relative change of a good finalist's objective between the two accuracies."""
     column = result.problem.record.index(result.problem.ranking_objective)
     before = result.values[confirmed.designs[confirmed.good], column]
-    change = np.abs(confirmed.values[confirmed.good, column] / before - 1.0)
+    change = np.abs(relative_change(confirmed.values[confirmed.good, column], before))
     return float(change.max(initial=0.0, where=np.isfinite(change)))
 
 

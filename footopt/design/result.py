@@ -16,7 +16,7 @@ from footopt.design.solvers import Solver
 from footopt.errors import check_whole
 from footopt.foot import Foot
 from footopt.walk.accuracy import Accuracy, resolve
-from footopt.walk.objectives import MEASURES
+from footopt.walk.objectives import MEASURES, relative_change
 
 SHOWN = 10_000  # designs of a front that are walked finely, drawn, and on the page; designs.csv has all
 
@@ -262,8 +262,7 @@ def confirm(result: SearchResult, accuracy: Accuracy | str, finalists: int = 20)
     if good.any():
         scores[good] = problem.ranked(values[good])
     order = np.argsort(scores, kind="stable")  # what is no longer good comes last
-    with np.errstate(invalid="ignore", divide="ignore"):
-        change = np.abs(values / result.values[chosen] - 1.0)
+    change = np.abs(relative_change(values, result.values[chosen]))
     change = change[np.isfinite(change)]
     return Confirmation(
         designs=chosen[order],

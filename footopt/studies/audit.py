@@ -23,6 +23,7 @@ from footopt.studies.build import make_scene
 from footopt.studies.settings import Config
 from footopt.walk import FIVE, Accuracy, Scene, Table, evaluate
 from footopt.walk.accuracy import TOLERANCES
+from footopt.walk.objectives import relative_change
 
 Array = NDArray[np.float64]
 
@@ -138,9 +139,8 @@ def audit(
 
 def relative_changes(without: Table, with_: Table) -> Array:
     """Relative changes of `FIVE` for the feet that have all of them in both tables, (feet, FIVE)."""
-    with np.errstate(divide="ignore", invalid="ignore"):  # a walker that never brakes loses no speed
-        change = np.where(with_.values == without.values, 0.0, with_.values / without.values - 1.0)
-    return np.asarray(change[np.isfinite(change).all(axis=1)])
+    change = relative_change(with_.values, without.values)
+    return change[np.isfinite(change).all(axis=1)]
 
 
 def exceeded(change: Array) -> Array:

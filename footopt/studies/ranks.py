@@ -16,6 +16,7 @@ from footopt.design import FootProblem
 from footopt.design.scenarios import Scenario, harder_and_softer, plausible_laws
 from footopt.report.numbers import percent
 from footopt.walk import Scene, evaluate
+from footopt.walk.objectives import relative_change
 
 Ints = NDArray[np.int64]
 
@@ -65,8 +66,7 @@ def rank_changes(problem: FootProblem, finalists: Ints, flat: Ints, spread: floa
         turned = (before * after < 0.0) | (np.isfinite(before) & ~np.isfinite(after))
         single = problem.n_obj == 1 and math.isfinite(scores[0])
         loss = float((scores[0] - scores.min()) / abs(scores.min())) if single else math.nan
-        with np.errstate(divide="ignore", invalid="ignore"):
-            change = dict(zip(problem.record, (values[0] / values[-1] - 1.0).tolist(), strict=True))
+        change = dict(zip(problem.record, relative_change(values[0], values[-1]).tolist(), strict=True))
         names = tuple(name for name, t in zip(problem.record, turned, strict=True) if t)
         found.append(RankChange(law.name, 1 + int((scores < scores[0]).sum()), loss, names, change))
     return found

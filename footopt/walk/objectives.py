@@ -222,6 +222,12 @@ def log_gain(name: str, value: Array | float) -> Array:
     return np.asarray(gain, float)
 
 
+def relative_change(values: Array, base: Array) -> Array:
+    """values / base - 1, and 0 where both are equal: a walker that never brakes loses no speed in either."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(values == base, 0.0, values / base - 1.0)
+
+
 def gain_shares(values: dict[str, float], base: dict[str, float]) -> dict[str, float]:
     """Each factor's share in the gain of J_W over a base design; they sum to 1.
 

@@ -14,6 +14,7 @@ import numpy as np
 from footopt.design.scenarios import Spread, harder_and_softer
 from footopt.effects import name_of
 from footopt.walk import FIVE, Walk, evaluate
+from footopt.walk.objectives import relative_change
 
 #: The measured quantity that is nearest to each objective: experiment and quantity.
 NEAREST = {
@@ -73,9 +74,8 @@ def model_error(
     compared = walk.scene.duration > walk.scene.gait.heel_strike  # a walker that stands cannot be
     for other in harder_and_softer(walk.scene, spread) if compared else ():
         values = evaluate([walk.foot], other.scene, walk.accuracy, JUDGED, threads=1).values[0]
-        with np.errstate(divide="ignore", invalid="ignore"):  # a walker that never brakes loses no speed
-            change = np.where(values == own, 0.0, np.abs(values / own - 1.0))
-        changes = np.maximum(changes, np.nan_to_num(change, nan=1.0, posinf=1.0))
+        change = np.nan_to_num(np.abs(relative_change(values, own)), nan=1.0, posinf=1.0)
+        changes = np.maximum(changes, change)
     return {
         name: math.hypot(errors[name], change) for name, change in zip(JUDGED, changes.tolist(), strict=True)
     }

@@ -19,7 +19,7 @@ from footopt.effects.base import parameters
 from footopt.foot import Foot
 from footopt.gait.gait import Pose
 from footopt.mujoco.faces import stress
-from footopt.mujoco.intrusion import material_constant
+from footopt.mujoco.intrusion import Grains
 from footopt.sand import Sand, StressMap, alpha
 from footopt.sand.law import PER_CM3
 from footopt.walk import Scene, simulate
@@ -159,9 +159,9 @@ def extraction(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[
 
 
 def friction(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Array]:
-    """zeta from density and angle of friction: 3D-RFT's material constant times alpha_z of a level plate."""
-    scale = material_constant(inputs["density"], np.tan(np.radians(inputs["angle"])))
-    return {"zeta": scale * setup["level"] / float(alpha(0.0, np.pi / 2)[1])}
+    """zeta from density and angle of friction by 3D-RFT."""
+    grains = zip(inputs["density"], np.tan(np.radians(inputs["angle"])), strict=True)
+    return {"zeta": np.array([Grains(density, mu).sand.zeta for density, mu in grains])}
 
 
 def drag(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Any]:
