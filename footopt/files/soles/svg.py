@@ -15,11 +15,6 @@ from footopt.errors import Unusable
 from footopt.files.io import read_text
 from footopt.files.soles.lines import CHORD_TOLERANCE, UNITS, Array, Line, unit_of
 
-FORMS = {  # the library silently leaves out anything else
-    "d": r"[MmZzLlHhVvCcSsQqTtAa\d\s,.eE+-]*",
-    "transform": r"(\s*(matrix|translate|scale|rotate|skewX|skewY)\s*\([^()]*\)[\s,]*)*",
-}
-
 
 def read(path: Path, units: str | None, scale: float) -> Iterator[Line]:
     """Yield each line, scaled and flattened; `units` names its unit, or None for the file's own."""
@@ -30,7 +25,6 @@ def read(path: Path, units: str | None, scale: float) -> Iterator[Line]:
         root = ElementTree.fromstring(read_text(path, "foot.path"))
     except ElementTree.ParseError as error:
         raise Unusable(f"cannot be read as SVG ({error}).") from None
-    _check(root)
     unit = scale * (UNITS[units] if units else _own_unit(root))
     for name in ("width", "height", "viewBox"):  # without them the library has the file's own numbers
         root.attrib.pop(name, None)
@@ -47,18 +41,6 @@ def read(path: Path, units: str | None, scale: float) -> Iterator[Line]:
                     yield Line(_points(piece, turn), closed, layer)
 
     yield from lines(SVG.parse(io.BytesIO(ElementTree.tostring(root)), reify=False), "")
-
-
-def _check(root: ElementTree.Element) -> None:
-    """Raise if the library would read a shape, a path or a transform as another one."""
-    for element in root.iter():
-        kind = str(element.tag).rpartition("}")[2]
-        sized = kind in ("rect", "circle", "ellipse", "line")
-        if sized and any("%" in value for name, value in element.items() if "opacity" not in name):
-            raise Unusable(f"has a {kind} with a length in percent. Give it in units, or leave it out.")
-        for name, form in FORMS.items():
-            if not re.fullmatch(form, given := element.get(name, "")):
-                raise Unusable(f"cannot be read as SVG: {name} is {given[:60]!r}.")
 
 
 def _points(piece: Any, turn: Array) -> Array:
