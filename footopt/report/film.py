@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 FRAMES = 2000  # of a GIF, at most: they are in memory until it is written, about a megabyte each
 WIDEST = 3.0  # times its height: a longer walk is followed by the camera
-CLOSE, NEAR = 0.8, 0.28  # of the close-up: its width, m, and its height by its width
+CLOSE, ASPECT = 0.8, 0.28  # the close-up: its width, m, and its height by its width
 LONGEST = 0.06  # arrow there, m
 
 
@@ -53,7 +53,7 @@ def animate(walk: Walk, path: str | Path, fps: int = 25, speed: float = 0.5, dpi
     Parameters
     ----------
     walk : Walk
-        What to film.
+        The walk.
     path : str or Path
         The file. Its name ends in .gif, or in .mp4, which needs the program ffmpeg.
     fps : int
@@ -121,7 +121,7 @@ def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], N
     wide = min(right - left, WIDEST * (high - low))
     deep = min(float(stage.body.sole[..., 1].min()), 0.0) - 1.1 * LONGEST
     largest = max(float(np.linalg.norm(stage.forces.force, axis=-1).max()), 1e-9)
-    heights = [(PAGE - 0.6) * (high - low) / wide, (PAGE - 0.6) * NEAR]
+    heights = [(PAGE - 0.6) * (high - low) / wide, (PAGE - 0.6) * ASPECT]
     figure = new_figure(PAGE, sum(heights) + 0.9)
     whole, near = figure.subplots(2, 1, height_ratios=heights)
     figure.suptitle(f"{title(walk.foot.name)} on {sand_title(walk.scene.sand)}, {speed:g} × real time")
@@ -129,7 +129,7 @@ def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], N
     def show(i: int) -> None:
         hip = float(stage.body.hip[i, 0])
         middle = float(np.clip(hip, left + 0.5 * wide, right - 0.5 * wide))
-        views = (whole, middle, wide, (low, high)), (near, hip, CLOSE, (deep, deep + CLOSE * NEAR))
+        views = (whole, middle, wide, (low, high)), (near, hip, CLOSE, (deep, deep + CLOSE * ASPECT))
         for axes, x, span, z in views:
             axes.clear()
             axes.set(xlim=(x - 0.5 * span, x + 0.5 * span), ylim=z, aspect="equal", ylabel="$z$ (m)")

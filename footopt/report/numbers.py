@@ -1,4 +1,4 @@
-"""How numbers are written: each quantity has one format on the terminal, in figures, cards and pages."""
+"""Numbers and names as text: each quantity has one format on the terminal, in figures, cards and pages."""
 
 from __future__ import annotations
 
@@ -52,5 +52,5 @@ def sand_title(sand: Sand) -> str:
 
 
 def _shortest(text: str) -> str:
-    """Digits without zeros at the end, of which a reader learns nothing."""
+    """Digits without zeros at the end."""
     return text.rstrip("0").rstrip(".") if "." in text else text

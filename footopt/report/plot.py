@@ -36,7 +36,7 @@ def plot(thing: object, what: str | None = None, ax: Axes | None = None) -> Axes
     Parameters
     ----------
     thing : Walk, Foot, Scene, Sand, Gait, Table or SearchResult
-        What to draw.
+        The object.
     what : str, optional
         Of a walk: walk, com, velocity, force, power or work. Of a sand: alpha_z or alpha_x. Of a gait:
         angles or path. Of a search: front or convergence. By default the first of them.
@@ -102,7 +102,7 @@ Drawings = dict[str, Callable[[Axes, Any], object]]
 
 
 def drawings(thing: Any) -> Drawings:
-    """How an object can be drawn, by name, the default first; a `SettingError` if it cannot."""
+    """The drawings of an object by name, the default first; a `SettingError` if there are none."""
     for kind in type(thing).__mro__:
         if found := DRAWINGS.get(kind.__name__):
             several = kind.__name__ != "SearchResult" or thing.problem.n_obj > 1
@@ -116,16 +116,15 @@ def _draw_front(axes: Axes, result: Any) -> None:
     draw_pair(axes, {FRONT: values[result.shown]}, result.problem.names, {"chosen": values[result.best]})
 
 
-def _draw_history(axes: Axes, result: Any) -> None:
-    draw_convergence(axes, result.history, history_label(result.problem.names))
-
-
 DRAWINGS: dict[str, Drawings] = {
     "Foot": {"foot": draw_contour},
     "Gait": {"angles": draw_angles, "path": draw_path},
     "Sand": {name: partial(draw_stress, component=name) for name in ("alpha_z", "alpha_x")},
     "Scene": {"sand": lambda axes, scene: draw_stress(axes, scene.sand)},
-    "SearchResult": {"front": _draw_front, "convergence": _draw_history},
+    "SearchResult": {
+        "front": _draw_front,
+        "convergence": lambda axes, r: draw_convergence(axes, r.history, history_label(r.problem.names)),
+    },
     "Table": {"table": lambda axes, table: draw_pair(axes, {"designs": table.values}, table.names)},
     "Walk": {"walk": draw_walk, **{name: partial(draw_quantity, name=name) for name in QUANTITIES}},
 }

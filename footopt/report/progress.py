@@ -1,11 +1,10 @@
-"""How far a study is and how long it will take yet: a bar on a terminal, nothing elsewhere."""
+"""The progress of a study with the time left: a bar on a terminal, nothing elsewhere."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Protocol
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -14,16 +13,13 @@ from rich.table import Column
 from footopt.design import Generation
 from footopt.report.numbers import number, title
 
-
-class Step(Protocol):
-    """Says news, and how many units are done."""
-
-    def __call__(self, news: str = "", units: int = 1) -> None: ...
+#: Takes news as text, "" by default, and how many units are done, 1 by default.
+Step = Callable[..., None]
 
 
 @contextmanager
 def progress(out: Console, total: int, unit: str) -> Iterator[Step]:
-    """Show how far a block is that calls what it is given after each of its units."""
+    """Show the progress of a block, which calls the function that it gets after each of its units."""
     columns = (
         TextColumn(unit + " {task.completed:.0f}/{task.total:.0f}"),
         BarColumn(bar_width=12),

@@ -95,7 +95,7 @@ def forces_along(walk: Walk, index: Ints) -> Forces:
 
 
 def groups(count: int) -> tuple[Ints, Ints]:
-    """Where `ARROWS` groups of neighbours begin, for `np.add.reduceat`, and how many are in each."""
+    """The begins of `ARROWS` groups of neighbours, for `np.add.reduceat`, and the size of each."""
     parts = min(ARROWS, count)
     begin = count * np.arange(parts) // parts
     return begin, np.diff(np.append(begin, count))

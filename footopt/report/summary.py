@@ -38,7 +38,7 @@ NUMBERS = ("evaluations", "hypervolume", "wall_time_s", "search_time_s")  # of r
 
 @dataclass(frozen=True)
 class Run:
-    """What a run left in its folder; `note` says why there is no result, or no better one."""
+    """A run as its folder has it; `note` is the reason why there is no result, or no better one."""
 
     folder: Path
     overrides: tuple[str, ...] = ()  # of its command line
@@ -54,7 +54,7 @@ class Run:
 
 
 def read(folder: Path) -> Run:
-    """What the run in a folder left, damaged or not."""
+    """Read the run in a folder; `note` says what is damaged."""
     error, file = folder / ERROR_FILE, folder / "result.json"
     left: dict[str, Any] = {"note": "no result"}
     try:
@@ -125,7 +125,7 @@ def compare(folder: Path, folders: Sequence[Path]) -> int:
 
 
 def _print_table(folder: Path, runs: Sequence[Run], labels: Sequence[str]) -> None:
-    """Print a row for each run with as many objectives as fit: numbers that were cut would tell nothing."""
+    """Print a row for each run with as many objectives as fit, none of them cut."""
     out, units = console(), {name: unit for run in runs for name, unit in run.result.get("units", {}).items()}
     titles = [f"{name.replace('_', ' ')} ({unit})".removesuffix(" ()") for name, unit in units.items()]
     fit = max((out.width - ROOM) // COLUMN, 1)

@@ -47,7 +47,7 @@ def console() -> Console:
 
 
 class _Output(Console):
-    """Where nobody reads any more, as behind `| head`, a run goes on: what it finds is in files."""
+    """A console behind which a pipe may be closed, as by `| head`: a run survives it and writes its files."""
 
     def on_broken_pipe(self) -> None:
         self.quiet = True
@@ -208,12 +208,10 @@ def describe_confirmation(confirmed: Confirmation) -> str:
     if math.isnan(confirmed.largest_change):
         return f"None of {finalists} finalists is feasible at accuracy {accuracy}"
     verdict = "the best design is unchanged" if confirmed.agrees else "another design is now the best"
-    lost = int((~confirmed.good).sum())
-    worse = f"; {lost} finalists became infeasible or dominated" if lost else ""
-    return (
-        f"{finalists} finalists evaluated again at accuracy {accuracy}: values change by up to "
-        f"{percent(confirmed.largest_change)}, {verdict}{worse}"
-    )
+    if worse := int((~confirmed.good).sum()):
+        verdict += f"; {worse} finalists became infeasible or dominated"
+    change = f"values change by up to {percent(confirmed.largest_change)}"
+    return f"{finalists} finalists evaluated again at accuracy {accuracy}: {change}, {verdict}"
 
 
 def describe_model(found: Iterable[Mapping[str, float | None] | None]) -> list[str]:

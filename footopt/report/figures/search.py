@@ -57,9 +57,9 @@ def draw_convergence(axes: Axes, history: Sequence[Any], label: str, base: float
         axes.set_xticks([])
         return
     scale, last = base or 1.0, best[np.isfinite(best)][-1]
-    said = "best: " + (f"× {last / base:.2f} of flat, " if base else "") + number(last)
+    name = "best: " + (f"× {last / base:.2f} of flat, " if base else "") + number(last)
     # a best value holds until a better one is found
-    axes.plot(evaluations, best / scale, color=style.BEST, drawstyle="steps-post", zorder=3, label=said)
+    axes.plot(evaluations, best / scale, color=style.BEST, drawstyle="steps-post", zorder=3, label=name)
     if np.isfinite(median).any():
         axes.plot(evaluations, median / scale, color=style.FLAT, ls="--", label="median")
 

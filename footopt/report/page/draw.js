@@ -1,4 +1,4 @@
-// A sole of one's own: waypoints to drag, sliders for sand and mass, the walk that follows, undo, and what to do with it.
+// A sole of one's own: waypoints to drag, sliders for sand and mass, the walk that follows, undo, and the commands for it.
 
 /** The sole that is sketch, the design after the last: its sand and mass, why it failed, what it was before, and the frame that is to show it. */
 const sketch = P.sand ? { zeta: P.sand.zeta, mass: P.walker.mass, reason: "", flat: null, past: [], frame: 0 } : null;

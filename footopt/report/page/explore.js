@@ -33,7 +33,7 @@ const BEST = { efficiency: "best in J_W", weights: "best by weights", limits: "b
 const label = (i) => i === DRAWN ? "drawn here" : data.designs.labels ? data.designs.labels[i] : `design ${numbers[i]}${i === data.best ? `, the ${BEST}` : ""}`;
 
 /** A limit as short as it is shown. */
-const tidy = (v) => (Number.isFinite(v) ? +v.toPrecision(5) : v);
+const rounded = (v) => (Number.isFinite(v) ? +v.toPrecision(5) : v);
 
 /** The explorer; `choose(i)` takes the design that is picked, `glimpse(i)` that under the pointer; `beside` is beside the scatter. */
 function explorer(choose, beside, glimpse) {
@@ -229,7 +229,7 @@ function explorer(choose, beside, glimpse) {
         if (j < 0) return null;
         // beyond the end of an axis there is no limit
         const up = order[j].maximise ? 1 : -1, end = (y) => (y < top ? up * Infinity : y > bottom ? -up * Infinity : fromY(j, y));
-        if (done) setLimit(order[j].name, tidy(end(y0)), tidy(end(y1)));
+        if (done) setLimit(order[j].name, rounded(end(y0)), rounded(end(y1)));
         return rectangle(X(j) - 9, y0, X(j) + 9, y1);
       },
       click: ([x, y]) => {
@@ -297,8 +297,8 @@ function explorer(choose, beside, glimpse) {
     gestures(a, {
       drag: ([x0, y0], [x1, y1], done) => {
         if (done) {
-          state.limits.set(cx.name, [x0, x1].sort((u, v) => u - v).map(a.fromX).map(tidy));
-          setLimit(cy.name, tidy(a.fromY(y0)), tidy(a.fromY(y1)));
+          state.limits.set(cx.name, [x0, x1].sort((u, v) => u - v).map(a.fromX).map(rounded));
+          setLimit(cy.name, rounded(a.fromY(y0)), rounded(a.fromY(y1)));
         }
         return rectangle(x0, y0, x1, y1);
       },

@@ -1,7 +1,7 @@
 """report.html: one self-contained file a run, to look at its walks and designs in a browser.
 
-What the page looks like and how it moves is plain HTML, CSS and JavaScript without a library, in this
-folder. Arrays travel as base64, so that ten thousand designs stay below 5 MB.
+Its looks and its motion are plain HTML, CSS and JavaScript in this folder, without a library.
+Arrays travel as base64, so that ten thousand designs stay below 5 MB.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ SCRIPTS = (  # in this order: each uses those before it
 
 
 def write(path: Path, content: dict[str, Any]) -> Path:
-    """Write a page of `search_content`, `walk_content` or `jobs_content`; `write_study` makes its own."""
+    """Write a page of `search_content`, `walk_content` or `summary.runs_content`."""
     write_text(path, text(content))
     return path
 

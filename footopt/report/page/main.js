@@ -1,4 +1,4 @@
-// Puts the page together: what was found, the designs, the chosen sole, its walk, and how it was made.
+// Puts the page together: the answer, the designs, the chosen sole, its walk, the search and its settings.
 
 /** The first lines: what this run is and what it found. */
 function headline() {
@@ -232,7 +232,7 @@ function footer() {
       block("Accuracy", entry.accuracy)].filter(Boolean)];
 }
 
-const chosen = []; // what shows the chosen design
+const chosen = []; // functions that show the chosen design
 const choose = (i) => chosen.forEach((show) => show(i));
 
 function build() {

@@ -91,7 +91,7 @@ def spline(space: Waypoints) -> dict[str, Any]:
 
 
 def refusal(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> str:
-    """Why the page cannot walk by itself; "" where it can."""
+    """The reason for which the page cannot walk by itself, or ""."""
     if others := [name_of(e) for e in scene.effects if not e.in_page]:
         return f"effects={', '.join(others)} of this run is not in the page's own walk"
     if accuracy.stepper != STEPPER:

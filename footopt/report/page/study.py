@@ -17,7 +17,6 @@ from footopt.report.page.file import packed, write
 SCALE = 2.1  # pixels of the page for a point of a figure: a wide one then fills the page
 
 NOTHING = {"values": packed(np.empty((0, 0))), "feasible": [], "reasons": []}  # of designs
-
 #: Entries of result.json at the foot of a study's page.
 FOOTER = (
     "seed", "wall_time_s", "accuracy", "evaluations", "designs", "versions", "error_estimate", "settings",

@@ -28,7 +28,7 @@ POSE_STEP = 0.01  # s, between the poses of the gait
 
 def walk_content(walk: Walk, entry: dict[str, Any], flat: Walk | None = None) -> dict[str, Any]:
     """The page of one walk, beside that of the flat sole; `entry` is the run's result.json."""
-    others = [] if flat is None or flat is walk else [_flat_walk(flat)]
+    others = [] if flat is None or flat is walk else [_traces(flat, "flat")]
     entry = {name: value for name, value in entry.items() if others or name != "flat"}
     foot, values = walk.foot, entry.get("objectives", walk.objectives)
     space = foot.space if foot.k is not None else None
@@ -46,7 +46,7 @@ def walk_content(walk: Walk, entry: dict[str, Any], flat: Walk | None = None) ->
             **({"k": packed(np.array(foot.k))} if space else {"soles": [packed(foot.contour)]}),
         },
         "best": 0,
-        "walks": [{"design": 0, "label": title(foot.name), **_traces(walk)}, *others],
+        "walks": [_traces(walk, title(foot.name), 0), *others],
     }
 
 
@@ -94,10 +94,7 @@ def search_content(
         "best": int(np.searchsorted(rows, chosen)),
         "bestValues": confirmed.values[0],
         "front": packed(np.searchsorted(rows, result.shown if several else [])),
-        "walks": [
-            {"design": int(np.searchsorted(rows, chosen)), "label": "best", **_traces(best)},
-            _flat_walk(flat),
-        ],
+        "walks": [_traces(best, "best", int(np.searchsorted(rows, chosen))), _traces(flat, "flat")],
         "history": [] if exact else [
             {
                 "evaluations": g.evaluations,
@@ -137,15 +134,11 @@ def _common(
     }
 
 
-def _flat_walk(flat: Walk) -> dict[str, Any]:
-    """The walk of the flat sole, which is no design of a page."""
-    return {"design": None, "label": "flat", **_traces(flat), "sole": packed(flat.foot.contour)}
-
-
-def _traces(walk: Walk) -> dict[str, Any]:
-    """A walk at its samples, or an even selection of many, and the forces along its sole at fewer."""
+def _traces(walk: Walk, label: str, design: int | None = None) -> dict[str, Any]:
+    """A walk, of a design or of the flat sole: an even selection of its samples, and forces at fewer."""
     foot = walk.foot
-    shared = {"ankle": foot.ankle, "top": foot.top, "reason": walk.reason}
+    shared: dict[str, Any] = {"design": design, "label": label, "reason": walk.reason}
+    shared |= {"ankle": foot.ankle, "top": foot.top, "sole": packed(foot.contour)}
     if len(walk.t) == 0:
         return {**shared, "t": packed(walk.t)}
     index = np.unique(np.linspace(0, len(walk.t) - 1, SAMPLES * FRAMES).astype(int))
