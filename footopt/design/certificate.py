@@ -8,7 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
-from footopt.design.archive import Evaluator
+from footopt.design.archive import Designs, Evaluator
 from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.result import Confirmation, SearchResult, confirm
 from footopt.foot import Waypoints
@@ -151,17 +151,9 @@ def _joined(result: SearchResult, k: Ints, values: Array, reasons: Words) -> Sea
     """A search with one design more (1, n), as if its last generation had found it."""
     if (result.k == k).all(axis=1).any():
         return result
-    problem, last = result.problem, len(result.k)
+    problem = result.problem
+    old = Designs(*(getattr(result, name) for name in Designs._fields))
+    new = Designs(k, values, reasons, problem.space.box_violation(k), result.generation[-1:])
     better = problem.ranked(values)[0] < problem.ranked(result.values[[result.best]])[0]
-    best = last if better else result.best
-    return replace(
-        result,
-        k=np.concatenate([result.k, k]),
-        values=np.concatenate([result.values, values]),
-        feasible=np.append(result.feasible, True),
-        reasons=np.append(result.reasons, reasons),
-        violation=np.append(result.violation, problem.space.box_violation(k)),
-        generation=np.append(result.generation, result.generation.max()),
-        best=best,
-        front=np.array([best]),
-    )
+    best, feasible = len(result.k) if better else result.best, np.append(result.feasible, True)
+    return replace(result, **old.joined(new)._asdict(), feasible=feasible, best=best, front=np.array([best]))

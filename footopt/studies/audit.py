@@ -51,8 +51,8 @@ class Audit:
 
     @property
     def name(self) -> str:
-        """Of the effect."""
-        return name_of(self.effect)
+        """The effect, in words."""
+        return name_of(self.effect).replace("_", " ")
 
     @property
     def matters(self) -> bool:
@@ -61,9 +61,9 @@ class Audit:
 
     @property
     def verdict(self) -> str:
-        """In words."""
+        """In words, for the user's tolerance."""
         worst = int(np.argmax(np.nan_to_num(self.changes, nan=-1.0)))
-        says = f"changes {FIVE[worst].replace('_', ' ')} by {percent(self.changes[worst])}"
+        says = f"{self.name} changes {FIVE[worst].replace('_', ' ')} by {percent(self.changes[worst])}"
         limit = f"your {percent(self.tolerance)}"
         if self.matters:
             fails = f", {self.lost} walks fail" if self.lost else ""
@@ -74,7 +74,7 @@ class Audit:
     def entry(self) -> dict[str, Any]:
         """In result.json."""
         return {
-            "effect": self.name,
+            "effect": name_of(self.effect),
             "parameters": parameters(self.effect),
             "sand": self.scene.sand.name,
             "changes": dict(zip(FIVE, self.changes.tolist(), strict=True)),
@@ -195,7 +195,7 @@ def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene, dict[
     scene = make_scene(replace(config, effects=replace(config.effects, auto=False)))
     feet: Any = [foot] if foot else space.random(RANDOM_FEET, seed=study.seed, inside=True)
     soles = [foot] if foot else [Foot.from_waypoints(k, space) for k in feet]
-    limit, left_out, audits = tolerance(config), list[Effect](), list[Audit]()
+    limit, audits = tolerance(config), list[Audit]()
     criteria = screening.screening(scene, soles, limit)
     study.say(screening.table(criteria))
     with study.compiling("a walk for each effect, minutes in all"):
@@ -204,11 +204,10 @@ def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene, dict[
                 audits.append(audit(effect, scene, feet, study.accuracy, limit, space))
                 if audits[-1].matters:
                     scene = replace(scene, effects=(*scene.effects, effect))
-                else:
-                    left_out.append(effect)
+        left_out = [a.effect for a in audits if not a.matters]
         whole = replace(scene, effects=(*scene.effects, *left_out))
         without, with_ = (evaluate(feet, s, study.accuracy, space=space) for s in (scene, whole))
-    study.say(*(f"effects=auto: {a.name.replace('_', ' ')} {a.verdict}" for a in audits))
+    study.say(*(f"effects=auto: {a.verdict}" for a in audits))
     sizes = np.nan_to_num(exceeded(relative_changes(without, with_)))
     return scene, {
         "effects_audit": [a.entry for a in audits],

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 from rich.table import Table
 
+from footopt.effects import name_of
 from footopt.errors import check
 from footopt.foot import Foot
 from footopt.report import terminal
-from footopt.report.figures.studies import changes
 from footopt.report.numbers import percent
 from footopt.studies import screening
 from footopt.studies.audit import Audit, audit, every_effect, switched, tolerance
@@ -42,9 +42,7 @@ def run(study: Study) -> None:
     ):
         for effect in effects:
             found.append(audit(effect, scene, feet, accuracy, limit, space))
-            step(news=found[-1].name.replace("_", " "))
-    caption = "The change of every objective by each effect, against the change that matters."
-    study.save("effects", changes(found), caption)
+            step(news=found[-1].name)
     walked = [accuracy_entry(accuracy, switched(effect, scene)[1], space) for effect in effects]
     study.conclude(
         "The changes by each effect",
@@ -55,9 +53,9 @@ def run(study: Study) -> None:
             "feet": feet.tolist(),
             **scene_entry(scene, accuracy, ()),
             "audit": [a.entry | {"accuracy": own} for a, own in zip(found, walked, strict=True)],
-            "called_for": sorted(a.name for a in found if a.matters),
+            "called_for": sorted(name_of(a.effect) for a in found if a.matters),
         },
-        said=[f"{a.name.replace('_', ' ')} {a.verdict}" for a in found],
+        said=[a.verdict for a in found],
     )
 
 
@@ -74,5 +72,5 @@ def table(found: Sequence[Audit]) -> Table:
         cells = [
             f"{'+' if shift > 0 else '-'}{percent(change).removesuffix(' %')}" for change, shift in pairs
         ]
-        shown.add_row(a.name.replace("_", " "), *cells, f"{a.tau:.2f}", f"x {a.cost:.2f}")
+        shown.add_row(a.name, *cells, f"{a.tau:.2f}", f"x {a.cost:.2f}")
     return shown

@@ -1,4 +1,4 @@
-"""Figures of the studies accuracy (error against time), effects (changes) and calibrate (zeta by depth)."""
+"""Figures of the studies accuracy (error against time) and calibrate (zeta by depth)."""
 
 from __future__ import annotations
 
@@ -9,8 +9,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from footopt.report import style
-from footopt.report.numbers import sand_title
-from footopt.walk import FIVE
 
 WORST = "error of the worst objective (%),\nnot exceeded by 95 % of the feet"
 HIGHEST = 2.5  # of zeta: what is shown of shallow measurements, whose zeta is noise
@@ -34,37 +32,6 @@ def work_precision(settings: Sequence[Any], presets: Sequence[Any]) -> Figure:
     axes.yaxis.set_major_formatter("{x:g}")
     axes.grid()
     style.legend_above(figure)
-    return figure
-
-
-@style.styled()
-def changes(audits: Sequence[Any]) -> Figure:
-    """Change of each objective by an effect and sand (`footopt.studies.audit.Audit`), a row each.
-
-    A line is where a change matters.
-    """
-    sands, labels = [sand_title(a.scene.sand) for a in audits], [a.name.replace("_", " ") for a in audits]
-    where = f" on {sands[0]}" if len(set(sands)) == 1 else ""
-    labels = [label if where else f"{label}, {sand}" for label, sand in zip(labels, sands, strict=True)]
-    rows, limit = np.arange(len(labels)), 100.0 * audits[0].tolerance
-    figure = style.new_figure(style.PAGE, 1.0 + 0.2 * len(labels))
-    panels = figure.subplots(1, len(FIVE), sharex=True, sharey=True)
-    for axes, name, column in zip(panels, FIVE, 100.0 * np.array([a.changes for a in audits]).T, strict=True):
-        for found, colour in ((column > limit, style.CHOSEN), (column <= limit, style.GREY)):
-            axes.plot(column[found], rows[found], "o", color=colour, ms=4)
-        axes.axvline(limit, color="black", lw=0.8, ls="--")
-        axes.set(xscale="log", title=name.replace("_", " "))
-        axes.margins(x=0.1)
-        axes.grid()
-        axes.tick_params(axis="y", length=0)
-    panels[0].set_yticks(rows, labels)
-    panels[0].set_ylim(len(labels) - 0.5, -0.5)
-    right = panels[-1].secondary_yaxis("right")
-    right.set_yticks(rows, [f"τ {a.tau:.2f}, time × {a.cost:.2g}" for a in audits])
-    right.tick_params(length=0, colors="0.35")
-    figure.supxlabel(
-        f"change{where}, not exceeded by 95 % of the feet (%); dashed: what matters ({limit:g} %)"
-    )
     return figure
 
 
