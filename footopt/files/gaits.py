@@ -1,4 +1,4 @@
-"""Gaits from files: a leg's angles (CSV, and OpenSim's MOT and STO), or Fourier series (JSON)."""
+"""Gaits from files of a leg's angles: CSV, and OpenSim's MOT and STO."""
 
 from __future__ import annotations
 
@@ -10,11 +10,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.errors import SettingError, Unusable, check, check_whole, naming
+from footopt.errors import Unusable, check, check_whole, naming
 from footopt.files import io
-from footopt.files.strides import Strides, check_angles, check_period, cut
+from footopt.files.strides import Strides, cut
 from footopt.gait import Fourier, Gait
-from footopt.gait.fourier import finite
 from footopt.gait.gait import HARMONICS, JOINTS
 
 Array = NDArray[np.float64]
@@ -41,14 +40,14 @@ def read_gait(
     side: str | None = None,
     window: tuple[float, float] | None = None,
 ) -> Gait:
-    """Read the gait in a file of coefficients (JSON) or of a leg's angles (CSV, MOT, STO).
+    """Read the gait in a file of a leg's angles (CSV, MOT, STO).
 
     Parameters
     ----------
     path : str or Path
         The file; its ending says which format it has.
     harmonics : int, optional
-        Harmonics of the series; by default 6, or all that a file of coefficients has.
+        Harmonics of the series; by default 6.
     names : mapping, optional
         The file's own names of columns (time, thigh, hip, knee, foot, ankle, pelvis).
     side : str, optional
@@ -64,25 +63,9 @@ def read_gait(
     SettingError
         Another argument cannot be used.
     """
-    if Path(path).suffix.lower() != ".json":
-        strides = read_strides(path, names, side, window)
-        with naming(path, "gait.path"):
-            return replace(_fit(strides, harmonics), name=Path(path).stem, source=str(path))
-    content = io.read_json_file(path, "gait.path")
+    strides = read_strides(path, names, side, window)
     with naming(path, "gait.path"):
-        try:
-            check_period(finite(content["period_s"]))
-            gait = Gait.from_numbers(content, harmonics)
-        except (SettingError, Unusable):
-            raise
-        except (AttributeError, KeyError, TypeError, ValueError) as error:
-            raise Unusable(
-                f"not a gait in JSON ({type(error).__name__}: {error}). It must hold period_s, and thigh "
-                "and knee each with a0, a and b in degrees."
-            ) from None
-        phase = np.linspace(0.0, 1.0, 201)
-        check_angles({name: np.degrees(joint.at(phase)[0]) for name, joint in gait.series.items()})
-    return replace(gait, name=Path(path).stem)
+        return replace(_fit(strides, harmonics), name=Path(path).stem, source=str(path))
 
 
 def fit_gait(
@@ -139,7 +122,7 @@ def read_strides(
                 "holds markers, and footopt reads joint angles (CSV, MOT, STO): inverse kinematics such as "
                 "OpenSim's gives them."
             )
-        allowed = "a file that ends in .json, .csv, .mot or .sto"
+        allowed = "a file that ends in .csv, .mot or .sto"
         check(suffix in (".csv", ".mot", ".sto"), "gait.path", str(path), allowed)
         text = io.read_text(path, "gait.path")
         table = io.parse_table(text if suffix == ".csv" else text.partition("endheader")[2])

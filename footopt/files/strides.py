@@ -63,7 +63,7 @@ def cut(
     if not (np.diff(t) > 0).all():
         row = int(np.argmin(np.diff(t) > 0))
         raise Unusable(f"the time must increase, and goes from {t[row]:.6g} to {t[row + 1]:.6g} s.")
-    check_angles(angles)
+    _check_angles(angles)
     if window and not t[0] - 1e-9 <= window[0] < window[1] <= t[-1] + 1e-9:
         raise Unusable(f"gait.window = {list(window)} is not in the file, from {t[0]:g} to {t[-1]:g} s.")
     period = None if window else _period(t, angles)
@@ -83,16 +83,7 @@ def cut(
     return _from_strike(strides, always=period is not None)
 
 
-def check_period(period: float) -> None:
-    """Raise `Unusable` unless a stride takes so long."""
-    low, high = PERIOD_RANGE
-    if not low <= period <= high:
-        raise Unusable(
-            f"a stride of {period:.4g} s is no walk, which takes {low:g} to {high:g} s: is it in s?"
-        )
-
-
-def check_angles(angles: dict[str, Array]) -> None:
+def _check_angles(angles: dict[str, Array]) -> None:
     """Raise `Unusable` unless these are the angles of a walk, in deg."""
     for joint, values in angles.items():
         (low, high), least, largest = ANGLE_RANGES[joint], values.min(), values.max()
@@ -164,7 +155,11 @@ def _check(strides: Strides, bounds: Array) -> None:
                 f"the stride from {bounds[worst]:.4g} to {bounds[worst + 1]:.4g} s differs from the mean by "
                 f"{apart[worst]:.1f} deg rms in the {joint}: no steady walk. {WINDOW_HINT}"
             )
-    check_period(float(strides.periods.mean()))
+    period, (least, largest) = strides.periods.mean(), PERIOD_RANGE
+    if not least <= period <= largest:
+        raise Unusable(
+            f"a stride of {period:.4g} s is no walk, which takes {least:g} to {largest:g} s: is it in s?"
+        )
     thigh, knee = (strides.mean()[joint] for joint in ANGLES)
     loop = 0.5 * np.sum(thigh[1:] * knee[:-1] - thigh[:-1] * knee[1:])
     if loop < MIN_LOOP * np.ptp(thigh) * np.ptp(knee):

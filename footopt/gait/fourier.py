@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,14 +16,6 @@ class Fourier(NamedTuple):
     a0: float
     a: tuple[float, ...]
     b: tuple[float, ...]
-
-    @classmethod
-    def from_numbers(cls, joint: Mapping[str, Any]) -> Fourier:
-        """The series of a0 and the lists a and b; raises Python's own errors where they are none."""
-        a, b = (tuple(map(finite, joint[terms])) for terms in ("a", "b"))
-        if len(a) != len(b):
-            raise ValueError(f"it has {len(a)} terms a and {len(b)} terms b")
-        return cls(finite(joint["a0"]), a, b)
 
     @classmethod
     def fit(cls, phase: Array, degrees: Array, harmonics: int) -> Fourier:
@@ -44,10 +35,3 @@ class Fourier(NamedTuple):
             value += a * c + b * s
             rate += w * (b * c - a * s)
         return np.radians(value), np.radians(rate)
-
-
-def finite(value: Any) -> float:
-    """A number of JSON; raises `ValueError` for anything else, and for one that no angle or time has."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) < 1e12:
-        raise ValueError(f"{str(value)[:40]} is not a finite number")
-    return float(value)

@@ -13,17 +13,16 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.errors import SettingError, check, check_whole, one_line
 from footopt.gait import start
-from footopt.gait.fourier import Fourier, finite
+from footopt.gait.fourier import Fourier
 
 Array = NDArray[np.float64]
 Angle = tuple[Array, Array]  # and its rate
@@ -106,32 +105,15 @@ class Gait:
         cls, period: float = 1.2, harmonics: int = HARMONICS, pitch: str = "shank", start: float = 0.5
     ) -> Gait:
         """Human walking at 1.03 m/s: Fukuchi, Fukuchi & Duarte, PeerJ 6:e4640 (2018), CC BY 4.0."""
-        gait = cls.from_numbers(json.loads(HUMAN.read_text(encoding="utf-8")), harmonics)
-        return replace(gait, name="human", period=period, pitch=pitch, start=start)
-
-    @classmethod
-    def from_numbers(cls, numbers: Mapping[str, Any], harmonics: int | None = None) -> Gait:
-        """The gait of Fourier coefficients: ``period_s``, and by joint ``a0``, ``a`` and ``b``, deg.
-
-        All harmonics are used by default. Raises Python's own errors where the numbers are something else,
-        and `SettingError` where there are fewer harmonics.
-        """
-        series = {n: Fourier.from_numbers(numbers[n]) for n in JOINTS if n != "foot" or n in numbers}
-        many = [len(joint.a) for joint in series.values()]
-        if harmonics is None:
-            harmonics = max(many)
-        else:
-            check_whole(harmonics, "gait.harmonics", 1, min(many), "These are the harmonics of the data.")
-        series = {n: Fourier(s.a0, s.a[:harmonics], s.b[:harmonics]) for n, s in series.items()}
-        misfit = numbers.get("rms_residual_deg_by_harmonics", {}).get(str(harmonics), {})
-        return cls(
-            thigh=series["thigh"],
-            knee=series["knee"],
-            foot=series.get("foot"),
-            period=finite(numbers["period_s"]),
-            source=str(numbers.get("source", "")),
-            residual=tuple((str(joint), finite(rms)) for joint, rms in misfit.items()),
+        data = json.loads(HUMAN.read_text(encoding="utf-8"))
+        most = len(data["thigh"]["a"])
+        check_whole(harmonics, "gait.harmonics", 1, most, "These are the harmonics of the data.")
+        thigh, knee, foot = (
+            Fourier(data[j]["a0"], *(tuple(data[j][terms][:harmonics]) for terms in "ab")) for j in JOINTS
         )
+        misfit = data["rms_residual_deg_by_harmonics"].get(str(harmonics), {})
+        source, residual = data["source"], tuple(misfit.items())
+        return cls(thigh, knee, foot, period, pitch, start, "human", source, residual)
 
     @property
     def series(self) -> dict[str, Fourier]:

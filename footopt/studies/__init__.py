@@ -64,7 +64,7 @@ READ_BY_FOOT["reversed_l"] += ("foot.upright",)
 #: Settings that are read only where others have certain values: which, whether they have, and the readers.
 ONLY: tuple[tuple[tuple[str, ...], Callable[[Config], bool], str], ...] = (
     (("gait.names", "gait.side", "gait.window"),
-     lambda c: c.gait.path is not None and not c.gait.path.lower().endswith(".json"),
+     lambda c: c.gait.path is not None,
      "gait=file gait.path=walk.mot"),
     (("effects.tolerance",), lambda c: c.effects.auto or c.study.name == "effects", "effects=auto"),
     (("engine.timeout",), lambda c: c.engine.name == "dask", "engine=dask"),

@@ -163,9 +163,7 @@ def make_gait(config: GaitConfig) -> Gait:
 
 def make_strides(config: GaitConfig) -> Strides | None:
     """The strides that a gait was fitted to; None where there are none."""
-    if config.path is None or Path(config.path).suffix.lower() == ".json":
-        return None
-    return read_strides(config.path, *_reading(config))
+    return None if config.path is None else read_strides(config.path, *_reading(config))
 
 
 def _reading(config: GaitConfig) -> tuple[dict[str, str], str | None, Any]:

@@ -162,7 +162,7 @@ class GaitConfig:
     """The gait: the built-in human walk, or a file, whose own period null is."""
 
     name: str = setting("human", "human, or file.")
-    path: str | None = setting(None, "File of a leg's angles, CSV, MOT or STO, or of coefficients, JSON.")
+    path: str | None = setting(None, "File of a leg's angles: CSV, MOT or STO.")
     period: float | None = setting(Gait.period, "Of a stride, s; null: the file's own.")
     harmonics: int = setting(default(Gait.human, "harmonics"), "Of the Fourier series of each joint.")
     pitch: str = setting(Gait.pitch, "How the foot turns: with the shank, or as measured.")

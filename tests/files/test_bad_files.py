@@ -12,7 +12,6 @@ from footopt.cli.run import resume
 from footopt.design import FootProblem, Store
 from footopt.errors import FileError, SettingError
 from footopt.files import identity
-from footopt.gait.gait import HUMAN as JSON
 from footopt.studies.runs import foot_of
 
 FOOT = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
@@ -22,7 +21,7 @@ SAND = "beta,gamma,alpha_x,alpha_z\n" + "".join(
     for g in (-80, 10, 60, 120)
     for x, z in [1e-6 * np.array(fo.stress.alpha(*np.radians((b, g))))]
 )
-READERS = {".mot": fo.read_gait, ".json": fo.read_gait, ".dxf": fo.read_foot, ".svg": fo.read_foot,
+READERS = {".mot": fo.read_gait, ".dxf": fo.read_foot, ".svg": fo.read_foot,
            " gait.csv": fo.read_gait, " sole.csv": fo.read_foot, " sand.csv": fo.read_sand}  # fmt: skip
 
 
@@ -32,7 +31,6 @@ def good(tmp_path_factory):
     folder = tmp_path_factory.mktemp("good")
     write_mot(folder / "a.mot", HUMAN)
     write_table(folder / "a gait.csv", HUMAN, 4.4)
-    (folder / "a.json").write_bytes(JSON.read_bytes())
     (folder / "a sand.csv").write_text(SAND)
     for kind in (".dxf", ".svg", " sole.csv"):
         fo.write_foot(FOOT, folder / f"a{kind}")

@@ -1,7 +1,5 @@
 """Gaits from files: strides by a window or by their period, OpenSim's conventions, and what is refused."""
 
-import json
-import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +11,6 @@ from footopt.errors import FileError, SettingError
 from footopt.files.gaits import read_strides
 from footopt.files.strides import cut
 from footopt.gait import Fourier
-from footopt.gait.gait import HUMAN as JSON
 
 
 def another(rng):
@@ -224,28 +221,6 @@ class TestCsv:
             fo.read_gait(path)
 
 
-class TestJson:
-    def test_reads_a_file_like_the_packages_own(self, tmp_path):
-        shutil.copy(JSON, tmp_path / "copy.json")
-        gait = fo.read_gait(tmp_path / "copy.json", 6)
-        assert (gait.thigh, gait.knee, gait.foot) == (HUMAN.thigh, HUMAN.knee, HUMAN.foot)
-        assert (gait.name, gait.period) == ("copy", 1.203)
-
-    @pytest.mark.parametrize(
-        ("change", "message"),
-        [
-            ({"knee": None}, "must hold period_s, and thigh and knee"),
-            ({"knee": {"a0": 1}}, "KeyError: 'a'"),
-            ({"period_s": "soon"}, "soon is not a finite number"),
-            ({"period_s": -1.0}, "a stride of -1 s"),
-        ],
-    )
-    def test_what_is_wrong_with_one_is_named(self, tmp_path, change, message):
-        (tmp_path / "g.json").write_text(json.dumps(json.loads(JSON.read_text()) | change))
-        with pytest.raises(FileError, match=rf"gait\.path = .*g\.json.*{message}"):
-            fo.read_gait(tmp_path / "g.json")
-
-
 @pytest.mark.parametrize("ending", ["trc", "c3d"])
 def test_markers_are_refused_with_what_is_read_instead(tmp_path, ending):
     with pytest.raises(FileError, match=r"joint angles \(CSV, MOT, STO\).*inverse kinematics"):
@@ -253,5 +228,5 @@ def test_markers_are_refused_with_what_is_read_instead(tmp_path, ending):
 
 
 def test_an_unknown_ending_is_refused(tmp_path):
-    with pytest.raises(SettingError, match=r"gait\.path = .*\.json, \.csv"):
+    with pytest.raises(SettingError, match=r"gait\.path = .*\.csv, \.mot"):
         fo.read_gait(tmp_path / "gait.xlsx")
