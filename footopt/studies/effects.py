@@ -16,7 +16,7 @@ from footopt.studies import screening
 from footopt.studies.audit import Audit, audit, every_effect, switched, tolerance
 from footopt.studies.base import Study, accuracy_entry, scene_entry
 from footopt.studies.settings import FEET_HELP, SCENE, SPACE, StudySettings, setting
-from footopt.walk import FIVE
+from footopt.walk import FIVE, evaluate
 
 
 @dataclass
@@ -36,10 +36,10 @@ def run(study: Study) -> None:
     feet = space.random(count, seed=study.seed, inside=True)
     criteria = screening.screening(scene, [Foot.from_waypoints(k, space) for k in feet], limit)
     effects, found = every_effect(scene), list[Audit]()
-    with (
-        study.compiling("a walk for each effect, minutes in all"),
-        study.progress(len(effects), "effect") as step,
-    ):
+    with study.compiling("a walk for each effect, minutes in all"):
+        for effect in effects:
+            evaluate(feet[:1], switched(effect, scene)[1], accuracy, space=space)
+    with study.progress(len(effects), "effect") as step:
         for effect in effects:
             found.append(audit(effect, scene, feet, accuracy, limit, space))
             step(news=found[-1].name)

@@ -198,16 +198,17 @@ def held_out_regret(study: Study, scene: Scene, judge: RobustProblem, feet: Heig
 def _write_files(
     study: Study, judge: RobustProblem, compared: Comparison, foot: Foot, result: SearchResult
 ) -> None:
-    """The regrets, every evaluated design, and the robust foot's contour."""
+    """The robust foot's contour; for a report, the regrets and every evaluated design."""
     rows = (
         [name, s.name, *compared.values[j, i].tolist(), compared.reasons[j, i], compared.regrets[i, j]]
         for i, name in enumerate(compared.names)
         for j, s in enumerate(judge.scenarios)
     )
-    study.write_csv("regrets.csv", ["foot", "scenario", *judge.record, "reason", "regret"], rows)
-    files.write_designs(study.folder / "designs.csv", result.columns)
-    for ending in ("csv", "dxf"):
-        write_foot(foot, study.folder / f"contour.{ending}")
+    write_foot(foot, study.folder / "contour.csv")
+    if study.wants_report:
+        study.write_csv("regrets.csv", ["foot", "scenario", *judge.record, "reason", "regret"], rows)
+        files.write_designs(study.folder / "designs.csv", result.columns)
+        write_foot(foot, study.folder / "contour.dxf")
 
 
 def _save_figures(
