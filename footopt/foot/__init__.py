@@ -1,7 +1,6 @@
 """The foot: a sole's contour, the design space of waypoints, and the plates that feel the sand."""
 
-from footopt.foot.foot import Foot, as_feet, as_plates
-from footopt.foot.hull import lower_hull
+from footopt.foot.foot import Foot, as_feet, as_plates, lower_hull
 from footopt.foot.plates import Plates
 from footopt.foot.shapes import SHAPES
 from footopt.foot.waypoints import Waypoints

@@ -40,28 +40,12 @@ class Plates(NamedTuple):
 
     @classmethod
     def from_points(
-        cls,
-        points: Array,
-        ankle: Array,
-        width: Array,
-        rule: str = "arc",
-        directed: bool = False,
-        top: Array | None = None,
+        cls, points: Array, ankle: Array, width: Array, rule: str, directed: bool, top: Array | None
     ) -> Plates:
-        """Cut soles into plates, and then, with a `top` (designs,), m, what closes them (see `cap`).
+        """Cut soles into plates, and with a `top` (designs,), m, the sides and tops that close them.
 
-        Parameters
-        ----------
-        points : (designs, plates * RULES[rule] + 1, 2), m
-            At equal steps along the arc, from heel to toe with the sand below.
-        ankle, width : (designs, 2) and (designs,), m
-            Of the feet.
-        rule : str
-            A name in `RULES`.
-        directed : bool
-            Whether ``tx``, ``tz`` and ``turn`` are wanted.
-        top : (designs,), m, optional
-            z_p of a flat top.
+        Points (designs, plates * RULES[rule] + 1, 2), m, are at equal steps along the arc, from heel to toe
+        with the sand below. The ankle is (designs, 2), m, the width (designs,), m.
         """
         sole = cls._along(points, ankle, width, RULES[rule], directed)
         span = None if RULES[rule] == 1 else sole.area.mean(axis=1) / width
