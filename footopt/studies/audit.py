@@ -198,14 +198,16 @@ def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene, dict[
     limit, audits = tolerance(config), list[Audit]()
     criteria = screening.screening(scene, soles, limit)
     study.say(screening.table(criteria))
-    with study.compiling("a walk for each effect, minutes in all"):
-        for effect in every_effect(scene):
-            if effect.literature and effect not in scene.effects:
-                audits.append(audit(effect, scene, feet, study.accuracy, limit, space))
-                if audits[-1].matters:
-                    scene = replace(scene, effects=(*scene.effects, effect))
-        left_out = [a.effect for a in audits if not a.matters]
-        whole = replace(scene, effects=(*scene.effects, *left_out))
+    for effect in every_effect(scene):
+        if effect.literature and effect not in scene.effects:
+            with study.compiling(f"a walk with {name_of(effect)}"):
+                evaluate(feet[:1], switched(effect, scene)[1], study.accuracy, space=space)
+            audits.append(audit(effect, scene, feet, study.accuracy, limit, space))
+            if audits[-1].matters:
+                scene = replace(scene, effects=(*scene.effects, effect))
+    left_out = [a.effect for a in audits if not a.matters]
+    whole = replace(scene, effects=(*scene.effects, *left_out))
+    with study.compiling("a walk with all effects"):
         without, with_ = (evaluate(feet, s, study.accuracy, space=space) for s in (scene, whole))
     study.say(*(f"effects=auto: {a.verdict}" for a in audits))
     sizes = np.nan_to_num(exceeded(relative_changes(without, with_)))

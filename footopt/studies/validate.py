@@ -36,7 +36,7 @@ def run(study: Study) -> None:
         check(name in known, "study.cases", name, f"one of {', '.join(known)}")
     chosen = [e for e in known.values() if e.name in names]
     found: list[Comparison] = []
-    with study.compiling(), study.progress(sum(len(e.content["laws"]) for e in chosen), "law") as step:
+    with study.progress(sum(len(e.content["laws"]) for e in chosen), "law") as step:
         for e in chosen:
             for law in e.content["laws"]:
                 found += e.compare(law)
