@@ -19,7 +19,7 @@ from growth import _peak
 
 import footopt as fo
 from footopt.design import confirm, search
-from footopt.files.io import write_designs
+from footopt.files.io import write_csv
 
 SIZE = 200  # designs a generation
 
@@ -56,7 +56,7 @@ def measured(evaluations: int, folder: Path, solver: str = "nsga2") -> dict[str,
     )
     searched = _peak()
     started = time.perf_counter()
-    write_designs(folder / "designs.csv", result.columns)
+    write_csv(folder / "designs.csv", result.columns)
     confirmed = confirm(result, "fine")
     return {
         "before": before, "searched": searched, "written": _peak(), "designs": result.designs,

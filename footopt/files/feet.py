@@ -64,7 +64,8 @@ def write_foot(foot: Foot, path: str | Path, block: Sequence[float] | None = Non
     ending, sole, width = path.suffix.lower()[1:], MM * foot.contour, MM * foot.width
     check(ending in FORMATS, "path", str(path), f"a file that ends in one of .{', .'.join(FORMATS)}")
     if ending == "csv":
-        write_csv(path, ("x_mm", "z_mm"), np.round(sole, 6) + 0.0)  # + 0.0 turns -0 into 0
+        x, z = np.round(sole.T, 6) + 0.0  # + 0.0 turns -0 into 0
+        write_csv(path, {"x_mm": x, "z_mm": z})
         return path
     outline = MM * body_outline(foot, block)
     if ending == "dxf":

@@ -6,7 +6,7 @@ import csv
 import json
 import math
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from pathlib import Path
@@ -148,21 +148,13 @@ def json_text(content: dict[str, Any]) -> str:
     return json.dumps(plain(content), indent=2, allow_nan=False) + "\n"
 
 
-def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    """Write a table; a NaN becomes an empty cell."""
+def write_csv(path: Path, table: Any) -> None:
+    """Write a pandas DataFrame, or columns by name; truth values become 0 and 1, a NaN an empty cell."""
     import pandas
 
+    frame = pandas.DataFrame(table)
     with write_whole(path) as new:
-        pandas.DataFrame(list(rows), columns=list(header), dtype=object).to_csv(new, index=False)
-
-
-def write_designs(path: Path, columns: Mapping[str, NDArray[Any]]) -> None:
-    """Write a table of designs from its columns (designs,) by name; truth values become 0 and 1."""
-    import pandas
-
-    frame = pandas.DataFrame({name: v.astype(int) if v.dtype == bool else v for name, v in columns.items()})
-    with write_whole(path) as new:
-        frame.to_csv(new, index=False)
+        frame.astype(dict.fromkeys(frame.select_dtypes(bool), int)).to_csv(new, index=False)
 
 
 def write_walk(path: Path, variables: Mapping[str, Variable], attributes: Mapping[str, str]) -> None:

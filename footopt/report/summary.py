@@ -115,9 +115,9 @@ def compare(folder: Path, folders: Sequence[Path]) -> int:
             out.print(f"Fronts side by side: {picture}", soft_wrap=True)
     values = whole.drop(columns=["folder", *{name for run in runs for name in run.settings}])
     whole = pandas.concat([pandas.Series(names, name="run"), settings, values], axis=1)
-    write_csv(folder / "summary.csv", [*whole], whole.to_numpy(object).tolist())
+    write_csv(folder / "summary.csv", whole)
     if (spread := over_seeds(settings, values.select_dtypes("number"))) is not None:
-        write_csv(folder / "seeds.csv", [*spread], spread.to_numpy(object).tolist())
+        write_csv(folder / "seeds.csv", spread)
         out.print(f"Median and quartiles over seeds: {folder / 'seeds.csv'}", soft_wrap=True)
     page.write(folder / "report.html", runs_content(folder, runs, names, own, about))
     results = [run.result for run in runs]

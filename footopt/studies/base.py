@@ -166,7 +166,9 @@ class Study:
 
     def write_csv(self, name: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
         """Write a table of numbers; a NaN becomes an empty cell."""
-        files.write_csv(self.folder / name, header, rows)
+        import pandas
+
+        files.write_csv(self.folder / name, pandas.DataFrame(list(rows), columns=list(header), dtype=object))
 
     def save(self, name: str, figure: Any, caption: str = "") -> None:
         """Save a figure as PNG and PDF if wanted; with a caption also as SVG, on the page of `conclude`."""

@@ -100,7 +100,7 @@ def run(study: Study) -> SweeperValue:
             changes = ranks.rank_changes(problem, finalists, flat_k, config.sand.spread)
 
     if study.wants_report:
-        files.write_designs(study.folder / "designs.csv", result.columns)
+        files.write_csv(study.folder / "designs.csv", result.columns)
     drawings = _drawings(result, confirmed.designs[:LEADERS], base)
     notes = write_walk(study, walk, {"best": walk, "flat": flat}, drawings)
     record = study.write_result(

@@ -207,7 +207,7 @@ def _write_files(
     write_foot(foot, study.folder / "contour.csv")
     if study.wants_report:
         study.write_csv("regrets.csv", ["foot", "scenario", *judge.record, "reason", "regret"], rows)
-        files.write_designs(study.folder / "designs.csv", result.columns)
+        files.write_csv(study.folder / "designs.csv", result.columns)
         write_foot(foot, study.folder / "contour.dxf")
 
 

@@ -215,7 +215,7 @@ def test_the_frame_of_a_search_is_designs_csv(searches, tmp_path, kind):
     import pandas
 
     result = searches[kind]
-    files.write_designs(tmp_path / "designs.csv", result.columns)
+    files.write_csv(tmp_path / "designs.csv", result.columns)
     read = pandas.read_csv(tmp_path / "designs.csv", keep_default_na=False, na_values={"distance": ""})
     frame = result.to_frame()
     assert list(frame.columns) == list(read.columns)
