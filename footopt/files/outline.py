@@ -40,22 +40,9 @@ def body_outline(foot: Foot, block: Sequence[float] | None = None) -> Array:
     Where a hump of the sole comes nearer to the top than `MIN_WALL`, the top is raised to that distance,
     because the body would fall in two there.
 
-    Parameters
-    ----------
-    foot : Foot
-        Its sole, top and ankle.
-    block : (2,), m, optional
-        Length and height of a mounting block on the top, its middle above the ankle.
-
-    Returns
-    -------
-    outline : (p, 2), m
-        Counter-clockwise; the first point is not repeated at the end.
-
-    Raises
-    ------
-    SettingError
-        The block does not fit on the top, or the outline crosses itself or encloses nothing.
+    A block of some length and height, m, may stand on the top, its middle above the ankle. The outline
+    (p, 2), m, runs counter-clockwise and does not repeat its first point. Raises `SettingError` if the block
+    does not fit on the top, or if the outline crosses itself or encloses nothing.
     """
     from shapely import Polygon, box, get_coordinates, is_valid_reason
     from shapely.geometry.polygon import orient

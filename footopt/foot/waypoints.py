@@ -111,15 +111,13 @@ class Waypoints:
     def points(self, k: ArrayLike, steps: int) -> Array:
         """Points on the spline at equal steps along its arc, (designs, steps + 1, 2), m."""
         z = self.heights(k)
-        points: Array = arc_points(z, _slopes(z), 2.0 * self.L / (self.n - 1), steps)
-        return points
+        return np.asarray(arc_points(z, _slopes(z), 2.0 * self.L / (self.n - 1), steps))
 
     def box_violation(self, k: ArrayLike) -> Array:
         """How far each spline leaves the box [-H, 0], (designs,), m; 0 inside."""
         heights = self.heights(k)
         low, high = extremes(heights, _slopes(heights))
-        out: Array = np.maximum(np.maximum(high, -self.H - low), 0.0)
-        return out
+        return np.asarray(np.maximum(np.maximum(high, -self.H - low), 0.0))
 
     def inside(self, k: ArrayLike) -> NDArray[np.bool_]:
         """Which soles stay in the box, but for `box_tolerance`, (designs,)."""

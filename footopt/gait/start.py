@@ -30,16 +30,9 @@ def smooth_step(s: Array) -> tuple[Array, Array]:
 
 
 def ramp(t: Array, t0: float, period: float) -> tuple[Array, Array, Array, Array]:
-    """Phase (strides), its rate, weight of the cycle and its rate, each (T, 2 feet).
+    """Phase (strides), its rate, weight of the cycle and its rate at times t (T,), s, each (T, 2 feet).
 
-    Parameters
-    ----------
-    t : (T,) array, s
-        Times.
-    t0 : float, s
-        Time of the start; infinite for standing still.
-    period : float, s
-        Duration of a stride.
+    The walk starts at t0, s, infinity for standing still; a stride takes the period, s.
     """
     r = period / 2.0
     since = t - t0

@@ -20,23 +20,10 @@ def fit_stress_map(
 ) -> tuple[StressMap, tuple[float, float]]:
     """Fit the nine coefficients to measured stresses by linear least squares.
 
-    Parameters
-    ----------
-    beta, gamma : (rows,), deg
-        Angles of plate and motion, signs as in `footopt.sand.law.alpha`.
-    alpha_x, alpha_z : (rows,), N/cm^3
-        Stresses per depth.
-
-    Returns
-    -------
-    stress_map : StressMap
-    error : (x, z)
-        Rms of the misfit over the rms of the column.
-
-    Raises
-    ------
-    Unusable
-        There are too few different angles to determine nine coefficients, or no sand can have such stresses.
+    Angles of plate and motion (rows,), deg, have the signs of `footopt.sand.law.alpha`; stresses per depth
+    (rows,) are in N/cm^3. Returns the map, and for x and z the rms of the misfit over that of the column.
+    Raises `Unusable` if there are too few different angles to determine nine coefficients, or if no sand can
+    have such stresses.
     """
     b, g = np.radians(beta), np.radians(gamma)
     terms_x = [np.cos(2 * b + g), np.cos(g), np.cos(-2 * b + g), np.sin(2 * b)]
