@@ -32,7 +32,7 @@ MEASURED = (*FIVE, "efficiency")
 CONVERGED = Accuracy("sdirk2", 1e-4, 800, 1e-5, "converged", adapt=True)
 
 LONGEST = {True: 2.0, False: 0.4}  # time step of implicit and of explicit steppers over that of `standard`
-HALVINGS = 7  # of it
+HALVINGS = 6  # of it
 FINER = (0.5, 1.0, 2.0, 4.0)  # plates over those of `standard`, and its creep speed over that of a setting
 
 CAPTION = (
@@ -120,10 +120,11 @@ def measure(
     method: str, accuracy: Accuracy, feet: NDArray[np.int64], scene: Scene, space: Waypoints, truth: Array
 ) -> Measurement:
     """Error and cost of one setting; `truth` (feet, `MEASURED`) are the values of the converged walks."""
-    evaluate(feet[:1], scene, accuracy, space=space, threads=1)  # compiled, pose table made
-    started = own_time()
-    found = evaluate(feet, scene, accuracy, MEASURED, space, threads=1)
-    ms = 1e3 * (own_time() - started) / len(feet)
+    taken = []
+    for _ in range(2):  # the first one also makes the table of poses
+        started = own_time()
+        found = evaluate(feet, scene, accuracy, MEASURED, space, threads=1)
+        taken.append(own_time() - started)
     worst = relative_error(found.values, truth)[:, : len(FIVE)].max(axis=1)
     j = MEASURED.index("efficiency")
     return Measurement(
@@ -131,7 +132,7 @@ def measure(
         accuracy,
         float(np.percentile(worst, QUANTILE)),
         work({"evaluations": found.evaluations.mean(), "plate_evaluations": found.plates.mean()}),
-        ms,
+        1e3 * min(taken) / len(feet),
         wrong_pairs(found.values[:, j], truth[:, j]),
     )
 
