@@ -91,7 +91,7 @@ def run(study: Study) -> SweeperValue:
     best = dataclasses.replace(Foot.from_waypoints(k, problem.space), name=f"best of {solver.name}")
     walk = simulate(best, scene, finer)
     errors = error_of(walk, problem.record)
-    values, base = walk.judged(problem.record), flat.judged(problem.record)
+    values, base = walk.measures(problem.record), flat.measures(problem.record)
     diagnostics = [*diagnose(walk), *resolution(walk, errors)]
     finalists, changes = result.k[confirmed.designs[: options.finalists]], []
     if study.wants_report and options.confirm:

@@ -60,7 +60,7 @@ def run(study: Study) -> SweeperValue:
         level = Foot.flat(foot.space or make_space(study.config.foot))
         flat = walk if level == foot else simulate(level, scene, accuracy)
     names = tuple(dict.fromkeys((*OBJECTIVES, *study.config.objective.names)))
-    values, base, errors = walk.judged(names), flat.judged(names), error_of(walk, names)
+    values, base, errors = walk.measures(names), flat.measures(names), error_of(walk, names)
     diagnostics = [*diagnose(walk), *resolution(walk, errors)]
     strides = make_strides(study.config.gait)
     read = [] if strides is None else [*strides.notes]

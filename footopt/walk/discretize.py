@@ -93,7 +93,7 @@ def poses(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, 
 
     Under control of the step there is a table more for each halving, with twice as many steps.
     """
-    if pose_rows(scene, accuracy) > ROWS:
+    if too_many_poses(scene, accuracy):
         least = accuracy.dt * pose_rows(scene, accuracy) / ROWS
         raise SettingError(
             "accuracy.dt",

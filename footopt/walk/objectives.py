@@ -38,7 +38,7 @@ def by_name(raw: Array) -> Raw:
 
 @dataclass(frozen=True)
 class Objective:
-    """A number to judge a walk by.
+    """A number by which a walk is evaluated.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class Objective:
 OBJECTIVES: dict[str, Objective] = {}
 #: By name: those that are measured in Python, only where they are asked for.
 SLOW: dict[str, Objective] = {}
-#: Everything that a walk can be judged by.
+#: All of them.
 MEASURES: Mapping[str, Objective] = ChainMap(SLOW, OBJECTIVES)
 
 

@@ -65,17 +65,9 @@ def estimate_error(
 
 
 def error_of(walk: Walk, names: Sequence[str] | None = None) -> dict[str, float]:
-    """`estimate_error` of a walk that is there already.
-
-    Parameters
-    ----------
-    walk : Walk
-        The coarse one.
-    names : sequence of str, optional
-        Of measures; by default all compiled objectives.
-    """
+    """`estimate_error` of a walk that is there already."""
     names = tuple(names or OBJECTIVES)
-    values = np.array([list(walk.judged(names).values())])
+    values = np.array([list(walk.measures(names).values())])
     found = estimated(values, [walk.foot], walk.scene, walk.accuracy, names, threads=1)
     return dict(zip(names, found[0].tolist(), strict=True))
 
@@ -88,7 +80,7 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
     Parameters
     ----------
     walk : Walk
-        One that succeeded; of another nothing is said.
+        One that succeeded; another has none.
     errors : mapping of str to float
         Its error estimates, from `estimate_error`.
     """
@@ -125,8 +117,8 @@ def _outcome(walk: Walk, limit: float) -> list[Diagnostic]:
     if discretize.too_many_poses(walk.scene, finer):
         return []
     ends = {one.reason for one in (simulate(walk.foot, walk.scene, walk.accuracy.refined(n)) for n in (1, 2))}
-    said = ", ".join(sorted(ends - {""}))
-    if not said:
+    reasons = ", ".join(sorted(ends - {""}))
+    if not reasons:
         return []
-    why = f"a finer walk fails ({said}); try accuracy=fine"
+    why = f"a finer walk fails ({reasons}); try accuracy=fine"
     return [Diagnostic("estimated error of the outcome", 100.0, "%", limit, why)]

@@ -200,7 +200,7 @@ class Walk:
         raw = {name: np.array([self.totals[name] if self.feasible else np.nan]) for name in RAW}
         return {name: float(o.value(raw, self.scene)[0]) for name, o in OBJECTIVES.items()}
 
-    def judged(self, names: Sequence[str]) -> dict[str, float]:
+    def measures(self, names: Sequence[str]) -> dict[str, float]:
         """Any measures by name (`footopt.walk.objectives.MEASURES`), natural signs; NaN for a failed walk."""
         raw = self.objectives
         return {m.name: raw[m.name] if m.of == "raw" else self.measured(m) for m in lookup(names)}
@@ -260,7 +260,7 @@ class Walk:
         return frame
 
     def plates(self, index: ArrayLike) -> PlateStates:
-        """Every plate's place, motion and force at some samples, by the law in its readable form."""
+        """Every plate's place, motion and force at some samples, by the walk's own law."""
         i = np.asarray(index)
         pose = self.scene.gait.pose(self.t[i], self.scene.walker.l1, self.scene.walker.l2)
         bristles = None if self.bristles is None else self.bristles[i].astype(np.float64)

@@ -286,7 +286,7 @@ def _walk_batch(plates: Plates, scene: Scene, accuracy: Accuracy, options: _Opti
     for repeat in range(1, MAX_REPEATS + 1):
         again = np.flatnonzero(walked.status == DIVERGED)
         finer = replace(accuracy, dt=accuracy.dt / 4**repeat)
-        if len(again) == 0 or discretize.pose_rows(scene, finer) > discretize.ROWS:
+        if len(again) == 0 or discretize.too_many_poses(scene, finer):
             break
         shorter = _walk_once(plates.take(again), scene, finer, options)
         walked.raw[again], walked.status[again] = shorter.raw, shorter.status

@@ -70,7 +70,7 @@ def ankle_depth(walk: Walk) -> float:
 def diagnose(walk: Walk) -> list[Diagnostic]:
     """The validity of a walk; an empty list for one without a single step.
 
-    Computed from the law in its readable form at up to 600 instants.
+    Computed from the plates at up to `SAMPLES` instants.
     """
     if len(walk.t) == 0:
         return []

@@ -30,7 +30,7 @@ class TestMeasures:
             foot = fo.Foot.from_waypoints(heights, SMALL)
             walk = fo.simulate(foot, fo.Scene(), QUICK)
             assert dict(zip(table.names, row, strict=True)) == pytest.approx(
-                walk.judged(table.names), rel=1e-12
+                walk.measures(table.names), rel=1e-12
             )
             assert row[0] == foot.hollow
             assert row[1] == foot.top - foot.contour[:, 1].max()
@@ -41,7 +41,7 @@ class TestMeasures:
         nowhere = fo.Scene(sand=fo.Sand(1e-3))
         assert np.isnan(fo.evaluate(SMALL.random(3, seed=1), nowhere, QUICK, tuple(SLOW), SMALL).values).all()
         walk = fo.simulate(fo.Foot.flat(), nowhere, QUICK)
-        assert all(map(math.isnan, walk.judged(tuple(SLOW)).values()))
+        assert all(map(math.isnan, walk.measures(tuple(SLOW)).values()))
 
     def test_one_of_ones_own_is_a_python_function_of_the_walk(self):
         @measure("walk", "$x$", "m/s", maximise=False, worst=1e3)
