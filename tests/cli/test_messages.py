@@ -41,7 +41,7 @@ WRONG = {
     # values of another kind
     "sand.zeta=loose": "sand.zeta = 'loose': must be a number.",
     "solver.n_gen=2.5": "solver.n_gen = '2.5': must be a whole number.",
-    "study=accuracy study.quick=maybe": "study.quick = 'maybe': must be true or false.",
+    "study=robust study.reuse=maybe": "study.reuse = 'maybe': must be true or false.",
     "foot.k=5": "foot.k = '5': must be a list in brackets",
     "effects.auto=null": "effects.auto = 'null': must be given a value.",
     # values that the library refuses
@@ -49,7 +49,7 @@ WRONG = {
     "accuracy.plates=1": "accuracy.plates = 1: must be a whole number",
     "study.confirm=fien": "Did you mean fine?",
     "report=some": "report = 'some': must be one of none, light, full",
-    "study=simulate foot.k=[1,2,3]": "These are 3: give 11 of 1 to 10, or change foot.n.",
+    "study=simulate foot.k=[1,2,3]": "must be 11 whole numbers (foot.n) from 1 to 10",
     "study=validate study.cases=[Wheel]": "Did you mean wheel?",
     "solver=ga objective=pareto": "solver = 'ga'",
     "gait=file": "gait.path = None",
