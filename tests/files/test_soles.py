@@ -259,6 +259,7 @@ class TestDxf:
         [
             (lambda text: text.replace("ENTITIES", "ENTITIE\nS"), "it is damaged, or something else"),
             (lambda text: text[:-9], r"\(it does not end with EOF: is it cut off\?\)"),
+            (lambda text: "AutoCAD Binary DXF" + text, "a binary DXF file"),
         ],
     )
     def test_what_is_damaged_is_said_in_plain_words(self, dxf, change, said):
