@@ -175,7 +175,7 @@ function runsSection(choose) {
   return el("section", { id: "runs" }, el("h2", {}, "The runs"),
     scrolled("The runs", table(["run", "settings", "sole", ...differ.map(named), "hollow (mm)"],
       data.runs.map(({ name, link, settings, note, design: i }) => [
-        link ? el("a", { href: link }, words(name)) : words(name),
+        link ? el("a", { href: link }, name) : name,
         el("div", {}, words(settings), note ? el("div", { class: "words warning" }, note) : ""),
         i === null ? "" : el("button", { type: "button", "aria-label": `Choose the sole of ${name}`, click: () => choose(i) },
           soleDrawing(sole(i), { width: 120, height: 36, plain: true, colour: COLOURS[i % COLOURS.length] })),
