@@ -20,7 +20,7 @@ import footopt as fo
 from footopt.foot import as_plates
 from footopt.walk.contact import foot_force
 from footopt.walk.discretize import sole_of, world
-from footopt.walk.state import Ankle, Sole, World
+from footopt.walk.state import Ankle, Implicit, Sole, World
 
 Array = NDArray[np.float64]
 Sums = Callable[[int], Array]
@@ -57,7 +57,15 @@ def compiled(plates: int, jacobian: bool) -> Sums:
 
     def run(repeats: int) -> Array:
         out = np.empty(7)
-        _repeat(out, submerged, law, MOTION[:-1], MOTION[-1] if jacobian else None, repeats, CHANGE)
+        _repeat(
+            out,
+            submerged,
+            law,
+            MOTION[:-1],
+            Implicit(MOTION[-1], 0.0, 0.0) if jacobian else None,
+            repeats,
+            CHANGE,
+        )
         return out
 
     return run

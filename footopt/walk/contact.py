@@ -20,7 +20,18 @@ import numpy as np
 from footopt.compiled import inlined, inlined_fast, unless_none
 from footopt.effects import base as effects
 from footopt.effects.dual import combined, dual, lift, placed, positive, value
-from footopt.walk.state import LANES, Ankle, Contact, Force, Motion, Sole, Tangent, ankle_of, no_force
+from footopt.walk.state import (
+    LANES,
+    Ankle,
+    Contact,
+    Force,
+    Motion,
+    Sole,
+    Tangent,
+    ankle_of,
+    no_force,
+    no_turning,
+)
 
 TURN = 0.25  # of the difference in speed along a turning plate, over which its direction is smoothed
 EXPOSED = 0.5  # of the same, over which a gate opens
@@ -90,13 +101,15 @@ def resistance(law, c, s, h, pull, stage):
 
     c, s: cosine and sine of twice the plate's angle in the world. pull: area times depth, m^3, with effects;
     zeta is in the law.
-    The stress p changes with the direction of motion, dp/dv = -rate (M - (M h) h^T).
+    The stress p changes with the direction of motion, dp/dv = -rate (M - (M w) h^T), w = h or ahead of it.
     """
     mxx, mxz = law.C01 + law.C_sum * c, law.C_diff * s
     mzx, mzz = -law.B_diff * s, law.B01 + law.B_sum * c
     x, z = mxx * h.x + mxz * h.z, mzx * h.x + mzz * h.z  # M h
     px, pz = -law.D10 * s - x, law.A00 + law.A10 * c - z
     k, rate = lift(pull), -h.rate * value(pull)
+    if stage is not None:
+        x, z = x + mxx * stage.ahead_x + mxz * stage.ahead_z, z + mzx * stage.ahead_x + mzz * stage.ahead_z
     x, z = h.slides * x, h.slides * z
     xx, xz = combined(px, k.dx, rate, mxx - x * h.x), combined(px, k.dz, rate, mxz - x * h.z)
     zx, zz = combined(pz, k.dx, rate, mzx - z * h.x), combined(pz, k.dz, rate, mzz - z * h.z)
@@ -261,9 +274,8 @@ def contact(world, sole, poses, hip, turning_speed, stage, h0, counts):
     turning_speed : float, m/s
         Over which a plate's direction turns: the creep speed eps; with bristles, delta over the time for
         which they have followed the plates.
-    stage : float, s, or None
-        dx/dv_x = dz/dv_z: how the place follows from the velocity in an implicit stage. None leaves the
-        derivatives out; they are then 0.
+    stage : pair of Implicit, or None
+        Of either foot in an implicit stage. None leaves the derivatives out; they are then 0.
     h0 : (2 feet, 2, plates) or None
         Bristles at the beginning of that time.
     counts : record of `COUNTS`
@@ -282,9 +294,17 @@ def contact(world, sole, poses, hip, turning_speed, stage, h0, counts):
         if first < last:
             counts.plates += last - first
             part, bristles = plates_between(sole, first, last), bristles_between(h0, foot, first, last)
-            force = foot_force(world.law, world.effects, part, ankle, turning_speed, stage, bristles)
+            force = foot_force(
+                world.law, world.effects, part, ankle, turning_speed, _of_foot(stage, foot), bristles
+            )
         left, right = right, force
-    return Contact(left, right)
+    return Contact(left, right, no_turning())
+
+
+@unless_none
+def _of_foot(stage, foot):
+    """One of a pair."""
+    return stage[foot]
 
 
 @unless_none

@@ -25,6 +25,7 @@ from footopt.walk.state import (
     World,
     borrowed,
     no_force,
+    no_turning,
     sole_at,
     write,
 )
@@ -83,7 +84,7 @@ def walk_designs(method, soles, world, course, out, begin, end):
 def _walk_design(method, sole, world, course, out, count):
     """One design's last state, its extremes and its status.
 
-    Where a stage is not solved, not even by `newton.rescue`, the step is halved here as long as it can be;
+    Where a stage is not solved the step is halved here as long as it can be;
     then the walk has diverged, and `simulate` repeats it with shorter steps.
     """
     times, control, poses = course.times, course.control, course.poses
@@ -134,7 +135,7 @@ def _standing(world, sole, poses, count):
     z = static_height(world, sole, poses, beginning(bristles))
     hip, none = Motion(0.0, z, 0.0, 0.0), Integrals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     if not np.isfinite(z):
-        return State(hip, Contact(no_force(), no_force()), none, bristles, False)
+        return State(hip, Contact(no_force(), no_force(), no_turning()), none, bristles, False)
     return State(hip, explicit_contact(world, sole, poses, hip, bristles, 0.0, count), none, bristles, True)
 
 

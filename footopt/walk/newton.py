@@ -8,14 +8,17 @@ import numpy as np
 
 from footopt.compiled import inlined, unless_none
 from footopt.walk.bristles import update_bristles
-from footopt.walk.contact import contact
-from footopt.walk.state import Contact, Force, Motion, no_force
+from footopt.walk.contact import Direction, bristles_between, contact, direction, in_world, kinematics
+from footopt.walk.state import Contact, Force, Implicit, Motion, Turning, ankle_of, no_force, no_turning
 
-MAX_NEWTON = 20  # contact evaluations of one implicit stage at one turning speed, back-tracking included
-MAX_RESCUE = 1000  # ... and in all, if it has to be approached from a larger one
-GATE_STEP = 2.0  # largest last step of Newton's method over the turning speed, where an effect has a gate
-STANDING = 10.0  # speed of the hip over the creep speed, below which the walker stands
-LEAST_STRIDE = 0.97  # of a rescue, as the ratio of two turning speeds: beyond it is given up
+MAX_NEWTON = 40  # contact evaluations of one implicit stage
+PATIENCE = 4  # of them ahead of h without a smaller residual, before Newton's method goes on from the best
+NEAR = 0.1  # |w_x - h_x| + |w_z - h_z| of both feet, within which no foot has turned over
+INSIDE = 0.999  # |w| at most
+STICKS = 0.995  # |w| at most, of a foot whose velocity is known from w
+GATE_STEP = 2.0  # largest last step of Newton's method over the creep speed, where an effect has a gate
+
+PLAIN, AHEAD, DAMPED = range(3)  # steps of Newton's method: with w = h; with w ahead of h; with back-tracking
 
 
 class Stage(NamedTuple):
@@ -33,41 +36,24 @@ class Iterate(NamedTuple):
     vz: float
     dvx: float  # m/s, the step to there
     dvz: float
-    turning_speed: float  # m/s, for which the stage is solved at present (see `contact`)
-    best: float  # least residual squared at this turning speed, m^2/s^2
-    tries: int  # evaluations at it
-
-
-class Rescue(NamedTuple):
-    """The approach from a turning speed so large that the law is viscous."""
-
-    active: bool
-    viscous: float  # m/s, that turning speed
-    ratio: float  # of a turning speed to the one before
-    solved_at: float  # m/s, the last turning speed for which the stage is solved
-    vx: float  # m/s, the solution there; the guess before there is one
-    vz: float
+    best: float  # least residual squared, m^2/s^2
+    best_vx: float  # m/s, where it is
+    best_vz: float
 
 
 @inlined
-def guess(creep, vx, vz, change_x, change_z):
-    """A velocity to begin Newton's method with, m/s: the last one, with its change unless the walker stands.
-
-    While it stands, friction follows its velocity within the creep speed: extrapolated, it leads away.
-    """
-    if abs(vx) + abs(vz) < STANDING * creep and abs(change_x) + abs(change_z) > creep:
-        return vx, vz
-    return vx + change_x, vz + change_z
-
-
-@inlined
-def solve_stage(world, sole, poses, start, c, vx, vz, bristles, counts):
+def solve_stage(world, sole, poses, start, c, vx, vz, bristles, turning, counts):
     """Velocity V of an implicit stage: V = v0 + c a(r0 + c V, V), by Newton's method.
 
-    Starts from the guess (vx, vz) and halves a step that makes the residual larger (`back_track`). It ends
-    with a step that is small (`converged`): Newton's method has then converged to the square of that ratio.
-    The stage's forces are carried along the last step to first order, so that its momentum balance closes to
-    rounding. Where that fails, because the law turns too sharply on the way, the stage is rescued (`rescue`).
+    Starts from the guess (vx, vz) and ends with a step that is small (`converged`): Newton's method has then
+    converged to the square of that ratio. The stage's forces are carried along the last step to first order,
+    so that its momentum balance closes to rounding.
+
+    Where a step makes the residual larger, a foot has turned its direction of motion over: far beyond the
+    creep speed the slope of h does not show the way back. From there on the direction w of either foot is an
+    unknown of its own (`turned`) and stands for h in dh/dv = rate (I - w h^T), as in primal-dual methods for
+    total variation (Chan, Golub & Mulet, SIAM J. Sci. Comput. 20, 1999). The root is the same: w = h there.
+    Where that leads nowhere, steps from the best velocity so far are halved until the residual is smaller.
 
     Parameters
     ----------
@@ -79,6 +65,8 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, counts):
         The guess.
     bristles : bristles.Stage or None
         Those that the stage bends.
+    turning : Turning
+        Of the stage before.
     world, sole, poses, counts
         As in `contact`.
 
@@ -86,36 +74,144 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, counts):
     -------
     Stage
     """
-    inv, goal = c / world.mass, _turning_speed(world.bristle_length, world.creep, c)
-    now = Iterate(vx, vz, 0.0, 0.0, goal, np.inf, 0)
-    approach = Rescue(False, np.inf, 0.25, np.inf, vx, vz)
-    at = Contact(no_force(), no_force())
-    for _ in range(MAX_RESCUE):
+    inv, turning_speed, h0 = (
+        c / world.mass,
+        _turning_speed(world.bristle_length, world.creep, c),
+        _h0(bristles),
+    )
+    w, mode, idle = turning, PLAIN, 0
+    if w.on:
+        hip = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
+        if distance(w, directions(world, sole, poses, hip, turning_speed, h0)) > NEAR:
+            mode = AHEAD
+            vx, vz = sticking(world, sole, poses, hip, h0, w)
+    now = Iterate(vx, vz, 0.0, 0.0, np.inf, vx, vz)
+    at = Contact(no_force(), no_force(), no_turning())
+    for _ in range(MAX_NEWTON):
         hip = Motion(start.x + c * now.vx, start.z + c * now.vz, now.vx, now.vz)
-        at = contact(world, sole, poses, hip, now.turning_speed, c, _h0(bristles), counts)
+        h = directions(world, sole, poses, hip, turning_speed, h0) if mode == AHEAD else no_directions()
+        at = contact(world, sole, poses, hip, turning_speed, ahead(w, h, c, mode == AHEAD), h0, counts)
         rx, rz = residual(world, start, c, hip, at)
-        square, tries = rx * rx + rz * rz, now.tries + 1
-        if square > now.best and tries <= MAX_NEWTON:
-            now = back_track(now, tries)
-        elif tries > MAX_NEWTON or not square < 1e18:
-            counts.rescues += 0 if approach.active else 1
-            approach, turning_speed = rescue(approach, now.turning_speed, goal)
-            if not approach.active:
-                break
-            now = Iterate(approach.vx, approach.vz, now.dvx, now.dvz, turning_speed, np.inf, 0)
+        square = rx * rx + rz * rz
+        if square <= now.best:
+            now = Iterate(now.vx, now.vz, now.dvx, now.dvz, square, now.vx, now.vz)
+            idle = 0
+        elif mode == PLAIN:
+            before = Motion(hip.x - c * now.dvx, hip.z - c * now.dvz, hip.vx - now.dvx, hip.vz - now.dvz)
+            h = directions(world, sole, poses, before, turning_speed, h0)
+            w = turned(Turning(True, h[0].x, h[0].z, h[1].x, h[1].z), h, now.dvx, now.dvz)
+            if distance(w, directions(world, sole, poses, hip, turning_speed, h0)) > NEAR:
+                mode = AHEAD  # the same velocity again, with the w that the step has led to
+            else:
+                mode, now = DAMPED, back_track(now)
+            continue
+        elif mode == AHEAD and idle < PATIENCE:
+            idle += 1
+        elif mode == AHEAD:
+            mode = DAMPED
+            counts.rescues += 1
+            now = Iterate(now.best_vx, now.best_vz, 0.0, 0.0, np.inf, now.best_vx, now.best_vz)
+            continue
         else:
-            dvx, dvz = newton_step(inv, at, rx, rz)
-            vx, vz = now.vx + dvx, now.vz + dvz
-            now = Iterate(vx, vz, dvx, dvz, now.turning_speed, square, tries)
-            if converged(world, now, at, approach.active):
-                if now.turning_speed == goal:
-                    end = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
-                    _bend(bristles, sole, poses, end, goal)
-                    left, right = _extrapolated(at.left, dvx, dvz), _extrapolated(at.right, dvx, dvz)
-                    return Stage(end, Contact(left, right), True)
-                approach = Rescue(True, approach.viscous, approach.ratio, now.turning_speed, vx, vz)
-                now = Iterate(vx, vz, dvx, dvz, max(approach.ratio * now.turning_speed, goal), np.inf, 0)
+            now = back_track(now)
+            continue
+        dvx, dvz = newton_step(inv, at, rx, rz)
+        if mode == AHEAD:
+            w = turned(w, h, dvx, dvz)
+        now = Iterate(now.vx + dvx, now.vz + dvz, dvx, dvz, now.best, now.best_vx, now.best_vz)
+        if converged(world, now, at, turning_speed):
+            end = Motion(start.x + c * now.vx, start.z + c * now.vz, now.vx, now.vz)
+            _bend(bristles, sole, poses, end, turning_speed)
+            w = Turning(mode == AHEAD, w.left_x, w.left_z, w.right_x, w.right_z)
+            left, right = _extrapolated(at.left, dvx, dvz), _extrapolated(at.right, dvx, dvz)
+            return Stage(end, Contact(left, right, w), True)
     return Stage(start, at, False)
+
+
+@inlined
+def directions(world, sole, poses, hip, turning_speed, h0):
+    """h of the deepest plate of either foot, a pair of `Direction`; 0 in the air."""
+    left = _direction_of(world, sole, poses, 0, hip, turning_speed, h0)
+    return left, _direction_of(world, sole, poses, 1, hip, turning_speed, h0)
+
+
+@inlined
+def no_directions():
+    """`directions` of feet in the air."""
+    return Direction(0.0, 0.0, 0.0, 0.0), Direction(0.0, 0.0, 0.0, 0.0)
+
+
+@inlined
+def _direction_of(world, sole, poses, foot, hip, turning_speed, h0):
+    ankle, i = _deepest(sole, poses, foot, hip)
+    if i < 0:
+        return Direction(0.0, 0.0, 0.0, 0.0)
+    motion, bristles = kinematics(ankle, sole.x[i], sole.z[i]), bristles_between(h0, foot, 0, len(sole.x))
+    return direction(motion, turning_speed, ankle.rate * sole.span, bristles, i)
+
+
+@inlined
+def _deepest(sole, poses, foot, hip):
+    """A foot's ankle, and the deepest of its plates; -1 in the air."""
+    ankle, deepest, lowest = in_world(ankle_of(poses, foot), hip), -1, 0.0
+    for i in range(len(sole.x)):
+        z = ankle.z + ankle.sin * sole.x[i] + ankle.cos * sole.z[i]
+        if z < lowest:
+            deepest, lowest = i, z
+    return ankle, deepest
+
+
+@inlined
+def ahead(w, h, c, on):
+    """A stage as either foot's plates have it, a pair of `Implicit`: w - h where w is an unknown."""
+    if not on:
+        return Implicit(c, 0.0, 0.0), Implicit(c, 0.0, 0.0)
+    return (
+        Implicit(c, w.left_x - h[0].x, w.left_z - h[0].z),
+        Implicit(c, w.right_x - h[1].x, w.right_z - h[1].z),
+    )
+
+
+@inlined
+def distance(w, h):
+    """How far w is from h."""
+    left, right = h
+    far = abs(w.left_x - left.x) + abs(w.left_z - left.z)
+    return far + abs(w.right_x - right.x) + abs(w.right_z - right.z)
+
+
+@inlined
+def turned(w, h, dvx, dvz):
+    """w after a step of Newton's method, m/s, from `directions` at its beginning."""
+    left_x, left_z = _turned(w.left_x, w.left_z, h[0], dvx, dvz)
+    right_x, right_z = _turned(w.right_x, w.right_z, h[1], dvx, dvz)
+    return Turning(True, left_x, left_z, right_x, right_z)
+
+
+@inlined
+def _turned(x, z, h, dvx, dvz):
+    """h + rate (dv - w (h.dv)), kept in the unit disc."""
+    along = h.slides * (h.x * dvx + h.z * dvz)
+    x, z = h.x + h.rate * (dvx - x * along), h.z + h.rate * (dvz - z * along)
+    size = max(1.0, np.sqrt(x * x + z * z) / INSIDE)
+    return x / size, z / size
+
+
+@inlined
+def sticking(world, sole, poses, hip, h0, w):
+    """The hip's velocity with which the foot that sticks moves as w says, m/s: v = eps w / sqrt(1 - |w|^2).
+
+    Where both slip, and with bristles, that of the hip.
+    """
+    left, right = w.left_x * w.left_x + w.left_z * w.left_z, w.right_x * w.right_x + w.right_z * w.right_z
+    foot, x, z, square = 0, w.left_x, w.left_z, left
+    if left == 0.0 or 0.0 < right < left:
+        foot, x, z, square = 1, w.right_x, w.right_z, right
+    ankle, i = _deepest(sole, poses, foot, hip)
+    if i < 0 or square > STICKS * STICKS or h0 is not None:
+        return hip.vx, hip.vz
+    motion, speed = kinematics(ankle, sole.x[i], sole.z[i]), world.creep / np.sqrt(1.0 - square)
+    return hip.vx + speed * x - motion.vx, hip.vz + speed * z - motion.vz
 
 
 @inlined
@@ -139,50 +235,31 @@ def newton_step(inv, at, rx, rz):
 
 
 @inlined
-def back_track(now, tries):
+def back_track(now):
     """Half of the way back, where a step has made the residual larger."""
     dvx, dvz = 0.5 * now.dvx, 0.5 * now.dvz
     vx, vz = now.vx - dvx, now.vz - dvz
     only_rounding = abs(dvx) + abs(dvz) < 1e-13 * (1.0 + abs(vx) + abs(vz))
-    return Iterate(vx, vz, dvx, dvz, now.turning_speed, np.inf if only_rounding else now.best, tries)
+    return Iterate(vx, vz, dvx, dvz, np.inf if only_rounding else now.best, now.best_vx, now.best_vz)
 
 
 @inlined
-def converged(world, now, at, rescued):
+def converged(world, now, at, turning_speed):
     """Whether a step is small against the speed at which the plates of the slower foot move through the sand.
 
-    That speed (`_speed`) is at least the turning speed, on which the law is smooth. A rescue follows the
-    plate that sticks, whatever the mean speed of the others.
+    That speed (`_speed`) is at least the creep speed, on which the law is smooth.
     """
     left, right = at.left, at.right
     size = abs(now.dvx) + abs(now.dvz)
     force = (abs(left.x) + abs(left.z)) + (abs(right.x) + abs(right.z))
     rounding = 1e-13 * (1.0 + abs(now.vx) + abs(now.vz))
-    speed = now.turning_speed
-    if not rescued and force > 0.0:
-        speed = _least_speed(world.bristle_length, now.turning_speed) + min(
+    speed = turning_speed
+    if force > 0.0:
+        speed = _least_speed(world.bristle_length, turning_speed) + min(
             _speed(left, force), _speed(right, force)
         )
-    enough = _smooth_step(world.tolerance * speed, now.turning_speed, world.effects.gates)
+    enough = _smooth_step(world.tolerance * speed, turning_speed, world.effects.gates)
     return size <= rounding or (force > 0.0 and size <= enough + rounding)
-
-
-@inlined
-def rescue(approach, turning_speed, goal):
-    """The next turning speed, m/s, for which the stage is solved, where Newton's method has failed at one.
-
-    The first is so large that the law is viscous; from there they are smaller and smaller, each begun from
-    the solution before, in shorter strides where one fails. Where there is no shorter stride, or the law
-    cannot be solved even at the first, the rescue ends and the stage is not solved.
-    """
-    if not approach.active:
-        viscous = 10.0 * (1.0 + abs(approach.vx) + abs(approach.vz))
-        return Rescue(True, viscous, approach.ratio, approach.solved_at, approach.vx, approach.vz), viscous
-    ratio = np.sqrt(approach.ratio)
-    active = not (ratio > LEAST_STRIDE or turning_speed == approach.viscous)
-    return Rescue(active, approach.viscous, ratio, approach.solved_at, approach.vx, approach.vz), max(
-        ratio * approach.solved_at, goal
-    )
 
 
 @inlined

@@ -41,7 +41,7 @@ class Table:
     evaluations, plates : (designs,), int
         Evaluations of the contact, and of plates in them.
     rescues : (designs,), int
-        Implicit stages that Newton's method alone could not solve.
+        Implicit stages in which Newton's method had to go back and shorten its steps.
     shortened : (designs,), int
         Steps under control that were repeated with half their length.
     repeats : (designs,), int

@@ -16,7 +16,8 @@ Array = NDArray[np.float64]
 
 LANES = 8  # plates are padded to a multiple of this, and summed in such blocks
 
-#: Counts of a walk: evaluations of the contact, of plates in it, stages that had to be rescued, steps
+#: Counts of a walk: evaluations of the contact, of plates in it, stages in which Newton's
+#: method had to go back, steps
 #: that were repeated with half their length, and how often the whole walk was, with a quarter of it.
 COUNTS = np.dtype([(name, np.int64) for name in ("evaluations", "plates", "rescues", "shortened", "repeats")])
 
@@ -96,11 +97,34 @@ class Force(NamedTuple):
     zz: float
 
 
+class Implicit(NamedTuple):
+    """An implicit stage as the plates of a foot have it; None stands for no stage, and no derivatives.
+
+    The direction w that Newton's method takes for a plate's h in dh/dv = rate (I - w h^T) is h itself, or
+    ahead of it: see `newton.ahead`.
+    """
+
+    time: float  # dx/dv_x = dz/dv_z, s: how the hip's place follows from its velocity
+    ahead_x: float  # w - h
+    ahead_z: float
+
+
+class Turning(NamedTuple):
+    """How the directions of motion of both feet turn, where Newton's method has to follow that."""
+
+    on: bool
+    left_x: float  # w of a foot
+    left_z: float
+    right_x: float
+    right_z: float
+
+
 class Contact(NamedTuple):
     """Of both feet with the sand."""
 
     left: Force
     right: Force
+    turning: Turning  # of the stage that ends there
 
 
 class Integrals(NamedTuple):
@@ -146,6 +170,12 @@ overload(borrowed, jit_options=INLINE)(lambda array: lambda array: unowned(array
 def no_force():
     """Of a foot in the air."""
     return Force(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@inlined
+def no_turning():
+    """Directions of motion that plain Newton steps follow."""
+    return Turning(False, 0.0, 0.0, 0.0, 0.0)
 
 
 @inlined

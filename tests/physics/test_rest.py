@@ -15,7 +15,7 @@ from footopt.errors import SettingError
 from footopt.walk import discretize
 from footopt.walk.contact import contact
 from footopt.walk.discretize import MOST_BYTES, bristle_bytes, sole_of, world
-from footopt.walk.state import COUNTS, Motion
+from footopt.walk.state import COUNTS, Implicit, Motion
 
 simulated = import_module("footopt.walk.simulate")  # a function of this name hides it
 STILL = fo.Gait.human(start=math.inf)
@@ -105,7 +105,7 @@ def test_the_plates_forces_add_up_to_the_walks(ramp_foot):
 
 @njit(error_model="numpy")
 def felt(world, soles, poses, hip, slip, stage, before, counts):
-    return contact(world, soles, poses, hip, slip, stage, before, counts)
+    return contact(world, soles, poses, hip, slip, (stage, stage), before, counts)
 
 
 @pytest.mark.parametrize("effects", [(), (fo.LeadingEdge(),)], ids=["plain", "leading edge"])
@@ -116,10 +116,10 @@ def test_the_force_has_its_analytic_derivative_where_plates_stick_and_where_they
     poses = np.zeros((2, 7))
     poses[:, 4], poses[0, 1], poses[1, 1], poses[0, 6] = 1.0, -0.02, 1.0, 1e-3
     before = np.random.default_rng(2).uniform(-0.6, 0.6, (2, 2, len(sole_of(plates).x)))
-    stage, counts = 1e-3, np.zeros(1, COUNTS)[0]
+    stage, counts = Implicit(1e-3, 0.0, 0.0), np.zeros(1, COUNTS)[0]
 
     def left(vx, vz):
-        slip, hip = constants.bristle_length / stage, Motion(stage * vx, stage * vz, vx, vz)
+        slip, hip = constants.bristle_length / stage.time, Motion(stage.time * vx, stage.time * vz, vx, vz)
         return felt(constants, sole_of(plates), poses, hip, slip, stage, before, counts).left
 
     for vx, vz in ((2e-4, -1e-4), (5e-3, -0.02)):

@@ -18,7 +18,7 @@ from footopt.effects import laws
 from footopt.effects.dual import placed, positive
 from footopt.walk.contact import direction, foot_force, kinematics, resistance
 from footopt.walk.discretize import sole_of, world
-from footopt.walk.state import LANES, Ankle
+from footopt.walk.state import LANES, Ankle, Implicit
 
 #: Floating-point instructions of LLVM, and calls of its mathematical functions.
 OPERATION = re.compile(r"= (?:tail )?(fadd|fsub|fmul|fdiv|fneg|fcmp|select|call[^@]*@llvm\.\w+)\b")
@@ -50,7 +50,7 @@ def operations(compiled, *on):
     scene = fo.Scene(effects=on)
     plates = fo.Foot.from_waypoints([3, 5] * 5 + [3]).plates(64, directed=laws(scene.effects).directed)
     ankle = Ankle(0.1, -0.1, 0.3, -0.2, math.cos(0.1), math.sin(0.1), 0.5)
-    arguments = world(scene, fo.Accuracy()), sole_of(plates), ankle, 1e-3
+    arguments = world(scene, fo.Accuracy()), sole_of(plates), ankle, Implicit(1e-3, 0.0, 0.0)
     result = compiled(*arguments)
     *_, text = compiled.inspect_llvm().values()
     assert "fmul" in text

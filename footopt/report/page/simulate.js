@@ -3,7 +3,7 @@
 // --- one step: footopt/walk/newton.py, footopt/walk/steppers/sdirk2.py -----------------------------------------
 
 const spare = new Float64Array(7);
-const implicit = { vx: 0, vz: 0, force: new Float64Array(14) };
+const implicit = { vx: 0, vz: 0, force: new Float64Array(14), turning: null };
 
 /** Mean speed of a foot's plates, |P| / |F|: longer where it carries little of the force on both feet. */
 function meanSpeed(F, o, both) {
@@ -11,67 +11,93 @@ function meanSpeed(F, o, both) {
   return force === 0 ? Infinity : (Math.abs(F[o + 2]) / force) * Math.sqrt(both / force);
 }
 
+/** Both feet's w after a step of Newton's method, from their directions at its beginning. */
+function turned(w, h, dvx, dvz) {
+  return h.flatMap(([hx, hz, q], foot) => {
+    const along = hx * dvx + hz * dvz, x = hx + q * (dvx - w[2 * foot] * along), z = hz + q * (dvz - w[2 * foot + 1] * along);
+    const size = Math.max(1, Math.sqrt(x * x + z * z) / P.accuracy.inside);
+    return [x / size, z / size];
+  });
+}
+
+/** The hip's velocity with which the foot that sticks moves as w says. */
+function sticking(sole, poses, p, x, z, vx, vz, w) {
+  const left = w[0] * w[0] + w[1] * w[1], right = w[2] * w[2] + w[3] * w[3];
+  const foot = left === 0 || (right > 0 && right < left) ? 1 : 0, square = foot ? right : left;
+  const plate = deepestPlate(sole, poses, p + 7 * foot, x, z, vx, vz), speed = P.accuracy.creep / Math.sqrt(1 - square);
+  if (!plate.touches || square > P.accuracy.sticks * P.accuracy.sticks) return [vx, vz];
+  return [vx + speed * w[2 * foot] - plate.vx, vz + speed * w[2 * foot + 1] - plate.vz];
+}
+
+const PLAIN = 0, AHEAD = 1, DAMPED = 2; // steps of Newton's method
 /** Velocity V of an implicit stage, V = v0 + c a(r0 + c V, V), by Newton's method from a guess; whether it was found. */
-function solveStage(W, sole, poses, p, x0, z0, vx0, vz0, c, vx, vz) {
-  const { newton, most, rescue: mostRescue, gated, creep: least } = P.accuracy, F = implicit.force, inv = c / W.mass;
-  const { tilt, g } = P.gravity;
-  let guessX = vx, guessZ = vz, creep = least, best = Infinity, tries = 0, rescue = false, ratio = 0.25;
-  let solvedAt = Infinity, viscous = Infinity, dvx = 0, dvz = 0;
-  for (let i = 0; i < mostRescue; i++) {
-    contact(W, sole, poses, p, x0 + c * vx, z0 + c * vz, vx, vz, creep, c, F);
+function solveStage(W, sole, poses, p, x0, z0, vx0, vz0, c, vx, vz, turning) {
+  const { newton, most, patience, close, gated, creep } = P.accuracy, F = implicit.force, inv = c / W.mass, { tilt, g } = P.gravity;
+  const feet = (vx, vz) => directions(sole, poses, p, x0 + c * vx, z0 + c * vz, vx, vz, creep);
+  let w = turning, mode = PLAIN, idle = 0, best = Infinity, dvx = 0, dvz = 0, h;
+  const far = (h) => h.reduce((sum, [hx, hz], foot) => sum + Math.abs(w[2 * foot] - hx) + Math.abs(w[2 * foot + 1] - hz), 0);
+  if (w && far(feet(vx, vz)) > close) {
+    mode = AHEAD;
+    [vx, vz] = sticking(sole, poses, p, x0 + c * vx, z0 + c * vz, vx, vz, w);
+  }
+  let bestX = vx, bestZ = vz;
+  const backTrack = () => { // half of the way
+    dvx *= 0.5;
+    dvz *= 0.5;
+    vx -= dvx;
+    vz -= dvz;
+    if (Math.abs(dvx) + Math.abs(dvz) < 1e-13 * (1 + Math.abs(vx) + Math.abs(vz))) best = Infinity;
+  };
+  for (let i = 0; i < most; i++) {
+    if (mode === AHEAD) h = feet(vx, vz);
+    const ahead = mode === AHEAD ? h.flatMap(([hx, hz], foot) => [w[2 * foot] - hx, w[2 * foot + 1] - hz]) : undefined;
+    contact(W, sole, poses, p, x0 + c * vx, z0 + c * vz, vx, vz, creep, c, F, ahead);
     const rx = vx - (tilt === null ? vx0 : vx0 + c * tilt) - inv * (F[0] + F[7]), rz = vz - vz0 - inv * (F[1] + F[8]) + c * g;
     const residual = rx * rx + rz * rz;
-    tries++;
-    if (residual > best && tries <= most) { // go back half of the way
-      dvx *= 0.5;
-      dvz *= 0.5;
-      vx -= dvx;
-      vz -= dvz;
-      if (Math.abs(dvx) + Math.abs(dvz) < 1e-13 * (1 + Math.abs(vx) + Math.abs(vz))) best = Infinity;
+    if (residual <= best) {
+      best = residual;
+      bestX = vx;
+      bestZ = vz;
+      idle = 0;
+    } else if (mode === PLAIN) {
+      h = feet(vx - dvx, vz - dvz);
+      w = turned(h.flatMap(([hx, hz]) => [hx, hz]), h, dvx, dvz);
+      mode = far(feet(vx, vz)) > close ? AHEAD : DAMPED; // ahead: the same velocity again, with the w that the step has led to
+      if (mode === DAMPED) backTrack();
       continue;
-    }
-    if (tries > most || !(residual < 1e18)) { // from a creep speed so large that the law is viscous, then smaller ones
-      if (!rescue) {
-        rescue = true;
-        creep = viscous = 10 * (1 + Math.abs(guessX) + Math.abs(guessZ));
-      } else {
-        ratio = Math.sqrt(ratio);
-        if (ratio > 0.97 || creep === viscous) break;
-        creep = Math.max(ratio * solvedAt, least);
-      }
-      vx = guessX;
-      vz = guessZ;
+    } else if (mode === AHEAD && idle < patience) {
+      idle++;
+    } else if (mode === AHEAD) {
+      mode = DAMPED;
+      vx = bestX;
+      vz = bestZ;
+      dvx = dvz = 0;
       best = Infinity;
-      tries = 0;
+      continue;
+    } else {
+      backTrack();
       continue;
     }
-    best = residual;
     const jxx = 1 - inv * (F[3] + F[10]), jxz = -inv * (F[4] + F[11]), jzx = -inv * (F[5] + F[12]), jzz = 1 - inv * (F[6] + F[13]);
     const det = 1 / (jxx * jzz - jxz * jzx);
     dvx = (jxz * rz - jzz * rx) * det;
     dvz = (jzx * rx - jxx * rz) * det;
+    if (mode === AHEAD) w = turned(w, h, dvx, dvz);
     vx += dvx;
     vz += dvz;
     const size = Math.abs(dvx) + Math.abs(dvz), rounding = 1e-13 * (1 + Math.abs(vx) + Math.abs(vz));
     const force = Math.abs(F[0]) + Math.abs(F[1]) + (Math.abs(F[7]) + Math.abs(F[8]));
-    const speed = rescue || force === 0 ? creep : creep + Math.min(meanSpeed(F, 0, force), meanSpeed(F, 7, force));
+    const speed = force === 0 ? creep : creep + Math.min(meanSpeed(F, 0, force), meanSpeed(F, 7, force));
     const enough = gates.length ? Math.min(newton * speed, gated * creep) : newton * speed;
     if (size <= rounding || (force > 0 && size <= enough + rounding)) {
-      if (creep === least) {
-        implicit.vx = vx;
-        implicit.vz = vz;
-        for (const o of [0, 7]) { // carried along the last step, to first order
-          F[o] += F[o + 3] * dvx + F[o + 4] * dvz;
-          F[o + 1] += F[o + 5] * dvx + F[o + 6] * dvz;
-        }
-        return true;
+      implicit.vx = vx;
+      implicit.vz = vz;
+      implicit.turning = mode === AHEAD ? w : null;
+      for (const o of [0, 7]) { // carried along the last step, to first order
+        F[o] += F[o + 3] * dvx + F[o + 4] * dvz;
+        F[o + 1] += F[o + 5] * dvx + F[o + 6] * dvz;
       }
-      guessX = vx;
-      guessZ = vz;
-      solvedAt = creep;
-      creep = Math.max(ratio * creep, least);
-      best = Infinity;
-      tries = 0;
+      return true;
     }
   }
   return false;
@@ -89,30 +115,24 @@ function accumulate(sums, weight, z, vx, vz, F) {
   sums[3] += weight * Math.max(left, 0) + weight * Math.max(right, 0);
 }
 
-/** A velocity to begin Newton's method with: that of before, with its change unless the walker stands. */
-function guess(vx, vz, changeX, changeZ) {
-  const { stands, creep } = P.accuracy;
-  const still = Math.abs(vx) + Math.abs(vz) < stands * creep && Math.abs(changeX) + Math.abs(changeZ) > creep;
-  return still ? [vx, vz] : [vx + changeX, vz + changeZ];
-}
-
 /** The state at t + h out of that at t, into `after`; whether the step could be made. */
 function sdirk2(W, sole, poses, p, now, after, h) {
   const { gamma } = P.accuracy, c = gamma * h, r = (1 - gamma) * h, { x, z, vx, vz } = now;
   const ax = accelX(W, now.force), az = accelZ(W, now.force);
   after.sums.set(now.sums);
-  if (!solveStage(W, sole, poses, p, x, z, vx, vz, c, ...guess(vx, vz, c * ax, c * az))) return false;
+  if (!solveStage(W, sole, poses, p, x, z, vx, vz, c, vx + c * ax, vz + c * az, now.turning)) return false;
   const ux = implicit.vx, uz = implicit.vz, bx = accelX(W, implicit.force), bz = accelZ(W, implicit.force);
   accumulate(after.sums, r, z + c * uz, ux, uz, implicit.force);
   const x1 = x + r * ux, z1 = z + r * uz;
   // the guess follows the change of acceleration so far, to the end of the step
-  const whole = guess(ux, uz, r * (bx + (bx - ax)), r * (bz + (bz - az)));
-  const solved = solveStage(W, sole, poses, p + 14, x1, z1, vx + r * bx, vz + r * bz, c, ...whole);
+  const guessX = ux + r * (bx + (bx - ax)), guessZ = uz + r * (bz + (bz - az));
+  const solved = solveStage(W, sole, poses, p + 14, x1, z1, vx + r * bx, vz + r * bz, c, guessX, guessZ, implicit.turning);
   after.vx = implicit.vx;
   after.vz = implicit.vz;
   after.x = x1 + c * implicit.vx;
   after.z = z1 + c * implicit.vz;
   after.force.set(implicit.force);
+  after.turning = implicit.turning;
   accumulate(after.sums, c, after.z, implicit.vx, implicit.vz, implicit.force);
   return solved;
 }
@@ -157,7 +177,7 @@ const TRACE = 13, EVERY = 2; // steps: forces along soles cost as much as one of
 /** Walk with plates: why it failed, its raw results, rows of `TRACE` numbers, and the forces along both soles at some of their times. */
 function walkPlates(sole, zeta, mass, dt = P.accuracy.dt, repeat = 0) {
   const W = world(zeta, mass), { times, finest, tables, poses, pose0 } = motion(dt), { control } = P.accuracy;
-  let [now, after] = [0, 1].map(() => ({ x: 0, z: 0, vx: 0, vz: 0, force: new Float64Array(14), sums: new Float64Array(4) }));
+  let [now, after] = [0, 1].map(() => ({ x: 0, z: 0, vx: 0, vz: 0, force: new Float64Array(14), sums: new Float64Array(4), turning: null }));
   const { parts, of } = groups(sole.x.length), most = (times.length - 1) << finest, rows = new Float64Array(TRACE * most);
   const when = [], arrows = new Float64Array(4 * parts * (Math.ceil(most / EVERY) + 1));
   const height = staticHeight(W, sole, pose0), strike = P.strike ?? Infinity;

@@ -12,7 +12,7 @@ import math
 from typing import NamedTuple
 
 from footopt.walk.bristles import first_stage, next_step, second_stage, whole_step
-from footopt.walk.newton import guess, solve_stage
+from footopt.walk.newton import solve_stage
 from footopt.walk.state import State, moved
 from footopt.walk.steppers.base import STEPPERS, Stepper, acceleration, accumulate
 
@@ -23,8 +23,8 @@ class ImplicitEuler(NamedTuple):
     def step(self, world, sole, poses, state, h, counts):
         """One implicit stage, the end of the step."""
         start, (ax, az) = state.hip, acceleration(world, state.contact)
-        gx, gz = guess(world.creep, start.vx, start.vz, h * ax, h * az)
-        end = solve_stage(world, sole, poses[0], start, h, gx, gz, whole_step(state.bristles), counts)
+        gx, gz, whole = start.vx + h * ax, start.vz + h * az, whole_step(state.bristles)
+        end = solve_stage(world, sole, poses[0], start, h, gx, gz, whole, state.contact.turning, counts)
         sums = accumulate(state.integrals, h, end.hip, end.contact)
         return State(end.hip, end.contact, sums, next_step(state.bristles), end.solved)
 
@@ -39,17 +39,16 @@ class SDIRK2(NamedTuple):
         c, r = self.gamma * h, (1.0 - self.gamma) * h
         start, (ax, az) = state.hip, acceleration(world, state.contact)
         half, whole = first_stage(state.bristles, r / c), second_stage(state.bristles)
-        gx, gz = guess(world.creep, start.vx, start.vz, c * ax, c * az)
-        one = solve_stage(world, sole, poses[0], start, c, gx, gz, half, counts)
+        gx, gz = start.vx + c * ax, start.vz + c * az
+        one = solve_stage(world, sole, poses[0], start, c, gx, gz, half, state.contact.turning, counts)
         if not one.solved:
             return State(start, state.contact, state.integrals, state.bristles, False)
         sums = accumulate(state.integrals, r, one.hip, one.contact)
         bx, bz = acceleration(world, one.contact)
         middle = moved(start, r, one.hip.vx, one.hip.vz, bx, bz)
         # the guess follows the change of acceleration so far, to the end of the step
-        dvx, dvz = r * (bx + (bx - ax)), r * (bz + (bz - az))
-        gx, gz = guess(world.creep, one.hip.vx, one.hip.vz, dvx, dvz)
-        two = solve_stage(world, sole, poses[1], middle, c, gx, gz, whole, counts)
+        gx, gz = one.hip.vx + r * (bx + (bx - ax)), one.hip.vz + r * (bz + (bz - az))
+        two = solve_stage(world, sole, poses[1], middle, c, gx, gz, whole, one.contact.turning, counts)
         sums = accumulate(sums, c, two.hip, two.contact)
         return State(two.hip, two.contact, sums, next_step(state.bristles), two.solved)
 
