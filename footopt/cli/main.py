@@ -130,9 +130,8 @@ def _jobs(config: DictConfig, name: str) -> Iterator[tuple[str, DictConfig, list
         for override in OverridesParser.create().parse_overrides([*own, *task_overrides(config.hydra)])
     ]
     for number, overrides in enumerate(map(list, itertools.product(*values))):
-        settings = compose(
-            name, [*task_overrides(config.hydra, "hydra"), *overrides], return_hydra_config=True
-        )
+        every = [*task_overrides(config.hydra, "hydra"), *overrides]
+        settings = compose(name, every, return_hydra_config=True)
         with open_dict(settings):
             settings.hydra.job.num, settings.hydra.job.id = number, str(number)
         yield str(OmegaConf.select(settings, "hydra.sweep.subdir")), settings, overrides

@@ -53,8 +53,7 @@ def translate(error: BaseException, overrides: Sequence[str]) -> FootoptError | 
         return FootoptError(f"{bad}: {_syntax(*bad.partition('='))}")
     if "Config group override must be" in text:  # footopt sand=2.5
         group, choice = next((name, given[name]) for name in given if name in groups())
-    # footopt sand.zeta=1,2
-    if text.startswith("Ambiguous value for argument"):
+    if text.startswith("Ambiguous value for argument"):  # footopt sand.zeta=1,2
         name, _, value = (override := text.split("'")[1]).partition("=")
         hint = f"For a list: '{name}=[{value}]'. For a run of each: footopt -m {override}"
         return SettingError(name, value, "one value", hint)

@@ -42,9 +42,7 @@ TRUST, FORCE = "--trust", "--force"
 CODE, WRITTEN = ("plugins", "engine.address"), ("study.store", "study.video")
 
 
-def execute(
-    settings: Mapping[str, Any], folder: Path, overrides: Sequence[str], resumed: bool = False
-) -> Any:
+def execute(settings: Mapping[str, Any], folder: Path, given: Sequence[str], resumed: bool = False) -> Any:
     """Run the study of some resolved settings in a folder: see `footopt.studies.run_study`.
 
     A run that is stopped, or loses its workers, says how to go on.
@@ -52,7 +50,7 @@ def execute(
     hint = f"; go on with: footopt resume={shlex.quote(str(folder))}"
     try:
         config: Any = OmegaConf.to_object(structured(settings))  # refuses what + has added
-        return studies.run_study(config, folder, absolute(settings), overrides, resumed)
+        return studies.run_study(config, folder, absolute(settings), given, resumed)
     except EngineError as error:
         raise FootoptError(f"{error} All finished generations are in the store{hint}") from None
     except KeyboardInterrupt as stop:
@@ -68,7 +66,7 @@ def remove_empty_run(folder: Path, overrides: Sequence[str]) -> None:
 
 
 def run(overrides: Sequence[str] = (), folder: str | Path | None = None) -> Run:
-    """Do what ``footopt WORDS`` does, in this process, and return the run.
+    """Run ``footopt OVERRIDES`` in this process.
 
     Parameters
     ----------
@@ -100,11 +98,8 @@ def run(overrides: Sequence[str] = (), folder: str | Path | None = None) -> Run:
             settings = compose("config", hydra_overrides(given), return_hydra_config=True)
             there = Path(folder or settings.hydra.run.dir).expanduser().absolute()
             plain = resolved(settings, given)
-        execute(
-            plain,
-            there,
-            [one for one in hydra_overrides(given) if not one.startswith("hydra.")],
-        )
+        own = [one for one in hydra_overrides(given) if not one.startswith("hydra.")]
+        execute(plain, there, own)
     except Exception as error:
         if there and not folder:
             remove_empty_run(there, given)

@@ -98,7 +98,7 @@ def run(study: Study) -> None:
             **scene_entry(scene, CONVERGED, MEASURED),
             "presets": [m.row for m in presets],
         },
-        said=[_describe(m, others) for m in presets],
+        summary=[_describe(m, others) for m in presets],
         about=[about],
     )
 

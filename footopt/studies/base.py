@@ -213,12 +213,12 @@ class Study:
         title: str,
         tables: Sequence[Table],
         content: Mapping[str, Any],
-        said: Sequence[str | Text] = (),
+        summary: Sequence[str | Text] = (),
         about: Sequence[str] = (),
         warnings: Sequence[str] = (),
         footer: Mapping[str, Any] | None = None,
     ) -> None:
-        """Write result.json and report.html, then print the tables, what is said, and where all is.
+        """Write result.json and report.html, then print the tables, the summary, and where all is.
 
         Parameters
         ----------
@@ -228,7 +228,7 @@ class Study:
             For the terminal and the page.
         content : dict
             The study's own part of result.json.
-        said : sequence of str or rich.text.Text
+        summary : sequence of str or rich.text.Text
             What follows from the tables, a paragraph each.
         about, warnings : sequence of str
             For the page alone: what the terminal has shown before, or shows as an error.
@@ -241,10 +241,10 @@ class Study:
             A file cannot be written; nothing is printed then.
         """
         record = self.write_result(content) | dict(footer or {})
-        headline = [*about, *map(str, said)]
+        headline = [*about, *map(str, summary)]
         if self.wants_report:
             page.write_study(self.folder, title, headline, self._captions, tables, record, warnings)
-        self.say(*tables, *said)
+        self.say(*tables, *summary)
         self.close()
 
     def close(self) -> None:

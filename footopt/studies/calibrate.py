@@ -63,7 +63,7 @@ def run(study: Study) -> None:
             "set_ups": [{"name": name, **zeta._asdict()} for name, zeta in found.set_ups.items()],
             "warnings": found.warnings,
         },
-        said=[
+        summary=[
             f"{len(found.depth)} measurements {depths} mm deep, in {len(found.repeats)} repeats and "
             f"{len(found.set_ups)} set-ups.",
             f"Design for it: {use}{'' if found.spread is None else drawn}",

@@ -55,7 +55,7 @@ def run(study: Study) -> None:
             "audit": [a.entry | {"accuracy": own} for a, own in zip(found, walked, strict=True)],
             "called_for": sorted(name_of(a.effect) for a in found if a.matters),
         },
-        said=[a.verdict for a in found],
+        summary=[a.verdict for a in found],
     )
 
 

@@ -65,7 +65,7 @@ def run(study: Study) -> None:
             "files": {path.name: {"bytes": path.stat().st_size} for path in written},
             "notes": notes,
         },
-        said=[
+        summary=[
             f"{terminal.describe_foot(foot)}: {area:.0f} mm^2, {width:g} mm wide, {area * width:.0f} mm^3",
             *notes,
         ],

@@ -143,7 +143,7 @@ def run(study: Study) -> None:
             "seed": solver.seed,
             "evaluations": result.evaluations,
         },
-        said=[
+        summary=[
             f"Robust foot: {terminal.describe_foot(foot)}",
             *_remarks(names, compared, fresh),
             *terminal.describe_model([model]),

@@ -143,7 +143,7 @@ def run(study: Study) -> None:
             "stable": stable,
             "verdicts": [v.entry for row in found for v in row],
         },
-        said=["Where a method is not stable: the measure that is furthest beyond its limit."],
+        summary=["Where a method is not stable: the measure that is furthest beyond its limit."],
     )
 
 

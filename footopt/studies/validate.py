@@ -56,7 +56,7 @@ def run(study: Study) -> None:
         "The law against experiments",
         [table],
         {"counts": counts(found), "comparisons": [entry(c) for c in found]},
-        said=[summary(found)],
+        summary=[summary(found)],
     )
 
 

@@ -20,7 +20,7 @@ def run(study):
     study.save("contour", figures.contour(study.foot), "The sole.")
     table = terminal.table(("hollow (mm)",))
     table.add_row(f"{study.options.times * study.foot.hollow:.1f}")
-    study.conclude("A sole", [table], {"hollow": study.foot.hollow}, said=["It is hollow."])
+    study.conclude("A sole", [table], {"hollow": study.foot.hollow}, summary=["It is hollow."])
 
 
 @dataclass

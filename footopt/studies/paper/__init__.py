@@ -62,7 +62,7 @@ def run(study: Study) -> None:
             **found,
             **scene_entry(own.crossed.scene, own.crossed.accuracy, tuple(OBJECTIVES)),
         },
-        said=(f"{summary(found)}.",),
+        summary=(f"{summary(found)}.",),
     )
 
 
