@@ -19,7 +19,7 @@ from footopt.walk.resolution import resolution
 
 BY_NAME = {case.name: case for case in CASES}
 PAN = "a hard pan under soft sand"  # an impact of microseconds
-BEYOND = (PAN, "1 mg", "a noisy contour of 5000 points")  # more than plates or steps of `standard` resolve
+BEYOND = (PAN, "a noisy contour of 5000 points")  # more than plates or steps of `standard` resolve
 LONG = [n for n, case in BY_NAME.items() if "effects" in case.changes or n.startswith("ten minutes")]
 
 
