@@ -74,6 +74,12 @@ class _Cache(FunctionCache):  # type: ignore[misc]  # numba has no types
             super().save_overload(sig, data)
 
 
+def sources() -> list[Path]:
+    """The files that compiled code is made of."""
+    rooms = (Path(__file__).parent / name for name in SOURCES)
+    return [Path(__file__), *sorted(path for room in rooms for path in room.rglob("*.py"))]
+
+
 @cache
 def cache_folder() -> str | None:
     """Where compiled code is kept: a folder of the user alone for these sources; None if it has no place.
@@ -82,8 +88,7 @@ def cache_folder() -> str | None:
     files count, as they do for numba: in one folder no file is ever given to another signature.
     """
     digest = hashlib.sha256(f"{numba.__version__} {llvmlite.__version__}".encode())
-    rooms = (Path(__file__).parent / name for name in SOURCES)
-    for path in [Path(__file__), *sorted(path for room in rooms for path in room.rglob("*.py"))]:
+    for path in sources():
         digest.update(f"{path} {path.stat().st_mtime_ns}".encode() + path.read_bytes())
     base = Path(
         config.CACHE_DIR or Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser() / "footopt"

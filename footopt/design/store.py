@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from footopt.compiled import sources
 from footopt.design.problem import Array, FootProblem
 from footopt.errors import FileError, flat, named
 from footopt.walk.objectives import MEASURES
@@ -278,7 +279,9 @@ def context(problem: FootProblem) -> dict[str, Any]:
 @cache
 def _versions() -> dict[str, str]:
     names = ("footopt", "numpy", "scipy", "numba", "llvmlite")
-    return {name: version(name) for name in names} | {"python": "{}.{}".format(*sys.version_info)}
+    digest = hashlib.sha256(b"".join(path.read_bytes() for path in sources())).hexdigest()[:16]
+    found = {name: version(name) for name in names} | {"python": "{}.{}".format(*sys.version_info)}
+    return found | {"sources": digest}  # an edit of footopt's own does not change its version
 
 
 @cache

@@ -40,7 +40,7 @@ from footopt.foot.foot import points_of
 from footopt.foot.plates import CORNER
 from footopt.gait import Gait
 from footopt.walk.accuracy import MOST_PLATES, Accuracy
-from footopt.walk.own_code import compiled
+from footopt.walk.own_code import compiled_for
 from footopt.walk.scene import Scene, Walker
 from footopt.walk.state import LANES
 
@@ -209,7 +209,7 @@ def _under_feet(scene: Scene, feet: Sequence[Foot]) -> list[float]:
         way = np.linspace(0.0, scale.distance, PLACES)
         place = float(way[np.argmax(effects.load(loads, np.full(PLACES, scale.depth), way))])
     area = scene.walker.mass * scene.gravity[1] / (scale.stress * np.array([foot.width for foot in feet]))
-    found: list[float] = compiled(standing_plates, loads or ())(points, area, loads, place).tolist()
+    found: list[float] = compiled_for(standing_plates, loads or ())(points, area, loads, place).tolist()
     return found
 
 

@@ -14,7 +14,7 @@ from footopt.compiled import inlined
 from footopt.walk.bristles import beginning, bristles_at_start, record
 from footopt.walk.contact import contact
 from footopt.walk.metrics import no_extremes, raw_of, sample_of, sinkage_of, step_error, updated
-from footopt.walk.own_code import compiled
+from footopt.walk.own_code import compiled_for
 from footopt.walk.standing import static_height
 from footopt.walk.state import (
     Contact,
@@ -84,8 +84,9 @@ def walk_designs(method, soles, world, course, out, begin, end):
 def _walk_design(method, sole, world, course, out, count):
     """One design's last state, its extremes and its status.
 
-    Where a stage is not solved the step is halved here as long as it can be;
-    then the walk has diverged, and `simulate` repeats it with shorter steps.
+    A stage that Newton's method does not solve (`newton.solve_stage`) leaves the step unsolved, which is then
+    halved as long as it can be, as one with too large an error is. Then the walk has diverged, and
+    `simulate` repeats it with a quarter of the time step, three times at most.
     """
     times, control, poses = course.times, course.control, course.poses
     steps, finest = len(times) - 1, course.finest
@@ -157,7 +158,7 @@ def _trace(out, row, t, state):
 
 def walk_range(stepper: Any, soles: Sole, world: World, *rest: Any) -> None:
     """`walk_designs`, compiled for the stepper and the effects of a scene."""
-    compiled(walk_designs, world.effects.all, stepper)(stepper, soles, world, *rest)
+    compiled_for(walk_designs, world.effects.all, stepper)(stepper, soles, world, *rest)
 
 
 def both_feet(world, sole, poses, hip, turning_speed, stage, counts):

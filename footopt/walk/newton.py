@@ -11,8 +11,8 @@ from footopt.walk.bristles import update_bristles
 from footopt.walk.contact import Direction, bristles_between, contact, direction, in_world, kinematics
 from footopt.walk.state import Contact, Force, Implicit, Motion, Turning, ankle_of, no_force, no_turning
 
-MAX_NEWTON = 40  # contact evaluations of one implicit stage
-PATIENCE = 4  # of them ahead of h without a smaller residual, before Newton's method goes on from the best
+MAX_NEWTON = 100  # contact evaluations of one implicit stage
+PATIENCE = 8  # of them ahead of h without a smaller residual, before Newton's method goes on from the best
 NEAR = 0.1  # |w_x - h_x| + |w_z - h_z| of both feet, within which no foot has turned over
 INSIDE = 0.999  # |w| at most
 STICKS = 0.995  # |w| at most, of a foot whose velocity is known from w

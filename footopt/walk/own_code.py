@@ -52,7 +52,7 @@ def _compiled(function: Callable[..., Any], key: str, compiler: Callable[..., An
     return compiler(nogil=True, error_model="numpy")(function)
 
 
-def compiled(function: Callable[..., Any], laws: Sequence[Any], stepper: Any = None) -> Any:
+def compiled_for(function: Callable[..., Any], laws: Sequence[Any], stepper: Any = None) -> Any:
     """A function that takes the laws of effects, compiled.
 
     With a user's own effect or stepper it is not kept on disk: what is kept there is read by every process,

@@ -14,7 +14,7 @@ from footopt.gait.gait import Pose
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.contact import TURN, in_world, plate_force
 from footopt.walk.discretize import sole_of, world
-from footopt.walk.own_code import compiled
+from footopt.walk.own_code import compiled_for
 from footopt.walk.scene import Scene
 from footopt.walk.state import Motion, ankle_of
 
@@ -39,7 +39,7 @@ class PlateStates:
 
     @property
     def total(self) -> Array:
-        """F = sum of f over the plates of a foot, (M, 2 feet, 2), N: the paper's eq. 2."""
+        """F = sum of f over the plates of a foot, (M, 2 feet, 2), N, as `contact.foot_force` has it."""
         return np.asarray(self.force.sum(axis=2))
 
     @property
@@ -80,7 +80,9 @@ def plate_states(
         h0 = np.zeros((*pose.x.shape, 2, len(sole.x)))
         h0[..., :count] = np.moveaxis(bristles, 3, 2)
     turning_speed = creep if h0 is None else np.inf  # m/s: bristles stay as they are
-    compiled(each_plate, constants.effects.all)(constants, sole, pose.table(), hip, turning_speed, h0, out)
+    compiled_for(each_plate, constants.effects.all)(
+        constants, sole, pose.table(), hip, turning_speed, h0, out
+    )
     place, moves, force, normal = (out[:, :, :count, i : i + 2] for i in range(0, 8, 2))
     slip = np.hypot(creep, TURN * float(sole.span) * pose.rate)
     return PlateStates(place, moves, force, normal, plates.area[0], slip)

@@ -41,7 +41,7 @@ class Table:
     evaluations, plates : (designs,), int
         Evaluations of the contact, and of plates in them.
     rescues : (designs,), int
-        Implicit stages in which Newton's method had to go back and shorten its steps.
+        Implicit stages in which primal-dual steps led nowhere, and plain ones were halved.
     shortened : (designs,), int
         Steps under control that were repeated with half their length.
     repeats : (designs,), int

@@ -17,8 +17,8 @@ Array = NDArray[np.float64]
 LANES = 8  # plates are padded to a multiple of this, and summed in such blocks
 
 #: Counts of a walk: evaluations of the contact, of plates in it, stages in which Newton's
-#: method had to go back, steps
-#: that were repeated with half their length, and how often the whole walk was, with a quarter of it.
+#: steps ahead of h led nowhere, steps that were repeated with half their length, and how often the whole walk
+#: was, with a quarter of it.
 COUNTS = np.dtype([(name, np.int64) for name in ("evaluations", "plates", "rescues", "shortened", "repeats")])
 
 

@@ -19,7 +19,7 @@ from footopt.foot import as_plates
 from footopt.walk.balances import energy_gap, momentum_gap
 from footopt.walk.discretize import NEWTON, sole_of, world
 from footopt.walk.loop import both_feet
-from footopt.walk.own_code import compiled
+from footopt.walk.own_code import compiled_for
 from footopt.walk.state import COUNTS, Motion
 
 
@@ -70,7 +70,7 @@ class TestContact:
         pose = scene.gait.pose([t], scene.walker.l1, scene.walker.l2).table()[0]
         counts, constants = np.zeros(1, COUNTS)[0], world(scene, accuracy)
         state = constants, sole_of(plates), pose, Motion(x, z, vx, vz), accuracy.creep, None, counts
-        out = np.array(compiled(both_feet, laws(scene.effects).all)(*state)[:2])
+        out = np.array(compiled_for(both_feet, laws(scene.effects).all)(*state)[:2])
         tolerance = 1e-10 * (1.0 + np.abs(states.force).sum())
         np.testing.assert_allclose(states.force[0].sum(axis=1), out[:, :2], rtol=0, atol=tolerance)
         power = states.power[0].sum(axis=1)

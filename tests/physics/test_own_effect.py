@@ -12,7 +12,7 @@ from numba.core.caching import NullCache
 from footopt.effects import laws
 from footopt.errors import SettingError
 from footopt.walk.loop import walk_designs
-from footopt.walk.own_code import compiled
+from footopt.walk.own_code import compiled_for
 from footopt.walk.steppers import STEPPERS
 
 OWN = """
@@ -63,7 +63,7 @@ class TestAnEffectOfOnesOwn:
     def test_is_never_kept_on_disk(self, own):
         """Compiled code there cannot outlive an effect that was edited, nor reach a process without it."""
         stepper = STEPPERS["sdirk2"].parameters
-        kept, not_kept = (compiled(walk_designs, on, stepper) for on in ((), (own.Damp().law,)))
+        kept, not_kept = (compiled_for(walk_designs, on, stepper) for on in ((), (own.Damp().law,)))
         assert isinstance(not_kept._cache, NullCache)
         assert not isinstance(kept._cache, NullCache)
 

@@ -304,3 +304,13 @@ class TestUnusableFiles:
             assert "study.store." in str(error.value)  # what to try
         assert path.read_bytes() == before
         assert [p.name for p in path.parent.iterdir()] == [path.name]
+
+
+def test_an_edit_of_footopts_own_code_is_other_code(tmp_path, monkeypatch):
+    """Its version stays the same until a release."""
+    file, found = tmp_path / "contact.py", []
+    monkeypatch.setattr(store_module, "sources", lambda: [file])
+    for text in ("f = a - M h", "f = a", "f = a - M h"):
+        file.write_text(text)
+        found.append(store_module._versions.__wrapped__())
+    assert found[0] == found[2] != found[1]
