@@ -26,15 +26,7 @@ from footopt.files.identity import Occupied
 from footopt.files.io import write_text
 from footopt.report import summary
 from footopt.studies.build import absolute
-from footopt.studies.runs import (
-    BUDGETS,
-    Run,
-    check_may_change,
-    check_resumable,
-    finished,
-    load,
-    result_of,
-)
+from footopt.studies.runs import BUDGETS, Run, check_may_change, check_resumable, finished, load, result_of
 from footopt.studies.settings import EngineConfig, searches, structured
 
 TRUST, FORCE = "--trust", "--force"
