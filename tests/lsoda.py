@@ -11,7 +11,7 @@ from footopt.sand import alpha
 def by_angles(beta, velocity, creep, stress_map):
     """Stress per depth on plates with angles beta (rad) that move, (..., 2), N/m^3, smoothed by creep.
 
-    What depends on gamma changes its sign with the direction of motion and the rest does not.
+    The terms in gamma change their sign with the direction of motion, the others do not.
     """
     vx, vz = velocity[..., 0], velocity[..., 1]
     gamma, speed = np.arctan2(-vz, vx), np.hypot(vx, vz)

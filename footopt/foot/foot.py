@@ -137,7 +137,8 @@ class Foot:
     @cached_property
     def arc_and_turns(self) -> tuple[Array, Array]:
         """Arc length (m) and turn (rad) of the contour at its points, each (m,)."""
-        return arc_and_turns(self.contour)  # type: ignore[no-any-return]
+        found: tuple[Array, Array] = arc_and_turns(self.contour)
+        return found
 
     def points(self, steps: int, parts: int = 1) -> Array:
         """Points at equal steps along the sole's arc, (steps parts + 1, 2), m; a step ends at each corner."""
@@ -186,12 +187,13 @@ def lower_hull(contour: Array) -> tuple[Array, float, float, float]:
 
 def points_of(feet: Sequence[Foot], steps: int, parts: int = 1) -> Array:
     """`Foot.points` of some feet, (feet, steps parts + 1, 2), m; those of one space at once."""
-    space, k = feet[0].space, [foot.k for foot in feet]
-    if space is not None and None not in k and all(foot.space == space for foot in feet):
-        return space.points(k, steps * parts)  # type: ignore[arg-type]
+    space, k = feet[0].space, [foot.k for foot in feet if foot.k is not None]
+    if space is not None and len(k) == len(feet) and all(foot.space == space for foot in feet):
+        return space.points(k, steps * parts)
     if len(feet) > 1:
         return np.concatenate([points_of([foot], steps, parts) for foot in feet])
-    return along_arc(feet[0].contour, *feet[0].arc_and_turns, steps, parts)[None]  # type: ignore[no-any-return]
+    points: Array = along_arc(feet[0].contour, *feet[0].arc_and_turns, steps, parts)
+    return points[None]
 
 
 def as_feet(feet: Any) -> Any:

@@ -54,7 +54,7 @@ class Plates(NamedTuple):
         rest = cls._along(cap(points, top, sole.x.shape[1]), ankle, width, 1, directed)
         pairs = zip(sole, rest, strict=True)
         both = (None if a is None or b is None else np.concatenate([a, b], axis=-1) for a, b in pairs)
-        return cls(*both)._replace(span=span)  # type: ignore[arg-type]
+        return cls._make(both)._replace(span=span)
 
     @classmethod
     def _along(cls, points: Array, ankle: Array, width: Array, parts: int, directed: bool) -> Plates:
@@ -65,7 +65,7 @@ class Plates(NamedTuple):
 
     def take(self, index: slice | NDArray[np.int64]) -> Plates:
         """The plates of some of the designs."""
-        return Plates(*(None if c is None else np.ascontiguousarray(c[index]) for c in self))  # type: ignore[arg-type]
+        return Plates._make(None if c is None else np.ascontiguousarray(c[index]) for c in self)
 
 
 @cached_njit(nogil=True, error_model="numpy")
