@@ -12,6 +12,7 @@ import os
 import pickle
 import re
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor, Executor
@@ -69,22 +70,26 @@ def _processes(workers: int) -> Iterator[Executor]:
     before = _leave_interrupts() if main else None
     try:
         # a worker that waits while another one compiles must not leave: loky's own timeout is 10 s
-        pool = get_reusable_executor(
-            workers, "loky_init_main", IDLE, initializer=_leave_interrupts, env={"NUMBA_NUM_THREADS": "1"}
-        )
+        options = {"initializer": _start_worker, "env": {"NUMBA_NUM_THREADS": "1"}}
+        pool = get_reusable_executor(workers, "loky_init_main", IDLE, initargs=(tuple(sys.path),), **options)
         pool.submit(os.getpid)  # starts the workers while Ctrl-C is ignored, which they inherit
     finally:
         if before is not None:
             signal.signal(signal.SIGINT, before)
     try:
-        yield pool  # the next `with` has the same workers
+        yield pool  # the next `with` has the same workers, unless plugins have come
     except BaseException:
         pool.shutdown(kill_workers=True)
         raise
 
 
+def _start_worker(places: tuple[str, ...]) -> None:
+    """Find the modules of plugins, and leave Ctrl-C, which all processes of a terminal get, to the search."""
+    sys.path[:] = places
+    _leave_interrupts()
+
+
 def _leave_interrupts() -> Any:
-    """Ignore Ctrl-C, which a terminal sends to all processes: it is the search that stops."""
     return signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 

@@ -11,6 +11,7 @@ import pytest
 from running import footopt
 
 import footopt as fo
+from footopt.design import make_executor
 from footopt.design.solvers import SINGLE, SOLVERS, Solver
 from footopt.design.store import context
 from footopt.effects import base as effects
@@ -133,6 +134,8 @@ class TestPlugins:
 def test_worker_processes_load_plugins_too(tmp_path):
     """With an effect and an objective of one's own, to the same last bit as in this process."""
     found = []
+    with make_executor("processes", 1) as executor:  # workers of another run of this session, without plugins
+        executor.submit(abs, 0).result()
     for engine in ("local", "processes"):
         folder = tmp_path / engine
         words = [
