@@ -188,7 +188,7 @@ def place(tmp_path_factory):
 PREAMBLE = """
 import numpy as np
 import footopt as fo
-from footopt.design import search
+from footopt.design import robust, search
 
 def small_search(problem, solver=None, *arguments, **options):
     if solver is None or isinstance(solver, str):  # an algorithm of pymoo has its own
@@ -196,9 +196,9 @@ def small_search(problem, solver=None, *arguments, **options):
     return search(problem, solver, *arguments, **options)
 
 def small_film(walk, path, **options):
-    return film(walk, path, **options | {"fps": 2})
+    return film(walk, path, **options | {"fps": 2, "speed": 1.0})
 
-fo.search = small_search
+fo.search = robust.search = small_search
 fo.animate, film = small_film, fo.animate
 """
 PYTHON = {

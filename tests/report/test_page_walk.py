@@ -48,7 +48,10 @@ def differences(walked, scene, accuracy, space, feet):
 
 
 def drawn(rng):
-    """A scene, an accuracy and a space as users could have them; three kernels walk them all."""
+    """A scene, an accuracy and a space as users could have them.
+
+    Three kernels walk them all, which other tests have compiled.
+    """
     kernel = int(rng.integers(3))
     effects = [
         fo.Slope(rng.uniform(-10, 10)),
@@ -75,7 +78,7 @@ def drawn(rng):
     n = int(rng.integers(4, 16))
     space = fo.Waypoints(n, int(rng.integers(2, 30)), rng.uniform(0.08, 0.18), rng.uniform(0.01, 0.05),
                          ankle=(rng.uniform(-0.05, 0.05), rng.uniform(0, 0.05)))  # fmt: skip
-    some = (effects, effects[::2], effects[1::2])[kernel]
+    some = (effects, effects[:1] + effects[4:], effects[3:4])[kernel]
     return fo.Scene(sand, gait, walker, effects=tuple(some)), accuracy, space
 
 

@@ -5,19 +5,12 @@ import json
 import numpy as np
 import pytest
 from browsers import Page, browser_needed
+from every_effect import ALL
 
 import footopt as fo
 from footopt.report import page
 from footopt.report.stage import Stage, draw_ground, draw_key
 from footopt.report.style import new_figure
-
-WORLD = (fo.Slope(5), fo.Patches((0.4,), (0.9,), (2.5,)), fo.Layers((0.03,), (0.3,)))
-
-
-def walked(effects=()):
-    foot = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
-    return fo.simulate(foot, fo.Scene(effects=effects), "draft")
-
 
 def lines(axes, name):
     """The points of a part of the picture."""
@@ -26,7 +19,8 @@ def lines(axes, name):
 
 @browser_needed
 def test_the_page_draws_what_figures_and_films_draw(browser, tmp_path):
-    walk = walked(WORLD)
+    foot = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
+    walk = fo.simulate(foot, fo.Scene(effects=ALL[:-1]), "draft")
     content = page.walk_content(walk, {"accuracy": {"name": "draft"}, "scene": {"effects": {}}})
     shown = Page(browser, page.write(tmp_path / "page.html", content))
     times = walk.t[np.searchsorted(walk.t, np.subtract(shown.js("Array.from(open(0).when)"), 1e-6))[40::60]]
