@@ -12,6 +12,7 @@ from footopt.report import page
 from footopt.report.stage import Stage, draw_ground, draw_key
 from footopt.report.style import new_figure
 
+
 def lines(axes, name):
     """The points of a part of the picture."""
     return [found.get_xydata() for found in axes.lines if found.get_label() == f"_{name}"]

@@ -108,7 +108,7 @@ DRILL, ROLL, LIFT = (0, 0, -0.1, 0, 0, 5), (0.1, 0, 0, 0, 4, 0), (0.3, 0, 1, 0, 
 
 @pytest.fixture
 def pushed(request):
-    """A function of a mesh and sand: one of depth and twist, the wrench about the mesh's origin, N and N m."""
+    """From a mesh and sand a function of depth and twist: the wrench about the mesh's origin, N and N m."""
 
     def put(mesh, sand):
         text = {name: " ".join(f"{x:.9g}" for x in values.ravel()) for name, values in
