@@ -129,42 +129,29 @@ def turns_within(points: Array, parts: int) -> Array:
     return np.asarray(inside + 0.5 * (between[:, 1:] - between[:, :-1]))
 
 
-@cached_njit(nogil=True, error_model="numpy")
-def along_arc(polyline, arc, turns, plates, parts):
+def along_arc(polyline: Array, arc: Array, turns: Array, plates: int, parts: int) -> Array:
     """Points along the arc of a polyline (m, 2), m: (plates parts + 1, 2), m, at equal steps between corners.
 
     At a corner (`corners` of its `turns`) one plate ends and the next begins: a plate around it would have
     the mean of two directions. Between two corners plates are equally long.
     """
-    ends = np.concatenate((np.zeros(1), arc[corners(turns, (plates - 1) // 2)], arc[-1:]))
+    ends = np.concatenate([[0.0], arc[corners(turns, (plates - 1) // 2)], arc[-1:]])
     share = np.diff(ends) / arc[-1] * (plates - len(ends) + 1)
     count = 1 + share.astype(np.int64)  # one each, and the others by length
-    rest = np.argsort(-(share % 1.0), kind="mergesort")[: plates - count.sum()]  # a stable order
+    rest = np.argsort(-(share % 1.0), kind="stable")[: plates - count.sum()]
     count[rest] += 1
-    points, k, side = np.empty((plates * parts + 1, 2)), 0, 0
-    for i in range(len(count)):
-        n = parts * count[i]
-        for j in range(n):
-            at = ends[i] + (ends[i + 1] - ends[i]) * j / n
-            while side < len(arc) - 2 and arc[side + 1] <= at:
-                side += 1
-            for axis in range(2):
-                rise = polyline[side + 1, axis] - polyline[side, axis]
-                slope = rise / (arc[side + 1] - arc[side])
-                points[k, axis] = slope * (at - arc[side]) + polyline[side, axis]
-            k += 1
-    points[-1] = polyline[-1]
-    return points
+    pieces = zip(ends[:-1], np.diff(ends), parts * count, strict=True)
+    at = np.concatenate([begin + length * np.arange(n) / n for begin, length, n in pieces])
+    side = np.minimum(np.searchsorted(arc[1:], at, "right"), len(arc) - 2)
+    slope = np.diff(polyline, axis=0)[side] / np.diff(arc)[side, None]
+    return np.concatenate([slope * (at - arc[side])[:, None] + polyline[side], polyline[-1:]])
 
 
-@cached_njit(nogil=True, error_model="numpy")
-def corners(turns, most):
+def corners(turns: Array, most: int) -> NDArray[np.int64]:
     """The points where a polyline turns by more than `CORNER`, rad: the `most` sharpest of them."""
     sharp = np.abs(turns)
     found = np.flatnonzero(sharp > CORNER)
-    if len(found) > most:
-        found = np.sort(found[np.argsort(-sharp[found], kind="mergesort")[:most]])
-    return found
+    return np.sort(found[np.argsort(-sharp[found], kind="stable")[:most]])
 
 
 @cached_njit(nogil=True, error_model="numpy")
