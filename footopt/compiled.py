@@ -8,8 +8,7 @@ import os
 import shutil
 import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -17,16 +16,17 @@ from typing import Any
 import llvmlite
 import numba
 from filelock import FileLock
-from numba import cfunc, config, njit, types
+from numba import config, njit, types
 from numba.core import cgutils
 from numba.core.caching import FunctionCache
+from numba.core.registry import cpu_target
 from numba.extending import intrinsic, overload, register_jitable
 
 log = logging.getLogger("footopt")
 
 SOURCES = ("sand", "effects", "foot", "walk", "mujoco")  # what is compiled, with this file
 KEPT, DAY = 8, 86_400  # folders of other sources that stay in any case; s without use until others go
-_choosing = threading.RLock()  # numba has one setting for where it keeps code
+_choosing = threading.Lock()  # numba has one setting for where it keeps code
 
 #: Assumptions about floating-point numbers in the loop over plates: sums may be reordered, so that
 #: the loop is vectorised. NaN and infinity may not be assumed away: a walk that diverges must be seen.
@@ -45,8 +45,7 @@ INLINE = {
 }
 inlined = register_jitable(**INLINE)
 inlined_fast = register_jitable(fastmath=FAST, **INLINE)
-called = register_jitable(**{**INLINE, "forceinline": False})  # rounds alike wherever it is taken from
-called_fast = register_jitable(fastmath=FAST, **{**INLINE, "forceinline": False})
+called_fast = register_jitable(fastmath=FAST, **{**INLINE, "forceinline": False})  # rounds alike anywhere
 
 
 def unless_none(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -66,14 +65,6 @@ def unless_none(function: Callable[..., Any]) -> Callable[..., Any]:
     return given
 
 
-class _Cache(FunctionCache):  # type: ignore[misc]  # numba has no types
-    """numba's cache of a function, which numbers the files of its signatures: one process at a time does."""
-
-    def save_overload(self, sig: Any, data: Any) -> None:
-        with FileLock(Path(self.cache_path) / "lock"):
-            super().save_overload(sig, data)
-
-
 def sources() -> list[Path]:
     """The files that compiled code is made of."""
     rooms = (Path(__file__).parent / name for name in SOURCES)
@@ -90,9 +81,8 @@ def cache_folder() -> str | None:
     digest = hashlib.sha256(f"{numba.__version__} {llvmlite.__version__}".encode())
     for path in sources():
         digest.update(f"{path} {path.stat().st_mtime_ns}".encode() + path.read_bytes())
-    base = Path(
-        config.CACHE_DIR or Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser() / "footopt"
-    )
+    home = Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser()
+    base = Path(config.CACHE_DIR or home / "footopt")
     place = base / f"footopt-{digest.hexdigest()[:16]}"
     try:
         place.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -106,38 +96,36 @@ def cache_folder() -> str | None:
     return str(place)
 
 
-@contextmanager
-def _in_folder() -> Iterator[bool]:
-    """Have numba keep code in `cache_folder` for the block; whether there is one."""
-    with _choosing:
-        before, config.CACHE_DIR = config.CACHE_DIR, cache_folder() or config.CACHE_DIR
-        try:
-            yield cache_folder() is not None
-        finally:
-            config.CACHE_DIR = before
+class _Cache(FunctionCache):  # type: ignore[misc]  # numba has no types
+    """numba's cache of a function, in `cache_folder`; of many processes one at a time saves.
+
+    numba numbers the files of a function's signatures, and two processes could take the same number.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        with _choosing:
+            before, config.CACHE_DIR = config.CACHE_DIR, cache_folder()
+            try:
+                super().__init__(function)
+            finally:
+                config.CACHE_DIR = before
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Save what is compiled for a signature."""
+        with FileLock(Path(self.cache_path) / "lock"):
+            super().save_overload(sig, data)
+
+
+def kept(compiled: Any) -> Any:
+    """A function of numba's that is still to be compiled; it keeps what it is compiled to on disk."""
+    if cache_folder() and not config.DISABLE_JIT:
+        compiled._cache = _Cache(compiled.__wrapped__)
+    return compiled
 
 
 def cached_njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
-    """`numba.njit(cache=True, **options)`, of which many processes may save at once."""
-
-    def decorate(function: Callable[..., Any]) -> Any:
-        compiled = njit(**options)(function)
-        with _in_folder() as there:
-            if there and not config.DISABLE_JIT:
-                compiled._cache = _Cache(function)
-        return compiled
-
-    return decorate
-
-
-def cached_cfunc(signature: Any) -> Callable[[Callable[..., Any]], Any]:
-    """`numba.cfunc(signature, cache=True)`, for functions of one signature, each of its own name."""
-
-    def decorate(function: Callable[..., Any]) -> Any:
-        with _in_folder() as there:
-            return cfunc(signature, cache=there, error_model="numpy")(function)
-
-    return decorate
+    """`numba.njit(cache=True, **options)`, with footopt's cache."""
+    return lambda function: kept(njit(**options)(function))
 
 
 def _unowned(typingctx: Any, array: Any) -> Any:
@@ -154,12 +142,9 @@ def _unowned(typingctx: Any, array: Any) -> Any:
 unowned = intrinsic(_unowned)
 
 
-def processor() -> tuple[str, int]:
-    """The target of numba: the processor's name, and the bits that one instruction works on."""
-    import llvmlite.binding as llvm
-
-    features = llvm.get_host_cpu_features()
-    given = (config.CPU_FEATURES or "").split(",")  # numba's own setting, such as "-avx512f"
-    on = {name for name, there in features.items() if there and f"-{name}" not in given}
-    widths = {"avx512f": 512, "avx": 256, "sse2": 128, "neon": 128}
-    return config.CPU_NAME or llvm.get_host_cpu_name(), max((widths.get(f, 0) for f in on), default=0)
+@cache
+def target() -> dict[str, str]:
+    """What numba compiles for: only where all of it is the same are results the same, bit for bit."""
+    system, processor, features = cpu_target.target_context.codegen().magic_tuple()
+    digest = hashlib.sha256(features.encode()).hexdigest()
+    return {"system": system, "processor": processor, "features": digest}

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from footopt.compiled import sources
+from footopt.compiled import sources, target
 from footopt.design.problem import Array, FootProblem
 from footopt.errors import FileError, flat, named
 from footopt.walk.objectives import MEASURES
@@ -272,7 +272,7 @@ def context(problem: FootProblem) -> dict[str, Any]:
         # the files of a user's own objectives, effects, stepper and problem
         "own": {o.__qualname__: hashlib.sha256(source_of(o)).hexdigest() for o in own if is_own(o)},
         "versions": _versions(),
-        "machine": _machine(),
+        "machine": target(),
     }
 
 
@@ -282,16 +282,6 @@ def _versions() -> dict[str, str]:
     digest = hashlib.sha256(b"".join(path.read_bytes() for path in sources())).hexdigest()[:16]
     found = {name: version(name) for name in names} | {"python": "{}.{}".format(*sys.version_info)}
     return found | {"sources": digest}  # an edit of footopt's own does not change its version
-
-
-@cache
-def _machine() -> dict[str, str]:
-    """The target that numba compiles for: results are the same, bit for bit, only where this is."""
-    from numba.core.registry import cpu_target
-
-    system, processor, features = cpu_target.target_context.codegen().magic_tuple()
-    features = hashlib.sha256(features.encode()).hexdigest()
-    return {"system": system, "processor": processor, "features": features}
 
 
 def plain(value: Any) -> Any:

@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from footopt.compiled import processor
 from footopt.errors import ERROR_FILE, FileError
 from footopt.files.io import read_text, write_text
 
@@ -128,12 +127,6 @@ def changed_settings(one: Any, other: Any, name: str = "") -> list[str]:
 def versions() -> dict[str, str]:
     """Versions of everything that a result depends on."""
     return {name: version(name) for name in DISTRIBUTIONS} | {"python": platform.python_version()}
-
-
-def machine() -> dict[str, Any]:
-    """The processor that walks are compiled for, and the operating system."""
-    name, bits = processor()
-    return {"processor": name, "vector_bits": bits, "system": platform.platform()}
 
 
 @cache

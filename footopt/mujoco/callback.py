@@ -13,9 +13,10 @@ import numpy as np
 from llvmlite import ir
 from numba import carray, cfunc, njit, types
 from numba.core import cgutils
+from numba.core.ccallback import CFunc
 from numba.extending import intrinsic
 
-from footopt.compiled import cached_cfunc
+from footopt.compiled import kept
 from footopt.errors import needed
 from footopt.mujoco import step as steps
 from footopt.mujoco.implicit import solve
@@ -97,8 +98,10 @@ def compiled(effects: bytes) -> Any:
         space.passive[0] += product(space.jacobian.T, space.vectors[MEAN])
 
     passive.__qualname__ = f"passive_{hashlib.sha256(effects).hexdigest()[:16]}"  # a file of its own
-    signature = types.void(types.intp, types.intp, types.intp)
-    return (cfunc if own_code(acting.all) else cached_cfunc)(signature)(passive)
+    function = CFunc(passive, ((types.intp,) * 3, types.void), {}, {"error_model": "numpy"})
+    function = function if own_code(acting.all) else kept(function)
+    function.compile()
+    return function
 
 
 @lru_cache(maxsize=1)

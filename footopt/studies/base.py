@@ -17,6 +17,7 @@ from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from footopt.compiled import target
 from footopt.design import FootProblem, Store
 from footopt.design.store import listed
 from footopt.effects import name_of
@@ -198,7 +199,7 @@ class Study:
             "settings": self.settings,
             "versions": dict(identity.versions()),
             "commit": identity.commit(),
-            "machine": identity.machine(),
+            "machine": target(),
             "wall_time_s": self.seconds,
             "wall_time_covers": "the study up to this file, without imports, report.html and a film",
         }

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footopt.compiled import cache_folder, processor
+from footopt.compiled import cache_folder, target
 from footopt.errors import FootoptError
 from footopt.files import identity
 from footopt.report import terminal
@@ -27,10 +27,9 @@ class Settings(StudySettings):
 
 def run(study: Study) -> None:
     """List what footopt runs on, and hold a walk on each sand against an independent program's."""
-    name, bits = processor()
     found = {
         **identity.versions(),
-        "processor": f"{name}, vectors of {bits} bits, {available_threads()} threads",
+        "processor": f"{target()['processor']}, {available_threads()} threads",
     }
     wrong = []
     with study.compiling():

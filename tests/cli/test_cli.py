@@ -55,7 +55,7 @@ class TestOptimize:
         assert sum(result["gain_shares"].values()) == pytest.approx(1)
         assert {"footopt", "numpy", "numba", "llvmlite", "moocore", "python"} <= set(result["versions"])
         assert result["commit"] is None or len(result["commit"].removesuffix("-dirty")) == 40
-        assert set(result["machine"]) == {"processor", "vector_bits", "system"}
+        assert set(result["machine"]) == {"system", "processor", "features"}
         assert "report.html" in result["wall_time_covers"]
         assert result["settings"]["sand"]["zeta"] == 5.0
 

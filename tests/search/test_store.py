@@ -226,7 +226,7 @@ class TestContext:
         assert digest(context(same)) == digest(context(base))
 
     @pytest.mark.parametrize(
-        ("what", "name"), [("_versions", "versions.numpy"), ("_machine", "machine.processor")]
+        ("what", "name"), [("_versions", "versions.numpy"), ("target", "machine.processor")]
     )
     def test_another_version_or_machine_is_not_reused_and_said(self, path, monkeypatch, what, name):
         with Store(path, problem()) as store:

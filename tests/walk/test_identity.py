@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 import footopt as fo
-from footopt.compiled import processor
+from footopt.compiled import target
 
 FILE = Path(__file__).with_name("identity.csv")
 SANDS = ("soft", "regular", "hard", "poppy_loose", "poppy_close", "glass_beads", "medium_sand",
@@ -101,9 +101,8 @@ def measured(feet, scene, accuracy):
 
 def machine():
     """What the last bit depends on."""
-    return (
-        f"{processor()}, numba {numba.__version__}, llvmlite {llvmlite.__version__}, numpy {np.__version__}"
-    )
+    versions = f"numba {numba.__version__}, llvmlite {llvmlite.__version__}, numpy {np.__version__}"
+    return f"{target()['processor']}, {versions}"
 
 
 def kept():
